@@ -1,6 +1,6 @@
 //! Tilt the paper's robot: rods for a tilt, and where its platform then is.
 //!
-//! Prints the rods, the pose and the play that the tilt takes; the pitch comes out as it went in.
+//! Prints the rods, the pose and the play that the tilt takes; the pitch equals the commanded one.
 
 #![expect(clippy::print_stdout, reason = "an example prints")]
 

@@ -1,4 +1,4 @@
-//! Ask what can move: level, the robot is shaky; tilted, it is stiff; with virtual joints, it is neither.
+//! Mobility: level, the robot is infinitesimally mobile; tilted, it is rigid; with virtual joints, it is neither.
 //!
 //! Prints counted, instantaneous, finite and augmented mobility: 0, 3, 1, 6 when level and 0, 1, 1, 6 when tilted.
 
@@ -31,12 +31,12 @@ fn main() -> Result<(), jointplay::Error> {
         );
     }
 
-    // How much play does a tilt take, and what did first order say of it?
+    // Play that a tilt requires, and its first-order bounds.
     let tilt = Tilt { yaw: 0.0, pitch: gpr.limits().tilt_max };
     let play = gpr.tilt_play(tilt, AxisHeight(0.5), &Planar, &SolveOptions::default())?;
     let bounds = play.at_midpoint.bounds;
     println!(
-        "\nplay at {:.1}°: {:.3} µm, first order along the chord says {:.3} to {:.3} µm",
+        "\nplay at {:.1}°: {:.3} µm, first-order bounds along the chord {:.3} to {:.3} µm",
         tilt.pitch.to_degrees(),
         play.displacement * 1e6,
         bounds.lower * 1e6,

@@ -9,15 +9,15 @@ use jointplay::mechanism::{
 use jointplay::mobility::{RANK_THRESHOLD, finite_mobility};
 use jointplay::nalgebra::DVector;
 
-/// A four-bar of which the last pin leans by a degree: no longer planar, no longer movable.
-const LEANING: &str = r#"
+/// A four-bar whose last pin is tilted by a degree: no longer planar, no longer movable.
+const TILTED: &str = r#"
 kind = "mechanism"
-name = "four-bar with a leaning pin"
+name = "four-bar with a tilted pin"
 units = { length = "mm", angle = "deg" }
 base = "ground"
 
 [parameters]
-lean = 1
+tilt = 1
 
 [[joint]]
 name = "A"
@@ -46,19 +46,19 @@ name = "D"
 kind = "revolute"
 links = ["rocker", "ground"]
 point = [140, 0, 0]
-axis = ["sin(lean)", 0, "cos(lean)"]
+axis = ["sin(tilt)", 0, "cos(tilt)"]
 "#;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let straight = LEANING.replace("lean = 1", "lean = 0");
-    for (what, text) in [("straight", straight.as_str()), ("leaning", LEANING)] {
+    let straight = TILTED.replace("tilt = 1", "tilt = 0");
+    for (what, text) in [("straight", straight.as_str()), ("tilted", TILTED)] {
         let mechanism = parse(text)?.mechanism;
         let closed = assemble(&mechanism, &guess(&mechanism), &[], 10)?;
         let system = MechanismSystem::new(&mechanism, closed.coordinates)?;
         let found = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD)?;
         println!("{what}: {}", MobilityClass::classify(&found).description());
         for stress in self_stresses(&system, &found.instantaneous)? {
-            println!("  carried twice: {}", stress.words);
+            println!("  redundant constraint: {}", stress.words);
         }
         let quarter = Drive { coordinate: 0, to: 0.5 };
         let motion = drive(&system, &[quarter], &[1, 2, 3], 10)?;

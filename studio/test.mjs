@@ -1,9 +1,8 @@
-// Builds the studio's page and tests it: types, logic, and in a real browser against the real server.
+// Builds and tests the page of the studio: types, unit tests, and browser tests with a running server.
 //
-// Run by `cargo xtask page`. Everything it makes is in `studio/node_modules` and `target`;
-// where this machine has no Chromium, Debian's is installed. With `--prepare` it only fetches these; without a word
-// it builds the page to `target/page/built`, which the caller compares with the page in the repository, and tests what
-// needs no server; with the path of the `jointplay` command it tests the rest.
+// Run by `cargo xtask page`. All output is in `studio/node_modules` and `target`; if there is no Chromium, that of Debian is installed.
+// With `--prepare`, only the packages are installed. Without an argument, the page is built to `target/page/built`, which the caller
+// compares with the page in the repository, and all tests without a server run. With the path of the `jointplay` command, the browser tests run.
 
 import { spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
@@ -24,7 +23,7 @@ function run(command, words, options = {}) {
   process.exit(1);
 }
 
-/** The page's packages, as the lock file says; installed anew only when that has changed. */
+/** Installs the packages of the lock file, if it has changed since the last installation. */
 function packages() {
   const lock = createHash('sha256').update(readFileSync(resolve(STUDIO, 'package-lock.json'))).digest('hex');
   const stamp = resolve(STUDIO, 'node_modules/.installed');
@@ -34,11 +33,11 @@ function packages() {
   writeFileSync(stamp, lock);
 }
 
-/** A Chromium of this machine; Debian's, installed now, where there is none. */
+/** Path of Chromium; installs that of Debian if there is none. */
 function chromium() {
   const known = () => [process.env.CHROMIUM, ...CHROMIUMS].find((path) => path && existsSync(path));
   if (!known() && existsSync('/usr/bin/apt-get')) {
-    say('no Chromium here: installing Debian’s by apt-get');
+    say('no Chromium found: installing that of Debian by apt-get');
     const sudo = process.getuid?.() === 0 ? [] : ['sudo'];
     const apt = (...words) => run([...sudo, 'apt-get'][0], [...sudo, 'apt-get', ...words].slice(1), { env: { ...process.env, DEBIAN_FRONTEND: 'noninteractive' } });
     apt('update', '-qq');
@@ -46,7 +45,7 @@ function chromium() {
   }
   const found = known();
   if (!found) {
-    say('no Chromium found: install one, and name its path in CHROMIUM');
+    say('no Chromium found: install it and set CHROMIUM to its path');
     process.exit(1);
   }
   return found;

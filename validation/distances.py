@@ -5,7 +5,7 @@ random boxes, cylinders and capsules on its links and around them.
 `jointplay cell check` gives the minimum distance of every pair and its time; `jointplay cell export` gives the same
 motion as glTF.
 From the nodes of the glTF alone, coal (https://github.com/coal-library/coal) computes the distance of each such pair at
-its time, which must be the same, and at even times, at which no pair may be nearer than the check says.
+its time, which must be the same, and at even times, at which no pair may be nearer than the check reports.
 
 Run by `exported.py` in its environment: `python distances.py COMMAND [CELLS [FIRST]]`.
 """
@@ -114,7 +114,7 @@ def cell(draw: random.Random, folder: Path) -> dict[str, tuple[coal.CollisionGeo
     turn = draw.uniform(-150, 150)
     for number, place in enumerate(places):
         of_world = not place
-        told, geometry, pose = shape(draw, 0.12 if of_world else 0.07)
+        text_of_shape, geometry, pose = shape(draw, 0.12 if of_world else 0.07)
         if of_world:
             # Above or below where the arms end up.
             out, angle = draw.uniform(0.3, 0.75), math.radians(turn + draw.uniform(-40, 40))
@@ -124,7 +124,7 @@ def cell(draw: random.Random, folder: Path) -> dict[str, tuple[coal.CollisionGeo
         name = f"body-{number}"
         text += f'[[body]]\nname = "{name}"\n{place}\nposition_mm = {[1e3 * value for value in at]}\n'
         text += f"yaw_deg = {draw.uniform(-180, 180)}\n"
-        text += f"tilt = {{ yaw_deg = {draw.uniform(-180, 180)}, pitch_deg = {draw.uniform(0, 60)} }}\n{told}\n"
+        text += f"tilt = {{ yaw_deg = {draw.uniform(-180, 180)}, pitch_deg = {draw.uniform(0, 60)} }}\n{text_of_shape}\n"
         bodies[name] = geometry, pose
     (folder / "cell.toml").write_text(text)
     lines = [f"TILT {draw.uniform(0.2, 1.4)} deg TOWARD {draw.uniform(-180, 180)} deg"]
@@ -222,7 +222,7 @@ def compare(command: str, seed: int) -> tuple[int, int, float]:
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         bodies = cell(draw, folder)
-        told = json.loads(run(command, "check", folder / "cell.toml", "--format", "json"))
+        report = json.loads(run(command, "check", folder / "cell.toml", "--format", "json"))
         where = ["--rate", str(RATE), "--out", folder / "out", "--despite-errors"]
         run(command, "export", folder / "cell.toml", "--to", "gltf", *where)
         (exported,) = (folder / "out").glob("*.glb")
@@ -239,7 +239,7 @@ def compare(command: str, seed: int) -> tuple[int, int, float]:
         return distance(bodies[one][0], poses[one], bodies[other][0], poses[other])
 
     worst, apart = 0.0, 0
-    pairs = told["distances"]
+    pairs = report["distances"]
     for row in pairs:
         expected = max(row["distance_mm"], 0.0) * 1e-3
         found = between(row["bodies"], at(row["time_s"]))

@@ -32,7 +32,7 @@ TRANSFER PM1 TO LP2 SLOT 25 WITH B
 HOME
 """
 
-# What the glTF validator says of a file, as JSON.
+# Report of the glTF validator on a file, as JSON.
 VALIDATE = """
 const validator = require('gltf-validator');
 const bytes = new Uint8Array(require('fs').readFileSync(process.argv[1]));
@@ -84,7 +84,7 @@ def check_gltf(path: Path, duration: float) -> str:
     report = json.loads(run(["node", "--eval", VALIDATE, path], cwd=validator()))
     issues = report["issues"]
     if issues["messages"]:
-        sys.exit(f"the glTF validator says of {path.name}:\n{json.dumps(issues['messages'], indent=2)}")
+        sys.exit(f"report of the glTF validator on {path.name}:\n{json.dumps(issues['messages'], indent=2)}")
     data = path.read_bytes()
     length = int.from_bytes(data[12:16], "little")
     document = json.loads(data[20 : 20 + length])
@@ -94,7 +94,7 @@ def check_gltf(path: Path, duration: float) -> str:
     for end in ends:
         same("the end of the glTF animation", end, duration, 1e-6 * duration)
     if document["asset"]["extras"]["duration_s"] != duration:
-        sys.exit("glTF does not tell the duration of the motion")
+        sys.exit("glTF does not state the duration of the motion")
     info = report["info"]
     return f"{info['animationCount']} animation, {info['totalTriangleCount']} triangles"
 
@@ -119,24 +119,24 @@ def inside(folder: Path) -> None:
     state, points, ends, frames = 0, 0, 0.0, set()
     with (folder / "example.mcap").open("rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
-        for _schema, channel, message, told in reader.iter_decoded_messages():
+        for _schema, channel, message, decoded in reader.iter_decoded_messages():
             if channel.topic == "/joint_states":
                 row = rows[state]
-                stamp = told.header.stamp.sec + 1e-9 * told.header.stamp.nanosec
+                stamp = decoded.header.stamp.sec + 1e-9 * decoded.header.stamp.nanosec
                 same("the time of a joint state", stamp, float(row["time_s"]), 1e-9)
                 same("the time of its message", 1e-9 * message.log_time, stamp, 1e-9)
-                for name, position, speed in zip(told.name, told.position, told.velocity):
+                for name, position, speed in zip(decoded.name, decoded.position, decoded.velocity):
                     turns = f"{name}_deg" in row
                     unit, scale = ("deg", degrees) if turns else ("mm", 1e-3)
                     same(f"the position of {name}", position, scale * float(row[f"{name}_{unit}"]), 1e-12)
                     same(f"the speed of {name}", speed, scale * float(row[f"{name}_{unit}_per_s"]), 1e-12)
                 state += 1
             elif channel.topic == "/joint_trajectory":
-                last = told.points[-1].time_from_start
+                last = decoded.points[-1].time_from_start
                 ends += last.sec + 1e-9 * last.nanosec
-                points += len(told.points)
+                points += len(decoded.points)
             elif channel.topic == "/tf":
-                frames.update(transform.child_frame_id for transform in told.transforms)
+                frames.update(transform.child_frame_id for transform in decoded.transforms)
     if state != len(rows):
         sys.exit(f"MCAP has {state} joint states, CSV {len(rows)} rows")
     duration = float(rows[-1]["time_s"])
@@ -162,9 +162,9 @@ def main() -> None:
         kinds = "csv,parquet,gltf,mcap,solidworks,text"
         line: list[str | Path] = [command, "cell", "export", "example", program, "--to", kinds]
         line += ["--rate", str(RATE), "--out", folder]
-        told = json.loads(run([*line, "--format", "json"]))
+        report = json.loads(run([*line, "--format", "json"]))
         print(run([python, __file__, "--inside", folder]), end="")
-        duration = told["duration_s"]
+        duration = report["duration_s"]
         with (folder / "example.csv").open() as file:
             same("the last row of the CSV", float(file.readlines()[-1].split(",")[0]), duration, 0.0)
         for motor in folder.glob("motor-*.csv"):

@@ -1,4 +1,4 @@
-//! A cell file never panics, and an edit of one that is read changes what it says it changes.
+//! Reading a cell file never panics, and an edit changes only what it states.
 
 #![no_main]
 

@@ -11,7 +11,7 @@ fuzz_target!(|text: &str| {
             let even = program::format(text).expect("what is read is laid out");
             assert_eq!(program::format(&even).expect("the layout is a program"), even);
             let again = program::parse(&even).expect("the layout is a program");
-            // Places differ, what is said does not.
+            // Positions differ, messages do not.
             let written = program::write(&read);
             assert_eq!(program::write(&again), written);
             let back = program::parse(&written).expect("what is written is read");

@@ -1,41 +1,27 @@
-// The work cell: seen, run, broken, mended and kept.
+// The cell view: display, playback, check, editing, saving.
 
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
-import { join, resolve } from 'node:path';
-import axe from 'axe-core';
-import type { Browser, Page } from 'playwright-core';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import type { Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
-import { browse, complaints, frames, ROOT, serve, until, visit, type Server } from './studio';
+import { accessibilityViolations, cellFixture, complaints, EXAMPLE_CELL, frames, partNames, serve, SHORT_PROGRAM, until, visit, waitForCheck, type CellFixture } from './studio';
 
-const PROGRAM = 'HOME\nGET LP1 SLOT 1 WITH A\nPUT ALIGN WITH A\nHOME\n';
-const CELL = readFileSync(resolve(ROOT, 'cells/example.toml'), 'utf8');
-
-let browser: Browser;
-let server: Server;
+let fixture: CellFixture;
 let page: Page;
 let heard: string[];
-let folder: string;
 
 beforeAll(async () => {
-  folder = mkdtempSync(join(tmpdir(), 'studio-'));
-  writeFileSync(join(folder, 'mine.toml'), CELL);
-  writeFileSync(join(folder, 'mine.program'), PROGRAM);
-  [browser, server] = await Promise.all([browse(), serve(0, ['--cell', join(folder, 'mine.toml')])]);
-  page = await visit(browser);
+  fixture = await cellFixture();
+  page = await visit(fixture.browser);
   heard = complaints(page);
-  await page.goto(server.address);
+  await page.goto(fixture.server.address);
 });
-afterAll(async () => {
-  await browser?.close();
-  await server?.stop();
-  rmSync(folder, { recursive: true });
-});
+afterAll(() => fixture?.close());
 afterEach(() => {
   expect(heard.splice(0)).toEqual([]);
 });
 
-const checkResult = (want: string) => until(`check result ${want}`, async () => (await page.getByTestId('check-result').getAttribute('data-state')) === want);
+const checkResult = (state: string) => waitForCheck(page, state);
 const now = async () => Number(await page.getByTestId('cell-now').getAttribute('data-time'));
 
 /** Puts other text into an editor, as typing does. */
@@ -46,14 +32,14 @@ async function write(kind: 'program' | 'cell', text: string): Promise<void> {
   await page.keyboard.insertText(text);
 }
 
-test('the cell is seen, with its parts by name, and its program is safe to run', async () => {
+test('the cell is displayed with its named parts, and its program is safe to run', async () => {
   await checkResult('sound');
-  await until('the cell is drawn', () => page.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0 && window.jointplay.probe.cellPictures > 0));
-  const parts = await page.evaluate(() => window.jointplay.probe.cell!.parts());
+  await until('the cell is drawn', async () => (await partNames(page)).length > 0 && (await page.evaluate(() => window.jointplay.probe.cellFrames > 0)));
+  const parts = await partNames(page);
   for (const name of ['wall', 'optics', 'blade-A', 'LP1-left']) expect(parts).toContain(name);
 });
 
-test('the program runs by the keyboard, by the slider and by its steps', async () => {
+test('the program is played by keyboard, slider and steps', async () => {
   await page.getByTestId('check-result').click();
   await page.keyboard.press(' ');
   await until('it plays', async () => (await now()) > 0.5);
@@ -74,35 +60,35 @@ test('the program runs by the keyboard, by the slider and by its steps', async (
   expect(await page.getByTestId('cell-step').textContent()).toContain('line 4');
 });
 
-test('mistakes are told in the line where they are', async () => {
+test('errors are marked in their lines', async () => {
   await write('program', 'HOME\nGET LP9 SLOT 1 WITH A\n');
   await checkResult('refused');
-  await page.getByTestId('problems').filter({ hasText: 'line 2, column 5' }).filter({ hasText: 'LP9' }).waitFor();
+  await page.getByTestId('diagnostics').filter({ hasText: 'line 2, column 5' }).filter({ hasText: 'LP9' }).waitFor();
   await page.getByTestId('text-program').locator('.cm-lintRange-error', { hasText: 'LP9' }).waitFor();
-  await write('program', PROGRAM);
+  await write('program', SHORT_PROGRAM);
   await checkResult('sound');
 });
 
-test('a wall in the way is a violation: in the list, at its moment, in the line, in the picture', async () => {
-  await write('cell', CELL.replace('position_mm = [100.0, -600.0, 500.0]', 'position_mm = [-330.0, 330.0, 500.0]'));
+test('a collision is listed and marked at its time, in its line and in the 3D view', async () => {
+  await write('cell', EXAMPLE_CELL.replace('position_mm = [100.0, -600.0, 500.0]', 'position_mm = [-330.0, 330.0, 500.0]'));
   await checkResult('broken');
   const first = page.getByTestId('violations').getByRole('button').first();
   expect(await first.textContent()).toContain('wall');
   await first.click();
-  await page.getByTestId('broken-now').filter({ hasText: 'wall' }).waitFor();
+  await page.getByTestId('current-violations').filter({ hasText: 'wall' }).waitFor();
   await page.getByTestId('text-program').locator('.cm-lintRange-warning').first().waitFor();
   await page.keyboard.press('Escape');
   await page.getByRole('button', { name: 'Undo' }).click();
   await checkResult('sound');
 });
 
-test('a station leans too far, is mended, and the file keeps its comments', async () => {
+test('an excessive tilt of a station is fixed, and saving preserves comments', async () => {
   await page.locator('summary', { hasText: 'LP1' }).click();
   await page.getByTestId('station-LP1-pitch').fill('2');
   await page.getByTestId('station-LP1-pitch').press('Enter');
   await checkResult('refused');
-  await page.getByTestId('problems').filter({ hasText: 'LP1' }).filter({ hasText: 'tilts 2.000°' }).waitFor();
-  await page.getByTestId('problems').getByRole('button').first().click();
+  await page.getByTestId('diagnostics').filter({ hasText: 'LP1' }).filter({ hasText: 'tilts 2.000°' }).waitFor();
+  await page.getByTestId('diagnostics').getByRole('button').first().click();
   await page.getByTestId('text-cell').locator('.cm-lintRange-error').first().waitFor();
   await page.getByRole('button', { name: 'Undo' }).click();
   await checkResult('sound');
@@ -112,21 +98,21 @@ test('a station leans too far, is mended, and the file keeps its comments', asyn
   await checkResult('sound');
   await page.getByTestId('save').click();
   await until('it is kept', () => page.getByTestId('save').isDisabled());
-  const kept = readFileSync(join(folder, 'mine.toml'), 'utf8');
+  const kept = readFileSync(join(fixture.folder, 'mine.toml'), 'utf8');
   expect(kept).toContain('-494');
-  expect(kept.match(/^\s*#/gm)).toEqual(CELL.match(/^\s*#/gm));
+  expect(kept.match(/^\s*#/gm)).toEqual(EXAMPLE_CELL.match(/^\s*#/gm));
 });
 
 /** What the server says of a jog of the texts in the files. */
 async function asked(question: object): Promise<{ axes: { name: string; position: number }[]; from_slot: Record<string, number> | null; effectors: { center_m: number[] }[] }> {
-  const answer = await fetch(`${server.address}api/v1/cell/jog`, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(question) });
+  const answer = await fetch(`${fixture.server.address}api/v1/cell/jog`, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(question) });
   expect(answer.status).toBe(200);
   return answer.json() as never;
 }
 const value = async (name: string) => Number(await page.getByTestId(`field-jog-${name}`).inputValue());
 const origin = (name: string) => page.evaluate((of) => window.jointplay.probe.cell!.origin(of)!, name);
 
-test('moved by hand, axis by axis: it follows in the picture, and limits stop it and say so', async () => {
+test('jogging an axis moves the 3D model and stops at limits with a message', async () => {
   await page.getByTestId('cell-time').fill('0');
   const before = await origin('upper link 4');
   await until('the axes are there', async () => (await value('T')) === 0);
@@ -147,14 +133,14 @@ test('moved by hand, axis by axis: it follows in the picture, and limits stop it
   // One rod alone meets the limit of tilt, which the server tells.
   await page.getByTestId('field-jog-q1').fill('520');
   await page.getByTestId('field-jog-q1').press('Enter');
-  await page.getByTestId('jog-stopped').filter({ hasText: 'the tilt is' }).filter({ hasText: '1.5000°' }).waitFor();
+  await page.getByTestId('jog-stopped').filter({ hasText: 'tilt of' }).filter({ hasText: 'limit 1.5000°' }).waitFor();
   expect(await value('q1')).toBeLessThan(520);
   await page.getByTestId('jog-release').click();
   await until('it is back in the program', async () => (await value('RA')) === -40 && (await page.getByTestId('jogged').count()) === 0);
   expect(await origin('upper link 4')).toEqual(before);
 });
 
-test('moved by hand, as a station and the world see the wafer: the numbers are the server’s', async () => {
+test('jogging in station, world and platform coordinates shows the values of the server', async () => {
   await page.locator('#jog-slot').click();
   await page.getByTestId('jog-station').selectOption('LP2');
   await page.getByTestId('jog-slot').fill('5');
@@ -181,7 +167,7 @@ test('moved by hand, as a station and the world see the wafer: the numbers are t
   await until('it is home', async () => (await value('height')) === 500);
 });
 
-test('a station is taught where the wafer is, and by points of its plane, and undo takes it back', async () => {
+test('a station is taught by position and by plane points, and undo restores it', async () => {
   const undo = page.getByRole('button', { name: 'Undo' });
   const text = async () => page.evaluate(async () => ((await (await fetch('./api/v1/cell')).json()) as { cell: string }).cell);
   const kept = await text();
@@ -235,7 +221,7 @@ async function drag(freedom: string, up: number, held: () => Promise<void> = asy
   await page.mouse.up();
 }
 
-test('a station is dragged by the handles of its freedoms, in one step of undo', async () => {
+test('a station is dragged by the handles of its degrees of freedom in one undo step', async () => {
   await choose('PM1');
   await until('the handles are there', async () => (await grip('x')) !== null);
   expect(await grip('height'), 'its height comes from taught points').toBe(null);
@@ -249,7 +235,7 @@ test('a station is dragged by the handles of its freedoms, in one step of undo',
   await checkResult('sound');
 });
 
-test('what lies in a station goes with it while it is dragged, and is there when it is planned anew', async () => {
+test('wafers and bodies of a station move with it during a drag and after planning', async () => {
   await page.getByTestId('cell-time').fill('0');
   await choose('LP1');
   const field = (name: string) => page.getByTestId(`station-LP1-${name}`).inputValue().then(Number);
@@ -283,9 +269,9 @@ test('what lies in a station goes with it while it is dragged, and is there when
   await until('it is back', async () => off(await places()).every((by) => by.every((value) => Math.abs(value) < 1e-3)));
 });
 
-test('a station placed by its first and last slot is moved and leans with both, and its file keeps its words', async () => {
+test('a station defined by its first and last slot keeps its definition when it is moved and tilted', async () => {
   const drift = 'drift = { first_mm = [-495.0, -495.0, 500.0], last_mm = [-495.5, -492.0, 740.0] } # as measured';
-  const text = CELL.replace('position_mm = [-495.0, -495.0, 500.0]', drift).replace('tilt = { yaw_deg = 100.0, pitch_deg = 0.8 }\n', '');
+  const text = EXAMPLE_CELL.replace('position_mm = [-495.0, -495.0, 500.0]', drift).replace('tilt = { yaw_deg = 100.0, pitch_deg = 0.8 }\n', '');
   await write('cell', text);
   await until('it is planned so', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'drift' }).count()) > 0);
   await checkResult('sound');
@@ -296,7 +282,7 @@ test('a station placed by its first and last slot is moved and leans with both, 
     await checkResult('sound');
     await page.getByTestId('save').click();
     await until('it is kept', () => page.getByTestId('save').isDisabled());
-    const [, first, last] = /drift = \{ first_mm = \[(.*?)\], last_mm = \[(.*?)\] \} # as measured/.exec(readFileSync(join(folder, 'mine.toml'), 'utf8'))!;
+    const [, first, last] = /drift = \{ first_mm = \[(.*?)\], last_mm = \[(.*?)\] \} # as measured/.exec(readFileSync(join(fixture.folder, 'mine.toml'), 'utf8'))!;
     return [first!, last!].map((words) => words.split(',').map(Number));
   };
   await until('it is higher', async () => Number(await page.getByTestId('station-LP2-z').inputValue()) > 500.5);
@@ -317,41 +303,41 @@ test('a station placed by its first and last slot is moved and leans with both, 
   await page.getByTestId('save').click();
 });
 
-test('parts are found by name, marked in the picture, and told', async () => {
+test('a selected part is highlighted in the 3D view, and its properties are listed', async () => {
   await page.getByRole('tab', { name: 'Parts' }).click();
   await page.getByTestId('parts').getByText('Bodies').click();
   await page.getByTestId('parts').getByRole('button', { name: 'blade-A' }).click();
-  await until('it is marked', async () => (await page.evaluate(() => window.jointplay.probe.cell!.marked())).includes('blade-A'));
+  await until('it is marked', async () => (await page.evaluate(() => window.jointplay.probe.cell!.selected())).includes('blade-A'));
   expect(await page.getByTestId('properties').textContent()).toContain('300.00 mm × 220.00 mm × 3.00 mm');
   await page.getByTestId('parts').getByText('Arm lower').click();
   await page.getByTestId('parts').getByRole('button', { name: 'lower whole arm' }).click();
-  await until('the whole arm is marked', async () => (await page.evaluate(() => window.jointplay.probe.cell!.marked())).includes('blade-B'));
+  await until('the whole arm is marked', async () => (await page.evaluate(() => window.jointplay.probe.cell!.selected())).includes('blade-B'));
   await page.getByRole('tab', { name: 'Program' }).click();
 });
 
-test('positions and speeds are plotted, at the time of the bars', async () => {
+test('positions and velocities are plotted over the time range of the chart', async () => {
   await page.getByTestId('cell-plots-toggle').click();
-  await page.getByTestId('plot-turn').locator('canvas').waitFor();
+  await page.getByTestId('plot-revolute').locator('canvas').waitFor();
   expect(await page.getByTestId('cell-plots').locator('figure').count()).toBe(6);
-  const box = (await page.getByTestId('plot-turn').locator('.u-over').boundingBox())!;
-  await page.getByTestId('plot-turn').locator('.u-over').click({ position: { x: box.width / 2, y: box.height / 2 } });
+  const box = (await page.getByTestId('plot-revolute').locator('.u-over').boundingBox())!;
+  await page.getByTestId('plot-revolute').locator('.u-over').click({ position: { x: box.width / 2, y: box.height / 2 } });
   const at = await now();
   const duration = Number(await page.getByTestId('cell-time').getAttribute('max'));
   expect(at / duration).toBeCloseTo(0.5, 1);
-  await page.getByTestId('plot-turn').getByRole('button', { name: /in °$/ }).click();
+  await page.getByTestId('plot-revolute').getByRole('button', { name: /in °$/ }).click();
   const shown = await page.getByTestId('value-T_deg').getAttribute('data-value');
   const { axes } = await asked({ time_s: at });
   expect(Number(shown), 'told at the very time').toBeCloseTo((axes.find(({ name }) => name === 'T')!.position * 180) / Math.PI, 6);
-  await page.getByTestId('plot-turn').getByRole('button', { name: /^T\b/ }).click();
-  expect(await page.getByTestId('plot-turn').getByRole('button', { name: /^T\b/ }).getAttribute('aria-pressed')).toBe('false');
-  await page.getByTestId('plot-turn').locator('.u-over').hover();
+  await page.getByTestId('plot-revolute').getByRole('button', { name: /^T\b/ }).click();
+  expect(await page.getByTestId('plot-revolute').getByRole('button', { name: /^T\b/ }).getAttribute('aria-pressed')).toBe('false');
+  await page.getByTestId('plot-revolute').locator('.u-over').hover();
   await page.mouse.wheel(0, -200);
   await page.getByRole('button', { name: 'Fit time', exact: true }).click();
-  await page.getByTestId('plot-turn').getByRole('button', { name: /in °$/ }).click();
+  await page.getByTestId('plot-revolute').getByRole('button', { name: /in °$/ }).click();
 });
 
-test('files that changed on the disk are not replaced unasked', async () => {
-  const path = join(folder, 'mine.toml');
+test('files that have changed on disk are overwritten only after confirmation', async () => {
+  const path = join(fixture.folder, 'mine.toml');
   const theirs = readFileSync(path, 'utf8').replace('-494', '-493');
   writeFileSync(path, theirs);
   await page.locator('summary', { hasText: 'LP1' }).click();
@@ -359,7 +345,7 @@ test('files that changed on the disk are not replaced unasked', async () => {
   await page.getByTestId('station-LP1-x').press('Enter');
   await until('it can be kept', () => page.getByTestId('save').isEnabled());
   await page.getByTestId('save').click();
-  await page.getByTestId('overtaken').waitFor();
+  await page.getByTestId('disk-conflict').waitFor();
   expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
   expect(readFileSync(path, 'utf8')).toBe(theirs);
   await page.getByRole('button', { name: 'Reload from disk' }).click();
@@ -368,40 +354,40 @@ test('files that changed on the disk are not replaced unasked', async () => {
   await until('mine can be had back', async () => (await page.getByTestId('station-LP1-x').inputValue()) === '-492');
   writeFileSync(path, theirs.replace('-493', '-491'));
   await page.getByTestId('save').click();
-  await page.getByTestId('overtaken').waitFor();
+  await page.getByTestId('disk-conflict').waitFor();
   expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
   await page.getByRole('button', { name: 'Overwrite' }).click();
   await until('mine is kept', async () => readFileSync(path, 'utf8').includes('-492'));
   await checkResult('sound');
 });
 
-test('the robot is beside it', async () => {
+test('the robot view is available next to the cell view', async () => {
   await page.getByRole('button', { name: 'Robot', exact: true }).first().click();
-  await until('the robot is drawn', () => page.evaluate(() => window.jointplay.probe.pictures > 0));
+  await until('the robot is drawn', () => page.evaluate(() => window.jointplay.probe.frames > 0));
   await page.getByRole('button', { name: 'Cell', exact: true }).click();
   await checkResult('sound');
 });
 
-test('a cell that cannot be read is opened, told in its line, and mended', async () => {
-  writeFileSync(join(folder, 'steep.toml'), CELL.replace('pitch_deg = 0.8', 'pitch_deg = 2.0'));
-  writeFileSync(join(folder, 'steep.program'), PROGRAM);
-  const other = await serve(0, ['--cell', join(folder, 'steep.toml')]);
+test('an invalid cell is opened, its error is marked, and it is fixed', async () => {
+  writeFileSync(join(fixture.folder, 'steep.toml'), EXAMPLE_CELL.replace('pitch_deg = 0.8', 'pitch_deg = 2.0'));
+  writeFileSync(join(fixture.folder, 'steep.program'), SHORT_PROGRAM);
+  const other = await serve(0, ['--cell', join(fixture.folder, 'steep.toml')]);
   const second = await page.context().newPage();
   const said = complaints(second);
   try {
     await second.goto(other.address);
-    await second.getByTestId('problems').getByText('tilts 2.000°').waitFor();
+    await second.getByTestId('diagnostics').getByText('tilts 2.000°').waitFor();
     await second.getByText('Fix the errors in the cell file to display the cell.').waitFor();
-    const line = CELL.split('\n').findIndex((text) => text.startsWith('tilt = {')) + 1;
-    await second.getByTestId('problems').getByRole('button', { name: `cell, line ${line}, column 8` }).click();
+    const line = EXAMPLE_CELL.split('\n').findIndex((text) => text.startsWith('tilt = {')) + 1;
+    await second.getByTestId('diagnostics').getByRole('button', { name: `cell, line ${line}, column 8` }).click();
     await second.getByTestId('text-cell').locator('.cm-content').click();
     await second.keyboard.press('Control+a');
-    await second.keyboard.insertText(CELL);
+    await second.keyboard.insertText(EXAMPLE_CELL);
     await until('it is sound', async () => (await second.getByTestId('check-result').getAttribute('data-state')) === 'sound');
-    await until('it is drawn', () => second.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0));
+    await until('it is drawn', async () => (await partNames(second)).length > 0);
     await second.getByTestId('save').click();
     await until('it is kept', () => second.getByTestId('save').isDisabled());
-    expect(readFileSync(join(folder, 'steep.toml'), 'utf8')).toBe(CELL);
+    expect(readFileSync(join(fixture.folder, 'steep.toml'), 'utf8')).toBe(EXAMPLE_CELL);
     expect(said).toEqual([]);
   } finally {
     await second.close();
@@ -410,14 +396,8 @@ test('a cell that cannot be read is opened, told in its line, and mended', async
 });
 
 for (const [theme, tab] of [['light', 'Program'], ['light', 'Parts'], ['dark', 'Cell file'], ['dark', 'Steps']] as const)
-  test(`axe finds nothing, ${theme}, with ${tab}`, async () => {
+  test(`no accessibility violations, ${theme} theme, tab ${tab}`, async () => {
     await page.getByLabel('Theme').selectOption(theme);
     await page.getByRole('tab', { name: tab }).click();
-    await page.evaluate(axe.source);
-    const found = await page.evaluate(async () => {
-      const { axe } = window as unknown as { axe: typeof import('axe-core') };
-      const { violations } = await axe.run(document, { resultTypes: ['violations'], rules: { 'target-size': { enabled: true } } });
-      return violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
-    });
-    expect(found).toEqual([]);
+    expect(await accessibilityViolations(page)).toEqual([]);
   });

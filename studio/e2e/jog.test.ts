@@ -1,36 +1,22 @@
 // Jogging: the check of each pose, the stop at contact, and teaching in contact.
 
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
-import { join, resolve } from 'node:path';
-import axe from 'axe-core';
-import type { Browser, Page } from 'playwright-core';
+import type { Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
-import { browse, complaints, ROOT, serve, until, visit, type Server } from './studio';
+import { accessibilityViolations, cellFixture, complaints, partNames, until, visit, type CellFixture } from './studio';
 
-const CELL = readFileSync(resolve(ROOT, 'cells/example.toml'), 'utf8');
 const NOTE = '# Taught in contact: ';
 
-let browser: Browser;
-let server: Server;
+let fixture: CellFixture;
 let page: Page;
 let heard: string[];
-let folder: string;
 
 beforeAll(async () => {
-  folder = mkdtempSync(join(tmpdir(), 'studio-'));
-  writeFileSync(join(folder, 'mine.toml'), CELL);
-  writeFileSync(join(folder, 'mine.program'), 'HOME\nGET LP1 SLOT 1 WITH A\nPUT ALIGN WITH A\nHOME\n');
-  [browser, server] = await Promise.all([browse(), serve(0, ['--cell', join(folder, 'mine.toml')])]);
-  page = await visit(browser);
+  fixture = await cellFixture();
+  page = await visit(fixture.browser);
   heard = complaints(page);
-  await page.goto(server.address);
+  await page.goto(fixture.server.address);
 });
-afterAll(async () => {
-  await browser?.close();
-  await server?.stop();
-  rmSync(folder, { recursive: true });
-});
+afterAll(() => fixture?.close());
 afterEach(() => {
   expect(heard.splice(0)).toEqual([]);
 });
@@ -41,7 +27,7 @@ async function set(name: string, to: number): Promise<void> {
   await page.getByTestId(`field-jog-${name}`).press('Enter');
 }
 const state = (want: string) => until(`the pose is ${want}`, async () => (await page.getByTestId('jog-check').getAttribute('data-state')) === want);
-const marked = () => page.evaluate(() => window.jointplay.probe.cell!.broken());
+const marked = () => page.evaluate(() => window.jointplay.probe.cell!.violating());
 const text = () => page.getByTestId('text-cell').locator('.cm-content').innerText();
 /** Blade A turned toward the wall and stretched through it. */
 async function intoTheWall(): Promise<void> {
@@ -51,8 +37,8 @@ async function intoTheWall(): Promise<void> {
   await set('RA', 60);
 }
 
-test('a jogged pose has its minimum distances, and without contact nothing is marked', async () => {
-  await until('the cell is drawn', () => page.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0));
+test('a jogged pose without contact lists its minimum distances and highlights nothing', async () => {
+  await until('the cell is drawn', async () => (await partNames(page)).length > 0);
   await state('sound');
   expect(await page.getByTestId('jog-stop').isChecked(), 'the safe choice is the first').toBe(true);
   const rows = await page.getByTestId('jog-distances').locator('td:last-child').allTextContents();
@@ -73,7 +59,7 @@ test('with "Stop at contact" the robot stops before the wall', async () => {
   expect(await marked()).toEqual([]);
 });
 
-test('a blade in the wall is a violation in the panel, and both are marked in the picture', async () => {
+test('a blade in contact with the wall is a violation, and both are highlighted', async () => {
   await page.getByTestId('jog-stop').uncheck();
   await set('RA', 60);
   await until('it is in the wall', async () => (await value('RA')) === 60);
@@ -81,19 +67,13 @@ test('a blade in the wall is a violation in the panel, and both are marked in th
   expect(await page.getByTestId('jog-stopped').innerText()).toBe('');
   await page.getByTestId('jog-violations').locator('li', { hasText: 'blade-A' }).filter({ hasText: 'wall' }).waitFor();
   await page.getByTestId('jog-distances').locator('tr', { hasText: 'wall' }).filter({ hasText: 'contact' }).first().waitFor();
-  await page.getByTestId('broken-now').filter({ hasText: 'wall' }).waitFor();
+  await page.getByTestId('current-violations').filter({ hasText: 'wall' }).waitFor();
   for (const name of ['wall', 'blade-A']) expect(await marked()).toContain(name);
   if (process.env.SCREENSHOT) await page.screenshot({ path: process.env.SCREENSHOT });
-  await page.evaluate(axe.source);
-  const found = await page.evaluate(async () => {
-    const { axe } = window as unknown as { axe: typeof import('axe-core') };
-    const { violations } = await axe.run(document, { resultTypes: ['violations'] });
-    return violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
-  });
-  expect(found).toEqual([]);
+  expect(await accessibilityViolations(page)).toEqual([]);
 });
 
-test('while a newer answer is awaited, the check of the pose is outdated', async () => {
+test('the check of the pose is outdated while a newer response is pending', async () => {
   const held: (() => void)[] = [];
   await page.route('**/cell/jog', async (route) => {
     await new Promise<void>((go) => held.push(go));
@@ -102,17 +82,17 @@ test('while a newer answer is awaited, the check of the pose is outdated', async
   await page.getByRole('button', { name: 'Decrease RA by 1 °' }).click();
   await state('outdated');
   expect(await page.getByTestId('jog-check').innerText()).toContain('Outdated');
-  expect(await page.evaluate(() => window.jointplay.probe.cell!.brokenColour()), 'the marks lose their colour').toBe('8a9099');
+  expect(await page.evaluate(() => window.jointplay.probe.cell!.violationColor()), 'the marks lose their colour').toBe('8a9099');
   await until('the answer is there', async () => {
     for (const go of held.splice(0)) go();
     return (await page.getByTestId('jog-check').getAttribute('data-state')) === 'violations';
   });
   await page.unroute('**/cell/jog');
-  expect(await page.evaluate(() => window.jointplay.probe.cell!.brokenColour())).toBe('d62f1f');
+  expect(await page.evaluate(() => window.jointplay.probe.cell!.violationColor())).toBe('d62f1f');
   expect(await value('RA')).toBe(59);
 });
 
-test('teaching in contact asks, naming the pairs, and leaves a note in the file', async () => {
+test('teaching in contact requires a confirmation and adds a comment to the file', async () => {
   const teach = page.getByTestId('teach-LP2-position');
   await page.locator('summary', { hasText: 'LP2' }).click();
   await teach.click();
@@ -136,7 +116,7 @@ test('teaching in contact asks, naming the pairs, and leaves a note in the file'
   await until('one step takes it back', async () => !(await text()).includes(NOTE) && (await page.getByTestId('save').isDisabled()));
 });
 
-test('a point of a plane taught in contact asks too, and its note stays with the points after it', async () => {
+test('a plane point taught in contact requires a confirmation, and its comment stays with later points', async () => {
   await state('violations');
   await page.getByTestId('teach-ALIGN-point').evaluate((button: HTMLElement) => button.closest('details')!.querySelector('summary')!.click());
   await page.getByTestId('teach-ALIGN-point').click();
@@ -153,7 +133,7 @@ test('a point of a plane taught in contact asks too, and its note stays with the
   expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
 });
 
-test('a station is taught by the pose that was asked for, although its answer is still awaited', async () => {
+test('a station is taught by the requested pose while its response is pending', async () => {
   const held: (() => void)[] = [];
   await page.route('**/cell/jog', async (route) => {
     await new Promise<void>((go) => held.push(go));

@@ -1,4 +1,4 @@
-// Windows of any width show the picture, and nothing covers or cuts what is used.
+// Layout: the 3D view is visible in windows of all sizes, and no control is covered or cut off.
 
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -49,7 +49,7 @@ const cut = (page: Page) =>
   );
 
 for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], [1280, 720]] as const) {
-  test(`the robot is seen in a window of ${width} × ${height}`, () =>
+  test(`the robot is visible in a window of ${width} × ${height}`, () =>
     at(width, height, 'robot', async (page) => {
       const scene = (await page.locator('.scene').boundingBox())!;
       expect(scene.width).toBeGreaterThanOrEqual(Math.min(width, 600));
@@ -74,7 +74,7 @@ for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], 
       expect(slider.x + slider.width).toBeLessThanOrEqual(width);
     }));
 
-  test(`the cell is seen in a window of ${width} × ${height}, and its time can be dragged`, () =>
+  test(`the cell and its time slider are visible in a window of ${width} × ${height}`, () =>
     at(width, height, 'cell', async (page) => {
       const scene = (await page.locator('.scene').boundingBox())!;
       expect(scene.width).toBeGreaterThanOrEqual(Math.min(width, 380));
@@ -86,7 +86,7 @@ for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], 
     }));
 }
 
-test('before its scripts are there, the page says that it is being loaded', async () => {
+test('a loading note is visible before the scripts have loaded', async () => {
   expect(await (await fetch(server.address)).text()).toContain('Loading the studio');
   await at(1280, 720, 'robot', async (page) => expect(await page.getByText('Loading the studio').count()).toBe(0));
 });

@@ -1,4 +1,4 @@
-// Long programs: the page's kinematics against the server's poses, what is sent, and what is shown while it is not there yet.
+// Long programs: kinematics of the page compared with the server, transferred data, and display while loading.
 
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -6,7 +6,7 @@ import { join, resolve } from 'node:path';
 import type { Browser, Page, Route } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
 import { frames, type Frame } from '../src/lib/kinematics';
-import { MotionWindow, type Held } from '../src/lib/motion';
+import { MotionWindow, type WaferPlacement } from '../src/lib/motion';
 import { browse, complaints, ROOT, serve, until, type Server } from './studio';
 
 const CELL = readFileSync(resolve(ROOT, 'cells/example.toml'), 'utf8');
@@ -49,13 +49,13 @@ const ROBOTS: [string, (text: string) => string, string][] = [
 ];
 
 for (const [name, change, program] of ROBOTS)
-  test(`the page places every frame where the server does: ${name}`, async () => {
+  test(`the kinematics of the page equals that of the server: ${name}`, async () => {
     const plan = (await (await ask('cell/plan', { cell: change(CELL), program })).json()) as never as {
       key: string;
       windows: { key: string; start_s: number }[];
       chain: Parameters<typeof frames>[0];
       robot: { axes: { name: string }[]; arms: { links: string[] }[] };
-      wafers: { name: string; held: Omit<Held, 'wafer'> }[];
+      wafers: { name: string; held: Omit<WaferPlacement, 'wafer'> }[];
       report: { duration_s: number };
     };
     const windows = await Promise.all(plan.windows.map(async ({ key }) => new MotionWindow(await (await ask(`cell/windows/${key}`)).arrayBuffer())));
@@ -86,7 +86,7 @@ for (const [name, change, program] of ROBOTS)
 const planned = async (page: Page) => (await page.getByTestId('planned').textContent())!.startsWith('Planned');
 const sound = async (page: Page) => (await page.getByTestId('check-result').getAttribute('data-state')) === 'sound';
 
-test('a long program is shown with its result; typing one line sends what changed', async () => {
+test('an edit of a long program transfers only changed data', async () => {
   const page = await (await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' })).newPage();
   const heard = complaints(page);
   let bytes = 0;
@@ -98,14 +98,14 @@ test('a long program is shown with its result; typing one line sends what change
   });
   await page.goto(server.address);
   await until('it is sound', () => sound(page));
-  await until('it is drawn', () => page.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0 && window.jointplay.probe.cellPictures > 0));
-  await until('all of it is there', async () => (await planned(page)) && (await page.getByTestId('fetching').count()) === 0);
+  await until('it is drawn', () => page.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0 && window.jointplay.probe.cellFrames > 0));
+  await until('all of it is there', async () => (await planned(page)) && (await page.getByTestId('loading').count()) === 0);
   // A moment far into it.
   const link = () => page.evaluate(() => window.jointplay.probe.cell!.origin('upper link 4'));
   const home = await link();
   const middle = Number(await page.getByTestId('cell-time').getAttribute('max')) / 2 + 3;
   await page.getByTestId('cell-time').fill(String(middle));
-  await until('that is shown', async () => (await page.getByTestId('fetching').count()) === 0 && JSON.stringify(await link()) !== JSON.stringify(home));
+  await until('that is shown', async () => (await page.getByTestId('loading').count()) === 0 && JSON.stringify(await link()) !== JSON.stringify(home));
   expect(await page.getByTestId('cell-step').textContent()).toMatch(/^line \d{3,4}: /);
   // One line more at the end.
   await page.getByTestId('text-program').locator('.cm-content').click();
@@ -116,7 +116,7 @@ test('a long program is shown with its result; typing one line sends what change
   seen.length = 0;
   await page.keyboard.insertText('WAIT 3 s\n');
   await until('it is planned', async () => (await page.getByTestId('cell-time').getAttribute('max')) !== before && (await planned(page)));
-  await until('its motion is there', async () => (await page.getByTestId('fetching').count()) === 0);
+  await until('its motion is there', async () => (await page.getByTestId('loading').count()) === 0);
   expect(seen.some((url) => url.endsWith('/cell/plan'))).toBe(true);
   expect(seen.filter((url) => url.includes('/cell/scenes/')), 'the cell is the same').toEqual([]);
   expect(bytes).toBeGreaterThan(0);
@@ -125,16 +125,16 @@ test('a long program is shown with its result; typing one line sends what change
   await page.close();
 });
 
-test('while a part of the motion is fetched, the page says so', async () => {
+test('the page shows that a part of the motion is loading', async () => {
   const page = await (await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' })).newPage();
   await page.goto(server.address);
   await until('it is sound', () => sound(page));
-  await until('all of it is there', async () => (await planned(page)) && (await page.getByTestId('fetching').count()) === 0);
+  await until('all of it is there', async () => (await planned(page)) && (await page.getByTestId('loading').count()) === 0);
   const waiting: Route[] = [];
   let held = true;
   await page.route('**/cell/windows/*', (route) => void (held ? waiting.push(route) : route.continue()));
   await page.getByTestId('cell-time').fill('4321');
-  await page.getByTestId('fetching').filter({ hasText: 'Loading' }).waitFor();
+  await page.getByTestId('loading').filter({ hasText: 'Loading' }).waitFor();
   const link = () => page.evaluate(() => window.jointplay.probe.cell!.origin('upper link 4'));
   const shown = await link();
   expect(await page.getByTestId('cell-step').textContent(), 'no step is named').toBe('');
@@ -142,7 +142,7 @@ test('while a part of the motion is fetched, the page says so', async () => {
   expect(await link(), 'no pose is made up').toEqual(shown);
   held = false;
   for (const route of waiting) await route.continue();
-  await page.getByTestId('fetching').waitFor({ state: 'detached' });
+  await page.getByTestId('loading').waitFor({ state: 'detached' });
   expect(await page.getByTestId('cell-step').textContent()).toMatch(/^line \d+: /);
   await page.close();
 });

@@ -51,7 +51,7 @@ test('the robot alone', async () => {
       slider.value = String(0.2 + (i % 60) * 0.02);
       slider.dispatchEvent(new Event('input', { bubbles: true }));
       while (probe.pose === before) await new Promise((next) => requestAnimationFrame(next));
-      const total = probe.drawnAt - start;
+      const total = probe.renderedAt - start;
       const [request] = performance.getEntriesByType('resource').filter(({ name }) => name.endsWith('/pose')) as PerformanceResourceTiming[];
       found.push({ total, page: probe.took_ms, server: request ? request.responseEnd - request.requestStart : NaN });
     }
@@ -74,7 +74,7 @@ test('the robot alone', async () => {
     document.querySelector<HTMLElement>('[data-testid=play]')!.click();
     const { probe } = window.jointplay;
     const start = performance.now();
-    const from = probe.pictures;
+    const from = probe.frames;
     let frames = 0;
     while (performance.now() - start < 5000) {
       frames += 1;
@@ -83,7 +83,7 @@ test('the robot alone', async () => {
     document.querySelector<HTMLElement>('[data-testid=play]')!.click();
     const end = performance.now();
     const seconds = (end - start) / 1000;
-    const pictures = (probe.pictures - from) / seconds;
+    const pictures = (probe.frames - from) / seconds;
     // A browser without a graphics card still draws what it was told before: frames come at their pace again once it is done.
     let last = end;
     for (let calm = 0; calm < 5; ) {
@@ -166,7 +166,7 @@ test('the example cell in a browser', async () => {
     until('the cell as it moves', () =>
       page.evaluate((seen) => {
         const shown = document.querySelector('[data-testid=planned]')?.textContent?.startsWith('Planned in');
-        return Boolean(shown) && window.jointplay.probe.cellPictures > seen;
+        return Boolean(shown) && window.jointplay.probe.cellFrames > seen;
       }, pictures),
     );
   await calm();
@@ -174,7 +174,7 @@ test('the example cell in a browser', async () => {
     await page.locator('summary', { hasText: station }).click();
     const found: { server: number; total: number }[] = [];
     for (let i = 0; i < 9; i++) {
-      const drawn = await page.evaluate(() => window.jointplay.probe.cellPictures);
+      const drawn = await page.evaluate(() => window.jointplay.probe.cellFrames);
       found.push(
         await page.evaluate(async (name) => {
           const { probe } = window.jointplay;

@@ -32,7 +32,7 @@ async function loaded(count: number): Promise<void> {
   await until(`${count} samples`, async () => (await sample().getAttribute('data-count')) === String(count));
 }
 
-test('a figure of the paper is one click, its numbers are those of the command', async () => {
+test('a figure of the paper is selected, and its values equal those of the command line', async () => {
   await page.getByTestId('figure').selectOption('6');
   await loaded(777);
   expect(await page.getByTestId('plot-linear').isVisible()).toBe(true);
@@ -54,7 +54,7 @@ test('a figure of the paper is one click, its numbers are those of the command',
   }
 });
 
-test('the motion plays, pauses, steps and loops by the keyboard', async () => {
+test('the motion is controlled by the keyboard', async () => {
   await page.getByTestId('scrub').fill('0');
   await page.locator('body').press('ArrowRight');
   expect(await at()).toBe(1);
@@ -71,7 +71,7 @@ test('the motion plays, pauses, steps and loops by the keyboard', async () => {
   expect(await at()).toBe(776);
 });
 
-test('a click in a plot seeks, a drag zooms all, the legend hides', async () => {
+test('plots seek by click, zoom by drag and hide lines by the legend', async () => {
   const over = page.getByTestId('plot-rods').locator('.u-over');
   const box = (await over.boundingBox())!;
   await over.click({ position: { x: box.width / 2, y: box.height / 2 } });
@@ -87,7 +87,7 @@ test('a click in a plot seeks, a drag zooms all, the legend hides', async () => 
   await legend.click();
 });
 
-test('a serpentine, and a motion of key poses', async () => {
+test('a serpentine and a motion through key poses are computed', async () => {
   await page.getByTestId('motion').selectOption('serpentine');
   await loaded(777);
   await page.getByTestId('motion').selectOption('key-poses');
@@ -115,7 +115,7 @@ test('a serpentine, and a motion of key poses', async () => {
   await page.getByRole('button', { name: 'Poses' }).click();
 });
 
-test('a motion that cannot be says why', async () => {
+test('an invalid motion is reported', async () => {
   await page.getByTestId('motion').selectOption('raster');
   await loaded(777);
   await page.getByRole('button', { name: 'Range' }).click();
@@ -135,7 +135,7 @@ test('a motion that cannot be says why', async () => {
   heard.splice(0, heard.length, ...heard.filter((line) => !line.includes('422')));
 });
 
-test('series, plots and a film are taken away', async () => {
+test('time series and plots are exported', async () => {
   const take = async (item: string) => {
     await page.getByTestId('export').click();
     const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId(item).click()]);
@@ -159,7 +159,7 @@ test('series, plots and a film are taken away', async () => {
   } else expect(await page.getByTestId('export-parquet').count()).toBe(0);
 });
 
-test('a server that writes no Parquet is not asked for it', async () => {
+test('Parquet export is offered only by servers that support it', async () => {
   const other = await page.context().newPage();
   try {
     await other.route('**/api/v1/robot', async (route) => {
@@ -176,7 +176,7 @@ test('a server that writes no Parquet is not asked for it', async () => {
   }
 });
 
-test('a whole motion is filmed, and the film lasts as long', async () => {
+test('the recording of a motion has the duration of the motion', async () => {
   await page.getByTestId('motion').selectOption('key-poses');
   await page.getByRole('button', { name: 'Poses' }).click();
   for (const [pose, seconds] of [[2, '1'], [3, '1'], [4, '1']] as const) {
@@ -187,7 +187,7 @@ test('a whole motion is filmed, and the film lasts as long', async () => {
   await page.getByRole('button', { name: 'Poses' }).click();
   await page.getByTestId('export').click();
   const begun = Date.now();
-  const [film] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-film').click()]);
+  const [film] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-video').click()]);
   const took = (Date.now() - begun) / 1000;
   expect(await at()).toBe(180);
   expect(film.suggestedFilename()).toMatch(/^motion\.(webm|mp4)$/);
@@ -214,7 +214,7 @@ test('a whole motion is filmed, and the film lasts as long', async () => {
   await loaded(777);
 });
 
-test('a link holds motion and time', async () => {
+test('a link restores motion and sample', async () => {
   await page.getByTestId('scrub').fill('123');
   await until('the link says so', () => page.evaluate(() => window.location.hash.includes('sample=123')));
   const link = page.url();

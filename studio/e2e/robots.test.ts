@@ -1,4 +1,4 @@
-// Other robots than the paper's: with shapes of their own, and opened by links that speak of another.
+// Other robots than that of the paper: with mesh files, and opened by links of another robot.
 
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -106,9 +106,9 @@ function glb(size: [number, number, number]): Buffer {
   return Buffer.concat([head, chunks]);
 }
 
-const shown = (page: Page) => page.evaluate(() => window.jointplay.probe.shapes);
+const shown = (page: Page) => page.evaluate(() => window.jointplay.probe.meshExtents);
 
-test('shapes of the robot file are drawn in their size', async () => {
+test('meshes of the robot file are displayed at their size', async () => {
   writeFileSync(join(folder, 'base.stl'), stl([320, 260, 30]));
   writeFileSync(join(folder, 'base.obj'), obj([300, 240, 20]));
   writeFileSync(join(folder, 'platform.glb'), glb([260, 240, 12]));
@@ -129,7 +129,7 @@ test('shapes of the robot file are drawn in their size', async () => {
     });
 });
 
-test('a shape that cannot be shown is told, and the robot is there all the same', async () => {
+test('an invalid mesh is reported, and the generated part stays', async () => {
   writeFileSync(join(folder, 'base.stl'), 'solid nothing\nendsolid nothing\n');
   await at(robot({ base_mesh: 'base.stl' }), async (page, address) => {
     await page.goto(address);
@@ -139,7 +139,7 @@ test('a shape that cannot be shown is told, and the robot is there all the same'
   });
 });
 
-test('a link made with another robot says so, and what is kept of one is not given to another', async () => {
+test('a link of another robot is reported, and stored settings are separate for each robot', async () => {
   const other = (text: string) => text.replace(/name = "[^"]*"/, 'name = "Taller, “2nd” & last"').replace("height_mm = 500.0", "height_mm = 480.0");
   let link = '';
   await at(robot({}), async (page, address) => {

@@ -1,41 +1,25 @@
-// Work on a cell is not lost, and a result is shown as valid for nothing but the state that was checked.
+// Editing sessions: unsaved changes are preserved, and a result is shown as valid only for the checked state.
 
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
-import { join, resolve } from 'node:path';
-import type { Browser, Page } from 'playwright-core';
+import { readFileSync, writeFileSync } from 'node:fs';
+import type { Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from 'vitest';
-import { browse, complaints, frames, ROOT, serve, until, visit, type Server } from './studio';
+import { cellFixture, checkState, complaints, EXAMPLE_CELL, frames, partNames, serve, SHORT_PROGRAM, until, visit, waitForCheck, type CellFixture } from './studio';
 
-const PROGRAM = 'HOME\nGET LP1 SLOT 1 WITH A\nPUT ALIGN WITH A\nHOME\n';
-const CELL = readFileSync(resolve(ROOT, 'cells/example.toml'), 'utf8');
-
-let browser: Browser;
-let server: Server;
+let fixture: CellFixture;
 let page: Page;
 let heard: string[];
-let folder: string;
-const file = () => join(folder, 'mine.toml');
-const programFile = () => join(folder, 'mine.program');
 
 beforeAll(async () => {
-  folder = mkdtempSync(join(tmpdir(), 'studio-'));
-  writeFileSync(file(), CELL);
-  writeFileSync(programFile(), PROGRAM);
-  [browser, server] = await Promise.all([browse(), serve(0, ['--cell', file()])]);
+  fixture = await cellFixture();
 });
-afterAll(async () => {
-  await browser?.close();
-  await server?.stop();
-  rmSync(folder, { recursive: true });
-});
-// Each test has a browser of its own, that remembers nothing, and the files as they were.
+afterAll(() => fixture?.close());
+// Each test has a browser context of its own, and the original files.
 beforeEach(async () => {
-  writeFileSync(file(), CELL);
-  writeFileSync(programFile(), PROGRAM);
-  page = await visit(browser);
+  writeFileSync(fixture.cellFile, EXAMPLE_CELL);
+  writeFileSync(fixture.programFile, SHORT_PROGRAM);
+  page = await visit(fixture.browser);
   heard = complaints(page);
-  await page.goto(server.address);
+  await page.goto(fixture.server.address);
   await checkResult('sound');
 });
 afterEach(async () => {
@@ -44,8 +28,8 @@ afterEach(async () => {
   await page.context().close();
 });
 
-const shown = () => page.getByTestId('check-result').getAttribute('data-state');
-const checkResult = (want: string) => until(`check result ${want}`, async () => (await shown()) === want);
+const shown = () => checkState(page);
+const checkResult = (state: string) => waitForCheck(page, state);
 const editor = () => page.getByTestId('text-program').locator('.cm-content');
 const text = () => editor().innerText();
 
@@ -86,7 +70,7 @@ async function valid(): Promise<void> {
   expect(await page.title()).toMatch(/^Safe to run/);
 }
 
-test('from the first letter typed the result is outdated, until the text is checked', async () => {
+test('typing makes the result outdated until the text is checked', async () => {
   await valid();
   const release = await hold();
   await append('#');
@@ -100,7 +84,7 @@ test('from the first letter typed the result is outdated, until the text is chec
   await valid();
 });
 
-test('from the first digit of a number typed the result is outdated, and while its change is under way', async () => {
+test('typing a number makes the result outdated until its change is checked', async () => {
   await page.locator('summary', { hasText: 'LP2' }).click();
   await page.getByTestId('station-LP2-x').fill('-200');
   await outdated();
@@ -121,7 +105,7 @@ test('from the first digit of a number typed the result is outdated, and while i
   await checkResult('broken');
   expect(await page.title()).toMatch(/^\d+ violations \(unsaved\)/);
   // Parts in collision lose their colour with the result.
-  const colour = () => page.evaluate(() => window.jointplay.probe.cell!.brokenColour());
+  const colour = () => page.evaluate(() => window.jointplay.probe.cell!.violationColor());
   const red = await colour();
   const last = await hold();
   await page.getByRole('button', { name: 'Undo' }).click();
@@ -132,7 +116,7 @@ test('from the first digit of a number typed the result is outdated, and while i
   expect(await colour()).toBe(red);
 });
 
-test('while a station is dragged the result is outdated', async () => {
+test('dragging a station makes the result outdated', async () => {
   await page.getByRole('tab', { name: 'Parts' }).click();
   await page.getByTestId('parts').getByRole('button', { name: /^ALIGN/ }).click();
   const grip = () => page.evaluate(() => window.jointplay.probe.cell!.grip('height' as never));
@@ -160,8 +144,8 @@ test('while a station is dragged the result is outdated', async () => {
   expect(await page.getByTestId('gantt').getAttribute('data-outdated')).toBe('false');
 });
 
-test('without its server the page shows the result as outdated, saves nothing, says so, and recovers by itself', async () => {
-  await server.stop();
+test('without a server the result is outdated and saving fails; the page recovers by itself', async () => {
+  await fixture.server.stop();
   // Nobody does anything: the page notices by itself.
   await outdated();
   await page.getByTestId('disconnected').waitFor();
@@ -169,23 +153,23 @@ test('without its server the page shows the result as outdated, saves nothing, s
   await page.getByTestId('save').click();
   await page.getByRole('alert').filter({ hasText: 'Not saved: the server does not respond' }).waitFor();
   await outdated();
-  expect(readFileSync(programFile(), 'utf8')).toBe(PROGRAM);
-  server = await serve(server.port, ['--cell', file()]);
+  expect(readFileSync(fixture.programFile, 'utf8')).toBe(SHORT_PROGRAM);
+  fixture.server = await serve(fixture.server.port, ['--cell', fixture.cellFile]);
   await checkResult('sound');
   await page.getByTestId('disconnected').waitFor({ state: 'hidden' });
   await page.getByTestId('save').click();
-  await until('it is saved', async () => readFileSync(programFile(), 'utf8') === `${PROGRAM}# while away\n`);
+  await until('it is saved', async () => readFileSync(fixture.programFile, 'utf8') === `${SHORT_PROGRAM}# while away\n`);
   await until('the note is gone', async () => (await page.getByRole('alert').count()) === 0);
   // The new server does not know the plan of the old one, so that the texts are sent whole; the browser notes the answer.
   heard = heard.filter((line) => !line.includes('409'));
 });
 
-test('edits, undo and the open text survive a look at the robot', async () => {
+test('edits, undo history and the open text persist in the robot view', async () => {
   await append('# one\n');
   await until('it can be undone', () => page.getByRole('button', { name: 'Undo' }).isEnabled());
   await checkResult('sound');
   await page.getByRole('button', { name: 'Robot', exact: true }).click();
-  await until('the robot is drawn', () => page.evaluate(() => window.jointplay.probe.pictures > 0));
+  await until('the robot is drawn', () => page.evaluate(() => window.jointplay.probe.frames > 0));
   expect(await page.title()).toBe('jointplay studio');
   let fetched = 0;
   page.on('request', (request) => void (fetched += Number(/\/cell(\/plan|\/motion.glb)?$/.test(request.url()))));
@@ -194,7 +178,7 @@ test('edits, undo and the open text survive a look at the robot', async () => {
   expect(await text()).toContain('# one');
   expect(await shown()).toBe('sound');
   expect(await page.getByTestId('save').isEnabled()).toBe(true);
-  await until('it is drawn', () => page.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0));
+  await until('it is drawn', async () => (await partNames(page)).length > 0);
   expect(fetched, 'what is there is not fetched again').toBe(0);
   // The editor is a new one, and undoes what was typed into the old one all the same.
   await editor().click();
@@ -204,7 +188,7 @@ test('edits, undo and the open text survive a look at the robot', async () => {
   expect(await page.getByTestId('save').isDisabled()).toBe(true);
 });
 
-test('closing with unsaved changes asks, and a reload restores them', async () => {
+test('closing with unsaved changes requires a confirmation, and reloading restores them', async () => {
   const asked: string[] = [];
   page.on('dialog', (dialog) => {
     asked.push(dialog.type());
@@ -236,11 +220,11 @@ test('closing with unsaved changes asks, and a reload restores them', async () =
   expect(await text()).toContain('# draft');
 });
 
-test('a draft of files that have changed since is offered, not taken', async () => {
+test('a draft of changed files is offered and not applied', async () => {
   page.on('dialog', (dialog) => void dialog.accept());
   await append('# mine\n');
   await checkResult('sound');
-  writeFileSync(programFile(), `${PROGRAM}# theirs\n`);
+  writeFileSync(fixture.programFile, `${SHORT_PROGRAM}# theirs\n`);
   await page.reload();
   await page.getByTestId('draft').filter({ hasText: 'another version of the files' }).waitFor();
   expect(await text()).toContain('# theirs');
@@ -254,11 +238,11 @@ test('a draft of files that have changed since is offered, not taken', async () 
   expect(await text()).not.toContain('# mine');
 });
 
-test('the draft of another version is restored on request, and undo goes back', async () => {
+test('a draft of another version is restored on request, and undo reverts it', async () => {
   page.on('dialog', (dialog) => void dialog.accept());
   await append('# mine\n');
   await checkResult('sound');
-  writeFileSync(programFile(), `${PROGRAM}# theirs\n`);
+  writeFileSync(fixture.programFile, `${SHORT_PROGRAM}# theirs\n`);
   await page.reload();
   await page.getByTestId('draft').filter({ hasText: 'another version of the files' }).waitFor();
   await page.getByRole('button', { name: 'Restore' }).click();
@@ -271,14 +255,14 @@ test('the draft of another version is restored on request, and undo goes back', 
 test('Ctrl+S saves in the editor and in a number field', async () => {
   await append('# by key\n');
   await page.keyboard.press('Control+s');
-  await until('it is saved', async () => readFileSync(programFile(), 'utf8') === `${PROGRAM}# by key\n`);
+  await until('it is saved', async () => readFileSync(fixture.programFile, 'utf8') === `${SHORT_PROGRAM}# by key\n`);
   await page.locator('summary', { hasText: 'LP1' }).click();
   await page.getByTestId('station-LP1-x').fill('-494');
   await page.keyboard.press('Control+s');
-  await until('the number is saved', async () => readFileSync(file(), 'utf8').includes('-494'));
+  await until('the number is saved', async () => readFileSync(fixture.cellFile, 'utf8').includes('-494'));
 });
 
-test('the list of keys is that of the view', async () => {
+test('the list of shortcuts is that of the current view', async () => {
   await page.getByTestId('check-result').click();
   await page.keyboard.press('?');
   await page.getByRole('heading', { name: 'Keyboard shortcuts, cell view' }).waitFor();

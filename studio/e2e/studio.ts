@@ -1,23 +1,24 @@
-// Starts `jointplay studio`, and a browser in front of it.
+// Set-up of the browser tests: `jointplay studio`, a browser, and waiting for a state of the page.
 
 import { spawn, type ChildProcess } from 'node:child_process';
-import { existsSync } from 'node:fs';
-import { resolve } from 'node:path';
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
+import axe from 'axe-core';
 import { chromium, type Browser, type BrowserContextOptions, type Page } from 'playwright-core';
 
 /**
- * How long anything may take before a test gives up [ms].
+ * Timeout of every wait of a test [ms].
  *
- * Tests wait for what the page shows, however long a busy machine takes; only what would never come ends here.
- * While you write, `PATIENCE_S` makes it shorter.
+ * Tests wait for a state of the page, however long a busy machine takes; `TIMEOUT_S` shortens the timeout during development.
  */
-export const PATIENCE_MS = Number(process.env.PATIENCE_S ?? 900) * 1000;
+export const TIMEOUT_MS = Number(process.env.TIMEOUT_S ?? 900) * 1000;
 
 export const ROOT = resolve(import.meta.dirname, '../..');
 export const COMMAND = process.env.JOINTPLAY_COMMAND ?? resolve(ROOT, 'target/debug/jointplay');
 
 const CHROMIUMS = [process.env.CHROMIUM, '/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
-// Drawing without a graphics card, and without Chromium's own sandbox, which containers do not allow.
+// Software rendering, and no sandbox, which containers do not support.
 const FLAGS = [
   '--use-gl=angle',
   '--use-angle=swiftshader',
@@ -38,14 +39,14 @@ export async function serve(port = 0, more: string[] = []): Promise<Server> {
     stdio: ['ignore', 'pipe', 'inherit'],
   });
   const address = await new Promise<string>((found, failed) => {
-    let said = '';
+    let output = '';
     process.stdout.on('data', (text: Buffer) => {
-      said += text.toString();
-      const match = /http:\/\/127\.0\.0\.1:\d+\//.exec(said);
+      output += text.toString();
+      const match = /http:\/\/127\.0\.0\.1:\d+\//.exec(output);
       if (match) found(match[0]);
     });
     process.on('error', failed);
-    process.on('exit', (code) => failed(new Error(`${COMMAND} studio ended with ${code}: ${said}`)));
+    process.on('exit', (code) => failed(new Error(`${COMMAND} studio ended with ${code}: ${output}`)));
   });
   return {
     address,
@@ -63,17 +64,17 @@ export async function serve(port = 0, more: string[] = []): Promise<Server> {
 export async function browse(): Promise<Browser> {
   const executablePath = CHROMIUMS.find((path) => path && existsSync(path));
   if (!executablePath) throw new Error('no Chromium found: install it, or name it in CHROMIUM');
-  return chromium.launch({ executablePath, args: FLAGS, timeout: PATIENCE_MS });
+  return chromium.launch({ executablePath, args: FLAGS, timeout: TIMEOUT_MS });
 }
 
-/** A page of its own in the browser. */
+/** A new page in a browser context of its own. */
 export async function visit(browser: Browser, more: BrowserContextOptions = {}): Promise<Page> {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce', acceptDownloads: true, ...more });
-  context.setDefaultTimeout(PATIENCE_MS);
+  context.setDefaultTimeout(TIMEOUT_MS);
   return context.newPage();
 }
 
-/** Waits until the page has painted a few more frames: time enough for what moves to be seen moving. */
+/** Waits for a number of animation frames. */
 export async function frames(page: Page, count = 6): Promise<void> {
   await page.evaluate(
     (left) =>
@@ -85,7 +86,7 @@ export async function frames(page: Page, count = 6): Promise<void> {
   );
 }
 
-/** What the page complained about, which should be nothing. */
+/** Collects errors and warnings of the console. */
 export function complaints(page: Page): string[] {
   const heard: string[] = [];
   page.on('console', (message) => {
@@ -96,17 +97,72 @@ export function complaints(page: Page): string[] {
   return heard;
 }
 
-/** Waits until the page has drawn a pose for which something holds, said in JavaScript about `pose`. */
+/** Waits until the page has rendered a pose that satisfies a condition: a JavaScript expression in `pose`. */
 export async function drawn(page: Page, holds = 'true'): Promise<void> {
   const asked = `(() => { const pose = window.jointplay?.probe?.pose; return Boolean(pose && (${holds})); })()`;
   await until(holds, () => page.evaluate(asked) as Promise<boolean>);
 }
 
-/** Asks again and again: the page's security policy forbids that the question itself stays in it. */
+/** Polls a condition from outside the page: its security policy forbids evaluating strings in it. */
 export async function until(what: string, asked: () => Promise<boolean>): Promise<void> {
-  const end = Date.now() + PATIENCE_MS;
+  const end = Date.now() + TIMEOUT_MS;
   while (!(await asked())) {
-    if (Date.now() > end) throw new Error(`waited in vain for: ${what}`);
+    if (Date.now() > end) throw new Error(`timeout while waiting for: ${what}`);
     await new Promise((wait) => setTimeout(wait, 25));
   }
+}
+
+/** The example cell, and a short program in it. */
+export const EXAMPLE_CELL = readFileSync(resolve(ROOT, 'cells/example.toml'), 'utf8');
+export const SHORT_PROGRAM = 'HOME\nGET LP1 SLOT 1 WITH A\nPUT ALIGN WITH A\nHOME\n';
+
+/** A server of a cell in a temporary folder, and a browser. */
+export interface CellFixture {
+  browser: Browser;
+  server: Server;
+  folder: string;
+  cellFile: string;
+  programFile: string;
+  close(): Promise<void>;
+}
+
+export async function cellFixture(program = SHORT_PROGRAM): Promise<CellFixture> {
+  const folder = mkdtempSync(join(tmpdir(), 'studio-'));
+  const cellFile = join(folder, 'mine.toml');
+  const programFile = join(folder, 'mine.program');
+  writeFileSync(cellFile, EXAMPLE_CELL);
+  writeFileSync(programFile, program);
+  const [browser, server] = await Promise.all([browse(), serve(0, ['--cell', cellFile])]);
+  const fixture: CellFixture = {
+    browser,
+    server,
+    folder,
+    cellFile,
+    programFile,
+    async close() {
+      await browser.close();
+      await fixture.server.stop();
+      rmSync(folder, { recursive: true });
+    },
+  };
+  return fixture;
+}
+
+/** The state of the check result on the page. */
+export const checkState = (page: Page) => page.getByTestId('check-result').getAttribute('data-state');
+
+/** Waits for a state of the check result. */
+export const waitForCheck = (page: Page, state: string) => until(`check result ${state}`, async () => (await checkState(page)) === state);
+
+/** Names of all parts in the 3D view of the cell. */
+export const partNames = (page: Page) => page.evaluate(() => window.jointplay.probe.cell?.parts() ?? []);
+
+/** Violations of accessibility rules found by axe. */
+export async function accessibilityViolations(page: Page): Promise<string[]> {
+  await page.evaluate(axe.source);
+  return page.evaluate(async () => {
+    const { axe } = window as unknown as { axe: typeof import('axe-core') };
+    const { violations } = await axe.run(document, { resultTypes: ['violations'], rules: { 'target-size': { enabled: true } } });
+    return violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
+  });
 }

@@ -18,7 +18,7 @@ needs only mpmath, takes no arguments, and writes next to itself
 Source of the mathematics: [Virtualization], "Virtualization for the Purposes
 of Modeling and Computer Simulation of a Class of Overconstrained Robots", with
 the corrections named in README.md.  Lengths are in mm and angles in rad inside;
-degrees only in the files, where a column says so.
+degrees only in the files, in columns with that unit.
 """
 
 import os
@@ -202,7 +202,7 @@ def solve_newton(model, robot, rho, sides, steps=None, step_on="F", start=None):
         X <- X + (dF/dX)^+ 2 diag(L(X)) (L - L(X)),
 
     which is Newton's step on the lengths instead of on their squares, the same
-    to first order: step_on="L", kept for comparison.
+    linearly: step_on="L", kept for comparison.
     """
     x = mpmath.matrix(nominal(model, robot) if start is None else start)
     w = weights(model, rho)

@@ -13,7 +13,7 @@ needs pin and numpy, and takes no arguments. Each arm is a serial chain in
 Pinocchio, its base a free joint at the platform. The platform is laid over its
 rods by the fit of three sockets onto three ball centres in space, by singular
 value decomposition (Kabsch): the least displacement of the sockets, and so what
-the planar virtualization says in closed form.
+the planar virtualization gives in closed form.
 """
 
 import platform
@@ -79,8 +79,8 @@ def drawn(robot, gpr):
     rods = []
     for limb in gpr["limb"]:
         away = limb["socket_angle_deg"] - yaw
-        lean = limb["socket_radius_mm"] * numpy.cos(numpy.radians(away))
-        rods.append(level - lean * numpy.tan(numpy.radians(pitch)))
+        offset = limb["socket_radius_mm"] * numpy.cos(numpy.radians(away))
+        rods.append(level - offset * numpy.tan(numpy.radians(pitch)))
     positions = dict(zip(("q1", "q2", "q3"), rods))
     for axis in robot["axis"]:
         unit = {"turn": "deg", "slide": "mm"}[axis["kind"]]

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Where the programs that models are written for put their links.
 
-Loads the models beside this file in models/ into MuJoCo (MJCF), Drake (SDF)
+Loads the models in models/, next to this file, into MuJoCo (MJCF), Drake (SDF)
 and Pinocchio (URDF), moves the joints to random coordinates, and writes next
 to itself
 
@@ -11,7 +11,7 @@ to itself
     python3 validation/golden/import_reference.py
 
 needs mujoco, drake, pin and numpy, and takes no arguments. Loops stay open:
-coordinates are random, so that both sides of a closure stand apart.
+coordinates are random, so that both sides of a closure are apart.
 """
 
 import platform
@@ -245,7 +245,7 @@ def head(name):
 
 COORDINATES = """\
 # Units: rad and m.
-# value: random, {turn} rad and {slide} m at most either way; several of one joint in the order of the mechanism,
+# value: random, {turn} rad and {slide} m at most in either direction; several of one joint in the order of the mechanism,
 #   a ball's as rotation vector, those of a free joint from where the model has the body.
 # Tolerance: inputs, exact.
 model,sample,joint,index,value

@@ -15,7 +15,7 @@ mechanism against its [expected] numbers, and writes next to itself
     mechanisms.csv        freedoms, rank, mobilities and redundancy
     mechanism_drive.csv   joint coordinates of those with one drive
 
-It ends with status 1 if any expected number is wrong.  Inside, lengths are
+It ends with status 1 if any expected number differs.  Inside, lengths are
 in units of each mechanism's own length, angles in rad; files are in m and rad.
 """
 
@@ -295,7 +295,7 @@ class Mechanism:
         Returns the poses and the size of the residual. Small singular values
         take part only where without them the residual does not shrink: an
         overconstrained mechanism has some that vanish when it is closed, a
-        shaky one some that must be followed down, halving the error at best.
+        infinitesimally mobile one some that must be followed down, halving the error at best.
         """
         r = self.residual(poses, drive)
         size = numpy.linalg.norm(r)
@@ -347,21 +347,21 @@ class Mechanism:
         each one of a basis, are closed again. The dimension is at most the
         number of directions in which the arrived configurations spread, and
         at most the greatest nullity at one of them. The two differ where
-        branches cross, or where a shaky mechanism returns to its start.
+        branches cross, or where a infinitesimally mobile mechanism returns to its start.
         """
         h, basis = self.nullity(poses)
         if h == 0:
             return 0
         mix = random.standard_normal((3 * h + 3, h))
         mix = numpy.vstack([mix / numpy.linalg.norm(mix, axis=1)[:, None], numpy.eye(h)])
-        ways, nullities = [], []
+        differences, nullities = [], []
         for direction in mix @ basis:
             q, size = self.close(self.moved(poses, STEP * direction))
             assert size < 1e-11, (self.id, size)
-            ways.append(self.difference(poses, q) / STEP)
-            if len(ways) % 4 == 1:
+            differences.append(self.difference(poses, q) / STEP)
+            if len(differences) % 4 == 1:
                 nullities.append(self.nullity(q, strict=False)[0])
-        s = numpy.linalg.svd(numpy.array(ways), compute_uv=False) / math.sqrt(len(mix))
+        s = numpy.linalg.svd(numpy.array(differences), compute_uv=False) / math.sqrt(len(mix))
         return min(int((s > MOVED / math.sqrt(h)).sum()), max(nullities))
 
     def newton_from_guess(self):
@@ -412,7 +412,7 @@ def studied(m, random):
 
 
 def generic(m, poses, random):
-    """Nullity at a closed configuration a fair way off, for information."""
+    """Nullity at a distant closed configuration, for information."""
     h, basis = m.nullity(poses)
     if h == 0:
         return h
@@ -428,7 +428,7 @@ def driven(m, poses):
         return None
     joint = drives[0]
     at = lambda p, j: j.coordinate(*(p[m.index[l]] for l in j.links))
-    # Assembled, the drive stands at its guess (0 where it has none).
+    # Assembled, the drive is at its guess (0 where it has none).
     start = joint.guess
     here = at(poses, joint)
     steps = 20
@@ -495,7 +495,7 @@ DRIVE = [
 
 
 def main():
-    mobility, drive, wrong = [], [], 0
+    mobility, drive, failures = [], [], 0
     for path in sorted(ROBOTS.glob("*.toml")):
         if len(sys.argv) > 1 and path.stem not in sys.argv[1:]:
             continue
@@ -508,11 +508,11 @@ def main():
         print(f"{m.id}: {line}; links {len(m.links)}, joints {len(m.joints)}, off start {generic(m, poses, random)}")
         for key, value in found.items():
             if m.expected.get(key) != value:
-                print(f"  WRONG: expected.{key} = {m.expected.get(key)}, found {value}")
-                wrong += 1
+                print(f"  DIFFERS: expected.{key} = {m.expected.get(key)}, found {value}")
+                failures += 1
         if any("guess" in t for t in tomllib.loads(path.read_text(encoding="utf-8"))["joint"]):
-            count, way = m.newton_from_guess()
-            print(f"  Newton closes the guesses in {count} steps, moving them by {way:.2e}")
+            count, distance = m.newton_from_guess()
+            print(f"  Newton closes the guesses in {count} steps, moving them by {distance:.2e}")
         mobility.append([m.id, m.freedoms, m.loops] + [found[k] for k in ("rank", "instantaneous", "finite", "redundancy")])
         if found["finite"] == 1 and found["instantaneous"] == 1:
             rows = driven(m, poses)
@@ -521,7 +521,7 @@ def main():
                 for i, row in enumerate(rows):
                     drive += [[m.id, joint.name, i, n, f"{q:.15f}"] for n, q in row.items()]
     if len(sys.argv) > 1:
-        return 1 if wrong else 0
+        return 1 if failures else 0
     with open(HERE / "mechanisms.csv", "w", encoding="utf-8", newline="\n") as out:
         out.write(header("mechanisms.csv", MOBILITY))
         out.write("name,freedoms,loops,rank,instantaneous,finite,redundancy\n")
@@ -530,8 +530,8 @@ def main():
         out.write(header("mechanism_drive.csv", DRIVE))
         out.write("name,drive,step,joint,coordinate\n")
         out.writelines(",".join(map(str, r)) + "\n" for r in drive)
-    print(f"{len(mobility)} mechanisms, {wrong} wrong numbers")
-    return 1 if wrong else 0
+    print(f"{len(mobility)} mechanisms, {failures} numbers that differ")
+    return 1 if failures else 0
 
 
 if __name__ == "__main__":

@@ -136,7 +136,7 @@ class Plate:
         solved = numpy.linalg.solve(system, numpy.concatenate([load, [0.0]]))
         return [solved[:size]] + [numpy.zeros(wave.count) for wave in self.waves[1:]]
 
-    def told(self, shape, symmetry):
+    def summary(self, shape, symmetry):
         """Centre, lowest, highest, mean, and root of the mean square from the mean."""
         nodes, weights = numpy.polynomial.legendre.leggauss(DEGREE + 4)
         r, weights = (nodes + 1) / 2, weights * (nodes + 1) / 2
@@ -197,15 +197,15 @@ def sags(degree):
     rows = []
     for poisson in POISSON:
         even, threefold = Plate(poisson, 2), Plate(poisson, 3)
-        rows.append(("edge", 1.0, poisson, threefold.told(threefold.on_edge(), 3)))
+        rows.append(("edge", 1.0, poisson, threefold.summary(threefold.on_edge(), 3)))
         for radius in POINTS:
             shape = threefold.on([(radius, 0.0)])
-            rows.append(("three-points", radius, poisson, threefold.told(shape, 3)))
+            rows.append(("three-points", radius, poisson, threefold.summary(shape, 3)))
         for half in RAILS:
             chord = (1 - half ** 2) ** 0.5
             along = chord * numpy.linspace(0, 1, RAIL_POINTS)
             places = [(numpy.hypot(half, y), numpy.arctan2(y, half)) for y in along]
-            rows.append(("two-rails", half, poisson, even.told(even.on(places), 2)))
+            rows.append(("two-rails", half, poisson, even.summary(even.on(places), 2)))
     DEGREE = kept
     return rows
 

@@ -6,7 +6,7 @@
 use jointplay::spatial::tilt_rotation;
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector2, Vector3};
 
-/// Where O_p comes to lie.
+/// Position of O_p.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rest {
     /// O_p in the base frame [m].
@@ -31,17 +31,17 @@ pub fn weighted_fit(
     let total: f64 = stiffness.iter().sum();
     let from = (0..3).fold(Vector2::zeros(), |sum, k| sum + sockets[k] * (stiffness[k] / total));
     let onto = (0..3).fold(Vector3::zeros(), |sum, k| sum + balls[k] * (stiffness[k] / total));
-    let lean = tilt_rotation(normal);
+    let tilted = tilt_rotation(normal);
     let (mut cosine, mut sine) = (0.0, 0.0);
     for k in 0..3 {
-        let target = (lean.inverse() * (balls[k] - onto)).xy();
+        let target = (tilted.inverse() * (balls[k] - onto)).xy();
         let arm = sockets[k] - from;
         cosine += stiffness[k] * arm.dot(&target);
         sine += stiffness[k] * arm.perp(&target);
     }
     let twist = sine.atan2(cosine);
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), twist);
-    Rest { origin: onto - lean * (turn * from.push(0.0)), twist }
+    Rest { origin: onto - tilted * (turn * from.push(0.0)), twist }
 }
 
 /// The equilibrium of the rods: least Σ (sideways displacement)² / q_k³, with every socket at its rod's height.

@@ -8,7 +8,7 @@ use jointplay::format::mechanism::{MechanismFile, kind_of, parse};
 use jointplay::mechanism::{assemble, guess};
 use jointplay::plot::MechanismPicture;
 
-/// What stands above the list.
+/// Text above the list.
 const HEAD: &str = "\
 # Catalogue of mechanisms
 
@@ -44,7 +44,9 @@ pub fn mechanisms() -> Vec<(&'static Entry, MechanismFile)> {
     let of_mechanisms = catalogue::entries()
         .iter()
         .filter(|entry| kind_of(entry.text).as_deref() == Some("mechanism"));
-    of_mechanisms.map(|entry| (entry, parse(entry.text).expect("files that come along"))).collect()
+    of_mechanisms
+        .map(|entry| (entry, parse(entry.text).expect("files that are included")))
+        .collect()
 }
 
 /// The picture of a mechanism, without a title: the page has one.

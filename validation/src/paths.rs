@@ -74,7 +74,7 @@ fn step(gpr: &Gpr, virtualization: &dyn Virtualization, rho: f64, sides: &Sides,
     }
 }
 
-/// Rotations of a platform that goes from each normal to the next by the shortest rotation, from level on.
+/// Rotations of a platform that moves from each normal to the next by the shortest rotation, from level on.
 ///
 /// This is parallel transport of the platform frame: least rotation of the whole platform, instead of least displacement from nominal.
 #[must_use]

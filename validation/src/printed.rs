@@ -103,8 +103,8 @@ pub fn offset_points_right(radius: f64, x: &X) -> [Vector2<f64>; 3] {
 pub enum ByL {
     /// At the current L(X), as (8) reads: a step on the lengths.
     Letter,
-    /// Half way between L(X) and L: a step on their squares.
-    HalfWay,
+    /// Midway between L(X) and L: a step on their squares.
+    Midpoint,
 }
 
 /// One step of the iteration.
@@ -147,7 +147,7 @@ pub fn iterate(
         let target = Vector3::from([0, 1, 2].map(|k| {
             let l = match by_l {
                 ByL::Letter => 2.0 * now[k],
-                ByL::HalfWay => now[k] + sides[k],
+                ByL::Midpoint => now[k] + sides[k],
             };
             l * (sides[k] - now[k])
         }));

@@ -1,4 +1,4 @@
-//! Every mechanism of `robots/` against the numbers that its file and an independent program say.
+//! Every mechanism of `robots/` against the numbers in its file and those of an independent program.
 //!
 //! Provenance: `validation/golden/README.md`.
 #![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
@@ -33,14 +33,14 @@ fn mobility_of_every_mechanism() {
     let files = catalogue();
     let rows = golden("mechanisms.csv");
     assert_eq!(rows.len(), files.len());
-    let mut wrong = Vec::new();
+    let mut failures = Vec::new();
     for row in &rows {
         let name = row.text("name");
         let MechanismFile { mechanism, expected, .. } = &files[name];
         let closed = match assemble(mechanism, &guess(mechanism), &[], 0) {
             Ok(closed) => closed,
             Err(error) => {
-                wrong.push(format!("{name}: {error}"));
+                failures.push(format!("{name}: {error}"));
                 continue;
             }
         };
@@ -58,7 +58,7 @@ fn mobility_of_every_mechanism() {
             || (sparse.finite.is_some() && sparse.finite != found.mobility)
             || !(sparse.lower_bound..=sparse.upper_bound).contains(&found.lower_bound)
         {
-            wrong.push(format!("{name}: by sparse algebra {sparse:?}"));
+            failures.push(format!("{name}: by sparse algebra {sparse:?}"));
         }
         let ours = [
             ("freedoms", Some(mechanism.joint_freedoms()), expected.freedoms),
@@ -70,14 +70,14 @@ fn mobility_of_every_mechanism() {
         for (what, ours, in_file) in ours {
             let program = row.text(what).parse::<usize>().ok();
             if ours != in_file || ours != program {
-                wrong.push(format!("{name}: {what} {ours:?}, file {in_file:?}, program {program:?}; {:?} {} {} {:?}", first.singular_values.as_slice(), found.lower_bound, found.upper_bound, found.nearby));
+                failures.push(format!("{name}: {what} {ours:?}, file {in_file:?}, program {program:?}; {:?} {} {} {:?}", first.singular_values.as_slice(), found.lower_bound, found.upper_bound, found.nearby));
             }
         }
         if expected.kutzbach != Some(counted) {
-            wrong.push(format!("{name}: counted {counted}, file {:?}", expected.kutzbach));
+            failures.push(format!("{name}: Kutzbach {counted}, file {:?}", expected.kutzbach));
         }
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 #[test]

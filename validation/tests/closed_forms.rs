@@ -199,7 +199,7 @@ fn elastic_rods_hold_the_platform_near_the_planar_model() {
         let planar = origin(&Planar, Solver::ClosedForm, yaw, 2.0);
         let off = (rest.origin - planar).xy();
         farthest = farthest.max(off.norm());
-        // (3/2)(R²/H) tan α (1/cos α − 1) toward the lean, to leading order in R α / H, 0.7 %.
+        // (3/2)(R²/H) tan α (1/cos α − 1) toward the tilt, to leading order in R α / H, 0.7 %.
         let angle = 2.0_f64.to_radians();
         let length = 1.5 * RADIUS * RADIUS / HEIGHT.0 * angle.tan() * (1.0 / angle.cos() - 1.0);
         let (sin, cos) = yaw.to_radians().sin_cos();

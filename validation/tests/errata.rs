@@ -60,7 +60,7 @@ fn derivative_error(third: ThirdColumn) -> f64 {
 fn third_column_of_v_a_is_no_derivative_as_printed() {
     // Central differences of squares are exact to round-off, 10⁻¹⁶ / 10⁻⁶.
     assert!(derivative_error(ThirdColumn::Right) < 1e-9);
-    // The φ entries have the wrong sign: off by twice themselves, the largest entries but for the l entries.
+    // The φ entries have the opposite sign: off by twice themselves, the largest entries but for the l entries.
     assert!(derivative_error(ThirdColumn::LengthsRight) > 0.05);
     // The l entries are exchanged: off by 2 (l_3 − l_1)(1 + cos), small because l_1 and l_3 nearly agree.
     assert!(derivative_error(ThirdColumn::SignsRight) > 1e-3);
@@ -71,10 +71,10 @@ fn third_column_of_v_a_is_no_derivative_as_printed() {
 fn printed_signs_of_v_a_make_the_iteration_diverge() {
     let sides = sides_at_two_degrees();
     for third in [ThirdColumn::Printed, ThirdColumn::LengthsRight] {
-        for by_l in [ByL::Letter, ByL::HalfWay] {
+        for by_l in [ByL::Letter, ByL::Midpoint] {
             let steps = iterate(third, by_l, NOMINAL, &sides, RHO, 8);
             near(steps[0].residual, 0.0738 * MM, 1e-3 * MM);
-            // Each step turns φ the wrong way, by as much as it should turn it the right way.
+            // Each step changes φ by the correct amount in the opposite direction.
             for pair in steps[..6].windows(2) {
                 near(pair[1].residual / pair[0].residual, 2.0, 0.1);
             }
@@ -88,7 +88,7 @@ fn right_signs_of_v_a_converge_in_three_steps() {
     let sides = sides_at_two_degrees();
     let expected = pose(&Polar, Solver::Newton, Metric::Paper, 0.0, 2.0).solution.virtual_joints;
     for third in [ThirdColumn::SignsRight, ThirdColumn::Right] {
-        let steps = iterate(third, ByL::HalfWay, NOMINAL, &sides, RHO, 3);
+        let steps = iterate(third, ByL::Midpoint, NOMINAL, &sides, RHO, 3);
         // 10⁻¹³ m is a thousand times round-off of a side, and 10⁻⁷ of the play.
         assert!(steps[3].residual < 1e-13);
         for (found, expected) in steps[3].x.iter().zip(expected.iter()) {
@@ -98,10 +98,10 @@ fn right_signs_of_v_a_converge_in_three_steps() {
 }
 
 #[test]
-fn printed_signs_end_on_a_wrong_point_with_the_radius_as_metric() {
-    // Angles count more, so that the linear part mends what the wrong angles spoil: F = 0, but elsewhere.
+fn printed_signs_end_on_an_incorrect_point_with_the_radius_as_metric() {
+    // Angles count more, so that the linear part compensates the incorrect angles: F = 0, but elsewhere.
     let steps =
-        iterate(ThirdColumn::Printed, ByL::HalfWay, NOMINAL, &sides_at_two_degrees(), RADIUS, 60);
+        iterate(ThirdColumn::Printed, ByL::Midpoint, NOMINAL, &sides_at_two_degrees(), RADIUS, 60);
     let last = steps.last().unwrap();
     assert!(last.residual < 1e-13);
     let metric = Metric::PlatformRadius;
@@ -184,8 +184,8 @@ fn reference_tilt() {
 fn equation_8_to_the_letter_ends_a_few_picometres_aside() {
     let sides = sides_at_two_degrees();
     let end = |by_l| iterate(ThirdColumn::Right, by_l, NOMINAL, &sides, RHO, 6)[6].x;
-    let (letter, half_way) = (end(ByL::Letter), end(ByL::HalfWay));
-    near(letter[0] - half_way[0], 3.96e-9 * MM, 1e-11 * MM);
+    let (letter, midpoint) = (end(ByL::Letter), end(ByL::Midpoint));
+    near(letter[0] - midpoint[0], 3.96e-9 * MM, 1e-11 * MM);
 }
 
 // Trap 3: the answer depends on the unit of length.
@@ -226,20 +226,20 @@ fn the_paper_metric_puts_the_platform_at_the_circumcentre() {
         (found.base_from_platform.translation.vector - circumcenter(&balls)).norm()
     };
     near(off(RHO), 6.53e-6 * MM, 0.01e-6 * MM);
-    // As ρ shrinks, so does the rest: it goes with ρ².
+    // As ρ shrinks, so does the rest: it is proportional to ρ².
     near(off(RHO) / off(0.1 * RHO), 100.0, 1.0);
 }
 
 #[test]
 fn the_same_robot_in_metres_would_give_another_answer() {
-    // ρ = 1 m is what the paper's formulas give to someone who works in metres.
+    // ρ = 1 m is what the paper's formulas give in metres.
     let x = pose(&Polar, Solver::Newton, Metric::Length(1.0), 0.0, 2.0);
     let mm = pose(&Polar, Solver::Newton, Metric::Paper, 0.0, 2.0);
     assert!(x.center_shift().x < -27.0 * UM);
     assert!(mm.center_shift().x > 28.0 * UM);
 }
 
-// Trap 4: small angles that say nothing.
+// Trap 4: small angles without information.
 
 /// Largest X over all yaws at 2°, linear and angular ([m], [rad]).
 fn largest(model: &dyn jointplay::virtualization::Virtualization, solver: Solver) -> (f64, f64) {
@@ -265,7 +265,7 @@ fn offset_angles_stay_at_zero_whatever_the_robot_does() {
     let angular = (0..720).map(|k| angle(0.5 * f64::from(k))).fold(0.0, f64::max);
     assert!(PAGE.contains(&format!("at most {:.2}·10⁻⁷ rad over all yaws at 2°", angular * 1e7)));
     near(angular, 8.632e-7, 0.001e-7);
-    // The centre goes where the radial model takes it, since only dr moves.
+    // The centre moves as in the radial model, since only dr moves.
     for yaw in yaws_deg() {
         let offset = pose(&Offset, Solver::Newton, Metric::Paper, yaw, 2.0).center_shift();
         let radial = pose(&Radial, Solver::Newton, Metric::Paper, yaw, 2.0).center_shift();
@@ -302,7 +302,7 @@ fn polar_angles_carry_more_play_than_the_lengths() {
     near(angular, 6.1e-4, 0.1e-4);
     let arc = angular * RADIUS;
     assert!(arc > 1.7 * linear, "arc {arc:e}, linear {linear:e}");
-    // At the reference tilt: 49 µm of arc beside 28 µm of length.
+    // At the reference tilt: 49 µm of arc and 28 µm of length.
     let x = pose(&Polar, Solver::Newton, Metric::Paper, 0.0, 2.0).solution.virtual_joints;
     near(x[1] * x[4], 49.2 * UM, 0.1 * UM);
     near(x[0] - RADIUS, 28.4 * UM, 0.1 * UM);

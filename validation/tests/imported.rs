@@ -1,8 +1,8 @@
-//! Models of other programs: every link stands where those programs put it.
+//! Models of other programs: every link is where those programs place it.
 //!
 //! Provenance and the reason for the tolerance: `validation/golden/README.md`.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -68,7 +68,7 @@ fn links_and_closures_stand_where_other_programs_put_them() {
     assert_eq!(samples.len(), 4 * 7);
     for ((name, sample), rows) in samples {
         let imported = model(name);
-        // Written and read again, it is to stand there as well.
+        // Written and read again, it has to be there again.
         let written = mechanism::write(&imported, Some(name));
         let read = mechanism::parse(&written).map_err(|error| error.with_excerpt(name)).unwrap();
         for mechanism in [imported, read.mechanism] {

@@ -13,7 +13,7 @@ use nalgebra::{DVector, Matrix3, Rotation3, Translation3, Vector2, Vector3};
 /// Steps of a drive are closed to round-off, which the loops hand on to angles some hundredfold: closed forms hold to 2·10⁻¹³ here.
 const TOLERANCE: f64 = 1e-12;
 
-/// A mechanism of the catalogue on its way.
+/// A mechanism of the catalogue in motion.
 struct Ride {
     mechanism: Mechanism,
     /// Joint coordinates at every step [m, rad].
@@ -29,7 +29,8 @@ impl Ride {
         let mechanism = parse_with(text, &set).unwrap().mechanism;
         let start = assemble(&mechanism, &guess(&mechanism), &[], 0).unwrap().coordinates;
         let mut ride = Self { mechanism, steps: vec![start] };
-        let there = |k: usize| drives.iter().map(move |way| (way.0, [way.1, way.2][k])).collect();
+        let there =
+            |k: usize| drives.iter().map(move |drive| (drive.0, [drive.1, drive.2][k])).collect();
         ride.go(&there(0), count);
         ride.steps.drain(..ride.steps.len() - 1);
         ride.go(&there(1), count);
@@ -111,7 +112,7 @@ fn tangents(x: f64, y: f64, ratio: f64) {
 }
 
 #[test]
-fn bennett_all_the_way_round() {
+fn bennett_linkage_turns_a_full_revolution() {
     let ride = Ride::new("bennett", &[], &[("J1", 0.9, 0.9 + TAU)], 240);
     // Printed in the file.
     near(ride.value(&ride.steps[0], "J2"), 2.597630785817415);
@@ -151,7 +152,7 @@ fn goldberg_is_two_of_bennetts() {
             ["J1", "J2", "J3", "J4", "J5"].map(|joint| ride.value(at, joint));
         tangents(0.5 * one, 0.5 * two, bennett_ratio(deg(90.0), twist(0.11)));
         tangents(0.5 * four, 0.5 * five, bennett_ratio(deg(90.0), twist(0.16)));
-        // The link left out has one direction in both.
+        // The omitted link has one direction in both.
         same_turn(three, PI - one - five);
     }
 }
@@ -213,11 +214,11 @@ fn four_bar_by_freudenstein() {
     let ride = Ride::new("four-bar", &[], &[("A", 0.0, TAU)], 240);
     let (ground, crank, coupler, rocker) = (0.3, 0.1, 0.26, 0.2);
     let (c, _) = ride.axis(&ride.steps[0], "C");
-    let lean = c.y.atan2(c.x - ground);
+    let slope = c.y.atan2(c.x - ground);
     let constant = (crank * crank - coupler * coupler + rocker * rocker + ground * ground)
         / (2.0 * crank * rocker);
     for at in &ride.steps {
-        let (theta, phi) = (deg(70.0) + ride.value(at, "A"), lean + ride.value(at, "D"));
+        let (theta, phi) = (deg(70.0) + ride.value(at, "A"), slope + ride.value(at, "D"));
         let sides = ground / crank * phi.cos() - ground / rocker * theta.cos() + constant;
         near(sides, (theta - phi).cos());
     }
@@ -418,7 +419,7 @@ fn tripteron_and_its_kin_move_as_their_slides() {
 #[test]
 fn orthoglide_slides_of_a_point() {
     let start = Vector3::new(0.03, -0.02, 0.05);
-    // Where the slide of an axis stands for a platform there: a bar's reach behind it.
+    // Position of the slide of an axis for a platform there: a bar's length behind it.
     let slides = |p: Vector3<f64>| {
         [0, 1, 2].map(|k| {
             let aside = p.norm_squared() - p[k] * p[k];
@@ -476,7 +477,7 @@ fn wunderlich_moves_with_one_freedom_and_with_two() {
         least_turn = least_turn.min(c.difference().norm());
     }
     assert!(least_turn > 1.0, "{least_turn}");
-    // The other way: bars c parallel, in any direction.
+    // The other branch: bars c parallel, in any direction.
     for c0 in [10.0, 40.0, 100.0] {
         let set = [("c0", c0), ("c1", c0)];
         let two = Ride::new("wunderlich-12-bar", &set, &[("P1", 0.0, 0.05)], 5);
@@ -485,12 +486,12 @@ fn wunderlich_moves_with_one_freedom_and_with_two() {
         assert_eq!(mobilities(&two, 0), (2, Some(2)));
     }
     assert_eq!(mobilities(&one, 0), (1, Some(1)));
-    // Where both ways meet, three motions begin to first order.
+    // Where both branches meet, the instantaneous mobility is 3.
     let both = Ride::new("wunderlich-12-bar", &[("t", 0.0)], &[("P1", 0.0, 0.0)], 1);
     assert_eq!(mobilities(&both, 0), (3, Some(2)));
 }
 
-/// To first order, and for real.
+/// Instantaneous and finite mobility.
 fn mobilities(ride: &Ride, step: usize) -> (usize, Option<usize>) {
     let system = MechanismSystem::new(&ride.mechanism, ride.steps[step].clone()).unwrap();
     let found = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();

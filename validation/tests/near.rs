@@ -1,4 +1,4 @@
-//! Near misses: what is told of mechanisms whose dimensions are true only to some digits.
+//! Near misses: mechanisms whose dimensions are true only to some digits.
 #![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use jointplay::Error;
@@ -22,7 +22,7 @@ fn mechanisms() -> Vec<(&'static str, Mechanism)> {
 /// With nothing left of the tolerance, what is near is what is true.
 #[test]
 fn near_is_finite_for_exact_dimensions() {
-    let mut wrong = Vec::new();
+    let mut failures = Vec::new();
     for (name, mechanism) in mechanisms() {
         let closed = assemble(&mechanism, &guess(&mechanism), &[], 0).unwrap();
         let system = MechanismSystem::new(&mechanism, closed.coordinates).unwrap();
@@ -30,10 +30,10 @@ fn near_is_finite_for_exact_dimensions() {
         let finite = finite_mobility(&system, &at, RANK_THRESHOLD).unwrap().mobility;
         let near = near_mobility(&system, &at, 1e-9).unwrap();
         if Some(near.mobility) != finite || near.needed > 1e-12 {
-            wrong.push(format!("{name}: finite {finite:?}, {near:?}"));
+            failures.push(format!("{name}: finite {finite:?}, {near:?}"));
         }
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 /// Each joint off by up to `by`, in radians and characteristic lengths, on both of its links.
@@ -56,7 +56,7 @@ fn perturbed(mechanism: &Mechanism, by: f64, seed: u64) -> Mechanism {
     made.with_characteristic_length(length).unwrap()
 }
 
-/// Closed exactly, or as well as a least tolerance lets it.
+/// Closed exactly, or as well as a least tolerance allows.
 fn closed(mechanism: &Mechanism, tolerance: f64) -> DVector<f64> {
     match assemble(mechanism, &guess(mechanism), &[], 0) {
         Ok(closure) => closure.coordinates,
@@ -68,7 +68,7 @@ fn closed(mechanism: &Mechanism, tolerance: f64) -> DVector<f64> {
 /// Made not quite true, a mechanism has the mobility that is counted, and its own within a tolerance in proportion to what is untrue.
 #[test]
 fn untrue_mechanisms_move_within_a_tolerance() {
-    let mut wrong = Vec::new();
+    let mut failures = Vec::new();
     for (name, mechanism) in mechanisms() {
         let system = MechanismSystem::new(&mechanism, closed(&mechanism, 0.0)).unwrap();
         let exact = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();
@@ -90,24 +90,23 @@ fn untrue_mechanisms_move_within_a_tolerance() {
                 let forced = ForcedClosure::new(&system, &at);
                 let real = finite_mobility(&forced, &at, RANK_THRESHOLD).unwrap().mobility.unwrap();
                 if (near.mobility, real) != (mobility, counted) {
-                    wrong.push(format!(
-                        "{name} {by}: {mobility} exactly, {real} for real, {near:?}"
-                    ));
+                    failures
+                        .push(format!("{name} {by}: {mobility} exactly, {real} finite, {near:?}"));
                 }
                 if mobility > counted {
                     shares.push(near.needed / by);
                 } else if near.needed > 1e-13 {
-                    wrong.push(format!("{name} {by}: moves for real, {near:?}"));
+                    failures.push(format!("{name} {by}: finite motion, {near:?}"));
                 }
             }
             // In proportion, within what it matters that the configuration nearest to closed moves about.
             let most = shares.iter().copied().fold(0.0, f64::max);
             if shares.iter().any(|&share| !(0.05..20.0).contains(&share) || share < most / 10.0) {
-                wrong.push(format!("{name}: {shares:?}"));
+                failures.push(format!("{name}: {shares:?}"));
             }
         }
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 /// A mechanism of the catalogue with other dimensions, closed as well as it can be, and what moves there.
@@ -147,7 +146,7 @@ fn bennetts_linkage_with_rounded_lengths() {
     }
 }
 
-/// The three-rod robot goes up and down for real; its tilts are what play is for, and need far more than any rounding.
+/// The three-rod robot has one finite motion, up and down; its tilts require play, and need far more than any rounding.
 #[test]
 fn three_rod_robot_tilts_only_with_play() {
     let (_, real, strict) = near("gpr-mechanism", &[], 1e-5);

@@ -62,7 +62,7 @@ fn a_micrometre_between_rods_is_enough_for_rank_11() {
 
 #[test]
 fn the_three_freedoms_at_level_are_instantaneous_one_is_finite() {
-    // The paper says "instantaneous local mobility"; what is left of it for finite motions it does not say.
+    // The paper uses "instantaneous local mobility"; it does not state how much of it is finite.
     let gpr = Gpr::paper().without_limit_checks();
     let found = pose(&Planar, Solver::ClosedForm, Metric::Paper, 0.0, 0.0);
     let system = gpr.system(&Planar);
@@ -167,7 +167,7 @@ fn bounds_at_the_end_are_twice_those_of_the_chord_and_zero_at_the_start() {
         let play = gpr.tilt_play(tilt(15.0, 2.0), HEIGHT, model, &options).unwrap();
         // Zero but for the round-off of a step of 5 mm.
         assert!(play.at_start.bounds.upper < 1e-15, "{:e}", play.at_start.bounds.upper);
-        // The singular values change along the way by a share of the squared tilt.
+        // The singular values change along the path by a share of the squared tilt.
         for (end, chord) in [
             (play.at_end.bounds.lower, play.at_midpoint.bounds.lower),
             (play.at_end.bounds.upper, play.at_midpoint.bounds.upper),

@@ -9,10 +9,10 @@ use jointplay::virtualization::{Planar, Polar, Radial, SolveOptions, Solver, Vir
 
 use crate::{Work, gpr};
 
-/// What can be said after `gpr bulk`.
-pub(crate) const USAGE: &str = "say gpr bulk WHAT [COPIES [cores]]: joints, pose, least, planar, planar-pose, radial, radial-pose or inverse, how often the poses stand after each other, and whether all cores share them";
+/// Arguments of `gpr bulk`.
+pub(crate) const USAGE: &str = "expected gpr bulk WHAT [COPIES [cores]]: joints, pose, least, planar, planar-pose, radial, radial-pose or inverse, how often the poses are repeated, and whether all cores share them";
 
-/// Work that is asked for by name; `None` for names there are not.
+/// Work by its name; `None` for an unknown name.
 pub(crate) fn named(what: &str, rest: &[&str]) -> Option<Box<dyn Work>> {
     let (copies, shared) = match rest {
         [] => (1, false),
@@ -94,9 +94,9 @@ impl<V: Virtualization> Forward<V> {
             return Some(polar.to_vec());
         };
         let normal = Vector3::new(nx, ny, nz);
-        let lean = Rotation3::rotation_between(&Vector3::z(), &normal)?;
+        let tilt = Rotation3::rotation_between(&Vector3::z(), &normal)?;
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), twist);
-        Some(gpr::told(&(Pose::from_parts(Translation3::new(ox, oy, oz), lean * turn), polar)))
+        Some(gpr::numbers(&(Pose::from_parts(Translation3::new(ox, oy, oz), tilt * turn), polar)))
     }
 }
 

@@ -81,7 +81,7 @@ pub(crate) fn options(gpr: &Gpr, solver: Solver) -> SolveOptions {
 /// A pose and its virtual joints, as other programs report them too.
 pub(crate) type Answer = (Pose, [f64; 6]);
 
-pub(crate) fn told((pose, virtual_joints): &Answer) -> Vec<f64> {
+pub(crate) fn numbers((pose, virtual_joints): &Answer) -> Vec<f64> {
     let rotation = pose.rotation.matrix().transpose();
     rotation.iter().chain(pose.translation.vector.iter()).chain(virtual_joints).copied().collect()
 }
@@ -118,13 +118,13 @@ impl Work for Own {
         let waiting = Waiting::default();
         let solved = self.rods.iter().cycle().take(times).filter(|rods| {
             let forward = self.gpr.forward(waiting.after(rods), &Polar, &self.options);
-            forward.is_ok_and(|found| waiting.told(found.base_from_platform.translation.x))
+            forward.is_ok_and(|found| waiting.record(found.base_from_platform.translation.x))
         });
         Some(solved.count())
     }
 
     fn answers(&self) -> Vec<Option<Vec<f64>>> {
-        self.answers.iter().map(|answer| answer.as_ref().map(told)).collect()
+        self.answers.iter().map(|answer| answer.as_ref().map(numbers)).collect()
     }
 }
 
@@ -165,7 +165,7 @@ impl Work for JointsAlone {
     fn call(&mut self, times: usize) -> Option<usize> {
         let waiting = Waiting::default();
         let solved = self.rods.iter().cycle().take(times).filter(|rods| {
-            self.one(&waiting.after(rods)).is_some_and(|found| waiting.told(found[0]))
+            self.one(&waiting.after(rods)).is_some_and(|found| waiting.record(found[0]))
         });
         Some(solved.count())
     }
@@ -192,7 +192,7 @@ impl Waiting {
         rods.map(|rod| rod + self.nothing * self.last.get())
     }
 
-    fn told(&self, answer: f64) -> bool {
+    fn record(&self, answer: f64) -> bool {
         self.last.set(answer);
         true
     }
@@ -273,7 +273,7 @@ impl Work for General {
             let rods = waiting.after(rods);
             RODS.iter().zip(&rods).for_each(|(&k, rod)| coordinates[k] = rod - HEIGHT);
             if self.solver.solve(coordinates.as_mut_slice(), self.relief).is_ok() {
-                waiting.told(coordinates[coordinates.len() - 1]);
+                waiting.record(coordinates[coordinates.len() - 1]);
                 solved += 1;
             }
         }
@@ -285,14 +285,14 @@ impl Work for General {
         let kinematics = Kinematics::new(mechanism);
         let platform = mechanism.link("platform").expect("the graph has a platform");
         let radii = *robot().platform().radii();
-        let told = self.answers.iter().map(|coordinates| {
+        let answers = self.answers.iter().map(|coordinates| {
             let coordinates = coordinates.as_ref()?;
             let x = coordinates.rows(mechanism.joint_freedoms(), 6);
             let mut pose = kinematics.link_poses(coordinates).ok()?[platform];
             pose.translation.vector += pose.rotation * Vector3::new(0.0, 0.0, HEIGHT);
             let l = [0, 1, 2].map(|k| radii[k] + x[2 * k + 1]);
-            Some(told(&(pose, [l[0], l[1], l[2], x[0], x[2], x[4]])))
+            Some(numbers(&(pose, [l[0], l[1], l[2], x[0], x[2], x[4]])))
         });
-        told.collect()
+        answers.collect()
     }
 }

@@ -1,9 +1,9 @@
 //! The work of the side-by-side bench, done by jointplay.
 //!
-//! `write FOLDER` writes the work for every program, `words FOLDER` what jointplay says of mechanisms; `gpr WAY SOLVER` and `linkage NAME` do it.
-//! The ways are `own` (pose by pose, with the platform's pose), `joints` (virtual joints alone), `general` (as any mechanism), with newton or least-norm as the solver; and `bulk WHAT`, many poses at a time.
-//! `scaling FAMILY LOOPS` says how long mechanisms of many loops take.
-//! A worker says `ready`, then answers `run N` by doing all of its work N times, and `tell FILE` by writing its answers; some also answer `call N` by N single calls.
+//! `write FOLDER` writes the work for every program, `words FOLDER` the analyses of mechanisms by jointplay; `gpr METHOD SOLVER` and `linkage NAME` do the work.
+//! The methods are `own` (pose by pose, with the platform's pose), `joints` (virtual joints alone), `general` (as any mechanism), with newton or least-norm as the solver; and `bulk WHAT`, many poses at a time.
+//! `scaling FAMILY LOOPS` prints the times for mechanisms of many loops.
+//! A worker prints `ready`, then answers `run N` by doing all of its work N times, and `tell FILE` by writing its answers; some also answer `call N` by N single calls.
 
 // The families know the façade by the name of the crate below it.
 extern crate jointplay as jointplay_core;
@@ -25,11 +25,11 @@ use std::process::ExitCode;
 use jointplay::mechanism::ReliefSolver;
 use jointplay::virtualization::Solver;
 
-/// Something to solve again and again.
+/// Work that is solved repeatedly.
 trait Work {
-    /// Solves everything; how many were solved.
+    /// Solves everything; returns how many were solved.
     fn solve(&mut self) -> usize;
-    /// Solves so many positions, by a call each that waits for the one before, or many at a time all in one; how many were solved, `None` if nobody asks that.
+    /// Solves so many positions, by a call each that waits for the one before, or many at a time in one call; returns how many were solved, `None` where that is not measured.
     fn call(&mut self, _times: usize) -> Option<usize> {
         None
     }
@@ -47,9 +47,9 @@ fn main() -> ExitCode {
             Some(mut bulk) => serve(bulk.as_mut()),
             None => Err(bulk::USAGE.into()),
         },
-        ["gpr", way, solver] => match gpr_work(way, solver) {
+        ["gpr", method, solver] => match gpr_work(method, solver) {
             Some(mut work) => serve(work.as_mut()),
-            None => Err("say gpr own, joints or general, then newton or least-norm".into()),
+            None => Err("expected gpr own, joints or general, then newton or least-norm".into()),
         },
         ["linkage", name] => match linkage::Linkage::new(name) {
             Some(mut linkage) => serve(&mut linkage),
@@ -57,27 +57,27 @@ fn main() -> ExitCode {
         },
         ["scaling", family, loops] => scale(family, loops),
         _ => Err(
-            "say one of: write FOLDER, words FOLDER, gpr WAY SOLVER, gpr bulk WHAT, linkage NAME, scaling FAMILY LOOPS"
+            "expected one of: write FOLDER, words FOLDER, gpr METHOD SOLVER, gpr bulk WHAT, linkage NAME, scaling FAMILY LOOPS"
                 .into(),
         ),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // Whoever reads nothing any more is told nothing.
+            // A closed standard error is no failure.
             let _ = writeln!(std::io::stderr(), "{error}");
             ExitCode::from(2)
         }
     }
 }
 
-fn gpr_work(way: &str, solver: &str) -> Option<Box<dyn Work>> {
+fn gpr_work(method: &str, solver: &str) -> Option<Box<dyn Work>> {
     let (solver, relief) = match solver {
         "newton" => (Solver::Newton, ReliefSolver::Newton),
         "least-norm" => (Solver::LeastNorm, ReliefSolver::LeastNorm),
         _ => return None,
     };
-    Some(match way {
+    Some(match method {
         "own" => Box::new(gpr::Own::new(solver)),
         "joints" => Box::new(gpr::JointsAlone::new(solver)),
         "general" => Box::new(gpr::General::new(relief)),
@@ -132,7 +132,7 @@ fn serve(work: &mut dyn Work) -> Outcome {
                 std::fs::write(path, text)?;
                 writeln!(out, "done")?;
             }
-            _ => return Err(format!("say run N, call N or tell FILE, not {line:?}").into()),
+            _ => return Err(format!("expected run N, call N or tell FILE, got {line:?}").into()),
         }
         out.flush()?;
     }
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn both_ways_to_the_robot_agree() {
+    fn closed_form_and_general_mechanism_agree_on_the_robot() {
         let mut own = gpr::Own::new(Solver::LeastNorm);
         let mut general = gpr::General::new(ReliefSolver::LeastNorm);
         own.solve();
@@ -190,17 +190,17 @@ mod tests {
     }
 
     #[test]
-    fn many_at_a_time_are_as_one_by_one() {
-        let told = |mut work: Box<dyn Work>| {
+    fn many_at_a_time_equal_one_by_one() {
+        let answers = |mut work: Box<dyn Work>| {
             work.solve();
             work.answers().into_iter().flatten().flatten().collect::<Vec<f64>>()
         };
-        let bulk = |what| told(bulk::named(what, &[]).expect("there is such work"));
+        let bulk = |what| answers(bulk::named(what, &[]).expect("there is such work"));
         let rods: Vec<f64> = gpr::rods().concat();
         for (many, one) in [
-            (bulk("joints"), told(Box::new(gpr::JointsAlone::new(Solver::Newton)))),
-            (bulk("pose"), told(Box::new(gpr::Own::new(Solver::Newton)))),
-            (bulk("least"), told(Box::new(gpr::JointsAlone::new(Solver::LeastNorm)))),
+            (bulk("joints"), answers(Box::new(gpr::JointsAlone::new(Solver::Newton)))),
+            (bulk("pose"), answers(Box::new(gpr::Own::new(Solver::Newton)))),
+            (bulk("least"), answers(Box::new(gpr::JointsAlone::new(Solver::LeastNorm)))),
             (bulk("inverse"), rods),
         ] {
             assert_eq!(many.len(), one.len());
@@ -210,7 +210,7 @@ mod tests {
         }
     }
 
-    /// What a document says in a table is a line of the results, or its beginning.
+    /// Each row of a table in a document is a row of the results, or its beginning.
     #[test]
     fn documents_quote_the_results() {
         let read = |path: &str| {
@@ -234,16 +234,16 @@ mod tests {
         let rows: Vec<&str> = rows.map(|pair| pair[0]).collect();
         assert!(rows.len() > 50, "{rows:?}");
         for row in rows {
-            assert!(results.contains(row), "no result says {row}");
+            assert!(results.contains(row), "no result has the row {row}");
         }
         // Such as: jointplay, bulk **63 M**; C, by hand **12 M**.
         let short = section("README.md", "## Performance");
-        let (_, told) = short.split_once(": ").expect("what is told");
-        let told: Vec<&str> = told.trim().split("**").collect();
-        assert!(told.len() > 7, "{told:?}");
-        for pair in told.chunks_exact(2) {
+        let (_, list) = short.split_once(": ").expect("a list of results");
+        let list: Vec<&str> = list.trim().split("**").collect();
+        assert!(list.len() > 7, "{list:?}");
+        for pair in list.chunks_exact(2) {
             let row = format!("| {} | {} |", pair[0].trim_start_matches("; ").trim(), pair[1]);
-            assert!(results.contains(&row), "no result says {row}");
+            assert!(results.contains(&row), "no result has the row {row}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! How long mechanisms of many loops take: dense algebra beside sparse.
+//! Times for mechanisms of many loops, by dense and by sparse algebra.
 
 use std::time::{Duration, Instant};
 
@@ -11,11 +11,11 @@ use serde_json::{Value, json};
 
 use crate::families::{bennett_row, scissor_lift};
 
-/// Each work is done again and again for so long; the shortest time counts.
+/// Each work is repeated for so long; the shortest time is reported.
 const LEAST: Duration = Duration::from_millis(300);
-/// How far the drive goes [rad], and in how many steps.
-const WAY: (f64, usize) = (0.1, 10);
-/// Dense algebra is asked up to so many loops; a little beyond, it refuses.
+/// Displacement of the drive [rad], and number of steps.
+const DRIVE: (f64, usize) = (0.1, 10);
+/// Dense algebra is measured up to so many loops; it refuses larger mechanisms.
 const MOST_DENSE: usize = 30;
 
 /// Times of one family at a number of loops [s], or why there is none.
@@ -32,7 +32,7 @@ pub(crate) fn scaling(family: &str, loops: usize) -> Option<Value> {
         Ok::<_, Error>(system)
     };
     let start = closed().ok()?.coordinates().clone();
-    let drives = [Drive { coordinate: driven, to: start[driven] + WAY.0 }];
+    let drives = [Drive { coordinate: driven, to: start[driven] + DRIVE.0 }];
     let free: Vec<usize> = (0..start.len()).filter(|k| *k != driven && !held.contains(k)).collect();
     let dense = |work: &dyn Fn() -> Result<Option<usize>, Error>| {
         if loops > MOST_DENSE { Value::Null } else { timed(work) }
@@ -52,11 +52,11 @@ pub(crate) fn scaling(family: &str, loops: usize) -> Option<Value> {
         }),
         "drive_dense": dense(&|| {
             let system = MechanismSystem::new(&mechanism, start.clone())?;
-            Ok(arrived(drive(&system, &drives, &free, WAY.1)?))
+            Ok(arrived(drive(&system, &drives, &free, DRIVE.1)?))
         }),
         "drive_sparse": timed(&|| {
             let system = SparseSystem::new(&mechanism, start.clone())?;
-            Ok(arrived(system.drive(&drives, held, WAY.1)?))
+            Ok(arrived(system.drive(&drives, held, DRIVE.1)?))
         }),
     }))
 }

@@ -1,4 +1,4 @@
-//! Mechanisms as other programs are told them.
+//! Mechanisms in the form that other programs read.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write as _;

@@ -1,4 +1,4 @@
-//! What jointplay says of mechanisms, and the same mechanisms for others to speak of.
+//! Analyses of mechanisms by jointplay, and the same mechanisms as files for other programs.
 
 use std::path::Path;
 
@@ -18,35 +18,35 @@ use crate::tree::Tree;
 
 const MECHANISMS: [&str; 7] =
     ["four-bar", "bennett", "bricard-orthogonal", "sarrus", "3-rps", "3-upu-tsai", "3-upu-snu"];
-/// How far the platform is asked to lean.
+/// Commanded tilt of the platform.
 const TILT: Tilt = Tilt { yaw: 0.0, pitch: 2.0 * std::f64::consts::PI / 180.0 };
 
-/// How far it is asked to rise [m].
+/// Commanded rise of the platform [m].
 const RISE: f64 = 0.01;
 
-/// Writes a file for each mechanism and configuration, and all that jointplay says of them.
+/// Writes a file for each mechanism and configuration, and the analyses of jointplay.
 pub(crate) fn write(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     std::fs::create_dir_all(folder)?;
-    let mut said = Vec::new();
-    let mut tell = |name: &str, mechanism: &Mechanism, at: &DVector<f64>| {
+    let mut analyses = Vec::new();
+    let mut analyse = |name: &str, mechanism: &Mechanism, at: &DVector<f64>| {
         let actuated = actuated(mechanism);
         let text = Tree::of(mechanism).text(&actuated, 1e-12, std::slice::from_ref(at));
-        said.push(mobility(name, mechanism, at)?);
+        analyses.push(mobility(name, mechanism, at)?);
         std::fs::write(folder.join(format!("{name}.txt")), text)?;
         Ok::<_, Box<dyn std::error::Error>>(())
     };
     for name in MECHANISMS {
         let mechanism = parsed(name)?;
         let closed = assemble(&mechanism, &guess(&mechanism), &actuated(&mechanism), 0)?;
-        tell(name, &mechanism, &closed.coordinates)?;
+        analyse(name, &mechanism, &closed.coordinates)?;
     }
     let (rigid, level) = rigid()?;
-    tell("gpr-level", &rigid, &level)?;
+    analyse("gpr-level", &rigid, &level)?;
     let rods = gpr::robot().inverse(TILT, AxisHeight(gpr::HEIGHT))?.map(|rod| rod - gpr::HEIGHT);
     let (fitted, tilted) = fitted(rods)?;
-    tell("gpr-tilted", &fitted, &tilted)?;
+    analyse("gpr-tilted", &fitted, &tilted)?;
 
-    // The rigid robot, asked to rise and to lean: rods at those lengths, everything else where it was.
+    // The rigid robot, commanded to rise and to tilt: rods at those lengths, everything else where it was.
     let mut asked = serde_json::Map::new();
     for (name, lengths) in [("rise", [RISE; 3]), ("lean", rods)] {
         let mut start = level.clone();
@@ -59,7 +59,7 @@ pub(crate) fn write(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
         };
         asked.insert(name.to_owned(), answer.into());
     }
-    let whole = json!({ "mechanisms": said, "asked_to": asked });
+    let whole = json!({ "mechanisms": analyses, "asked_to": asked });
     std::fs::write(folder.join("jointplay.json"), serde_json::to_string_pretty(&whole)?)?;
     Ok(())
 }
@@ -103,7 +103,7 @@ fn rigid() -> Result<(Mechanism, DVector<f64>), Box<dyn std::error::Error>> {
     Ok((mechanism, level))
 }
 
-/// The robot leaning, its sockets standing for good where virtual joints had to move them.
+/// The tilted robot, its sockets fixed where the virtual joints moved them.
 fn fitted(rods: [f64; 3]) -> Result<(Mechanism, DVector<f64>), Box<dyn std::error::Error>> {
     let relieved = parsed("gpr-mechanism")?;
     let freedoms = relieved.joint_freedoms();

@@ -1,7 +1,7 @@
-//! How long the whole chain takes, per call and per branch.
+//! Duration of the inverse kinematics of the whole chain, per call and per branch.
 //!
-//! Targets vary from call to call, over a thousand positions and tilts within limits, so that neither branches nor caches know the answer beforehand.
-//! Of the inverse the least time of each quarter of them counts, over the passes of a sample: other work on the machine only adds to it.
+//! Targets vary from call to call over a thousand positions and tilts within limits, so that neither branch prediction nor caches know the answer.
+//! The least time of each quarter of the targets counts, over the passes of a sample: other work on the machine only adds to it.
 #![expect(clippy::unwrap_used, reason = "a benchmark of a failure would be none")]
 
 #[expect(dead_code, reason = "the laws use all of it")]
@@ -23,7 +23,7 @@ const POSES: u32 = 1000;
 const QUARTER: usize = POSES as usize / 4;
 const A: EffectorId = EffectorId { arm: 0, effector: 0 };
 
-/// The same targets, from beside where the arm would have gone to reach them: as one instruction follows the other.
+/// The same targets, from near the positions that the arm would have taken to reach them: as one instruction follows another.
 fn settled(robot: &HybridRobot, cases: &[(Vec<f64>, WaferTarget)]) -> Vec<(Vec<f64>, WaferTarget)> {
     let settle = |(near, target): &(Vec<f64>, WaferTarget)| {
         let found = robot.inverse(A, target, near).unwrap();
@@ -51,7 +51,7 @@ fn cases(robot: &HybridRobot, with_heading: bool) -> Vec<(Vec<f64>, WaferTarget)
             let x = tilt_rotation(&normal).inverse() * (pose.rotation * Vector3::x());
             let heading = with_heading.then(|| x.y.atan2(x.x));
             let target = WaferTarget { center: pose.translation.vector, normal, heading };
-            // From beside the target.
+            // Near positions that reach the target.
             for position in &mut positions[3..] {
                 *position += 0.05;
             }

@@ -1,6 +1,6 @@
-//! How long a lot of 25 wafers takes to time and to check with collisions at 1 kHz.
+//! Duration of planning and checking a lot of 25 wafers, collisions included, at 1 kHz.
 //!
-//! A radial arm fetches each wafer of one port and lays it into another, both with walls.
+//! A radial arm picks each wafer of one port and places it into another; both ports have walls.
 #![expect(clippy::unwrap_used, reason = "a benchmark of a failure would be none")]
 
 #[expect(dead_code, reason = "one kind of robot is enough here")]
@@ -24,7 +24,7 @@ use nalgebra::{Rotation3, Translation3, Vector3};
 
 const WAFERS: usize = 25;
 
-/// A port in a direction from the robot's axis, its lowest slot 0.6 m out and 0.62 m up.
+/// A port in a direction from the robot's axis, its lowest slot 0.6 m from it and 0.62 m high.
 fn port(name: &str, direction: f64) -> Station {
     let out = Vector3::new(direction.cos(), direction.sin(), 0.0) * 0.6;
     let turn =

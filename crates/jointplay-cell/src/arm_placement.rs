@@ -10,25 +10,25 @@ use crate::wafer::{Deflection, Droop, DroopError};
 use crate::workcell::Cell;
 
 impl Cell {
-    /// Adds the poses of one arm in the base frame: its links from the first on, all of them rigid, and then for each effector the last link as that effector deflects it, and its wafer.
+    /// Appends the poses of one arm in the base frame: its links without deflection, and then for each effector the deflected last link and the wafer.
     ///
     /// ```text
     ///    base_from_wafer  =  D · base_from_last · last_from_wafer,      base_from_tip  =  D · base_from_last
     /// ```
-    /// D: the deflection of the arm at that effector's reach and load, see [`apply_deflection`](crate::wafer::apply_deflection).
+    /// D: deflection of the arm at the effector's reach and load, see [`apply_deflection`](crate::wafer::apply_deflection).
     ///
     /// # Arguments
-    /// * `loaded` – whether an effector carries a wafer
-    /// * `known` – the deflection to use, given what is known of it
+    /// * `loaded` – whether an effector holds a wafer
+    /// * `resolve` – deflection to use, given the computed one or its error
     ///
     /// # Errors
-    /// Those of `known`.
-    pub(crate) fn place_arm<E>(
+    /// Those of `resolve`.
+    pub(crate) fn append_arm_poses<E>(
         &self,
         (arm, base_from_platform): (usize, &Pose),
         positions: &[f64],
         loaded: impl Fn(EffectorId) -> bool,
-        known: impl Fn(Result<Deflection, DroopError>) -> Result<Deflection, E>,
+        resolve: impl Fn(Result<Deflection, DroopError>) -> Result<Deflection, E>,
         to: &mut Vec<Pose>,
     ) -> Result<(), E> {
         let described = &self.robot.arms[arm];
@@ -44,25 +44,25 @@ impl Cell {
             }
             let loaded = loaded(EffectorId { arm, effector });
             let wafer_of_rigid_arm = self.rigid_wafer_at(arm, base_from_platform, rigid);
-            let deflection = known(self.deflection(&wafer_of_rigid_arm, loaded))?;
+            let deflection = resolve(self.deflection(&wafer_of_rigid_arm, loaded))?;
             let wafer = wafer_of_rigid_arm.deflected(deflection);
             to.extend([wafer * last_from_wafer.inverse(), wafer]);
         }
         Ok(())
     }
 
-    /// Poses of all links and wafers, arms deflected: wafers as by [`Self::wafer_pose`], the last link of an arm with its effector, links before it rigid.
+    /// Poses of all links and wafers with deflection: wafers as by [`Self::wafer_pose`], the last link of an arm with its effector, links before it rigid.
     ///
     /// Bodies attached to a link move with it; the collision check, the jog, glTF and pictures all take poses from this calculation.
     /// With several effectors on one link, the link takes the deflection of the effector that drops most; the collision check tests the bodies of such a link at the deflection of each effector.
-    /// Where nothing is known of the droop, nothing deflects.
+    /// Where the droop is unknown, there is no deflection.
     ///
     /// # Arguments
-    /// * `loaded` – effectors that carry a wafer
+    /// * `loaded` – effectors that hold a wafer
     ///
     /// # Errors
     /// As [`crate::robot::HybridRobot::forward`].
-    pub fn drooping(
+    pub fn forward_with_deflection(
         &self,
         positions: &[f64],
         loaded: &[EffectorId],
@@ -73,7 +73,7 @@ impl Cell {
         let (mut base_from_link, mut base_from_wafer) = (Vec::new(), Vec::new());
         for (arm, described) in self.robot.arms.iter().enumerate() {
             let mut links = Vec::with_capacity(described.joints.len() + 2);
-            let Ok(()) = self.place_arm::<Infallible>(
+            let Ok(()) = self.append_arm_poses::<Infallible>(
                 (arm, &base_from_platform),
                 positions,
                 |id| loaded.contains(&id),

@@ -1,4 +1,4 @@
-//! The robot moved by hand: as far as its limits let it go, and what stops it there.
+//! Jogging: interactive motion of the robot up to its limits, and the reason of a stop.
 
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
@@ -10,62 +10,62 @@ use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 use crate::{CellError, EntityId};
 
-/// How often the way to a place that cannot be reached is halved: what is left of it is a trillionth.
-const HALVINGS: usize = 40;
+/// Bisections of the path to an unreachable target: the rest is 2⁻⁴⁰ of it.
+const BISECTIONS: usize = 40;
 
-/// Where the robot has come to.
+/// Positions after a jog, and why it stopped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JogOutcome {
-    /// Of all axes, rods first ([m], [rad]).
+    /// Positions of all axes, rods first ([m], [rad]).
     pub positions: Vec<f64>,
-    /// Why it is not where it was told to go.
+    /// Why the target was not reached; `None` if it was.
     pub stopped: Option<Stopped>,
 }
 
-/// Why the robot does not come to a place.
+/// Why a jog stops before its target.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Stopped {
-    /// The positions asked for break these limits.
+    /// The target violates these limits.
     Limits(Vec<LimitViolation>),
-    /// No positions bring the wafer there.
+    /// No axis positions exist for the target.
     Place(Unreachable),
-    /// These two collision objects would touch farther on.
+    /// These two collision objects would touch beyond.
     Contact([EntityId; 2]),
 }
 
-/// A wafer as seen from a slot, in cylinder coordinates about the axis that the arm turns about.
+/// Pose of a wafer relative to a slot, in cylindrical coordinates about the axis of the arm's rotation.
 ///
 /// ```text
-///    the wafer is in the slot where all are zero, its x axis then pointing inward
+///    the wafer is in the slot where all coordinates are zero; its x axis then points inward
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SlotRelativePose {
-    /// How much farther from the axis than the slot its centre is, negative before the slot [m].
+    /// Distance of its centre from the axis less that of the slot; negative in front of the slot [m].
     pub radial: f64,
     /// Angle about the axis from the slot to its centre [rad].
     pub turn: f64,
-    /// How far its centre is above the plane that wafers rest on in the slot [m].
+    /// Height of its centre above the resting plane of the slot [m].
     pub height: f64,
-    /// Where it heads, from the slot's inward direction [rad].
+    /// Heading relative to the slot's inward direction [rad].
     pub yaw: f64,
 }
 
-/// A slot with the axis that it is seen from.
-struct View {
+/// Frame of a slot and the axis of the cylindrical coordinates.
+struct SlotFrame {
     frame: Pose,
     normal: Vector3<f64>,
-    /// Where the axis crosses the slot's plane.
+    /// Intersection of the axis with the slot's plane [m].
     axis: Vector3<f64>,
-    /// From there to the slot.
+    /// Vector from there to the slot [m].
     out: Vector3<f64>,
 }
 
-impl View {
-    fn seen(&self, wafer: &Pose) -> SlotRelativePose {
+impl SlotFrame {
+    fn relative_pose(&self, wafer: &Pose) -> SlotRelativePose {
         let Self { frame, normal, axis, out } = self;
-        let beside = wafer.translation.vector - axis;
-        let height = normal.dot(&beside);
-        let within = beside - normal * height;
+        let offset = wafer.translation.vector - axis;
+        let height = normal.dot(&offset);
+        let within = offset - normal * height;
         let ahead = wafer.rotation * Vector3::x();
         let (inward, across) = (frame.rotation * Vector3::y(), -(frame.rotation * Vector3::x()));
         SlotRelativePose {
@@ -93,7 +93,7 @@ impl View {
 }
 
 impl Cell {
-    /// All axes toward positions: each motor up to its stops, the rods the straight way up to their limits and that of the tilt.
+    /// Moves all axes toward positions: each motor up to its limits, the rods along a straight line up to their limits and that of the tilt.
     ///
     /// # Arguments
     /// * `from`, `to` – positions of all axes, rods first ([m], [rad])
@@ -114,7 +114,7 @@ impl Cell {
         Ok(JogOutcome { positions, stopped })
     }
 
-    /// The platform toward a tilt and a height, the motors staying as they are.
+    /// Moves the platform toward a tilt and a height; the motors do not move.
     ///
     /// # Errors
     /// As [`Self::jog_axes`], and those of the robot's inverse.
@@ -130,16 +130,16 @@ impl Cell {
         self.jog_axes(from, &to)
     }
 
-    /// The wafer of an effector straight toward a place in the base frame, its plane turning evenly, droop made up for as by [`Self::reach`].
+    /// Moves the wafer of an effector along a straight line toward a target in the base frame, its plane rotating evenly, with droop compensated as by [`Self::reach`].
     ///
     /// # Arguments
-    /// * `from` – positions of all axes that the robot is at
-    /// * `loaded` – whether the effector carries a wafer
+    /// * `from` – present positions of all axes
+    /// * `loaded` – whether the effector holds a wafer
     ///
-    /// Where the robot is at the start, nothing has to be known of the droop.
+    /// At the start, the droop may be unknown.
     ///
     /// # Errors
-    /// Those of the robot's kinematics, and numbers that are none.
+    /// Those of the robot's kinematics, and numbers that are not finite.
     pub fn jog_wafer(
         &self,
         from: &[f64],
@@ -149,7 +149,7 @@ impl Cell {
     ) -> Result<JogOutcome, Unreachable> {
         let (pose, _) = self.wafer_pose_or_rigid(effector, from, loaded)?;
         let start = WaferTarget::of(&pose);
-        let way = |share: f64| WaferTarget {
+        let path = |share: f64| WaferTarget {
             center: start.center.lerp(&to.center, share),
             normal: start.normal.lerp(&to.normal.normalize(), share),
             heading: match (start.heading, to.heading) {
@@ -157,10 +157,10 @@ impl Cell {
                 _ => to.heading,
             },
         };
-        self.jog_along(from, effector, loaded, way)
+        self.jog_along(from, effector, loaded, path)
     }
 
-    /// The wafer of an effector toward a place as seen from a slot, its plane becoming that of the slot.
+    /// Moves the wafer of an effector toward a pose relative to a slot; its plane becomes that of the slot.
     ///
     /// # Errors
     /// As [`Self::jog_wafer`].
@@ -176,12 +176,12 @@ impl Cell {
         to: &SlotRelativePose,
     ) -> Result<JogOutcome, Unreachable> {
         let (pose, _) = self.wafer_pose_or_rigid(effector, from, loaded)?;
-        let view = self.view(effector, slot);
-        let (start, normal) = (view.seen(&pose), pose.rotation * Vector3::z());
+        let view = self.slot_view(effector, slot);
+        let (start, normal) = (view.relative_pose(&pose), pose.rotation * Vector3::z());
         let between = |from: f64, to: f64, share: f64| from + share * (to - from);
         let turned = |from: f64, to: f64, share: f64| from + share * shortest(to - from);
         let free = self.robot.heading_is_free(effector)?;
-        let way = |share: f64| {
+        let path = |share: f64| {
             let part = SlotRelativePose {
                 radial: between(start.radial, to.radial, share),
                 turn: turned(start.turn, to.turn, share),
@@ -192,13 +192,13 @@ impl Cell {
             target.heading = target.heading.filter(|_| free);
             target
         };
-        self.jog_along(from, effector, loaded, way)
+        self.jog_along(from, effector, loaded, path)
     }
 
-    /// A wafer of an effector as seen from a slot.
+    /// Pose of a wafer relative to a slot.
     ///
     /// # Arguments
-    /// * `wafer` – where it is in the base frame, as [`Self::wafer_pose`] tells
+    /// * `wafer` – its pose in the base frame, as by [`Self::wafer_pose`]
     ///
     /// # Panics
     /// If the cell has no such station.
@@ -209,38 +209,38 @@ impl Cell {
         effector: EffectorId,
         slot: SlotId,
     ) -> SlotRelativePose {
-        self.view(effector, slot).seen(wafer)
+        self.slot_view(effector, slot).relative_pose(wafer)
     }
 
-    /// A slot that cannot be reached is seen from the robot's own axis.
-    fn view(&self, effector: EffectorId, slot: SlotId) -> View {
+    /// Frame of a slot; for an unreachable slot, with the axis of the robot.
+    fn slot_view(&self, effector: EffectorId, slot: SlotId) -> SlotFrame {
         let frame = self.stations[slot.station].slot_frame(slot.slot);
         let (center, normal) = (frame.translation.vector, frame.rotation * Vector3::z());
         let home: Vec<f64> = self.robot.axes.iter().map(|axis| axis.home).collect();
         let axis = self.turning_axis(effector, slot, &home).unwrap_or_else(|_| {
             Vector3::z() * (center.z + (normal.x * center.x + normal.y * center.y) / normal.z)
         });
-        View { frame, normal, axis, out: center - axis }
+        SlotFrame { frame, normal, axis, out: center - axis }
     }
 
-    /// As far along a way as there are positions for it.
+    /// Moves along a path as far as axis positions exist for it.
     fn jog_along(
         &self,
         from: &[f64],
         effector: EffectorId,
         loaded: bool,
-        way: impl Fn(f64) -> WaferTarget,
+        path: impl Fn(f64) -> WaferTarget,
     ) -> Result<JogOutcome, Unreachable> {
-        let why = match self.reach(effector, &way(1.0), loaded, from) {
+        let why = match self.reach(effector, &path(1.0), loaded, from) {
             Ok(reached) => return Ok(JogOutcome { positions: reached.positions, stopped: None }),
             Err(Unreachable::Robot(error)) => return Err(Unreachable::Robot(error)),
             Err(why) => why,
         };
         let mut positions = from.to_vec();
         let (mut near, mut far) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
+        for _ in 0..BISECTIONS {
             let share = 0.5 * (near + far);
-            match self.reach(effector, &way(share), loaded, from) {
+            match self.reach(effector, &path(share), loaded, from) {
                 Ok(reached) => (positions, near) = (reached.positions, share),
                 Err(_) => far = share,
             }
@@ -249,7 +249,7 @@ impl Cell {
     }
 }
 
-/// The same turn by at most half a revolution [rad].
+/// The equivalent rotation of at most half a revolution [rad].
 fn shortest(angle: f64) -> f64 {
     let turns = (angle / std::f64::consts::TAU).round();
     angle - turns * std::f64::consts::TAU

@@ -1,4 +1,4 @@
-//! Hybrid robots and offline programming: from stations to a checked, timed motion.
+//! Hybrid robots and offline programming: from stations to a checked trajectory.
 //!
 //! ```text
 //!   Program ──expand──▶ Step… ──plan_trajectory──▶ Trajectory ──check──▶ Report
@@ -6,20 +6,22 @@
 //!             Cell               limits       bodies, zones, budgets
 //! ```
 //!
-//! | module | role |
+//! | module | contents |
 //! | --- | --- |
+//! | [`geometry`] | shapes, their triangles, colliders and distances |
 //! | [`robot`] | a three-rod robot that carries planar arms: description, forward and inverse kinematics of the whole chain |
-//! | [`wafer`] | what is carried: plates that sag, arms that droop, and how the platform makes up for it |
-//! | [`station`] | where wafers are put: frames, slots, approach, and frames from taught points |
-//! | [`workcell`] | robot, stations, wafers, bodies and zones together |
-//! | [`program`] | what the robot is told, and the steps that it comes to |
-//! | [`trajectory`] | steps in time: jerk-limited, synchronised, straight where asked for |
-//! | [`check`] | what is wrong with a motion, by sample and by instruction |
-//! | [`jog`] | the robot moved by hand: as far as its limits let it go, and what stops it there |
-//! | [`IncrementalPlanner`] | both for a plan that changes, at the cost of what changes |
-//! | [`geometry`] | shapes, and shapes as triangles |
+//! | [`wafer`] | plates that sag, arms that droop, and the compensation by the platform |
+//! | [`station`] | places for wafers: frames, slots, approach, and frames from taught points |
+//! | [`workcell`] | robot, stations, wafers, bodies and zones |
+//! | [`program`] | programs, and the steps that they expand to |
+//! | [`trajectory`] | steps over time: jerk-limited, synchronized, along straight lines |
+//! | [`check`] | violations of a trajectory, minimum distances, and results by instruction |
+//! | [`jog`] | interactive motion up to the limits |
+//! | [`IncrementalPlanner`] | expansion, trajectory and check, with results of the previous plan reused |
 //!
-//! Pure mathematics in SI: no files, no clock, no threads.
+//! Imports go from the bottom of this list to its top; two internal modules are in between: `incremental` (fingerprints, caches, parallel map) below all, and `collision` (continuous collision checking, with the guarantee at its head) below [`check`].
+//!
+//! Pure mathematics in SI units: no files, no clock; results do not depend on the number of threads.
 
 #[cfg(test)]
 extern crate self as jointplay_cell;
@@ -43,5 +45,5 @@ pub mod workcell;
 
 pub use entity::EntityId;
 pub use error::CellError;
-pub use incremental::{CacheStats, Interrupted, Job, Stop};
-pub use planner::{IncrementalPlanner, PlanError};
+pub use incremental::{CacheStats, Interrupted, Progress, Stop};
+pub use planner::{IncrementalPlanner, PlanError, PlanOptions};

@@ -1,72 +1,81 @@
-//! What was found of the last plan, so that a change costs what it changes.
+//! Incremental planning: expansion, trajectory and check of a program, with results of the previous plan reused.
 
-use crate::check::{CheckOptions, Checks, Report};
-use crate::incremental::{CacheStats, Interrupted, Job, Run, Stop, never, whole};
+use crate::check::{CheckCache, CheckOptions, Report};
+use crate::incremental::{
+    CacheStats, Execution, Interrupted, Observer, Progress, Stop, uninterrupted,
+};
 use crate::program::{IkCache, Program, ProgramError, Step, expand_by};
 use crate::trajectory::{SegmentCache, Trajectory, TrajectoryError, TrajectoryOptions};
 use crate::workcell::Cell;
 
-/// Steps, motions and checks of the last plan, move by move.
+/// Plans and checks programs; what did not change since the previous plan is not computed again.
 ///
-/// A place is looked for anew where its station is another or the robot comes from elsewhere.
-/// A move is plan_trajectory and checked anew where anything that it depends on has other bits than in the last plan: its ends, limits, what is carried, and what stands within reach of its way.
-/// What comes out is the same as without a memory, to the bit: [`expand`](crate::program::expand), [`plan_trajectory`](crate::trajectory::plan_trajectory) and [`check`](crate::check::check) are these functions of an empty one.
+/// Inverse kinematics is solved again where the station or the preceding position of the robot has changed.
+/// A segment is planned and checked again where any of its inputs has changed by a bit: its ends, its limits, the held wafers, and the collision objects within reach of its path.
+/// The results are equal, to the bit, to those of a new planner: [`expand`](crate::program::expand), [`plan_trajectory`](crate::trajectory::plan_trajectory) and [`check`](crate::check::check).
 ///
-/// It holds what the last plan came to, and no more.
+/// Only results of the previous plan are kept.
+/// Segments are planned and checked in parallel, on the threads of the current rayon pool; the results do not depend on their number.
+///
+/// # Example
+/// ```
+/// use jointplay_cell::IncrementalPlanner;
+///
+/// let planner = IncrementalPlanner::default();
+/// assert_eq!(planner.limit_cache_stats().misses, 0);
+/// ```
 pub struct IncrementalPlanner {
-    places: IkCache,
-    ways: SegmentCache,
-    checks: Checks,
-    run: Box<dyn Fn(usize, Job<'_>) + Send>,
+    ik_cache: IkCache,
+    segment_cache: SegmentCache,
+    checks: CheckCache,
+    observer: Box<Observer>,
 }
 
-/// Why [`IncrementalPlanner::plan`] returns no motion.
+/// Options of [`IncrementalPlanner::plan`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PlanOptions {
+    /// Options of the trajectory.
+    pub trajectory: TrajectoryOptions,
+    /// Options of the check.
+    pub check: CheckOptions,
+}
+
+/// Why [`IncrementalPlanner::plan`] returns no trajectory.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
-    /// It was stopped.
+    /// The computation was stopped.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
     /// The program has errors.
     #[error("the program has {} errors", .0.len())]
     Program(Vec<ProgramError>),
-    /// Steps of it cannot be plan_trajectory.
+    /// No trajectory exists for some steps.
     #[error(transparent)]
     Trajectory(#[from] TrajectoryError),
 }
 
 impl Default for IncrementalPlanner {
     fn default() -> Self {
-        Self::run_by(|count, job| (0..count).for_each(job))
+        Self::with_observer(|_| {})
     }
 }
 
 impl IncrementalPlanner {
-    /// An empty one, whose moves somebody runs who may have threads for it.
+    /// A planner without a previous plan, whose progress is observed.
     ///
     /// # Arguments
-    /// * `run` – does a job for all numbers below the one given, in any order or at the same time: what comes out is the same
-    ///
-    /// # Example
-    /// ```
-    /// use jointplay_cell::IncrementalPlanner;
-    ///
-    /// let memory = IncrementalPlanner::run_by(|count, job| {
-    ///     std::thread::scope(|scope| {
-    ///         for first in 0..2 {
-    ///             scope.spawn(move || (first..count).step_by(2).for_each(job));
-    ///         }
-    ///     });
-    /// });
-    /// assert_eq!(memory.limit_cache_stats().misses, 0);
-    /// ```
+    /// * `observer` – called from several threads, when jobs begin and when each of them ends
     #[must_use]
-    pub fn run_by(run: impl Fn(usize, Job<'_>) + Send + 'static) -> Self {
-        let (places, ways, checks) =
-            (IkCache::default(), SegmentCache::default(), Checks::default());
-        Self { places, ways, checks, run: Box::new(run) }
+    pub fn with_observer(observer: impl Fn(Progress) + Send + Sync + 'static) -> Self {
+        Self {
+            ik_cache: IkCache::default(),
+            segment_cache: SegmentCache::default(),
+            checks: CheckCache::default(),
+            observer: Box::new(observer),
+        }
     }
 
-    /// As [`expand`](crate::program::expand).
+    /// Expands a program, as [`expand`](crate::program::expand).
     ///
     /// # Errors
     /// As [`expand`](crate::program::expand).
@@ -75,10 +84,10 @@ impl IncrementalPlanner {
         cell: &Cell,
         program: &Program,
     ) -> Result<Vec<Step>, Vec<ProgramError>> {
-        whole(expand_by(cell, program, &mut self.places, &never))
+        uninterrupted(expand_by(cell, program, &mut self.ik_cache, &|| false))
     }
 
-    /// As [`plan_trajectory`](crate::trajectory::plan_trajectory).
+    /// Plans the trajectory of steps, as [`plan_trajectory`](crate::trajectory::plan_trajectory).
     ///
     /// # Errors
     /// As [`plan_trajectory`](crate::trajectory::plan_trajectory).
@@ -88,22 +97,28 @@ impl IncrementalPlanner {
         steps: Vec<Step>,
         options: &TrajectoryOptions,
     ) -> Result<Trajectory, TrajectoryError> {
-        let run = Run { jobs: &*self.run, stop: &never };
-        whole(self.ways.plan_trajectory(cell, steps, options, run))
+        let execution = Execution { stop: &|| false, observer: &*self.observer };
+        uninterrupted(self.segment_cache.plan_trajectory(cell, steps, options, execution))
     }
 
-    /// As [`check`](crate::check::check).
+    /// CheckCache a trajectory, as [`check`](crate::check::check).
     #[must_use]
-    pub fn check(&mut self, cell: &Cell, motion: &Trajectory, options: &CheckOptions) -> Report {
-        whole(self.checks.check(cell, motion, options, Run { jobs: &*self.run, stop: &never }))
+    pub fn check(
+        &mut self,
+        cell: &Cell,
+        trajectory: &Trajectory,
+        options: &CheckOptions,
+    ) -> Report {
+        let execution = Execution { stop: &|| false, observer: &*self.observer };
+        uninterrupted(self.checks.check(cell, trajectory, options, execution))
     }
 
-    /// [`Self::expand`], [`Self::plan_trajectory`] and [`Self::check`] in one, which can be stopped.
+    /// Expands, plans and checks a program; the computation can be stopped.
     ///
-    /// What was computed before a stop is reused by the next plan.
+    /// Results computed before a stop are reused by the next plan.
     ///
     /// # Arguments
-    /// * `stop` – called between instructions and between moves; true stops the computation
+    /// * `stop` – polled between instructions and between segments; true stops the computation
     ///
     /// # Errors
     /// [`PlanError`]
@@ -111,38 +126,39 @@ impl IncrementalPlanner {
         &mut self,
         cell: &Cell,
         program: &Program,
-        (motion, check): (&TrajectoryOptions, &CheckOptions),
+        options: &PlanOptions,
         stop: Stop<'_>,
     ) -> Result<(Trajectory, Report), PlanError> {
-        let run = Run { jobs: &*self.run, stop };
-        let steps = expand_by(cell, program, &mut self.places, stop)?;
+        let PlanOptions { trajectory, check } = options;
+        let execution = Execution { stop, observer: &*self.observer };
+        let steps = expand_by(cell, program, &mut self.ik_cache, stop)?;
         let steps = steps.map_err(PlanError::Program)?;
-        let motion = self.ways.plan_trajectory(cell, steps, motion, run)??;
-        let report = self.checks.check(cell, &motion, check, run)?;
-        Ok((motion, report))
+        let planned = self.segment_cache.plan_trajectory(cell, steps, trajectory, execution)??;
+        let report = self.checks.check(cell, &planned, check, execution)?;
+        Ok((planned, report))
     }
 
-    /// Of the places in the last program.
+    /// Cache statistics of the inverse kinematics of the last program.
     #[must_use]
     pub fn ik_cache_stats(&self) -> CacheStats {
-        self.places.reuse()
+        self.ik_cache.stats()
     }
 
-    /// Of the ways of the axes in the last motion.
+    /// Cache statistics of the segments of the last trajectory.
     #[must_use]
     pub fn segment_cache_stats(&self) -> CacheStats {
-        self.ways.reuse()
+        self.segment_cache.stats()
     }
 
-    /// Of the moves by themselves in the last check: axes, tilt, play and slip.
+    /// Cache statistics of the last check against limits, slip and safe zones.
     #[must_use]
     pub fn limit_cache_stats(&self) -> CacheStats {
-        self.checks.limit_cache_stats()
+        self.checks.limit_stats()
     }
 
-    /// Of the moves among all bodies in the last check.
+    /// Cache statistics of the distances of the last check.
     #[must_use]
     pub fn distance_cache_stats(&self) -> CacheStats {
-        self.checks.distance_cache_stats()
+        self.checks.distance_stats()
     }
 }

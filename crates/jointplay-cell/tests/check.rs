@@ -110,17 +110,20 @@ fn a_sound_motion_is_sound() {
 
 #[test]
 fn every_limit_of_an_axis_has_its_message() {
-    let report = breaks(|cell| cell.robot.axes[T].max = 0.9, Kind::Position, "axis T comes to 1.2");
+    let report = breaks(|cell| cell.robot.axes[T].max = 0.9, Kind::Position, "axis T reaches 1.2");
     assert_eq!(report.violations.len(), 2, "out in one instruction, back in the next");
     assert!((report.violations[0].worst - 1.2).abs() < 1e-12);
-    breaks(|cell| cell.robot.axes[T].loaded.velocity = 1.0, Kind::Velocity, "axis T runs at");
+    breaks(|cell| cell.robot.axes[T].loaded.velocity = 1.0, Kind::Velocity, "axis T moves at");
     breaks(
         |cell| cell.robot.axes[T].loaded.acceleration = 5.0,
         Kind::Acceleration,
-        "axis T accelerates by",
+        "axis T accelerates at",
     );
-    let report =
-        breaks(|cell| cell.robot.axes[T].loaded.jerk = 80.0, Kind::Jerk, "axis T jerks by 100");
+    let report = breaks(
+        |cell| cell.robot.axes[T].loaded.jerk = 80.0,
+        Kind::Jerk,
+        "axis T has a jerk of 100",
+    );
     assert_eq!(report.violations[0].limit, 80.0);
     // The empty limits are not asked for while a wafer is carried.
     let mut cell = cell();

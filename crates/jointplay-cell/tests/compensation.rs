@@ -1,4 +1,4 @@
-//! A wafer on a drooping arm lies where it should, and what cannot be made up for is said in numbers.
+//! A wafer on a drooping arm lies at its target, and what cannot be compensated is returned.
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
@@ -51,7 +51,7 @@ fn droops() -> impl Strategy<Value = Droop> {
 }
 
 #[test]
-fn a_droop_whose_rows_are_out_of_order_is_refused() {
+fn unsorted_droop_table_is_rejected() {
     let refused = |rows: Vec<DroopRow>| {
         let mut robot = common::kind(0, [0.25, 0.22, 0.2]);
         robot.arms[0].droop = Droop::Table { rows };
@@ -71,7 +71,7 @@ fn a_droop_whose_rows_are_out_of_order_is_refused() {
 
 proptest! {
     #[test]
-    fn the_drooping_wafer_lies_in_the_target(
+    fn compensated_wafer_lies_at_the_target(
         kind in 0..common::KINDS,
         droop in droops(),
         (share, yaw, pitch) in (prop::array::uniform8(0.1..0.9), -PI..PI, 0.0_f64..1.3),
@@ -80,7 +80,7 @@ proptest! {
         let cell = cell(kind, droop);
         let axes = cell.robot.axes.iter().zip(share.iter().cycle());
         let mut near: Vec<f64> = axes.map(|(axis, share)| axis.min + share * (axis.max - axis.min)).collect();
-        // A level platform, so that the target alone says how it leans.
+        // A level platform, so that the target alone determines the tilt.
         let rod = near[0];
         near[..3].fill(rod.clamp(0.3, 0.7));
         let before = cell.robot.effector_pose(&near, A).unwrap();
@@ -93,7 +93,7 @@ proptest! {
                 prop_assert!((found.rotation * Vector3::z() - normal).norm() < 1e-12);
                 prop_assert!(reached.residual < 1e-12 && reached.residual_tilt < 1e-12);
             }
-            // At the end of what the arm or the rods can do.
+            // At the end of the range of arm or rods.
             Err(Unreachable::Limits(_) | Unreachable::OutOfReach(_) | Unreachable::NoBranch) => {
                 prop_assume!(false);
             }
@@ -103,7 +103,7 @@ proptest! {
 }
 
 #[test]
-fn a_heading_is_kept_where_the_arm_has_the_freedom() {
+fn compensation_keeps_a_free_heading() {
     let cell = cell(5, cantilever());
     let near = [0.5, 0.5, 0.5, 0.3, -0.9, 0.4];
     let pose = cell.robot.effector_pose(&near, A).unwrap();
@@ -119,12 +119,12 @@ fn a_heading_is_kept_where_the_arm_has_the_freedom() {
 }
 
 #[test]
-fn what_the_platform_cannot_lean_is_reported() {
+fn tilt_beyond_the_platform_limit_is_reported() {
     let mut cell = cell(0, cantilever());
     let near = [0.5, 0.5, 0.5, 0.3, 0.9];
     let pose = cell.robot.effector_pose(&near, A).unwrap();
     let limit = cell.robot.gpr.limits().tilt_max;
-    // Outward, so that the droop makes it worse by its slope.
+    // Outward, so that the droop adds its slope to the tilt.
     let out = pose.translation.vector;
     let yaw = out.y.atan2(out.x) + PI;
     let target = |pitch| WaferTarget {
@@ -138,14 +138,14 @@ fn what_the_platform_cannot_lean_is_reported() {
     };
     assert!(needed > limit + 0.009 && allowed == limit && threshold == 1e-6);
     assert!((left - (needed - allowed)).abs() < 1e-5, "{needed} {left}");
-    // With the threshold wide enough, the centre is met and the rest is stated.
+    // With a threshold that is wide enough, the centre is met and the residual tilt returned.
     cell.plane_threshold = 0.02;
     let reached = cell.reach(A, &target(limit + 0.009), true, &near).unwrap();
     assert!(reached.residual < 1e-12 && (reached.residual_tilt - left).abs() < 1e-12);
 }
 
 #[test]
-fn too_far_is_told_in_numbers() {
+fn out_of_reach_error_has_the_span() {
     let cell = cell(0, Droop::Table { rows: vec![table(0.2, 1e-4), table(0.6, 2e-4)] });
     let near = [0.5, 0.5, 0.5, 0.3, 0.9];
     let at = |x: f64| {
@@ -153,6 +153,6 @@ fn too_far_is_told_in_numbers() {
         let target = WaferTarget { center, normal: Vector3::z(), heading: None };
         cell.reach(A, &target, true, &near).unwrap_err().to_string()
     };
-    assert!(at(2.0).contains("are missing"), "{}", at(2.0));
-    assert!(at(0.66).contains("the table goes from 200.000 to 600.000 mm"), "{}", at(0.66));
+    assert!(at(2.0).contains("but span 0 to 0.7 m"), "{}", at(2.0));
+    assert!(at(0.66).contains("the table goes from 0.2 to 0.6 m"), "{}", at(0.66));
 }

@@ -1,4 +1,4 @@
-//! Laws of the whole chain over random robots, positions and tilts.
+//! Properties of the inverse kinematics over random robots, positions and tilts.
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
@@ -18,7 +18,7 @@ use jointplay_core::virtualization::BuiltIn;
 use nalgebra::{DMatrix, Vector3};
 use proptest::prelude::*;
 
-/// The kind of arm that has a motor more than a target with a heading asks for.
+/// The kind of arm that has one motor more than a target with a heading needs.
 const FOUR_LINKS: usize = 9;
 
 fn target_of(pose: &Pose, with_heading: bool) -> WaferTarget {
@@ -77,7 +77,7 @@ fn check(robot: &HybridRobot, found: &Inverse, id: EffectorId, target: &WaferTar
 
 proptest! {
     #[test]
-    fn positions_are_found_again(
+    fn inverse_of_forward_contains_the_positions(
         number in 0..KINDS,
         over in 0..4_usize,
         lengths in prop::array::uniform3(0.12..0.3_f64),
@@ -94,7 +94,7 @@ proptest! {
             let found = robot.inverse(id, &target, &at).unwrap();
             check(&robot, &found, id, &target);
             for branch in &found.branches {
-                // The closed forms and the height are exact as they are.
+                // Closed forms and height are exact without corrections.
                 prop_assert!(branch.corrections == 0 || over > 1, "{branch:?}");
                 prop_assert!(branch.heading_difference.abs() < 1e-9 || robot.axes_of(id).unwrap().len() == 5);
             }
@@ -109,9 +109,9 @@ proptest! {
         }
     }
 
-    /// The heading left to the arm: away from limits, and the same again from there.
+    /// A free heading: away from limits, and unchanged when solved again from there.
     #[test]
-    fn what_is_free_stays_away_from_limits(
+    fn redundancy_resolution_avoids_limits(
         number in prop::sample::select(vec![5_usize, 6, 7, 8, FOUR_LINKS, 10]),
         with_heading in any::<bool>(),
         lengths in prop::array::uniform3(0.12..0.3_f64),
@@ -125,7 +125,7 @@ proptest! {
         let found = robot.inverse(A, &target, &at).unwrap();
         check(&robot, &found, A, &target);
         prop_assert!(found.chosen.is_some(), "{found:?}");
-        // Out of a stretched arm nothing leads evenly.
+        // No gradual path leads out of a stretched arm.
         prop_assume!(bend_cost(&robot, number, &at) < 400.0);
         let chosen = found.chosen().unwrap();
         prop_assert!(chosen.violations.is_empty());
@@ -139,7 +139,7 @@ proptest! {
             shares.map(|u| 1.0 / (1.0 - u * u)).sum::<f64>() + bend_cost(&robot, number, positions)
         };
         prop_assert!(cost(&chosen.positions) <= cost(&at) * (1.0 + 1e-9), "{} {}", cost(&chosen.positions), cost(&at));
-        // No step along what is free makes it less: the gradient of the cost is of the rows of the Jacobian.
+        // No step along the free directions reduces the cost: its gradient is in the row space of the Jacobian.
         let step = 1e-4;
         for direction in free_directions(&robot, &chosen.positions, with_heading) {
             let moved = |sign: f64| {
@@ -161,7 +161,7 @@ proptest! {
     }
 
     #[test]
-    fn the_jacobian_is_what_differences_say(
+    fn jacobian_agrees_with_differences(
         number in 0..KINDS,
         over in 0..4_usize,
         lengths in prop::array::uniform3(0.12..0.3_f64),
@@ -193,9 +193,9 @@ proptest! {
         }
     }
 
-    /// The same place from the whole chain, and from the platform where it stands.
+    /// The same positions from the whole chain and from the platform's present pose.
     #[test]
-    fn the_arm_alone_says_the_same(
+    fn arm_inverse_agrees_with_whole_chain(
         number in 0..KINDS,
         lengths in prop::array::uniform3(0.12..0.3_f64),
         tilt in tilt(),
@@ -221,9 +221,9 @@ proptest! {
         }
     }
 
-    /// A radial step of the wafer keeps the bend, and takes small steps of all axes.
+    /// A radial step of the wafer keeps the configuration, and takes small steps of all axes.
     #[test]
-    fn neighbours_are_neighbours(
+    fn branches_are_continuous(
         number in prop::sample::select(vec![0_usize, 3, 5, 7, 8, FOUR_LINKS]),
         lengths in prop::array::uniform3(0.18..0.3_f64),
         shares in prop::array::uniform5(0.2..0.8_f64),
@@ -234,7 +234,7 @@ proptest! {
         let mut target = target_of(&robot.effector_pose(&at, A).unwrap(), true);
         prop_assume!(bend_cost(&robot, number, &at) < 400.0);
         let start = robot.inverse(A, &target, &at).unwrap().chosen().unwrap().clone();
-        // Where the arm is stretched, or the wafer over its first joint, small steps take large ones.
+        // Near the stretched arm, and with the wafer over its first joint, small steps of the wafer take large steps of axes.
         prop_assume!(least_speed(&robot, &start.positions) > 0.05);
         target.center += Vector3::from(by);
         let Some(next) = robot.inverse(A, &target, &start.positions).unwrap().chosen().cloned()
@@ -246,7 +246,7 @@ proptest! {
     }
 }
 
-/// The cost of being near the end of a bend, from the places of the links.
+/// Cost of being near the end of a configuration, from the positions of the links.
 fn bend_cost(robot: &HybridRobot, number: usize, positions: &[f64]) -> f64 {
     let links = &robot.forward(positions).unwrap().base_from_link[0];
     let at = |k: usize| links[k].translation.vector;
@@ -260,7 +260,7 @@ fn bend_cost(robot: &HybridRobot, number: usize, positions: &[f64]) -> f64 {
     match number {
         5 | 6 => sine(at(1) - at(0), at(2) - at(1)).powi(-2),
         FOUR_LINKS => sine(at(2) - at(1), at(3) - at(2)).powi(-2),
-        // Half the angle between the links is what the belt turns each of them by.
+        // The belt rotates each link by half the angle between them.
         7 => {
             let (one, other) = (level(at(1) - at(0)), level(at(2) - at(1)));
             let cosine = one.normalize().dot(&other.normalize());
@@ -269,7 +269,7 @@ fn bend_cost(robot: &HybridRobot, number: usize, positions: &[f64]) -> f64 {
             2.0 / (1.0 - cosine) + (0.1 * wafer[0].hypot(wafer[1]) / ahead).powi(2)
         }
         8 => {
-            // The first link is 50 mm long before the slide and 20 mm after it.
+            // The first link has 50 mm before the prismatic joint and 20 mm after it.
             let ahead = level(at(2) - at(0)).x;
             let wafer = robot.arms[0].effectors[0].wafer_center;
             (0.1 * wafer[0].hypot(wafer[1]) / ahead).powi(2)
@@ -278,14 +278,14 @@ fn bend_cost(robot: &HybridRobot, number: usize, positions: &[f64]) -> f64 {
     }
 }
 
-/// How fast motors of one radian a second together move the wafer at least, in the direction in which they do so least [m/s].
+/// Least speed of the wafer over all directions, the motors moving at one radian a second together [m/s].
 fn least_speed(robot: &HybridRobot, at: &[f64]) -> f64 {
     let with_heading = robot.axes.len() > 5;
     let found = svd(&motor_jacobian(robot, at, with_heading)).unwrap();
     found.singular_values[if with_heading { 2 } else { 1 }]
 }
 
-/// Velocities of the wafer's centre by the motors, and of its heading.
+/// Velocities of the wafer's centre and of its heading by the motors.
 fn motor_jacobian(robot: &HybridRobot, at: &[f64], with_heading: bool) -> DMatrix<f64> {
     let jacobian = robot.effector_jacobian(at, A).unwrap();
     let motors = 3..robot.axes.len();
@@ -298,7 +298,7 @@ fn motor_jacobian(robot: &HybridRobot, at: &[f64], with_heading: bool) -> DMatri
     DMatrix::from_fn(rows, motors.len(), |row, k| of(row, 3 + k))
 }
 
-/// An orthonormal basis of the motor speeds that leave the wafer where it is.
+/// An orthonormal basis of the motor velocities that keep the wafer in place.
 fn free_directions(robot: &HybridRobot, at: &[f64], with_heading: bool) -> Vec<Vec<f64>> {
     let found = svd(&motor_jacobian(robot, at, with_heading)).unwrap();
     let free = found.null_space(found.rank(1e-9));
@@ -306,7 +306,7 @@ fn free_directions(robot: &HybridRobot, at: &[f64], with_heading: bool) -> Vec<V
 }
 
 #[test]
-fn why_a_branch_is_not_taken() {
+fn branch_selection_names_the_reason() {
     let robot = kind(5, [0.2, 0.2, 0.3]);
     let at = positions(&robot, Tilt::LEVEL, 0.5, [0.5, 0.75, 0.4, 0.0, 0.0]);
     let target = target_of(&robot.effector_pose(&at, A).unwrap(), true);
@@ -316,7 +316,7 @@ fn why_a_branch_is_not_taken() {
     assert_eq!(found.chosen().unwrap().configuration.to_string(), "elbow right");
     assert!(standings.contains(&BranchSelection::OtherElbow), "{found:#?}");
 
-    // The other bend from the other side; and once it is beyond a stop, this one with it.
+    // The other elbow from the other side; and once it violates a limit, this elbow with the limit.
     let other = found.branches.iter().find(|b| b.selection == BranchSelection::OtherElbow).unwrap();
     let from_there = robot.inverse(A, &target, &other.positions).unwrap();
     assert_eq!(from_there.chosen().unwrap().configuration.to_string(), "elbow left");
@@ -349,7 +349,7 @@ fn why_a_branch_is_not_taken() {
 }
 
 #[test]
-fn whole_turns_are_branches_where_limits_admit_them() {
+fn revolutions_within_limits_are_branches() {
     let mut robot = kind(0, [0.2, 0.2, 0.3]);
     robot.axes[3].min = -7.0;
     robot.axes[3].max = 7.0;
@@ -369,15 +369,15 @@ fn whole_turns_are_branches_where_limits_admit_them() {
         "{turns:?}"
     );
     assert_eq!(turns.len(), 2);
-    // From the other side of the range the other one is nearer.
+    // From the other side of the range the other branch is nearer.
     at[3] = -6.0;
     let found = robot.inverse(A, &target, &at).unwrap();
     assert!((found.chosen().unwrap().positions[3] - (1.0 - TAU)).abs() < 1e-12);
 }
 
-/// The turns that are nearest to where the arm is may take it beyond a limit that others keep.
+/// The nearest revolutions may violate a limit that others keep.
 #[test]
-fn a_free_heading_is_found_by_other_whole_turns() {
+fn free_heading_uses_other_revolutions_within_limits() {
     for number in [5, 7, 8, FOUR_LINKS] {
         let robot = kind(number, [0.2, 0.2, 0.3]);
         let at = positions(&robot, Tilt::LEVEL, 0.5, [0.35, 0.6, 0.55, 0.45, 0.0]);
@@ -395,9 +395,9 @@ fn a_free_heading_is_found_by_other_whole_turns() {
     }
 }
 
-/// One arm's station tilts the platform under the other arm, and a shared motor turns it.
+/// The station of one arm tilts the platform under the other arm, and a shared motor turns it.
 #[test]
-fn the_other_arm_is_told() {
+fn displacements_of_other_effectors_are_returned() {
     let robot = kind(2, [0.2, 0.22, 0.3]);
     let at = positions(&robot, Tilt::LEVEL, 0.5, [0.5, 0.7, 0.6, 0.0, 0.0]);
     let mut target = target_of(&robot.effector_pose(&at, A).unwrap(), false);
@@ -414,7 +414,7 @@ fn the_other_arm_is_told() {
 }
 
 #[test]
-fn what_is_no_target() {
+fn invalid_targets_are_rejected() {
     let robot = kind(0, [0.2, 0.2, 0.3]);
     let at = positions(&robot, Tilt::LEVEL, 0.5, [0.5; 5]);
     let good = target_of(&robot.effector_pose(&at, A).unwrap(), false);

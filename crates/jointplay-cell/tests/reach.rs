@@ -1,4 +1,4 @@
-//! How far effectors come, against many positions of their motors.
+//! The range of distances that effectors reach, against many positions of their motors.
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 #[expect(dead_code, reason = "robots are enough here")]
@@ -7,7 +7,7 @@ mod common;
 use common::{KINDS, kind};
 use jointplay_cell::robot::{EffectorId, RODS};
 
-/// Evenly spread numbers from 0 to 1, the same every time.
+/// Evenly distributed numbers from 0 to 1, the same in each run.
 fn spread(index: usize, base: usize) -> f64 {
     let (mut rest, mut share, mut value) = (index, 1.0, 0.0);
     while rest > 0 {
@@ -19,7 +19,7 @@ fn spread(index: usize, base: usize) -> f64 {
 }
 
 #[test]
-fn no_positions_are_beyond_the_reach_and_some_come_close_to_it() {
+fn reach_range_is_a_tight_bound() {
     const BASES: [usize; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
     for number in 0..KINDS {
         let robot = kind(number, [0.2, 0.22, 0.15]);

@@ -1,4 +1,4 @@
-//! The uncertainty of taught planes against many teachings with random noise.
+//! The uncertainty of taught planes against many simulated teachings with random noise.
 
 use jointplay_cell::station::teach::{PlaneFit, fit_plane, frame};
 use jointplay_core::spatial::Tilt;
@@ -11,7 +11,7 @@ fn plane(tilt: Tilt, places: &[(f64, f64)]) -> Vec<Vector3<f64>> {
     places.iter().map(point).collect()
 }
 
-/// Normal numbers of mean 0 and deviation 1, the same each time.
+/// Normally distributed numbers of mean 0 and deviation 1, the same in each run.
 fn normals() -> impl FnMut() -> f64 {
     let mut state = 7_u64;
     let mut uniform = move || {
@@ -23,8 +23,8 @@ fn normals() -> impl FnMut() -> f64 {
 }
 
 #[test]
-fn the_uncertainty_of_a_taught_plane_is_what_many_teachings_scatter_by() {
-    // Points on the axes at 120 mm, and six that are far apart one way and near the other.
+fn plane_uncertainty_agrees_with_simulated_teachings() {
+    // Points on the axes at 120 mm, and six that are far apart in one direction and close in the other.
     let cross = [(0.12, 0.0), (0.0, 0.12), (-0.12, 0.0), (0.0, -0.12)];
     let long = [(0.2, 0.02), (0.1, -0.02), (0.0, 0.02), (0.0, -0.02), (-0.1, 0.02), (-0.2, -0.02)];
     let (noise, draws) = (20e-6, 4000_u32);
@@ -65,7 +65,7 @@ fn the_uncertainty_of_a_taught_plane_is_what_many_teachings_scatter_by() {
         let share = |count: usize| count as f64 / f64::from(draws);
         assert!((share(within) - 0.95).abs() < 0.012, "{}", share(within));
         assert!((share(heights) - 0.95).abs() < 0.012, "{}", share(heights));
-        // From the distances alone it is no less sure than it says.
+        // Estimated from the distances alone, the bound holds at least as often.
         assert!((0.93..=1.0).contains(&share(estimated)), "{}", share(estimated));
     }
 }

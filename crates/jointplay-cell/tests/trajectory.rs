@@ -1,4 +1,4 @@
-//! Motions keep every limit at every sample, by their own derivatives and by differences, and end exactly where they should.
+//! Trajectories keep all limits at every sample, agree with their own differences, and end exactly at their goals.
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
@@ -8,7 +8,8 @@ use common::A;
 use jointplay_cell::program::{Path, Phase, Place, Step};
 use jointplay_cell::robot::{KinematicLimits, RODS, WaferTarget};
 use jointplay_cell::trajectory::{
-    MAX_DURATION, Sample, Trajectory, TrajectoryOptions, axis_limits, plan_trajectory,
+    MAX_DURATION, Sample, StepErrorKind, Trajectory, TrajectoryOptions, axis_limits,
+    plan_trajectory,
 };
 use jointplay_cell::wafer::Droop;
 use jointplay_cell::workcell::Cell;
@@ -23,7 +24,7 @@ fn cell(kind: usize, droop: Droop) -> Cell {
         arm.droop = droop.clone();
     }
     for (place, axis) in robot.axes.iter_mut().enumerate() {
-        // Unequal, so that each takes its turn in being the slowest.
+        // Unequal, so that each axis is the limiting one in some case.
         let share = [1.0, 0.6, 0.35, 0.8][place % 4];
         axis.empty.velocity *= share;
         axis.loaded.acceleration *= 0.5 * share;
@@ -49,7 +50,7 @@ fn step(from: &[f64], to: &[f64], path: Path, speed: f64, loaded: bool) -> Step 
     }
 }
 
-/// Limits at every sample, derivatives as differences, and exact ends.
+/// Checks limits at every sample, derivatives against differences, and exact ends.
 fn keeps(cell: &Cell, motion: &Trajectory) {
     const RATE: f64 = 4000.0;
     let samples: Vec<Sample> = motion.samples(RATE).collect();
@@ -89,7 +90,7 @@ fn keeps(cell: &Cell, motion: &Trajectory) {
             assert!(j.abs() <= share * limits.jerk * (1.0 + 1e-9), "{name} {j} at {}", now.time);
             let difference =
                 |of: fn(&Sample) -> &Vec<f64>| (of(after)[axis] - of(before)[axis]) / (2.0 * dt);
-            // Off by what the jerk does in a step.
+            // Differences deviate by the change of acceleration in one interval.
             assert!((difference(|s| &s.positions) - v).abs() <= limits.jerk * dt * dt);
             assert!((difference(|s| &s.velocities) - a).abs() <= limits.jerk * dt);
             let jerk = difference(|s| &s.accelerations);
@@ -142,12 +143,12 @@ proptest! {
         ];
         let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
         keeps(&cell, &motion);
-        // The slowest axis of a step is at its limits all the time, the others no longer.
+        // The limiting axis of a step uses its limits all the time, the others do not.
         prop_assert!(motion.limiting_axis(0).is_some() && motion.limiting_axis(1).is_none());
     }
 
     #[test]
-    fn lines_are_straight_and_keep_the_limits(
+    fn cartesian_lines_are_straight_and_keep_limits(
         kind in 0..common::KINDS,
         shares in shares(),
         tilts in [tilt(), tilt()],
@@ -167,15 +168,15 @@ proptest! {
         let reached = cell.reach(A, &target, loaded, &from);
         prop_assume!(reached.is_ok());
         let to = reached.unwrap().positions;
-        // Another bend of the arm is not to be reached along a line.
+        // The other elbow cannot be reached along a line.
         let near = from.iter().zip(&to).all(|(a, b)| (a - b).abs() < 1.2);
         prop_assume!(near);
         let steps = vec![step(&from, &to, Path::Line(A), 1.0, loaded)];
         let motion = match plan_trajectory(&cell, steps, &TrajectoryOptions::default()) {
             Ok(motion) => motion,
-            // Past a singular position there may be none; it is said where.
+            // Past a singular position there may be no path; the error has the share of the line.
             Err(error) => {
-                prop_assert!(error.to_string().contains("along the line"), "{error}");
+                prop_assert!(error.to_string().contains("of the line"), "{error}");
                 return Ok(());
             }
         };
@@ -191,7 +192,7 @@ proptest! {
             let pose = cell.wafer_pose(A, &sample.positions, loaded).unwrap();
             let off = pose.translation.vector - start.translation.vector;
             worst = worst.max((off - along * off.dot(&along)).norm());
-            // Between the planes of the ends, on the short way.
+            // Between the planes of the ends, along the shortest rotation.
             let angle = normal(&pose).angle(&first) + normal(&pose).angle(&last);
             prop_assert!(angle <= first.angle(&last) + 1e-5, "{angle}");
         }
@@ -199,7 +200,7 @@ proptest! {
     }
 
     #[test]
-    fn corners_keep_the_limits_of_both_sides(
+    fn blends_keep_the_limits_of_both_steps(
         kind in 0..common::KINDS,
         shares in [shares(), shares(), shares()],
         tilts in [tilt(), tilt(), tilt()],
@@ -241,9 +242,9 @@ proptest! {
 }
 
 #[test]
-fn moves_run_into_each_other_within_a_radius() {
+fn blended_wafer_stays_within_the_blend_radius() {
     let mut cell = cell(0, Droop::Rigid);
-    // So that neither has to be slowed for the wafer.
+    // Slow enough that no segment has to be slowed for the wafer.
     cell.robot.arms[0].effectors[0].friction = 10.0;
     let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.45, [0.5; 5]);
     let mut turned = from.clone();
@@ -288,9 +289,9 @@ fn moves_run_into_each_other_within_a_radius() {
             .iter()
             .map(|c| way.iter().map(|w| (w - c).norm()).fold(f64::INFINITY, f64::min))
             .fold(0.0, f64::max);
-        // The way is known at points a millimetre apart.
+        // The unblended path is known at points a millimetre apart.
         assert!(strays <= stated + 1e-3, "{strays} {stated}");
-        // Positions and speeds do not jump where one step gives over to the next.
+        // Positions and velocities are continuous where one step ends and the next begins.
         let all: Vec<Sample> = motion.samples(4000.0).collect();
         for pair in all.windows(2) {
             for axis in 0..pair[0].positions.len() {
@@ -304,7 +305,7 @@ fn moves_run_into_each_other_within_a_radius() {
 }
 
 #[test]
-fn a_line_has_its_own_speed_limit() {
+fn line_speed_is_limited_separately() {
     let cell = cell(0, Droop::Rigid);
     let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
     let to: Vec<f64> =
@@ -319,7 +320,7 @@ fn a_line_has_its_own_speed_limit() {
 }
 
 #[test]
-fn a_station_is_waited_for_from_when_its_wafer_was_left() {
+fn process_dwell_counts_from_the_placing_of_the_wafer() {
     let cell = cell(0, Droop::Rigid);
     let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
     let mut to = from.clone();
@@ -339,7 +340,7 @@ fn a_station_is_waited_for_from_when_its_wafer_was_left() {
 }
 
 #[test]
-fn all_that_cannot_be_timed_is_said() {
+fn trajectory_error_lists_all_invalid_steps() {
     let cell = cell(0, Droop::Rigid);
     let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
     let mut to = from.clone();
@@ -348,21 +349,21 @@ fn all_that_cannot_be_timed_is_said() {
         step(&from, &to, Path::PointToPoint, 0.0, false),
         step(&from, &to, Path::PointToPoint, 1.0, false),
         step(&to, &from, Path::Dwell(1.0), 1.0, false),
-        // The arm has no motor that moves its wafer aside along a straight line this far.
+        // A dwell without a finite duration.
         step(&from, &from, Path::Dwell(f64::NAN), 1.0, false),
     ];
     let error = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap_err();
     let said: Vec<String> = error.steps.iter().map(ToString::to_string).collect();
     assert_eq!(said.len(), 4, "{said:#?}");
     assert!(said[0].contains("share of speed is 0"), "{}", said[0]);
-    assert!(said[1].contains("axis T starts at"), "{}", said[1]);
-    assert!(said[2].contains("ends elsewhere"), "{}", said[2]);
+    assert!(said[1].contains("axis 3 starts at"), "{}", said[1]);
+    assert!(said[2].contains("has to end in the positions in which it starts"), "{}", said[2]);
     assert!(said[3].contains("waits NaN s"), "{}", said[3]);
 }
 
 #[test]
-fn a_line_on_which_the_arm_would_have_to_jump_is_refused() {
-    // An arm with more joints than it needs: the ways of holding the wafer from either end do not meet.
+fn line_with_a_branch_jump_is_rejected() {
+    // An arm with redundant joints: the branches continued from either end do not meet.
     let cell = cell(9, Droop::Rigid);
     let shares =
         [0.6986754123647267, 0.38714119678890774, 0.5765603575934801, 0.6386828982446656, 0.15];
@@ -379,13 +380,13 @@ fn a_line_on_which_the_arm_would_have_to_jump_is_refused() {
     let steps = vec![step(&from, &to, Path::Line(A), 1.0, false)];
     let error =
         plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap_err().to_string();
-    for words in ["25.0 % along the line, at x ", "the axes jump from one branch", "`retract_mm`"] {
+    for words in ["at share 0.25 of the line (x ", "the axes jump from one branch"] {
         assert!(error.contains(words), "{words}: {error}");
     }
 }
 
 #[test]
-fn a_motion_ends_within_a_day() {
+fn trajectory_longer_than_a_day_is_rejected() {
     let mut cell = cell(0, Droop::Rigid);
     let from = vec![0.5, 0.5, 0.5, 0.0, 0.9];
     let to = vec![0.5, 0.5, 0.5, 1.2, 0.9];
@@ -395,7 +396,7 @@ fn a_motion_ends_within_a_day() {
             step(&to, &from, Path::PointToPoint, 1.0, false),
         ]
     };
-    // Triangles of speed: t = 2 √(d / a) where the jerk is no limit.
+    // Triangular velocity profiles: t = 2 √(d / a) where the jerk limit has no effect.
     for (hours, problem) in [(11.0_f64, None), (13.0, Some(1)), (25.0, Some(0)), (1e3, Some(0))] {
         let acceleration = 1.2 * (2.0 / (3600.0 * hours)).powi(2);
         cell.robot.axes[3].empty = KinematicLimits { velocity: 1e3, acceleration, jerk: 1e3 };
@@ -408,7 +409,8 @@ fn a_motion_ends_within_a_day() {
             }
             (Err(error), Some(step)) => {
                 assert_eq!((error.steps.len(), error.steps[0].step), (1, step), "{error}");
-                assert!(error.to_string().contains("a day"), "{error}");
+                let kind = &error.steps[0].kind;
+                assert!(matches!(kind, StepErrorKind::TooLong { .. }), "{error}");
             }
             (found, _) => panic!("{hours}: {found:?}"),
         }

@@ -143,9 +143,14 @@ fn mechanisms(criterion: &mut Criterion) {
     }
     let rigid = robot::gpr(|_, _| Vec::new());
     let system = MechanismSystem::new(&rigid, nominal.rows(0, 12).into_owned()).unwrap();
-    over(criterion, "finite mobility of a shaky mechanism", &[system.at_home()], |at| {
-        black_box(finite_mobility(&system, at, RANK_THRESHOLD)).unwrap();
-    });
+    over(
+        criterion,
+        "finite mobility of an infinitesimally mobile mechanism",
+        &[system.at_home()],
+        |at| {
+            black_box(finite_mobility(&system, at, RANK_THRESHOLD)).unwrap();
+        },
+    );
 }
 
 criterion_group!(benches, kinematics, analyses, mechanisms);

@@ -1,4 +1,4 @@
-//! How cost grows with the number of loops: mobility, and one step of a motion, by sparse algebra and, as far as it goes, by dense.
+//! Cost of mobility and of one step of a motion by the number of loops, by sparse algebra and, up to its limit, by dense algebra.
 #![expect(clippy::unwrap_used, reason = "a benchmark of a failure would be none")]
 
 #[path = "../tests/families/mod.rs"]

@@ -1,10 +1,10 @@
-//! What can go wrong in the core, as facts.
+//! Errors of the core, as facts.
 
 use crate::gpr::BrokenLimits;
 use crate::linalg::LinalgError;
 use crate::virtualization::{Solver, VirtualJoints};
 
-/// Why a computation has no answer. Lengths are in m, angles in rad.
+/// Why a computation has no result. Lengths are in m, angles in rad.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -86,9 +86,9 @@ pub enum Error {
         /// Pitch asked for [rad].
         pitch: f64,
     },
-    /// A vector of the wrong length.
+    /// A vector with too many or too few entries.
     #[error("{what} has {found} entries, but {expected} are needed")]
-    WrongLength {
+    LengthMismatch {
         /// Which vector.
         what: &'static str,
         /// How many entries it has.
@@ -126,7 +126,7 @@ pub enum Error {
         /// Largest that is taken as closed.
         allowed: f64,
     },
-    /// A tolerance of the dimensions too small to be told from round-off, or too large to be one.
+    /// A tolerance of the dimensions too small to be distinguished from round-off, or too large to be one.
     #[error(
         "the tolerance is {found:e}, but has to lie from {min:e} to {max:e} (radians and characteristic lengths)"
     )]
@@ -148,7 +148,7 @@ pub enum Error {
     },
     /// Virtual joints that cannot change the three sides independently, at least as the metric weighs them.
     #[error(
-        "the virtual joints cannot change the three sides independently where the iteration stands after {iterations} steps; a characteristic length of {characteristic_length} m may weigh angles too lightly or too heavily"
+        "the virtual joints cannot change the three sides independently after {iterations} iterations; a characteristic length of {characteristic_length} m may weigh angles too lightly or too heavily"
     )]
     DependentSides {
         /// ρ of the metric [m].

@@ -6,13 +6,13 @@
 //! | to… | use |
 //! | --- | --- |
 //! | describe a three-rod robot | [`gpr::Gpr`] |
-//! | find the rods for a tilt, the pose for rods | [`gpr::Gpr::inverse`], [`gpr::Gpr::forward`] |
-//! | do so for many poses at a time | [`bulk`] |
+//! | compute the rods for a tilt, or the pose for rods | [`gpr::Gpr::inverse`], [`gpr::Gpr::forward`] |
+//! | compute many poses at a time | [`bulk`] |
 //! | choose how play is modelled | [`virtualization`]: [`Radial`](virtualization::Radial), [`Polar`](virtualization::Polar), [`Offset`](virtualization::Offset), [`Planar`](virtualization::Planar), or your own |
-//! | ask what can move | [`mobility`] |
-//! | ask how much play a motion takes | [`sensitivity`], [`gpr::Gpr::tilt_play`] |
-//! | bring another mechanism | implement [`constraint::System`] |
-//! | trust a rank | [`linalg`] |
+//! | compute mobility | [`mobility`] |
+//! | compute the play that a motion requires | [`sensitivity`], [`gpr::Gpr::tilt_play`] |
+//! | use a mechanism of your own | implement [`constraint::System`] |
+//! | decompose a matrix, with a rank | [`linalg`] |
 //!
 //! ```
 //! use jointplay_core::gpr::{AxisHeight, Gpr};

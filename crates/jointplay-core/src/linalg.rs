@@ -1,7 +1,7 @@
-//! Rank, null space, pseudo-inverse and least norm: the only singular value decomposition in the house.
+//! Rank, null space, pseudo-inverse and least norm: the only singular value decomposition of the library.
 //!
-//! Low rank is daily bread here, and the decomposition that comes with the matrix types returns wrong singular values on low-rank matrices without a word.
-//! This one is right on every rank, and its vectors are complete bases, so that a wide matrix has its null space.
+//! Low rank is the usual case here, and the decomposition of the matrix library returns incorrect singular values on low-rank matrices without an error.
+//! This one is correct on every rank, and its vectors are complete bases, so that a wide matrix has its null space.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -70,7 +70,7 @@ pub fn svd(a: &DMatrix<f64>) -> Result<Svd, LinalgError> {
     }
     let scale = power_of_two_near(largest);
     let scaled = faer::Mat::from_fn(m, n, |i, j| a[(i, j)] / scale);
-    // The iteration can get stuck on a matrix, and then goes through what a reflection makes of it.
+    // The iteration can get stuck on a matrix, and then decomposes its reflection.
     let (found, reflected) = match scaled.svd() {
         Ok(found) => (found, false),
         Err(_) => {
@@ -312,7 +312,7 @@ mod tests {
                     values.sort_by(|a, b| b.total_cmp(a));
                     let a = random.with_values(m, n, &values);
                     let found = check(&a, count);
-                    // A second witness, at half the digits: eigenvalues of AᵀA.
+                    // An independent result, at half the digits: eigenvalues of AᵀA.
                     let mut squares: Vec<f64> = (a.transpose() * &a)
                         .symmetric_eigen()
                         .eigenvalues
@@ -393,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn no_number_no_answer() {
+    fn non_finite_entries_are_refused() {
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let mut a = DMatrix::identity(3, 4);
             a[(2, 1)] = value;
@@ -467,11 +467,11 @@ mod tests {
         }
     }
 
-    /// Products of whole numbers on which the bidiagonal iteration of nalgebra 0.35 (`Matrix::svd`) goes wrong.
+    /// Products of whole numbers on which the bidiagonal iteration of nalgebra 0.35 (`Matrix::svd`) fails.
     ///
     /// Its largest singular values, as found: 4.5415 for the first, 13.6877 for the second, 31.9863 for the third.
     #[test]
-    fn low_rank_matrices_that_the_common_library_gets_wrong() {
+    fn low_rank_matrices_on_which_the_matrix_library_fails() {
         #[track_caller]
         fn check_product(m: usize, n: usize, left: &[f64], right: &[f64], expected: &[f64]) {
             let rank = expected.len();

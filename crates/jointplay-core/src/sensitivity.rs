@@ -1,4 +1,4 @@
-//! How far the virtual joints move for a small motion of the mechanism.
+//! Sensitivity of the virtual joints to a small motion of the mechanism.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -67,7 +67,7 @@ impl Bounds {
 /// * `relative_threshold` – singular values up to this share of the largest count as zero, see [`RANK_THRESHOLD`](crate::mobility::RANK_THRESHOLD)
 ///
 /// # Errors
-/// [`Error::WrongLength`], [`Error::NotFinite`].
+/// [`Error::LengthMismatch`], [`Error::NotFinite`].
 ///
 /// # Numerics
 /// Two singular value decompositions.
@@ -92,14 +92,14 @@ pub fn sensitivity<S: System + ?Sized>(
 /// ```text
 ///    Zᵀ ∂Φ/∂P_follow = 0        ∂X/∂P_commanded  =  −(Zᵀ ∂Φ/∂X)†  Zᵀ ∂Φ/∂P_commanded
 /// ```
-/// What following coordinates can do is taken out of the constraints first; the rest is as in [`sensitivity`].
+/// The effect of the following coordinates is eliminated from the constraints first; the rest is as in [`sensitivity`].
 ///
 /// # Arguments
 /// * `commanded` – indices in P; motions given to the result have these entries only
 /// * `characteristic_length`, `relative_threshold` – as for [`sensitivity`]
 ///
 /// # Errors
-/// [`Error::WrongLength`], [`Error::NotFinite`].
+/// [`Error::LengthMismatch`], [`Error::NotFinite`].
 pub fn commanded_sensitivity<S: System + ?Sized>(
     system: &S,
     at: &Configuration,
@@ -195,7 +195,7 @@ impl Sensitivity {
     /// Bounds of ‖dX‖ for a motion dP [m].
     ///
     /// # Errors
-    /// [`Error::WrongLength`].
+    /// [`Error::LengthMismatch`].
     pub fn bounds(&self, motion: &DVector<f64>) -> Result<Bounds, Error> {
         self.check(motion)?;
         let effective = (self.right_vectors().transpose() * motion).norm();
@@ -219,7 +219,7 @@ impl Sensitivity {
         })
     }
 
-    /// Which share of dX = ∂X/∂P dP each group of coordinates brings about; `None` where dX vanishes.
+    /// Share of dX = ∂X/∂P dP that each group of coordinates causes; `None` where dX vanishes.
     ///
     /// ```text
     ///    share_g  =  ⟨∂X/∂P dP_g, dX⟩ / ‖dX‖²        Σ shares = 1 if every coordinate is in one group
@@ -227,7 +227,7 @@ impl Sensitivity {
     /// A share is negative where a group works against the rest.
     ///
     /// # Errors
-    /// [`Error::WrongLength`].
+    /// [`Error::LengthMismatch`].
     pub fn shares_by_coordinates(
         &self,
         motion: &DVector<f64>,
@@ -244,10 +244,10 @@ impl Sensitivity {
         Ok(shares(&(&self.matrix * motion), parts))
     }
 
-    /// Which share of dX each constraint asks for, the same way; `None` where dX vanishes.
+    /// Share of dX that each constraint requires; `None` where dX vanishes.
     ///
     /// # Errors
-    /// [`Error::WrongLength`].
+    /// [`Error::LengthMismatch`].
     pub fn shares_by_constraints(
         &self,
         motion: &DVector<f64>,
@@ -264,7 +264,7 @@ impl Sensitivity {
         if found == expected {
             Ok(())
         } else {
-            Err(Error::WrongLength { what: "the motion", found, expected })
+            Err(Error::LengthMismatch { what: "the motion", found, expected })
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Many poses at a time are what one pose at a time says.
+//! Many poses at a time equal those computed one by one.
 #![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use std::f64::consts::TAU;
@@ -72,7 +72,7 @@ fn forward_many(
     (columns, status)
 }
 
-/// What the scalar kernel says, and how far the bulk kernel may be from it.
+/// Result of the scalar kernel, and the largest difference allowed to the bulk kernel.
 fn expected(
     gpr: &Gpr,
     pose: &PlatformPose,
@@ -89,7 +89,7 @@ fn expected(
         Quantity::VirtualJoint(joint) => (pose.solution.virtual_joints[joint], length.max(angle)),
         Quantity::Origin(axis) => (pose.base_from_platform.translation.vector[axis], length),
         Quantity::Normal(axis) => (pose.normal()[axis], angle),
-        // The azimuth of a small lean is known the less the smaller it is.
+        // The smaller a tilt, the less accurate its azimuth.
         Quantity::Yaw => (pose.tilt().yaw, angle.max(1e-15 / pose.tilt().pitch)),
         Quantity::Pitch => (pose.tilt().pitch, angle),
         Quantity::Twist => (pose.twist_about_normal(), angle),
@@ -376,6 +376,6 @@ fn what_is_asked_for_wrongly() {
         "there is no side 3: they are counted from 0, and there are 3"
     );
     let metric = Metric::Length(-1.0);
-    let wrong = SolveOptions { metric, ..options };
-    assert!(message(given(4), 4, Quantity::Pitch, 4, &wrong).contains("characteristic length"));
+    let invalid = SolveOptions { metric, ..options };
+    assert!(message(given(4), 4, Quantity::Pitch, 4, &invalid).contains("characteristic length"));
 }

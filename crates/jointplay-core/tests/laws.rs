@@ -85,7 +85,7 @@ impl Case {
     }
 }
 
-/// Nothing is written beside the tests: what fails is printed, and becomes a named case.
+/// No file is written for failing cases: they are printed, and become named cases.
 fn runs(cases: u32) -> ProptestConfig {
     ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
 }
@@ -99,8 +99,8 @@ fn robots() -> impl Strategy<Value = Robot> {
                 let angle = third.to_radians() + turn;
                 let socket_angle = if clockwise { -angle } else { angle };
                 let limb = Limb::under_socket(radius * (1.0 + 0.1 * radii[k]), socket_angle);
-                let beside = Vector2::new(x[k], y[k]) * (0.03 * radius);
-                Limb { base_point: limb.base_point + beside, ..limb }
+                let offset = Vector2::new(x[k], y[k]) * (0.03 * radius);
+                Limb { base_point: limb.base_point + offset, ..limb }
             });
             Robot { limbs, working_height: 0.5 }
         },
@@ -505,8 +505,8 @@ proptest! {
     }
 
     #[test]
-    fn the_level_pose_is_shaky(robot in robots(), height in 0.3..0.7, model in 0..4_usize) {
-        // Only where the sockets stand over the rods is every level pose without play, and singular.
+    fn level_pose_is_infinitesimally_mobile(robot in robots(), height in 0.3..0.7, model in 0..4_usize) {
+        // Only where the sockets are over the rods is every level pose without play, and singular.
         let mut robot = robot;
         for limb in &mut robot.limbs {
             *limb = Limb::under_socket(limb.socket_radius, limb.socket_angle);
@@ -570,7 +570,7 @@ fn newton_takes_three_steps_within_two_degrees() {
     }
 }
 
-/// At the level pose nothing has given way, under every model, solver and metric.
+/// At the level pose all virtual joints are nominal, under every model, solver and metric.
 #[test]
 fn level_poses_need_no_play() {
     let gpr = Gpr::paper().without_limit_checks();

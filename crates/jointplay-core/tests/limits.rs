@@ -49,7 +49,7 @@ fn the_same_robot_without_limit_checks_answers() {
     let rods = free.inverse(tilt, AxisHeight(0.5)).unwrap();
     assert!(gpr.inverse(tilt, AxisHeight(0.5)).is_err());
     assert!((free.forward(rods, &Polar, &options).unwrap().tilt().pitch - 0.3).abs() < 1e-12);
-    // Within the limits both say the same, to the bit.
+    // Within the limits both results are equal to the bit.
     let tilt = Tilt { yaw: 0.4, pitch: 0.02 };
     let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
     assert_eq!(free.inverse(tilt, AxisHeight(0.5)), Ok(rods));
@@ -107,22 +107,22 @@ fn many_poses_have_the_status_that_one_pose_has() {
     assert_eq!(beyond, tally.failed());
     assert!((POSES / 4..3 * POSES / 4).contains(&beyond), "{beyond}");
 
-    let (yaw, lean): (Vec<f64>, Vec<f64>) = (0..POSES)
+    let (yaw, pitch): (Vec<f64>, Vec<f64>) = (0..POSES)
         .map(|i| (spread(i, 0.754_877_666, -3.0, 3.0), spread(i, 0.569_840_291, -0.04, 0.04)))
         .unzip();
     let height: Vec<f64> = (0..POSES).map(|i| spread(i, 0.618_033_989, 0.24, 0.76)).collect();
     let mut found = [(); 3].map(|()| vec![0.0; POSES]);
     let written = found.each_mut().map(|column| &mut column[..]);
-    let columns = [&yaw, &lean, &height].map(|column| Column::from(&column[..]));
+    let columns = [&yaw, &pitch, &height].map(|column| Column::from(&column[..]));
     let [yaws, pitches, heights] = columns;
     let tally = gpr.inverse_many(yaws, pitches, heights, &mut status, written).unwrap();
     for i in 0..POSES {
-        let tilt = Tilt { yaw: yaw[i], pitch: lean[i] };
+        let tilt = Tilt { yaw: yaw[i], pitch: pitch[i] };
         let one = gpr.inverse(tilt, AxisHeight(height[i]));
         assert_eq!(status[i] == Status::Solved, one.is_ok());
-        // q_k = z − (n · B_k)/n_z, written anew.
+        // q_k = z − (n · B_k)/n_z, computed independently.
         let normal = tilt.normal();
-        let mut within = lean[i].abs() <= limits.tilt_max;
+        let mut within = pitch[i].abs() <= limits.tilt_max;
         for (k, base) in gpr.base_points().iter().enumerate() {
             let q = height[i] - (normal.x * base.x + normal.y * base.y) / normal.z;
             within &= (limits.rod_min..=limits.rod_max).contains(&q);

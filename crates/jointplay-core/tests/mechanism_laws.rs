@@ -1,5 +1,5 @@
 //! Laws that hold for every mechanism: numbering, tree, base and unit of length mean nothing.
-#![expect(clippy::unwrap_used, reason = "a test says what it expects")]
+#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use jointplay_core::mechanism::{
     Joint, JointKind, LinearAndAngular, Mechanism, MechanismMobility, MechanismSystem,
@@ -123,7 +123,7 @@ proptest! {
         prop_assert_eq!(first.redundancy, sums(|m| m.finite.instantaneous.redundancy));
         prop_assert_eq!(found.lower_bound, tree + sums(|m| m.finite.lower_bound));
         prop_assert_eq!(found.upper_bound, tree + sums(|m| m.finite.upper_bound));
-        // A branch is as large as a bound says, at most.
+        // The dimension of a branch is at most the upper bound.
         let largest = both.branch_dimensions.as_ref().and_then(|all| all.last().copied());
         prop_assert!(largest.is_none_or(|largest| largest == found.lower_bound));
     }
@@ -228,7 +228,7 @@ proptest! {
             links,
             &mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect::<Vec<_>>(),
         );
-        // Counted = to first order − redundancy, always.
+        // Kutzbach mobility is instantaneous mobility minus redundancy.
         prop_assert_eq!(counted, found.mobility as i64 - found.redundancy as i64);
     }
 }
@@ -255,7 +255,7 @@ fn a_loop_of_fixed_joints_constrains_nothing() {
         Rotation3::new(Vector3::new(0.01, -0.47, -0.07)),
     );
     let joint = |name: &str, kind, links| joint(name, kind, links, by);
-    // The hinges stand between the base and the loop, or beyond it.
+    // The hinges are between the base and the loop, or beyond it.
     for turn in 0..4 {
         let at = |links: [usize; 2]| links.map(|link| (link + turn) % 4);
         let joints = vec![

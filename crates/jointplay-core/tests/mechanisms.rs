@@ -1,5 +1,5 @@
 //! Laws of mechanisms in general, and the robot described as one.
-#![expect(clippy::unwrap_used, reason = "a test says what it expects")]
+#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 mod robot;
 
@@ -7,8 +7,9 @@ use jointplay_core::Error;
 use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::mechanism::{
     Carrier, CommandedJoints, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem,
-    MobilityClass, PositionSolver, ReliefSolver, Stop, VirtualJoint, VirtualMotion, assemble,
-    branches, close, drive, exaggerate_play, guess, link_motion, relieve, self_stresses, suggest,
+    MobilityClass, PositionSolver, ReliefSolver, ScrewAxis, Stop, VirtualJoint, VirtualMotion,
+    assemble, branches, close, drive, exaggerate_play, guess, link_motion, relieve, self_stresses,
+    suggest,
 };
 use jointplay_core::mobility::{
     RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility,
@@ -206,16 +207,16 @@ fn four_bar() -> Mechanism {
 }
 
 #[test]
-fn a_crank_turns_all_the_way_and_comes_back() {
+fn crank_turns_a_full_revolution_and_returns() {
     let mechanism = four_bar();
     let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
-    let way = [Drive { coordinate: 0, to: std::f64::consts::TAU }];
-    let motion = drive(&system, &way, &[1, 2, 3], 72).unwrap();
+    let drives = [Drive { coordinate: 0, to: std::f64::consts::TAU }];
+    let motion = drive(&system, &drives, &[1, 2, 3], 72).unwrap();
     assert_eq!(motion.stopped, None);
     assert_eq!(motion.waypoints.len(), 73);
     assert!(motion.singular.is_empty(), "{:?}", motion.singular);
     assert!(motion.waypoints.iter().all(|point| point.residual < 1e-11));
-    // Distances that two pins keep, whatever the angles say.
+    // Distances that two pins keep, for any angles.
     for point in &motion.waypoints {
         let links = system.kinematics().link_poses(&point.coordinates).unwrap();
         let pin = |link: usize, p: [f64; 3]| links[link] * nalgebra_point(p);
@@ -236,8 +237,8 @@ fn a_rocker_locks_at_its_dead_point() {
     let mechanism = four_bar();
     let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
     // The last pin is the rocker's: it cannot go round.
-    let way = [Drive { coordinate: 3, to: 3.0 }];
-    let motion = drive(&system, &way, &[0, 1, 2], 60).unwrap();
+    let drives = [Drive { coordinate: 3, to: 3.0 }];
+    let motion = drive(&system, &drives, &[0, 1, 2], 60).unwrap();
     assert_eq!(motion.stopped, Some(Stop::Locked));
     let last = motion.waypoints.last().unwrap();
     assert!(last.residual < 1e-11);
@@ -252,11 +253,12 @@ fn a_rocker_locks_at_its_dead_point() {
 }
 
 #[test]
-fn a_motion_starts_off_a_dead_point_one_way_only() {
+fn motion_from_a_dead_point_starts_in_one_direction_only() {
     let mechanism = four_bar();
     let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
-    let way = [Drive { coordinate: 3, to: 3.0 }];
-    let dead = drive(&system, &way, &[0, 1, 2], 60).unwrap().waypoints.pop().unwrap().coordinates;
+    let drives = [Drive { coordinate: 3, to: 3.0 }];
+    let dead =
+        drive(&system, &drives, &[0, 1, 2], 60).unwrap().waypoints.pop().unwrap().coordinates;
     let there = system.at(dead).unwrap();
     let on = [Drive { coordinate: 3, to: there.home()[3] + 0.1 }];
     let stuck = drive(&there, &on, &[0, 1, 2], 5).unwrap();
@@ -312,7 +314,7 @@ fn a_parallelogram_passes_through_its_flat_bifurcation() {
 }
 
 #[test]
-fn links_that_do_not_fit_are_told_from_a_bad_guess() {
+fn links_that_do_not_fit_are_distinguished_from_a_bad_guess() {
     // A triangle of pins is rigid; one side too long for the other two cannot close.
     let triangle = |long: f64| {
         let place = |x: f64| frame([x, 0.0, 0.0], [0.0, 0.0, 1.0]);
@@ -345,7 +347,7 @@ fn links_that_do_not_fit_are_told_from_a_bad_guess() {
 /// Polar virtual joints of a ball: about the platform's middle, then along the turned radius.
 /// The closed-form robot and the general engine: rods, virtual joints, centre, to round-off.
 #[test]
-fn both_ways_agree_on_the_robot() {
+fn closed_form_and_general_mechanism_agree_on_the_robot() {
     use jointplay_core::gpr::{AxisHeight, Gpr};
     use jointplay_core::sensitivity::{commanded_sensitivity, sensitivity};
     use jointplay_core::spatial::Tilt;
@@ -475,7 +477,7 @@ fn redundancy_in_words() {
     assert!(stresses.iter().all(|stress| stress.wrenches.len() == 4));
     let coupler = link_motion(&system, &found.instantaneous, 2).unwrap();
     assert_eq!((coupler.dimension, coupler.translations), (1, 0));
-    let (pitch, center) = coupler.screw.unwrap();
+    let ScrewAxis { pitch, point: center } = coupler.screw.unwrap();
     // The coupler turns about where the lines of crank and rocker meet: x = 0 and 4 (x − 3.5) + y = 0.
     assert!(pitch.abs() < 1e-12);
     assert!((center.xy() - jointplay_core::nalgebra::Vector2::new(0.0, 14.0)).norm() < 1e-9);

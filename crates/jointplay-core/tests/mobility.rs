@@ -31,7 +31,7 @@ fn check(pitch_deg: f64, rank: usize, instantaneous: usize, finite: usize) {
 }
 
 #[test]
-fn level_is_shaky() {
+fn level_pose_is_infinitesimally_mobile() {
     check(0.0, 9, 3, 1);
 }
 

@@ -1,5 +1,5 @@
 //! Finite mobility and branches of mechanisms whose motions are known by thought, and of mechanisms made of several.
-#![expect(clippy::unwrap_used, reason = "a test says what it expects")]
+#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 #![expect(clippy::cast_precision_loss, reason = "small counts")]
 
 mod families;
@@ -102,9 +102,9 @@ fn closed_chains_with_all_hinges_on_a_line() {
     }
 }
 
-/// Independent mechanisms on one base move independently, each in one way at a time.
+/// Independent mechanisms on one base move independently, each along one branch at a time.
 #[test]
-fn mechanisms_beside_each_other_are_not_kinematotropic() {
+fn independent_mechanisms_are_not_kinematotropic() {
     let flat = |x: f64| [[x, 0.0], [x + 1.0, 0.0], [x + 3.0, 0.0], [x + 2.0, 0.0]];
     let bent = |x: f64| [[x, 0.0], [x + 0.5, 1.0], [x + 2.5, 1.5], [x + 2.0, 0.0]];
     let mut two = Drawing::on("ground");
@@ -118,7 +118,7 @@ fn mechanisms_beside_each_other_are_not_kinematotropic() {
     check(two, 4, 3, &[3]);
 }
 
-/// Three cranks or more keep the coupler parallel: of the flat parallelogram's two ways one is left.
+/// Three cranks or more keep the coupler parallel: of the flat parallelogram's two branches one remains.
 #[test]
 fn flat_parallelograms_with_many_cranks() {
     for count in [3, 4, 5] {

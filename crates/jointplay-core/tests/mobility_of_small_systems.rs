@@ -160,7 +160,7 @@ struct Expect {
     instantaneous: usize,
     /// The true dimension of the configurations near, by thought.
     truth: usize,
-    /// What the analysis has to say: the truth, or that it is undecided.
+    /// The expected result of the analysis: the true dimension, or undecided.
     decided: bool,
 }
 
@@ -206,12 +206,12 @@ fn parallelogram(angle: f64) -> Bars {
 }
 
 #[test]
-fn a_parallelogram_moves_in_one_way_at_a_time() {
+fn parallelogram_moves_along_one_branch_at_a_time() {
     for angle in [0.1, 1.0, 2.0] {
         let found = bars(&parallelogram(angle), 1, 1, true);
         assert!(found.second_order.is_none(), "full row rank needs no second order");
     }
-    // Flat: the parallelogram and the crossed one meet, two ways to go, each of one dimension.
+    // Flat: the parallelogram and the crossed one meet, two branches, each of one dimension.
     bars(&parallelogram(0.0), 2, 1, true);
 }
 
@@ -238,7 +238,7 @@ fn loops_closed_only_nearly_move_all_the_same() {
 }
 
 #[test]
-fn two_bars_in_line_are_shaky() {
+fn two_collinear_bars_are_infinitesimally_mobile() {
     let mut system = Bars {
         fixed: vec![[0.0, 0.0], [2.0, 0.0]],
         free: vec![[1.0, 0.0]],
@@ -302,13 +302,13 @@ fn branches_that_cross_or_touch() {
 
 /// z = 0 and z = xᵖ: first order allows x, order p stops it; y is free, or stopped at second order.
 #[test]
-fn stopped_at_any_order_beside_what_is_free() {
+fn motion_obstructed_at_any_order_next_to_a_free_one() {
     for p in 3..=10 {
         let stopped: &[Polynomial] = &[&[(1.0, &[0, 1])], &[(1.0, &[0, 1]), (-1.0, &[p, 0])]];
         polynomials(2, stopped, 1, 0, true);
-        let beside_a_free_one: &[Polynomial] =
+        let next_to_a_free_one: &[Polynomial] =
             &[&[(1.0, &[0, 0, 1])], &[(1.0, &[0, 0, 1]), (-1.0, &[p, 0, 0])]];
-        polynomials(3, beside_a_free_one, 2, 1, true);
+        polynomials(3, next_to_a_free_one, 2, 1, true);
         let at_mixed_orders: &[Polynomial] =
             &[&[(1.0, &[0, 0, 1])], &[(1.0, &[0, 0, 1]), (1.0, &[p, 0, 0]), (1.0, &[0, 2, 0])]];
         // Of odd order it is a cusp, or two branches that touch, and moves; of even order two motions are stopped, one at second order, and what is left stays undecided.
@@ -332,7 +332,7 @@ fn watts_linkage_in_a_straight_slot_is_rigid() {
 }
 
 #[test]
-fn branches_of_different_dimension_are_told() {
+fn branches_of_different_dimension_are_reported() {
     let xz: Polynomial = &[(1.0, &[1, 0, 1])];
     let yz: Polynomial = &[(1.0, &[0, 1, 1])];
     let xy: Polynomial = &[(1.0, &[1, 1, 0])];

@@ -1,5 +1,5 @@
 //! Fast positions where there are none, and again.
-#![expect(clippy::unwrap_used, reason = "a test says what it expects")]
+#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 mod robot;
 
@@ -39,7 +39,7 @@ fn unreached(
     }
 }
 
-/// Commands what cannot be: what is left is no worse than the start, and as bad as it says.
+/// Commands an impossible position: the remaining residual is at most that of the start, and is the one reported.
 #[track_caller]
 fn check(mechanism: &Mechanism, commanded: &[usize], start: &DVector<f64>) {
     let system = MechanismSystem::new(mechanism, start.clone()).unwrap();

@@ -1,5 +1,5 @@
 //! Sparse algebra against dense, and mechanisms too large for dense.
-#![expect(clippy::unwrap_used, reason = "a test says what it expects")]
+#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 mod families;
 mod robot;
@@ -39,7 +39,7 @@ fn check(mechanism: &Mechanism) {
 fn both_algebras_agree() {
     check(&scissor_lift(3));
     check(&bennett_row(2));
-    // Level, the robot is shaky: three motions to first order, one for real.
+    // Level, the robot is infinitesimally mobile: instantaneous mobility 3, finite mobility 1.
     let robot = robot::gpr(|_, _| Vec::new());
     let mut level = robot::home(&robot);
     (0..3).for_each(|k| level[4 * k] = 0.5);
@@ -67,10 +67,10 @@ fn what_cannot_move_at_all() {
     let still = fixed(2);
     let system = SparseSystem::new(&still, guess(&still)).unwrap();
     // Nowhere to go is no obstacle.
-    let mut told = Vec::new();
-    let motion = system.drive_with_progress(&[], &[], 3, &mut |done| told.push(done)).unwrap();
+    let mut reported = Vec::new();
+    let motion = system.drive_with_progress(&[], &[], 3, &mut |done| reported.push(done)).unwrap();
     assert_eq!((motion.waypoints.len(), motion.stopped), (4, None));
-    assert_eq!(told, [1, 2, 3]);
+    assert_eq!(reported, [1, 2, 3]);
     // Of the base alone there is no mechanism, so that no system has to be ready for it.
     let alone = Mechanism::new("alone", robot::names(1), Vec::new());
     assert_eq!(alone, Err(MechanismError::NoJoints));
@@ -128,9 +128,9 @@ fn a_tall_lift_folds() {
 }
 
 #[test]
-fn what_does_not_close_is_told() {
+fn open_loops_are_reported() {
     let mut joints = bennett_row(50).joints().to_vec();
-    // A link that is a tenth of a millimetre too long, in a row that no play makes up for.
+    // A link that is a tenth of a millimetre too long, in a row without play to compensate it.
     joints[60].frames[0].translation.vector.x += 1e-4;
     let names = (0..102).map(|k| format!("link {k}")).collect();
     let mechanism = Mechanism::new("row", names, joints).unwrap();

@@ -1,5 +1,5 @@
 //! Joints that are neither commanded nor determined by the commands: they move least.
-#![expect(clippy::unwrap_used, reason = "a test says what it expects")]
+#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 mod robot;
 
@@ -102,7 +102,7 @@ fn suggestions_for_a_ball_joint_are_those_for_its_tilt() {
     assert!((by_ball.sets[0].size / held.sets[0].size - 1.0).abs() < 1e-3);
 }
 
-/// A path by a ball joint stays near home all the way.
+/// A path by a ball joint stays near home throughout.
 #[test]
 fn driving_a_ball_joint_stays_near_home() {
     let mechanism = gpr(radial);
@@ -117,13 +117,13 @@ fn driving_a_ball_joint_stays_near_home() {
     }
 }
 
-/// Legs at the corners of a polygon, each with a ball joint under one plate, leaning outward.
-fn legs(points: &[[f64; 2]], lean: f64) -> Mechanism {
+/// Legs at the corners of a polygon, each with a ball joint under one plate, tilting outward.
+fn legs(points: &[[f64; 2]], tilt: f64) -> Mechanism {
     let count = points.len();
     let mut joints = Vec::new();
     for (k, &[x, y]) in points.iter().enumerate() {
-        let out = Vector3::new(x, y, 0.0).normalize() * lean.sin();
-        let axis = [out.x, out.y, lean.cos()];
+        let out = Vector3::new(x, y, 0.0).normalize() * tilt.sin();
+        let axis = [out.x, out.y, tilt.cos()];
         joints.push(joint(
             &format!("leg {k}"),
             JointKind::Prismatic,
@@ -154,7 +154,7 @@ fn triangle() -> Vec<[f64; 2]> {
         .to_vec()
 }
 
-/// A tilt of a ten-thousandth of a degree closes to round-off beside level, and does not drift along the heave.
+/// A tilt of a ten-thousandth of a degree closes to round-off next to level, and does not drift along the heave.
 #[test]
 fn closing_to_round_off_does_not_drift() {
     let points = [[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]];
@@ -167,19 +167,19 @@ fn closing_to_round_off_does_not_drift() {
     }
 }
 
-/// Three legs that lean alike: a heave misses by 0.3 sin(lean) at most, tilts by far more, whatever the lean and however near each other the singular values are.
+/// Three legs with equal tilt: a heave misses by 0.3 sin(tilt) at most, tilts by far more, for any tilt and for nearly equal singular values.
 #[test]
-fn motions_beside_clusters_of_singular_values_are_found() {
+fn motions_next_to_clusters_of_singular_values_are_found() {
     let mut before = 0.0;
     for exponent in -9..=0 {
         let degrees = 10.0_f64.powi(exponent);
-        let lean = degrees.to_radians();
-        let mechanism = legs(&triangle(), lean);
+        let tilt = degrees.to_radians();
+        let mechanism = legs(&triangle(), tilt);
         let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
         let at = system.at_home();
         let all = near_tolerances(&system, &at).unwrap();
-        // A heave h of every leg moves every ball out by h sin(lean), which the loops miss by.
-        let least = 0.3 / 3.0_f64.sqrt() * lean.sin();
+        // A heave h of every leg moves every ball out by h sin(tilt), which the loops miss by.
+        let least = 0.3 / 3.0_f64.sqrt() * tilt.sin();
         let share = all[0] / least;
         assert!((0.3..3.5).contains(&share), "{degrees}: {all:?}, {least:e}");
         assert!(all[0] > before, "{degrees}: {all:?} after {before:e}");
@@ -210,7 +210,7 @@ fn symmetric_sets_have_the_same_at_every_joint() {
         assert!(!found.sets.is_empty());
         let mut symmetric = 0;
         for set in &found.sets {
-            // How often each motion is named, the joints' numbers left out.
+            // Count of each motion, without the numbers of the joints.
             let mut counts = std::collections::BTreeMap::new();
             for one in &set.virtual_joints {
                 let words: String = one.name.chars().filter(|c| !c.is_ascii_digit()).collect();

@@ -59,7 +59,7 @@ pub fn explain(error: &Error) -> String {
             unconverged.best.iter().map(|&one| rounded(one, 6)).collect::<Vec<_>>().join(", "),
         ),
         Error::DependentSides { characteristic_length, iterations } => format!(
-            "the virtual joints cannot change the three sides independently where the iteration stands after {iterations} steps; the characteristic length of {} mm may weigh angles too lightly or too heavily",
+            "the virtual joints cannot change the three sides independently after {iterations} iterations; the characteristic length of {} mm may weigh angles too lightly or too heavily",
             rounded(units::mm(*characteristic_length), 6)
         ),
         Error::NotFinite { what, value } => {

@@ -2,13 +2,11 @@
 
 use jointplay_core::gpr::{Gpr, Limb, Limits};
 use nalgebra::Vector2;
-use serde::Deserialize;
-use toml::Spanned;
 
 use crate::explain::explain;
-use crate::mechanism;
-use crate::number::{counted, number};
-use crate::place::{Form, Place};
+use crate::file_problem::FileProblem;
+use crate::place::Place;
+use crate::toml_reader::{self, AllowedRange, Entry};
 use crate::units::m_from_mm;
 
 /// The file of the paper's robot.
@@ -80,40 +78,14 @@ pub type Error = crate::place::Error<Problem>;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// Not TOML, an unknown or missing key, or a value of the wrong type.
+    /// An error that every file can have.
     #[error(transparent)]
-    Form(#[from] Form),
-    /// A number that is NaN or infinite.
-    #[error("`{key}` is {}, but has to be a finite number", number(*.value))]
-    NotFinite {
-        /// Which key.
-        key: &'static str,
-        /// What was found.
-        value: f64,
-    },
-    /// A number that no robot has.
-    #[error("`{key}` is {}, but has to lie within ±{}", number(*.value), number(*.most))]
-    Beyond {
-        /// Which key.
-        key: &'static str,
-        /// What was found.
-        value: f64,
-        /// Its largest size allowed.
-        most: f64,
-    },
+    Common(#[from] FileProblem),
     /// A kind of robot that is not known.
     #[error("kind {found:?} is not known; known: \"gpr\"")]
     Kind {
         /// What was found.
         found: String,
-    },
-    /// A pair of numbers with too few or too many.
-    #[error("`{key}` has {}, but needs 2", counted(*.found, "number"))]
-    PairCount {
-        /// Which key.
-        key: &'static str,
-        /// How many were found.
-        found: usize,
     },
     /// A name with characters that would upset a terminal.
     #[error("the name has control characters in it: {found:?}")]
@@ -159,45 +131,6 @@ const LARGEST_MM: f64 = 1e6;
 /// Angles of robot files lie within this: a hundred turns [deg].
 const LARGEST_DEG: f64 = 36_000.0;
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    kind: Spanned<String>,
-    name: Option<Spanned<String>>,
-    base_mesh: Option<Spanned<String>>,
-    platform_mesh: Option<Spanned<String>>,
-    limb: Vec<Spanned<LimbTable>>,
-    limits: LimitsTable,
-    working: WorkingTable,
-}
-
-/// The kind alone, whatever else there is.
-#[derive(Deserialize)]
-struct Kind {
-    kind: Spanned<String>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LimbTable {
-    socket_radius_mm: Spanned<f64>,
-    socket_angle_deg: Spanned<f64>,
-    base_point_mm: Option<Spanned<Vec<f64>>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LimitsTable {
-    rod_mm: Spanned<Vec<f64>>,
-    tilt_deg: Spanned<f64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct WorkingTable {
-    height_mm: Spanned<f64>,
-}
-
 /// The paper's robot, from its file.
 #[must_use]
 pub fn paper() -> Robot {
@@ -207,83 +140,126 @@ pub fn paper() -> Robot {
 /// Reads a robot file.
 ///
 /// # Errors
-/// [`Error`] with the place: TOML that is malformed, keys that are missing or unknown, numbers that are not finite or make no robot.
+/// The first of the errors that [`parse_all`] returns.
 pub fn parse(text: &str) -> Result<Robot, Error> {
-    let wrong = |span, problem| Error::at(text, span, problem);
-    // The kind comes first: a file of another kind is not blamed for its keys.
-    if mechanism::kind_of(text).is_some_and(|kind| kind != "gpr") {
-        let Kind { kind } = crate::place::read(text)?;
-        return Err(wrong(kind.span(), Problem::Kind { found: kind.into_inner() }));
-    }
-    let file: File = crate::place::read(text)?;
-    if file.kind.get_ref() != "gpr" {
-        return Err(wrong(file.kind.span(), Problem::Kind { found: file.kind.into_inner() }));
-    }
-    let number = |key: &'static str, span: std::ops::Range<usize>, value: f64| {
-        let most = if key.ends_with("_deg") { LARGEST_DEG } else { LARGEST_MM };
-        if !value.is_finite() {
-            Err(wrong(span, Problem::NotFinite { key, value }))
-        } else if value.abs() > most {
-            Err(wrong(span, Problem::Beyond { key, value, most }))
-        } else {
-            Ok(value)
-        }
-    };
-    let scalar = |key, value: &Spanned<f64>| number(key, value.span(), *value.get_ref());
-    let pair = |key, numbers: &Spanned<Vec<f64>>| -> Result<[f64; 2], Error> {
-        let (span, numbers) = (numbers.span(), numbers.get_ref());
-        let Ok(pair) = <[f64; 2]>::try_from(numbers.as_slice()) else {
-            return Err(wrong(span, Problem::PairCount { key, found: numbers.len() }));
-        };
-        Ok([number(key, span.clone(), pair[0])?, number(key, span, pair[1])?])
-    };
-    let name = match file.name.as_ref() {
-        Some(name) if name.get_ref().chars().any(char::is_control) => {
-            return Err(wrong(name.span(), Problem::Name { found: name.get_ref().clone() }));
-        }
-        name => name.map_or("GPR", |name| name.get_ref()).to_owned(),
-    };
-    let mesh = |named: &Option<Spanned<String>>| {
-        named.as_ref().map(|named| read_mesh(text, named.get_ref(), named.span())).transpose()
-    };
-    let (base_mesh, platform_mesh) = (mesh(&file.base_mesh)?, mesh(&file.platform_mesh)?);
-    let mut limbs = Vec::with_capacity(3);
-    for limb in &file.limb {
-        let limb = limb.get_ref();
-        let socket_radius = m_from_mm(scalar("socket_radius_mm", &limb.socket_radius_mm)?);
-        let socket_angle = scalar("socket_angle_deg", &limb.socket_angle_deg)?.to_radians();
-        let mut read = Limb::under_socket(socket_radius, socket_angle);
-        if let Some(point) = &limb.base_point_mm {
-            let [x, y] = pair("base_point_mm", point)?;
-            read.base_point = Vector2::new(m_from_mm(x), m_from_mm(y));
-        }
-        limbs.push(read);
-    }
-    let limbs: [Limb; 3] = limbs.try_into().map_err(|limbs: Vec<Limb>| {
-        let span = file.limb.get(3).or(file.limb.last()).map_or(0..0, Spanned::span);
-        wrong(span, Problem::LimbCount { found: limbs.len() })
-    })?;
-    let [rod_min, rod_max] = pair("rod_mm", &file.limits.rod_mm)?.map(m_from_mm);
-    let limits = Limits {
-        rod_min,
-        rod_max,
-        tilt_max: scalar("tilt_deg", &file.limits.tilt_deg)?.to_radians(),
-    };
-    let working_height = m_from_mm(scalar("height_mm", &file.working.height_mm)?);
-    let gpr = Gpr::new(limbs, limits, working_height)
-        .map_err(|error| wrong(blame(&file, &error), Problem::Geometry(error)))?;
-    Ok(Robot { name, gpr, base_mesh, platform_mesh })
+    parse_all(text).map_err(|mut errors| errors.swap_remove(0))
 }
 
-fn read_mesh(text: &str, path: &str, span: std::ops::Range<usize>) -> Result<Mesh, Error> {
-    let within = stays_within(path);
-    let path = path.to_owned();
-    if !within {
-        return Err(Error::at(text, span, Problem::MeshPath { path }));
+/// Reads a robot file.
+///
+/// # Errors
+/// All errors in the order of their places, at least one: invalid TOML, missing or unknown keys, values of the wrong type, numbers out of range or that make no robot.
+pub fn parse_all(text: &str) -> Result<Robot, Vec<Error>> {
+    let reader = Reader::new(text);
+    let document = reader.parse();
+    let top = Table::new(&reader, "a robot", document.get_ref(), 0..0);
+    let kind = top.needed("kind");
+    let found = kind.and_then(|kind| kind.text(&reader));
+    // A file of another kind is not blamed for its keys.
+    if let (Some(kind), Some(found)) = (kind, found.filter(|&found| found != "gpr")) {
+        kind.report(&reader, Problem::Kind { found: found.to_owned() });
+        return reader.done(None);
+    }
+    let robot = read(&top, found.is_some());
+    top.finish();
+    reader.done(robot)
+}
+
+type Reader<'a> = toml_reader::Reader<'a, Problem>;
+type Table<'r, 'a> = toml_reader::Table<'r, 'a, Problem>;
+
+const LENGTH: AllowedRange = AllowedRange::Within(-LARGEST_MM, LARGEST_MM);
+const ANGLE: AllowedRange = AllowedRange::Within(-LARGEST_DEG, LARGEST_DEG);
+
+fn read(top: &Table, has_kind: bool) -> Option<Robot> {
+    let reader = top.reader;
+    let name = top.entry("name").map_or(Some("GPR".to_owned()), |entry| {
+        let name = entry.text(reader)?;
+        if name.chars().any(char::is_control) {
+            entry.report(reader, Problem::Name { found: name.to_owned() });
+            return None;
+        }
+        Some(name.to_owned())
+    });
+    let base_mesh = mesh(top, "base_mesh");
+    let platform_mesh = mesh(top, "platform_mesh");
+    let tables = top.tables("limb");
+    let limbs: Vec<Option<Limb>> = tables.iter().map(limb).collect();
+    let limits_table = table(top, "limits", "`[limits]`");
+    let limits = limits_table.as_ref().and_then(limits);
+    let working = table(top, "working", "`[working]`");
+    let height = working.as_ref().and_then(|table| {
+        let height = table.length("height_mm", LENGTH);
+        table.finish();
+        height
+    });
+    if top.needed("limb").is_some() && tables.len() != 3 {
+        let span = tables.get(3).or(tables.last()).map_or(0..0, |table| table.span.clone());
+        reader.report(span, Problem::LimbCount { found: tables.len() });
+    }
+    let limbs: [Limb; 3] = limbs.into_iter().collect::<Option<Vec<_>>>()?.try_into().ok()?;
+    let (limits, height) = (limits?, height?);
+    let (name, base_mesh, platform_mesh) = (name?, base_mesh?, platform_mesh?);
+    if !has_kind {
+        return None;
+    }
+    match Gpr::new(limbs, limits, height) {
+        Ok(gpr) => Some(Robot { name, gpr, base_mesh, platform_mesh }),
+        Err(error) => {
+            let parts = (tables.as_slice(), limits_table.as_ref()?, working.as_ref()?);
+            let entry = blame(parts, &error);
+            let span = entry.map_or(0..0, |entry| entry.span());
+            reader.report(span, Problem::Geometry(error));
+            None
+        }
+    }
+}
+
+/// A table that must be present.
+fn table<'r, 'a>(top: &Table<'r, 'a>, key: &'static str, whose: &str) -> Option<Table<'r, 'a>> {
+    top.needed(key)?.table(top.reader, whose)
+}
+
+fn limb(table: &Table) -> Option<Limb> {
+    let socket_radius = table.length("socket_radius_mm", LENGTH);
+    let socket_angle = table.number("socket_angle_deg", ANGLE).map(f64::to_radians);
+    let base_point = table
+        .entry("base_point_mm")
+        .map(|entry| entry.numbers::<2, _>(table.reader, LENGTH).map(|pair| pair.map(m_from_mm)));
+    table.finish();
+    let mut limb = Limb::under_socket(socket_radius?, socket_angle?);
+    if let Some(point) = base_point {
+        let [x, y] = point?;
+        limb.base_point = Vector2::new(x, y);
+    }
+    Some(limb)
+}
+
+fn limits(table: &Table) -> Option<Limits> {
+    let rod = table
+        .needed("rod_mm")
+        .and_then(|entry| entry.numbers::<2, _>(table.reader, LENGTH))
+        .map(|pair| pair.map(m_from_mm));
+    let tilt_max = table.number("tilt_deg", ANGLE).map(f64::to_radians);
+    table.finish();
+    let [rod_min, rod_max] = rod?;
+    Some(Limits { rod_min, rod_max, tilt_max: tilt_max? })
+}
+
+/// A mesh that may be absent; `None` for an invalid one.
+fn mesh(top: &Table, key: &'static str) -> Option<Option<Mesh>> {
+    let Some(entry) = top.entry(key) else { return Some(None) };
+    let path = entry.text(top.reader)?.to_owned();
+    if !stays_within(&path) {
+        entry.report(top.reader, Problem::MeshPath { path });
+        return None;
     }
     match MeshFormat::of(&path) {
-        Some(format) => Ok(Mesh { path, format, place: Place::of(text, span) }),
-        None => Err(Error::at(text, span, Problem::MeshFormat { path })),
+        Some(format) => Some(Some(Mesh { path, format, place: top.reader.place(entry.span()) })),
+        None => {
+            entry.report(top.reader, Problem::MeshFormat { path });
+            None
+        }
     }
 }
 
@@ -294,18 +270,21 @@ pub(crate) fn stays_within(path: &str) -> bool {
 }
 
 /// The part of the file that a geometry error is about.
-fn blame(file: &File, error: &jointplay_core::Error) -> std::ops::Range<usize> {
+fn blame<'r, 'a>(
+    (limbs, limits, working): (&[Table<'r, 'a>], &Table<'r, 'a>, &Table<'r, 'a>),
+    error: &jointplay_core::Error,
+) -> Option<Entry<'r, 'a>> {
     use jointplay_core::Error as E;
+    let angle = || limbs.first()?.entry("socket_angle_deg");
     match error {
-        E::NotPositive { limb, .. } => file.limb[limb - 1].get_ref().socket_radius_mm.span(),
-        E::LimitsReversed { .. } => file.limits.rod_mm.span(),
-        E::OutOfRange { unit: "rad", .. } => file.limits.tilt_deg.span(),
-        E::OutOfRange { .. } => file.working.height_mm.span(),
+        E::NotPositive { limb, .. } => limbs.get(limb - 1)?.entry("socket_radius_mm"),
+        E::LimitsReversed { .. } => limits.entry("rod_mm"),
+        E::OutOfRange { unit: "rad", .. } => limits.entry("tilt_deg"),
+        E::OutOfRange { .. } => working.entry("height_mm"),
         E::Collinear { what: "base points", .. } => {
-            let point = file.limb.iter().find_map(|limb| limb.get_ref().base_point_mm.as_ref());
-            point.map_or_else(|| file.limb[0].get_ref().socket_angle_deg.span(), Spanned::span)
+            limbs.iter().find_map(|limb| limb.entry("base_point_mm")).or_else(angle)
         }
-        _ => file.limb[0].get_ref().socket_angle_deg.span(),
+        _ => angle(),
     }
 }
 
@@ -353,9 +332,27 @@ mod tests {
     #[track_caller]
     fn refuse(from: &str, to: &str, line: usize, message: &str) {
         assert!(PAPER.contains(from), "{from:?} is not in the file");
-        let error = parse(&PAPER.replacen(from, to, 1)).unwrap_err();
-        assert!(error.to_string().contains(message), "{error}");
-        assert_eq!(error.place.line, line, "{}", error.with_excerpt("x.toml"));
+        let errors = parse_all(&PAPER.replacen(from, to, 1)).unwrap_err();
+        let found = errors
+            .iter()
+            .any(|error| error.to_string().contains(message) && error.place.line == line);
+        let shown: Vec<String> = errors.iter().map(|error| error.with_excerpt("x.toml")).collect();
+        assert!(found, "{}", shown.join("\n"));
+    }
+
+    #[test]
+    fn all_errors_of_a_file_are_reported_in_order() {
+        let text = PAPER
+            .replacen("socket_radius_mm = 93.218", "socket_radius_mm = \"93\"\ncolor = 3", 1)
+            .replacen("tilt_deg = 1.5", "tilt_deg = nan", 1);
+        let errors = parse_all(&text).unwrap_err();
+        let found: Vec<(usize, String)> =
+            errors.iter().map(|error| (error.place.line, error.to_string())).collect();
+        assert_eq!(found.len(), 3, "{found:?}");
+        assert!(found[0].1.contains("has to be a number") && found[0].0 == 13, "{found:?}");
+        assert!(found[1].1.contains("unknown key `color`") && found[1].0 == 14, "{found:?}");
+        assert!(found[2].1.contains("`tilt_deg` is not a number") && found[2].0 == 29, "{found:?}");
+        assert_eq!(parse(&text).unwrap_err(), errors[0]);
     }
 
     #[test]
@@ -367,18 +364,23 @@ mod tests {
             radius,
             "socket_radius_mm = 1e308",
             13,
-            "`socket_radius_mm` is 1e308, but has to lie within ±1000000",
+            "`socket_radius_mm` is 1e308, but has to be from -1000000 to 1000000",
         );
         refuse(
             "= 120.0",
             "= 1e308",
             18,
-            "`socket_angle_deg` is 1e308, but has to lie within ±36000",
+            "`socket_angle_deg` is 1e308, but has to be from -36000 to 36000",
         );
         refuse("[246.0, 754.0]", "[-1e308, 754]", 26, "`rod_mm` is -1e308");
         refuse(radius, "socket_radius_mm = 0", 13, "the socket radius of limb 1 is 0 mm");
         refuse(radius, "socket_radius_mm = -5.5", 13, "is -5.5 mm, but has to be positive");
-        refuse(radius, "socket_radius_mm = \"93\"", 13, "expected a number, found the text \"93\"");
+        refuse(
+            radius,
+            "socket_radius_mm = \"93\"",
+            13,
+            "has to be a number, but is the text \"93\"",
+        );
         refuse(
             "kind = \"gpr\"",
             "kind = \"frobnicate\"\n[[limb]]",
@@ -392,17 +394,17 @@ mod tests {
             13,
             "known here: socket_radius_mm, socket_angle_deg, base_point_mm",
         );
-        refuse(radius, "", 12, "missing key `socket_radius_mm`");
+        refuse(radius, "", 12, "`[[limb]]` needs `socket_radius_mm`");
         refuse(radius, "socket_radius_mm = = 3", 13, "");
         refuse("= 120.0", "= 0.0", 14, "lie on one line");
         refuse("= 120.0", "= 240.0", 14, "lie on one line");
         refuse("[246.0, 754.0]", "[754.0, 246.0]", 26, "reversed: least 754 mm, most 246 mm");
-        refuse("[246.0, 754.0]", "[246.0]", 26, "has 1 number,");
+        refuse("[246.0, 754.0]", "[246.0]", 26, "has 1 entry,");
         refuse(
             "[246.0, 754.0]",
             "[246.0, 500.0, 754.0]",
             26,
-            "`rod_mm` has 3 numbers, but needs 2",
+            "`rod_mm` has 3 entries, but needs 2",
         );
         refuse("GPR of the paper\"", "a\\u001b[31m\"", 7, "control characters");
         refuse("[246.0, 754.0]", "[246.0, inf]", 26, "`rod_mm` is infinite");
@@ -436,7 +438,7 @@ mod tests {
         let shown = error.with_excerpt("my.toml");
         assert_eq!(
             shown,
-            "my.toml:28:12: `tilt_deg` is not a number, but has to be a finite number\n   |\n28 | tilt_deg = nan\n   |            ^^^"
+            "my.toml:28:12: `tilt_deg` is not a number, but has to be from -36000 to 36000\n   |\n28 | tilt_deg = nan\n   |            ^^^"
         );
     }
 

@@ -254,7 +254,7 @@ fn stations_come_from_taught_points_and_from_drift() {
     let position = "position_mm = [-495.0, 495.0, 500.0]\n";
     let taught = |points: &str| wrong(&format!("{position}taught = {{ points_mm = {points} }}"));
     let told = taught("[[0, 0, 500], [1, 0, 500]]");
-    assert!(told.contains("2 taught points make no plane"), "{told}");
+    assert!(told.contains("2 taught points determine no plane"), "{told}");
     let told = taught("[[0, 0, 500], [100, 0, 500], [200, 0, 500.001]]");
     assert!(told.contains("µm of one line"), "{told}");
     let told = taught("[[0, 0, 500], [100, 0, 500], [0, 100, 503]]");

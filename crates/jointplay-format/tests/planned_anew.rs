@@ -14,7 +14,7 @@ use jointplay_cell::station::SlotId;
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::Droop;
 use jointplay_cell::workcell::Cell;
-use jointplay_cell::{CacheStats, IncrementalPlanner, PlanError};
+use jointplay_cell::{CacheStats, IncrementalPlanner, PlanError, PlanOptions};
 use jointplay_format::{cell, program};
 use proptest::prelude::*;
 
@@ -286,14 +286,9 @@ fn running_into_each_other_takes_no_wafer_out_of_a_safe_zone() {
     assert!(free.duration() < motion.duration());
 }
 
-/// A memory whose moves run at the same time, from both ends.
-fn by_two_threads() -> IncrementalPlanner {
-    IncrementalPlanner::run_by(|count, job| {
-        std::thread::scope(|scope| {
-            scope.spawn(|| (0..count).step_by(2).for_each(job));
-            (0..count).rev().filter(|number| number % 2 == 1).for_each(job);
-        });
-    })
+/// Runs a computation on so many threads.
+fn on_threads<T: Send>(count: usize, compute: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap().install(compute)
 }
 
 /// One change of a cell or its program.
@@ -353,19 +348,20 @@ fn planned(memory: &mut IncrementalPlanner, cell: &Cell, text: &str) -> (Traject
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(10))]
 
-    /// Whatever changes, with a memory and threads the answer is that of planning from scratch without, to the bit.
+    /// An incremental plan on several threads equals a new plan on one thread, to the bit.
     #[test]
-    fn a_plan_with_a_memory_is_the_plan_without(changes in prop::collection::vec(change(), 1..4)) {
+    fn incremental_plans_equal_new_plans_on_any_number_of_threads(changes in prop::collection::vec(change(), 1..4)) {
         let mut cell = example();
         let mut lines = ["HOME", "GET LP1 SLOT 3 WITH A", "PUT ALIGN WITH A", "", ""].map(String::from);
-        let mut memory = by_two_threads();
-        planned(&mut memory, &cell, &lines.join("\n"));
+        let mut planner = IncrementalPlanner::default();
+        planned(&mut planner, &cell, &lines.join("\n"));
         for change in &changes {
             change.make(&mut cell, &mut lines);
             let text = lines.join("\n");
             // Numbers are printed in full: no two of them look alike.
-            let (motion, report) = planned(&mut memory, &cell, &text);
-            let (same_motion, same_report) = planned(&mut IncrementalPlanner::default(), &cell, &text);
+            let (motion, report) = on_threads(3, || planned(&mut planner, &cell, &text));
+            let (same_motion, same_report) =
+                on_threads(1, || planned(&mut IncrementalPlanner::default(), &cell, &text));
             prop_assert!(format!("{motion:?}") == format!("{same_motion:?}"), "{change:?}");
             prop_assert_eq!(format!("{report:?}"), format!("{same_report:?}"), "{:?}", change);
         }
@@ -376,19 +372,20 @@ proptest! {
 fn a_plan_is_stopped_anywhere_and_planned_again_to_the_bit() {
     let cell = example();
     let program = program::parse(SHORT).unwrap();
-    let options = (&TrajectoryOptions::default(), &CheckOptions { rate: 100.0, near: 0.05 });
-    let whole = IncrementalPlanner::default().plan(&cell, &program, options, &|| false).unwrap();
-    let (mut memory, mut stopped) = (by_two_threads(), 0);
+    let check = CheckOptions { rate: 100.0, near: 0.05 };
+    let options = PlanOptions { check, ..PlanOptions::default() };
+    let whole = IncrementalPlanner::default().plan(&cell, &program, &options, &|| false).unwrap();
+    let (mut memory, mut stopped) = (IncrementalPlanner::default(), 0);
     for most in [0, 1, 3, 10, 20, 30, 40, 60, 80, 100, 10_000] {
         let polls = AtomicUsize::new(0);
         let stop = || polls.fetch_add(1, Ordering::Relaxed) >= most;
-        match memory.plan(&cell, &program, options, &stop) {
+        match memory.plan(&cell, &program, &options, &stop) {
             Err(PlanError::Interrupted(_)) => stopped += 1,
             found => assert_eq!(format!("{:?}", found.unwrap()), format!("{whole:?}")),
         }
     }
     assert!(stopped >= 6, "{stopped}");
-    let again = memory.plan(&cell, &program, options, &|| false).unwrap();
+    let again = memory.plan(&cell, &program, &options, &|| false).unwrap();
     assert_eq!(format!("{again:?}"), format!("{whole:?}"));
 }
 

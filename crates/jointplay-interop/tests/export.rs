@@ -1,7 +1,7 @@
 //! Exported motions: as long as the motion, at its ends exactly, and with what is wrong with it.
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use jointplay_cell::check::{CheckOptions, Moment, check_pose};
+use jointplay_cell::check::{CheckOptions, PoseContext, check_pose};
 use jointplay_cell::program::{Handover, Path, Phase, Place, Step, expand};
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
@@ -16,7 +16,9 @@ use jointplay_core::spatial::Pose;
 use jointplay_core::virtualization::BuiltIn;
 use jointplay_format::{cell, program};
 use jointplay_interop::export::dialect::{DIALECTS, Dialect};
-use jointplay_interop::export::{Flaw, Frame, MACRO, Recording, frames, gltf, samples, solidworks};
+use jointplay_interop::export::{
+    Frame, MACRO, MotionExport, ViolationNote, frames, gltf, samples, solidworks,
+};
 use jointplay_report::table::Values;
 use nalgebra::SVector;
 use serde_json::Value;
@@ -141,40 +143,52 @@ fn motion(cell: &Cell) -> Trajectory {
     plan_trajectory(cell, vec![extend, retract, wait], &TrajectoryOptions::default()).unwrap()
 }
 
-fn flaw() -> Vec<Flaw> {
-    vec![Flaw { from: 0.1, to: 0.2, message: "line 2: slip: the wafer \"slips\"".to_owned() }]
+fn violation_note() -> Vec<ViolationNote> {
+    vec![ViolationNote {
+        from: 0.1,
+        to: 0.2,
+        message: "line 2: slip: the wafer \"slips\"".to_owned(),
+    }]
 }
 
-/// Runs a test with a sound recording and one with a flaw.
-fn with(test: impl Fn(&Recording<'_>)) {
+/// Runs a test with a sound motion_export and one with a violation_note.
+fn with(test: impl Fn(&MotionExport<'_>)) {
     let cell = cell();
     let motion = motion(&cell);
-    for flaws in [vec![], flaw()] {
-        test(&Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &flaws });
+    for violation_notes in [vec![], violation_note()] {
+        test(&MotionExport {
+            cell: &cell,
+            motion: &motion,
+            program: PROGRAM,
+            violation_notes: &violation_notes,
+        });
     }
 }
 
 #[test]
 fn a_table_ends_with_the_motion() {
-    with(|recording| {
-        let columns = samples(recording, 100.0).unwrap();
+    with(|motion_export| {
+        let columns = samples(motion_export, 100.0).unwrap();
         let real = |name: &str| match &columns.iter().find(|one| one.name == name).unwrap().values {
             Values::Real(values) => values.clone(),
             Values::Count(_) => panic!("{name} is counted"),
         };
-        let duration = recording.motion.duration();
+        let duration = motion_export.motion.duration();
         let time = real("time_s");
         assert_eq!(time.last(), Some(&duration));
         assert_eq!(time[7], 0.07);
         assert_eq!(real("T_deg").last(), Some(&0.0));
         let fastest = real("T_deg_per_s").into_iter().fold(0.0, f64::max);
         assert!(fastest > 10.0 && fastest <= 2_f64.to_degrees() + 1e-9, "{fastest}");
-        let pose =
-            recording.cell.robot.forward(&recording.motion.sample_at(0.0).positions).unwrap();
+        let pose = motion_export
+            .cell
+            .robot
+            .forward(&motion_export.motion.sample_at(0.0).positions)
+            .unwrap();
         let x = pose.base_from_wafer[0][0].translation.vector.x;
         assert!((real("A_x_mm")[0] - 1e3 * x).abs() < 1e-9);
         let violations = columns.iter().find(|one| one.name == "violations");
-        assert_eq!(violations.is_some(), !recording.flaws.is_empty());
+        assert_eq!(violations.is_some(), !motion_export.violation_notes.is_empty());
         if let Some(violations) = violations {
             let Values::Count(counts) = &violations.values else { panic!("not counted") };
             assert_eq!((counts[0], counts[15], counts[30]), (0, 1, 0));
@@ -214,8 +228,9 @@ fn the_platform_stands_where_the_robots_own_model_puts_it() {
             (step.from[0], step.to[0]) = (0.501, 0.501);
         }
         let motion = plan_trajectory(&cell, motion.steps, &TrajectoryOptions::default()).unwrap();
-        let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
-        let (root, _) = parts(&gltf(&recording, 50.0).unwrap());
+        let motion_export =
+            MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
+        let (root, _) = parts(&gltf(&motion_export, 50.0).unwrap());
         let nodes = root["nodes"].as_array().unwrap();
         let node = nodes.iter().find(|node| node["name"] == "platform").unwrap();
         let pose = cell.robot.forward(&motion.sample_at(0.0).positions).unwrap();
@@ -225,7 +240,7 @@ fn the_platform_stands_where_the_robots_own_model_puts_it() {
             assert!((shown - origin[k]).abs() < 1e-7 * origin[k].abs() + 1e-9, "{node} {origin}");
         }
         shifts.push(origin.xy());
-        let columns = samples(&recording, 50.0).unwrap();
+        let columns = samples(&motion_export, 50.0).unwrap();
         let column = columns.iter().find(|one| one.name == "A_x_mm").unwrap();
         let Values::Real(values) = &column.values else { panic!("not real") };
         let x = pose.base_from_wafer[0][0].translation.vector.x;
@@ -236,8 +251,8 @@ fn the_platform_stands_where_the_robots_own_model_puts_it() {
 
 #[test]
 fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
-    with(|recording| {
-        let (root, bytes) = parts(&gltf(recording, 60.0).unwrap());
+    with(|motion_export| {
+        let (root, bytes) = parts(&gltf(motion_export, 60.0).unwrap());
         let index = |value: &Value| usize::try_from(value.as_u64().unwrap()).unwrap();
         let animation = &root["animations"][0];
         let mut moved = Vec::new();
@@ -245,7 +260,7 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
             let sampler = &animation["samplers"][index(&channel["sampler"])];
             let times = numbers(&root, &bytes, index(&sampler["input"]));
             assert_eq!(times[0], 0.0);
-            assert_eq!(*times.last().unwrap(), recording.motion.duration() as f32);
+            assert_eq!(*times.last().unwrap(), motion_export.motion.duration() as f32);
             assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
             let node = &root["nodes"][index(&channel["target"]["node"])];
             let values = numbers(&root, &bytes, index(&sampler["output"]));
@@ -262,14 +277,14 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
             ["upper link 1", "upper link 2", "upper link 3", "wafer of port 1", "wafer of port 1"]
         );
         let (_, _, places) = moved.iter().find(|(_, path, _)| path == "translation").unwrap();
-        let robot = &recording.cell.robot;
+        let robot = &motion_export.cell.robot;
         let at = |time: f64| {
-            robot.forward(&recording.motion.sample_at(time).positions).unwrap().base_from_wafer[0]
-                [0]
+            robot.forward(&motion_export.motion.sample_at(time).positions).unwrap().base_from_wafer
+                [0][0]
         };
-        let taken = at(recording.motion.times[1]);
-        let slot = recording.cell.stations[0].slot_frame(1);
-        let expected = at(recording.motion.duration()) * taken.inverse() * slot;
+        let taken = at(motion_export.motion.times[1]);
+        let slot = motion_export.cell.stations[0].slot_frame(1);
+        let expected = at(motion_export.motion.duration()) * taken.inverse() * slot;
         // A key is how fast it comes, where it is, and how fast it goes.
         let key = &places[places.len() - 9..];
         let last: Vec<f64> = key[3..6].iter().map(|&one| f64::from(one)).collect();
@@ -277,10 +292,10 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
         let off = nalgebra::Vector3::from_row_slice(&last) - expected.translation.vector;
         assert!(off.norm() < 1e-6, "{off}");
         let warned = root["asset"]["extras"]["warning"].is_string();
-        assert_eq!(warned, !recording.flaws.is_empty());
+        assert_eq!(warned, !motion_export.violation_notes.is_empty());
         assert_eq!(
             root["asset"]["extras"]["duration_s"].as_f64().unwrap(),
-            recording.motion.duration()
+            motion_export.motion.duration()
         );
     });
 }
@@ -292,7 +307,8 @@ fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
     let motion =
         plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
             .unwrap();
-    let recording = Recording { cell: &cell, motion: &motion, program: "", flaws: &[] };
+    let motion_export =
+        MotionExport { cell: &cell, motion: &motion, program: "", violation_notes: &[] };
     let pose = |frames: &[Frame], name: &str| {
         let frame = frames.iter().find(|frame| frame.name == name).unwrap();
         let [x, y, z] = frame.place;
@@ -305,7 +321,7 @@ fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
         // Within the step: at its end the wafer may change hands.
         let time = 0.5 * (motion.times[k] + motion.times[k + 1]);
         let at = motion.sample_at(time).positions;
-        let (frames, carried) = frames(&recording, time, &at).unwrap();
+        let (frames, carried) = frames(&motion_export, time, &at).unwrap();
         assert_eq!(carried, step.loaded);
         let rigid = cell.robot.forward(&at).unwrap();
         let last = (1..=4).fold(pose(&frames, "platform"), |link, number| {
@@ -319,7 +335,7 @@ fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
         let drop = rigid.base_from_wafer[0][0].translation.z - shown.translation.z;
         drops.push(drop);
         // The table tells the same.
-        let columns = samples(&recording, 1.0 / time).unwrap();
+        let columns = samples(&motion_export, 1.0 / time).unwrap();
         let column = columns.iter().find(|one| one.name == "A_z_mm").unwrap();
         let Values::Real(values) = &column.values else { panic!("not real") };
         assert!((values[1] - 1e3 * drooping.translation.z).abs() < 1e-6, "{k}: {values:?}");
@@ -329,11 +345,11 @@ fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
     assert!(drops.iter().any(|drop| *drop > 5e-4), "{drops:?}");
     // The wafer lies in its slots, each to a micrometre, and the picture's file tells when.
     let end = motion.duration();
-    let (frames, _) = frames(&recording, end, &motion.sample_at(end).positions).unwrap();
+    let (frames, _) = frames(&motion_export, end, &motion.sample_at(end).positions).unwrap();
     let slot = cell.stations[3].slot_frame(1);
     let off = pose(&frames, "wafer of LP1 1").translation.vector - slot.translation.vector;
     assert!(off.norm() < 1e-6, "{off}");
-    let (root, _) = parts(&gltf(&recording, 50.0).unwrap());
+    let (root, _) = parts(&gltf(&motion_export, 50.0).unwrap());
     let nodes = root["nodes"].as_array().unwrap();
     let named = |name: &str| nodes.iter().find(|node| node["name"] == name).unwrap();
     // What belongs to a station says so, its slots and its bodies alike.
@@ -359,8 +375,8 @@ fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
 
 #[test]
 fn durations_of_controller_text_add_up_to_the_motion() {
-    with(|recording| {
-        let text = Dialect::neutral().write(recording, 100.0).unwrap();
+    with(|motion_export| {
+        let text = Dialect::neutral().write(motion_export, 100.0).unwrap();
         let mut total = 0_i64;
         for line in text.lines() {
             let words: Vec<&str> = line.split(' ').collect();
@@ -368,12 +384,15 @@ fn durations_of_controller_text_add_up_to_the_motion() {
                 total += words[1].replace('.', "").parse::<i64>().unwrap();
             }
         }
-        let duration = recording.motion.duration();
+        let duration = motion_export.motion.duration();
         assert_eq!(total, (duration * 1e6).round() as i64);
         assert!(text.ends_with(&format!("END {duration:.6}\n")), "{text}");
         assert!(text.contains("TAKE A port 1\nMOVE "), "{text}");
         assert!(text.contains("# line 2: GET port WITH A\nMOVE "), "{text}");
-        assert_eq!(text.starts_with("# NOT SAFE TO RUN: 1 violation"), !recording.flaws.is_empty());
+        assert_eq!(
+            text.starts_with("# NOT SAFE TO RUN: 1 violation"),
+            !motion_export.violation_notes.is_empty()
+        );
     });
 }
 
@@ -385,8 +404,9 @@ fn controller_text_says_how_motions_run_into_each_other() {
     steps.iter_mut().for_each(|step| step.blend = 0.05);
     let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
     let overlap = motion.blend(0).unwrap().overlap;
-    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
-    let text = Dialect::neutral().write(&recording, 100.0).unwrap();
+    let motion_export =
+        MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
+    let text = Dialect::neutral().write(&motion_export, 100.0).unwrap();
     let words: Vec<Vec<&str>> = text.lines().map(|line| line.split(' ').collect()).collect();
     let told: Vec<_> = words.iter().filter(|words| !words[0].starts_with('#')).collect();
     assert_eq!(told[2][0], "MOVE", "{text}");
@@ -404,20 +424,21 @@ fn a_wait_that_takes_no_time_is_no_motion() {
     steps.insert(2, Step { path: wait, ..steps[2].clone() });
     let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
     assert_eq!(motion.times[2], motion.times[3]);
-    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
-    let text = Dialect::neutral().write(&recording, 100.0).unwrap();
+    let motion_export =
+        MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
+    let text = Dialect::neutral().write(&motion_export, 100.0).unwrap();
     let told = text.lines().map(|line| line.split(' ').take(2).collect::<Vec<_>>());
     let waits: Vec<_> = told.filter(|words| words[0] == "WAIT").collect();
     assert_eq!(waits, [["WAIT", "0.250000"]]);
     #[cfg(feature = "mcap")]
     {
-        let file = jointplay_interop::export::mcap::write(&recording, 100.0).unwrap();
+        let file = jointplay_interop::export::mcap::write(&motion_export, 100.0).unwrap();
         let messages = mcap::MessageStream::new(&file).unwrap().map(Result::unwrap);
         let trajectories = messages.filter(|one| one.channel.topic == "/joint_trajectory");
         assert_eq!(trajectories.count(), 3);
     }
     // The others keep their numbers.
-    let columns = samples(&recording, 100.0).unwrap();
+    let columns = samples(&motion_export, 100.0).unwrap();
     let column = columns.iter().find(|one| one.name == "step").unwrap();
     let Values::Count(mut numbers) = column.values.clone() else { panic!("not counted") };
     numbers.dedup();
@@ -428,32 +449,40 @@ fn a_wait_that_takes_no_time_is_no_motion() {
 fn controller_text_reads_well() {
     let cell = cell();
     let motion = motion(&cell);
-    let flaws = flaw();
-    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &flaws };
+    let violation_notes = violation_note();
+    let motion_export = MotionExport {
+        cell: &cell,
+        motion: &motion,
+        program: PROGRAM,
+        violation_notes: &violation_notes,
+    };
     for entry in DIALECTS {
         let dialect = Dialect::parse(entry.text).unwrap();
-        insta::assert_snapshot!(entry.name, dialect.write(&recording, 5.0).unwrap());
+        insta::assert_snapshot!(entry.name, dialect.write(&motion_export, 5.0).unwrap());
     }
 }
 
 #[test]
 fn each_motor_of_solidworks_has_a_file_as_long_as_the_motion() {
-    with(|recording| {
-        let files = solidworks(recording, 100.0).unwrap();
+    with(|motion_export| {
+        let files = solidworks(motion_export, 100.0).unwrap();
         let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
         let (last, motors) = names.split_last().unwrap();
         assert!(last.ends_with(MACRO), "{last}");
-        assert_eq!(motors.len(), recording.cell.robot.axes.len());
+        assert_eq!(motors.len(), motion_export.cell.robot.axes.len());
         let (macro_text, motor_files) = files.split_last().unwrap();
         for (name, text) in motor_files {
             let (time, _) = text.lines().last().unwrap().split_once(',').unwrap();
-            assert_eq!(time.parse::<f64>().unwrap(), recording.motion.duration(), "{name}");
+            assert_eq!(time.parse::<f64>().unwrap(), motion_export.motion.duration(), "{name}");
             assert!(macro_text.1.contains(&format!("folder & \"{name}\"")), "{name}");
-            assert_eq!(name.starts_with("NOT-SAFE"), !recording.flaws.is_empty());
+            assert_eq!(name.starts_with("NOT-SAFE"), !motion_export.violation_notes.is_empty());
         }
-        assert_eq!(macro_text.1.contains("MsgBox \"NOT SAFE"), !recording.flaws.is_empty());
+        assert_eq!(
+            macro_text.1.contains("MsgBox \"NOT SAFE"),
+            !motion_export.violation_notes.is_empty()
+        );
         // A quotation mark within a string of Visual Basic is written twice.
-        assert!(recording.flaws.is_empty() || macro_text.1.contains("\"\"slips\"\""));
+        assert!(motion_export.violation_notes.is_empty() || macro_text.1.contains("\"\"slips\"\""));
     });
 }
 
@@ -461,12 +490,13 @@ fn each_motor_of_solidworks_has_a_file_as_long_as_the_motion() {
 fn rates_that_make_no_sense_are_refused() {
     let cell = cell();
     let motion = motion(&cell);
-    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
+    let motion_export =
+        MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
     for rate in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e12] {
-        assert!(samples(&recording, rate).is_err(), "{rate}");
-        assert!(gltf(&recording, rate).is_err(), "{rate}");
-        assert!(solidworks(&recording, rate).is_err(), "{rate}");
-        assert!(Dialect::neutral().write(&recording, rate).is_err(), "{rate}");
+        assert!(samples(&motion_export, rate).is_err(), "{rate}");
+        assert!(gltf(&motion_export, rate).is_err(), "{rate}");
+        assert!(solidworks(&motion_export, rate).is_err(), "{rate}");
+        assert!(Dialect::neutral().write(&motion_export, rate).is_err(), "{rate}");
     }
 }
 
@@ -475,8 +505,8 @@ fn rates_that_make_no_sense_are_refused() {
 fn mcap_has_every_sample_and_the_steps() {
     use std::collections::BTreeMap;
 
-    with(|recording| {
-        let file = jointplay_interop::export::mcap::write(recording, 100.0).unwrap();
+    with(|motion_export| {
+        let file = jointplay_interop::export::mcap::write(motion_export, 100.0).unwrap();
         let mut counts: BTreeMap<String, usize> = BTreeMap::new();
         let mut last = 0;
         for message in mcap::MessageStream::new(&file).unwrap() {
@@ -485,11 +515,14 @@ fn mcap_has_every_sample_and_the_steps() {
             last = last.max(message.log_time);
             assert_eq!(message.channel.message_encoding, "cdr");
         }
-        assert_eq!(last, (recording.motion.duration() * 1e9).round() as u64);
-        let rows = recording.motion.samples(100.0).count();
+        assert_eq!(last, (motion_export.motion.duration() * 1e9).round() as u64);
+        let rows = motion_export.motion.samples(100.0).count();
         assert_eq!((counts["/joint_states"], counts["/tf"]), (rows, rows));
         assert_eq!((counts["/joint_trajectory"], counts["/program"]), (3, 2));
-        assert_eq!(counts.get("/violations").copied().unwrap_or(0), recording.flaws.len());
+        assert_eq!(
+            counts.get("/violations").copied().unwrap_or(0),
+            motion_export.violation_notes.len()
+        );
     });
 }
 
@@ -547,9 +580,10 @@ fn between_keys_a_3d_scene_is_where_the_motion_is() {
     let motion =
         plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
             .unwrap();
-    let recording = Recording { cell: &cell, motion: &motion, program: text, flaws: &[] };
+    let motion_export =
+        MotionExport { cell: &cell, motion: &motion, program: text, violation_notes: &[] };
     let rate = 32.0;
-    let (root, bytes) = parts(&gltf(&recording, rate).unwrap());
+    let (root, bytes) = parts(&gltf(&motion_export, rate).unwrap());
     let scene = Animated::new(&root, &bytes);
     let nodes = root["nodes"].as_array().unwrap();
     let wafer = nodes.iter().position(|node| node["name"] == "wafer of LP1 1").unwrap();
@@ -561,7 +595,7 @@ fn between_keys_a_3d_scene_is_where_the_motion_is() {
     let (mut off, mut turned) = (0_f64, 0_f64);
     let fine = motion.samples(5.0 * rate).filter(|at| at.time > 800.0 && between(at.time));
     for at in fine {
-        let (frames, _) = frames(&recording, at.time, &at.positions).unwrap();
+        let (frames, _) = frames(&motion_export, at.time, &at.positions).unwrap();
         let real = frames.iter().find(|frame| frame.name == "wafer of LP1 1").unwrap();
         let place = scene.value::<3>(wafer, "translation", at.time);
         off = off.max((place - SVector::from(real.place)).norm());
@@ -603,9 +637,10 @@ fn the_check_has_links_and_bodies_where_a_3d_scene_has_them() {
     let motion =
         plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
             .unwrap();
-    let recording = Recording { cell: &cell, motion: &motion, program: "", flaws: &[] };
+    let motion_export =
+        MotionExport { cell: &cell, motion: &motion, program: "", violation_notes: &[] };
     let rate = 64.0;
-    let (root, bytes) = parts(&gltf(&recording, rate).unwrap());
+    let (root, bytes) = parts(&gltf(&motion_export, rate).unwrap());
     let scene = Animated::new(&root, &bytes);
     let nodes = root["nodes"].as_array().unwrap();
     let mut parents = vec![0; nodes.len()];
@@ -652,7 +687,7 @@ fn the_check_has_links_and_bodies_where_a_3d_scene_has_them() {
         }
         compared += 1;
         let positions = motion.sample_at(time).positions;
-        let moment = Moment { motion: &motion, time, reaches: None };
+        let moment = PoseContext { motion: &motion, time, reaches: None };
         let report = check_pose(&cell, &moment, &positions, &options).unwrap();
         for (name, _) in &balls {
             let shown = origin(name, time);

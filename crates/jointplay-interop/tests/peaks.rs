@@ -4,7 +4,7 @@
 use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_format::{cell, program};
-use jointplay_interop::export::{Recording, samples, samples_with_peaks};
+use jointplay_interop::export::{MotionExport, samples, samples_with_peaks};
 use jointplay_report::table::{Column, Values};
 
 const PROGRAM: &str = "HOME\nBLEND 5 mm\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\nMOVE T 0.5 deg\n";
@@ -27,10 +27,11 @@ fn lines_between_samples_with_peaks_are_the_motion() {
     let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
     let steps = expand(&cell, &program::parse(PROGRAM).unwrap()).unwrap();
     let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
-    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
-    let even = samples(&recording, 25.0).unwrap();
-    let told = samples_with_peaks(&recording, 25.0).unwrap();
-    let fine = samples(&recording, 5000.0).unwrap();
+    let motion_export =
+        MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
+    let even = samples(&motion_export, 25.0).unwrap();
+    let told = samples_with_peaks(&motion_export, 25.0).unwrap();
+    let fine = samples(&motion_export, 5000.0).unwrap();
     let (times, fine_times) = (values(&told, "time_s"), values(&fine, "time_s"));
     assert!(times.windows(2).all(|pair| pair[1] - pair[0] > 1e-9));
     assert_eq!((times[0], times.last()), (0.0, fine_times.last()));

@@ -8,7 +8,7 @@ use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Pose;
 use jointplay_core::virtualization::BuiltIn;
 use jointplay_format::{cell, program};
-use jointplay_interop::export::{Recording, Timeline};
+use jointplay_interop::export::{MotionExport, Timeline};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use serde_json::Value;
 
@@ -55,12 +55,12 @@ fn check(cell: &Cell, text: &str) {
     let motion =
         plan_trajectory(cell, expand(cell, &program).unwrap(), &TrajectoryOptions::default())
             .unwrap();
-    let recording = Recording { cell, motion: &motion, program: text, flaws: &[] };
-    let timeline = Timeline::new(&recording, &[], None).unwrap();
+    let motion_export = MotionExport { cell, motion: &motion, program: text, violation_notes: &[] };
+    let timeline = Timeline::new(&motion_export, &[], None).unwrap();
     let axes = cell.robot.axes.len();
     let (mut worst, mut worst_axis, mut looks) = (0_f64, 0_f64, 0);
     for (index, window) in timeline.windows.iter().enumerate() {
-        let (told, numbers) = unpacked(&timeline.content(&recording, &[], index).unwrap());
+        let (told, numbers) = unpacked(&timeline.content(&motion_export, &[], index).unwrap());
         let mut start = window.start;
         for (k, step) in told["steps"].as_array().unwrap().iter().enumerate() {
             let segment = &told["segments"][step["segment"].as_u64().unwrap() as usize];
@@ -86,7 +86,8 @@ fn check(cell: &Cell, text: &str) {
                 for (one, other) in all.iter().zip(&sample.positions) {
                     worst_axis = worst_axis.max((one - other).abs());
                 }
-                let real = cell.drooping(&sample.positions, &described.loaded).unwrap();
+                let real =
+                    cell.forward_with_deflection(&sample.positions, &described.loaded).unwrap();
                 let rigid = cell.robot.forward(&sample.positions).unwrap();
                 let poses: Vec<Pose> = all[axes..].chunks_exact(6).map(pose).collect();
                 worst = worst.max(off(&poses[0], &real.platform.base_from_platform));

@@ -52,7 +52,7 @@ pub(crate) fn mobility<'py>(
     let class = found.class();
     let stresses = self_stresses(system, first).map_err(failed)?;
     let carried = stresses.iter().map(|stress| {
-        let joints = stress.wrenches.iter().map(|(j, ..)| &mechanism.joints()[*j].name);
+        let joints = stress.wrenches.iter().map(|wrench| &mechanism.joints()[wrench.joint].name);
         let fields = fields!(py;
             what = stress.words.as_str(),
             joints = PyTuple::new(py, joints.collect::<Vec<_>>())?,
@@ -67,8 +67,8 @@ pub(crate) fn mobility<'py>(
             dimension = found.dimension,
             translations = found.translations,
             twists = dense(py, &found.twists),
-            pitch_m_per_rad = found.screw.map(|(pitch, _)| pitch),
-            axis_point_m = found.screw.map(|(_, at)| PyArray1::from_slice(py, at.as_slice())),
+            pitch_m_per_rad = found.screw.map(|screw| screw.pitch),
+            axis_point_m = found.screw.map(|screw| PyArray1::from_slice(py, screw.point.as_slice())),
         );
         links.set_item(link, skin::result(py, "LinkMotion", &fields)?)?;
     }

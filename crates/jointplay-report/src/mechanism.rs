@@ -3,8 +3,8 @@
 use jointplay_core::Error;
 use jointplay_core::constraint::System as _;
 use jointplay_core::mechanism::{
-    Closure, Mechanism, MechanismMobility, MechanismSystem, MobilityClass, Relief, SparseMobility,
-    SparseSystem, link_motion, self_stresses,
+    Closure, Mechanism, MechanismMobility, MechanismSystem, MobilityClass, Relief, ScrewAxis,
+    SparseMobility, SparseSystem, link_motion, self_stresses,
 };
 use jointplay_core::mobility::{NearMiss, NearMobility, kutzbach_mobility, near_miss};
 use nalgebra::DVector;
@@ -335,7 +335,8 @@ pub fn mechanism_mobility(
         None => (None, None),
     };
     let redundant_constraints = self_stresses(system, first)?.into_iter().map(|stress| {
-        let joints = stress.wrenches.iter().map(|(j, ..)| mechanism.joints()[*j].name.clone());
+        let joints =
+            stress.wrenches.iter().map(|wrench| mechanism.joints()[wrench.joint].name.clone());
         RedundantConstraintReport { what: stress.words, joints: joints.collect() }
     });
     let mut link_motions = Vec::new();
@@ -346,10 +347,10 @@ pub fn mechanism_mobility(
             LinkMotionReport {
                 dimension: found.dimension,
                 translations: found.translations,
-                pitch_mm_per_rad: found.screw.map(|(pitch, _)| mm(pitch)),
+                pitch_mm_per_rad: found.screw.map(|screw| mm(screw.pitch)),
                 axis_point_mm: found
                     .screw
-                    .map(|(_, point)| [mm(point.x), mm(point.y), mm(point.z)]),
+                    .map(|ScrewAxis { point, .. }| [mm(point.x), mm(point.y), mm(point.z)]),
             },
         ));
     }

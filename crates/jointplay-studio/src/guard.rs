@@ -1,4 +1,4 @@
-//! Who may ask: requests from this machine's own page and programs, and no other page that a browser shows.
+//! Access control: requests from the served page and from local programs are accepted, requests of other web pages are rejected.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use axum::response::{IntoResponse, Response};
 
 use crate::problem::Problem;
 
-/// Scripts and data come from this server alone; styles may also stand in the page, as three-dimensional views set them.
+/// Content security policy: scripts and data from this server only; inline styles are allowed, as 3D views set them.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; \
     img-src 'self' data: blob:; font-src 'self'; connect-src 'self' blob: data:; media-src 'self' blob:; \
     worker-src 'self' blob:; manifest-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
@@ -23,58 +23,60 @@ const HEADERS: [(HeaderName, &str); 6] = [
     (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
 ];
 
-/// The names under which this server may be asked, and how long a request may take until its answer begins.
+/// Accepted host names, and the deadline for the start of a response.
 #[derive(Clone)]
 pub(crate) struct Guard {
     hosts: [String; 3],
-    longest: Duration,
+    deadline: Duration,
 }
 
 impl Guard {
-    pub(crate) fn new(port: u16, longest: Duration) -> Self {
+    pub(crate) fn new(port: u16, deadline: Duration) -> Self {
         let hosts = ["127.0.0.1", "localhost", "[::1]"].map(|name| format!("{name}:{port}"));
-        Self { hosts, longest }
+        Self { hosts, deadline }
     }
 
-    /// Why a request is refused, if it is.
+    /// The reason to reject a request, if any.
     ///
-    /// A page elsewhere can make a browser send requests here: its `Origin` tells, and where a name of its own leads here (DNS rebinding), its `Host`.
+    /// A foreign page can make a browser send requests to this server. They are recognized by their `Origin`, and with DNS rebinding by their `Host`.
     fn refusal(&self, method: &Method, headers: &HeaderMap) -> Option<String> {
         let known = |host: &str| self.hosts.iter().any(|known| known.eq_ignore_ascii_case(host));
         let text = |name: &HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
         let hosts = self.hosts.join(", ");
         match text(&header::HOST) {
             Some(host) if known(host) => {}
-            Some(host) => return Some(format!("host {host:?} is not served; served are {hosts}")),
-            None => return Some(format!("the request names no host; served are {hosts}")),
+            Some(host) => {
+                return Some(format!("unknown host {host:?}; accepted hosts are {hosts}"));
+            }
+            None => return Some(format!("the request has no host; accepted hosts are {hosts}")),
         }
         if let Some(origin) = text(&header::ORIGIN) {
             let own = origin.strip_prefix("http://").is_some_and(known);
             if !own {
-                return Some(format!("pages from {origin:?} may not ask this server"));
+                return Some(format!("requests from pages of {origin:?} are not allowed"));
             }
         }
-        // Links from elsewhere may lead to the page; images, scripts and the like may not.
+        // Links of other sites to the page are allowed; embedding as image, script or similar is not.
         let site = text(&HeaderName::from_static("sec-fetch-site"));
         let mode = text(&HeaderName::from_static("sec-fetch-mode"));
         let followed_link = mode == Some("navigate") && method == Method::GET;
         if matches!(site, Some("cross-site" | "same-site")) && !followed_link {
-            return Some("pages from elsewhere may not ask this server".to_owned());
+            return Some("requests from pages of other sites are not allowed".to_owned());
         }
         None
     }
 }
 
-/// Refuses what is not ours, ends what takes too long, and adds the headers of security.
+/// Rejects foreign requests, enforces the deadline, and adds security headers.
 pub(crate) async fn check(State(guard): State<Guard>, request: Request, next: Next) -> Response {
     let api = request.uri().path().starts_with("/api/");
     let mut response = match guard.refusal(request.method(), request.headers()) {
         Some(why) => Problem::refused(why).into_response(),
-        None => match tokio::time::timeout(guard.longest, next.run(request)).await {
+        None => match tokio::time::timeout(guard.deadline, next.run(request)).await {
             Ok(response) => response,
             Err(_) => {
                 let detail =
-                    format!("the request took longer than {} s", guard.longest.as_secs_f64());
+                    format!("the request took longer than {} s", guard.deadline.as_secs_f64());
                 Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail).into_response()
             }
         },

@@ -6,20 +6,20 @@ use rust_embed::RustEmbed;
 
 use crate::problem::Problem;
 
-/// Files of the built page, which `npm run build` in the folder `studio` writes.
+/// Files of the page, as built by `npm run build` in the folder `studio`.
 ///
-/// Release builds embed them; other builds read them from the folder, so that a new page needs no new program.
+/// Release builds embed the files; debug builds read them from the folder, so that a new page needs no new build.
 #[derive(RustEmbed)]
 #[folder = "page"]
 struct Page;
 
-/// Files under it have a hash of their contents in their names.
+/// Folder of the files with a hash of their contents in their names.
 const HASHED: &str = "assets/";
 
-/// Answers with a file of the page.
+/// Response with a file of the page.
 pub(crate) fn answer(method: &Method, path: &str) -> Response {
     if method != Method::GET && method != Method::HEAD {
-        let detail = format!("{path} is a file of the page, and takes GET only");
+        let detail = format!("{path} is a file of the page and accepts GET only");
         return Problem::request(StatusCode::METHOD_NOT_ALLOWED, detail).into_response();
     }
     let name = match path.trim_start_matches('/') {
@@ -27,7 +27,7 @@ pub(crate) fn answer(method: &Method, path: &str) -> Response {
         name => name,
     };
     let Some(file) = Page::get(name) else {
-        let detail = format!("the page has no file {path}");
+        let detail = format!("unknown file {path}");
         return Problem::request(StatusCode::NOT_FOUND, detail).into_response();
     };
     let keep = if name.starts_with(HASHED) { "max-age=31536000, immutable" } else { "no-cache" };

@@ -1,58 +1,57 @@
-//! What a program comes to in a cell, with all that answers need of it.
+//! The plan of a program in a cell, with all data of the responses.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-use jointplay::cell::check::CheckOptions;
 use jointplay::cell::check::Report;
 use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, name_errors};
 use jointplay::cell::trajectory::{Trajectory, TrajectoryError, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
-use jointplay::cell::{IncrementalPlanner, Interrupted, PlanError, Stop};
+use jointplay::cell::{IncrementalPlanner, Interrupted, PlanError, PlanOptions, Stop};
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::program;
-use jointplay::interop::export::{self, Flaw, Recording, Timeline};
+use jointplay::interop::export::{self, MotionExport, Timeline, ViolationNote};
 use jointplay::report;
 
 use crate::cell_files::CellFiles;
-use crate::wire::cell::{Of, ProblemAt};
+use crate::wire::cell::{Diagnostic, SourceText};
 
-/// What a program comes to in a cell, as far as it comes.
+/// Plan of a program in a cell, as far as planning succeeded.
 pub(crate) struct Plan {
     /// Hash of both texts.
     pub(crate) key: String,
     cell_text: String,
     program_text: String,
     pub(crate) cell: Option<Cell>,
-    /// The cell standing still.
+    /// The 3D scene of the cell.
     pub(crate) scene: Option<Arc<Scene>>,
-    /// All that is wrong before anything moves.
-    pub(crate) problems: Vec<ProblemAt>,
+    /// All errors that prevent a motion.
+    pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) motion: Option<Trajectory>,
-    /// What `jointplay cell check` says of it.
+    /// Report as from `jointplay cell check`.
     pub(crate) report: Option<report::CellReport>,
     pub(crate) timeline: Option<Timeline>,
-    flaws: Vec<Flaw>,
+    violation_notes: Vec<ViolationNote>,
 }
 
-/// The cell standing still, as binary glTF.
+/// The cell with the robot at home, as binary glTF.
 pub(crate) struct Scene {
-    /// Hash of it.
+    /// Hash of the file.
     pub(crate) key: String,
     pub(crate) file: Vec<u8>,
 }
 
 impl Scene {
-    /// Where the cell cannot stand at home, there is nothing to see.
+    /// `None` if the robot cannot be at home.
     fn new(cell: &Cell) -> Option<Self> {
-        let motion = standing(cell)?;
-        let still = Recording { cell, motion: &motion, program: "", flaws: &[] };
+        let motion = rest_at_home(cell)?;
+        let still = MotionExport { cell, motion: &motion, program: "", violation_notes: &[] };
         let file = export::gltf(&still, 1.0).ok()?;
         Some(Self { key: hashed(&file), file })
     }
 }
 
-/// Hash of something as hexadecimal digits.
+/// Hash of a value in hexadecimal digits.
 fn hashed(of: impl Hash) -> String {
     let digits = |seed: u64| {
         let mut hasher = DefaultHasher::new();
@@ -67,7 +66,7 @@ impl Plan {
     /// Plans a program.
     ///
     /// # Arguments
-    /// * `last` – the plan before: what is the same in it is not made again
+    /// * `last` – the previous plan, whose results are reused
     pub(crate) fn new(
         files: &CellFiles,
         (cell_text, program_text): (String, String),
@@ -81,48 +80,51 @@ impl Plan {
             program_text,
             cell: None,
             scene: None,
-            problems: Vec::new(),
+            diagnostics: Vec::new(),
             motion: None,
             report: None,
             timeline: None,
-            flaws: Vec::new(),
+            violation_notes: Vec::new(),
         };
         match files.parse(&plan.cell_text) {
             Ok(cell) => {
-                // Files that it names may have changed, too.
-                let known = last.filter(|last| last.cell.as_ref() == Some(&cell));
-                let known = known.and_then(|last| last.scene.clone());
-                plan.scene = known.or_else(|| Scene::new(&cell).map(Arc::new));
+                // Compared by value: mesh files may have changed with an unchanged text.
+                let reusable = last.filter(|last| last.cell.as_ref() == Some(&cell));
+                let reusable = reusable.and_then(|last| last.scene.clone());
+                plan.scene = reusable.or_else(|| Scene::new(&cell).map(Arc::new));
                 plan.cell = Some(cell);
             }
-            Err(problems) => plan.problems.extend(
-                problems.iter().map(|one| ProblemAt::new(Of::Cell, &one.place, one.to_string())),
+            Err(problems) => plan.diagnostics.extend(
+                problems
+                    .iter()
+                    .map(|one| Diagnostic::new(SourceText::Cell, &one.place, one.to_string())),
             ),
         }
-        let (program, unread) = program::parse_what_can_be(&plan.program_text);
-        let mut wrong: Vec<ProblemAt> = unread
+        let (program, unread) = program::parse_recovering(&plan.program_text);
+        let mut errors: Vec<Diagnostic> = unread
             .iter()
-            .map(|one| ProblemAt::new(Of::Program, &one.place, one.to_string()))
+            .map(|one| Diagnostic::new(SourceText::Program, &one.place, one.to_string()))
             .collect();
-        if let (Some(cell), false) = (&plan.cell, wrong.is_empty()) {
-            wrong
-                .extend(Stopped::Steps(name_errors(cell, &program)).told(cell, &plan.program_text));
-            wrong.sort_by_key(|one| (one.line, one.column));
+        if let (Some(cell), false) = (&plan.cell, errors.is_empty()) {
+            errors.extend(
+                PlanningError::Steps(name_errors(cell, &program))
+                    .diagnostics(cell, &plan.program_text),
+            );
+            errors.sort_by_key(|one| (one.line, one.column));
         }
-        let readable = wrong.is_empty();
-        plan.problems.append(&mut wrong);
+        let readable = errors.is_empty();
+        plan.diagnostics.append(&mut errors);
         let Some(cell) = plan.cell.as_ref().filter(|_| readable) else { return Ok(plan) };
-        let options = (&TrajectoryOptions::default(), &CheckOptions::default());
-        let stopped = match memory.plan(cell, &program, options, stop) {
+        let error = match memory.plan(cell, &program, &PlanOptions::default(), stop) {
             Ok((motion, report)) => {
                 plan.take(motion, &report, last, stop)?;
                 return Ok(plan);
             }
             Err(PlanError::Interrupted(interrupted)) => return Err(interrupted),
-            Err(PlanError::Program(errors)) => Stopped::Steps(errors),
-            Err(PlanError::Trajectory(error)) => Stopped::Times(error),
+            Err(PlanError::Program(errors)) => PlanningError::Steps(errors),
+            Err(PlanError::Trajectory(error)) => PlanningError::Times(error),
         };
-        plan.problems.extend(stopped.told(cell, &plan.program_text));
+        plan.diagnostics.extend(error.diagnostics(cell, &plan.program_text));
         Ok(plan)
     }
 
@@ -136,14 +138,15 @@ impl Plan {
         let go_on = || if stop() { Err(Interrupted) } else { Ok(()) };
         go_on()?;
         let Some(cell) = &self.cell else { return Ok(()) };
-        self.flaws = export::flaws(cell, report);
+        self.violation_notes = export::violation_notes(cell, report);
         let document = report::cell(cell, &self.program_text, &motion, report);
         go_on()?;
-        let flaws = self.flaws.as_slice();
-        let recording = Recording { cell, motion: &motion, program: &self.program_text, flaws };
+        let violation_notes = self.violation_notes.as_slice();
+        let motion_export =
+            MotionExport { cell, motion: &motion, program: &self.program_text, violation_notes };
         let last = last.and_then(|last| last.timeline.as_ref());
-        // A robot that cannot be placed somewhere moves all the same; its report says where.
-        self.timeline = Timeline::new(&recording, &document.violations, last).ok();
+        // Without a timeline if the platform has no pose at some time; the report lists this.
+        self.timeline = Timeline::new(&motion_export, &document.violations, last).ok();
         (self.motion, self.report) = (Some(motion), Some(document));
         go_on()
     }
@@ -152,27 +155,27 @@ impl Plan {
         self.cell_text == cell && self.program_text == program
     }
 
-    /// Both texts, the cell's first.
+    /// Both texts, the cell first.
     pub(crate) fn texts(&self) -> (&str, &str) {
         (&self.cell_text, &self.program_text)
     }
 
-    /// The motion as exports take it.
-    pub(crate) fn recording(&self) -> Option<Recording<'_>> {
-        Some(Recording {
+    /// The motion in the form of exports.
+    pub(crate) fn motion_export(&self) -> Option<MotionExport<'_>> {
+        Some(MotionExport {
             cell: self.cell.as_ref()?,
             motion: self.motion.as_ref()?,
             program: &self.program_text,
-            flaws: &self.flaws,
+            violation_notes: &self.violation_notes,
         })
     }
 
-    /// The content of one of its windows; `None` where it has none of that key.
+    /// The contents of the window with a key; `None` for an unknown key.
     pub(crate) fn window(&self, key: &str) -> Option<Result<Vec<u8>, export::Error>> {
-        let (timeline, recording) = (self.timeline.as_ref()?, self.recording()?);
+        let (timeline, motion_export) = (self.timeline.as_ref()?, self.motion_export()?);
         let index = timeline.find(key)?;
         let violations = self.report.as_ref().map_or(&[][..], |report| &report.violations);
-        Some(timeline.content(&recording, violations, index))
+        Some(timeline.content(&motion_export, violations, index))
     }
 }
 
@@ -181,38 +184,38 @@ pub(crate) fn key(cell: &str, program: &str) -> String {
     hashed((cell, program))
 }
 
-/// Why a program comes to no motion.
-enum Stopped {
+/// Why a program has no motion.
+enum PlanningError {
     Steps(Vec<ProgramError>),
     Times(TrajectoryError),
 }
 
-impl Stopped {
-    /// All that is wrong with the text, the same at one place once.
-    fn told(&self, cell: &Cell, text: &str) -> Vec<ProblemAt> {
-        let mut told: Vec<ProblemAt> = Vec::new();
-        let mut tell = |problem: ProblemAt| {
-            if !told.contains(&problem) {
-                told.push(problem);
+impl PlanningError {
+    /// The errors with their positions in the text, without duplicates.
+    fn diagnostics(&self, cell: &Cell, text: &str) -> Vec<Diagnostic> {
+        let mut found: Vec<Diagnostic> = Vec::new();
+        let mut add = |problem: Diagnostic| {
+            if !found.contains(&problem) {
+                found.push(problem);
             }
         };
         match self {
             Self::Steps(errors) => errors.iter().for_each(|error| {
                 let error = program::explain(&cell.robot, text, error);
-                tell(ProblemAt::new(Of::Program, &error.place, error.to_string()));
+                add(Diagnostic::new(SourceText::Program, &error.place, error.to_string()));
             }),
             Self::Times(error) => error.steps.iter().for_each(|one| {
                 let Place { line, column } = one.place;
                 let message = explain_step(&cell.robot, one);
-                tell(ProblemAt { of: Of::Program, line, column, width: 0, message });
+                add(Diagnostic { source: SourceText::Program, line, column, width: 0, message });
             }),
         }
-        told
+        found
     }
 }
 
-/// The robot standing at home in a cell, for a picture of it where there is no motion.
-pub(crate) fn standing(cell: &Cell) -> Option<Trajectory> {
+/// A motion with the robot at rest at home.
+pub(crate) fn rest_at_home(cell: &Cell) -> Option<Trajectory> {
     let place = Place { line: 1, column: 1 };
     let wait = Instruction { place, command: Command::Wait { seconds: 1.0 } };
     let program = Program { body: vec![wait], routines: Vec::new() };

@@ -1,4 +1,4 @@
-//! What went wrong, as RFC 9457 says it.
+//! Errors as problem documents (RFC 9457).
 
 use axum::Json;
 use axum::http::{HeaderValue, StatusCode, header};
@@ -9,43 +9,43 @@ use jointplay::report::{self, LimitReport};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// What went wrong, as `application/problem+json`.
+/// An error as `application/problem+json`.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct Problem {
-    /// Always `about:blank`: `kind` says what sort of problem it is.
+    /// Always `about:blank`; see `kind`.
     r#type: &'static str,
-    /// The words of the status.
+    /// Name of the status.
     title: &'static str,
     /// The HTTP status.
     #[schema(minimum = 400, maximum = 599)]
     status: u16,
-    /// What was found, what is allowed, what to try.
+    /// What was found, what is allowed, what to do.
     detail: String,
-    /// What sort of problem it is.
+    /// Kind of the problem.
     kind: Kind,
-    /// Which field of the request is wrong, such as `command.pitch_rad` or `models[1].solver`.
+    /// The invalid field of the request, such as `command.pitch_rad` or `models[1].solver`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     field: Option<String>,
-    /// The limits that the pose breaks.
+    /// Limits that the pose violates.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(required = false)]
     limits_broken: Vec<LimitReport>,
 }
 
-/// What sort of problem it is.
+/// Kind of the problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Kind {
-    /// The request is wrong.
+    /// The request is invalid.
     Input,
     /// The pose is beyond the robot's limits.
     Limits,
-    /// There is no answer.
+    /// There is no solution.
     Unsolved,
-    /// The request comes from where none may come from.
+    /// The origin of the request is not allowed.
     Refused,
-    /// The server cannot, at the moment or in this build.
+    /// The server cannot process the request, at the moment or in this build.
     Unavailable,
 }
 
@@ -62,36 +62,36 @@ impl Problem {
         }
     }
 
-    /// The request is wrong in a way that has a status of its own.
+    /// An invalid request with a status of its own.
     pub(crate) fn request(status: StatusCode, detail: impl Into<String>) -> Self {
         Self::new(status, Kind::Input, detail)
     }
 
-    /// A field has a value that it cannot have.
+    /// An invalid value of a field.
     pub(crate) fn field(field: impl Into<String>, detail: impl Into<String>) -> Self {
         let field = Some(field.into()).filter(|field| !field.is_empty());
         Self { field, ..Self::new(StatusCode::UNPROCESSABLE_ENTITY, Kind::Input, detail) }
     }
 
-    /// A field speaks of what is another by now.
+    /// A field that refers to an outdated state.
     pub(crate) fn outdated(field: &str, detail: impl Into<String>) -> Self {
         let field = Some(field.to_owned());
         Self { field, ..Self::new(StatusCode::CONFLICT, Kind::Input, detail) }
     }
 
-    /// The request comes from where none may come from.
+    /// The origin of the request is not allowed.
     pub(crate) fn refused(detail: impl Into<String>) -> Self {
         Self::new(StatusCode::FORBIDDEN, Kind::Refused, detail)
     }
 
-    /// The server cannot.
+    /// The server cannot process the request.
     pub(crate) fn unavailable(status: StatusCode, detail: impl Into<String>) -> Self {
         Self::new(status, Kind::Unavailable, detail)
     }
 
-    /// A mistake of ours.
+    /// An internal error.
     pub(crate) fn broken(what: &str) -> Self {
-        let detail = format!("{what}: a mistake of ours, please report it with this request");
+        let detail = format!("internal error: {what}; please report it with this request");
         Self::unavailable(StatusCode::INTERNAL_SERVER_ERROR, detail)
     }
 
@@ -100,7 +100,7 @@ impl Problem {
         let limits_broken = report::limits(broken);
         let words: Vec<&str> = limits_broken.iter().map(|limit| limit.message.as_str()).collect();
         let detail = format!(
-            "the pose is beyond the robot's limits: {}; \"ignore_limits\": true computes past them",
+            "the pose is beyond the robot's limits: {}; set \"ignore_limits\": true to ignore them",
             words.join("; ")
         );
         Self { limits_broken, ..Self::new(StatusCode::CONFLICT, Kind::Limits, detail) }

@@ -10,7 +10,7 @@ use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use crate::body::LARGEST_BODY;
+use crate::body::MAX_BODY_BYTES;
 use crate::guard::{self, Guard};
 use crate::page;
 use crate::problem::Problem;
@@ -24,7 +24,7 @@ use crate::state::AppState;
 #[openapi(
     info(
         title = "jointplay studio",
-        description = "The three-rod robot of this server: poses, models, mobility, sensitivity, studies.\n\nUnits are SI, and each name carries its own: `rods_m`, `yaw_rad`; documents of the command line keep their mm and degrees. Every error is a problem document (RFC 9457) that names the field.",
+        description = "The three-rod robot of this server: poses, models, mobility, sensitivity, studies.\n\nUnits are SI and part of the field names, such as `rods_m` and `yaw_rad`; documents of the command line are in mm and degrees. Every error is a problem document (RFC 9457) with the name of the field.",
         license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
     ),
     tags((name = "studio"))
@@ -75,7 +75,7 @@ pub(crate) fn router(state: AppState, port: u16) -> Router {
         .route("/api/v1/openapi.json", get(describe))
         .fallback(fallback)
         .method_not_allowed_fallback(method_not_allowed)
-        .layer(DefaultBodyLimit::max(LARGEST_BODY))
+        .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
         .layer(middleware::from_fn_with_state(
             Guard::new(port, state.work.deadlines.request),
             guard::check,

@@ -1,4 +1,4 @@
-//! From a robot to a running server.
+//! Start and shutdown of the server.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
@@ -16,35 +16,35 @@ use crate::session::WorkcellSession;
 use crate::state::AppState;
 use crate::work::Deadlines;
 
-/// The port that is taken where none is asked for, if it is free.
+/// The default port.
 pub const DEFAULT_PORT: u16 = 4816;
 
-/// How long requests may go on after Ctrl-C.
-const LONGEST_GOODBYE: Duration = Duration::from_secs(3);
+/// Longest time for pending requests after Ctrl-C.
+const SHUTDOWN_TIME: Duration = Duration::from_secs(3);
 
-/// Why there is no server.
+/// Why the server cannot start or run.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The port asked for is taken, or may not be used.
+    /// The requested port is in use or not permitted.
     #[error(
-        "cannot serve on port {port} of 127.0.0.1: {source}; choose another --port, or leave it out for a free one"
+        "cannot serve on port {port} of 127.0.0.1: {source}; choose another --port, or omit it to use a free port"
     )]
     Port {
-        /// The port asked for.
+        /// The requested port.
         port: u16,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// A shape that the robot file names cannot be served.
+    /// A mesh file of the robot cannot be read.
     #[error(transparent)]
     Mesh(#[from] robot::Error),
-    /// The system refuses to serve at all.
+    /// An error of the operating system.
     #[error("cannot serve: {0}")]
     System(#[from] io::Error),
 }
 
-/// A server that has its port, and waits to be run.
+/// A server bound to its port, ready to run.
 pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
@@ -54,14 +54,14 @@ pub struct Server {
 }
 
 impl Server {
-    /// Takes a port of this machine, reachable from this machine only.
+    /// Binds a port on the loopback interface.
     ///
     /// # Arguments
-    /// * `folder` – of the robot file, if there is one: shapes that it names are served from there
-    /// * `port` – the port to take; without it [`DEFAULT_PORT`], or any free one where that is taken
+    /// * `folder` – the folder of the robot file, with the mesh files that it names
+    /// * `port` – the port; default: [`DEFAULT_PORT`], or any free port if that is in use
     ///
     /// # Errors
-    /// [`Error::Mesh`] for a shape that is not there, [`Error::Port`] if the port asked for cannot be had, [`Error::System`] if none can.
+    /// [`Error::Mesh`] for a missing mesh file, [`Error::Port`] if the requested port cannot be bound, [`Error::System`] if no port can.
     pub fn bind(robot: Robot, folder: Option<&Path>, port: Option<u16>) -> Result<Self, Error> {
         let folder = MeshFolder::of(folder, &robot)?;
         let bind = |port| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
@@ -72,21 +72,21 @@ impl Server {
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let runtime = Builder::new_current_thread().enable_all().build()?;
-        // Listened to from here on: whoever is told the address may press Ctrl-C at once.
+        // Ctrl-C is handled from here on: users may press it as soon as they see the address.
         let interrupted = runtime.spawn(tokio::signal::ctrl_c());
         runtime.block_on(tokio::task::yield_now());
         let state = AppState::new(robot, folder, Deadlines::default());
         Ok(Self { listener, address, runtime, interrupted, state })
     }
 
-    /// Shows a cell beside the robot.
+    /// Adds a work cell.
     #[must_use]
     pub fn with_cell(mut self, files: CellFiles) -> Self {
         self.state.cell = Some(WorkcellSession::new(files));
         self
     }
 
-    /// Where a browser finds the page.
+    /// The address of the page.
     #[must_use]
     pub fn url(&self) -> String {
         format!("http://{}/", self.address)
@@ -95,26 +95,26 @@ impl Server {
     /// Serves until Ctrl-C.
     ///
     /// # Errors
-    /// [`Error::System`] if the port or Ctrl-C cannot be listened to.
+    /// [`Error::System`] if the port or Ctrl-C cannot be handled.
     pub fn run(self) -> Result<(), Error> {
         let Self { listener, address, runtime, interrupted, state } = self;
         let work = state.work.clone();
         let served = runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(listener)?;
             let router = router::router(state, address.port());
-            let (goodbye, asked) = tokio::sync::oneshot::channel::<()>();
+            let (shutdown, requested) = tokio::sync::oneshot::channel::<()>();
             let serve = axum::serve(listener, router).with_graceful_shutdown(async {
-                let _ = asked.await;
+                let _ = requested.await;
             });
             let serving = tokio::spawn(serve.into_future());
             interrupted.await.map_err(io::Error::other)??;
             work.stop();
-            let _ = goodbye.send(());
-            // Whoever keeps a connection open beyond that is cut off.
-            let _ = tokio::time::timeout(LONGEST_GOODBYE, serving).await;
+            let _ = shutdown.send(());
+            // Connections that are still open are closed.
+            let _ = tokio::time::timeout(SHUTDOWN_TIME, serving).await;
             Ok(())
         });
-        runtime.shutdown_timeout(LONGEST_GOODBYE);
+        runtime.shutdown_timeout(SHUTDOWN_TIME);
         served
     }
 }

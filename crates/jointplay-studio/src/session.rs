@@ -3,8 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use jointplay::cell::{IncrementalPlanner, Interrupted, Job, Stop};
-use rayon::prelude::*;
+use jointplay::cell::{IncrementalPlanner, Interrupted, Stop};
 
 use crate::cell_files::{CellFiles, SaveError};
 use crate::plan::{Plan, Scene};
@@ -27,14 +26,7 @@ struct Inner {
 impl WorkcellSession {
     pub(crate) fn new(files: CellFiles) -> Self {
         let (files, plans) = (Mutex::new(files), Mutex::default());
-        // One job per task: no core has a queue of jobs while another is idle.
-        let all_cores =
-            |count, job: Job<'_>| (0..count).into_par_iter().with_max_len(1).for_each(job);
-        Self(Arc::new(Inner {
-            files,
-            plans,
-            memory: Mutex::new(IncrementalPlanner::run_by(all_cores)),
-        }))
+        Self(Arc::new(Inner { files, plans, memory: Mutex::default() }))
     }
 
     /// The files as last read or saved.

@@ -1,4 +1,4 @@
-//! A study in batches: computed, written, and sent while the next is computed.
+//! Studies, computed and streamed in batches.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -19,17 +19,17 @@ use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::study::{ColumnName, Commanded, Samples, Source, StudyRequest, columns};
 
-/// Samples in a batch: enough to hide the cost of a message, few enough to show progress.
+/// Number of samples per batch: large enough to amortize the overhead of a message, small enough to show progress.
 pub(crate) const BATCH: usize = 4096;
-/// How long whoever reads may leave a batch unread.
-const LONGEST_PAUSE: Duration = Duration::from_secs(60);
-/// The most samples of a file that is made whole before it is sent, as `jointplay simulate` has it.
+/// Longest time for which a client may leave a batch unread.
+const MAX_PAUSE: Duration = Duration::from_secs(60);
+/// Maximum number of samples of a file that is complete before it is sent, as in `jointplay simulate`.
 #[cfg(feature = "parquet")]
-const MOST_IN_A_FILE: usize = 500_000;
-/// Batches computed ahead of whoever reads.
-const AHEAD: usize = 4;
+const MAX_SAMPLES_IN_FILE: usize = 500_000;
+/// Number of batches computed ahead of the client.
+const QUEUED_BATCHES: usize = 4;
 
-/// A study that may be run.
+/// A checked study.
 pub(crate) struct Study {
     robot: Arc<Robot>,
     samples: Samples,
@@ -40,15 +40,15 @@ pub(crate) struct Study {
     pub(crate) columns: Vec<ColumnName>,
 }
 
-/// Some samples of a study.
+/// A batch of samples of a study.
 pub(crate) struct Batch {
-    /// In the order of the study's columns, NaN where a sample has no answer.
+    /// Values by column, NaN for samples without a solution.
     values: Vec<Vec<f64>>,
     status: Vec<Status>,
 }
 
 impl Study {
-    /// Reads and checks what is asked.
+    /// Checks a request.
     pub(crate) fn new(robot: Arc<Robot>, request: StudyRequest) -> Result<Self, Problem> {
         let StudyRequest { motion, model: choice, quantities } = request;
         let (model, options) = (choice.model(), choice.options("model")?);
@@ -58,12 +58,12 @@ impl Study {
         Ok(Self { robot, samples, model, options, characteristic_length, columns })
     }
 
-    /// How many samples it has.
+    /// Number of samples.
     pub(crate) fn len(&self) -> usize {
         self.samples.len()
     }
 
-    /// Computes the study batch by batch, until it is done or `take` has had enough.
+    /// Computes all batches, until the end or until `take` returns an error.
     fn run(&self, mut take: impl FnMut(&Batch) -> Result<(), Stopped>) -> Result<(), Stopped> {
         let mut commanded = self.samples.commanded();
         loop {
@@ -95,24 +95,24 @@ impl Study {
             Source::Model(quantity) => Some((quantity, vec![f64::NAN; poses.len()])),
             _ => None,
         });
-        let mut told: Vec<(Quantity, Vec<f64>)> = wanted.collect();
+        let mut results: Vec<(Quantity, Vec<f64>)> = wanted.collect();
         let mut slices: Vec<(Quantity, &mut [f64])> =
-            told.iter_mut().map(|(quantity, column)| (*quantity, &mut **column)).collect();
+            results.iter_mut().map(|(quantity, column)| (*quantity, &mut **column)).collect();
         let given = rods.each_ref().map(|rod| Column::from(&**rod));
         gpr.forward_many(given, self.model, &self.options, &mut status, &mut slices)?;
-        let mut told = told.into_iter().map(|(_, column)| column);
+        let mut results = results.into_iter().map(|(_, column)| column);
         let values = self.columns.iter().map(|column| match column.source {
             Source::Time => poses.iter().map(|pose| pose.time).collect(),
             Source::Yaw => yaw.clone(),
             Source::Pitch => pitch.clone(),
             Source::Height => height.clone(),
             Source::Rod(k) => rods[k].clone(),
-            Source::Model(_) => told.next().expect("there is a column for each quantity wanted"),
+            Source::Model(_) => results.next().expect("there is a column for each quantity wanted"),
         });
         Ok(Batch { values: values.collect(), status })
     }
 
-    /// Names and types of the columns, with what concerns all samples alike.
+    /// Names and types of the columns, with metadata on all samples.
     fn schema(&self) -> Arc<Schema> {
         let number = |column: &ColumnName| Field::new(&column.name, DataType::Float64, false);
         let mut fields: Vec<Field> = self.columns.iter().map(number).collect();
@@ -130,26 +130,26 @@ impl Study {
     }
 }
 
-/// Why a study ended before its end.
+/// Why a study ended early.
 enum Stopped {
-    /// Nobody reads it any more, or too slowly.
+    /// The client has disconnected or reads too slowly.
     Unread,
-    /// The server ends.
+    /// The server is shutting down.
     Ended,
-    /// It took longer than it may.
+    /// The deadline has passed.
     TooLong(Duration),
-    /// A problem of all samples alike.
+    /// An error that concerns all samples.
     Core(jointplay::Error),
     /// The writer failed.
     Arrow(ArrowError),
 }
 
 impl Stopped {
-    /// What whoever still reads finds in their log: the answer has begun, and can only be cut off.
-    fn cut(self) -> std::io::Error {
+    /// The error that ends the response, which has already started.
+    fn into_io_error(self) -> std::io::Error {
         std::io::Error::other(match self {
-            Self::Unread => "the study was not read".to_owned(),
-            Self::Ended => "the server ends".to_owned(),
+            Self::Unread => "the client did not read the study".to_owned(),
+            Self::Ended => "the server is shutting down".to_owned(),
             Self::TooLong(longest) => {
                 format!("the study took longer than {} s", longest.as_secs_f64())
             }
@@ -159,13 +159,13 @@ impl Stopped {
     }
 }
 
-/// Writes batches one after another.
+/// Encoder of batches.
 trait Format: Send + 'static {
     /// The bytes before all batches.
     fn start(&mut self) -> Result<Vec<u8>, Stopped>;
     /// The bytes of a batch.
     fn batch(&mut self, study: &Study, batch: &Batch) -> Result<Vec<u8>, Stopped>;
-    /// The bytes behind all batches.
+    /// The bytes after all batches.
     fn end(&mut self) -> Result<Vec<u8>, Stopped>;
 }
 
@@ -221,7 +221,7 @@ impl Format for Csv {
 }
 
 impl Batch {
-    /// The same as a table.
+    /// The batch as a table.
     fn table(&self, study: &Study) -> Vec<table::Column> {
         let named = study.columns.iter().zip(&self.values);
         let mut columns: Vec<table::Column> = named
@@ -255,13 +255,13 @@ pub(crate) fn csv(state: &AppState, study: Study) -> Result<Body, Problem> {
 #[cfg(feature = "parquet")]
 pub(crate) async fn parquet(state: &AppState, study: Study) -> Result<Body, Problem> {
     let found = study.len();
-    if found > MOST_IN_A_FILE {
+    if found > MAX_SAMPLES_IN_FILE {
         let detail = format!(
-            "the motion has {found} samples, at most {MOST_IN_A_FILE} fit a Parquet file: take larger steps, or `study.csv`"
+            "the motion has {found} samples, at most {MAX_SAMPLES_IN_FILE} are allowed in a Parquet file: use larger steps or `study.csv`"
         );
         return Err(Problem::field("motion", detail));
     }
-    let turn = state.work.study()?;
+    let permit = state.work.study()?;
     let work = state.work.clone();
     let file = state.work.run(move || {
         let mut whole: Vec<table::Column> = Vec::new();
@@ -283,36 +283,37 @@ pub(crate) async fn parquet(state: &AppState, study: Study) -> Result<Body, Prob
             }
             Ok(())
         });
-        drop(turn);
-        done.map_err(|stopped| Problem::broken(&stopped.cut().to_string()))?;
+        drop(permit);
+        done.map_err(|stopped| Problem::broken(&stopped.into_io_error().to_string()))?;
         table::parquet(&whole).map_err(|error| Problem::broken(&error.to_string()))
     });
     Ok(Body::from(file.await?))
 }
 
-/// The study as a Parquet file, which this build cannot write.
+/// The problem of a build without Parquet.
 #[cfg(not(feature = "parquet"))]
 pub(crate) async fn parquet(_: &App, _: Study) -> Result<Body, Problem> {
-    let detail = "this jointplay was built without Parquet: build with --features parquet, or ask `study.csv`";
+    let detail =
+        "this build has no Parquet support: build with --features parquet, or use `study.csv`";
     Err(Problem::unavailable(axum::http::StatusCode::NOT_IMPLEMENTED, detail))
 }
 
-/// Computes a study on a thread of its own, as fast as it is read.
+/// Computes a study on a worker thread, at the rate at which the client reads.
 fn stream(state: &AppState, study: Study, mut format: impl Format) -> Result<Body, Problem> {
-    let turn = state.work.study()?;
+    let permit = state.work.study()?;
     let work = state.work.clone();
-    let (sender, receiver) = mpsc::channel::<Result<Bytes, std::io::Error>>(AHEAD);
+    let (sender, receiver) = mpsc::channel::<Result<Bytes, std::io::Error>>(QUEUED_BATCHES);
     tokio::task::spawn_blocking(move || {
-        let begun = Instant::now();
+        let start = Instant::now();
         let send = |bytes: Vec<u8>| {
             if work.stopping() {
                 return Err(Stopped::Ended);
             }
             let longest = work.deadlines.study;
-            if begun.elapsed() > longest {
+            if start.elapsed() > longest {
                 return Err(Stopped::TooLong(longest));
             }
-            if bytes.is_empty() { Ok(()) } else { patiently(&sender, Ok(bytes.into())) }
+            if bytes.is_empty() { Ok(()) } else { send_blocking(&sender, Ok(bytes.into())) }
         };
         let done = format
             .start()
@@ -320,20 +321,20 @@ fn stream(state: &AppState, study: Study, mut format: impl Format) -> Result<Bod
             .and_then(|()| study.run(|batch| send(format.batch(&study, batch)?)))
             .and_then(|()| send(format.end()?));
         if let Err(stopped) = done {
-            // Whoever went away does not hear it.
-            let _ = patiently(&sender, Err(stopped.cut()));
+            // A disconnected client does not receive it.
+            let _ = send_blocking(&sender, Err(stopped.into_io_error()));
         }
-        drop(turn);
+        drop(permit);
     });
     Ok(Body::from_stream(ReceiverStream::new(receiver)))
 }
 
-/// Sends a piece once there is room for it.
-fn patiently(
+/// Sends a chunk once the queue has room for it.
+fn send_blocking(
     sender: &Sender<Result<Bytes, std::io::Error>>,
     piece: Result<Bytes, std::io::Error>,
 ) -> Result<(), Stopped> {
-    let sent = sender.send_timeout(piece, LONGEST_PAUSE);
+    let sent = sender.send_timeout(piece, MAX_PAUSE);
     let sent = tokio::runtime::Handle::current().block_on(sent);
     sent.map_err(|_| Stopped::Unread)
 }

@@ -1,4 +1,4 @@
-//! Computations kept off the thread that serves.
+//! Computations on worker threads, apart from the thread that serves requests.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,12 +10,12 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use crate::problem::Problem;
 
-/// How long requests may take.
+/// Deadlines of requests.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Deadlines {
-    /// A request until its answer begins.
+    /// From the start of a request to the start of its response.
     pub(crate) request: Duration,
-    /// A study, whoever reads it included.
+    /// From the start to the end of a study, including its transfer.
     pub(crate) study: Duration,
 }
 
@@ -25,16 +25,16 @@ impl Default for Deadlines {
     }
 }
 
-/// How long a request waits for its turn before it is turned away.
-const LONGEST_WAIT: Duration = Duration::from_secs(10);
+/// Longest time that a request waits for a free worker.
+const MAX_WAIT: Duration = Duration::from_secs(10);
 
-/// The most studies that run at a time; apart from other questions, which need not wait for them.
-const STUDIES: usize = 4;
+/// Maximum number of concurrent studies; they do not block other requests.
+const MAX_STUDIES: usize = 4;
 
-/// As many threads for questions as the machine has cores, some for studies, how long they may take, and whether they are to stop.
+/// Workers for requests, one per core, and for studies, with deadlines and a stop flag.
 #[derive(Clone)]
 pub(crate) struct WorkerPool {
-    turns: Arc<Semaphore>,
+    workers: Arc<Semaphore>,
     studies: Arc<Semaphore>,
     stopping: Arc<AtomicBool>,
     pub(crate) deadlines: Deadlines,
@@ -44,22 +44,24 @@ impl WorkerPool {
     pub(crate) fn new(deadlines: Deadlines) -> Self {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         Self {
-            turns: Arc::new(Semaphore::new(cores)),
-            studies: Arc::new(Semaphore::new(STUDIES)),
+            workers: Arc::new(Semaphore::new(cores)),
+            studies: Arc::new(Semaphore::new(MAX_STUDIES)),
             stopping: Arc::new(AtomicBool::new(false)),
             deadlines,
         }
     }
 
-    /// A turn to run a study; given back where it is dropped.
+    /// A permit to run a study, returned on drop.
     pub(crate) fn study(&self) -> Result<OwnedSemaphorePermit, Problem> {
         Arc::clone(&self.studies).try_acquire_owned().map_err(|_| {
-            let detail = format!("{STUDIES} studies are running; end one, or wait for it");
+            let detail = format!(
+                "{MAX_STUDIES} studies are running, which is the maximum; stop one or wait"
+            );
             Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail)
         })
     }
 
-    /// Computes an answer on a thread of its own.
+    /// Runs a computation on a worker thread.
     pub(crate) async fn run<T: Send + 'static>(
         &self,
         compute: impl FnOnce() -> Result<T, Problem> + Send + 'static,
@@ -67,43 +69,43 @@ impl WorkerPool {
         self.run_while_awaited(|_| compute()).await
     }
 
-    /// The same of a computation that asks now and then whether it shall stop: when the client is gone, when it took too long, and when the server ends.
+    /// Runs a computation that polls whether to stop: the client has disconnected, the deadline has passed, or the server is shutting down.
     pub(crate) async fn run_while_awaited<T: Send + 'static>(
         &self,
         compute: impl FnOnce(Stop<'_>) -> Result<T, Problem> + Send + 'static,
     ) -> Result<T, Problem> {
-        // Dropped with this future, which nobody awaits any more then.
+        // Dropped with this future when the client disconnects.
         let awaited = Arc::new(());
         let (gone, stopping) = (Arc::downgrade(&awaited), Arc::clone(&self.stopping));
-        let turn = Arc::clone(&self.turns).acquire_owned();
-        let Ok(Ok(turn)) = tokio::time::timeout(LONGEST_WAIT, turn).await else {
-            let detail = "all cores are busy with other requests; try again in a while";
+        let permit = Arc::clone(&self.workers).acquire_owned();
+        let Ok(Ok(permit)) = tokio::time::timeout(MAX_WAIT, permit).await else {
+            let detail = "all workers are busy with other requests; try again later";
             return Err(Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail));
         };
         let computed = tokio::task::spawn_blocking(move || {
             let stop = move || gone.strong_count() == 0 || stopping.load(Ordering::Relaxed);
             let answer = compute(&stop);
-            drop(turn);
+            drop(permit);
             answer
         });
         let answer = computed.await;
         drop(awaited);
-        answer.unwrap_or_else(|_| Err(Problem::broken("the computation broke down")))
+        answer.unwrap_or_else(|_| Err(Problem::broken("the computation failed unexpectedly")))
     }
 
-    /// Computations that run at the moment.
+    /// Number of running computations.
     #[cfg(test)]
     pub(crate) fn running(&self) -> usize {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        cores - self.turns.available_permits()
+        cores - self.workers.available_permits()
     }
 
-    /// Tells long computations to end.
+    /// Requests that all computations stop.
     pub(crate) fn stop(&self) {
         self.stopping.store(true, Ordering::Relaxed);
     }
 
-    /// Whether a long computation is to end.
+    /// Whether computations are to stop.
     pub(crate) fn stopping(&self) -> bool {
         self.stopping.load(Ordering::Relaxed)
     }

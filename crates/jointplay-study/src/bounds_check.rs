@@ -6,25 +6,25 @@ use jointplay_core::virtualization::{SolveOptions, Virtualization};
 
 use crate::{Error, Raster};
 
-/// In how many poses the true virtual displacement keeps the bounds, by where their derivatives are taken.
+/// Number of poses whose true virtual displacement satisfies the bounds, by where their derivatives are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BoundsCheck {
     /// Poses checked: all that tilt.
     pub poses: usize,
     /// Held with derivatives at the level start, where the bounds are zero.
     pub held_at_start: usize,
-    /// Held with derivatives half way.
+    /// Held with derivatives midway.
     pub held_at_midpoint: usize,
     /// Held with derivatives at the tilted end.
     pub held_at_end: usize,
 }
 
-/// Sets the true displacement of every tilted pose, from level at the same height, beside its bounds.
+/// Compares the true displacement of every tilted pose, from level at the same height, with its bounds.
 ///
 /// Poses beyond the limits are computed too.
 ///
 /// # Arguments
-/// * `progress` – told the number of samples done, now and then
+/// * `progress` – called with the number of samples done, from time to time
 ///
 /// # Errors
 /// [`Error::Pose`] with the first pose that cannot be computed.

@@ -1,4 +1,4 @@
-//! All models side by side over a range of tilts.
+//! Comparison of all models over a range of tilts.
 
 use jointplay_core::gpr::{AxisHeight, Gpr};
 use jointplay_core::spatial::Tilt;
@@ -7,7 +7,7 @@ use nalgebra::Vector2;
 
 use crate::Error;
 
-/// What one model says over the tilts.
+/// Results of one model over the tilts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelCurve {
     /// Name of the virtualization.
@@ -37,7 +37,7 @@ pub struct Comparison {
 
 /// Computes every model at every pitch.
 ///
-/// A model that cannot be solved at some pitch ends there, and says so; the others go on.
+/// A model that cannot be solved at some pitch ends there with its error; the others continue.
 ///
 /// # Errors
 /// [`Error::Empty`]; [`Error::Pose`] with the first pose that cannot be computed.

@@ -1,4 +1,4 @@
-//! What can go wrong in a study.
+//! Errors of a study.
 
 use jointplay_core::spatial::Tilt;
 
@@ -16,7 +16,7 @@ pub enum Error {
         /// Number of pitch values.
         pitches: usize,
     },
-    /// A motion without a way to go.
+    /// A motion with fewer than two key poses.
     #[error("the motion has {found} key poses, it needs at least two")]
     FewKeyPoses {
         /// How many there are.
@@ -75,7 +75,7 @@ pub enum Error {
         /// How many there are.
         count: usize,
     },
-    /// What the core says of all samples alike.
+    /// An error of the core that concerns all samples.
     #[error(transparent)]
     Core(#[from] jointplay_core::Error),
 }

@@ -8,11 +8,11 @@ use crate::Error;
 /// A pose that a motion passes, at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KeyPose {
-    /// Where the platform leans.
+    /// Tilt of the platform.
     pub tilt: Tilt,
-    /// Where its plane crosses the base axis.
+    /// Height at which its plane crosses the base axis.
     pub height: AxisHeight,
-    /// How long the way here takes; of the first pose it means nothing [s].
+    /// Duration of the motion to this pose; ignored for the first [s].
     pub duration: f64,
 }
 
@@ -47,7 +47,7 @@ impl KeyMotion {
             let so_far = reached[reached.len() - 1];
             reached.push(so_far + positive("the duration of a key pose", key.duration)?);
         }
-        // Saturates for absurd lengths, which is as good as any number nobody can compute.
+        // Saturates for durations that no computer can sample.
         let intervals = (reached[reached.len() - 1] * rate).ceil().max(1.0) as usize;
         Ok(Self { keys, reached, intervals })
     }
@@ -68,7 +68,7 @@ impl KeyMotion {
     /// The pose commanded at a time [s]; before the start the first, after the end the last.
     ///
     /// ```text
-    ///    s(u)  =  u³ (10 − 15 u + 6 u²)        (θ_x, θ_y, z)  =  (1 − s) from  +  s to        0 ≤ u ≤ 1: share of the way's duration
+    ///    s(u)  =  u³ (10 − 15 u + 6 u²)        (θ_x, θ_y, z)  =  (1 − s) from  +  s to        0 ≤ u ≤ 1: share of the duration
     /// ```
     /// The polynomial of least degree that starts and ends without speed and acceleration.
     #[must_use]
@@ -108,7 +108,7 @@ mod tests {
             let (tilt, height) = motion.at(time);
             assert!((tilt.normal() - key.tilt.normal()).norm() < 1e-15);
             assert!((height.0 - key.height.0).abs() < 1e-15);
-            // At rest: what is 1 ms off in time is of third order off in place.
+            // At rest: 1 ms off in time is of third order in position.
             for near in [time - 1e-3, time + 1e-3] {
                 let (tilt, height) = motion.at(near);
                 assert!((tilt.normal() - key.tilt.normal()).norm() < 1e-8, "{near}");
@@ -116,7 +116,7 @@ mod tests {
             }
         }
         let (_, half) = motion.at(1.0);
-        assert!((half.0 - 0.55).abs() < 1e-15, "half way at half the time");
+        assert!((half.0 - 0.55).abs() < 1e-15, "midway at half the time");
         assert_eq!(motion.at(-1.0), motion.at(0.0));
         assert_eq!(motion.at(99.0), motion.at(2.5));
     }
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn motions_that_are_none() {
+    fn invalid_motions_are_refused() {
         let refuse = |keys: Vec<KeyPose>, rate: f64, message: &str| {
             assert_eq!(KeyMotion::new(keys, rate).unwrap_err().to_string(), message);
         };

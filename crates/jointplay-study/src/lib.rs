@@ -2,13 +2,13 @@
 //!
 //! | to… | use |
 //! | --- | --- |
-//! | lay out the paper's poses, or others | [`Raster`] |
+//! | define a raster of poses, such as the paper's | [`Raster`] |
 //! | move through key poses | [`KeyMotion`] |
 //! | compute all poses under one virtualization | [`simulate`] → [`Samples`] |
 //! | compute columns of poses on all cores | [`parallel`] |
 //! | sum them up | [`summarize`] → [`Summary`] |
-//! | set the bounds of sensitivity beside them | [`check_bounds`] → [`BoundsCheck`] |
-//! | set all models side by side | [`compare`] → [`Comparison`] |
+//! | check them against the bounds of sensitivity | [`check_bounds`] → [`BoundsCheck`] |
+//! | compare all models | [`compare`] → [`Comparison`] |
 //! | compute millions of samples, from grids or at random, of robots as built | [`plan`] |
 //!
 //! ```

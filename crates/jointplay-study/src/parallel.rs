@@ -1,4 +1,4 @@
-//! Many poses over the cores of the machine.
+//! Many poses on all cores of the machine.
 
 use jointplay_core::Error;
 use jointplay_core::bulk::{Column, Quantity, Status, StatusCounts, parts};
@@ -14,7 +14,7 @@ const PART: usize = 4096;
 
 /// [`Gpr::inverse_many`] over the cores of the current thread pool.
 ///
-/// A pose does not depend on those beside it, so that the result is the same to the bit whatever the number of threads.
+/// Poses are independent of each other, so that the result is the same to the bit for any number of threads.
 ///
 /// # Errors
 /// As [`Gpr::inverse_many`].
@@ -36,7 +36,7 @@ pub fn inverse_many(
 
 /// [`Gpr::forward_many`] over the cores of the current thread pool.
 ///
-/// A pose does not depend on those beside it, so that the result is the same to the bit whatever the number of threads.
+/// Poses are independent of each other, so that the result is the same to the bit for any number of threads.
 ///
 /// # Errors
 /// As [`Gpr::forward_many`].

@@ -31,7 +31,7 @@ pub struct Raster {
     pub yaws: Vec<f64>,
     /// Pitch angles α, the fast direction [rad].
     pub pitches: Vec<f64>,
-    /// Where the platform plane crosses the base axis.
+    /// Height at which the platform plane crosses the base axis.
     pub height: AxisHeight,
     /// Order of the poses.
     pub order: Order,

@@ -12,7 +12,7 @@ use crate::{Error, Order, Raster};
 pub struct Samples {
     /// Name of the virtualization.
     pub virtualization: String,
-    /// What each column of `virtual_joints` is.
+    /// The virtual joint of each column of `virtual_joints`.
     pub joints: Vec<VirtualJoint>,
     /// Solver used for the last sample: differs from the one asked for where a closed form does not exist.
     pub solver: Solver,
@@ -42,7 +42,7 @@ pub struct Samples {
     pub residual: Vec<f64>,
 }
 
-/// What a series measures.
+/// Kind of quantity of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SeriesKind {
     /// A rod length [m].
@@ -60,13 +60,13 @@ pub enum SeriesKind {
 pub struct Series<'a> {
     /// Symbol and limb or side, such as `q1`, `L12`, `phi3`.
     pub name: String,
-    /// What it measures.
+    /// Kind of quantity.
     pub kind: SeriesKind,
     /// The values, in SI.
     pub values: &'a [f64],
 }
 
-/// Which balls each side joins.
+/// Names of the sides, by the balls that they join.
 const SIDES: [&str; 3] = ["L12", "L23", "L31"];
 
 impl Samples {
@@ -114,11 +114,11 @@ impl Samples {
 
 /// Computes all poses of a raster under one virtualization, each from the nominal virtual joints.
 ///
-/// The result does not depend on the order of the samples, save for their order.
+/// Samples are independent of each other: another order gives the same values.
 /// Poses beyond the limits are computed too; [`summarize`](crate::summarize) counts them.
 ///
 /// # Arguments
-/// * `progress` – told the number of samples done, now and then
+/// * `progress` – called with the number of samples done, from time to time
 ///
 /// # Errors
 /// [`Error::Empty`]; [`Error::Pose`] with the first pose that cannot be computed.

@@ -1,4 +1,4 @@
-//! What a study comes to.
+//! Summary of a study.
 
 use jointplay_core::gpr::{BrokenLimits, Gpr};
 use jointplay_core::spatial::Tilt;

@@ -1,4 +1,4 @@
-//! Many cores say what one says.
+//! Results on many cores equal those on one.
 #![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use jointplay_core::Error;
@@ -63,6 +63,6 @@ fn columns_of_different_lengths() {
         &mut [],
     );
     let expected =
-        Error::WrongLength { what: "a column of rods", found: POSES - 1, expected: POSES };
+        Error::LengthMismatch { what: "a column of rods", found: POSES - 1, expected: POSES };
     assert_eq!(found, Err(expected));
 }

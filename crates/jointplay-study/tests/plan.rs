@@ -154,7 +154,7 @@ fn a_robot_as_built_is_a_robot() {
             assert!((pose.tilt().pitch - at(15)).abs() < 1e-12);
             errors = errors.max(at(16));
         }
-        // A robot that was measured goes where it is sent; one that was not, nearly.
+        // A measured robot reaches the commanded pose; one that was not measured deviates from it.
         match rods_from {
             RodsFrom::AsBuilt => assert!(errors < 1e-12, "{errors}"),
             RodsFrom::Nominal => assert!(errors > 1e-6 && errors < 1e-3, "{errors}"),
@@ -302,7 +302,7 @@ fn quantiles_are_exact_for_few_and_near_for_many() {
         let (low, high) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
         assert_eq!(found.unwrap(), low + (high - low) * place.fract());
     }
-    // Uniform from 0 to 6: the quantile says the share itself.
+    // Uniform from 0 to 6: the quantile is six times the share.
     let many = Plan { draws: 1 << 40, height: Variation::Values(vec![0.5]), ..few };
     let found = quantiles(&many, &shares[1..4]).unwrap().remove(0);
     for (share, found) in shares[1..4].iter().zip(&found) {

@@ -1,4 +1,4 @@
-// The server's API. Types come from its own description, `openapi.json`, by `npm run types`.
+// Client of the server's HTTP API. Its types are generated from `openapi.json` by `npm run types`.
 
 import type { Command, Metric, Motion } from '../lib/document';
 import { lineChange } from '../lib/lineChange';
@@ -18,19 +18,19 @@ export type PlanDocument = Schemas['PlanDocument'];
 export type InstructionDocument = Schemas['InstructionReport'];
 export type StationDocument = Schemas['StationDocument'];
 export type JogDocument = Schemas['JogDocument'];
-/** Where the robot of the cell is moved to, in m and rad. */
+/** Target of a jog motion [m, rad]. */
 export type Jog = Schemas['Jog'];
-export type JogQuestion = Omit<Schemas['JogRequest'], 'cell' | 'program' | 'plan'>;
+export type JogParameters = Omit<Schemas['JogRequest'], 'cell' | 'program' | 'plan'>;
 export type ViolationDocument = Schemas['ViolationReport'];
 export type CellText = Schemas['CellText'];
-/** The pose of the robot that a station is taught by. */
+/** Robot pose by which a station is taught. */
 export type TaughtBy = Schemas['TaughtByFields'];
 export type StationChange = Omit<Schemas['StationRequest'], 'cell' | 'station'>;
 export type ModelChoice = Schemas['ModelChoice'];
-/** A command as the API takes it, in m and rad. */
+/** Command in the units of the API [m, rad]. */
 export type ApiCommand = Schemas['Command'];
 
-/** The server says no, and why. */
+/** Problem document returned by the server. */
 export class ApiError extends Error {
   readonly field: string | undefined;
   readonly status: number;
@@ -42,12 +42,12 @@ export class ApiError extends Error {
   }
 }
 
-/** The server does not answer at all. */
+/** The server does not respond. */
 export class ConnectionError extends Error {}
 
 const ROOT = './api/v1';
 
-async function ask(path: string, body?: unknown, signal?: AbortSignal, method = 'POST'): Promise<Response> {
+async function request(path: string, body?: unknown, signal?: AbortSignal, method = 'POST'): Promise<Response> {
   let response: Response;
   try {
     response = await fetch(`${ROOT}/${path}`, {
@@ -61,15 +61,15 @@ async function ask(path: string, body?: unknown, signal?: AbortSignal, method = 
     connection.failed();
     throw new ConnectionError('the server does not respond');
   }
-  connection.answered();
+  connection.responded();
   if (response.ok) return response;
   const problem = (await response.json().catch(() => ({}))) as Partial<Schemas['Problem']>;
   throw new ApiError(response.status, problem.detail ?? `the server responded with status ${response.status}`, problem.field ?? undefined);
 }
 
-/** The body of an answer; a server that ends in the middle of it does not answer. */
-async function body<T>(answer: Promise<Response>, read: (response: Response) => Promise<unknown>): Promise<T> {
-  const response = await answer;
+/** Reads the body of a response; a connection that closes before its end is a connection error. */
+async function body<T>(pending: Promise<Response>, read: (response: Response) => Promise<unknown>): Promise<T> {
+  const response = await pending;
   try {
     return (await read(response)) as T;
   } catch (error) {
@@ -78,17 +78,17 @@ async function body<T>(answer: Promise<Response>, read: (response: Response) => 
     throw new ConnectionError('the server closed the connection before the end of its response');
   }
 }
-const json = <T>(answer: Promise<Response>) => body<T>(answer, (response) => response.json());
-const buffer = (answer: Promise<Response>) => body<ArrayBuffer>(answer, (response) => response.arrayBuffer());
-const blob = (answer: Promise<Response>) => body<Blob>(answer, (response) => response.blob());
+const json = <T>(pending: Promise<Response>) => body<T>(pending, (response) => response.json());
+const buffer = (pending: Promise<Response>) => body<ArrayBuffer>(pending, (response) => response.arrayBuffer());
+const blob = (pending: Promise<Response>) => body<Blob>(pending, (response) => response.blob());
 
 export async function robot(): Promise<RobotDocument> {
-  return json(ask('robot'));
+  return json(request('robot'));
 }
 
-/** A shape that the robot file names. */
+/** Contents of a mesh file named in the robot file. */
 export async function mesh(part: 'base' | 'platform'): Promise<ArrayBuffer> {
-  return buffer(ask(`meshes/${part}`));
+  return buffer(request(`meshes/${part}`));
 }
 
 export function modelChoice(virtualization: string, solver: string, metric: Metric): ModelChoice {
@@ -107,35 +107,35 @@ export function toApiCommand(command: Command): ApiCommand {
 }
 
 /**
- * One pose under several models; a height of the platform's centre is that of the first.
- * With the rods from which it comes, a robot within its limits stops where its way meets one.
+ * One pose under several models; a height of the platform centre refers to the first model.
+ * With `from_rods_m`, the robot moves in a straight line in rod space and stops at the first limit.
  */
 export async function pose(command: ApiCommand, models: ModelChoice[], from_rods_m: number[] | null): Promise<PoseDocument> {
   const from = from_rods_m ? { from_rods_m } : {};
-  return json(ask('pose', { command, models, ...from }));
+  return json(request('pose', { command, models, ...from }));
 }
 
-/** What is plotted of a motion, or moves the robot. */
+/** Quantities that the page plots or needs to display the robot. */
 const QUANTITIES = ['rods', 'sides', 'virtual_joints', 'origin', 'twist'];
 
-/** The series of a motion under one model, as a stream in Arrow's format. */
+/** Time series of a motion under one model, as an Arrow stream. */
 export async function study(motion: Motion, model: ModelChoice, signal: AbortSignal): Promise<ReadableStream<Uint8Array>> {
-  const response = await ask('study', { motion: apiMotion(motion), model, quantities: QUANTITIES }, signal);
+  const response = await request('study', { motion: apiMotion(motion), model, quantities: QUANTITIES }, signal);
   if (!response.body) throw new ConnectionError('the response of the server is empty');
   return response.body;
 }
 
-/** The same as a file; as Parquet only where the server was built with it. */
+/** Time series of a motion as a file; Parquet only if the server supports it. */
 export async function studyFile(motion: Motion, model: ModelChoice, kind: 'csv' | 'parquet'): Promise<Blob> {
-  return blob(ask(`study.${kind}`, { motion: apiMotion(motion), model }));
+  return blob(request(`study.${kind}`, { motion: apiMotion(motion), model }));
 }
 
-/** What `jointplay forward --format json` prints of these rods. */
+/** Output of `jointplay forward --format json` for given rods. */
 export async function forward(rods_m: number[], model: ModelChoice): Promise<Blob> {
-  return blob(ask('forward', { rods_m, model, ignore_limits: true }));
+  return blob(request('forward', { rods_m, model, ignore_limits: true }));
 }
 
-/** Samples a second of a motion through key poses: as many as a screen shows. */
+/** Sampling rate of motions through key poses [Hz]: that of a screen. */
 export const KEY_RATE_HZ = 60;
 
 function apiMotion(motion: Motion): Schemas['StudyRequest']['motion'] {
@@ -166,58 +166,58 @@ export interface CellTexts {
 }
 
 export async function cell(): Promise<CellDocument> {
-  return json(ask('cell'));
+  return json(request('cell'));
 }
 
-/** Keeps both texts in their files; where they are to replace a version, not if the files have changed since. */
+/** Saves both texts; with `replaces`, only if the files on disk still have this version. */
 export async function saveCell(texts: CellTexts, replaces: string | null): Promise<CellDocument> {
   const body = replaces === null ? texts : { ...texts, replaces };
-  return json(ask('cell', body, undefined, 'PUT'));
+  return json(request('cell', body, undefined, 'PUT'));
 }
 
-/** The robot of the cell, moved by hand; a plan that the server has forgotten is sent again. */
-export async function jog(planned: { texts: CellTexts; key: string }, question: JogQuestion): Promise<JogDocument> {
+/** Jogs the robot of the cell; sends the texts if the server no longer has the plan. */
+export async function jog(planned: { texts: CellTexts; key: string }, parameters: JogParameters): Promise<JogDocument> {
   try {
-    return await json<JogDocument>(ask('cell/jog', { plan: planned.key, ...question }));
+    return await json<JogDocument>(request('cell/jog', { plan: planned.key, ...parameters }));
   } catch (error) {
     if (!(error instanceof ApiError && error.status === 404)) throw error;
   }
-  return json(ask('cell/jog', { ...planned.texts, ...question }));
+  return json(request('cell/jog', { ...planned.texts, ...parameters }));
 }
 
-/** What a program comes to in a cell; of texts that the server has planned before, only what changed is sent. */
-export async function plan(texts: CellTexts, before: { texts: CellTexts; key: string } | null, signal: AbortSignal): Promise<PlanDocument> {
-  if (before)
+/** Plans a program in a cell; sends only the changed lines if the server may have the previous plan. */
+export async function plan(texts: CellTexts, previous: { texts: CellTexts; key: string } | null, signal: AbortSignal): Promise<PlanDocument> {
+  if (previous)
     try {
-      const since = { plan: before.key, cell: lineChange(before.texts.cell, texts.cell), program: lineChange(before.texts.program, texts.program) };
-      return await json<PlanDocument>(ask('cell/plan', { since }, signal));
+      const since = { plan: previous.key, cell: lineChange(previous.texts.cell, texts.cell), program: lineChange(previous.texts.program, texts.program) };
+      return await json<PlanDocument>(request('cell/plan', { since }, signal));
     } catch (error) {
       if (!(error instanceof ApiError && error.field === 'since')) throw error;
     }
-  return json(ask('cell/plan', texts, signal));
+  return json(request('cell/plan', texts, signal));
 }
 
-/** The cell standing still, as binary glTF. */
+/** The cell with the robot at home, as binary glTF. */
 export async function cellScene(key: string, signal: AbortSignal): Promise<ArrayBuffer> {
-  return buffer(ask(`cell/scenes/${key}`, undefined, signal));
+  return buffer(request(`cell/scenes/${key}`, undefined, signal));
 }
 
-/** What happens in a window of a motion. */
+/** Contents of a window of a motion. */
 export async function cellWindow(key: string): Promise<ArrayBuffer> {
-  return buffer(ask(`cell/windows/${key}`));
+  return buffer(request(`cell/windows/${key}`));
 }
 
-/** Least and largest values of all axes in windows of a plan. */
+/** Minimum and maximum values of all axes in windows of a plan. */
 export async function cellOverview(plan: string, windows: number[]): Promise<Float64Array> {
-  return unpack(await buffer(ask('cell/overview', { plan, windows }))).numbers;
+  return unpack(await buffer(request('cell/overview', { plan, windows }))).numbers;
 }
 
-/** A hundred instructions of a plan, by the number of their page. */
+/** One page of 100 instructions of a plan. */
 export async function cellInstructions(plan: string, page: number): Promise<Schemas['InstructionsPage']> {
-  return json(ask(`cell/plans/${plan}/instructions/${page}`));
+  return json(request(`cell/plans/${plan}/instructions/${page}`));
 }
 
-/** The text of the cell with new values of one station; its comments stay. */
+/** The text of the cell file with new values of one station; comments are preserved. */
 export async function setStation(text: string, station: string, change: StationChange): Promise<CellText> {
-  return json(ask('cell/station', { cell: text, station, ...change }));
+  return json(request('cell/station', { cell: text, station, ...change }));
 }

@@ -1,47 +1,47 @@
-// Whether the server answers. All requests report here, and one loop waits for its return.
+// State of the connection to the server. All requests report here, and one loop polls the server.
 
-/** How often a server that does not answer is asked again [ms]. */
+/** Interval between requests while the server does not respond [ms]. */
 const RETRY_MS = 1000;
-/** How often a server that answers is asked whether it is still there, while nothing else asks it [ms]. */
-const BEAT_MS = 3000;
+/** Interval after which an idle connection is probed [ms]. */
+const HEARTBEAT_MS = 3000;
 
 export class Connection {
   state = $state<'starting' | 'connected' | 'disconnected'>('starting');
   readonly #probe: () => Promise<unknown>;
-  readonly #returned = new Set<() => void>();
+  readonly #reconnected = new Set<() => void>();
   #timer: ReturnType<typeof setTimeout> | undefined;
 
-  /** `probe` asks the server anything; it rejects where there is no answer at all. */
+  /** `probe` sends any request; its promise rejects if the server does not respond. */
   constructor(probe: () => Promise<unknown>) {
     this.#probe = probe;
   }
 
-  /** Calls `act` each time the server answers again after it did not. */
-  onReturn(act: () => void): void {
-    this.#returned.add(act);
+  /** Calls `act` after each reconnection. */
+  onReconnect(act: () => void): void {
+    this.#reconnected.add(act);
   }
 
-  /** A request was answered, be it by a refusal. */
-  answered(): void {
-    const back = this.state === 'disconnected';
+  /** The server has responded to a request, with success or an error. */
+  responded(): void {
+    const reconnected = this.state === 'disconnected';
     this.state = 'connected';
-    this.#schedule(BEAT_MS);
-    if (back) for (const act of this.#returned) act();
+    this.#schedule(HEARTBEAT_MS);
+    if (reconnected) for (const act of this.#reconnected) act();
   }
 
-  /** A request was not answered. */
+  /** The server has not responded to a request. */
   failed(): void {
-    // Before the first answer there is nothing on show that could be outdated.
+    // Before the first response no displayed value can be outdated.
     if (this.state === 'connected') this.state = 'disconnected';
     this.#schedule(RETRY_MS);
   }
 
   #schedule(delay_ms: number): void {
     clearTimeout(this.#timer);
-    this.#timer = setTimeout(() => void this.#ask(), delay_ms);
+    this.#timer = setTimeout(() => void this.#poll(), delay_ms);
   }
 
-  async #ask(): Promise<void> {
+  async #poll(): Promise<void> {
     const starting = this.state === 'starting';
     try {
       await this.#probe();
@@ -49,8 +49,8 @@ export class Connection {
       this.failed();
       return;
     }
-    this.answered();
-    if (starting) for (const act of this.#returned) act();
+    this.responded();
+    if (starting) for (const act of this.#reconnected) act();
   }
 }
 

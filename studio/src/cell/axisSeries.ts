@@ -1,27 +1,27 @@
-// Lines of a plot over a stretch of a motion: between its keys where it is short, its least and largest values where it is long.
+// Time series of the axes over a time range: samples for short ranges, minima and maxima for long ones.
 
-import { MOST_SHOWN, OVERVIEW, type Timeline } from './timeline.svelte';
+import { MAX_WINDOWS_SHOWN, OVERVIEW, type Timeline } from './timeline.svelte';
 
-/** How far samples are from each other at most [s]. */
+/** Maximum distance of samples [s]. */
 const SPACING_S = 0.04;
 
 export interface AxisSeries {
   times: Float64Array;
-  /** Of each axis: positions, velocities, accelerations; in m, rad and s. */
+  /** Positions, velocities and accelerations of each axis [m, rad, s]. */
   values: [Float64Array, Float64Array, Float64Array][];
 }
 
-/** All axes over a stretch of time; `null` while nothing of it is there [s]. */
+/** Time series of all axes over a time range [s]; `null` while nothing is loaded. */
 export function axisSeries(timeline: Timeline, range: readonly [number, number]): AxisSeries | null {
   void timeline.version;
   const axes = timeline.plan?.robot?.axes.length ?? 0;
-  const [first, after] = timeline.within(range);
+  const [first, after] = timeline.windowsIn(range);
   const rows: number[][] = [];
-  if (after - first > MOST_SHOWN)
+  if (after - first > MAX_WINDOWS_SHOWN)
     timeline.overview(first, after).forEach((numbers, k) => {
       if (!numbers) return;
       const [start, end] = timeline.bounds(first + k);
-      // From the least to the largest value and on to the next.
+      // The line passes from minimum to maximum of each window.
       for (const [side, time] of [[0, start], [1, 0.5 * (start + end)]] as const) {
         const row = [time];
         for (let axis = 0; axis < axes; axis += 1) for (let rate = 0; rate < 3; rate += 1) row.push(numbers[axis * OVERVIEW + 2 * rate + side]!);

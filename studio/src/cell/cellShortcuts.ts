@@ -1,4 +1,4 @@
-// The keys of the cell's view.
+// Keyboard shortcuts of the cell view.
 
 import { layout } from '../state/layout.svelte';
 import { shortcutOf, type ShortcutSheet, type Shortcut } from '../state/shortcuts';
@@ -6,29 +6,29 @@ import { studio } from '../state/studio.svelte';
 import { session } from './session.svelte';
 import { CELL_VIEWS } from './cellRenderer';
 
-/** Steps of the arrow keys [s]. */
+/** Time steps of the arrow keys [s]. */
 const STEP = { short: 0.04, long: 1 } as const;
 
 const SHORTCUTS: Shortcut[] = [
-  { group: 'Program', keys: [' '], says: 'play or pause', does: () => session.toggle() },
-  { group: 'Program', keys: ['ArrowRight'], says: 'forward by 0.04 s (Shift: 1 s)', does: ({ shiftKey }) => session.seek(session.time + (shiftKey ? STEP.long : STEP.short)) },
-  { group: 'Program', keys: ['ArrowLeft'], says: 'back by 0.04 s (Shift: 1 s)', does: ({ shiftKey }) => session.seek(session.time - (shiftKey ? STEP.long : STEP.short)) },
-  { group: 'Program', keys: ['Home'], says: 'start of the program', does: () => session.seek(0) },
-  { group: 'Program', keys: ['End'], says: 'end of the program', does: () => session.seek(session.duration) },
-  { group: 'Program', keys: ['l'], says: 'loop on or off', does: () => (session.loop = !session.loop) },
-  ...CELL_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], says: `view: ${title.toLowerCase()}`, does: () => session.look?.(view) })),
-  { group: 'Page', keys: ['?'], says: 'keyboard shortcuts', does: () => (layout.helpOpen = !layout.helpOpen) },
-  { group: 'Page', keys: ['t'], says: 'light or dark theme', does: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
+  { group: 'Program', keys: [' '], description: 'play or pause', run: () => session.toggle() },
+  { group: 'Program', keys: ['ArrowRight'], description: 'forward by 0.04 s (Shift: 1 s)', run: ({ shiftKey }) => session.seek(session.time + (shiftKey ? STEP.long : STEP.short)) },
+  { group: 'Program', keys: ['ArrowLeft'], description: 'back by 0.04 s (Shift: 1 s)', run: ({ shiftKey }) => session.seek(session.time - (shiftKey ? STEP.long : STEP.short)) },
+  { group: 'Program', keys: ['Home'], description: 'start of the program', run: () => session.seek(0) },
+  { group: 'Program', keys: ['End'], description: 'end of the program', run: () => session.seek(session.duration) },
+  { group: 'Program', keys: ['l'], description: 'loop on or off', run: () => (session.loop = !session.loop) },
+  ...CELL_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], description: `view: ${title.toLowerCase()}`, run: () => session.showView?.(view) })),
+  { group: 'Page', keys: ['?'], description: 'keyboard shortcuts', run: () => (layout.helpOpen = !layout.helpOpen) },
+  { group: 'Page', keys: ['t'], description: 'light or dark theme', run: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
 ];
 
 export const CELL_SHORTCUTS: ShortcutSheet = {
   view: 'cell view',
   shortcuts: SHORTCUTS,
   control: [
-    { keys: ['Ctrl', 'S'], says: 'save, also in the editor' },
-    { keys: ['Ctrl', 'Z'], says: 'undo' },
-    { keys: ['Ctrl', 'Shift', 'Z'], says: 'redo' },
-    { keys: ['Esc', 'Tab'], says: 'leave the editor' },
+    { keys: ['Ctrl', 'S'], description: 'save, also in the editor' },
+    { keys: ['Ctrl', 'Z'], description: 'undo' },
+    { keys: ['Ctrl', 'Shift', 'Z'], description: 'redo' },
+    { keys: ['Esc', 'Tab'], description: 'leave the editor' },
   ],
   pointer: [
     'Drag with the left button to orbit, with the right button to pan; use the wheel to zoom. Click a part to select it. Drag the handles of the selected station to move it.',
@@ -40,7 +40,7 @@ export function handleCellShortcut(event: KeyboardEvent): void {
   if (event.defaultPrevented || event.altKey) return;
   if (event.ctrlKey || event.metaKey) {
     const pressed = event.key.toLowerCase();
-    if (pressed === 's') saveTyped();
+    if (pressed === 's') commitInputAndSave();
     else if ((event.target as HTMLElement).closest('.cm-editor, input:not([type=range]), select, textarea, dialog[open]')) return;
     else if (pressed === 'z' && !event.shiftKey) session.undo();
     else if (pressed === 'y' || pressed === 'z') session.redo();
@@ -51,11 +51,11 @@ export function handleCellShortcut(event: KeyboardEvent): void {
   const found = shortcutOf(event, SHORTCUTS);
   if (!found) return;
   event.preventDefault();
-  found.does(event);
+  found.run(event);
 }
 
-/** Saves; a number that is being typed is taken first. */
-function saveTyped(): void {
+/** Saves, after committing a number that is being typed. */
+function commitInputAndSave(): void {
   const { activeElement } = document;
   if (activeElement instanceof HTMLInputElement) {
     activeElement.blur();

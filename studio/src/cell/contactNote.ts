@@ -1,23 +1,23 @@
-// Stations taught by a pose in contact.
+// Stations taught in a pose with contact.
 
-/** A contact in the pose by which a station is taught. */
+/** Request to confirm that a station is taught in contact. */
 export interface ContactRequest {
   station: string;
-  /** What touches. */
+  /** Description of the contact. */
   message: string;
-  /** Text of the cell and pose of the robot that were checked [m or rad]. */
+  /** Text of the cell and positions of the axes that were checked [m or rad]. */
   cell: string;
   positions: number[];
-  /** Teaches the station in contact. */
+  /** Teaches the station. */
   confirm: () => void;
 }
 
-/** The field of a request that confirms a contact. */
+/** Field of the request that confirms a contact. */
 export const CONTACT_FIELD = 'taught_by.confirm_contact';
-/** How the note of a station begins that was taught in contact. */
+/** Start of the comment at a station that was taught in contact. */
 const NOTE = '# Taught in contact: ';
 
-/** The line of a station's note that it was taught in contact, from 1. */
+/** Line number of the comment at a station that was taught in contact. */
 export function contactNoteLine(text: string, station: string): number {
   const lines = text.split('\n');
   const named = lines.findIndex((line) => /^\s*(\{\s*)?name\s*=/.test(line) && (line.includes(`"${station}"`) || line.includes(`'${station}'`)));

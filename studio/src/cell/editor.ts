@@ -1,4 +1,4 @@
-// A text with its mistakes underlined where they are, and the line marked that runs.
+// Text editor with inline diagnostics and a marker of the executed line.
 
 import { defaultKeymap, history, historyKeymap, indentWithTab, redo, undo } from '@codemirror/commands';
 import { HighlightStyle, StreamLanguage, syntaxHighlighting } from '@codemirror/language';
@@ -7,7 +7,7 @@ import { EditorState, StateEffect, StateField, Transaction, type Extension } fro
 import { Decoration, drawSelection, EditorView, highlightActiveLineGutter, keymap, lineNumbers, type DecorationSet } from '@codemirror/view';
 import { tags } from '@lezer/highlight';
 
-export interface Mistake {
+export interface EditorDiagnostic {
   line: number;
   column: number;
   width: number;
@@ -15,20 +15,22 @@ export interface Mistake {
   severity: 'error' | 'warning';
 }
 
-const WORDS = /^(HOME|MOVE|LINE|GET|PUT|TRANSFER|SWAP|GOTO|WAIT|SPEED|BLEND|OFF|TILT|CALL|ROUTINE|REPEAT|END|WITH|SLOT|TO|FROM|AT|BY|AS|LEVEL)\b/i;
-
-const programs = StreamLanguage.define({
-  token(stream) {
-    if (stream.eatSpace()) return null;
-    if (stream.match(/^#.*/)) return 'comment';
-    if (stream.match(/^"(?:[^"]|"")*"/)) return 'string';
-    if (stream.match(/^-?\d+(\.\d+)?/)) return 'number';
-    if (stream.match(WORDS)) return 'keyword';
-    if (stream.match(/^[A-Za-z_][\w-]*/)) return 'variableName';
-    stream.next();
-    return null;
-  },
-});
+/** Highlighting of programs with the given reserved words. */
+const programLanguage = (keywords: readonly string[]) => {
+  const keyword = new RegExp(`^(${keywords.join('|')})\\b`, 'i');
+  return StreamLanguage.define({
+    token(stream) {
+      if (stream.eatSpace()) return null;
+      if (stream.match(/^#.*/)) return 'comment';
+      if (stream.match(/^"(?:[^"]|"")*"/)) return 'string';
+      if (stream.match(/^-?\d+(\.\d+)?/)) return 'number';
+      if (stream.match(keyword)) return 'keyword';
+      if (stream.match(/^[A-Za-z_][\w-]*/)) return 'variableName';
+      stream.next();
+      return null;
+    },
+  });
+};
 
 const toml = StreamLanguage.define({
   token(stream) {
@@ -80,12 +82,12 @@ const running = StateField.define<DecorationSet>({
 export interface EditorEvents {
   typed: (text: string) => void;
   save: () => void;
-  /** Undo and redo of what the editor itself does not remember. */
+  /** Undo and redo of changes outside the history of the editor. */
   undone: () => void;
   redone: () => void;
 }
 
-/** An act as a command of the editor that takes its key. */
+/** A command of the editor that always handles its key. */
 const done = (act: () => void) => () => {
   act();
   return true;
@@ -94,10 +96,10 @@ const done = (act: () => void) => () => {
 export class Editor {
   readonly #view: EditorView;
   #running = 0;
-  /** Whether a change comes from outside, and not from typing. */
+  /** Whether the current change is not caused by typing. */
   #given = false;
 
-  constructor(host: HTMLElement, kind: 'program' | 'cell', label: string, text: string, { typed, save, undone, redone }: EditorEvents) {
+  constructor(host: HTMLElement, language: 'toml' | { keywords: readonly string[] }, label: string, text: string, { typed, save, undone, redone }: EditorEvents) {
     const extensions: Extension[] = [
       lineNumbers(),
       highlightActiveLineGutter(),
@@ -106,16 +108,16 @@ export class Editor {
       lintGutter(),
       running,
       look,
-      kind === 'program' ? programs : toml,
+      language === 'toml' ? toml : programLanguage(language.keywords),
       syntaxHighlighting(colours),
       keymap.of([
         { key: 'Mod-s', run: done(save), preventDefault: true },
-        // Where this editor has nothing to undo, the page may have: it remembers what was typed before the editor was opened.
+        // The history of the page continues where that of the editor ends: it includes edits from before the editor was opened.
         { key: 'Mod-z', run: (view) => undo(view) || done(undone)(), preventDefault: true },
         { key: 'Mod-y', mac: 'Mod-Shift-z', run: (view) => redo(view) || done(redone)(), preventDefault: true },
         { linux: 'Ctrl-Shift-z', run: (view) => redo(view) || done(redone)(), preventDefault: true },
       ]),
-      // Escape, then Tab, leaves the text by the keyboard.
+      // Escape, then Tab leaves the editor by the keyboard.
       keymap.of([...defaultKeymap, ...historyKeymap, indentWithTab]),
       EditorView.contentAttributes.of({ 'aria-label': label, 'aria-description': 'Tab indents. Press Escape, then Tab to leave the editor.', spellcheck: 'false', tabindex: '0' }),
       EditorView.updateListener.of((update) => {
@@ -129,7 +131,7 @@ export class Editor {
     this.#view.destroy();
   }
 
-  /** Takes a text from outside, changing only what differs. */
+  /** Replaces the text, changing only the part that differs. */
   set text(text: string) {
     const now = this.#view.state.doc.toString();
     if (now === text) return;
@@ -143,9 +145,9 @@ export class Editor {
     this.#given = false;
   }
 
-  set mistakes(mistakes: Mistake[]) {
+  set diagnostics(diagnostics: EditorDiagnostic[]) {
     const { doc } = this.#view.state;
-    const found = mistakes
+    const found = diagnostics
       .filter(({ line }) => line >= 1 && line <= doc.lines)
       .map(({ line, column, width, message, severity }): Diagnostic => {
         const at = doc.line(line);
@@ -156,14 +158,14 @@ export class Editor {
     this.#view.dispatch(setDiagnostics(this.#view.state, found));
   }
 
-  /** Marks the line that runs; 0 marks none. */
+  /** Marks the executed line; 0 for none. */
   set running(line: number) {
     if (line === this.#running) return;
     this.#running = line;
     this.#view.dispatch({ effects: setRunning.of(line) });
   }
 
-  /** Brings a line into view. */
+  /** Scrolls to a line. */
   show(line: number): void {
     const { doc } = this.#view.state;
     if (line < 1 || line > doc.lines) return;

@@ -1,52 +1,52 @@
-// The robot of the cell moved by hand: one question at a time, and of those that wait only the last.
+// Jogs the robot of the cell: one request at a time, and only the last pending one is kept.
 
 import * as api from '../api/client';
 import { ApiError, type Jog, type JogDocument } from '../api/client';
 import type { CellTexts } from '../api/client';
 
-/** What the jogger needs to know of the session. */
+/** The part of the session that jogging depends on. */
 export interface JogContext {
-  /** The texts that the plan on show was made of, and its key. */
+  /** Texts and key of the displayed plan. */
   readonly planned: { texts: CellTexts; key: string } | null;
-  /** Whether the cell can be read. */
-  readonly movable: boolean;
+  /** Whether the cell is valid. */
+  readonly jogAvailable: boolean;
   readonly time: number;
   readonly playing: boolean;
-  /** Whether the plan on show is not that of the texts. */
+  /** Whether the displayed plan may differ from that of the current inputs. */
   readonly outdated: boolean;
   failed(error: unknown): void;
 }
 
-interface Question {
+interface JogRequest {
   to: Jog | null;
-  /** From where the program has it, whatever was jogged before. */
-  anew: boolean;
+  /** Whether to start from the pose of the program and not from the jogged pose. */
+  fromProgram: boolean;
 }
 
 export class JogController {
-  /** The robot as the server has it. */
+  /** The last response of the server. */
   document = $state.raw<JogDocument | null>(null);
-  /** Whether it has left the program. */
+  /** Whether the robot was jogged away from the program. */
   active = $state(false);
-  /** What is asked and not yet answered: fields show it at once, so that quick steps add up. */
-  wanted = $state.raw<Jog | null>(null);
-  /** The effector that is moved; the first where it has no name. */
+  /** The pending target; input fields show it at once, so that quick steps add up. */
+  target = $state.raw<Jog | null>(null);
+  /** Name of the jogged effector; the first one if empty. */
   effector = $state('');
-  /** The slot from which it is seen. */
+  /** Station and slot of the relative coordinates. */
   station = $state('');
   slot = $state(1);
-  /** Whether the robot stops before two bodies touch; a real one has to. */
+  /** Whether the robot stops before a contact. */
   stopAtContact = $state(true);
-  /** Whether the document answers the last question. */
+  /** Whether the last response belongs to the last request. */
   #current = $state(false);
 
   readonly #context: JogContext;
-  #next: Question | null = null;
-  #busy = false;
-  /** When all questions are answered. */
-  #done: Promise<void> = Promise.resolve();
-  /** The moment at which it left the program [s]. */
-  #left = 0;
+  #pending: JogRequest | null = null;
+  #requesting = false;
+  /** Resolves when all requests are answered. */
+  #finished: Promise<void> = Promise.resolve();
+  /** Time at which the robot left the program [s]. */
+  #departureTime = 0;
 
   constructor(context: JogContext) {
     this.#context = context;
@@ -56,89 +56,89 @@ export class JogController {
     return this.document?.axes.map(({ position }) => position) ?? null;
   }
 
-  /** Whether the check of the pose is not that of the state on the page. */
+  /** Whether the check of the pose may differ from that of the current inputs. */
   get outdated(): boolean {
     return !this.#current || this.#context.outdated || this.#context.playing;
   }
 
-  /** The pose of the robot as one to teach by. */
+  /** The current pose as a pose for teaching. */
   taughtBy({ axes }: JogDocument, slot: number): api.TaughtBy {
     const effector = this.effector ? { effector: this.effector } : {};
-    return { positions: axes.map(({ position }) => position), time_s: this.active ? this.#left : this.#context.time, slot, ...effector };
+    return { positions: axes.map(({ position }) => position), time_s: this.active ? this.#departureTime : this.#context.time, slot, ...effector };
   }
 
-  /** Toward a place. */
-  move(to: Jog): void {
-    if (!this.active) this.#left = this.#context.time;
+  /** Jogs toward a target. */
+  moveTo(to: Jog): void {
+    if (!this.active) this.#departureTime = this.#context.time;
     this.active = true;
-    this.wanted = to;
-    this.#ask({ to, anew: false });
+    this.target = to;
+    this.#enqueue({ to, fromProgram: false });
   }
 
-  /** Asks where the robot is: the cell, the effector or the slot is another one. */
-  renew(): void {
-    this.#ask({ to: null, anew: !this.active });
+  /** Requests the current pose again, after a change of cell, effector or slot. */
+  refresh(): void {
+    this.#enqueue({ to: null, fromProgram: !this.active });
   }
 
-  /** Back to where the program has it. */
+  /** Returns the robot to the pose of the program. */
   release(): void {
     if (!this.active) return;
     this.active = false;
-    this.wanted = null;
-    this.#ask({ to: null, anew: true });
+    this.target = null;
+    this.#enqueue({ to: null, fromProgram: true });
   }
 
-  /** The robot where it is, as seen from a slot; what is shown stays. */
-  async look(station: string, slot: number): Promise<JogDocument | null> {
-    // A move that is under way is a part of where it is.
-    await this.#done;
+  /** The current pose relative to a slot; the displayed state does not change. */
+  async queryFrom(station: string, slot: number): Promise<JogDocument | null> {
+    // Pending motions are completed first.
+    await this.#finished;
     const { planned } = this.#context;
     if (!planned) return null;
     try {
-      return await api.jog(planned, { ...this.#where(!this.active), seen_from: { station, slot } });
+      return await api.jog(planned, { ...this.#startState(!this.active), seen_from: { station, slot } });
     } catch (error) {
       this.#context.failed(error);
       return null;
     }
   }
 
-  #where(anew: boolean): api.JogQuestion {
+  #startState(fromProgram: boolean): api.JogParameters {
     const effector = this.effector ? { effector: this.effector } : {};
     const from = this.positions;
-    if (anew || !from) return { time_s: this.#context.time, ...effector };
-    return { time_s: this.#left, from, ...effector };
+    if (fromProgram || !from) return { time_s: this.#context.time, ...effector };
+    return { time_s: this.#departureTime, from, ...effector };
   }
 
-  #ask(question: Question): void {
-    // A move that waits is not lost to a mere look.
-    if (question.to === null && this.#next?.to && !question.anew) return;
-    this.#next = question;
+  #enqueue(question: JogRequest): void {
+    // A pending motion is not replaced by a request for the current pose.
+    if (question.to === null && this.#pending?.to && !question.fromProgram) return;
+    this.#pending = question;
     this.#current = false;
-    if (!this.#busy) this.#done = this.#work();
+    if (!this.#requesting) this.#finished = this.#processQueue();
   }
 
-  async #work(): Promise<void> {
-    this.#busy = true;
-    while (this.#next) {
-      const { to, anew } = this.#next;
-      this.#next = null;
-      const { planned, movable } = this.#context;
-      if (!planned || !movable) break;
+  async #processQueue(): Promise<void> {
+    this.#requesting = true;
+    while (this.#pending) {
+      const { to, fromProgram } = this.#pending;
+      this.#pending = null;
+      const { planned, jogAvailable } = this.#context;
+      if (!planned || !jogAvailable) break;
       try {
-        const seen = this.station ? { seen_from: { station: this.station, slot: this.slot } } : {};
-        this.document = await api.jog(planned, { ...this.#where(anew), ...seen, ...(to ? { to, stop_at_contact: this.stopAtContact } : {}) });
-        this.#current = this.#next === null;
+        const reference = this.station ? { seen_from: { station: this.station, slot: this.slot } } : {};
+        this.document = await api.jog(planned, { ...this.#startState(fromProgram), ...reference, ...(to ? { to, stop_at_contact: this.stopAtContact } : {}) });
+        this.#current = this.#pending === null;
       } catch (error) {
-        // A slot or an axis that is there no longer is no reason to stay without the robot.
+        // The cell may have changed: an unknown slot, axis or effector is reset.
         if (error instanceof ApiError && error.field?.startsWith('seen_from')) this.station = '';
         else if (error instanceof ApiError && error.field?.startsWith('from')) this.active = false;
         else if (error instanceof ApiError && error.field === 'effector') this.effector = '';
         else if (to || !(error instanceof ApiError)) this.#context.failed(error);
-        // After a refused move the robot is where it was, which is checked again.
-        if (error instanceof ApiError && (to || error.field)) this.#next ??= { to: null, anew: !this.active };
+        // After a rejected motion the robot keeps its pose, which is checked again.
+        if (error instanceof ApiError && (to || error.field)) this.#pending ??= { to: null, fromProgram: !this.active };
       }
     }
-    this.wanted = null;
-    this.#busy = false;
+    this.target = null;
+    this.#requesting = false;
   }
 }

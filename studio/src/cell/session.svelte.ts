@@ -1,13 +1,14 @@
-// What the cell's part of the page knows: two texts, what they come to, and the moment shown.
+// State of the cell view: cell file and program under edit, their plan, and the current time.
 
 import * as api from '../api/client';
 import { ConnectionError, ApiError, type PlanDocument, type StationDocument } from '../api/client';
 import { connection } from '../api/connection.svelte';
 import { readDrafts, removeDraft, removeOlderDraft, storeDraft, type Draft } from '../lib/draft';
 import { History } from '../lib/history';
+import { slotNames, stationOf } from '../lib/slots';
 import { CONTACT_FIELD, contactNoteLine, type ContactRequest } from './contactNote';
 import { JogController } from './jogController.svelte';
-import { Forgotten, Timeline } from './timeline.svelte';
+import { UnknownPlan, Timeline } from './timeline.svelte';
 import type { CellView } from './cellRenderer';
 
 interface Texts {
@@ -15,19 +16,19 @@ interface Texts {
   program: string;
 }
 
-/** What undo goes back to: the texts, and points that a plane cannot be laid through yet [m], by station. */
+/** State that undo restores: the texts, and the taught points of planes with too few points [m], by station. */
 interface Work {
   texts: Texts;
   points: Record<string, number[][]>;
 }
 
-/** Fewer points make no plane. */
-export const ENOUGH_POINTS = 3;
-/** How far a taught point may lie from the plane of all, where the station says nothing [m]. */
-const USUAL_THRESHOLD = 1e-4;
+/** Minimum number of points that define a plane. */
+export const MIN_PLANE_POINTS = 3;
+/** Maximum distance of a taught point from the plane of all points, for stations without a threshold of their own [m]. */
+const DEFAULT_THRESHOLD = 1e-4;
 
-/** How long nobody may type before the texts are planned anew. */
-const REST_MS = 250;
+/** Pause in typing after which the texts are planned [ms]. */
+const TYPING_PAUSE_MS = 250;
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10] as const;
 
 export class WorkcellSession {
@@ -35,131 +36,134 @@ export class WorkcellSession {
   texts = $state.raw<Texts>({ cell: '', program: '' });
   saved = $state.raw<Texts>({ cell: '', program: '' });
   plan = $state.raw<PlanDocument | null>(null);
-  /** The stations of the last cell that could be read: what is wrong with it can be mended here too. */
+  /** Reserved words of the program language. */
+  keywords: readonly string[] = [];
+  /** The stations of the last valid cell; errors in their values can be fixed in the panel. */
   stations = $state.raw<StationDocument[]>([]);
-  /** The cell standing still, as glTF. */
-  shape = $state.raw<ArrayBuffer | null>(null);
-  /** The motion of the plan, as far as it has been fetched. */
-  readonly timeline = new Timeline((error) => this.failed(error instanceof Forgotten ? null : error, () => void this.replan(true)));
-  /** The stretch of time that bars and plots show [s]; all where there is none. */
+  /** The cell with the robot at home, as glTF. */
+  sceneFile = $state.raw<ArrayBuffer | null>(null);
+  /** The motion of the plan, as far as it has been loaded. */
+  readonly timeline = new Timeline((error) => this.failed(error instanceof UnknownPlan ? null : error, () => void this.replan(true)));
+  /** Time range of chart and plots [s]; `null` for the whole motion. */
   range = $state.raw<[number, number] | null>(null);
   state = $state<'starting' | 'planning' | 'ready' | 'failed'>('starting');
   notice = $state<string | null>(null);
-  /** The files changed on the disk: what is here cannot be kept without a decision. */
-  overtaken = $state(false);
-  /** Unsaved changes of an earlier visit: restored already, or offered because the files are others by now. */
+  /** Whether saving failed because the files have changed on disk; the user decides how to continue. */
+  diskConflict = $state(false);
+  /** Unsaved changes of an earlier visit: restored, or offered if the files have changed since. */
   draft = $state.raw<{ restored: boolean; draft: Draft } | null>(null);
-  /** The texts that the plan on show was made of, and its key. */
+  /** Texts and key of the displayed plan. */
   planned = $state.raw<{ texts: Texts; key: string } | null>(null);
-  /** Whether the last plan that was asked for has arrived. */
-  #answered = $state(false);
-  /** Changes of stations whose text is not there yet. */
-  #changing = $state(0);
-  /** Whether a number is being typed that is not taken yet. */
+  /** Whether the last requested plan has arrived. */
+  #upToDate = $state(false);
+  /** Number of changes of stations whose text has not arrived yet. */
+  #pendingChanges = $state(0);
+  /** Whether a number is being typed and not yet committed. */
   typing = $state(false);
-  /** Whether the cell can be read, so that its robot can be moved. */
-  movable = $derived((this.plan?.robot ?? null) !== null);
-  /** Points taught of stations that have not enough for a plane [m]. */
+  /** Whether the cell is valid, so that its robot can be jogged. */
+  jogAvailable = $derived((this.plan?.robot ?? null) !== null);
+  /** Taught points of stations with too few points for a plane [m]. */
   points = $state.raw<Record<string, number[][]>>({});
-  /** A line that somebody wants to see. */
-  sought = $state.raw<{ line: number; kind: 'program' | 'cell' } | null>(null);
+  /** The line that the editor is requested to show. */
+  requestedLine = $state.raw<{ line: number; kind: 'program' | 'cell' } | null>(null);
   readonly jog = new JogController(this);
-  /** Which text or list is open beside the picture. */
+  /** The open text or list. */
   tab = $state<'program' | 'steps' | 'parts' | 'cell'>('program');
-  /** Shows a standard view, while there is a picture. */
-  look: ((view: CellView) => void) | null = null;
-  /** The camera of the picture when it was last closed. */
+  /** Shows a standard view; `null` while there is no 3D view. */
+  showView: ((view: CellView) => void) | null = null;
+  /** The camera of the 3D view when it was last closed. */
   camera: { eye: number[]; target: number[] } | null = null;
-  /** The moment shown [s]. */
+  /** Current time [s]. */
   time = $state(0);
   playing = $state(false);
   loop = $state(true);
   speed = $state(1);
-  /** The part or station that is chosen. */
-  chosen = $state<string | null>(null);
-  /** The station that is chosen, by itself or by one of its slots. */
-  station = $derived(this.stations.find(({ name }) => this.chosen === name || (this.chosen?.startsWith(`${name} `) ?? false)) ?? null);
-  /** Names of all parts that belong to what is chosen. */
-  marked = $derived.by((): ReadonlySet<string> => {
-    const { chosen } = this;
-    if (chosen === null) return new Set();
-    const slots = this.stations.find(({ name }) => name === chosen)?.slots ?? 0;
-    const named = Array.from({ length: slots }, (_, k) => `${chosen} ${k + 1}`);
+  /** Name of the selected part or station. */
+  selected = $state<string | null>(null);
+  /** The selected station, or the station of the selected slot. */
+  station = $derived(stationOf(this.stations, this.selected));
+  /** Names of all parts of the selection. */
+  highlighted = $derived.by((): ReadonlySet<string> => {
+    const { selected } = this;
+    if (selected === null) return new Set();
+    const station = this.stations.find(({ name }) => name === selected);
+    const named = station ? slotNames(station) : [];
     const robot = this.plan?.robot;
-    const whole = robot?.name === chosen;
+    const whole = robot?.name === selected;
     for (const { name, links, effectors } of robot?.arms ?? []) {
-      if (whole || name === chosen) named.push(...links);
-      else if (effectors.includes(chosen)) named.push(...links.slice(-1));
+      if (whole || name === selected) named.push(...links);
+      else if (effectors.includes(selected)) named.push(...links.slice(-1));
     }
     if (whole) named.push('platform', ...robot!.axes.slice(0, 3).map(({ name }) => name));
-    return new Set([chosen, ...named]);
+    return new Set([selected, ...named]);
   });
-  /** A station that waits for the confirmation that it is taught in contact. */
+  /** The pending request to teach a station in contact. */
   #contact = $state.raw<ContactRequest | null>(null);
-  /** The same, as long as text and pose are those that were checked. */
+  /** The pending request to teach in contact, while text and pose are those that were checked. */
   contact = $derived.by(() => {
     const { jog } = this;
-    const asked = this.#contact;
-    if (!asked || asked.cell !== this.texts.cell) return null;
-    return jog.positions?.every((value, k) => Math.abs(value - asked.positions[k]!) < 1e-9) ? asked : null;
+    const request = this.#contact;
+    if (!request || request.cell !== this.texts.cell) return null;
+    return jog.positions?.every((value, k) => Math.abs(value - request.positions[k]!) < 1e-9) ? request : null;
   });
-  /** A station while it is dragged. */
-  dragged = $state.raw<StationDocument | null>(null);
-  /** The stations as they are shown: one may be under way. */
-  shownStations = $derived(this.stations.map((one) => (one.name === this.dragged?.name ? this.dragged : one)));
+  /** The dragged station at its current pose. */
+  draggedStation = $state.raw<StationDocument | null>(null);
+  /** The displayed stations, with the dragged one at its current pose. */
+  displayedStations = $derived(this.stations.map((one) => (one.name === this.draggedStation?.name ? this.draggedStation : one)));
   canUndo = $state(false);
   canRedo = $state(false);
-  /** How long the last plan took, from the change to the answer [ms]. */
+  /** Duration of the last planning request [ms]. */
   took_ms = $state(0);
   changed = $derived(this.texts.cell !== this.saved.cell || this.texts.program !== this.saved.program);
   duration = $derived(this.plan?.report?.duration_s ?? 0);
-  /** Whether the result on show is not that of all that stands on the page, checked by a server that is there. */
+  /** Whether the displayed result may differ from that of the current inputs: they have changed, are changing, or the server is disconnected. */
   outdated = $derived(
     this.plan !== null &&
-      (!this.#answered ||
-        this.#changing > 0 ||
+      (!this.#upToDate ||
+        this.#pendingChanges > 0 ||
         this.typing ||
-        this.dragged !== null ||
+        this.draggedStation !== null ||
         connection.state !== 'connected' ||
         this.texts.cell !== this.planned?.texts.cell ||
         this.texts.program !== this.planned?.texts.program),
   );
-  /** What moves at the moment shown; none while it is fetched. */
-  moment = $derived(this.timeline.moment(this.time));
-  /** The step that runs at the moment shown. */
-  step = $derived(this.moment?.step ?? null);
-  /** What is broken at the moment shown. */
-  broken = $derived(this.timeline.broken(this.time));
-  /** Whether the moment shown is still fetched. */
-  fetching = $derived(this.duration > 0 && this.moment === null);
+  /** State of the motion at the current time; `null` while it is loading. */
+  motionState = $derived(this.timeline.stateAt(this.time));
+  /** The step at the current time. */
+  step = $derived(this.motionState?.step ?? null);
+  /** The violations at the current time. */
+  violations = $derived(this.timeline.violations(this.time));
+  /** Whether the motion at the current time is still loading. */
+  loading = $derived(this.duration > 0 && this.motionState === null);
 
   #history = new History<Work>({ texts: this.texts, points: {} });
   #version: string | null = null;
-  /** Key of the picture of the cell. */
+  /** Key of the displayed 3D scene. */
   #scene: string | null = null;
   #identity = '';
-  /** The changes of stations that are under way, one after another. */
+  /** Pending changes of stations, applied one after another. */
   #changes: Promise<void> = Promise.resolve();
   #timer: ReturnType<typeof setTimeout> | undefined;
   #abort: AbortController | null = null;
   #frame = 0;
   #last = 0;
 
-  /** Fetches the texts at the first visit; later visits go on with what is there. */
+  /** Loads the texts when the view is opened for the first time. */
   async start(): Promise<void> {
     if (this.state !== 'starting') return;
     try {
-      const { file, identity, cell, program, version } = await api.cell();
+      const { file, identity, cell, program, version, keywords } = await api.cell();
       if (this.state !== 'starting') return;
       this.state = 'planning';
       this.file = file;
       this.#identity = identity;
       this.#version = version;
+      this.keywords = keywords;
       this.texts = this.saved = { cell, program };
       this.points = {};
       this.#history = new History({ texts: this.texts, points: this.points });
       this.#restoreDraft();
-      this.#steps();
+      this.#updateHistory();
       await this.replan();
     } catch (error) {
       this.failed(error);
@@ -167,7 +171,7 @@ export class WorkcellSession {
   }
 
   constructor() {
-    connection.onReturn(() => void (this.state === 'starting' ? this.start() : this.replan()));
+    connection.onReconnect(() => void (this.state === 'starting' ? this.start() : this.replan()));
     window.addEventListener('beforeunload', (event) => {
       this.#store();
       if (this.changed) event.preventDefault();
@@ -175,7 +179,7 @@ export class WorkcellSession {
     window.addEventListener('pagehide', () => this.#store());
   }
 
-  /** Where there is no answer, the connection waits for the server's return, and the texts are planned then. */
+  /** Reports an error. Connection errors are not reported: after reconnection the texts are planned again. */
   failed(error: unknown, again: () => void = () => undefined): void {
     if (error instanceof DOMException && error.name === 'AbortError') return;
     if (error instanceof ConnectionError) return;
@@ -185,7 +189,7 @@ export class WorkcellSession {
 
   // Drafts
 
-  /** Stores what is not saved in this browser. */
+  /** Stores unsaved changes in the browser. */
   #store(): void {
     if (this.#identity === '' || this.#version === null) return;
     const { texts, points } = this;
@@ -207,47 +211,47 @@ export class WorkcellSession {
     this.draft = { restored: true, draft };
   }
 
-  /** Takes the offered draft; undo goes back to the texts that were there. */
+  /** Restores the offered draft; undo returns to the previous texts. */
   restoreDraft(): void {
     if (!this.draft) return;
     this.#takeDraft(this.draft.draft);
     removeOlderDraft(this.#identity);
-    this.settle();
-    this.#steps();
+    this.commit();
+    this.#updateHistory();
   }
 
-  /** Goes back to the files' texts, where the draft was restored; undo brings it back. */
+  /** Returns to the saved texts if the draft was restored; undo restores the draft. */
   discardDraft(): void {
     if (this.draft?.restored) {
       this.texts = this.saved;
       this.points = {};
-      this.settle();
+      this.commit();
     }
     removeOlderDraft(this.#identity);
     this.draft = null;
   }
 
-  /** Takes what was typed; it is planned when typing rests. */
-  type(part: Partial<Texts>): void {
+  /** Applies an edit; it is planned after a pause in typing. */
+  edit(part: Partial<Texts>): void {
     this.texts = { ...this.texts, ...part };
     clearTimeout(this.#timer);
-    this.#timer = setTimeout(() => this.settle(), REST_MS);
+    this.#timer = setTimeout(() => this.commit(), TYPING_PAUSE_MS);
   }
 
-  /** A change is whole: it can be undone, and is planned. */
-  settle(): void {
+  /** Completes an edit: adds it to the undo history and plans it. */
+  commit(): void {
     clearTimeout(this.#timer);
-    if (this.#history.commit({ texts: this.texts, points: this.points })) this.#steps();
+    if (this.#history.commit({ texts: this.texts, points: this.points })) this.#updateHistory();
     this.#store();
     void this.replan();
   }
 
-  /** Shows a line of a text. */
-  find(line: number, kind: 'program' | 'cell' = 'program'): void {
-    this.sought = { line, kind };
+  /** Shows a line of a text in its editor. */
+  showLine(line: number, kind: 'program' | 'cell' = 'program'): void {
+    this.requestedLine = { line, kind };
   }
 
-  #steps(): void {
+  #updateHistory(): void {
     this.canUndo = this.#history.canUndo;
     this.canRedo = this.#history.canRedo;
   }
@@ -264,19 +268,19 @@ export class WorkcellSession {
     if (!work) return;
     this.texts = work.texts;
     this.points = work.points;
-    this.#steps();
+    this.#updateHistory();
     this.#store();
     void this.replan();
   }
 
-  /** Plans the texts; where the server has forgotten the last plan, that is not what they are told by. */
+  /** Plans the texts. With `whole`, the complete texts are sent, for a server that no longer has the last plan. */
   async replan(whole = false): Promise<void> {
     this.#abort?.abort();
     const abort = new AbortController();
     this.#abort = abort;
     this.state = 'planning';
-    this.#answered = false;
-    const begun = performance.now();
+    this.#upToDate = false;
+    const start = performance.now();
     try {
       const { texts } = this;
       const plan = await api.plan(texts, whole ? null : this.planned, abort.signal);
@@ -285,18 +289,18 @@ export class WorkcellSession {
       this.plan = plan;
       this.timeline.show(plan);
       this.planned = { texts, key: plan.key };
-      this.#answered = true;
-      // A field that has left the page no longer says that nobody types into it.
+      this.#upToDate = true;
+      // A removed input field does not report the end of typing.
       if (!(document.activeElement instanceof HTMLInputElement)) this.typing = false;
       if (plan.stations.length > 0) this.stations = plan.stations;
-      this.dragged = null;
-      this.took_ms = performance.now() - begun;
+      this.draggedStation = null;
+      this.took_ms = performance.now() - start;
       if (this.time > this.duration) this.time = this.duration;
-      this.timeline.want(this.time, this.range);
-      this.jog.renew();
-      // Where the cell cannot be read, the last one that could stays in view.
+      this.timeline.prefetch(this.time, this.range);
+      this.jog.refresh();
+      // For an invalid cell, the last valid one stays visible.
       if (plan.scene !== null && plan.scene !== this.#scene) {
-        this.shape = await api.cellScene(plan.scene, abort.signal);
+        this.sceneFile = await api.cellScene(plan.scene, abort.signal);
         this.#scene = plan.scene;
       }
       if (abort.signal.aborted) return;
@@ -309,18 +313,18 @@ export class WorkcellSession {
   }
 
   /**
-   * New values of a station, written into the text of the cell, after those that are under way.
+   * Writes new values of a station into the text of the cell, after all pending changes.
    *
-   * A contact in the pose `taught_by` needs a confirmation first; `taken` is called when the text is there, in the same step of undo.
+   * A contact in the pose `taught_by` requires a confirmation. `taken` is called when the text has arrived, in the same undo step.
    */
   setStation(station: string, change: api.StationChange, taken: () => void = () => undefined): Promise<void> {
     this.#contact = null;
-    // A text that is being typed is whole now.
+    // An edit in progress is completed first.
     if (this.texts.cell !== this.#history.present.texts.cell || this.texts.program !== this.#history.present.texts.program) {
       clearTimeout(this.#timer);
-      if (this.#history.commit({ texts: this.texts, points: this.points })) this.#steps();
+      if (this.#history.commit({ texts: this.texts, points: this.points })) this.#updateHistory();
     }
-    this.#changing += 1;
+    this.#pendingChanges += 1;
     this.#changes = this.#changes.then(() => this.#change(station, change, taken));
     return this.#changes;
   }
@@ -329,21 +333,21 @@ export class WorkcellSession {
     try {
       let before: string;
       let after: string;
-      let touching: string[][];
-      // A text that was typed in the meantime is changed instead of the earlier one.
+      let contacts: string[][];
+      // If the text was edited in the meantime, the change is applied to the new text.
       do {
         before = this.texts.cell;
-        ({ cell: after, touching } = await api.setStation(before, station, change));
-        // The note of an earlier point stays.
+        ({ cell: after, contacts } = await api.setStation(before, station, change));
+        // The comment of an earlier point is preserved.
         const { taught_by, ...values } = change;
-        if (taught_by && touching.length === 0 && !change.position_m) after = (await api.setStation(before, station, values)).cell;
+        if (taught_by && contacts.length === 0 && !change.position_m) after = (await api.setStation(before, station, values)).cell;
       } while (this.texts.cell !== before);
       this.texts = { ...this.texts, cell: after };
       taken();
-      this.settle();
-      if (touching.length > 0) this.find(contactNoteLine(after, station), 'cell');
+      this.commit();
+      if (contacts.length > 0) this.showLine(contactNoteLine(after, station), 'cell');
     } catch (error) {
-      this.dragged = null;
+      this.draggedStation = null;
       const by = change.taught_by;
       if (by && error instanceof ApiError && error.field === CONTACT_FIELD)
         this.#contact = {
@@ -359,44 +363,44 @@ export class WorkcellSession {
       else if (error instanceof ConnectionError) this.notice = `${station} was not changed: the server does not respond.`;
       else this.failed(error);
     } finally {
-      this.#changing -= 1;
+      this.#pendingChanges -= 1;
     }
   }
 
-  /** A point of a station's plane; from the third on they make it. */
+  /** Adds a point of the plane of a station; three points define it. */
   async teachPoint(station: StationDocument, point: number[], by: api.TaughtBy): Promise<void> {
     await this.teachPlane(station, [...this.pointsOf(station), point], by);
   }
 
-  /** Does not teach in contact. */
+  /** Rejects the pending request to teach in contact. */
   cancelContact(): void {
     this.#contact = null;
   }
 
-  /** All points of a station's plane, those that wait for more among them [m]. */
+  /** All taught points of the plane of a station [m]. */
   pointsOf({ name, taught_m }: StationDocument): number[][] {
     return this.points[name] ?? taught_m;
   }
 
   async teachPlane({ name, plane, taught_m }: StationDocument, points: number[][], by?: api.TaughtBy): Promise<void> {
     const { [name]: _, ...others } = this.points;
-    if (points.length >= ENOUGH_POINTS) {
-      const threshold_m = plane ? plane.threshold_um / 1e6 : USUAL_THRESHOLD;
+    if (points.length >= MIN_PLANE_POINTS) {
+      const threshold_m = plane ? plane.threshold_um / 1e6 : DEFAULT_THRESHOLD;
       const taken = () => (this.points = others);
       await this.setStation(name, { taught: { points_m: points, threshold_m }, ...(by ? { taught_by: by } : {}) }, taken);
       return;
     }
-    // Fewer than a plane needs: they wait beside a plane that there may be.
+    // Too few points for a plane: they are kept in addition to an existing plane.
     const waiting = points.length > 0 || taught_m.length > 0 ? { ...this.points, [name]: points } : others;
     const taken = () => (this.points = waiting);
     if (by) await this.setStation(name, { taught_by: by }, taken);
     else {
       taken();
-      this.settle();
+      this.commit();
     }
   }
 
-  /** Saves both texts in their files; files that have changed on the disk meanwhile, only with `replace`. */
+  /** Saves both texts; files that have changed on disk are overwritten only with `replace`. */
   async save(replace = false): Promise<void> {
     await this.#changes;
     if (!this.changed && !replace) return;
@@ -407,40 +411,40 @@ export class WorkcellSession {
       this.saved = { cell, program };
       this.notice = null;
       this.draft = null;
-      this.overtaken = false;
+      this.diskConflict = false;
       this.#store();
     } catch (error) {
-      if (error instanceof ApiError && error.field === 'replaces') this.overtaken = true;
+      if (error instanceof ApiError && error.field === 'replaces') this.diskConflict = true;
       else if (error instanceof ConnectionError) this.notice = 'Not saved: the server does not respond. The changes are stored in this browser; save again after reconnection.';
       else this.notice = `Not saved: ${error instanceof Error ? error.message : String(error)}`;
     }
   }
 
-  /** Takes the files as they are on the disk; what was here can be had back by undo. */
+  /** Reloads the files from disk; undo returns to the previous texts. */
   async reload(): Promise<void> {
     try {
       const { cell, program, version } = await api.cell();
       this.#version = version;
-      this.overtaken = false;
+      this.diskConflict = false;
       this.draft = null;
       this.saved = this.texts = { cell, program };
-      this.settle();
+      this.commit();
     } catch (error) {
       if (error instanceof ConnectionError) this.notice = 'The files were not reloaded: the server does not respond.';
       else this.failed(error);
     }
   }
 
-  choose(name: string | null): void {
-    this.chosen = name;
+  select(name: string | null): void {
+    this.selected = name;
   }
 
-  // Time
+  // Playback
 
   seek(time: number): void {
     this.time = Math.min(Math.max(time, 0), this.duration);
     this.jog.release();
-    if (!this.playing) this.jog.renew();
+    if (!this.playing) this.jog.refresh();
   }
 
   toggle(): void {
@@ -461,7 +465,7 @@ export class WorkcellSession {
     if (!this.playing) return;
     this.playing = false;
     cancelAnimationFrame(this.#frame);
-    this.jog.renew();
+    this.jog.refresh();
   }
 
   #tick(now: number): void {
@@ -476,9 +480,9 @@ export class WorkcellSession {
         return;
       }
     }
-    // It waits for what is not there yet.
-    this.timeline.want(to, null);
-    if (this.timeline.moment(to)) this.time = to;
+    // Playback waits for windows that are still loading.
+    this.timeline.prefetch(to, null);
+    if (this.timeline.stateAt(to)) this.time = to;
     this.#frame = requestAnimationFrame((next) => this.#tick(next));
   }
 }

@@ -12,20 +12,20 @@ const STATION = {
   tilt_yaw_deg: -90,
 } as unknown as StationDocument;
 
-test('a place moves by hundredths of a millimetre, along one axis alone', () => {
+test('a drag along an axis changes one coordinate in steps of 0.01 mm', () => {
   const { station, change } = dragged(STATION, 'height', 1.23456, 0.02);
   expect(station.position_mm).toEqual([100, 200, 501.23]);
   expect(change).toEqual({ position_m: [0.1, 0.2, 0.50123] });
 });
 
-test('a lean goes no farther than the robot can follow', () => {
+test('a dragged tilt is limited to that of the robot', () => {
   const { station, change } = dragged(STATION, 'about_y', 5, 0.02);
   expect(Math.hypot(station.about_x_rad, station.about_y_rad)).toBeCloseTo(0.02, 12);
   expect(Object.keys(change)).toEqual(['tilt_xy']);
   expect(station.tilt_pitch_deg).toBeCloseTo((0.02 * 180) / Math.PI, 9);
 });
 
-test('a yaw turns the station and nothing else', () => {
+test('a dragged yaw changes only the yaw', () => {
   const { station, change } = dragged(STATION, 'yaw', 10, 0.02);
   expect(station.position_mm).toEqual(STATION.position_mm);
   expect(station.yaw_rad - STATION.yaw_rad).toBeCloseTo((10 * Math.PI) / 180, 4);
@@ -33,7 +33,7 @@ test('a yaw turns the station and nothing else', () => {
   expect(Object.keys(change)).toEqual(['yaw_rad']);
 });
 
-test('a station placed by its first and last slot stays so as it leans', () => {
+test('a tilt preserves the definition of a station by its first and last slot', () => {
   const { change } = dragged({ ...STATION, from: 'drift' }, 'about_x', 0.1, 0.02);
   expect(change.keep_drift).toBe(true);
   expect(change.tilt_xy?.about_x_rad).toBeCloseTo(0.01 + (0.1 * Math.PI) / 180, 4);

@@ -1,19 +1,19 @@
-// A station dragged by its handles: what it is on the way, and what the server is told at the end.
+// Dragging of a station: its pose during the drag, and the change requested at the end.
 
 import type { StationChange, StationDocument } from '../api/client';
 import type { Freedom } from '../scene/handles';
 import { degrees, metres, radians } from '../lib/units';
 
 export interface Drag {
-  /** The station as it would be. */
+  /** The station at its new pose. */
   station: StationDocument;
   change: StationChange;
 }
 
 const AXES: readonly Freedom[] = ['x', 'y', 'height'];
 
-/** One freedom changed by mm or degrees, to a hundredth of a mm or a thousandth of a degree; a lean no farther than the robot can follow [rad]. */
-export function dragged(from: StationDocument, freedom: Freedom, by: number, leanMost: number): Drag {
+/** Changes one degree of freedom of a station by mm or degrees, rounded to 0.01 mm or 0.001°; the tilt is limited to that of the robot [rad]. */
+export function dragged(from: StationDocument, freedom: Freedom, by: number, tiltMax: number): Drag {
   const k = AXES.indexOf(freedom);
   if (k >= 0) {
     const mm = Number((from.position_mm[k]! + by).toFixed(2));
@@ -27,17 +27,17 @@ export function dragged(from: StationDocument, freedom: Freedom, by: number, lea
   let [x, y] = [from.about_x_rad, from.about_y_rad];
   if (freedom === 'about_x') x = radians(Number((degrees(x) + by).toFixed(3)));
   else y = radians(Number((degrees(y) + by).toFixed(3)));
-  const lean = Math.hypot(x, y);
-  if (lean > leanMost) [x, y] = [(x * leanMost) / lean, (y * leanMost) / lean];
+  const tilt = Math.hypot(x, y);
+  if (tilt > tiltMax) [x, y] = [(x * tiltMax) / tilt, (y * tiltMax) / tilt];
   const tilt_pitch_deg = degrees(Math.hypot(x, y));
   const tilt_yaw_deg = tilt_pitch_deg > 0 ? degrees(Math.atan2(-x, y)) : 0;
   return {
-    station: { ...from, about_x_rad: x, about_y_rad: y, tilt_pitch_deg, tilt_yaw_deg, tilt_share: leanMost > 0 ? Math.hypot(x, y) / leanMost : 0 },
+    station: { ...from, about_x_rad: x, about_y_rad: y, tilt_pitch_deg, tilt_yaw_deg, tilt_share: tiltMax > 0 ? Math.hypot(x, y) / tiltMax : 0 },
     change: { tilt_xy: { about_x_rad: x, about_y_rad: y }, ...driftOption(from) },
   };
 }
 
-/** A station placed by its first and last slot goes on to be: they lean with it. */
+/** The option that preserves the definition of a station by its first and last slot. */
 export function driftOption({ from }: StationDocument): Pick<StationChange, 'keep_drift'> {
   return from === 'drift' ? { keep_drift: true } : {};
 }

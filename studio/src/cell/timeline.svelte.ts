@@ -1,50 +1,51 @@
-// The motion of the plan on show: windows of it are fetched as they are wanted, and kept by their keys.
+// The motion of the displayed plan. Its windows are loaded on demand and cached by their keys.
 
 import * as api from '../api/client';
 import { ApiError, type PlanDocument } from '../api/client';
 import { frames, type Frame, type Names } from '../lib/kinematics';
-import { MotionWindow, type Held, type Step } from '../lib/motion';
+import { slotName } from '../lib/slots';
+import { MotionWindow, type WaferPlacement, type Step } from '../lib/motion';
 
-/** A moment of the motion, with its step; times since the start of the program [s]. */
-export interface Moment {
+/** State of the motion at one time. */
+export interface MotionState {
   window: MotionWindow;
-  /** Index of the step in its window. */
+  /** Index of the step within its window. */
   index: number;
-  step: PlacedStep;
-  /** Since the start of the step [s]. */
+  step: ProgramStep;
+  /** Time since the start of the step [s]. */
   since: number;
 }
 
-/** A step with its place in the program: times since its start [s], names of axes. */
-export interface PlacedStep extends Omit<Step, 'moving' | 'loaded'> {
+/** A step with times since the start of the program [s] and names of axes. */
+export interface ProgramStep extends Omit<Step, 'moving' | 'loaded'> {
   moving: string[];
   loaded: string[];
 }
 
-/** Least and largest position, velocity and acceleration of each axis in a window, and how long it moves: in m, rad and s. */
+/** Numbers per axis and window of an overview: minimum and maximum of position, velocity and acceleration, and the time in motion [m, rad, s]. */
 export const OVERVIEW = 7;
 
-/** Windows that are drawn one by one; longer stretches are drawn by their overview. */
-export const MOST_SHOWN = 16;
-/** Memory for windows [bytes]. */
-const MOST_BYTES = 48e6;
-const AT_A_TIME = 3;
-/** How far ahead of the moment shown windows are fetched [s]. */
+/** Maximum number of windows displayed in detail; longer ranges are displayed by their overview. */
+export const MAX_WINDOWS_SHOWN = 16;
+/** Maximum size of the cache of windows [bytes]. */
+const MAX_BYTES = 48e6;
+const MAX_REQUESTS = 3;
+/** Time ahead of the current time for which windows are prefetched [s]. */
 const AHEAD_S = 30;
 
 export class Timeline {
-  /** Grows as windows arrive, and with each plan. */
+  /** Incremented with each window and each plan. */
   version = $state(0);
-  /** Whether something that is wanted is not there yet. */
+  /** Whether requested windows are still loading. */
   loading = $state(false);
   plan = $state.raw<PlanDocument | null>(null);
   readonly #failed: (error: unknown) => void;
-  readonly #known = new Map<string, MotionWindow>();
+  readonly #windows = new Map<string, MotionWindow>();
   #bytes = 0;
   readonly #overviews = new Map<string, Float64Array>();
-  #asked = new Set<string>();
-  #wanted: string[] = [];
-  #overviewAsked = false;
+  #requested = new Set<string>();
+  #needed: string[] = [];
+  #overviewRequested = false;
 
   constructor(failed: (error: unknown) => void) {
     this.#failed = failed;
@@ -54,18 +55,18 @@ export class Timeline {
     return this.plan?.report?.duration_s ?? 0;
   }
 
-  /** Another plan; what is known of it already stays. */
+  /** Displays another plan; cached windows are kept. */
   show(plan: PlanDocument): void {
     this.plan = plan;
-    this.#wanted = [];
-    this.#overviewAsked = false;
+    this.#needed = [];
+    this.#overviewRequested = false;
     const keys = new Set(plan.windows.map(({ key }) => key));
     for (const key of [...this.#overviews.keys()]) if (!keys.has(key)) this.#overviews.delete(key);
     this.version += 1;
   }
 
   /** Index of the window at a time [s]. */
-  #at(time: number): number {
+  #windowIndex(time: number): number {
     const windows = this.plan?.windows ?? [];
     let [low, high] = [0, windows.length];
     while (low < high) {
@@ -76,13 +77,13 @@ export class Timeline {
     return Math.max(low - 1, 0);
   }
 
-  /** Indices of the windows of a stretch of time: the first, and the one after the last [s]. */
-  within([from, to]: readonly [number, number]): [number, number] {
+  /** Indices of the windows of a time range [s]: the first, and one past the last. */
+  windowsIn([from, to]: readonly [number, number]): [number, number] {
     const count = this.plan?.windows.length ?? 0;
-    return [this.#at(from), Math.min(this.#at(to) + 1, count)];
+    return [this.#windowIndex(from), Math.min(this.#windowIndex(to) + 1, count)];
   }
 
-  /** When a window starts, and when it ends [s]. */
+  /** Start and end of a window [s]. */
   bounds(index: number): [number, number] {
     const windows = this.plan?.windows ?? [];
     return [windows[index]?.start_s ?? 0, windows[index + 1]?.start_s ?? this.duration];
@@ -90,21 +91,21 @@ export class Timeline {
 
   window(index: number): MotionWindow | null {
     const key = this.plan?.windows[index]?.key;
-    return (key !== undefined && this.#known.get(key)) || null;
+    return (key !== undefined && this.#windows.get(key)) || null;
   }
 
-  /** What moves at a time; `null` where it is not known, yet or at all [s]. */
-  moment(time: number): Moment | null {
+  /** State of the motion at a time [s]; `null` if it is not loaded or there is no motion. */
+  stateAt(time: number): MotionState | null {
     void this.version;
-    const at = this.#at(time);
+    const at = this.#windowIndex(time);
     const window = this.window(at);
     if (!window || window.steps.length === 0) return null;
     const since = time - this.plan!.windows[at]!.start_s;
     const index = window.stepAt(since);
-    return { window, index, step: this.#placed(at, window, index), since: Math.max(since - window.steps[index]!.start_s, 0) };
+    return { window, index, step: this.#stepInProgram(at, window, index), since: Math.max(since - window.steps[index]!.start_s, 0) };
   }
 
-  #placed(at: number, window: MotionWindow, index: number): PlacedStep {
+  #stepInProgram(at: number, window: MotionWindow, index: number): ProgramStep {
     const { start_s, instruction, line } = this.plan!.windows[at]!;
     const step = window.steps[index]!;
     const { robot, effectors } = this.plan!;
@@ -119,55 +120,55 @@ export class Timeline {
     };
   }
 
-  /** The steps of a window that is there, with their places in the program; those that take no time are left out. */
-  steps(index: number): PlacedStep[] {
+  /** The steps of a loaded window, without steps of zero duration. */
+  steps(index: number): ProgramStep[] {
     const window = this.window(index);
     if (!window) return [];
-    return window.steps.flatMap(({ start_s, end_s }, k) => (end_s > start_s ? [this.#placed(index, window, k)] : []));
+    return window.steps.flatMap(({ start_s, end_s }, k) => (end_s > start_s ? [this.#stepInProgram(index, window, k)] : []));
   }
 
-  /** What is broken at a time [s]. */
-  broken(time: number): { names: string[]; message: string }[] {
+  /** The violations at a time [s]. */
+  violations(time: number): { names: string[]; message: string }[] {
     void this.version;
-    const at = this.#at(time);
+    const at = this.#windowIndex(time);
     const since = time - (this.plan?.windows[at]?.start_s ?? 0);
     return (this.window(at)?.violations ?? []).filter(({ start_s, end_s }) => start_s - 1e-3 <= since && since <= end_s + 1e-3);
   }
 
-  /** Where everything is at a time, and which wafers lie in which slots; `null` where it is not known yet [s]. */
-  pose(time: number): { frames: Frame[]; lying: Map<string, string> } | null {
+  /** Poses of all frames at a time [s], and the slots of resting wafers; `null` while they are loading. */
+  pose(time: number): { frames: Frame[]; restingWafers: Map<string, string> } | null {
     const { plan } = this;
-    const moment = this.moment(time);
+    const moment = this.stateAt(time);
     if (!plan?.chain || !plan.robot || !moment) return null;
     const names: Names = { axes: plan.robot.axes.map(({ name }) => name), links: plan.robot.arms.map(({ links }) => links), wafers: plan.wafers.map(({ name }) => name) };
-    const held = moment.window.held(plan.wafers.map(({ held }, wafer) => ({ wafer, ...held }) as Held), moment.index);
-    const lying = new Map<string, string>();
+    const held = moment.window.held(plan.wafers.map(({ held }, wafer) => ({ wafer, ...held }) as WaferPlacement), moment.index);
+    const restingWafers = new Map<string, string>();
     held.forEach(({ slot }, k) => {
-      if (slot) lying.set(names.wafers[k]!, `${plan.stations[slot[0]]!.name} ${slot[1]}`);
+      if (slot) restingWafers.set(names.wafers[k]!, slotName(plan.stations[slot[0]]!.name, slot[1]));
     });
-    return { frames: frames(plan.chain, names, moment.window.values(moment.index, moment.since), held), lying };
+    return { frames: frames(plan.chain, names, moment.window.values(moment.index, moment.since), held), restingWafers };
   }
 
-  /** Fetches what is shown at a time, and what comes next; then the windows of a stretch, if they are few [s]. */
-  want(time: number, stretch: readonly [number, number] | null): void {
+  /** Loads the window at a time [s] and the following ones, then those of a time range, or their overview. */
+  prefetch(time: number, stretch: readonly [number, number] | null): void {
     const { plan } = this;
     if (!plan || plan.windows.length === 0) return;
-    const [now] = this.within([time, time]);
-    const [, ahead] = this.within([time, Math.min(time + AHEAD_S, this.duration)]);
+    const [now] = this.windowsIn([time, time]);
+    const [, ahead] = this.windowsIn([time, Math.min(time + AHEAD_S, this.duration)]);
     const indices = [now];
-    for (let k = now + 1; k < Math.min(ahead, now + MOST_SHOWN); k += 1) indices.push(k);
+    for (let k = now + 1; k < Math.min(ahead, now + MAX_WINDOWS_SHOWN); k += 1) indices.push(k);
     if (stretch) {
-      const [from, to] = this.within(stretch);
-      if (to - from <= MOST_SHOWN) for (let k = from; k < to; k += 1) indices.push(k);
+      const [from, to] = this.windowsIn(stretch);
+      if (to - from <= MAX_WINDOWS_SHOWN) for (let k = from; k < to; k += 1) indices.push(k);
       else void this.#overview(from, to);
     }
     const keys = [...new Set(indices.map((k) => plan.windows[k]!.key))];
-    for (const key of keys) this.#touch(key);
-    this.#wanted = keys.filter((key) => !this.#known.has(key));
-    this.#work();
+    for (const key of keys) this.#markUsed(key);
+    this.#needed = keys.filter((key) => !this.#windows.has(key));
+    this.#fetchNext();
   }
 
-  /** Overviews of the windows of a stretch, one after the other; `null` where they are not there yet. */
+  /** Overviews of a range of windows; `null` for those that are not loaded. */
   overview(from: number, to: number): (Float64Array | null)[] {
     void this.version;
     return (this.plan?.windows.slice(from, to) ?? []).map(({ key }) => this.#overviews.get(key) ?? null);
@@ -175,11 +176,11 @@ export class Timeline {
 
   async #overview(from: number, to: number): Promise<void> {
     const { plan } = this;
-    if (!plan || this.#overviewAsked) return;
+    if (!plan || this.#overviewRequested) return;
     const windows: number[] = [];
     for (let k = from; k < to; k += 1) if (!this.#overviews.has(plan.windows[k]!.key)) windows.push(k);
     if (windows.length === 0) return;
-    this.#overviewAsked = true;
+    this.#overviewRequested = true;
     try {
       const numbers = await api.cellOverview(plan.key, windows);
       if (plan !== this.plan) return;
@@ -189,52 +190,52 @@ export class Timeline {
     } catch (error) {
       if (plan === this.plan) this.#failed(error);
     } finally {
-      if (plan === this.plan) this.#overviewAsked = false;
+      if (plan === this.plan) this.#overviewRequested = false;
     }
   }
 
-  /** Notes that a window is in use: those that have not been for longest are forgotten first. */
-  #touch(key: string): void {
-    const window = this.#known.get(key);
+  /** Marks a window as recently used; the least recently used windows are evicted first. */
+  #markUsed(key: string): void {
+    const window = this.#windows.get(key);
     if (!window) return;
-    this.#known.delete(key);
-    this.#known.set(key, window);
+    this.#windows.delete(key);
+    this.#windows.set(key, window);
   }
 
-  #work(): void {
-    this.loading = this.#wanted.length > 0;
-    while (this.#asked.size < AT_A_TIME) {
-      const key = this.#wanted.find((key) => !this.#asked.has(key));
+  #fetchNext(): void {
+    this.loading = this.#needed.length > 0;
+    while (this.#requested.size < MAX_REQUESTS) {
+      const key = this.#needed.find((key) => !this.#requested.has(key));
       if (key === undefined) return;
       void this.#fetch(key);
     }
   }
 
   async #fetch(key: string): Promise<void> {
-    this.#asked.add(key);
+    this.#requested.add(key);
     try {
       const window = new MotionWindow(await api.cellWindow(key));
-      this.#known.set(key, window);
+      this.#windows.set(key, window);
       this.#bytes += window.bytes;
-      for (const [other, { bytes }] of this.#known) {
-        if (this.#bytes <= MOST_BYTES || other === key) break;
-        this.#known.delete(other);
+      for (const [other, { bytes }] of this.#windows) {
+        if (this.#bytes <= MAX_BYTES || other === key) break;
+        this.#windows.delete(other);
         this.#bytes -= bytes;
       }
       this.version += 1;
     } catch (error) {
-      // The server forgets plans that are not the last ones; of those that are no longer shown nothing is missed.
-      if (this.#wanted.includes(key)) {
-        this.#wanted = [];
-        this.#failed(error instanceof ApiError && error.status === 404 ? new Forgotten() : error);
+      // The server keeps the last plans only; an error for a plan that is no longer displayed is ignored.
+      if (this.#needed.includes(key)) {
+        this.#needed = [];
+        this.#failed(error instanceof ApiError && error.status === 404 ? new UnknownPlan() : error);
       }
     } finally {
-      this.#asked.delete(key);
-      this.#wanted = this.#wanted.filter((one) => one !== key);
-      this.#work();
+      this.#requested.delete(key);
+      this.#needed = this.#needed.filter((one) => one !== key);
+      this.#fetchNext();
     }
   }
 }
 
-/** The server does not remember the plan. */
-export class Forgotten extends Error {}
+/** The server no longer has the plan. */
+export class UnknownPlan extends Error {}

@@ -30,7 +30,7 @@ for (const size of [1, 7, 64, 1 << 20])
     expect(rows).toEqual(Array.from({ length: 10 }, (_, i) => i / 3));
   });
 
-test('a stream that breaks off is an error', async () => {
+test('a truncated stream is an error', async () => {
   const broken = async () => {
     const { batches } = await readArrow(inPieces(bytes.slice(0, bytes.length - 40), 64));
     for await (const batch of batches) expect(batch.numRows).toBe(10);
@@ -38,12 +38,12 @@ test('a stream that breaks off is an error', async () => {
   await expect(broken()).rejects.toThrow('ended early');
 });
 
-test('other bytes are an error', async () => {
+test('bytes in another format are an error', async () => {
   await expect(readArrow(inPieces(new TextEncoder().encode('{"title":"no"}'), 64))).rejects.toThrow('Arrow');
   await expect(readArrow(inPieces(new Uint8Array(), 64))).rejects.toThrow('ended early');
 });
 
-test('leaving early cancels the stream', async () => {
+test('ending the iteration early cancels the stream', async () => {
   const seen = { cancelled: false };
   const { batches } = await readArrow(inPieces(new Uint8Array([...bytes, ...new Uint8Array(4096)]), 64, seen));
   for await (const _ of batches) break;

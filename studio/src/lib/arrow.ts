@@ -1,9 +1,9 @@
-// Arrow's streaming format as it arrives: cut into messages, each batch read as soon as it is whole.
+// Reader of Arrow streams: each batch is available as soon as it has arrived completely.
 
 import { tableFromIPC, type Table } from '@uwdata/flechette';
 
 const CONTINUATION = 0xffff_ffff;
-/** Field 3 of Arrow's `Message` table, `bodyLength`: its place in the table's list of offsets. */
+/** Field 3 of Arrow's `Message` table, `bodyLength`: its position in the list of offsets of the table. */
 const BODY_LENGTH = 4 + 2 * 3;
 
 export interface Batches {
@@ -13,9 +13,9 @@ export interface Batches {
   batches: AsyncGenerator<Table>;
 }
 
-/** Reads a stream's schema, and then its batches one by one. */
+/** Reads the schema of a stream, then its batches one by one. */
 export async function readArrow(stream: ReadableStream<Uint8Array>): Promise<Batches> {
-  const messages = cut(stream);
+  const messages = splitMessages(stream);
   const first = await messages.next();
   const schemaMessage = first.value as Uint8Array;
   const { schema } = tableFromIPC([schemaMessage]);
@@ -32,8 +32,8 @@ export async function readArrow(stream: ReadableStream<Uint8Array>): Promise<Bat
   };
 }
 
-/** The messages of a stream, each with its head. */
-async function* cut(stream: ReadableStream<Uint8Array>): AsyncGenerator<Uint8Array> {
+/** Splits a stream into messages, each with its header. */
+async function* splitMessages(stream: ReadableStream<Uint8Array>): AsyncGenerator<Uint8Array> {
   const reader = stream.getReader();
   let held = new Uint8Array();
   let ended = false;
@@ -67,13 +67,13 @@ async function* cut(stream: ReadableStream<Uint8Array>): AsyncGenerator<Uint8Arr
       if (!(await hold(8 + head))) break;
       const whole = 8 + head + bodyLength(held.subarray(8, 8 + head));
       if (!(await hold(whole))) break;
-      // A copy, so that its columns begin where their numbers may.
+      // A copy, for the alignment of its columns.
       yield held.slice(0, whole);
       held = held.slice(whole);
     }
     throw new Error('the stream of samples ended early');
   } finally {
-    // The reader left early: the server learns that nobody listens, and stops working.
+    // If reading ended early, this notifies the server, which stops the computation.
     await reader.cancel().catch(() => undefined);
   }
 }

@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
 import { column } from './columns';
 
-test('columns are known by their names', () => {
+test('columns are identified by their names', () => {
   const cases: [string, string, string][] = [
     ['q2_m', 'rods', 'q₂'],
     ['L31_m', 'sides', 'L₃₁'],

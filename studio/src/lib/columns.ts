@@ -1,4 +1,4 @@
-// The columns of a study, by the names that the server gives them.
+// The columns of a study, identified by their names.
 
 import { symbol } from './joints';
 
@@ -6,10 +6,10 @@ export type Quantity = 'rods' | 'sides' | 'virtual_linear' | 'virtual_angular' |
 
 export interface Column {
   name: string;
-  /** What it is called in a legend. */
+  /** Symbol in legends. */
   symbol: string;
   quantity: Quantity;
-  /** In SI. */
+  /** Values in SI units. */
   values: Float64Array;
 }
 

@@ -1,13 +1,13 @@
 /**
- * Which samples of long series to draw: in each of `buckets` equal stretches of `from..to` (whole numbers, `to` left out)
- * the first, the last, and every series' smallest and largest, so that no peak is lost.
- * Short series are drawn whole.
+ * Selects samples of long series for display: in each of `buckets` equal intervals of `from..to` (integers, `to` excluded)
+ * the first, the last, and the minimum and maximum of each series, so that no peak is lost.
+ * Short series are kept completely.
  */
 export function decimate(series: ArrayLike<number>[], from: number, to: number, buckets: number): number[] {
   const count = to - from;
   const most = 2 + 2 * series.length;
   if (count <= buckets * most) return Array.from({ length: Math.max(count, 0) }, (_, i) => from + i);
-  const kept: number[] = [];
+  const selected: number[] = [];
   for (let bucket = 0; bucket < buckets; bucket++) {
     const start = from + Math.floor((bucket * count) / buckets);
     const end = from + Math.floor(((bucket + 1) * count) / buckets);
@@ -22,7 +22,7 @@ export function decimate(series: ArrayLike<number>[], from: number, to: number, 
       }
       here.add(low).add(high);
     }
-    kept.push(...[...here].sort((a, b) => a - b));
+    selected.push(...[...here].sort((a, b) => a - b));
   }
-  return kept;
+  return selected;
 }

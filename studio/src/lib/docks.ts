@@ -1,12 +1,12 @@
-// Which panels stand at which side of the picture, from top to bottom.
+// Panels at each side of the view, from top to bottom.
 
 export type Side = 'left' | 'right';
 export type Docks = Record<Side, string[]>;
 
 export const otherSide = (side: Side): Side => (side === 'left' ? 'right' : 'left');
 
-/** Each panel once: what is not known is left out, what is missing comes last at the right. */
-export function tidy(found: unknown, known: readonly string[]): Docks {
+/** A layout with each known panel exactly once: unknown panels are omitted, missing ones are appended at the right. */
+export function validDocks(found: unknown, known: readonly string[]): Docks {
   const seen = new Set<string>();
   const side = (name: Side) => {
     const list = (found as Partial<Docks> | null)?.[name];
@@ -16,18 +16,18 @@ export function tidy(found: unknown, known: readonly string[]): Docks {
   return { ...docks, right: [...docks.right, ...known.filter((one) => !seen.has(one))] };
 }
 
-/** Where a panel stands. */
-export function find(docks: Docks, name: string): { side: Side; index: number } {
+/** Side and index of a panel. */
+export function findPanel(docks: Docks, name: string): { side: Side; index: number } {
   const side = docks.left.includes(name) ? 'left' : 'right';
   return { side, index: docks[side].indexOf(name) };
 }
 
-/** The same with one panel put before the one that stands at `index` now. */
-export function put(docks: Docks, name: string, side: Side, index: number): Docks {
-  const was = find(docks, name);
-  const at = was.side === side && was.index < index ? index - 1 : index;
+/** The layout with one panel inserted before the one at `index`. */
+export function insertPanel(docks: Docks, name: string, side: Side, index: number): Docks {
+  const previous = findPanel(docks, name);
+  const target = previous.side === side && previous.index < index ? index - 1 : index;
   const others = { left: docks.left.filter((one) => one !== name), right: docks.right.filter((one) => one !== name) };
   const list = others[side];
-  const place = Math.min(Math.max(at, 0), list.length);
-  return { ...others, [side]: [...list.slice(0, place), name, ...list.slice(place)] };
+  const position = Math.min(Math.max(target, 0), list.length);
+  return { ...others, [side]: [...list.slice(0, position), name, ...list.slice(position)] };
 }

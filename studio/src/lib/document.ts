@@ -1,5 +1,5 @@
-// What a person has chosen: all that undo, the link and the settings hold.
-// Lengths are in mm and angles in degrees, as they are typed and shown.
+// The inputs of the user, which undo, links and settings hold.
+// Lengths are in mm and angles in degrees, as displayed.
 
 export const VIRTUALIZATIONS = ['radial', 'polar', 'offset', 'planar'] as const;
 export type Virtualization = (typeof VIRTUALIZATIONS)[number];
@@ -7,7 +7,7 @@ export type Virtualization = (typeof VIRTUALIZATIONS)[number];
 export const SOLVERS = ['newton', 'least-norm', 'closed-form'] as const;
 export type Solver = (typeof SOLVERS)[number];
 
-/** `paper` is 1 mm, `radius` the mean socket radius, a number a length in mm. */
+/** Characteristic length: `paper` is 1 mm, `radius` the mean socket radius, a number a length [mm]. */
 export type Metric = 'paper' | 'radius' | number;
 
 export type HeightKind = 'axis' | 'center';
@@ -21,7 +21,7 @@ export interface KeyPose {
   about_x_deg: number;
   about_y_deg: number;
   height_mm: number;
-  /** Time to get here from the pose before. */
+  /** Duration of the motion from the previous pose [s]. */
   seconds: number;
 }
 
@@ -36,7 +36,7 @@ export type Motion =
     }
   | { kind: 'key-poses'; poses: KeyPose[] };
 
-/** What is drawn beside the robot itself. */
+/** Visible elements in addition to the robot. */
 export interface Shown {
   joints: boolean;
   ghost: boolean;
@@ -57,13 +57,13 @@ export interface Document {
 
 export const EXAGGERATION = { min: 1, max: 2000 } as const;
 
-/** The study of the paper, its VI; the yaw step is ours, the paper prints none. */
+/** The study of section VI of the paper; the paper does not state its yaw step. */
 export function paperStudy(height_mm: number): Motion {
   return { kind: 'raster', yaw_step_deg: 10, pitch_from_deg: -2, pitch_to_deg: 2, pitch_step_deg: 0.2, height_mm };
 }
 
-/** The scene that explains the paper at a glance: tilted by two thirds of the limit, so that it can be tilted further. */
-export function firstDocument(height_mm: number, tilt_max_deg = 1.5): Document {
+/** The initial document: a tilt of two thirds of the limit, so that it can be increased. */
+export function initialDocument(height_mm: number, tilt_max_deg = 1.5): Document {
   return {
     command: { kind: 'tilt', yaw_deg: 0, pitch_deg: Number(((2 / 3) * tilt_max_deg).toFixed(2)), height_mm, height_kind: 'axis' },
     model: 'polar',

@@ -13,7 +13,7 @@ beforeEach(() => {
 
 const draft = (version: string, program = 'HOME\n'): Draft => ({ cell: 'cell', program, points: { LP1: [[0, 0, 1]] }, version, stored_ms: 1 });
 
-test('a draft belongs to one file and to one version of it', () => {
+test('a draft belongs to one version of one file', () => {
   storeDraft('a', draft('v1'));
   expect(readDrafts('a', 'v1')).toEqual({ current: draft('v1'), older: null });
   expect(readDrafts('b', 'v1')).toEqual({ current: null, older: null });
@@ -21,7 +21,7 @@ test('a draft belongs to one file and to one version of it', () => {
   expect(readDrafts('a', 'v1')).toEqual({ current: null, older: null });
 });
 
-test('a draft of another version waits for a decision, and new edits do not overwrite it', () => {
+test('a draft of another version is not overwritten by new edits', () => {
   storeDraft('a', draft('v1', 'old'));
   expect(readDrafts('a', 'v2')).toEqual({ current: null, older: draft('v1', 'old') });
   storeDraft('a', draft('v2', 'new'));
@@ -30,7 +30,7 @@ test('a draft of another version waits for a decision, and new edits do not over
   expect(readDrafts('a', 'v2')).toEqual({ current: draft('v2', 'new'), older: null });
 });
 
-test('what is no draft is not taken for one', () => {
+test('invalid drafts are ignored', () => {
   for (const text of ['', 'null', '{}', '{"cell": 1}', '{"cell":"","program":"","version":"v1","points":null,"stored_ms":1}']) {
     stored.set('jointplay.studio.draft.a', text);
     expect(readDrafts('a', 'v1'), text).toEqual({ current: null, older: null });

@@ -1,20 +1,20 @@
-// Unsaved texts of a cell, stored in this browser until they are saved or discarded.
+// Unsaved texts of a cell, stored in the browser until they are saved or discarded.
 
 import { load, remove, save } from './settings';
 
 export interface Draft {
   cell: string;
   program: string;
-  /** Taught points that do not make a plane yet [m], by station. */
+  /** Taught points of planes with too few points [m], by station. */
   points: Record<string, number[][]>;
-  /** The version of the files that the draft was made from. */
+  /** Version of the files that the draft is based on. */
   version: string;
-  /** When it was stored, in milliseconds since 1970. */
+  /** Time of storage [ms since 1970]. */
   stored_ms: number;
 }
 
 const key = (identity: string) => `draft.${identity}`;
-/** A draft made from another version of the files waits here for a decision. */
+/** Key of a draft of another version of the files, which waits for a decision. */
 const olderKey = (identity: string) => `draft.${identity}.older`;
 
 function valid(value: unknown): boolean {
@@ -23,7 +23,7 @@ function valid(value: unknown): boolean {
   return texts.every((text) => typeof text === 'string') && typeof draft!.points === 'object' && draft!.points !== null && Number.isFinite(draft!.stored_ms);
 }
 
-/** The draft of a file: the one made from its present version, and one made from another version. */
+/** The drafts of a file: that of its current version, and that of another version. */
 export function readDrafts(identity: string, version: string): { current: Draft | null; older: Draft | null } {
   const found = load<Draft | null>(key(identity), null, valid);
   if (found !== null && found.version !== version) {

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { FACTORS, LEAST_SPAN, PLOTS, verticalRange } from './figures';
+import { FACTORS, MIN_SPAN, PLOTS, verticalRange } from './figures';
 
 test('values have a margin of eight hundredths above and below', () => {
   const [low, high] = verticalRange(0, 100, 1e-6);
@@ -7,20 +7,20 @@ test('values have a margin of eight hundredths above and below', () => {
   expect(high).toBeCloseTo(108, 12);
 });
 
-test('rounding of the calculation is a flat line, motion is not', () => {
+test('rounding errors are a flat line, motion is not', () => {
   for (const { unit, id } of PLOTS) {
     // Noise as it was seen: some 1e-11 rad and 1e-15 m about a value.
     const noise = { mm: 1e-15, µm: 1e-15, mrad: 1e-11, '°': 1e-11 }[unit] * FACTORS[unit];
-    const [low, high] = verticalRange(3 - noise, 3 + noise, LEAST_SPAN[unit]);
+    const [low, high] = verticalRange(3 - noise, 3 + noise, MIN_SPAN[unit]);
     expect((2 * noise) / (high - low), id).toBeLessThan(0.01);
     // A tenth of a micrometre and of a microradian fill their plots.
     const motion = 1e-7 * FACTORS[unit];
-    const [from, to] = verticalRange(-motion, motion, LEAST_SPAN[unit]);
+    const [from, to] = verticalRange(-motion, motion, MIN_SPAN[unit]);
     expect((2 * motion) / (to - from), id).toBeGreaterThan(0.8);
   }
 });
 
-test('nothing, and one value, have a range too', () => {
+test('no values and one value have a range', () => {
   expect(verticalRange(null, null, 2)).toEqual([-1, 1]);
   expect(verticalRange(5, 5, 2)).toEqual([4, 6]);
 });

@@ -1,4 +1,4 @@
-// The plots, and the paper's figures among them.
+// The plots of the robot view, and the figures of the paper.
 
 import type { Quantity } from './columns';
 import type { Virtualization } from './document';
@@ -7,7 +7,7 @@ export interface PlotKind {
   id: string;
   title: string;
   quantity: Quantity;
-  /** What of the values is shown: lengths in mm or µm, angles in degrees or mrad. */
+  /** Displayed unit: mm or µm for lengths, degrees or mrad for angles. */
   unit: 'mm' | 'µm' | 'mrad' | '°';
 }
 
@@ -38,18 +38,18 @@ export const FIGURES: PaperFigure[] = [
 ];
 
 /**
- * The smallest span that a plot shows, in its unit: 2 nm, and 20 nrad.
+ * The smallest span of the vertical axis of a plot, in its unit: 2 nm or 20 nrad.
  *
- * What is smaller is rounding of the calculation, of about 1e-15 m and 1e-11 rad, and no motion.
+ * Smaller values are rounding errors, of about 1e-15 m and 1e-11 rad.
  */
-export const LEAST_SPAN: Record<PlotKind['unit'], number> = { mm: 2e-6, µm: 2e-3, mrad: 2e-5, '°': 1.2e-6 };
+export const MIN_SPAN: Record<PlotKind['unit'], number> = { mm: 2e-6, µm: 2e-3, mrad: 2e-5, '°': 1.2e-6 };
 
-/** The range of a vertical axis about values from `low` to `high`: with a margin, and not smaller than `least`. */
+/** The range of a vertical axis for values from `low` to `high`, with a margin and a minimum span. */
 export function verticalRange(low: number | null, high: number | null, least: number): [number, number] {
   const [from, to] = [low ?? 0, high ?? 0];
   const [middle, half] = [(from + to) / 2, Math.max((to - from) * 0.58, least / 2)];
   return [middle - half, middle + half];
 }
 
-/** SI to the unit of a plot. */
+/** Conversion factors from SI to the unit of a plot. */
 export const FACTORS: Record<PlotKind['unit'], number> = { mm: 1e3, µm: 1e6, mrad: 1e3, '°': 180 / Math.PI };

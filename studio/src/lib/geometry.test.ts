@@ -1,12 +1,12 @@
 import { describe, expect, test } from 'vitest';
-import { hull, jointPaths, outline, planeMap, seat, type Point, type Triple } from './geometry';
+import { hull, jointPaths, outline, planeMap, displayedSocket, type Point, type Triple } from './geometry';
 
 function apply(matrix: number[], [x, y]: Point): Triple {
   const at = (row: number) => (matrix[row] as number) * x + (matrix[4 + row] as number) * y + (matrix[12 + row] as number);
   return [at(0), at(1), at(2)];
 }
 
-test('the plane map carries each point where it is drawn', () => {
+test('the plane map transforms each point to its displayed position', () => {
   const from: [Point, Point, Point] = [[93, 0], [-46, 80], [-47, -81]];
   const to: [Triple, Triple, Triple] = [[90, 1, 497], [-46, 79, 501], [-40, -85, 502]];
   const matrix = planeMap(from, to, [0, 0, 1]);
@@ -14,16 +14,16 @@ test('the plane map carries each point where it is drawn', () => {
   expect(matrix.slice(8, 12)).toEqual([0, 0, 1, 0]);
 });
 
-test('a seat is where its ball is, but for the play', () => {
-  expect(seat([1, 2, 3], [0.5, 0, -0.25], 4)).toEqual([-1, 2, 4]);
+test('a displayed socket differs from its ball by the scaled gap', () => {
+  expect(displayedSocket([1, 2, 3], [0.5, 0, -0.25], 4)).toEqual([-1, 2, 4]);
 });
 
-test('the hull leaves out what lies inside', () => {
+test('the hull excludes inner points', () => {
   const corners: Point[] = [[0, 0], [4, 0], [4, 3], [0, 3]];
   expect(hull([...corners, [2, 1], [1, 2], [2, 0]])).toHaveLength(4);
 });
 
-test('an outline keeps its distance and goes once around, counter-clockwise', () => {
+test('an outline has a constant distance and is counter-clockwise', () => {
   const points: Point[] = [[100, 0], [-50, 86], [-50, -86]];
   const line = outline(points, 20);
   let area = 0;
@@ -51,7 +51,7 @@ describe('the joints of every model end at the ball', () => {
       });
 });
 
-test('a polar joint turns about the centre', () => {
+test('a polar joint rotates about the centre', () => {
   const [slide, arc] = jointPaths('polar', [100, 0], [2, 20]);
   expect(slide!.at(-1)).toEqual([2, 0]);
   const middle = arc![8]!;

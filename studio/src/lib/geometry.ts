@@ -1,23 +1,16 @@
-// Shapes to draw. What they show comes from the server; nothing here is a result.
+// Geometry of the display. All displayed values come from the server.
 
 export type Point = [number, number];
 export type Triple = [number, number, number];
 
-export interface Play {
-  /** Nominal sockets, in the platform plane. */
-  nominal: Point[];
-  /** Sockets after the virtual joints have moved, in the platform plane. */
-  moved: Point[];
-}
-
-/** Where socket `limb` as built is drawn beside its ball, play drawn so many times its size. */
-export function seat(ball: Triple, gap: Triple, exaggeration: number): Triple {
+/** Displayed position of a nominal socket: the gap to its ball is scaled by `exaggeration`. */
+export function displayedSocket(ball: Triple, gap: Triple, exaggeration: number): Triple {
   return [ball[0] - exaggeration * gap[0], ball[1] - exaggeration * gap[1], ball[2] - exaggeration * gap[2]];
 }
 
 /**
- * The matrix, column by column, that carries three points of the platform plane where they are drawn.
- * With exaggerated play the platform drawn is not rigid: it shrinks away from its balls as the real one does, only more.
+ * The affine map, as a matrix by columns, of three points of the platform plane to their displayed positions.
+ * At a play scale above 1, the displayed platform is not congruent with the real one.
  */
 export function planeMap(from: [Point, Point, Point], to: [Triple, Triple, Triple], normal: Triple): number[] {
   const [a, b, c] = from;
@@ -38,7 +31,7 @@ export function planeMap(from: [Point, Point, Point], to: [Triple, Triple, Tripl
   return [...x, 0, ...y, 0, ...normal, 0, ...origin, 1];
 }
 
-/** The outline of circles of one radius about the given points, held by a stretched string; counter-clockwise. */
+/** The convex outline of circles of one radius about given points, counter-clockwise. */
 export function outline(points: Point[], radius: number, steps = 24): Point[] {
   const corners = hull(points);
   const count = corners.length;
@@ -74,8 +67,8 @@ export function hull(points: Point[]): Point[] {
 }
 
 /**
- * The way of one socket from where it was built to its ball, joint by joint as the model has them, in the platform plane;
- * begins at (0, 0), and the last stretch ends at `delta`, the socket's displacement as it is drawn.
+ * The path of a socket from its nominal position to its ball, one polyline for each joint of the model, in the platform plane.
+ * The path starts at (0, 0) and ends at `delta`, the displayed displacement of the socket.
  */
 export function jointPaths(model: string, nominal: Point, delta: Point): Point[][] {
   const radius = Math.hypot(...nominal);
@@ -93,7 +86,7 @@ export function jointPaths(model: string, nominal: Point, delta: Point): Point[]
         [[delta[0], 0], delta],
       ];
     case 'polar': {
-      // A slide along the radius, then an arc about the platform's centre: drawn with its true curvature.
+      // A displacement along the radius, then an arc about the platform centre.
       const steps = 16;
       const arc: Point[] = [];
       for (let step = 0; step <= steps; step++) {

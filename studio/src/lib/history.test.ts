@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
 import { History } from './history';
 
-test('steps go back and forth', () => {
+test('undo and redo restore states', () => {
   const history = new History({ at: 0 });
   expect(history.undo()).toBeUndefined();
   history.commit({ at: 1 });
@@ -13,7 +13,7 @@ test('steps go back and forth', () => {
   expect(history.present).toEqual({ at: 1 });
 });
 
-test('a new step drops what was undone', () => {
+test('a new step discards undone steps', () => {
   const history = new History(0);
   history.commit(1);
   history.undo();
@@ -22,13 +22,13 @@ test('a new step drops what was undone', () => {
   expect(history.undo()).toBe(0);
 });
 
-test('no change is no step', () => {
+test('a step without a change is not added', () => {
   const history = new History({ at: [1, 2] });
   expect(history.commit({ at: [1, 2] })).toBe(false);
   expect(history.canUndo).toBe(false);
 });
 
-test('the oldest steps are forgotten', () => {
+test('the oldest steps are discarded', () => {
   const history = new History(0, 2);
   for (const value of [1, 2, 3]) history.commit(value);
   expect(history.undo()).toBe(2);

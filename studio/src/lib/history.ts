@@ -1,4 +1,4 @@
-/** Undo and redo over values that are never changed in place. */
+/** Undo history of immutable values. */
 export class History<T> {
   #past: T[] = [];
   #future: T[] = [];
@@ -22,7 +22,7 @@ export class History<T> {
     return this.#future.length > 0;
   }
 
-  /** Makes one step of all that changed since the last; nothing changed makes none. */
+  /** Adds a step with all changes since the last one; returns whether there were any. */
   commit(value: T): boolean {
     if (same(value, this.#present)) return false;
     this.#past.push(this.#present);

@@ -11,13 +11,13 @@ export function symbol(name: string, limb: number): string {
 export interface JointRow {
   symbol: string;
   limb: number;
-  /** Its coordinate. */
+  /** Joint coordinate. */
   value: string;
-  /** How far it is from where it was built. */
+  /** Displacement from the nominal position. */
   moved: string;
 }
 
-/** The virtual joints of a model, as a table for people. */
+/** Table of the virtual joints of a model. */
 export function jointRows(robot: RobotDocument, model: string, values: number[], unit: LengthUnit): JointRow[] {
   const joints = robot.virtualizations.find(({ name }) => name === model)?.joints ?? [];
   return joints.map((joint, i) => {
@@ -33,7 +33,7 @@ export function jointRows(robot: RobotDocument, model: string, values: number[],
   });
 }
 
-/** Beside each limb, what its virtual joints do. */
+/** Labels of the limbs, with the displacements of their virtual joints. */
 export function jointLabels(robot: RobotDocument, model: string, values: number[], unit: LengthUnit): string[] {
   const rows = jointRows(robot, model, values, unit);
   return robot.limbs.map((_, limb) =>
@@ -44,7 +44,7 @@ export function jointLabels(robot: RobotDocument, model: string, values: number[
   );
 }
 
-/** Small turns in µrad; the offset model's direction can be any. */
+/** Small angles in µrad, others in degrees: the direction angle of the offset model is arbitrary. */
 function turned(rad: number): string {
   return Math.abs(rad) < 0.01 ? smallAngle(rad, true) : `${fixed(degrees(rad), 1)}°`;
 }

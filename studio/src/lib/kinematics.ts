@@ -1,20 +1,20 @@
-// Forward kinematics of a robot with arms: from the channels of a motion to where all frames are. Metres and radians.
+// Forward kinematics of a robot with arms: from the channels of a motion to the poses of all frames. Units: m, rad.
 
-/** How the frames of a robot follow from its axes, as the server tells it. */
+/** Kinematic chain of a robot, as received from the server. */
 export interface Chain {
   base_points_m: number[][];
   arms: {
     mount_m: number[];
-    joints: { kind: 'turn' | 'slide'; zero: number; drives: { axis: number; ratio: number }[]; next_m: number[]; rise_m: number }[];
+    joints: { kind: 'revolute' | 'prismatic'; zero: number; drives: { axis: number; ratio: number }[]; next_m: number[]; rise_m: number }[];
     effectors: { name: string; center_m: number[]; heading_rad: number }[];
   }[];
 }
 
 export interface Frame {
   name: string;
-  /** Its origin in the frame that it moves with. */
+  /** Origin in the parent frame [m]. */
   origin_m: number[];
-  /** Its unit quaternion x, y, z, w there. */
+  /** Unit quaternion x, y, z, w in the parent frame. */
   quaternion: number[];
 }
 
@@ -22,10 +22,10 @@ export interface Frame {
 type Pose = readonly [number, number, number, number, number, number, number];
 
 const RODS = 3;
-/** Numbers of a pose among the channels: origin, and vector part of a unit quaternion. */
+/** Channels of a pose: origin, and vector part of a unit quaternion. */
 const POSE = 6;
 
-/** A pose by its origin and the vector part of its quaternion, whose scalar part is positive. */
+/** The pose with a given origin and vector part of its quaternion; the scalar part is positive. */
 export function poseOf(numbers: ArrayLike<number>, at = 0): Pose {
   const [x, y, z] = [numbers[at + 3]!, numbers[at + 4]!, numbers[at + 5]!];
   return [numbers[at]!, numbers[at + 1]!, numbers[at + 2]!, x, y, z, Math.sqrt(Math.max(0, 1 - x * x - y * y - z * z))];
@@ -34,7 +34,7 @@ export function poseOf(numbers: ArrayLike<number>, at = 0): Pose {
 const moved = (x: number, y: number, z: number): Pose => [x, y, z, 0, 0, 0, 1];
 const turned = (angle: number): Pose => [0, 0, 0, 0, 0, Math.sin(angle / 2), Math.cos(angle / 2)];
 
-/** The second pose in the frame that the first is told in. */
+/** The product of two poses: b in the parent frame of a. */
 export function compose(a: Pose, b: Pose): Pose {
   const [ax, ay, az, x, y, z, w] = a;
   const [bx, by, bz, p, q, r, s] = b;
@@ -53,18 +53,18 @@ export function compose(a: Pose, b: Pose): Pose {
 
 const frame = (name: string, pose: Pose): Frame => ({ name, origin_m: pose.slice(0, 3), quaternion: pose.slice(3) });
 
-/** Names of frames that move. */
+/** Names of the moving frames. */
 export interface Names {
   axes: readonly string[];
-  /** Of each arm, its links. */
+  /** Links of each arm. */
   links: readonly (readonly string[])[];
   wafers: readonly string[];
 }
 
 /**
- * Where all frames are, each in the one that it moves with: rods, platform and wafers in the base, links in the one before.
+ * Poses of all frames in their parent frames: rods, platform and wafers in the base frame, links in the previous link.
  *
- * `values` are the channels of a segment: positions of all axes, the pose of the platform, and the deflections: of the last link of each arm, then of each effector, in the rigid last link.
+ * `values` are the channels of a segment: positions of all axes, pose of the platform, deflections of the last link of each arm, deflections of each effector in the rigid last link.
  */
 export function frames(chain: Chain, names: Names, values: ArrayLike<number>, held: readonly { effector: number | null; pose: ArrayLike<number> }[]): Frame[] {
   const found: Frame[] = [];
@@ -82,7 +82,7 @@ export function frames(chain: Chain, names: Names, values: ArrayLike<number>, he
     let base = platform;
     joints.forEach(({ kind, zero, drives, next_m, rise_m }, k) => {
       const value = drives.reduce((sum, { axis, ratio }) => sum + ratio * values[axis]!, zero);
-      const local = compose(compose(at, moved(0, 0, rise_m)), kind === 'turn' ? turned(value) : moved(value, 0, 0));
+      const local = compose(compose(at, moved(0, 0, rise_m)), kind === 'revolute' ? turned(value) : moved(value, 0, 0));
       base = compose(base, local);
       found.push(frame(names.links[arm]![k]!, k + 1 === joints.length ? compose(local, poseOf(values, link)) : local));
       at = moved(next_m[0]!, next_m[1]!, 0);

@@ -2,12 +2,12 @@
 
 import type { Command } from './document';
 
-/** Decimals of degrees that are kept where a tilt is reduced: below the limit, never above. */
+/** Decimals of the angles of a reduced tilt [deg]; they are truncated, so that the tilt stays below the limit. */
 const DECIMALS = 6;
 
 /**
- * A tilt about x and y within the limit: where it is larger, the tilt of the same direction at the limit.
- * So a robot at its limit moves along it, as machine controllers do, and does not stop.
+ * Reduces a tilt about x and y beyond the limit to the limit, in the same direction.
+ * The robot then moves along the limit, as with machine controllers, instead of stopping.
  */
 export function withinTilt(command: Command, tilt_max_deg: number): Command {
   if (command.kind !== 'tilt_xy') return command;

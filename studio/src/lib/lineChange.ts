@@ -1,12 +1,12 @@
-/** Lines in place of others: how many stay before them, how many go, and those in their place. */
-export interface Lines {
+/** A change of a text: the number of lines before it, the number of replaced lines, and the new lines. */
+export interface LineChange {
   from: number;
   count: number;
   lines: string[];
 }
 
-/** The lines by which a text differs from another, as one stretch. */
-export function lineChange(before: string, after: string): Lines {
+/** The change from one text to another, as one range of lines. */
+export function lineChange(before: string, after: string): LineChange {
   const [old, lines] = [before.split('\n'), after.split('\n')];
   const least = Math.min(old.length, lines.length);
   let from = 0;

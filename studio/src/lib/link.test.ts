@@ -1,8 +1,8 @@
 import { describe, expect, test } from 'vitest';
-import { firstDocument, paperStudy, type Command, type Document } from './document';
+import { initialDocument, paperStudy, type Command, type Document } from './document';
 import { fingerprint, fromHash, toHash, type Linked } from './link';
 
-const usual = firstDocument(500);
+const usual = initialDocument(500);
 
 const commands: Command[] = [
   { kind: 'tilt', yaw_deg: -17.25, pitch_deg: 1.5, height_mm: 500, height_kind: 'center' },
@@ -23,7 +23,7 @@ const motions = [
   } as Document['motion'],
 ];
 
-describe('a link says again what it was made of', () => {
+describe('a link restores the document it was created from', () => {
   for (const command of commands)
     for (const motion of motions)
       test(`${command.kind}, ${motion?.kind ?? 'no motion'}`, () => {
@@ -54,24 +54,24 @@ describe('what a link garbles is as usual', () => {
     '#pose=rods,1,2,&model=,,-3&motion=raster,1&sample=-1',
     '#pose=%E0%A4%A&motion=key-poses;1,2',
     '#pose=spin,1,2,3,axis',
-    '#robot=somebody',
+    '#robot=unknown',
   ];
   for (const hash of cases)
     test(hash, () => {
       expect(fromHash(hash, usual)).toEqual({ robot: null, document: usual, view: null, sample: null });
     });
 
-  test('an exaggeration out of range is the nearest allowed', () => {
+  test('a play scale out of range is clamped', () => {
     expect(fromHash('#play=1e9', usual).document.exaggeration).toBe(2000);
     expect(fromHash('#play=-4', usual).document.exaggeration).toBe(1);
   });
 
-  test('a link without a motion has none, even where one was kept', () => {
+  test('a link without a motion clears a stored motion', () => {
     expect(fromHash('#play=1', { ...usual, motion: paperStudy(500) }).document.motion).toBeNull();
   });
 });
 
-test('a fingerprint is the same for the same, and told in eight digits', () => {
+test('equal values have equal fingerprints of eight digits', () => {
   expect(fingerprint('')).toBe(fingerprint(''));
   expect(fingerprint({ rod: 0.5 })).toMatch(/^[0-9a-f]{8}$/);
   expect(fingerprint({ rod: 0.5 })).not.toBe(fingerprint({ rod: 0.51 }));

@@ -1,4 +1,4 @@
-// A document and a view as the part of an address after `#`, readable by people, and back.
+// Conversion of a document and a view to the readable fragment of a URL, and back.
 
 import {
   EXAGGERATION,
@@ -13,15 +13,15 @@ import {
   type Shown,
 } from './document';
 
-/** Which robot a link speaks of. */
+/** The robot of a link. */
 export interface RobotIdentity {
   name: string;
-  /** Of its geometry and limits: two robots may have one name. */
+  /** Fingerprint of geometry and limits: two robots may have the same name. */
   print: string;
 }
 
 export interface View {
-  /** Where the eye is, and what it looks at [mm]. */
+  /** Position and target of the camera [mm]. */
   eye_mm: [number, number, number];
   target_mm: [number, number, number];
   projection: 'perspective' | 'orthographic';
@@ -30,7 +30,7 @@ export interface View {
 }
 
 export interface Linked {
-  /** The robot that it was made with, by name and fingerprint; old links name none. */
+  /** The robot that the link was created with; older links have none. */
   robot: RobotIdentity | null;
   document: Document;
   view: View | null;
@@ -53,7 +53,7 @@ export function toHash({ robot, document: chosen, view, sample }: Linked): strin
   return '#' + parts.map(([key, value]) => `${key}=${value}`).join('&');
 }
 
-/** What a link says; what it leaves out or garbles is as in `otherwise`. */
+/** Parses a link; missing and invalid parts have the values of `otherwise`. */
 export function fromHash(hash: string, otherwise: Document): Linked {
   const parts = new Map<string, string>();
   for (const part of hash.replace(/^#/, '').split('&')) {
@@ -90,7 +90,7 @@ function parseRobot(text: string | undefined): RobotIdentity | null {
   return found && { name: found[1] as string, print: found[2] as string };
 }
 
-/** Eight digits that differ where two things do (FNV-1a over their JSON). */
+/** Hash of a value in eight hexadecimal digits (FNV-1a over its JSON). */
 export function fingerprint(thing: unknown): string {
   let hash = 0x811c9dc5;
   for (const byte of new TextEncoder().encode(JSON.stringify(thing))) hash = Math.imul(hash ^ byte, 0x01000193);

@@ -1,17 +1,17 @@
-// Windows of a motion, as the server sends them: channels are cubics between keys.
+// Windows of a motion as received from the server: each channel is a piecewise cubic between keys.
 
-/** What holds a wafer, and its frame there: origin [m] and vector part of its unit quaternion. */
-export interface Held {
+/** Location of a wafer and its pose there: origin [m] and vector part of the unit quaternion. */
+export interface WaferPlacement {
   wafer: number;
-  /** The effector, by index; none where it lies in a slot. */
+  /** Index of the effector; `null` for a wafer in a slot. */
   effector: number | null;
-  /** Station, by index, and number of the slot. */
+  /** Index of the station and number of the slot. */
   slot: [number, number] | null;
   pose: number[];
 }
 
-/** Something that is broken; times since the start of the window [s]. */
-export interface Broken {
+/** A violation, with times since the start of the window [s]. */
+export interface WindowViolation {
   names: string[];
   message: string;
   line: number;
@@ -23,43 +23,43 @@ interface Description {
   steps: { segment: number; instruction: number; line: number; phase: string; loaded: number[] }[];
   segments: { duration_s: number; channels: number[]; moving: number[] }[];
   channels: [number, number][];
-  wafers: Held[];
-  changes: (Held & { step: number })[];
-  violations: Broken[];
+  wafers: WaferPlacement[];
+  changes: (WaferPlacement & { step: number })[];
+  violations: WindowViolation[];
 }
 
-/** A motion from rest to rest; times since the start of its window [s]. */
+/** A motion from rest to rest, with times since the start of its window [s]. */
 export interface Step {
   segment: number;
-  /** Counted from that of the window. */
+  /** Relative to that of the window. */
   instruction: number;
-  /** Counted from that of the window. */
+  /** Relative to that of the window. */
   line: number;
   phase: string;
   loaded: number[];
-  /** Indices of the axes that move in it. */
+  /** Indices of the moving axes. */
   moving: number[];
   start_s: number;
   end_s: number;
 }
 
-/** A JSON text and numbers in one. */
+/** Unpacks a binary response: a JSON text followed by numbers. */
 export function unpack<T>(bytes: ArrayBuffer): { description: T; numbers: Float64Array } {
   const length = new DataView(bytes).getUint32(0, true);
   const description = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length))) as T;
   return { description, numbers: new Float64Array(bytes, 4 + length) };
 }
 
-/** Some motions one after the other, and where the wafers are meanwhile. */
+/** A sequence of motions, with the locations of the wafers. */
 export class MotionWindow {
   readonly steps: readonly Step[];
   readonly duration_s: number;
-  readonly violations: readonly Broken[];
+  readonly violations: readonly WindowViolation[];
   readonly bytes: number;
   readonly #segments: Description['segments'];
   readonly #channels: Description['channels'];
-  readonly #wafers: readonly Held[];
-  readonly #changes: Description['changes'];
+  readonly #wafers: readonly WaferPlacement[];
+  readonly #handOvers: Description['changes'];
   readonly #numbers: Float64Array;
 
   constructor(bytes: ArrayBuffer) {
@@ -69,7 +69,7 @@ export class MotionWindow {
     this.#segments = description.segments;
     this.#channels = description.channels;
     this.#wafers = description.wafers;
-    this.#changes = description.changes;
+    this.#handOvers = description.changes;
     this.violations = description.violations;
     let now = 0;
     this.steps = description.steps.map((step) => {
@@ -81,7 +81,7 @@ export class MotionWindow {
     this.duration_s = now;
   }
 
-  /** Index of the step at a time since the start; of several that begin then, the last [s]. */
+  /** Index of the step at a time since the start [s]; the last of several steps that start at this time. */
   stepAt(since: number): number {
     let [low, high] = [0, this.steps.length];
     while (low < high) {
@@ -92,18 +92,18 @@ export class MotionWindow {
     return Math.max(low - 1, 0);
   }
 
-  /** All channels of a step, a time after its start [s]. */
+  /** Values of all channels of a step at a time since its start [s]. */
   values(step: number, since: number): Float64Array {
     const { channels } = this.#segments[this.steps[step]!.segment]!;
     return Float64Array.from(channels, (channel) => this.#state(channel, since)[0]);
   }
 
-  /** One channel of a step with its first and second derivative, a time after its start [s]. */
+  /** Value of a channel of a step at a time since its start [s], with its first and second derivative. */
   state(step: number, channel: number, since: number): [number, number, number] {
     return this.#state(this.#segments[this.steps[step]!.segment]!.channels[channel]!, since);
   }
 
-  /** Times at which a channel of a step has keys, since the start of the step [s]. */
+  /** Times of the keys of a channel of a step, since the start of the step [s]. */
   keys(step: number, channel: number): Float64Array {
     const [from, count] = this.#channels[this.#segments[this.steps[step]!.segment]!.channels[channel]!]!;
     return this.#numbers.subarray(from, from + count);
@@ -130,11 +130,11 @@ export class MotionWindow {
     return [v0 + s * (r0 + s * (one + (s - 1) * two)), (r0 + s * (2 * one + (3 * s - 2) * two)) / width, (2 * one + (6 * s - 2) * two) / (width * width)];
   }
 
-  /** Where the wafers are in a step that have changed hands, of those that were at a place at the start of the program. */
-  held(start: readonly Held[], step: number): Held[] {
+  /** Locations of all wafers in a step, given those at the start of the program. */
+  held(start: readonly WaferPlacement[], step: number): WaferPlacement[] {
     const held = [...start];
     for (const one of this.#wafers) held[one.wafer] = one;
-    for (const one of this.#changes) if (one.step < step) held[one.wafer] = one;
+    for (const one of this.#handOvers) if (one.step < step) held[one.wafer] = one;
     return held;
   }
 }

@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
 import { figureSvg, ticks } from './plotsvg';
 
-test('ticks are round and within', () => {
+test('ticks are round numbers within the range', () => {
   const cases: [number, number, number, number[]][] = [
     [0, 10, 5, [0, 2, 4, 6, 8, 10]],
     [-0.25, 0.25, 5, [-0.2, -0.1, 0, 0.1, 0.2]],
@@ -15,7 +15,7 @@ test('ticks are round and within', () => {
   }
 });
 
-test('a figure names what it shows, and its points are where they belong', () => {
+test('a figure has titles, and its points are at their coordinates', () => {
   const drawing = {
     title: 'Rods <q>',
     x: { title: 'sample', range: [0, 10] as [number, number] },

@@ -9,10 +9,10 @@ export interface Drawing {
   series: { name: string; colour: string; dash: number[]; points: [number, number][] }[];
 }
 
-/** Each plot's, in pixels. */
+/** Dimensions of a plot [px]. */
 export const SIZE = { width: 720, height: 360, left: 84, right: 16, top: 34, bottom: 48 };
 
-/** Round numbers within a range, about so many. */
+/** Round tick values within a range, about `about` of them. */
 export function ticks(low: number, high: number, about: number): number[] {
   const rough = (high - low) / about;
   if (!(rough > 0)) return [low];
@@ -23,7 +23,7 @@ export function ticks(low: number, high: number, about: number): number[] {
   return found;
 }
 
-/** Plots as one figure, each below the other. */
+/** Plots in one figure, stacked vertically. */
 export function figureSvg(drawings: Drawing[]): string {
   const { width } = SIZE;
   const height = SIZE.height * drawings.length;

@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
 import { runs } from './runs';
 
-test('lines that run again and again are counted', () => {
+test('executions of a line are counted', () => {
   expect(runs([5, 8, 9, 8, 9, 8])).toEqual([
     { nth: 1, of: 1 },
     { nth: 1, of: 3 },

@@ -1,4 +1,4 @@
-/** Which run of its line each row is, of how many. */
+/** For each row, the number of its execution of a line and the total number of executions. */
 export function runs(lines: readonly number[]): { nth: number; of: number }[] {
   const counted = new Map<number, number>();
   const nth = lines.map((line) => {

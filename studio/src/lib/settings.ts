@@ -1,4 +1,4 @@
-// What is kept between visits, in this browser. A browser that keeps nothing is no error.
+// Settings stored in the browser. A browser without storage is not an error.
 
 const PREFIX = 'jointplay.studio.';
 
@@ -17,7 +17,7 @@ export function save(key: string, value: unknown): void {
   try {
     localStorage.setItem(PREFIX + key, JSON.stringify(value));
   } catch {
-    // Private windows may refuse: the page works, it only forgets.
+    // Storage may be unavailable, for example in private windows.
   }
 }
 

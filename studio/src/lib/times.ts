@@ -1,4 +1,4 @@
-/** The last sample at or before a time, of times that grow; the first where all come later. */
+/** Index of the last sample at or before a time, for increasing times; 0 if all are later. */
 export function sampleAt(times: ArrayLike<number>, time: number): number {
   let low = 0;
   let high = times.length;

@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
 import { angle, clock, fixed, fromUnit, inUnit, length, metres, millimetres, power, radians, signed, small, smallAngle } from './units';
 
-test('numbers are written for people', () => {
+test('numbers are formatted', () => {
   const cases: [string, string][] = [
     [fixed(-1.25, 1), '−1.3'],
     [fixed(-0.0001, 3), '0.000'],
@@ -24,7 +24,7 @@ test('numbers are written for people', () => {
   for (const [found, expected] of cases) expect(found).toBe(expected);
 });
 
-test('millimetres keep their bits on the way to metres', () => {
+test('conversion from mm to m shifts the decimal point exactly', () => {
   const pairs = [[501, 0.501], [93.218, 0.093218], [1e-7, 1e-10], [-1e21, -1e18], [0, 0]] as const;
   for (const [mm, m] of pairs) {
     expect(metres(mm)).toBe(m);
@@ -33,7 +33,7 @@ test('millimetres keep their bits on the way to metres', () => {
   expect(radians(180)).toBe(Math.PI);
 });
 
-test('number fields speak the unit chosen', () => {
+test('number fields use the selected unit', () => {
   expect(fromUnit(1, 'inch')).toBe(25.4);
   expect(fromUnit(19.685, 'inch')).toBe(499.999);
   expect(inUnit(25.4, 'inch')).toBe(1);

@@ -1,4 +1,4 @@
-// How numbers are written for people. The server speaks metres and radians.
+// Formatting of numbers. Values of the server are in m and rad.
 
 export type LengthUnit = 'mm' | 'inch';
 
@@ -10,13 +10,13 @@ export const millimetres = (m: number): number => shifted(m, 3);
 export const radians = (deg: number): number => deg * DEGREE;
 export const degrees = (rad: number): number => rad / DEGREE;
 
-/** The decimal point moved, not the bits: 93.218 mm is the number that 0.093218 is. */
+/** Shifts the decimal point without rounding: 93.218 mm and 0.093218 m are the same decimal number. */
 function shifted(value: number, places: number): number {
   const [digits, exponent = '0'] = String(value).split('e');
   return Number(`${digits}e${Number(exponent) + places}`);
 }
 
-/** A number with so many decimals, with a true minus sign and no negative zero. */
+/** A number with a fixed number of decimals, a true minus sign and no negative zero. */
 export function fixed(value: number, decimals: number): string {
   if (!Number.isFinite(value)) return '–';
   const text = value.toFixed(decimals);
@@ -28,37 +28,37 @@ export function signed(value: number, decimals: number): string {
   return text.startsWith('−') || /^0\.?0*$/.test(text) || text === '–' ? text : `+${text}`;
 }
 
-/** A length in m, to the hundredth of a µm where that matters. */
+/** A length [m] in the selected unit. */
 export function length(m: number, unit: LengthUnit, decimals = 3): string {
   return unit === 'mm' ? `${fixed(m * 1000, decimals)} mm` : `${fixed((m * 1000) / INCH_MM, decimals + 2)} in`;
 }
 
-/** What stands in a number field for a length in mm. */
+/** The value of a number field for a length [mm]. */
 export const inUnit = (mm: number, unit: LengthUnit): number => (unit === 'mm' ? mm : mm / INCH_MM);
 
-/** The length in mm that a number field means, to the picometre: 1 in is 25.4 mm. */
+/** The length [mm] of the value of a number field, rounded to 1 pm: 1 in is 25.4 mm. */
 export const fromUnit = (value: number, unit: LengthUnit): number => (unit === 'mm' ? value : Number((value * INCH_MM).toFixed(9)));
 
-/** How the unit is called in a number field. */
+/** Symbol of the unit in number fields. */
 export const unitName = (unit: LengthUnit): string => (unit === 'mm' ? 'mm' : 'in');
 
-/** A small length in m: µm, or thousandths of an inch. */
+/** A small length [m] in µm or thousandths of an inch. */
 export function small(m: number, unit: LengthUnit, decimals = 1, plus = false): string {
   const write = plus ? signed : fixed;
   return unit === 'mm' ? `${write(m * 1e6, decimals)} µm` : `${write((m * 1e6) / 25.4, decimals + 1)} mil`;
 }
 
-/** An angle in rad. */
+/** An angle [rad] in degrees. */
 export function angle(rad: number, decimals = 3): string {
   return `${fixed(rad / DEGREE, decimals)}°`;
 }
 
-/** A small angle in rad, in µrad. */
+/** A small angle [rad] in µrad. */
 export function smallAngle(rad: number, plus = false): string {
   return `${(plus ? signed : fixed)(rad * 1e6, 1)} µrad`;
 }
 
-/** Ten to a whole power, as on a logarithmic axis. */
+/** An integer power of ten, as on a logarithmic axis. */
 export function power(exponent: number): string {
   const digits = '⁰¹²³⁴⁵⁶⁷⁸⁹';
   const text = [...String(Math.abs(exponent))].map((digit) => digits[Number(digit)]).join('');

@@ -1,4 +1,4 @@
-// Lines with a width, arrows and dots, drawn over everything so that play is never hidden. Millimetres.
+// Lines, arrows and dots with a width, rendered over all parts so that joint play is never hidden. Units: mm.
 
 import {
   BufferGeometry,
@@ -17,7 +17,7 @@ const unitCylinder = new CylinderGeometry(1, 1, 1, 14).rotateX(Math.PI / 2).tran
 const unitCone = new ConeGeometry(1, 1, 20).rotateX(Math.PI / 2).translate(0, 0, 0.5);
 const unitSphere = new SphereGeometry(1, 20, 14);
 
-/** Parts that are drawn anew for each picture, without making objects anew. */
+/** Annotations of a frame; the meshes are reused from frame to frame. */
 export class Annotations {
   readonly group = new Group();
   readonly #parts: Mesh[] = [];
@@ -54,7 +54,7 @@ export class Annotations {
 
   arrow(from: Vector3, to: Vector3, radius: number, colour: string, order = 12): void {
     const length = from.distanceTo(to);
-    // Short arrows are thin, so that they stay arrows.
+    // The radius of short arrows is reduced to keep their proportions.
     radius = Math.min(radius, Math.max(length * 0.11, 0.35));
     if (length < 2 * radius) {
       this.dot(from, 2.2, colour, order);

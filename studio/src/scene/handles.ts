@@ -1,4 +1,4 @@
-// Handles by which things are dragged, one for each freedom that they have. Millimetres, before they are scaled.
+// Drag handles of a movable object, one for each of its degrees of freedom. Units before scaling: mm.
 
 import {
   ConeGeometry,
@@ -13,11 +13,12 @@ import {
   type Object3D,
   type Raycaster,
 } from 'three';
+import { disposeGeometries } from './dispose';
 
 export type Freedom = 'x' | 'y' | 'height' | 'yaw' | 'about_x' | 'about_y';
 
-/** What a handle does, for people. */
-export const SAYS: Record<Freedom, string> = {
+/** Descriptions of the handles for tooltips. */
+export const DESCRIPTIONS: Record<Freedom, string> = {
   x: 'along x',
   y: 'along y',
   height: 'along z',
@@ -26,18 +27,18 @@ export const SAYS: Record<Freedom, string> = {
   about_y: 'tilt about y',
 };
 
-/** The platform has these, and no other. */
+/** Degrees of freedom of the platform. */
 const PLATFORM: readonly Freedom[] = ['height', 'about_x', 'about_y'];
 
-/** How far the pointer goes for one degree [px]: tilts are small, so the drag is geared down. */
+/** Pointer movement for one degree of tilt [px]: tilts are small, so that dragging is scaled down. */
 const PIXELS_PER_DEGREE = 90;
 
 interface Handle {
   freedom: Freedom;
   group: Group;
-  /** Where it is grabbed and which way a growing value moves it, in the group of all handles. */
-  at: Vector3;
-  way: Vector3;
+  /** Position of the grip and its direction of motion for increasing values, in the frame of the group. */
+  position: Vector3;
+  direction: Vector3;
 }
 
 export class Handles {
@@ -45,7 +46,7 @@ export class Handles {
   readonly #handles: Handle[] = [];
   readonly #idle = new MeshBasicMaterial({ depthTest: false, transparent: true, opacity: 0.7, toneMapped: false });
   readonly #active = new MeshBasicMaterial({ depthTest: false, transparent: true, toneMapped: false });
-  #hot: Freedom | null = null;
+  #highlighted: Freedom | null = null;
 
   readonly #reach: number;
 
@@ -82,32 +83,31 @@ export class Handles {
     this.#active.color.set(active);
   }
 
-  /** Where a handle is grabbed, in the scene. */
+  /** Position of a grip in the scene. */
   grip(freedom: Freedom): Vector3 | null {
     const handle = this.#handles.find((one) => one.freedom === freedom);
-    return handle ? this.group.localToWorld(handle.at.clone()) : null;
+    return handle ? this.group.localToWorld(handle.position.clone()) : null;
   }
 
-  /** Gives back what was made for it. */
+  /** Disposes of geometries and materials. */
   dispose(): void {
-    this.group.traverse((part) => {
-      if (part instanceof Mesh) part.geometry.dispose();
-    });
+    disposeGeometries(this.group);
     this.#idle.dispose();
     this.#active.dispose();
   }
 
-  /** The handle under the pointer; of several, the one that is grabbed nearest to it. */
-  hit(ray: Raycaster): Freedom | null {
+  /** The handle on a ray; of several, the one whose grip is nearest to the ray. */
+  pick(ray: Raycaster): Freedom | null {
     if (!this.group.visible) return null;
-    const under = this.#handles.filter(({ group }) => ray.intersectObject(group, true).length > 0);
-    const off = ({ at }: Handle) => ray.ray.distanceSqToPoint(this.group.localToWorld(at.clone()));
-    return under.reduce<Handle | null>((near, one) => (near && off(near) <= off(one) ? near : one), null)?.freedom ?? null;
+    const candidates = this.#handles.filter(({ group }) => ray.intersectObject(group, true).length > 0);
+    const distance = ({ position }: Handle) => ray.ray.distanceSqToPoint(this.group.localToWorld(position.clone()));
+    return candidates.reduce<Handle | null>((nearest, one) => (nearest && distance(nearest) <= distance(one) ? nearest : one), null)?.freedom ?? null;
   }
 
-  heat(freedom: Freedom | null): boolean {
-    if (freedom === this.#hot) return false;
-    this.#hot = freedom;
+  /** Highlights one handle; returns whether this is a change. */
+  highlight(freedom: Freedom | null): boolean {
+    if (freedom === this.#highlighted) return false;
+    this.#highlighted = freedom;
     for (const handle of this.#handles)
       handle.group.traverse((part) => {
         if (part instanceof Mesh && part.visible) part.material = handle.freedom === freedom ? this.#active : this.#idle;
@@ -116,59 +116,59 @@ export class Handles {
   }
 
   /**
-   * By how much a pointer's way [px] changes a freedom: mm for places, degrees for turns; tilts are geared down, a yaw follows the pointer.
-   * `unit_mm` is how long a unit of the scene is [mm].
+   * Displacement of a degree of freedom for a pointer movement [px]: in mm or degrees; tilts are scaled down, yaw follows the pointer.
+   * `unit_mm` is the length of a unit of the scene [mm].
    */
-  change(freedom: Freedom, moved: Vector2, camera: Camera, size: { width: number; height: number }, unit_mm: number): number {
+  displacement(freedom: Freedom, moved: Vector2, camera: Camera, size: { width: number; height: number }, unit_mm: number): number {
     const handle = this.#handles.find((one) => one.freedom === freedom) as Handle;
-    const start = this.group.localToWorld(handle.at.clone());
-    const end = this.group.localToWorld(handle.at.clone().add(handle.way));
-    const way = toPixels(end, camera, size).sub(toPixels(start, camera, size));
-    const pixels = way.length();
+    const start = this.group.localToWorld(handle.position.clone());
+    const end = this.group.localToWorld(handle.position.clone().add(handle.direction));
+    const projected = toPixels(end, camera, size).sub(toPixels(start, camera, size));
+    const pixels = projected.length();
     if (pixels < 1e-3) return 0;
-    const along = moved.dot(way.normalize());
+    const along = moved.dot(projected.normalize());
     if (freedom === 'about_x' || freedom === 'about_y') return along / PIXELS_PER_DEGREE;
-    const far = along / pixels;
-    return freedom === 'yaw' ? ((far / this.#reach) * 180) / Math.PI : far * this.group.scale.x * unit_mm;
+    const displacement = along / pixels;
+    return freedom === 'yaw' ? ((displacement / this.#reach) * 180) / Math.PI : displacement * this.group.scale.x * unit_mm;
   }
 
-  #add(freedom: Freedom, at: Vector3, way: Vector3, group: Group): void {
+  #add(freedom: Freedom, position: Vector3, direction: Vector3, group: Group): void {
     group.traverse((part) => {
       if (part instanceof Mesh && part.visible) part.material = this.#idle;
       part.renderOrder = 9;
     });
-    this.#handles.push({ freedom, group, at, way });
+    this.#handles.push({ freedom, group, position, direction });
     this.group.add(group);
   }
 }
 
 function toPixels(point: Vector3, camera: Camera, { width, height }: { width: number; height: number }): Vector2 {
-  const seen = point.project(camera);
-  return new Vector2(((seen.x + 1) / 2) * width, ((1 - seen.y) / 2) * height);
+  const projected = point.project(camera);
+  return new Vector2(((projected.x + 1) / 2) * width, ((1 - projected.y) / 2) * height);
 }
 
-/** A piece of a circle about an axis through the centre, with an arrow head at each end, and a wider piece to grab it by. */
+/** A circular arc about an axis through the centre with an arrow head at each end, and an invisible wider arc for picking. */
 function arc(radius: number, about: 'x' | 'y' | 'z'): Group {
   const half = 0.2;
   const group = new Group();
-  const turn = new Group();
-  group.add(turn);
-  // A torus lies in its xy plane, starting at +x: turned so that its middle is where the handle is.
-  if (about === 'y') turn.rotation.set(Math.PI / 2, 0, 0);
-  else if (about === 'x') turn.rotation.set(Math.PI / 2, Math.PI / 2, 0);
-  // Toward where no straight handle is.
-  else turn.rotation.set(0, 0, (-3 * Math.PI) / 4);
+  const rotated = new Group();
+  group.add(rotated);
+  // A torus lies in its xy plane and starts at +x; it is rotated so that its middle is at the grip.
+  if (about === 'y') rotated.rotation.set(Math.PI / 2, 0, 0);
+  else if (about === 'x') rotated.rotation.set(Math.PI / 2, Math.PI / 2, 0);
+  // Opposite to the straight handles.
+  else rotated.rotation.set(0, 0, (-3 * Math.PI) / 4);
   const line = new Mesh(new TorusGeometry(radius, 1.5, 10, 24, 2 * half));
   line.rotation.z = -half;
   const grip = new Mesh(new TorusGeometry(radius, 9, 6, 12, 2.4 * half), new MeshBasicMaterial({ visible: false }));
   grip.rotation.z = -1.2 * half;
   grip.visible = false;
-  turn.add(line, grip);
+  rotated.add(line, grip);
   for (const side of [-1, 1]) {
     const head = cone();
     head.position.set(radius * Math.cos(half), side * radius * Math.sin(half), 0);
     head.rotation.z = side * half + (side < 0 ? Math.PI : 0);
-    turn.add(head);
+    rotated.add(head);
   }
   return group;
 }
@@ -190,7 +190,7 @@ function straight(): Group {
   return group;
 }
 
-/** A cone that points along +y. */
+/** A cone along +y. */
 function cone(): Object3D {
   return new Mesh(new ConeGeometry(4.6, 11, 20).translate(0, 5.5, 0));
 }

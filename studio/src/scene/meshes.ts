@@ -1,43 +1,43 @@
-// Shapes that the robot file names. Each format's reader is fetched only where such a shape is.
+// Reads the mesh files of a robot. The loader of a format is fetched only if the robot uses it.
 
 import { BufferGeometry, Group, Mesh, MeshStandardMaterial, type Material, type Object3D } from 'three';
 
 export type MeshFormat = 'stl' | 'obj' | 'gltf' | 'glb';
 
-const MOST_METAL = 0.2;
+const MAX_METALNESS = 0.2;
 /** The shortest binary STL [bytes]. */
 const STL_HEAD = 84;
 
-/** The shape in a file, in mm and with z up; where the file tells no colours, in the given material. */
+/** The mesh in a file, in mm with z up; formats without materials get the given one. */
 export async function loadMesh(format: MeshFormat, bytes: ArrayBuffer, material: Material): Promise<Object3D> {
-  const shape = await read(format, bytes, material);
+  const mesh = await read(format, bytes, material);
   let triangles = 0;
-  shape.traverse((part) => {
+  mesh.traverse((part) => {
     if (!(part instanceof Mesh)) return;
     part.castShadow = part.receiveShadow = true;
-    triangles += check(part.geometry as BufferGeometry);
+    triangles += triangleCount(part.geometry as BufferGeometry);
   });
   if (triangles === 0) throw new Error('the file has no triangles');
-  return shape;
+  return mesh;
 }
 
 async function read(format: MeshFormat, bytes: ArrayBuffer, material: Material): Promise<Object3D> {
   switch (format) {
     case 'stl': {
-      // Three asks shorter files for a count that lies behind their end.
+      // The loader of three.js reads a count beyond the end of shorter files.
       if (bytes.byteLength < STL_HEAD) throw new Error('the file has no triangles');
       const { STLLoader } = await import('three/examples/jsm/loaders/STLLoader.js');
       return new Mesh(new STLLoader().parse(bytes), material);
     }
     case 'obj': {
       const { OBJLoader } = await import('three/examples/jsm/loaders/OBJLoader.js');
-      const shape = new OBJLoader().parse(new TextDecoder().decode(bytes));
-      shape.traverse((part) => {
+      const mesh = new OBJLoader().parse(new TextDecoder().decode(bytes));
+      mesh.traverse((part) => {
         if (part instanceof Mesh) part.material = material;
-        // Lines and points of a drawing are no body.
-        else if (part !== shape && !(part instanceof Group)) part.visible = false;
+        // Lines and points of the file are not displayed.
+        else if (part !== mesh && !(part instanceof Group)) part.visible = false;
       });
-      return shape;
+      return mesh;
     }
     default: {
       const { GLTFLoader } = await import('three/examples/jsm/loaders/GLTFLoader.js');
@@ -45,20 +45,20 @@ async function read(format: MeshFormat, bytes: ArrayBuffer, material: Material):
       // glTF is in metres and has y up.
       scene.traverse((part) => {
         if (!(part instanceof Mesh)) return;
-        // Metal shows what surrounds it, and here nothing does: it would be black.
-        for (const own of [part.material].flat()) if (own instanceof MeshStandardMaterial) own.metalness = Math.min(own.metalness, MOST_METAL);
+        // Metallic materials reflect the environment; without one they would be black.
+        for (const own of [part.material].flat()) if (own instanceof MeshStandardMaterial) own.metalness = Math.min(own.metalness, MAX_METALNESS);
       });
-      const turned = new Group();
-      turned.rotation.x = Math.PI / 2;
-      turned.scale.setScalar(1000);
-      turned.add(scene);
-      return turned;
+      const rotated = new Group();
+      rotated.rotation.x = Math.PI / 2;
+      rotated.scale.setScalar(1000);
+      rotated.add(scene);
+      return rotated;
     }
   }
 }
 
-/** How many triangles there are; numbers that are none are an error, since nothing could be drawn of them. */
-function check(geometry: BufferGeometry): number {
+/** The number of triangles; coordinates that are not finite are an error. */
+function triangleCount(geometry: BufferGeometry): number {
   const positions = geometry.getAttribute('position');
   if (!positions) return 0;
   for (let i = 0; i < positions.count; i++)

@@ -1,4 +1,4 @@
-// Colours of models and of the scene. Models keep the colours of the project's printed figures, safe for the colour-blind.
+// Colors of models and scene. Models have the colors of the printed figures, which are safe for color-blind readers.
 
 export type Theme = 'light' | 'dark';
 

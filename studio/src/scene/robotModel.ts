@@ -1,4 +1,4 @@
-// The robot's body: flange, guides, rods, balls, platform, frames. Millimetres.
+// 3D model of the three-rod robot: flange, guides, rods, balls, platform. Units: mm.
 
 import {
   BufferGeometry,
@@ -19,9 +19,10 @@ import {
   type Object3D,
 } from 'three';
 import { outline, type Point } from '../lib/geometry';
+import { disposeGeometries } from './dispose';
 import type { SceneColours } from './palette';
 
-/** Sizes that the robot file does not tell, chosen to look like the robot [mm]. */
+/** Dimensions that are not in the robot file, chosen to resemble the robot [mm]. */
 export const SIZES = {
   flange: 16,
   housing: 90,
@@ -39,14 +40,14 @@ export const SIZES = {
 const UP = new Vector3(0, 0, 1);
 
 export interface RobotGeometry {
-  /** Where the rods' axes cross the base plane [mm]. */
+  /** Intersections of the rod axes with the base plane [mm]. */
   bases: Point[];
   /** Nominal sockets in the platform frame [mm]. */
   sockets: Point[];
 }
 
 export class RobotMaterials {
-  // Little of metal: it shows what surrounds it, and nothing does.
+  // Low metalness: metallic materials reflect the environment, and there is none.
   readonly base = new MeshStandardMaterial({ metalness: 0.1, roughness: 0.6 });
   readonly guide = new MeshStandardMaterial({ metalness: 0.15, roughness: 0.5 });
   readonly rod = new MeshStandardMaterial({ metalness: 0.2, roughness: 0.35 });
@@ -92,7 +93,7 @@ function plateShape(line: Point[], holes: [Point, number][]): Shape {
   return shape;
 }
 
-/** Where the platform's outline and holes are, as built. */
+/** Outline and holes of the nominal platform. */
 export function platePlan(sockets: Point[]): { line: Point[]; holes: [Point, number][] } {
   const reach = Math.min(...sockets.map(([x, y]) => Math.hypot(x, y)));
   const holes: [Point, number][] = sockets.map((socket) => [socket, SIZES.hole]);
@@ -106,7 +107,7 @@ export class RobotModel {
   readonly base = new Group();
   readonly platform = new Group();
   readonly ghost = new Group();
-  /** Outlines of the platform as built, in its plane. */
+  /** Outlines of the nominal platform, in its plane. */
   readonly lines: Point[][];
   readonly #rods: Mesh[] = [];
   readonly #balls: Mesh[] = [];
@@ -158,9 +159,9 @@ export class RobotModel {
     this.platform.matrixAutoUpdate = false;
     this.group.add(this.platform);
 
-    const pale = new ExtrudeGeometry(plateShape(plan.line, plan.holes), { depth: 1, bevelEnabled: false, curveSegments: 40 });
-    pale.translate(0, 0, -0.5);
-    const ghost = new Mesh(pale, materials.ghost);
+    const thinPlate = new ExtrudeGeometry(plateShape(plan.line, plan.holes), { depth: 1, bevelEnabled: false, curveSegments: 40 });
+    thinPlate.translate(0, 0, -0.5);
+    const ghost = new Mesh(thinPlate, materials.ghost);
     ghost.renderOrder = 2;
     this.ghost.add(ghost);
     this.lines = [plan.line, ...plan.holes.map(([center, radius]) => circle(center, radius))];
@@ -169,16 +170,16 @@ export class RobotModel {
     this.group.add(this.ghost);
   }
 
-  /** Shows a shape from the robot file in place of the one made here. */
-  wear(part: 'base' | 'platform', shape: Object3D): void {
-    drop(this[part]);
+  /** Replaces a generated part by a mesh of the robot file. */
+  setMesh(part: 'base' | 'platform', mesh: Object3D): void {
+    disposeGeometries(this[part]);
     this[part].clear();
-    this[part].add(shape);
+    this[part].add(mesh);
   }
 
-  /** Puts rods and balls where the ball centres are [mm]. */
+  /** Moves rods and balls to given ball centres [mm]. */
   place(balls: Vector3[], normal: Vector3): void {
-    const turn = new Quaternion().setFromUnitVectors(UP, normal);
+    const rotation = new Quaternion().setFromUnitVectors(UP, normal);
     balls.forEach((ball, k) => {
       const [x, y] = this.#bases[k] as Point;
       const rod = this.#rods[k] as Mesh;
@@ -187,19 +188,13 @@ export class RobotModel {
       (this.#balls[k] as Mesh).position.copy(ball);
       const ring = this.#rings[k] as Mesh;
       ring.position.copy(ball);
-      ring.quaternion.copy(turn);
+      ring.quaternion.copy(rotation);
     });
   }
 
   dispose(): void {
-    drop(this.group);
+    disposeGeometries(this.group);
   }
-}
-
-function drop(whole: Object3D): void {
-  whole.traverse((part) => {
-    if (part instanceof Mesh) part.geometry.dispose();
-  });
 }
 
 function circle([x, y]: Point, radius: number): Point[] {

@@ -1,11 +1,9 @@
-// The robot in three dimensions: cameras, lights, views.
+// 3D view of the three-rod robot: cameras, shadows, standard views, snapshots.
 
 import {
   ACESFilmicToneMapping,
   Box3,
   DirectionalLight,
-  GridHelper,
-  HemisphereLight,
   Mesh,
   Object3D,
   OrthographicCamera,
@@ -18,12 +16,12 @@ import {
 } from 'three';
 import type { Point } from '../lib/geometry';
 import type { View } from '../lib/link';
+import { Annotations } from './annotations';
 import { Handles } from './handles';
 import { SCENE, type Theme } from './palette';
-import { draw, type Picture } from './robotScene';
 import { RobotMaterials, RobotModel, SIZES } from './robotModel';
-import { paintGrid, SceneRenderer, type Camera, type Captions, type RendererEvents } from './sceneRenderer';
-import { Annotations } from './annotations';
+import { updateRobotScene, type RobotPicture } from './robotScene';
+import { SceneRenderer, type Camera, type Overlay, type RendererEvents } from './sceneRenderer';
 
 Object3D.DEFAULT_UP.set(0, 0, 1);
 
@@ -44,106 +42,109 @@ export interface RobotRendererEvents extends RendererEvents {
   viewChanged: () => void;
 }
 
+/** Intensity of the light from behind, which separates the robot from the background. */
+const RIM_INTENSITY = 0.9;
+
 export class RobotRenderer extends SceneRenderer {
-  protected readonly unit_mm = 1;
   readonly #events: RobotRendererEvents;
   readonly #perspective: PerspectiveCamera;
   readonly #orthographic = new OrthographicCamera(-1, 1, 1, -1, -5000, 20000);
   readonly #materials = new RobotMaterials();
   readonly #annotations = new Annotations();
-  readonly #sun = new DirectionalLight(0xffffff, 2.1);
-  readonly #fill = new DirectionalLight(0xdce8ff, 0.8);
-  readonly #rim = new DirectionalLight(0xffffff, 0.9);
-  readonly #sky = new HemisphereLight(0xffffff, 0x94a0ac, 1.5);
+  readonly #rimLight = new DirectionalLight(0xffffff, RIM_INTENSITY);
   readonly #ground = new Mesh(new PlaneGeometry(4000, 4000), new ShadowMaterial({ opacity: 0.2 }));
-  readonly #grid = new GridHelper(1600, 32);
-  #body: RobotModel | null = null;
-  #picture: Picture | null = null;
-  #flight = 0;
-  /** Nobody has chosen a view yet: a resized picture may choose again. */
-  #untouched = true;
-  /** Width at the left of the picture that something lies over [px]. */
+  #robot: RobotModel | null = null;
+  #picture: RobotPicture | null = null;
+  #animation = 0;
+  /** Whether the view is still the initial one, which adapts to the size of the window. */
+  #initialView = true;
+  /** Width at the left of the view that is covered by another element [px]. */
   #covered = 0;
-  /** Called with the canvas after each picture, to film it. */
-  film: (() => void) | null = null;
+  /** Called after each frame, to record it. */
+  onFrame: (() => void) | null = null;
 
   constructor(host: HTMLElement, events: RobotRendererEvents) {
     const camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 10, 20000);
-    super(host, camera, '3D view of the robot; its values are in the panels', events);
+    super(
+      host,
+      {
+        camera,
+        description: '3D view of the robot; its values are in the panels',
+        unit_mm: 1,
+        // Directional lights instead of an environment map: without a graphics card, its generation alone takes seconds.
+        lights: { key: { intensity: 2.1, position: [380, -520, 1100] }, fill: { intensity: 0.8, position: [-620, -260, 420] }, sky: 1.5 },
+        grid: { size: 1600, divisions: 32 },
+      },
+      events,
+    );
     this.#perspective = camera;
     this.#events = events;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
-    // Shadows change with the robot, not with the eye.
+    // Shadows depend on the robot, not on the camera.
     this.renderer.shadowMap.autoUpdate = false;
     this.renderer.toneMapping = ACESFilmicToneMapping;
     this.renderer.toneMappingExposure = 1.05;
-    this.controls.addEventListener('start', () => (this.#untouched = false));
+    this.controls.addEventListener('start', () => (this.#initialView = false));
     this.controls.addEventListener('change', () => this.#events.viewChanged());
-    // Lamps rather than a picture of a room: without a graphics card, making that one alone takes seconds.
-    this.#fill.position.set(-620, -260, 420);
-    this.#rim.position.set(120, 760, 520);
-    this.#sun.position.set(380, -520, 1100);
-    this.#sun.castShadow = true;
-    this.#sun.shadow.mapSize.set(1024, 1024);
-    this.#sun.shadow.bias = -0.0006;
-    this.#sun.shadow.normalBias = 0.6;
+    this.#rimLight.position.set(120, 760, 520);
+    this.keyLight.castShadow = true;
+    this.keyLight.shadow.mapSize.set(1024, 1024);
+    this.keyLight.shadow.bias = -0.0006;
+    this.keyLight.shadow.normalBias = 0.6;
     this.#ground.receiveShadow = true;
     const floor = -SIZES.flange - SIZES.housing;
     this.#ground.position.z = floor;
-    this.#grid.rotation.x = Math.PI / 2;
-    this.#grid.position.z = floor + 0.2;
-    this.scene.add(this.#sun, this.#sun.target, this.#fill, this.#rim, this.#sky, this.#ground, this.#grid, this.#annotations.group);
-    this.canvas.addEventListener('dblclick', (event) => this.#centre(event));
+    this.grid.position.z = floor + 0.2;
+    this.scene.add(this.#rimLight, this.#ground, this.#annotations.group);
+    this.canvas.addEventListener('dblclick', (event) => this.#center(event));
     this.measure();
   }
 
   override dispose(): void {
-    cancelAnimationFrame(this.#flight);
-    this.#body?.dispose();
+    cancelAnimationFrame(this.#animation);
+    this.#robot?.dispose();
     super.dispose();
   }
 
-  /** Builds the robot; the view is set if it is the first. */
+  /** Builds the model of the robot from the points of its rods in the base plane and its nominal sockets [mm]. */
   build(bases: Point[], sockets: Point[]): void {
-    if (this.#body) {
-      this.scene.remove(this.#body.group);
-      this.#body.dispose();
+    if (this.#robot) {
+      this.scene.remove(this.#robot.group);
+      this.#robot.dispose();
     }
-    this.#body = new RobotModel({ bases, sockets }, this.#materials);
-    this.scene.add(this.#body.group);
+    this.#robot = new RobotModel({ bases, sockets }, this.#materials);
+    this.scene.add(this.#robot.group);
     const radius = Math.max(...sockets.map((socket) => Math.hypot(...socket)));
-    if (this.handles) this.scene.remove(this.handles.group);
-    this.handles = new Handles(radius);
-    this.scene.add(this.handles.group);
+    this.setHandles(new Handles(radius));
     const reach = radius * 3;
-    Object.assign(this.#sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 50, far: 2600 });
-    this.#sun.shadow.camera.updateProjectionMatrix();
+    Object.assign(this.keyLight.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 50, far: 2600 });
+    this.keyLight.shadow.camera.updateProjectionMatrix();
   }
 
-  /** Shows a shape from the robot file in place of the one made here. */
-  wear(part: 'base' | 'platform', shape: Object3D): void {
-    this.#body?.wear(part, shape);
+  /** Replaces a generated part by a mesh of the robot file. */
+  setMesh(part: 'base' | 'platform', mesh: Object3D): void {
+    this.#robot?.setMesh(part, mesh);
     this.renderer.shadowMap.needsUpdate = true;
     this.invalidate();
-    if (this.#untouched && this.#picture) this.begin();
+    if (this.#initialView && this.#picture) this.showInitialView();
   }
 
-  /** What a part with its own material is painted with. */
+  /** Material of a part, for meshes without materials. */
   material(part: 'base' | 'platform'): Material {
     return this.#materials[part];
   }
 
-  /** How large a part is as it is drawn, along x, y and z of the base frame [mm]. */
+  /** Extent of a displayed part along x, y and z of the base frame [mm]. */
   extent(part: 'base' | 'platform'): number[] {
-    const box = this.#body ? new Box3().setFromObject(this.#body[part]) : new Box3();
+    const box = this.#robot ? new Box3().setFromObject(this.#robot[part]) : new Box3();
     return box.getSize(new Vector3()).toArray();
   }
 
   set covered(width: number) {
     if (width === this.#covered) return;
     this.#covered = width;
-    this.#frustum();
+    this.#updateProjection();
     this.invalidate();
   }
 
@@ -152,20 +153,16 @@ export class RobotRenderer extends SceneRenderer {
     this.invalidate();
   }
 
-  paint(theme: Theme): void {
+  override setTheme(theme: Theme): void {
     const colours = SCENE[theme];
     this.#materials.paint(colours);
-    this.handles?.paint(colours.handle, colours.handleActive);
-    this.#sun.intensity = 2.1 * colours.light;
-    this.#fill.intensity = 0.8 * colours.light;
-    this.#rim.intensity = 0.9 * colours.light;
-    this.#sky.intensity = 1.5 * colours.light;
+    this.#rimLight.intensity = RIM_INTENSITY * colours.light;
     (this.#ground.material as ShadowMaterial).opacity = colours.shadow;
-    paintGrid(this.#grid, colours.grid);
-    this.invalidate();
+    super.setTheme(theme);
   }
 
-  show(picture: Picture): void {
+  /** Displays a pose. */
+  show(picture: RobotPicture): void {
     if (picture.pose !== this.#picture?.pose || picture.exaggeration !== this.#picture.exaggeration || picture.model !== this.#picture.model)
       this.renderer.shadowMap.needsUpdate = true;
     this.#picture = picture;
@@ -185,12 +182,12 @@ export class RobotRenderer extends SceneRenderer {
   }
 
   set view(view: View) {
-    this.#untouched = false;
-    this.#use(view.projection === 'perspective' ? this.#perspective : this.#orthographic);
+    this.#initialView = false;
+    this.#useCamera(view.projection === 'perspective' ? this.#perspective : this.#orthographic);
     this.camera.position.set(...view.eye_mm);
     this.controls.target.set(...view.target_mm);
     this.camera.zoom = view.zoom;
-    this.#frustum();
+    this.#updateProjection();
     this.controls.update();
     this.invalidate();
   }
@@ -201,39 +198,39 @@ export class RobotRenderer extends SceneRenderer {
     this.#events.viewChanged();
   }
 
-  /** Where a visitor begins: the robot, or in a low picture its platform. */
-  begin(): void {
+  /** Shows the robot, or its platform in a view of small height. */
+  showInitialView(): void {
     if (this.size.height < 420) this.lookAtPlatform();
     else this.look('home');
-    this.#untouched = true;
+    this.#initialView = true;
   }
 
-  /** Looks at the whole robot from one of the standard sides. */
+  /** Shows the robot from a standard direction. */
   look(side: StandardView, box = this.#bounds()): void {
-    this.#untouched = false;
+    this.#initialView = false;
     const [x, y, z] = STANDARD_VIEWS[side];
-    this.#fly(new Vector3(x, y, z).normalize(), box);
+    this.#showBox(new Vector3(x, y, z).normalize(), box);
   }
 
-  /** Looks at the same place from another of the standard sides. */
+  /** Rotates the camera about its target to a standard direction. */
   turnTo(side: StandardView): void {
     const [x, y, z] = STANDARD_VIEWS[side];
     const distance = this.camera.position.distanceTo(this.controls.target);
-    this.#approach(new Vector3(x, y, z).normalize(), this.controls.target.clone(), distance, this.camera.zoom);
+    this.#moveCamera(new Vector3(x, y, z).normalize(), this.controls.target.clone(), distance, this.camera.zoom);
   }
 
-  /** The turn from the base frame to the eye's, column by column: what a view cube shows. */
-  get turn(): number[] {
+  /** Rotation from the base frame to the camera frame, by columns, as the view cube shows it. */
+  get rotation(): number[] {
     return this.camera.matrixWorldInverse.toArray();
   }
 
-  /** Keeps the direction and shows the whole robot. */
+  /** Shows the whole robot in the current direction. */
   fit(): void {
-    const way = this.camera.position.clone().sub(this.controls.target).normalize();
-    this.#fly(way, this.#bounds());
+    const direction = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.#showBox(direction, this.#bounds());
   }
 
-  /** Shows the platform from near. */
+  /** Shows a close-up of the platform. */
   lookAtPlatform(side: StandardView = 'home'): void {
     const height = (this.#picture?.pose.axis_height_m ?? 0.5) * 1000;
     const sockets = this.#picture?.robot.limbs.map((limb) => limb.socket_radius_m * 1000) ?? [93];
@@ -241,68 +238,68 @@ export class RobotRenderer extends SceneRenderer {
     this.look(side, new Box3(new Vector3(-reach, -reach, height - 40), new Vector3(reach, reach, height + 40)));
   }
 
-  /** What of the robot should be in view: down to a little below the flange. */
+  /** The part of the robot that standard views show: all above a plane slightly below the flange. */
   #bounds(): Box3 {
-    if (this.#picture && this.#body) draw(this.#picture, this.#body, this.#annotations);
-    const box = this.#body ? new Box3().setFromObject(this.#body.group) : new Box3();
+    if (this.#picture && this.#robot) updateRobotScene(this.#picture, this.#robot, this.#annotations);
+    const box = this.#robot ? new Box3().setFromObject(this.#robot.group) : new Box3();
     if (box.isEmpty()) box.set(new Vector3(-150, -150, 0), new Vector3(150, 150, 500));
     box.min.z = Math.max(box.min.z, -70);
     return box;
   }
 
-  /** Shows a box from a side, leaving room for what lies over the picture. */
-  #fly(way: Vector3, box: Box3): void {
+  /** Shows a box from a direction, in the part of the view that is not covered. */
+  #showBox(direction: Vector3, box: Box3): void {
     const center = box.getCenter(new Vector3());
-    const up = Math.abs(way.z) > 0.999 ? new Vector3(0, 1, 0) : new Vector3(0, 0, 1);
-    const right = up.clone().cross(way).normalize();
-    const over = way.clone().cross(right);
-    const tall = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * 0.8;
-    const wide = (tall * Math.max(this.size.width - this.#covered, 200)) / this.size.height;
+    const reference = Math.abs(direction.z) > 0.999 ? new Vector3(0, 1, 0) : new Vector3(0, 0, 1);
+    const right = reference.clone().cross(direction).normalize();
+    const up = direction.clone().cross(right);
+    const halfHeight = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * 0.8;
+    const halfWidth = (halfHeight * Math.max(this.size.width - this.#covered, 200)) / this.size.height;
     let distance = 1;
-    for (let corner = 0; corner < 8; corner++) {
-      const at = new Vector3(...([1, 2, 4].map((bit, i) => ((corner & bit) > 0 ? box.max : box.min).getComponent(i)) as [number, number, number]));
-      at.sub(center);
-      const near = at.dot(way);
-      distance = Math.max(distance, Math.abs(at.dot(right)) / wide + near, Math.abs(at.dot(over)) / tall + near);
+    for (let index = 0; index < 8; index++) {
+      const corner = new Vector3(...([1, 2, 4].map((bit, i) => ((index & bit) > 0 ? box.max : box.min).getComponent(i)) as [number, number, number]));
+      corner.sub(center);
+      const depth = corner.dot(direction);
+      distance = Math.max(distance, Math.abs(corner.dot(right)) / halfWidth + depth, Math.abs(corner.dot(up)) / halfHeight + depth);
     }
-    this.#approach(way, center, distance, 1);
+    this.#moveCamera(direction, center, distance, 1);
   }
 
-  #approach(way: Vector3, center: Vector3, distance: number, zoom: number): void {
+  #moveCamera(direction: Vector3, center: Vector3, distance: number, zoom: number): void {
     const from = { eye: this.camera.position.clone(), target: this.controls.target.clone(), zoom: this.camera.zoom };
-    const eye = center.clone().addScaledVector(way, distance);
-    const arrive = (part: number) => {
-      this.controls.target.lerpVectors(from.target, center, part);
-      this.camera.position.lerpVectors(from.eye, eye, part);
-      // On the straight way the eye would pass near what it looks at.
-      const reach = from.eye.distanceTo(from.target) * (1 - part) + distance * part;
-      this.camera.position.sub(this.controls.target).setLength(reach).add(this.controls.target);
-      this.camera.zoom = from.zoom * (1 - part) + zoom * part;
-      this.#frustum();
+    const eye = center.clone().addScaledVector(direction, distance);
+    const interpolate = (share: number) => {
+      this.controls.target.lerpVectors(from.target, center, share);
+      this.camera.position.lerpVectors(from.eye, eye, share);
+      // The straight line between the two positions may pass close to the target.
+      const radius = from.eye.distanceTo(from.target) * (1 - share) + distance * share;
+      this.camera.position.sub(this.controls.target).setLength(radius).add(this.controls.target);
+      this.camera.zoom = from.zoom * (1 - share) + zoom * share;
+      this.#updateProjection();
       this.controls.update();
       this.invalidate();
     };
-    cancelAnimationFrame(this.#flight);
+    cancelAnimationFrame(this.#animation);
     if (reducedMotion() || from.eye.lengthSq() === 0) {
-      arrive(1);
+      interpolate(1);
       return;
     }
     const start = performance.now();
     const step = (now: number) => {
-      const part = Math.min((now - start) / 320, 1);
-      arrive(1 - (1 - part) ** 3);
-      if (part < 1) this.#flight = requestAnimationFrame(step);
+      const share = Math.min((now - start) / 320, 1);
+      interpolate(1 - (1 - share) ** 3);
+      if (share < 1) this.#animation = requestAnimationFrame(step);
     };
-    this.#flight = requestAnimationFrame(step);
+    this.#animation = requestAnimationFrame(step);
   }
 
-  #use(camera: Camera): void {
+  #useCamera(camera: Camera): void {
     if (camera === this.camera) return;
     this.camera = camera;
     this.controls.object = camera;
   }
 
-  #frustum(): void {
+  #updateProjection(): void {
     const aspect = this.size.width / this.size.height;
     this.#perspective.aspect = aspect;
     const distance = this.camera.position.distanceTo(this.controls.target);
@@ -314,24 +311,24 @@ export class RobotRenderer extends SceneRenderer {
     this.camera.updateProjectionMatrix();
   }
 
-  // Pictures
+  // Frames
 
   protected resized(): void {
-    this.#frustum();
-    if (this.#untouched && this.#picture) this.begin();
+    this.#updateProjection();
+    if (this.#initialView && this.#picture) this.showInitialView();
   }
 
-  protected compose(): Captions | null {
-    if (!this.#picture || !this.#body) return null;
-    const labels = draw(this.#picture, this.#body, this.#annotations);
-    return { labels, covered: { left: this.#covered + 10, right: 104 }, theme: this.#picture.theme };
+  protected update(): Overlay | null {
+    if (!this.#picture || !this.#robot) return null;
+    const labels = updateRobotScene(this.#picture, this.#robot, this.#annotations);
+    return { labels, covered: { left: this.#covered + 10, right: 104 } };
   }
 
-  protected override finished(): void {
-    this.film?.();
+  protected override frameRendered(): void {
+    this.onFrame?.();
   }
 
-  /** Paints what is seen onto a canvas, with a line that says how play is drawn. */
+  /** Copies the last frame to a canvas, with a note on the play scale. */
   copyTo(canvas: HTMLCanvasElement, note: string): void {
     const source = this.renderer.domElement;
     if (canvas.width !== source.width || canvas.height !== source.height) {
@@ -340,7 +337,7 @@ export class RobotRenderer extends SceneRenderer {
     }
     const context = canvas.getContext('2d');
     if (!context || !this.#picture) return;
-    const colours = SCENE[this.#picture.theme];
+    const colours = SCENE[this.theme];
     const ratio = this.renderer.getPixelRatio();
     context.fillStyle = colours.background;
     context.fillRect(0, 0, canvas.width, canvas.height);
@@ -351,26 +348,26 @@ export class RobotRenderer extends SceneRenderer {
     context.fillText(note, 14 * ratio, canvas.height - 14 * ratio);
   }
 
-  /** What is seen. */
+  /** The view as PNG, with a note. */
   snapshot(note: string): Promise<Blob | null> {
-    const film = this.film;
-    this.film = null;
+    const { onFrame } = this;
+    this.onFrame = null;
     this.render();
     const canvas = document.createElement('canvas');
     this.copyTo(canvas, note);
-    this.film = film;
+    this.onFrame = onFrame;
     this.invalidate();
     return new Promise((done) => canvas.toBlob(done, 'image/png'));
   }
 
   // The pointer
 
-  #centre(event: MouseEvent): void {
-    const hit = this.#body && this.ray(event).intersectObject(this.#body.group, true)[0];
+  #center(event: MouseEvent): void {
+    const hit = this.#robot && this.intersection(event, this.#robot.group);
     if (!hit) return;
     const distance = this.camera.position.distanceTo(this.controls.target);
-    const way = this.camera.position.clone().sub(this.controls.target).normalize();
-    this.#approach(way, hit.point, distance, this.camera.zoom);
+    const direction = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.#moveCamera(direction, hit.point, distance, this.camera.zoom);
   }
 }
 

@@ -1,9 +1,9 @@
-// One answer of the server, drawn.
+// Updates the 3D scene of the robot to a pose computed by the server.
 
 import { Matrix4, Vector3 } from 'three';
 import type { ModelDocument, PoseDocument, RobotDocument } from '../api/client';
 import type { Shown } from '../lib/document';
-import { jointPaths, planeMap, seat, type Point, type Triple } from '../lib/geometry';
+import { displayedSocket, jointPaths, planeMap, type Point, type Triple } from '../lib/geometry';
 import { jointLabels } from '../lib/joints';
 import { small, type LengthUnit } from '../lib/units';
 import type { Label } from './labels';
@@ -11,10 +11,11 @@ import { MODEL_COLOURS, SCENE, type Theme } from './palette';
 import { SIZES, type RobotModel } from './robotModel';
 import type { Annotations } from './annotations';
 
-export interface Picture {
+/** A pose with all options of its display. */
+export interface RobotPicture {
   robot: RobotDocument;
   pose: PoseDocument;
-  /** The model whose platform is drawn. */
+  /** The model whose platform is displayed. */
   model: string;
   exaggeration: number;
   shown: Shown;
@@ -24,34 +25,37 @@ export interface Picture {
 
 const MM = 1000;
 
-export function drawn(pose: PoseDocument, model: string): ModelDocument | undefined {
+/** The result of a model at a pose. */
+export function modelResult(pose: PoseDocument, model: string): ModelDocument | undefined {
   return pose.models.find((one) => one.model.virtualization === model);
 }
 
-/** Where the platform of a model is drawn: its plane as a matrix, its centre, its normal. */
-interface Placed {
+/** Displayed pose of a platform. */
+interface PlatformPlacement {
   matrix: Matrix4;
   center: Vector3;
   normal: Vector3;
-  seats: Vector3[];
-  /** Turns a way in the platform plane into one in the base frame. */
-  turn: (way: Point) => Vector3;
+  /** Displayed positions of the nominal sockets. */
+  sockets: Vector3[];
+  /** Transforms a vector in the platform plane to the base frame. */
+  toBase: (vector: Point) => Vector3;
 }
 
-export function draw(picture: Picture, body: RobotModel, annotations: Annotations): Label[] {
+/** Updates model and annotations to a pose, and returns the labels. */
+export function updateRobotScene(picture: RobotPicture, body: RobotModel, annotations: Annotations): Label[] {
   const { robot, pose, exaggeration, shown, theme, unit } = picture;
   const colours = SCENE[theme];
   const models = MODEL_COLOURS[theme];
   const sockets = robot.limbs.map(({ socket_m }) => [socket_m[0]! * MM, socket_m[1]! * MM] as Point);
   const balls = pose.balls_m.map((ball) => new Vector3(...(ball as Triple)).multiplyScalar(MM));
   const labels: Label[] = [];
-  const found = drawn(pose, picture.model)?.answer;
-  const placed = found ? place(found.pose.origin_m, found.pose.rotation, sockets, balls, exaggeration) : null;
-  const ghost = place(pose.approximate.pose.origin_m, pose.approximate.pose.rotation, sockets, balls, exaggeration);
-  const shape = placed ?? ghost;
-  body.place(balls, shape.normal);
-  body.platform.matrix.copy(shape.matrix);
-  body.platform.visible = placed !== null;
+  const result = modelResult(pose, picture.model)?.answer;
+  const placement = result ? placementOf(result.pose.origin_m, result.pose.rotation, sockets, balls, exaggeration) : null;
+  const ghost = placementOf(pose.approximate.pose.origin_m, pose.approximate.pose.rotation, sockets, balls, exaggeration);
+  const displayed = placement ?? ghost;
+  body.place(balls, displayed.normal);
+  body.platform.matrix.copy(displayed.matrix);
+  body.platform.visible = placement !== null;
   body.ghost.visible = shown.ghost;
   body.ghost.matrix.copy(ghost.matrix);
 
@@ -59,24 +63,24 @@ export function draw(picture: Picture, body: RobotModel, annotations: Annotation
   const colour = models[picture.model] ?? colours.ink;
   const rim = (k: number, by: number) => {
     const [x, y] = sockets[k] as Point;
-    const far = Math.hypot(x, y) || 1;
-    return (balls[k] as Vector3).clone().add(shape.turn([(x / far) * by, (y / far) * by]));
+    const radius = Math.hypot(x, y) || 1;
+    return (balls[k] as Vector3).clone().add(displayed.toBase([(x / radius) * by, (y / radius) * by]));
   };
-  if (placed && found && shown.joints) {
-    const beside = jointLabels(robot, picture.model, found.virtual_joints, unit);
+  if (placement && result && shown.joints) {
+    const jointTexts = jointLabels(robot, picture.model, result.virtual_joints, unit);
     sockets.forEach((socket, k) => {
-      const start = placed.seats[k] as Vector3;
-      const moved = found.sockets_m[k] as [number, number];
+      const start = placement.sockets[k] as Vector3;
+      const moved = result.sockets_m[k] as [number, number];
       const delta: Point = [
         exaggeration * (moved[0] * MM - socket[0]),
         exaggeration * (moved[1] * MM - socket[1]),
       ];
       const paths = jointPaths(picture.model, socket, delta);
-      const inBase = ([x, y]: Point) => start.clone().add(placed.turn([x, y]));
+      const inBase = ([x, y]: Point) => start.clone().add(placement.toBase([x, y]));
       rails(picture.model, socket, delta).forEach((rail) => annotations.path(rail.map(inBase), 0.45, colour, 9));
       paths.forEach((path) => annotations.path(path.map(inBase), 1.5, colour));
       annotations.dot(start, 2.6, colour);
-      if (shown.labels) labels.push({ at: rim(k, SIZES.rim), text: beside[k] as string, awayFrom: shape.center, colour: legible(colour, theme), strong: true });
+      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: jointTexts[k] as string, awayFrom: displayed.center, colour: legible(colour, theme), strong: true });
     });
   }
   if (shown.ghost) {
@@ -87,10 +91,10 @@ export function draw(picture: Picture, body: RobotModel, annotations: Annotation
     }
     sockets.forEach((_, k) => {
       const ball = balls[k] as Vector3;
-      const to = ghost.seats[k] as Vector3;
+      const to = ghost.sockets[k] as Vector3;
       annotations.arrow(ball, to, 1, grey, 9);
       const gap = new Vector3(...(pose.approximate.gaps_m[k] as Triple)).length();
-      if (shown.labels) labels.push({ at: rim(k, SIZES.rim), text: `gap ${small(gap, unit)}`, awayFrom: shape.center, colour: legible(grey, theme) });
+      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: `gap ${small(gap, unit)}`, awayFrom: displayed.center, colour: legible(grey, theme) });
     });
   }
   const axis = new Vector3(0, 0, pose.axis_height_m * MM);
@@ -102,42 +106,42 @@ export function draw(picture: Picture, body: RobotModel, annotations: Annotation
       const own = models[model.virtualization] as string;
       const strong = model.virtualization === picture.model;
       annotations.arrow(axis, tip, strong ? 1.7 : 1.2, own, strong ? 14 : 12);
-      if (shown.labels) labels.push({ at: tip, text: small(Math.hypot(x, y), unit), awayFrom: axis, colour: legible(own, theme), strong });
+      if (shown.labels) labels.push({ position: tip, text: small(Math.hypot(x, y), unit), awayFrom: axis, colour: legible(own, theme), strong });
     }
     annotations.dot(axis, 1.8, colours.ink, 15);
   }
   if (shown.frames) {
-    frame(annotations, labels, new Vector3(), (way) => way, 'b', colours.axes, shown.labels);
-    if (placed && found) {
-      const basis = columns(found.pose.rotation);
-      const turn = ({ x, y, z }: Vector3) =>
+    frame(annotations, labels, new Vector3(), (vector) => vector, 'b', colours.axes, shown.labels);
+    if (placement && result) {
+      const basis = columns(result.pose.rotation);
+      const toBase = ({ x, y, z }: Vector3) =>
         new Vector3().addScaledVector(basis[0], x).addScaledVector(basis[1], y).addScaledVector(basis[2], z);
-      frame(annotations, labels, placed.center, turn, 'p', colours.axes, shown.labels);
+      frame(annotations, labels, placement.center, toBase, 'p', colours.axes, shown.labels);
     }
   }
   annotations.end();
   return labels;
 }
 
-/** Colours that carry text have to be darker on light ground. */
+/** The color of a text: on a light background, a darker shade for contrast. */
 export function legible(colour: string, theme: Theme): string {
   if (theme === 'dark') return colour;
   const darker: Record<string, string> = { '#e69f00': '#8a5f00', '#56b4e9': '#1d6f9f', '#cc79a7': '#9b3f73', '#787878': '#5a5a5a' };
   return darker[colour] ?? colour;
 }
 
-function place(origin: number[], rotation: number[][], sockets: Point[], balls: Vector3[], exaggeration: number): Placed {
+function placementOf(origin: number[], rotation: number[][], sockets: Point[], balls: Vector3[], exaggeration: number): PlatformPlacement {
   const [ex, ey, ez] = columns(rotation);
   const center = new Vector3(...(origin as Triple)).multiplyScalar(MM);
-  const turn = ([x, y]: Point) => new Vector3().addScaledVector(ex, x).addScaledVector(ey, y);
-  const seats = sockets.map((socket, k) => {
+  const toBase = ([x, y]: Point) => new Vector3().addScaledVector(ex, x).addScaledVector(ey, y);
+  const displayedSockets = sockets.map((socket, k) => {
     const ball = balls[k] as Vector3;
-    const gap = ball.clone().sub(center.clone().add(turn(socket)));
-    return new Vector3(...seat(ball.toArray(), gap.toArray(), exaggeration));
+    const gap = ball.clone().sub(center.clone().add(toBase(socket)));
+    return new Vector3(...displayedSocket(ball.toArray(), gap.toArray(), exaggeration));
   });
-  const to = seats.map((one) => one.toArray()) as [Triple, Triple, Triple];
+  const to = displayedSockets.map((one) => one.toArray()) as [Triple, Triple, Triple];
   const matrix = new Matrix4().fromArray(planeMap(sockets as [Point, Point, Point], to, ez.toArray()));
-  return { matrix, center: new Vector3().applyMatrix4(matrix), normal: ez, seats, turn };
+  return { matrix, center: new Vector3().applyMatrix4(matrix), normal: ez, sockets: displayedSockets, toBase };
 }
 
 function columns(rotation: number[][]): [Vector3, Vector3, Vector3] {
@@ -145,7 +149,7 @@ function columns(rotation: number[][]): [Vector3, Vector3, Vector3] {
   return [column(0), column(1), column(2)];
 }
 
-/** Thin lines along which a model's joints move, as in the paper's Figs. 3 and 4; from the seat. */
+/** Directions of motion of a model's joints as in Figs. 3 and 4 of the paper, from the displayed socket. */
 function rails(model: string, nominal: Point, delta: Point): Point[][] {
   const radius = Math.hypot(...nominal) || 1;
   const out: Point = [nominal[0] / radius, nominal[1] / radius];
@@ -191,7 +195,7 @@ function frame(
   annotations: Annotations,
   labels: Label[],
   origin: Vector3,
-  turn: (way: Vector3) => Vector3,
+  toBase: (vector: Vector3) => Vector3,
   name: 'b' | 'p',
   colours: [string, string, string],
   labelled: boolean,
@@ -199,9 +203,9 @@ function frame(
   const names = ['x', 'y', 'z'];
   [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)].forEach((axis, i) => {
     const colour = colours[i] as string;
-    const tip = origin.clone().add(turn(axis).multiplyScalar(name === 'b' ? 46 : 38));
+    const tip = origin.clone().add(toBase(axis).multiplyScalar(name === 'b' ? 46 : 38));
     annotations.arrow(origin, tip, 0.9, colour, 8);
-    if (labelled && name === 'b') labels.push({ at: tip, text: names[i] as string, colour, offset: [6, 0] });
+    if (labelled && name === 'b') labels.push({ position: tip, text: names[i] as string, colour, offset: [6, 0] });
   });
-  if (labelled && name === 'b') labels.push({ at: origin, text: 'O_b', offset: [-8, 10] });
+  if (labelled && name === 'b') labels.push({ position: origin, text: 'O_b', offset: [-8, 10] });
 }

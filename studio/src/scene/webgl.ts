@@ -1,26 +1,27 @@
-// The page's first means of drawing in 3D, made while the rest of the page is still being fetched:
-// where no graphics card helps, the browser takes a while for it.
+// The first WebGL context of the page. It is created while the rest of the page is loading:
+// without a graphics card, its creation takes the browser a noticeable time.
 
-/** What a picture is drawn with. */
-export const ATTRIBUTES: { alpha: boolean; antialias: boolean } = { alpha: true, antialias: true };
+/** Attributes of the WebGL contexts. */
+export const CONTEXT_ATTRIBUTES: { alpha: boolean; antialias: boolean } = { alpha: true, antialias: true };
 
-export interface Graphics {
+/** A canvas with its WebGL context. */
+export interface WebGLCanvas {
   canvas: HTMLCanvasElement;
   context: WebGL2RenderingContext;
 }
 
-let made: Graphics | null = null;
+let prepared: WebGLCanvas | null = null;
 
-/** Begins; whoever draws first takes it. */
+/** Creates the context that the first view takes. */
 export function prepareContext(): void {
   const canvas = document.createElement('canvas');
-  const context = canvas.getContext('webgl2', ATTRIBUTES) as WebGL2RenderingContext | null;
-  made = context && { canvas, context };
+  const context = canvas.getContext('webgl2', CONTEXT_ATTRIBUTES) as WebGL2RenderingContext | null;
+  prepared = context && { canvas, context };
 }
 
-/** What was made, once; later pictures, and browsers without, have to see for themselves. */
-export function takeContext(): Graphics | null {
-  const taken = made;
-  made = null;
+/** The prepared context, once; `null` for later views and for browsers without WebGL 2. */
+export function takeContext(): WebGLCanvas | null {
+  const taken = prepared;
+  prepared = null;
   return taken;
 }

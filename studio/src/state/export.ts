@@ -1,4 +1,4 @@
-// Files that a person takes along.
+// Files for export: poses, time series, figures.
 
 import * as api from '../api/client';
 import { FACTORS } from '../lib/figures';
@@ -17,7 +17,7 @@ export function download(blob: Blob, name: string): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** The pose shown, as `jointplay forward --format json` writes it. */
+/** The current pose, as `jointplay forward --format json` writes it. */
 export async function forwardDocument(studio: Studio): Promise<Blob> {
   const { model, solver, metric } = studio.document;
   if (!studio.pose) throw new Error('no pose has been computed yet');
@@ -30,23 +30,23 @@ export async function seriesFile(studio: Studio, kind: 'csv' | 'parquet'): Promi
   return api.studyFile(motion, api.modelChoice(model, solver, metric), kind);
 }
 
-/** Points of one line of a printed plot, at most. */
-const POINTS = 1200;
-/** Pixels of a painted figure for each of its drawing. */
-const FINENESS = 2;
+/** Maximum number of points of one line of an exported plot. */
+const MAX_POINTS = 1200;
+/** Pixels of a PNG figure per unit of the SVG figure. */
+const PIXEL_RATIO = 2;
 
-/** The plots shown as one figure, with what is seen of them. */
+/** The visible plots as one SVG figure, in their current ranges. */
 export function figure(shown: typeof Plots, studio: Studio): Blob {
   const drawings = [...shown.values()].map(({ plot, kind }) => {
-    const all = studio.study.of(kind.quantity);
+    const all = studio.study.columnsOf(kind.quantity);
     const columns = all.filter((_, i) => plot.series[i + 1]?.show);
     const { min: from, max: to } = plot.scales['x'] as { min: number; max: number };
     const { min: low, max: high } = plot.scales['y'] as { min: number; max: number };
-    // Over time, or over the numbers of samples.
+    // Over time, or over the indices of samples.
     const { times, count } = studio.study;
     const x = (sample: number) => times?.[sample] ?? sample;
     const [first, end] = times ? [sampleAt(times, from), Math.min(sampleAt(times, to) + 2, count)] : [from, to + 1];
-    const kept = decimate(columns.map(({ values }) => values), first, end, POINTS / 8);
+    const selected = decimate(columns.map(({ values }) => values), first, end, MAX_POINTS / 8);
     return {
       title: `${kind.title}, ${studio.document.model}`,
       x: { title: times ? 'time [s]' : 'sample', range: [from, to] as [number, number] },
@@ -55,25 +55,25 @@ export function figure(shown: typeof Plots, studio: Studio): Blob {
         name: column.symbol,
         colour: SERIES.light[all.indexOf(column) % 6] as string,
         dash: [[], [8, 4], [2, 3], [8, 3, 2, 3], [12, 4], [5, 2]][all.indexOf(column) % 6] as number[],
-        points: kept.map((i) => [x(i), (column.values[i] as number) * FACTORS[kind.unit]] as [number, number]),
+        points: selected.map((i) => [x(i), (column.values[i] as number) * FACTORS[kind.unit]] as [number, number]),
       })),
     };
   });
   return new Blob([figureSvg(drawings)], { type: 'image/svg+xml' });
 }
 
-/** A figure in pixels, as fine as print needs. */
-export async function painted(figure: Blob): Promise<Blob> {
-  const picture = new Image();
-  picture.src = URL.createObjectURL(figure);
+/** A figure as PNG, in a resolution for printing. */
+export async function rasterized(figure: Blob): Promise<Blob> {
+  const image = new Image();
+  image.src = URL.createObjectURL(figure);
   try {
-    await picture.decode();
+    await image.decode();
   } finally {
-    URL.revokeObjectURL(picture.src);
+    URL.revokeObjectURL(image.src);
   }
   const canvas = document.createElement('canvas');
-  Object.assign(canvas, { width: picture.width * FINENESS, height: picture.height * FINENESS });
-  canvas.getContext('2d')?.drawImage(picture, 0, 0, canvas.width, canvas.height);
+  Object.assign(canvas, { width: image.width * PIXEL_RATIO, height: image.height * PIXEL_RATIO });
+  canvas.getContext('2d')?.drawImage(image, 0, 0, canvas.width, canvas.height);
   const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, 'image/png'));
   if (!blob) throw new Error('this browser cannot render the figure');
   return blob;

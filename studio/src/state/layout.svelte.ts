@@ -1,4 +1,4 @@
-// How the page is arranged; kept between visits, and no part of undo.
+// Layout of the page; stored in the browser and not part of undo.
 
 import { load, save } from '../lib/settings';
 import type { ShortcutSheet } from './shortcuts';
@@ -6,35 +6,35 @@ import { PanelLayout } from './panelLayout.svelte';
 
 const flag = (value: unknown) => typeof value === 'boolean';
 
-/** The panels beside the picture, as they stand at first. */
+/** Panels of the robot view in their initial order. */
 export const PANELS = ['pose', 'virtualization', 'displacement', 'mobility', 'sensitivity'] as const;
 export type PanelName = (typeof PANELS)[number];
 
-/** Those beside the picture of the cell. */
+/** Panels of the cell view in their initial order. */
 export const CELL_PANELS = ['check', 'jog', 'stations'] as const;
 export type CellPanelName = (typeof CELL_PANELS)[number];
 
 class Layout {
   plots = $state(true);
-  /** Which part of the page is shown, where there is a cell. */
+  /** The current view, if there is a cell. */
   part = $state<'robot' | 'cell'>(load('part', 'cell', (value) => value === 'robot' || value === 'cell'));
   plotsHeight = $state(load('plotsHeight', 300, (value) => typeof value === 'number' && value >= 160));
   readonly panels = new PanelLayout('', PANELS, ['left', 'right']);
   readonly cellPanels = new PanelLayout('cell.', CELL_PANELS, ['right']);
   docksShown = $state(load('docksShown', true, flag));
-  /** Whether the cell's axes are plotted below their bars, and how high both are. */
+  /** Whether the axis plots of the cell are visible, and the height of chart and plots [px]. */
   cellPlots = $state(load('cell.plots', false, flag));
   tracksHeight = $state(load('cell.tracks', 210, (value) => typeof value === 'number' && value >= 140));
-  /** Nothing has been drawn in 3D yet. */
+  /** Whether the first 3D frame is still to be rendered. */
   opening = $state(true);
   helpOpen = $state(false);
-  /** The keys of the view on show; without one, those of the robot. */
-  sheet = $state.raw<ShortcutSheet | null>(null);
+  /** Shortcuts of the current view; `null` for those of the robot view. */
+  shortcuts = $state.raw<ShortcutSheet | null>(null);
   explainOpen = $state(false);
-  storyShown = $state(load('story', true, flag));
+  introductionShown = $state(load('introduction', true, flag));
   handles = $state(load('handles', true, flag));
-  /** The plot shown alone, if one is. */
-  alone = $state<string | null>(null);
+  /** The maximized plot. */
+  maximizedPlot = $state<string | null>(null);
 
   setPart(part: 'robot' | 'cell'): void {
     this.part = part;
@@ -46,7 +46,7 @@ class Layout {
     save('docksShown', this.docksShown);
   }
 
-  /** All panels where and as they are at first. */
+  /** Restores the initial layout. */
   reset(): void {
     this.panels.reset();
     this.cellPanels.reset();
@@ -64,16 +64,16 @@ class Layout {
     save('cell.tracks', this.tracksHeight);
   }
 
-  /** Plots need room. */
+  /** Shows or hides the axis plots, with a height that fits them. */
   setCellPlots(shown: boolean): void {
     this.cellPlots = shown;
     save('cell.plots', shown);
     this.setTracksHeight(shown ? Math.max(this.tracksHeight, 400) : 210);
   }
 
-  setStory(shown: boolean): void {
-    this.storyShown = shown;
-    save('story', shown);
+  setIntroduction(shown: boolean): void {
+    this.introductionShown = shown;
+    save('introduction', shown);
   }
 
   setHandles(shown: boolean): void {

@@ -1,4 +1,4 @@
-// The plots on the page at the moment, to be taken away.
+// The visible plots of the robot view, for export.
 
 import type uPlot from 'uplot';
 import type { PlotKind } from '../lib/figures';

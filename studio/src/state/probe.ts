@@ -1,28 +1,45 @@
-// Marks for the measuring script and the tests: when which pose has been drawn.
+// State of the page for tests and for the measuring script.
 
 import type { PoseDocument } from '../api/client';
 import type { Freedom } from '../scene/handles';
 
+/** Contents of the 3D view of a cell. */
+export interface CellProbe {
+  /** Names of all parts. */
+  parts: () => string[];
+  /** Origin of a frame in the base frame [m]. */
+  origin: (name: string) => number[] | null;
+  /** Position of a drag handle on the page [px]. */
+  grip: (freedom: Freedom) => { x: number; y: number } | null;
+  /** Names of the highlighted parts: the selected ones. */
+  selected: () => string[];
+  /** Names of the parts highlighted as in violation. */
+  violating: () => string[];
+  /** Color of these parts, as hexadecimal digits. */
+  violationColor: () => string;
+}
+
 class TestProbe {
-  /** Pictures drawn since the page opened. */
-  pictures = 0;
-  /** The last pose that has been drawn. */
+  /** Number of frames rendered in the robot view. */
+  frames = 0;
+  /** The last rendered pose. */
   pose: PoseDocument | null = null;
-  /** When that was, as `performance.now` tells it. */
-  drawnAt = 0;
-  /** How long this thread worked at it. */
+  /** Time of the last frame, from `performance.now` [ms]. */
+  renderedAt = 0;
+  /** Time of this thread for the last frame [ms]. */
   took_ms = 0;
-  /** Whether nothing is asked that is not answered. */
+  /** Whether all requests for poses have been answered. */
   settled = true;
 
-  /** How large the robot file's own shapes are drawn, along x, y and z [mm]. */
-  shapes: Record<string, number[]> = {};
+  /** Extents of the meshes of the robot file along x, y and z [mm]. */
+  meshExtents: Record<string, number[]> = {};
 
-  /** The cell's picture: how often it was drawn, and the names of its parts. */
-  cellPictures = 0;
-  cell: { parts: () => string[]; origin: (name: string) => number[] | null; grip: (freedom: Freedom) => { x: number; y: number } | null; marked: () => string[]; broken: () => string[]; brokenColour: () => string } | null = null;
+  /** Number of frames rendered in the cell view. */
+  cellFrames = 0;
+  /** Contents of the cell view, while it is open. */
+  cell: CellProbe | null = null;
 
-  /** Verdicts on the cell that were shown, and when the last was, as `performance.now` tells it. */
+  /** Number of check results shown, and the time of the last one, from `performance.now` [ms]. */
   checks = 0;
   checkShownAt = 0;
 
@@ -31,16 +48,16 @@ class TestProbe {
     this.checkShownAt = performance.now();
   }
 
-  cellDrawn(took_ms: number): void {
+  cellRendered(took_ms: number): void {
     this.took_ms = took_ms;
-    this.cellPictures += 1;
+    this.cellFrames += 1;
   }
 
-  drawn(pose: PoseDocument | null, took_ms: number): void {
+  rendered(pose: PoseDocument | null, took_ms: number): void {
     this.took_ms = took_ms;
-    this.pictures += 1;
+    this.frames += 1;
     this.pose = pose;
-    this.drawnAt = performance.now();
+    this.renderedAt = performance.now();
   }
 }
 

@@ -1,4 +1,4 @@
-// The view as a video, by the browser's own encoder.
+// Records the 3D view as a video with the encoder of the browser.
 
 import type { RobotRenderer } from '../scene/robotRenderer';
 
@@ -9,42 +9,42 @@ const KINDS = [
   ['video/webm', 'webm'],
 ] as const;
 
-/** Pictures of the first and of the last moment: an encoder may begin late, and a film ends where its last picture begins. */
-const HELD = 4;
-/** How long these moments are held at least: at 30 pictures a second, three of them [ms]. */
-const HOLD = 100;
+/** Number of frames of the first and of the last state: an encoder may start late, and a video ends at the start of its last frame. */
+const HOLD_FRAMES = 4;
+/** Minimum duration of these frames [ms]: three frames at 30 Hz. */
+const HOLD_MS = 100;
 
 export class VideoRecorder {
   running = $state(false);
   #end: (() => Promise<void>) | null = null;
 
-  /** Resolves once the first moment is in the film and what moves may move; to false if it was stopped meanwhile. */
-  async start(viewer: RobotRenderer, note: () => string, done: (blob: Blob, ending: string) => void): Promise<boolean> {
+  /** Starts recording; resolves after the first frames are encoded, to `false` if the recording was stopped before. */
+  async start(renderer: RobotRenderer, note: () => string, done: (blob: Blob, extension: string) => void): Promise<boolean> {
     const kind = KINDS.find(([type]) => MediaRecorder.isTypeSupported(type));
     if (!kind) throw new Error('this browser does not support video encoding');
-    const [type, ending] = kind;
+    const [type, extension] = kind;
     const canvas = document.createElement('canvas');
-    viewer.copyTo(canvas, note());
+    renderer.copyTo(canvas, note());
     const recorder = new MediaRecorder(canvas.captureStream(30), { mimeType: type, videoBitsPerSecond: 12e6 });
     const parts: Blob[] = [];
     recorder.addEventListener('dataavailable', ({ data }) => data.size > 0 && parts.push(data));
-    recorder.addEventListener('stop', () => done(new Blob(parts, { type }), ending));
+    recorder.addEventListener('stop', () => done(new Blob(parts, { type }), extension));
     const waiting: (() => void)[] = [];
-    viewer.film = () => {
-      viewer.copyTo(canvas, note());
+    renderer.onFrame = () => {
+      renderer.copyTo(canvas, note());
       for (const next of waiting.splice(0)) next();
     };
     const hold = async () => {
-      const until = performance.now() + HOLD;
-      for (let picture = 0; picture < HELD || performance.now() < until; picture++)
+      const until = performance.now() + HOLD_MS;
+      for (let frame = 0; frame < HOLD_FRAMES || performance.now() < until; frame++)
         await new Promise<void>((next) => {
           waiting.push(next);
-          viewer.invalidate();
+          renderer.invalidate();
         });
     };
     this.#end = async () => {
       await hold();
-      viewer.film = null;
+      renderer.onFrame = null;
       recorder.stop();
       this.running = false;
     };
@@ -54,7 +54,7 @@ export class VideoRecorder {
     return this.#end !== null;
   }
 
-  /** Holds the last moment, and hands the film over. */
+  /** Records the last state for some frames, and ends the video. */
   async stop(): Promise<void> {
     const end = this.#end;
     this.#end = null;

@@ -1,4 +1,4 @@
-// The keys of the robot's view.
+// Keyboard shortcuts of the robot view.
 
 import { EXAGGERATION, VIRTUALIZATIONS } from '../lib/document';
 import { STANDARD_VIEWS, type StandardView } from '../scene/robotRenderer';
@@ -7,7 +7,7 @@ import { scene } from './scene.svelte';
 import { shortcutOf, type ShortcutSheet, type Shortcut } from './shortcuts';
 import { studio } from './studio.svelte';
 
-const view = (side: StandardView) => () => scene.viewer?.look(side);
+const view = (side: StandardView) => () => scene.renderer?.look(side);
 const sides = Object.keys(STANDARD_VIEWS) as StandardView[];
 
 function exaggerate(factor: number): void {
@@ -29,42 +29,42 @@ function nudge(x_deg: number, y_deg: number, height_mm: number): void {
 }
 
 const SHORTCUTS: Shortcut[] = [
-  { group: 'Motion', keys: [' '], says: 'play or pause', does: () => studio.player.toggle() },
-  { group: 'Motion', keys: ['ArrowRight'], says: 'next sample', does: (event) => studio.player.step(event.shiftKey ? 10 : 1) },
-  { group: 'Motion', keys: ['ArrowLeft'], says: 'previous sample (Shift: 10 samples)', does: (event) => studio.player.step(event.shiftKey ? -10 : -1) },
-  { group: 'Motion', keys: ['Home'], says: 'first sample', does: () => studio.player.seek(0) },
-  { group: 'Motion', keys: ['End'], says: 'last sample', does: () => studio.player.seek(studio.study.count - 1) },
-  { group: 'Motion', keys: ['l'], says: 'loop on or off', does: () => (studio.player.loop = !studio.player.loop) },
-  { group: 'Robot', keys: ['i'], says: 'tilt by −0.1° about x', does: () => nudge(-0.1, 0, 0) },
-  { group: 'Robot', keys: ['k'], says: 'tilt by +0.1° about x', does: () => nudge(0.1, 0, 0) },
-  { group: 'Robot', keys: ['j'], says: 'tilt by −0.1° about y', does: () => nudge(0, -0.1, 0) },
-  { group: 'Robot', keys: [';'], says: 'tilt by +0.1° about y', does: () => nudge(0, 0.1, 0) },
-  { group: 'Robot', keys: ['PageUp'], says: 'up by 1 mm', does: () => nudge(0, 0, 1) },
-  { group: 'Robot', keys: ['PageDown'], says: 'down by 1 mm', does: () => nudge(0, 0, -1) },
-  { group: 'Robot', keys: ['0'], says: 'level', does: () => level() },
-  { group: 'Play', keys: ['+', '='], says: 'increase play scale', does: () => exaggerate(1.25) },
-  { group: 'Play', keys: ['-'], says: 'decrease play scale', does: () => exaggerate(0.8) },
-  { group: 'Play', keys: ['m'], says: 'next virtualization', does: () => nextModel() },
-  { group: 'Play', keys: ['v'], says: 'show or hide virtual joints', does: () => studio.setShown({ joints: !studio.document.shown.joints }) },
-  { group: 'Play', keys: ['g'], says: 'show or hide the approximate model', does: () => studio.setShown({ ghost: !studio.document.shown.ghost }) },
-  { group: 'Play', keys: ['a'], says: 'show or hide centre shifts', does: () => studio.setShown({ arrows: !studio.document.shown.arrows }) },
-  { group: 'Play', keys: ['n'], says: 'show or hide labels', does: () => studio.setShown({ labels: !studio.document.shown.labels }) },
-  ...sides.map((side, i): Shortcut => ({ group: 'View', keys: [String(i + 1)], says: `view: ${side}`, does: view(side) })),
-  { group: 'View', keys: ['f'], says: 'fit the robot to the view', does: () => scene.viewer?.fit() },
-  { group: 'View', keys: ['p'], says: 'close-up of the platform', does: () => scene.viewer?.lookAtPlatform() },
-  { group: 'View', keys: ['o'], says: 'orthographic or perspective', does: () => scene.viewer?.toggleProjection() },
-  { group: 'Page', keys: ['?'], says: 'keyboard shortcuts', does: () => (layout.helpOpen = !layout.helpOpen) },
-  { group: 'Page', keys: ['b'], says: 'show or hide panels', does: () => layout.toggleDocks() },
-  { group: 'Page', keys: ['w'], says: 'why the models differ', does: () => (layout.explainOpen = !layout.explainOpen) },
-  { group: 'Page', keys: ['t'], says: 'light or dark theme', does: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
+  { group: 'Motion', keys: [' '], description: 'play or pause', run: () => studio.player.toggle() },
+  { group: 'Motion', keys: ['ArrowRight'], description: 'next sample', run: (event) => studio.player.step(event.shiftKey ? 10 : 1) },
+  { group: 'Motion', keys: ['ArrowLeft'], description: 'previous sample (Shift: 10 samples)', run: (event) => studio.player.step(event.shiftKey ? -10 : -1) },
+  { group: 'Motion', keys: ['Home'], description: 'first sample', run: () => studio.player.seek(0) },
+  { group: 'Motion', keys: ['End'], description: 'last sample', run: () => studio.player.seek(studio.study.count - 1) },
+  { group: 'Motion', keys: ['l'], description: 'loop on or off', run: () => (studio.player.loop = !studio.player.loop) },
+  { group: 'Robot', keys: ['i'], description: 'tilt by −0.1° about x', run: () => nudge(-0.1, 0, 0) },
+  { group: 'Robot', keys: ['k'], description: 'tilt by +0.1° about x', run: () => nudge(0.1, 0, 0) },
+  { group: 'Robot', keys: ['j'], description: 'tilt by −0.1° about y', run: () => nudge(0, -0.1, 0) },
+  { group: 'Robot', keys: [';'], description: 'tilt by +0.1° about y', run: () => nudge(0, 0.1, 0) },
+  { group: 'Robot', keys: ['PageUp'], description: 'up by 1 mm', run: () => nudge(0, 0, 1) },
+  { group: 'Robot', keys: ['PageDown'], description: 'down by 1 mm', run: () => nudge(0, 0, -1) },
+  { group: 'Robot', keys: ['0'], description: 'level', run: () => level() },
+  { group: 'Play', keys: ['+', '='], description: 'increase play scale', run: () => exaggerate(1.25) },
+  { group: 'Play', keys: ['-'], description: 'decrease play scale', run: () => exaggerate(0.8) },
+  { group: 'Play', keys: ['m'], description: 'next virtualization', run: () => nextModel() },
+  { group: 'Play', keys: ['v'], description: 'show or hide virtual joints', run: () => studio.setShown({ joints: !studio.document.shown.joints }) },
+  { group: 'Play', keys: ['g'], description: 'show or hide the approximate model', run: () => studio.setShown({ ghost: !studio.document.shown.ghost }) },
+  { group: 'Play', keys: ['a'], description: 'show or hide centre shifts', run: () => studio.setShown({ arrows: !studio.document.shown.arrows }) },
+  { group: 'Play', keys: ['n'], description: 'show or hide labels', run: () => studio.setShown({ labels: !studio.document.shown.labels }) },
+  ...sides.map((side, i): Shortcut => ({ group: 'View', keys: [String(i + 1)], description: `view: ${side}`, run: view(side) })),
+  { group: 'View', keys: ['f'], description: 'fit the robot to the view', run: () => scene.renderer?.fit() },
+  { group: 'View', keys: ['p'], description: 'close-up of the platform', run: () => scene.renderer?.lookAtPlatform() },
+  { group: 'View', keys: ['o'], description: 'orthographic or perspective', run: () => scene.renderer?.toggleProjection() },
+  { group: 'Page', keys: ['?'], description: 'keyboard shortcuts', run: () => (layout.helpOpen = !layout.helpOpen) },
+  { group: 'Page', keys: ['b'], description: 'show or hide panels', run: () => layout.toggleDocks() },
+  { group: 'Page', keys: ['w'], description: 'why the models differ', run: () => (layout.explainOpen = !layout.explainOpen) },
+  { group: 'Page', keys: ['t'], description: 'light or dark theme', run: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
 ];
 
 export const ROBOT_SHORTCUTS: ShortcutSheet = {
   view: 'robot view',
   shortcuts: SHORTCUTS,
   control: [
-    { keys: ['Ctrl', 'Z'], says: 'undo' },
-    { keys: ['Ctrl', 'Shift', 'Z'], says: 'redo' },
+    { keys: ['Ctrl', 'Z'], description: 'undo' },
+    { keys: ['Ctrl', 'Shift', 'Z'], description: 'redo' },
   ],
   pointer: [
     'Drag a panel by its grip to reorder it or to move it to the other side. Drag the edges of panels and plots to resize them.',
@@ -80,8 +80,8 @@ function level(): void {
 }
 
 function nextModel(): void {
-  const at = VIRTUALIZATIONS.indexOf(studio.document.model);
-  studio.setModel(VIRTUALIZATIONS[(at + 1) % VIRTUALIZATIONS.length] as (typeof VIRTUALIZATIONS)[number]);
+  const index = VIRTUALIZATIONS.indexOf(studio.document.model);
+  studio.setModel(VIRTUALIZATIONS[(index + 1) % VIRTUALIZATIONS.length] as (typeof VIRTUALIZATIONS)[number]);
 }
 
 export function handleRobotShortcut(event: KeyboardEvent): void {
@@ -97,5 +97,5 @@ export function handleRobotShortcut(event: KeyboardEvent): void {
   const found = shortcutOf(event, SHORTCUTS);
   if (!found) return;
   event.preventDefault();
-  found.does(event);
+  found.run(event);
 }

@@ -1,9 +1,9 @@
-// The one viewer of the page, for whoever has to speak to it.
+// The renderer of the robot view, shared by shortcuts, panels and export.
 
 import type { RobotRenderer } from '../scene/robotRenderer';
 
-class SceneHolder {
-  viewer = $state.raw<RobotRenderer | null>(null);
+class RobotScene {
+  renderer = $state.raw<RobotRenderer | null>(null);
 }
 
-export const scene = new SceneHolder();
+export const scene = new RobotScene();

@@ -1,10 +1,10 @@
-// What the page knows and shows. Panels read it and call its methods; nothing else changes it.
+// State of the robot view. Panels read it and change it by its methods only.
 
 import * as api from '../api/client';
 import { connection } from '../api/connection.svelte';
 import { ConnectionError, ApiError, type PoseDocument, type RobotDocument } from '../api/client';
 import {
-  firstDocument,
+  initialDocument,
   VIRTUALIZATIONS,
   type Command,
   type Document,
@@ -29,9 +29,9 @@ export type ThemeChoice = 'system' | Theme;
 
 const LINK = 'link';
 
-/** Decimals of mm and degrees: as people read them, and so that a pose on a limit stays on it. */
-const TIDY = 6;
-const EXACT = 12;
+/** Decimals of mm and degrees: rounded for display, and exact enough to keep a pose at a limit. */
+const DISPLAY_DECIMALS = 6;
+const EXACT_DECIMALS = 12;
 
 /** A pose as a command. */
 function asCommand(kind: Command['kind'], height_kind: HeightKind, pose: PoseDocument, decimals: number): Command {
@@ -46,23 +46,23 @@ function asCommand(kind: Command['kind'], height_kind: HeightKind, pose: PoseDoc
     : { kind, about_x_deg: round(degrees(about_x_rad)), about_y_deg: round(degrees(about_y_rad)), height_mm, height_kind };
 }
 
-/** A pose as a command of the kind that was told. */
-function inTermsOf(told: Command, pose: PoseDocument, decimals: number): Command {
-  const command = asCommand(told.kind, told.kind === 'rods' ? 'axis' : told.height_kind, pose, decimals);
-  if (told.kind !== 'tilt' || command.kind !== 'tilt') return command;
-  // Level leans nowhere; and a lean toward one side is a negative one toward the other.
-  if (command.pitch_deg === 0) return { ...command, yaw_deg: told.yaw_deg };
-  if (told.pitch_deg >= 0) return command;
+/** A pose as a command of the same kind as another command. */
+function asCommandLike(original: Command, pose: PoseDocument, decimals: number): Command {
+  const command = asCommand(original.kind, original.kind === 'rods' ? 'axis' : original.height_kind, pose, decimals);
+  if (original.kind !== 'tilt' || command.kind !== 'tilt') return command;
+  // A level pose has no tilt direction; a negative tilt angle is a tilt in the opposite direction.
+  if (command.pitch_deg === 0) return { ...command, yaw_deg: original.yaw_deg };
+  if (original.pitch_deg >= 0) return command;
   return { ...command, pitch_deg: -command.pitch_deg, yaw_deg: command.yaw_deg + (command.yaw_deg > 0 ? -180 : 180) };
 }
 
 export class Studio {
   robot = $state.raw<RobotDocument | null>(null);
   pose = $state.raw<PoseDocument | null>(null);
-  document = $state.raw<Document>(firstDocument(500));
-  /** Why the robot stays where it is, or another thing to tell. */
+  document = $state.raw<Document>(initialDocument(500));
+  /** A message for the user, for example why the robot did not move. */
   notice = $state<string | null>(null);
-  /** The robot that the link was made with, where it is not this one. */
+  /** Name of the robot that the link was created with, if it is another one. */
   foreignRobot = $state<string | null>(null);
   canUndo = $state(false);
   canRedo = $state(false);
@@ -70,17 +70,17 @@ export class Studio {
   themeChoice = $state<ThemeChoice>('system');
   systemTheme = $state<Theme>('light');
   theme = $derived<Theme>(this.themeChoice === 'system' ? this.systemTheme : this.themeChoice);
-  /** What the link said about the view; the viewer takes it when it is there. */
+  /** The camera of the link, until the 3D view has taken it over. */
   linkedView: View | null = null;
-  /** Says where the eye is, once there is a viewer. */
+  /** Returns the camera of the 3D view, once there is one. */
   readView: (() => View) | null = null;
   readonly study = new Study();
   readonly player = new Player(this.study, { show: (command) => this.showSample(command), stopped: () => this.rememberLink() });
 
   #history = new History<Document>(this.document);
-  #good: Command = this.document.command;
-  #wanted: { command: api.ApiCommand; jog: boolean } | null = null;
-  #asking: Promise<void> | null = null;
+  #lastValid: Command = this.document.command;
+  #pending: { command: api.ApiCommand; jog: boolean } | null = null;
+  #request: Promise<void> | null = null;
   #steps = Promise.resolve();
   #linkTimer: ReturnType<typeof setTimeout> | undefined;
 
@@ -90,9 +90,9 @@ export class Studio {
     dark.addEventListener('change', () => (this.systemTheme = dark.matches ? 'dark' : 'light'));
     this.unit = load('unit', 'mm', (value) => value === 'mm' || value === 'inch');
     this.themeChoice = load('theme', 'system', (value) => ['system', 'light', 'dark'].includes(value as string));
-    // Not the address of now: the page may have written its own in the meantime.
-    window.addEventListener('hashchange', ({ newURL }) => this.#follow(new URL(newURL).hash));
-    connection.onReturn(() => void this.#connect());
+    // The URL of the event, not the current one: the page may have changed it in the meantime.
+    window.addEventListener('hashchange', ({ newURL }) => this.#openLink(new URL(newURL).hash));
+    connection.onReconnect(() => void this.#connect());
     await this.#connect();
   }
 
@@ -101,9 +101,9 @@ export class Studio {
       const robot = await api.robot();
       const first = this.robot === null;
       this.robot = robot;
-      if (first) this.#follow(window.location.hash || load(this.#linkKey, '', (value) => typeof value === 'string'));
+      if (first) this.#openLink(window.location.hash || load(this.#linkKey, '', (value) => typeof value === 'string'));
       else {
-        this.#ask(this.document.command, true);
+        this.#requestPose(this.document.command, true);
         if (this.document.motion && this.study.state !== 'ready') this.loadStudy();
       }
     } catch (error) {
@@ -112,67 +112,67 @@ export class Studio {
   }
 
   #failed(error: unknown): void {
-    // The connection waits for the server's return, and asks again then.
+    // After reconnection the requests are repeated.
     if (error instanceof ConnectionError) return;
     if (error instanceof ApiError) this.notice = error.message;
     else throw error;
   }
 
-  /** How links name this robot: by all that the server tells of it, but for its own version and shapes. */
-  get #mark(): RobotIdentity | null {
+  /** Identity of this robot in links: name, and fingerprint of geometry and limits. */
+  get #identity(): RobotIdentity | null {
     if (!this.robot) return null;
     const { name, limbs, limits, working_height_m } = this.robot;
     return { name, print: fingerprint([limbs, limits, working_height_m]) };
   }
 
-  /** What is kept of one robot means nothing to another. */
+  /** Key of the stored link; each robot has its own. */
   get #linkKey(): string {
-    return `${LINK}.${this.#mark?.print}`;
+    return `${LINK}.${this.#identity?.print}`;
   }
 
   // The document
 
-  /** Takes over what a link says. */
-  #follow(hash: string): void {
+  /** Takes over the contents of a link. */
+  #openLink(hash: string): void {
     clearTimeout(this.#linkTimer);
-    const usual = this.robot ? firstDocument(millimetres(this.robot.working_height_m), degrees(this.robot.limits.tilt_max_rad)) : firstDocument(500);
-    const { robot, document, view, sample } = fromHash(hash, usual);
-    const own = this.#mark;
+    const initial = this.robot ? initialDocument(millimetres(this.robot.working_height_m), degrees(this.robot.limits.tilt_max_rad)) : initialDocument(500);
+    const { robot, document, view, sample } = fromHash(hash, initial);
+    const own = this.#identity;
     this.foreignRobot = robot && own && robot.print !== own.print ? robot.name : null;
     this.document = document;
-    this.#good = document.command;
+    this.#lastValid = document.command;
     this.#history = new History(document);
-    this.#tellSteps();
+    this.#updateHistory();
     this.linkedView = view;
-    this.#ask(document.command, true);
+    this.#requestPose(document.command, true);
     this.player.sample = null;
     if (document.motion) void this.loadStudy().then(() => sample !== null && this.player.seek(sample));
     else this.study.clear();
   }
 
-  #tellSteps(): void {
+  #updateHistory(): void {
     this.canUndo = this.#history.canUndo;
     this.canRedo = this.#history.canRedo;
   }
 
-  /** Ends a change: all since the last is one step of undo. */
+  /** Completes a change: all changes since the last call are one undo step. */
   commit(): Promise<void> {
-    return this.#then(() => {
-      if (this.#history.commit(this.document)) this.#tellSteps();
+    return this.#enqueueStep(() => {
+      if (this.#history.commit(this.document)) this.#updateHistory();
       this.rememberLink();
     });
   }
 
   undo(): Promise<void> {
-    return this.#then(() => this.#restore(this.#history.undo()));
+    return this.#enqueueStep(() => this.#restore(this.#history.undo()));
   }
 
   redo(): Promise<void> {
-    return this.#then(() => this.#restore(this.#history.redo()));
+    return this.#enqueueStep(() => this.#restore(this.#history.redo()));
   }
 
-  /** Steps of undo are made and taken in the order they were asked for, each when the robot has come to rest. */
-  #then(step: () => void): Promise<void> {
+  /** Undo steps are processed in order, each after all pending requests. */
+  #enqueueStep(step: () => void): Promise<void> {
     this.#steps = this.#steps.then(() => this.settled()).then(step);
     return this.#steps;
   }
@@ -183,20 +183,20 @@ export class Studio {
     this.document = document;
     this.notice = null;
     this.player.detach();
-    this.#tellSteps();
-    this.#ask(document.command, true);
-    this.#renewStudy(before);
+    this.#updateHistory();
+    this.#requestPose(document.command, true);
+    this.#updateStudy(before);
     this.rememberLink();
   }
 
   #change(part: Partial<Document>): void {
     const before = this.document;
     this.document = { ...before, ...part };
-    this.#renewStudy(before);
+    this.#updateStudy(before);
     void this.commit();
   }
 
-  #renewStudy(before: Document): void {
+  #updateStudy(before: Document): void {
     const now = this.document;
     const key = (one: Document) => JSON.stringify([one.motion, one.model, one.solver, one.metric]);
     if (key(before) === key(now)) return;
@@ -209,24 +209,24 @@ export class Studio {
 
   setModel(model: Virtualization): void {
     this.#change({ model });
-    this.#again();
+    this.#recompute();
   }
 
   setSolver(solver: Solver): void {
     this.#change({ solver });
-    this.#again();
+    this.#recompute();
   }
 
   setMetric(metric: Metric): void {
     this.#change({ metric });
-    this.#again();
+    this.#recompute();
   }
 
   setShown(part: Partial<Shown>): void {
     this.#change({ shown: { ...this.document.shown, ...part } });
   }
 
-  /** While a slider moves; `commit` ends it. */
+  /** Sets the play scale while a slider moves; `commit` completes the change. */
   exaggerate(exaggeration: number): void {
     this.document = { ...this.document, exaggeration };
   }
@@ -234,94 +234,94 @@ export class Studio {
   setMotion(motion: Motion | null, also: Partial<Document> = {}): void {
     this.player.detach();
     this.#change({ motion, ...also });
-    this.#again();
+    this.#recompute();
   }
 
-  // Moving
+  // Jogging
 
-  /** What the robot is told at the moment, be it by hand or by the motion. */
+  /** The current command. */
   get command(): Command {
     return this.document.command;
   }
 
-  /** Moves the robot by hand: along the limit of tilt, and up to any other limit that is in the way. */
-  jog(wanted: Command): void {
+  /** Jogs the robot: along the tilt limit, and up to any other limit. */
+  jog(target: Command): void {
     if (this.player.sample !== null) this.player.detach();
-    const command = this.robot ? withinTilt(wanted, degrees(this.robot.limits.tilt_max_rad)) : wanted;
+    const command = this.robot ? withinTilt(target, degrees(this.robot.limits.tilt_max_rad)) : target;
     this.document = { ...this.document, command };
-    this.#ask(command, true);
+    this.#requestPose(command, true);
   }
 
-  /** Shows a sample of the motion. */
+  /** Displays a sample of the motion. */
   showSample(command: api.ApiCommand): void {
-    this.#wanted = { command, jog: false };
-    this.#asking ??= this.#work();
+    this.#pending = { command, jog: false };
+    this.#request ??= this.#processRequests();
   }
 
-  /** Resolves when the last thing asked has been answered. */
+  /** Resolves when all pending requests have been answered. */
   async settled(): Promise<void> {
-    while (this.#asking) await this.#asking;
+    while (this.#request) await this.#request;
   }
 
-  #again(): void {
-    if (this.player.sample === null) this.#ask(this.document.command, true);
+  #recompute(): void {
+    if (this.player.sample === null) this.#requestPose(this.document.command, true);
     else this.player.seek(this.player.sample);
   }
 
-  #ask(command: Command, jog: boolean): void {
-    this.#wanted = { command: api.toApiCommand(command), jog };
-    this.#asking ??= this.#work();
+  #requestPose(command: Command, jog: boolean): void {
+    this.#pending = { command: api.toApiCommand(command), jog };
+    this.#request ??= this.#processRequests();
   }
 
-  /** Asks for what is wanted, always the newest, one request at a time. */
-  async #work(): Promise<void> {
+  /** Requests the pending poses, one request at a time; only the newest pending one is kept. */
+  async #processRequests(): Promise<void> {
     probe.settled = false;
     try {
-      while (this.#wanted) {
-        const { command, jog } = this.#wanted;
-        const told = this.document.command;
-        this.#wanted = null;
+      while (this.#pending) {
+        const { command, jog } = this.#pending;
+        const original = this.document.command;
+        this.#pending = null;
         const { model, solver, metric } = this.document;
         const order = [model, ...VIRTUALIZATIONS.filter((name) => name !== model)];
         const models = order.map((name) => api.modelChoice(name, solver, metric));
         try {
           const answer = await api.pose(command, models, jog ? (this.pose?.rods_m ?? null) : null);
-          const says = (limits: typeof answer.stopped_by) => limits.map(({ message }) => message).join('; ');
+          const messages = (limits: typeof answer.stopped_by) => limits.map(({ message }) => message).join('; ');
           if (jog && answer.limits_broken.length > 0) {
-            this.#stay(told, says(answer.limits_broken));
-            // At the very first there is no good pose to stay at: better one beyond the limits than none.
+            this.#revert(original, messages(answer.limits_broken));
+            // Without a previous valid pose, the pose beyond the limits is displayed.
             if (!this.pose) this.pose = answer;
             continue;
           }
           this.pose = answer;
           if (!jog) continue;
-          this.#good = told;
+          this.#lastValid = original;
           if (answer.stopped_by.length > 0) {
-            this.#good = inTermsOf(told, answer, EXACT);
-            if (this.document.command === told) this.document = { ...this.document, command: this.#good };
-            this.notice = `Stopped at a limit: ${says(answer.stopped_by)}.`;
-          } else if (!this.#wanted) this.notice = null;
+            this.#lastValid = asCommandLike(original, answer, EXACT_DECIMALS);
+            if (this.document.command === original) this.document = { ...this.document, command: this.#lastValid };
+            this.notice = `Stopped at a limit: ${messages(answer.stopped_by)}.`;
+          } else if (!this.#pending) this.notice = null;
         } catch (error) {
-          if (error instanceof ApiError && jog) this.#stay(told, error.message);
+          if (error instanceof ApiError && jog) this.#revert(original, error.message);
           else this.#failed(error);
         }
       }
     } finally {
-      this.#asking = null;
+      this.#request = null;
       probe.settled = true;
     }
   }
 
-  #stay(told: Command, why: string): void {
+  #revert(rejected: Command, why: string): void {
     this.notice = why;
-    if (this.document.command !== told) return;
-    this.document = { ...this.document, command: this.#good };
-    // The panel that asked goes on in its own terms.
-    const command = this.commandAs(told.kind);
+    if (this.document.command !== rejected) return;
+    this.document = { ...this.document, command: this.#lastValid };
+    // The command keeps the kind that the panel uses.
+    const command = this.commandAs(rejected.kind);
     if (command) this.document = { ...this.document, command };
   }
 
-  /** Where the robot is, as a command of the kind wanted: what a panel starts from. */
+  /** The current pose as a command of a given kind. */
   commandAs(kind: Command['kind'], height_kind: HeightKind = 'axis'): Command | null {
     const { pose } = this;
     if (!pose) return null;
@@ -329,7 +329,7 @@ export class Studio {
       const { command } = this.document;
       if (command.kind === 'rods' || command.height_kind === height_kind) return command;
     }
-    return asCommand(kind, height_kind, pose, TIDY);
+    return asCommand(kind, height_kind, pose, DISPLAY_DECIMALS);
   }
 
   // Motion
@@ -348,7 +348,7 @@ export class Studio {
 
   get link(): string {
     const { document } = this;
-    return toHash({ robot: this.#mark, document, view: this.readView?.() ?? null, sample: this.player.sample });
+    return toHash({ robot: this.#identity, document, view: this.readView?.() ?? null, sample: this.player.sample });
   }
 
   rememberLink(): void {

@@ -1,4 +1,4 @@
-// The series of a motion, as they arrive from the server.
+// Time series of a motion, received from the server in batches.
 
 import * as api from '../api/client';
 import type { ModelChoice, ApiCommand } from '../api/client';
@@ -8,23 +8,23 @@ import type { Motion } from '../lib/document';
 
 export type StudyState = 'none' | 'loading' | 'ready' | 'failed';
 
-/** Plots are drawn anew this often while samples arrive: a million of them come in hundreds of batches. */
+/** Minimum interval between plot updates while samples arrive [ms]: a million samples arrive in hundreds of batches. */
 const REDRAW_MS = 400;
-/** How long samples are read at a stretch. */
-const TURN_MS = 8;
+/** Longest time for which samples are read before the page handles other events [ms]. */
+const MAX_BLOCKING_MS = 8;
 
 export class Study {
   state = $state<StudyState>('none');
-  /** Samples that have arrived, and how many there will be. */
+  /** Number of samples that have arrived, and in total. */
   count = $state(0);
   total = $state(0);
   error = $state<string | null>(null);
-  /** Grows with each batch, so that plots know when to draw anew. */
+  /** Incremented with each update, to trigger plots. */
   version = $state(0);
   columns: Column[] = [];
-  /** Samples a second, of a motion that has a time of its own. */
+  /** Sampling rate [Hz]; `null` for a motion without time stamps. */
   rate: number | null = null;
-  /** The time of each sample [s], of a motion that has a time of its own. */
+  /** Time of each sample [s]; `null` for a motion without time stamps. */
   times: Float64Array | null = null;
   #abort: AbortController | null = null;
 
@@ -39,7 +39,7 @@ export class Study {
     this.version += 1;
   }
 
-  /** Ends the computation; what has arrived stays. */
+  /** Ends the computation; samples that have arrived are kept. */
   cancel(): void {
     this.#abort?.abort();
     this.#abort = null;
@@ -60,23 +60,23 @@ export class Study {
       this.times = rate === null ? null : Float64Array.from({ length: total }, (_, i) => i / rate);
       this.columns = fields.map((name) => column(name, total));
       this.total = total;
-      let at = 0;
-      let told = -Infinity;
-      let turn = performance.now();
+      let count = 0;
+      let updated = -Infinity;
+      let resumed = performance.now();
       for await (const batch of batches) {
         if (abort.signal.aborted) return;
-        for (const one of this.columns) one.values.set(batch.getChild(one.name)!.toArray() as ArrayLike<number>, at);
-        at += batch.numRows;
+        for (const one of this.columns) one.values.set(batch.getChild(one.name)!.toArray() as ArrayLike<number>, count);
+        count += batch.numRows;
         const now = performance.now();
-        if (at === total || now - told > REDRAW_MS) {
-          told = now;
-          this.count = at;
+        if (count === total || now - updated > REDRAW_MS) {
+          updated = now;
+          this.count = count;
           this.version += 1;
         }
-        // What has arrived already is read without a pause: the page gets its turn all the same.
-        if (now - turn > TURN_MS) {
+        // Batches that have arrived are read without a pause; this lets the page handle events in between.
+        if (now - resumed > MAX_BLOCKING_MS) {
           await new Promise((next) => setTimeout(next));
-          turn = performance.now();
+          resumed = performance.now();
         }
       }
       this.state = 'ready';
@@ -88,16 +88,16 @@ export class Study {
     }
   }
 
-  /** What the robot is told at a sample. */
+  /** The command of a sample; `null` for a sample without a solution. */
   command(sample: number): ApiCommand | null {
     const value = (name: string) => this.columns.find((one) => one.name === name)?.values[sample];
     const rods = ['q1_m', 'q2_m', 'q3_m'].map(value);
-    // A sample that cannot be reached has no rods.
+    // An unreachable sample has no rod lengths.
     if (sample >= this.count || !rods.every(Number.isFinite)) return null;
     return { kind: 'rods', rods_m: rods as number[] };
   }
 
-  of(quantity: string): Column[] {
+  columnsOf(quantity: string): Column[] {
     return this.columns.filter((one) => one.quantity === quantity);
   }
 }

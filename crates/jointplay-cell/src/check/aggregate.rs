@@ -1,27 +1,27 @@
-//! Findings of all segments, put together into a report.
+//! Aggregation of the findings of all segments into a report.
 
 use std::collections::{BTreeMap, HashMap};
 
 use super::report::{InstructionResult, MinimumDistance, Report, Share, Verdict};
-use super::segment_findings::{Alone, raise};
+use super::segment_findings::{SegmentFindings, update_peak};
 use crate::EntityId;
-use crate::collision::{Near, Role, Scene, passed};
+use crate::collision::{PairResults, Role, Scene, distance_tolerance};
 use crate::trajectory::Trajectory;
-use crate::violation::{About, Kind, Stretch, Violation};
+use crate::violation::{Kind, Subject, Violation, ViolationInterval};
 use crate::workcell::Cell;
 
-/// The report as it grows.
-pub(super) struct Summary<'a> {
+/// Report under construction.
+pub(super) struct Aggregator<'a> {
     cell: &'a Cell,
     motion: &'a Trajectory,
     rows: Vec<InstructionResult>,
     violations: Vec<Violation>,
-    /// What may go on in the next step: the violation, its severity, and the step at whose end it was broken.
-    open: BTreeMap<About, Open>,
-    /// Of pairs of items.
-    least: HashMap<[usize; 2], Nearest>,
-    /// Of the last instruction.
-    nearest: Option<([usize; 2], Nearest)>,
+    /// Violations that reach to the end of their last step, and may continue in the next.
+    open: BTreeMap<Subject, Open>,
+    /// Minimum distances by pair of objects.
+    minima: HashMap<[usize; 2], Minimum>,
+    /// Minimum of the present instruction.
+    nearest: Option<([usize; 2], Minimum)>,
     samples: usize,
 }
 
@@ -33,13 +33,13 @@ struct Open {
 }
 
 #[derive(Clone, Copy)]
-struct Nearest {
+struct Minimum {
     distance: f64,
     time: f64,
     step: usize,
 }
 
-impl<'a> Summary<'a> {
+impl<'a> Aggregator<'a> {
     pub(super) fn new(cell: &'a Cell, motion: &'a Trajectory) -> Self {
         Self {
             cell,
@@ -47,76 +47,80 @@ impl<'a> Summary<'a> {
             rows: Vec::new(),
             violations: Vec::new(),
             open: BTreeMap::new(),
-            least: HashMap::new(),
+            minima: HashMap::new(),
             nearest: None,
             samples: 0,
         }
     }
 
-    /// The next step, and the items of the scene that its distances are about.
+    /// Adds the results of the next step.
+    ///
+    /// # Arguments
+    /// * `objects` – candidates of its distances, as indices in the scene
     pub(super) fn add(
         &mut self,
         scene: &Scene<'_>,
         index: usize,
-        alone: &Alone,
-        near: &Near,
-        items: &[usize],
+        findings: &SegmentFindings,
+        distances: &PairResults,
+        objects: &[usize],
     ) {
-        self.begin(scene, index);
+        self.begin_step(scene, index);
         let start = self.motion.times[index];
-        self.samples += alone.samples;
+        self.samples += findings.samples;
         if let Some(row) = self.rows.last_mut() {
-            for (time, moved) in row.moving.iter_mut().zip(&alone.moved) {
+            for (time, moved) in row.moving.iter_mut().zip(&findings.moved) {
                 if *moved {
                     *time += self.motion.step_duration(index);
                 }
             }
-            row.tilt = row.tilt.max(alone.tilt);
-            row.play = row.play.max(alone.play);
+            row.tilt = row.tilt.max(findings.tilt);
+            row.play = row.play.max(findings.play);
             for (most, found) in [
-                (&mut row.velocity, alone.velocity),
-                (&mut row.acceleration, alone.acceleration),
-                (&mut row.jerk, alone.jerk),
-                (&mut row.slip, alone.slip),
+                (&mut row.velocity, findings.velocity),
+                (&mut row.acceleration, findings.acceleration),
+                (&mut row.jerk, findings.jerk),
+                (&mut row.slip, findings.slip),
             ] {
                 if let Some(Share { of, share, time }) = found {
-                    raise(most, Share { of, share, time: start + time });
+                    update_peak(most, Share { of, share, time: start + time });
                 }
             }
         }
-        for stretch in &alone.found {
-            let (kind, first, second) = stretch.hit.about;
-            self.broken(index, alone.samples, stretch, (kind, first, second), || {
+        for interval in &findings.violations {
+            let Subject { kind, first, second } = interval.worst.subject;
+            self.add_violation(index, findings.samples, interval, interval.worst.subject, || {
                 entities_of_segment(scene.cell, kind, first, second)
             });
         }
-        for stretch in &near.found {
-            let (kind, a, b) = stretch.hit.about;
-            let [a, b] = [items[a], items[b]];
-            self.broken(index, alone.samples, stretch, (kind, a, b), || {
-                [a, b].map(|item| scene.items[item].entity).to_vec()
+        for interval in &distances.violations {
+            let Subject { kind, first: a, second: b } = interval.worst.subject;
+            let [a, b] = [objects[a], objects[b]];
+            let subject = Subject { kind, first: a, second: b };
+            self.add_violation(index, findings.samples, interval, subject, || {
+                [a, b].map(|object| scene.objects[object].entity).to_vec()
             });
         }
-        for found in &near.least {
-            let mut pair = found.items.map(|item| items[item]);
+        for minimum in &distances.minima {
+            let mut pair = minimum.objects.map(|object| objects[object]);
             pair.sort_unstable();
-            let (distance, time) = (found.distance, start + found.time);
-            let here = Nearest { distance, time, step: index };
+            let (distance, time) = (minimum.distance, start + minimum.time);
+            let here = Minimum { distance, time, step: index };
             if self.nearest.is_none_or(|(_, nearest)| distance < nearest.distance) {
                 self.nearest = Some((pair, here));
             }
-            let known = self.least.entry(pair).or_insert(here);
+            let known = self.minima.entry(pair).or_insert(here);
             if distance < known.distance {
                 *known = here;
             }
         }
     }
 
-    fn begin(&mut self, scene: &Scene<'_>, index: usize) {
+    fn begin_step(&mut self, scene: &Scene<'_>, index: usize) {
         let step = &self.motion.steps[index];
         let start = self.motion.times[index];
         if self.rows.last().is_none_or(|row| row.instruction != step.instruction) {
-            self.close(scene);
+            self.end_instruction(scene);
             self.rows.push(InstructionResult {
                 instruction: step.instruction,
                 place: step.place,
@@ -140,28 +144,28 @@ impl<'a> Summary<'a> {
         }
     }
 
-    /// An instruction ends.
-    fn close(&mut self, scene: &Scene<'_>) {
+    /// Ends an instruction.
+    fn end_instruction(&mut self, scene: &Scene<'_>) {
         let nearest = self.nearest.take();
         if let Some(row) = self.rows.last_mut() {
-            row.nearest = nearest.map(|(pair, nearest)| named(scene, pair, nearest));
+            row.nearest = nearest.map(|(pair, nearest)| minimum_distance(scene, pair, nearest));
         }
     }
 
-    /// Adds what is broken in a step, to what was broken at the end of the step before where that is the same.
-    fn broken(
+    /// Adds a violation of a step; it extends the violation of its subject that reaches to the end of the step before.
+    fn add_violation(
         &mut self,
         index: usize,
         samples: usize,
-        stretch: &Stretch,
-        about: About,
+        interval: &ViolationInterval,
+        subject: Subject,
         entities: impl FnOnce() -> Vec<EntityId>,
     ) {
         let step = &self.motion.steps[index];
         let begin = self.motion.times[index];
-        let hit = &stretch.hit;
-        let known = self.open.get(&about).copied().filter(|open| {
-            stretch.first == 0
+        let worst = &interval.worst;
+        let known = self.open.get(&subject).copied().filter(|open| {
+            interval.first == 0
                 && open.step + 1 == index
                 && self.violations[open.violation].instruction == step.instruction
         });
@@ -169,39 +173,39 @@ impl<'a> Summary<'a> {
             Some(open) => (open.violation, open.severity),
             None => {
                 self.violations.push(Violation {
-                    kind: hit.kind,
+                    kind: worst.kind,
                     entities: entities(),
                     instruction: step.instruction,
                     place: step.place,
                     step: index,
                     phase: step.phase,
-                    start: begin + stretch.start,
-                    end: begin + stretch.end,
-                    worst_time: begin + stretch.worst,
-                    worst: hit.value,
-                    limit: hit.limit,
-                    unit: hit.unit,
-                    detail: stretch.detail.clone(),
+                    start: begin + interval.start,
+                    end: begin + interval.end,
+                    worst_time: begin + interval.worst_time,
+                    worst: worst.value,
+                    limit: worst.limit,
+                    unit: worst.unit,
+                    detail: interval.detail.clone(),
                 });
-                (self.violations.len() - 1, hit.severity)
+                (self.violations.len() - 1, worst.severity)
             }
         };
         let whole = &mut self.violations[violation];
-        whole.end = begin + stretch.end;
-        if hit.severity > severity {
-            (whole.kind, whole.worst, whole.limit) = (hit.kind, hit.value, hit.limit);
+        whole.end = begin + interval.end;
+        if worst.severity > severity {
+            (whole.kind, whole.worst, whole.limit) = (worst.kind, worst.value, worst.limit);
             (whole.worst_time, whole.step, whole.phase) =
-                (begin + stretch.worst, index, step.phase);
+                (begin + interval.worst_time, index, step.phase);
         }
-        let severity = severity.max(hit.severity);
-        if stretch.last + 1 == samples {
-            self.open.insert(about, Open { violation, severity, step: index });
+        let severity = severity.max(worst.severity);
+        if interval.last + 1 == samples {
+            self.open.insert(subject, Open { violation, severity, step: index });
         }
     }
 
-    /// What all of it comes to.
-    pub(super) fn finished(mut self, scene: &Scene<'_>) -> Report {
-        self.close(scene);
+    /// The report of all steps.
+    pub(super) fn into_report(mut self, scene: &Scene<'_>) -> Report {
+        self.end_instruction(scene);
         let mut violations = self.violations;
         violations.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.kind.cmp(&b.kind)));
         for violation in &violations {
@@ -216,14 +220,17 @@ impl<'a> Summary<'a> {
                 *all += time;
             }
         }
-        let mut least: Vec<([usize; 2], Nearest)> = self.least.into_iter().collect();
+        let mut least: Vec<([usize; 2], Minimum)> = self.minima.into_iter().collect();
         least.sort_by(|(pair, a), (other, b)| {
             let nearer = a.distance.total_cmp(&b.distance).then(a.time.total_cmp(&b.time));
             nearer.then(pair.cmp(other))
         });
-        let distances: Vec<MinimumDistance> =
-            least.into_iter().map(|(pair, nearest)| named(scene, pair, nearest)).collect();
-        let wafers = scene.items.iter().filter(|item| item.role == Role::Wafer && item.laid);
+        let distances: Vec<MinimumDistance> = least
+            .into_iter()
+            .map(|(pair, nearest)| minimum_distance(scene, pair, nearest))
+            .collect();
+        let wafers =
+            scene.objects.iter().filter(|object| object.role == Role::Wafer && object.was_placed);
         let (wafers, duration) = (wafers.count(), self.motion.duration());
         let hourly = (wafers > 0 && duration > 0.0).then(|| 3600.0 * wafers as f64 / duration);
         Report {
@@ -240,10 +247,16 @@ impl<'a> Summary<'a> {
     }
 }
 
-fn named(scene: &Scene<'_>, pair: [usize; 2], nearest: Nearest) -> MinimumDistance {
-    let Nearest { distance, time, step } = nearest;
-    let entities = pair.map(|item| scene.items[item].entity);
-    MinimumDistance { entities, distance, within: passed(distance).min(distance), time, step }
+fn minimum_distance(scene: &Scene<'_>, pair: [usize; 2], minimum: Minimum) -> MinimumDistance {
+    let Minimum { distance, time, step } = minimum;
+    let entities = pair.map(|object| scene.objects[object].entity);
+    MinimumDistance {
+        entities,
+        distance,
+        within: distance_tolerance(distance).min(distance),
+        time,
+        step,
+    }
 }
 
 /// Entities of a violation that concerns one segment by itself.

@@ -1,182 +1,187 @@
-//! The run of a check over all segments of a motion, with results reused from the last one.
+//! The check of all segments of a trajectory, with results of the last check reused.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
-use std::sync::Arc;
 
-use super::aggregate::Summary;
+use super::aggregate::Aggregator;
 use super::options::CheckOptions;
 use super::report::Report;
-use super::segment_findings::Alone;
-use super::segments::{Start, Steps};
-use crate::collision::{Among, Near, Scene};
-use crate::geometry::Solids;
-use crate::incremental::{CacheStats, Interrupted, Kept, Key, Run, anew, each, whole};
-use crate::trajectory::{Segment, Trajectory};
-use crate::workcell::{Cell, ZoneRule};
+use super::segment_findings::SegmentFindings;
+use super::segments::{SegmentChecks, SegmentKey};
+use crate::collision::{CandidatePairs, PairResults, Scene};
+use crate::geometry::ColliderCache;
+use crate::incremental::{
+    CacheStats, Execution, Fingerprint, GenerationalCache, Interrupted, compute_missing,
+    parallel_map, uninterrupted,
+};
+use crate::trajectory::Trajectory;
+use crate::workcell::{Cell, Zone, ZoneRule};
 
-/// Everything that is wrong with a motion, none hidden by the first.
+/// Checks a trajectory against the limits of its axes, tilt, play, slip, safe zones and required clearances; all violations are reported.
 ///
-/// Each step is looked at from its start on, so many times a second, and at its end: axes, tilt, play, slip and zones at each of these samples.
-/// Distances of bodies are judged between the samples too:
-///
-/// ```text
-///    min d  ≥  (d_0 + d_1 − way) / 2
-/// ```
-/// over an interval with the distances d_0 and d_1 at its ends, in which no point of either goes farther than the way, or
-///
-/// ```text
-///    min d  ≥  min(g_0, g_1) - bend dt / 4
-/// ```
-/// with the gaps g_0 and g_1 along one direction, the same side ahead: of what slides along something, whose points change their speed by no more than the bend in all.
-/// An interval in which either keeps a pair apart is passed over, any other is halved, also below the samples: so a wall that is thinner than a sample's way is not jumped, nor a place that is too narrow.
+/// Axes, tilt, play, slip and safe zones are checked at samples: from the start of each step at the given rate, and at its end.
+/// Clearances are checked continuously, between the samples too, by conservative advancement; the module `collision` states the guarantee and its assumptions.
 ///
 /// # Numerics
-/// Least distances are exact at the samples looked at; those passed over may be nearer by `within` of each row.
+/// Minimum distances are exact at the evaluated samples; a sample that was not evaluated may have a distance smaller by `within` of the row.
 ///
 /// # Assumptions
-/// Bodies and wafers are rigid where distances are concerned; wafers are flat discs.
-/// The last link of an arm and the wafer on it are lowered and turned by the droop of the arm, as in pictures and exports; links before it are not.
+/// Bodies and wafers are rigid, and wafers are flat discs.
+/// The last link of an arm and its wafer are displaced and rotated by the deflection of the arm, as in pictures and exports; the links before it are not.
 ///
-/// A distance is compared with the one asked for to a resolution of 10⁻⁸ m, which is how exactly distances are tested to be found.
+/// A distance is compared with the required clearance to a resolution of 10⁻⁸ m, the accuracy to which distances are tested.
 #[must_use]
-pub fn check(cell: &Cell, motion: &Trajectory, options: &CheckOptions) -> Report {
-    whole(Checks::default().check(cell, motion, options, Run::one_by_one()))
+pub fn check(cell: &Cell, trajectory: &Trajectory, options: &CheckOptions) -> Report {
+    uninterrupted(CheckCache::default().check(cell, trajectory, options, Execution::unobserved()))
 }
 
-/// Steps that are checked at a time: memory for what they are among does not grow with the motion.
-const AT_A_TIME: usize = 1024;
+/// Segments that are checked at a time: memory for their scenes does not grow with the trajectory.
+const BATCH: usize = 1024;
 
-/// What was found of the steps of the last motion, by what it depends on.
+/// Results of the segments of the last check, by their inputs.
 #[derive(Default)]
-pub(crate) struct Checks {
-    solids: Solids,
-    /// With the ways that the keys of both tell apart by where they are kept.
-    moves: Kept<(Alone, [Option<Arc<Segment>>; 3])>,
-    distances: Kept<Near>,
+pub(crate) struct CheckCache {
+    colliders: ColliderCache,
+    findings: GenerationalCache<SegmentFindings>,
+    distances: GenerationalCache<PairResults>,
 }
 
-impl Checks {
+impl CheckCache {
     /// See [`check`].
     pub(crate) fn check(
         &mut self,
         cell: &Cell,
-        motion: &Trajectory,
+        trajectory: &Trajectory,
         options: &CheckOptions,
-        run: Run<'_>,
+        execution: Execution<'_>,
     ) -> Result<Report, Interrupted> {
-        let shared = shared(cell, options);
-        self.solids.begin();
-        self.moves.begin(&shared);
+        let shared = shared_inputs(cell, options);
+        self.colliders.begin();
+        self.findings.begin(&shared);
         self.distances.begin(&shared);
-        let mut summary = Summary::new(cell, motion);
-        let mut scene = Scene::new(cell, &mut self.solids);
-        for first in (0..motion.steps.len()).step_by(AT_A_TIME) {
-            let range = first..(first + AT_A_TIME).min(motion.steps.len());
-            let (steps, starts) =
-                Steps::new((motion, range), options, scene, &mut self.solids, run)?;
-            self.some((&steps, &starts), first, motion, run, &mut summary)?;
-            scene = steps.into_last();
+        let mut aggregator = Aggregator::new(cell, trajectory);
+        let mut scene = Scene::new(cell, &mut self.colliders);
+        for first in (0..trajectory.steps.len()).step_by(BATCH) {
+            let steps = first..(first + BATCH).min(trajectory.steps.len());
+            let colliders = &mut self.colliders;
+            let (checks, keys) =
+                SegmentChecks::new(trajectory, steps, options, scene, colliders, execution)?;
+            self.check_batch(&checks, &keys, first, execution, &mut aggregator)?;
+            scene = checks.into_last_scene();
         }
-        self.solids.end();
-        self.moves.end();
+        self.colliders.end();
+        self.findings.end();
         self.distances.end();
-        Ok(summary.finished(&scene))
+        Ok(aggregator.into_report(&scene))
     }
 
-    /// Checks some steps, from the first one on.
-    fn some(
+    /// Checks successive segments, from the step `first` on.
+    fn check_batch(
         &mut self,
-        (steps, starts): (&Steps<'_>, &[Start]),
+        checks: &SegmentChecks<'_>,
+        keys: &[SegmentKey],
         first: usize,
-        motion: &Trajectory,
-        run: Run<'_>,
-        summary: &mut Summary<'_>,
+        execution: Execution<'_>,
+        aggregator: &mut Aggregator<'_>,
     ) -> Result<(), Interrupted> {
-        // By themselves, and among what is near them while their samples are at hand.
-        let unknown = starts.iter().map(|start| &start.key).enumerate();
-        let unknown = unknown.filter(|(_, key)| !self.moves.knows(key));
-        let mut by_themselves = anew(unknown, run, |place| {
-            steps.with_course(|course| {
-                let alone = steps.alone(&starts[place], first + place, course);
-                let among = steps.among(&starts[place], first + place, &alone);
-                let near = (!self.distances.knows(&among.key))
-                    .then(|| steps.near(&starts[place], first + place, (&alone, &among), course));
-                (alone, among, near)
+        // New segments: limits, broad phase and distances at once, while their samples are in the buffer.
+        let missing = keys.iter().map(|key| &key.fingerprint).enumerate();
+        let missing = missing.filter(|(_, fingerprint)| !self.findings.contains(fingerprint));
+        let mut computed = compute_missing(missing, execution, |index| {
+            let (key, step) = (&keys[index], first + index);
+            checks.with_buffer(|segment| {
+                let findings = checks.findings(key, step, segment);
+                let candidates = checks.candidates(key, step, &findings);
+                let is_missing = !self.distances.contains(&candidates.fingerprint);
+                let distances = is_missing
+                    .then(|| checks.distances(key, step, &findings, &candidates, segment));
+                (findings, candidates, distances)
             })
         })?;
-        let mut nears: BTreeMap<Key, Near> = BTreeMap::new();
-        let (mut alone, mut near_it) = (Vec::with_capacity(starts.len()), BTreeMap::new());
-        for (place, start) in starts.iter().enumerate() {
-            let Ok(found) = self.moves.get::<Infallible>(start.key.clone(), || {
-                let (found, among, near) =
-                    by_themselves.remove(&start.key).expect("what is not known was looked at");
-                nears.extend(near.map(|near| (among.key.clone(), near)));
-                near_it.insert(place, among);
-                Ok((found, motion.segments_of(first + place)))
-            });
-            alone.push(found);
+        let mut new_distances: BTreeMap<Fingerprint, PairResults> = BTreeMap::new();
+        let (mut findings, mut new_candidates) = (Vec::with_capacity(keys.len()), BTreeMap::new());
+        for (index, key) in keys.iter().enumerate() {
+            let compute = || {
+                let (found, candidates, distances) =
+                    computed.remove(&key.fingerprint).expect("missing findings were computed");
+                let fingerprint = &candidates.fingerprint;
+                new_distances.extend(distances.map(|found| (fingerprint.clone(), found)));
+                new_candidates.insert(index, candidates);
+                Ok(found)
+            };
+            let Ok(found) =
+                self.findings.get_or_compute::<Infallible>(key.fingerprint.clone(), compute);
+            findings.push(found);
         }
-        let among = each(starts.len(), run, |place| match near_it.get(&place) {
-            Some(_) => None,
-            None => Some(steps.among(&starts[place], first + place, &alone[place].0)),
+        let candidates =
+            parallel_map(keys.len(), execution, |index| match new_candidates.get(&index) {
+                Some(_) => None,
+                None => Some(checks.candidates(&keys[index], first + index, &findings[index])),
+            })?;
+        let candidates = candidates.into_iter().enumerate();
+        let candidates: Vec<CandidatePairs> = candidates
+            .filter_map(|(index, known)| known.or_else(|| new_candidates.remove(&index)))
+            .collect();
+        // Known segments among other objects than before: distances alone.
+        let missing = candidates.iter().map(|candidates| &candidates.fingerprint).enumerate();
+        let missing = missing.filter(|(_, fingerprint)| {
+            !(self.distances.contains(fingerprint) || new_distances.contains_key(*fingerprint))
+        });
+        let others = compute_missing(missing, execution, |index| {
+            let (findings, candidates) = (&findings[index], &candidates[index]);
+            checks.with_buffer(|segment| {
+                checks.distances(&keys[index], first + index, findings, candidates, segment)
+            })
         })?;
-        let among = among.into_iter().enumerate();
-        let among: Vec<Among> =
-            among.filter_map(|(place, among)| among.or_else(|| near_it.remove(&place))).collect();
-        // Moves that are known, among other things than before.
-        let unknown = among.iter().map(|among| &among.key).enumerate();
-        let unknown =
-            unknown.filter(|(_, key)| !(self.distances.knows(key) || nears.contains_key(*key)));
-        let others = anew(unknown, run, |place| {
-            let things = (&alone[place].0, &among[place]);
-            steps.with_course(|course| steps.near(&starts[place], first + place, things, course))
-        })?;
-        nears.extend(others);
-        for (place, (alone, among)) in alone.iter().zip(&among).enumerate() {
-            let Ok(near) = self.distances.get::<Infallible>(among.key.clone(), || {
-                Ok(nears.remove(&among.key).expect("what is not known was looked at"))
-            });
-            let scene = steps.scene(&starts[place]);
-            summary.add(scene, first + place, &alone.0, &near, &among.items);
+        new_distances.extend(others);
+        for (index, (findings, candidates)) in findings.iter().zip(&candidates).enumerate() {
+            let fingerprint = &candidates.fingerprint;
+            let compute =
+                || Ok(new_distances.remove(fingerprint).expect("missing distances were computed"));
+            let Ok(distances) =
+                self.distances.get_or_compute::<Infallible>(fingerprint.clone(), compute);
+            let scene = checks.scene(&keys[index]);
+            aggregator.add(scene, first + index, findings, &distances, &candidates.objects);
         }
         Ok(())
     }
 
-    pub(crate) fn limit_cache_stats(&self) -> CacheStats {
-        self.moves.reuse()
+    pub(crate) fn limit_stats(&self) -> CacheStats {
+        self.findings.stats()
     }
 
-    pub(crate) fn distance_cache_stats(&self) -> CacheStats {
-        self.distances.reuse()
+    pub(crate) fn distance_stats(&self) -> CacheStats {
+        self.distances.stats()
     }
 }
 
-/// Checks all steps once, nothing being remembered.
-pub(super) fn examine(
+/// Checks all segments once, without a cache.
+pub(super) fn check_uncached(
     cell: &Cell,
-    motion: &Trajectory,
-    steps: Steps<'_>,
-    starts: &[Start],
+    trajectory: &Trajectory,
+    checks: SegmentChecks<'_>,
+    keys: &[SegmentKey],
 ) -> Report {
-    let mut summary = Summary::new(cell, motion);
-    for (index, start) in starts.iter().enumerate() {
-        let (alone, among, near) = steps.with_course(|course| {
-            let alone = steps.alone(start, index, course);
-            let among = steps.among(start, index, &alone);
-            let near = steps.near(start, index, (&alone, &among), course);
-            (alone, among, near)
+    let mut aggregator = Aggregator::new(cell, trajectory);
+    for (step, key) in keys.iter().enumerate() {
+        let (findings, candidates, distances) = checks.with_buffer(|segment| {
+            let findings = checks.findings(key, step, segment);
+            let candidates = checks.candidates(key, step, &findings);
+            let distances = checks.distances(key, step, &findings, &candidates, segment);
+            (findings, candidates, distances)
         });
-        summary.add(steps.scene(start), index, &alone, &near, &among.items);
+        let scene = checks.scene(key);
+        aggregator.add(scene, step, &findings, &distances, &candidates.objects);
     }
-    summary.finished(&steps.into_last())
+    aggregator.into_report(&checks.into_last_scene())
 }
 
-/// What every step depends on: numbers are printed so that no two of them look alike.
-fn shared(cell: &Cell, options: &CheckOptions) -> String {
-    let safe: Vec<_> = cell.zones.iter().filter(|zone| zone.rule == ZoneRule::Safe).collect();
-    format!(
-        "{:?} {:?} {:?} {:?} {safe:?} {options:?}",
-        cell.robot, cell.wafer, cell.gravity, cell.play_budget
-    )
+/// Inputs that all segments share.
+fn shared_inputs(cell: &Cell, options: &CheckOptions) -> Fingerprint {
+    let safe: Vec<&Zone> = cell.zones.iter().filter(|zone| zone.rule == ZoneRule::Safe).collect();
+    let CheckOptions { rate, near } = options;
+    let mut inputs = Fingerprint::default();
+    inputs.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(&cell.play_budget);
+    inputs.add(&safe).add(rate).add(near);
+    inputs
 }

@@ -1,50 +1,59 @@
-//! Axes, tilt, play and slip against their limits.
+//! Checks of axes, tilt, play and slip against their limits.
 
 use jointplay_core::bulk::{Quantity, Status};
 
 use super::report::Share;
-use super::segment_findings::{Alone, raise};
-use super::slip::Carried;
+use super::segment_findings::{SegmentFindings, update_peak};
+use super::slip::HeldWafer;
 use crate::CellError;
-use crate::collision::{Course, Gearing, Lost, Scene, Unplaced};
+use crate::collision::{MotionBoundModel, PoseError, SampledSegment, Scene, UnknownPose};
 use crate::program::{Phase, Step};
-use crate::robot::{Axis, AxisKind, EffectorId, HybridRobot, KinematicLimits, Positions};
+use crate::robot::{Axis, AxisKind, EffectorId, HybridRobot, Positions};
 use crate::trajectory::{AxisState, axis_limits};
-use crate::violation::{Found, Hit, Kind, Unit, When};
+use crate::violation::{IntervalMerger, Kind, SampleTime, SampleViolation, Subject, Unit};
 use crate::wafer::Droop;
 use crate::workcell::Cell;
 
-/// Relative slack of limits, so that a motion planned to lie on one is not beyond it by round-off.
+/// Relative slack of limits: a trajectory planned at a limit does not violate it by round-off.
 const SLACK: f64 = 1e-6;
-/// The same for positions [m and rad].
+/// Absolute slack of position limits [m and rad].
 const POSITION_SLACK: f64 = 1e-9;
 
-/// How the platform stands over its rods.
+/// Tilt of the platform and displacement of its virtual joints.
 #[derive(Clone, Copy)]
-struct Standing {
-    /// [rad]
+struct PlatformState {
+    /// Tilt [rad].
     tilt: f64,
-    /// How far its virtual joints are from nominal [m].
+    /// Displacement of the virtual joints from nominal [m].
     play: f64,
 }
 
-/// The same by sample, or once for all where no rod moves.
-struct Standings<'a> {
+/// Platform states by sample; a single one where no rod moves.
+struct PlatformStates<'a> {
     robot: &'a HybridRobot,
     status: Vec<Status>,
     tilts: Vec<f64>,
     plays: Vec<f64>,
 }
 
-impl Alone {
-    /// Looks at all samples of a window.
+/// Axis of the robot with its limits in a step.
+struct LimitedAxis<'a> {
+    index: usize,
+    axis: &'a Axis,
+    /// Limits of velocity, acceleration and jerk.
+    limits: [f64; 3],
+}
+
+impl SegmentFindings {
+    /// Checks all samples of a window.
     pub(super) fn new(
         scene: &Scene<'_>,
         step: &Step,
-        (course, gearing): (&Course, &Gearing),
+        segment: &SampledSegment,
+        bounds: &MotionBoundModel,
     ) -> Self {
         let robot = &scene.cell.robot;
-        let mut alone = Self {
+        let mut findings = Self {
             velocity: None,
             acceleration: None,
             jerk: None,
@@ -52,50 +61,53 @@ impl Alone {
             tilt: 0.0,
             play: 0.0,
             moved: vec![false; robot.axes.len()],
-            samples: course.times().len(),
-            found: Vec::new(),
+            samples: segment.times().len(),
+            violations: Vec::new(),
             runs: Vec::new(),
-            around: Vec::new(),
+            paths: Vec::new(),
         };
-        let mut found = Found::default();
-        let mut moving = course.track().moving().iter().zip(course.track().states()).peekable();
-        for (axis, described) in robot.axes.iter().enumerate() {
-            let limits = axis_limits(robot, axis, step);
-            if let Some((_, states)) = moving.next_if(|(moves, _)| **moves == axis) {
-                let about = (axis, described, &limits);
-                alone.axis(about, course.times(), states.iter().copied(), &mut found);
-            } else if beyond(described, course.from()[axis]).is_some() {
-                let still = std::iter::repeat([course.from()[axis], 0.0, 0.0, 0.0]);
-                alone.axis((axis, described, &limits), course.times(), still, &mut found);
+        let mut violations = IntervalMerger::default();
+        let (moving, times) = (segment.moving_axes(), segment.times());
+        let mut moving = moving.moving().iter().zip(moving.states()).peekable();
+        for (index, axis) in robot.axes.iter().enumerate() {
+            let limits = axis_limits(robot, index, step);
+            let limits = [limits.velocity, limits.acceleration, limits.jerk];
+            let limited = LimitedAxis { index, axis, limits };
+            if let Some((_, states)) = moving.next_if(|(moving, _)| **moving == index) {
+                findings.check_axis(&limited, times, states.iter().copied(), &mut violations);
+            } else if violated_limit(axis, segment.from()[index]).is_some() {
+                let at_rest = std::iter::repeat([segment.from()[index], 0.0, 0.0, 0.0]);
+                findings.check_axis(&limited, times, at_rest, &mut violations);
             }
         }
-        alone.platform(scene, course, &mut found);
-        let turns = step.phase == Phase::Turn && !scene.safe.is_empty();
-        for (place, id) in robot.effectors().enumerate() {
-            if scene.carried_by(id).is_some() {
-                alone.slips(scene, (course, gearing), (place, id), &mut found);
+        findings.check_platform(scene, segment, &mut violations);
+        let in_safe_zones = step.phase == Phase::Turn && !scene.safe_zones.is_empty();
+        for (index, id) in robot.effectors().enumerate() {
+            if scene.held_wafer(id).is_some() {
+                findings.check_slip(scene, segment, bounds, index, id, &mut violations);
             }
-            if turns {
-                alone.zones(scene, (course, gearing), (place, id), &mut found);
+            if in_safe_zones {
+                findings.check_safe_zones(scene, segment, bounds, index, id, &mut violations);
             }
         }
-        alone.found = found.finished();
-        alone
+        findings.violations = violations.into_intervals();
+        findings
     }
 
-    /// Looks at an axis at all samples.
-    fn axis(
+    /// Checks an axis at all samples.
+    fn check_axis(
         &mut self,
-        (index, axis, limits): (usize, &Axis, &KinematicLimits),
+        limited: &LimitedAxis<'_>,
         times: &[f64],
         states: impl Iterator<Item = AxisState> + Clone,
-        found: &mut Found,
+        violations: &mut IntervalMerger,
     ) {
-        // Least and largest position, and the largest of all else, with where that is first.
-        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        let LimitedAxis { index, axis, limits } = *limited;
+        // Range of the position, and the largest velocity, acceleration and jerk with their first samples.
+        let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut peaks = [(0.0_f64, 0); 3];
         for (sample, (state, _)) in states.clone().zip(times).enumerate() {
-            (least, most) = (least.min(state[0]), most.max(state[0]));
+            (min, max) = (min.min(state[0]), max.max(state[0]));
             for (peak, value) in peaks.iter_mut().zip(&state[1..]) {
                 if value.abs() > peak.0 {
                     *peak = (value.abs(), sample);
@@ -103,17 +115,17 @@ impl Alone {
             }
         }
         self.moved[index] = peaks[0].0 > 0.0;
-        let limits = [limits.velocity, limits.acceleration, limits.jerk];
         let shares = [&mut self.velocity, &mut self.acceleration, &mut self.jerk];
         for ((share, (value, sample)), limit) in shares.into_iter().zip(peaks).zip(limits) {
             if value > 0.0 {
-                raise(share, Share { of: index, share: value / limit, time: times[sample] });
+                let time = times[sample];
+                update_peak(share, Share { of: index, share: value / limit, time });
             }
         }
-        let too_much = |value: f64, limit: f64| value > limit * (1.0 + SLACK);
-        let is_sound = beyond(axis, least).or(beyond(axis, most)).is_none()
-            && !peaks.iter().zip(limits).any(|(peak, limit)| too_much(peak.0, limit));
-        if is_sound {
+        let exceeds = |value: f64, limit: f64| value > limit * (1.0 + SLACK);
+        let is_within_limits = violated_limit(axis, min).or(violated_limit(axis, max)).is_none()
+            && !peaks.iter().zip(limits).any(|(peak, limit)| exceeds(peak.0, limit));
+        if is_within_limits {
             return;
         }
         let unit = match axis.kind {
@@ -121,44 +133,50 @@ impl Alone {
             AxisKind::Linear => Unit::Length,
         };
         for (sample, (state, &time)) in states.zip(times).enumerate() {
-            let mut broken = |kind: Kind, severity: f64, value: f64, limit: f64| {
-                let hit = Hit { about: (kind, index, 0), kind, severity, value, limit, unit };
-                found.add(When { time, sample }, hit, String::new);
+            let mut add = |kind: Kind, severity: f64, value: f64, limit: f64| {
+                let subject = Subject { kind, first: index, second: 0 };
+                let violation = SampleViolation { subject, kind, severity, value, limit, unit };
+                violations.add(SampleTime { time, sample }, violation, String::new);
             };
             let position = state[0];
-            if let Some(limit) = beyond(axis, position) {
-                broken(Kind::Position, (position - limit).abs(), position, limit);
+            if let Some(limit) = violated_limit(axis, position) {
+                add(Kind::Position, (position - limit).abs(), position, limit);
             }
             let kinds = [Kind::Velocity, Kind::Acceleration, Kind::Jerk];
             for ((kind, limit), value) in kinds.into_iter().zip(limits).zip(&state[1..]) {
-                if too_much(value.abs(), limit) {
-                    broken(kind, value.abs(), value.abs(), limit);
+                if exceeds(value.abs(), limit) {
+                    add(kind, value.abs(), value.abs(), limit);
                 }
             }
         }
     }
 
-    /// Looks at the platform at all samples, and finds between which it is known where everything is.
-    fn platform(&mut self, scene: &Scene<'_>, course: &Course, found: &mut Found) {
+    /// Checks the platform at all samples, and finds the runs of samples at which all poses are known.
+    fn check_platform(
+        &mut self,
+        scene: &Scene<'_>,
+        segment: &SampledSegment,
+        violations: &mut IntervalMerger,
+    ) {
         let cell = scene.cell;
-        // Whether anything is known of its droop is asked of every arm that has a table of it.
+        // A table of droop is finite: a pose is known only where it covers the reach, whichever arm moves.
         let has_table =
             |id: &EffectorId| matches!(cell.robot.arms[id.arm].droop, Droop::Table { .. });
         let tables: Vec<EffectorId> = cell.robot.effectors().filter(has_table).collect();
-        let standings = Standings::new(cell, course);
-        for (sample, &time) in course.times().iter().enumerate() {
-            let when = When { time, sample };
-            match standings.at(sample, || course.positions(sample)) {
-                Ok(standing) => self.leans(cell, standing, when, found),
+        let states = PlatformStates::new(cell, segment);
+        for (sample, &time) in segment.times().iter().enumerate() {
+            let at = SampleTime { time, sample };
+            match states.at(sample, || segment.positions(sample)) {
+                Ok(state) => self.check_tilt_and_play(cell, state, at, violations),
                 Err(error) => {
-                    Lost { when, why: Unplaced::from(error) }.report(found);
+                    UnknownPose { at, error: PoseError::from(error) }.report(violations);
                     continue;
                 }
             }
             let mut is_known = true;
             for &id in &tables {
-                if let Err(why) = scene.wafer(id, &course.positions(sample)) {
-                    Lost { when, why }.report(found);
+                if let Err(error) = scene.wafer_pose(id, &segment.positions(sample)) {
+                    UnknownPose { at, error }.report(violations);
                     is_known = false;
                 }
             }
@@ -171,88 +189,98 @@ impl Alone {
         }
     }
 
-    fn leans(&mut self, cell: &Cell, standing: Standing, when: When, found: &mut Found) {
-        let Standing { tilt, play } = standing;
-        let most = cell.robot.gpr.limits().tilt_max;
-        let mut broken = |kind: Kind, value: f64, limit: f64, unit: Unit| {
-            let hit = Hit { about: (kind, 0, 0), kind, severity: value, value, limit, unit };
-            found.add(when, hit, String::new);
+    fn check_tilt_and_play(
+        &mut self,
+        cell: &Cell,
+        state: PlatformState,
+        at: SampleTime,
+        violations: &mut IntervalMerger,
+    ) {
+        let PlatformState { tilt, play } = state;
+        let tilt_max = cell.robot.gpr.limits().tilt_max;
+        let mut add = |kind: Kind, value: f64, limit: f64, unit: Unit| {
+            let (subject, severity) = (Subject::of(kind), value);
+            let violation = SampleViolation { subject, kind, severity, value, limit, unit };
+            violations.add(at, violation, String::new);
         };
-        self.tilt = self.tilt.max(tilt / most);
-        if tilt > most + POSITION_SLACK {
-            broken(Kind::Tilt, tilt, most, Unit::Angle);
+        self.tilt = self.tilt.max(tilt / tilt_max);
+        if tilt > tilt_max + POSITION_SLACK {
+            add(Kind::Tilt, tilt, tilt_max, Unit::Angle);
         }
         let share = if cell.play_budget > 0.0 { play / cell.play_budget } else { f64::INFINITY };
         self.play = self.play.max(share);
         if play > cell.play_budget * (1.0 + SLACK) {
-            broken(Kind::Play, play, cell.play_budget, Unit::Length);
+            add(Kind::Play, play, cell.play_budget, Unit::Length);
         }
     }
 
-    /// Looks at a carried wafer.
-    fn slips(
+    /// Checks the friction of a held wafer.
+    fn check_slip(
         &mut self,
         scene: &Scene<'_>,
-        (course, gearing): (&Course, &Gearing),
-        (place, id): (usize, EffectorId),
-        found: &mut Found,
+        segment: &SampledSegment,
+        bounds: &MotionBoundModel,
+        index: usize,
+        id: EffectorId,
+        violations: &mut IntervalMerger,
     ) {
+        let kind = Kind::Slip;
         let tilt = self.tilt * scene.cell.robot.gpr.limits().tilt_max;
-        let mut carried = Carried::new(scene, course, gearing, id, tilt);
-        self.runs.iter().for_each(|run| carried.run(run));
-        let mut seen = carried.seen;
-        seen.sort_unstable_by_key(|(sample, _)| *sample);
-        for (sample, slip) in seen {
-            let time = course.times()[sample];
-            if slip.required > slip.available {
-                let hit = Hit {
-                    about: (Kind::Slip, place, 0),
-                    kind: Kind::Slip,
-                    severity: slip.required - slip.available,
-                    value: slip.required,
-                    limit: slip.available,
+        let mut wafer = HeldWafer::new(scene, segment, bounds, id, tilt);
+        self.runs.iter().for_each(|run| wafer.check_run(run));
+        let mut evaluated = wafer.evaluated;
+        evaluated.sort_unstable_by_key(|(sample, _)| *sample);
+        for (sample, friction) in evaluated {
+            let time = segment.times()[sample];
+            if friction.required > friction.available {
+                let violation = SampleViolation {
+                    subject: Subject { kind, first: index, second: 0 },
+                    kind,
+                    severity: friction.required - friction.available,
+                    value: friction.required,
+                    limit: friction.available,
                     unit: Unit::Acceleration,
                 };
-                found.add(When { time, sample }, hit, String::new);
+                violations.add(SampleTime { time, sample }, violation, String::new);
             }
-            raise(&mut self.slip, Share { of: place, share: slip.utilization(), time });
+            update_peak(&mut self.slip, Share { of: index, share: friction.utilization(), time });
         }
     }
 }
 
-impl<'a> Standings<'a> {
-    fn new(cell: &'a Cell, course: &Course) -> Self {
-        let (robot, rods) = (&cell.robot, course.rods());
+impl<'a> PlatformStates<'a> {
+    fn new(cell: &'a Cell, segment: &SampledSegment) -> Self {
+        let (robot, rods) = (&cell.robot, segment.rods());
         let count = rods[0].len();
         let (mut tilts, mut plays) = (vec![0.0; count], vec![0.0; count]);
         let mut status = vec![Status::Solved; count];
-        let mut wanted =
+        let mut quantities =
             [(Quantity::Pitch, &mut tilts[..]), (Quantity::Displacement, &mut plays[..])];
-        if robot.model.forward_many(&robot.gpr, rods, &mut status, &mut wanted).is_err() {
-            // What concerns all of them is told of each.
+        if robot.model.forward_many(&robot.gpr, rods, &mut status, &mut quantities).is_err() {
+            // An error of the whole computation is reported at each sample.
             status.fill(Status::NotFinite);
         }
         Self { robot, status, tilts, plays }
     }
 
-    /// At a sample, or why it is nowhere.
+    /// State at a sample; where the columns have none, the single-pose solver states the reason.
     fn at(
         &self,
         sample: usize,
         positions: impl FnOnce() -> Positions,
-    ) -> Result<Standing, CellError> {
-        let place = sample.min(self.status.len() - 1);
-        if self.status[place] == Status::Solved {
-            return Ok(Standing { tilt: self.tilts[place], play: self.plays[place] });
+    ) -> Result<PlatformState, CellError> {
+        let row = sample.min(self.status.len() - 1);
+        if self.status[row] == Status::Solved {
+            return Ok(PlatformState { tilt: self.tilts[row], play: self.plays[row] });
         }
         let platform = self.robot.platform(&positions())?;
         let play = self.robot.model.displacement(&self.robot.gpr, &platform);
-        Ok(Standing { tilt: platform.tilt().pitch, play })
+        Ok(PlatformState { tilt: platform.tilt().pitch, play })
     }
 }
 
-/// The limit that a position is beyond.
-fn beyond(axis: &Axis, position: f64) -> Option<f64> {
+/// The position limit that a position violates.
+fn violated_limit(axis: &Axis, position: f64) -> Option<f64> {
     if position > axis.max + POSITION_SLACK {
         Some(axis.max)
     } else if position < axis.min - POSITION_SLACK {

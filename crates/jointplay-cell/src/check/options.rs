@@ -1,11 +1,11 @@
 //! Options of a check.
 
-/// How closely a motion is looked at.
+/// Sampling rate and reporting range of a check.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CheckOptions {
-    /// Samples a second [Hz].
+    /// Sampling rate [Hz].
     pub rate: f64,
-    /// Distances of bodies are followed below this; farther ones count as far [m].
+    /// Minimum distances from this on are not reported [m].
     pub near: f64,
 }
 

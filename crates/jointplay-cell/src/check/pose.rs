@@ -1,12 +1,12 @@
-//! One pose of the robot, checked as the poses of a program are; and how far it may go straight until something touches.
+//! Check of a single pose, and of a straight path up to the first contact.
 
-use super::checker::examine;
+use super::checker::check_uncached;
 use super::options::CheckOptions;
 use super::report::Report;
-use super::segments::Steps;
+use super::segments::SegmentChecks;
 use crate::collision::Scene;
-use crate::geometry::Solids;
-use crate::incremental::{Run, whole};
+use crate::geometry::ColliderCache;
+use crate::incremental::{Execution, uninterrupted};
 use crate::program::{Path, Phase, Place, Step};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
@@ -15,98 +15,98 @@ use crate::violation::Kind;
 use crate::workcell::Cell;
 use crate::{CellError, EntityId};
 
-/// How often the last part before a contact is halved: what is left of a metre is a nanometre.
-const HALVINGS: usize = 30;
-/// How often a path that was cut short is checked again, something having been touched before.
-const MOST_CUTS: usize = 16;
-/// Share of a path within which the last state without contact is found.
-const BEFORE: f64 = 1e-9;
-/// Share of a path that is left to the contact.
+/// Bisections of the path before a contact: 2⁻³⁰ m is a nanometre.
+const BISECTIONS: usize = 30;
+/// Largest number of times that a path is shortened because of an earlier contact.
+const MAX_CUTS: usize = 16;
+/// Tolerance of the last state without contact, as a share of the path.
+const CONTACT_TOLERANCE: f64 = 1e-9;
+/// Margin to the contact, as a share of the path.
 const MARGIN: f64 = 1e-7;
 
-/// Who carries what, and what the robot is about: the state in which a pose is judged.
+/// Context of a pose: where the wafers are, and the slot that an effector reaches into.
 #[derive(Debug, Clone, Copy)]
-pub struct Moment<'m> {
-    /// The motion of a program.
+pub struct PoseContext<'m> {
+    /// Trajectory of the program.
     pub motion: &'m Trajectory,
-    /// Time in it that says where wafers are [s].
+    /// Time in the trajectory that determines where the wafers are [s].
     pub time: f64,
-    /// The effector that reaches into a slot, and the slot; without it, those of the step at that time.
+    /// Effector that reaches into a slot, and the slot; `None` for those of the step at that time.
     pub reaches: Option<(EffectorId, SlotId)>,
 }
 
-/// How far a path leads without a contact.
+/// Part of a straight path before the first contact.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Straight {
-    /// Positions of all axes, rods first ([m], [rad]).
+pub struct ContactFreePath {
+    /// Positions of all axes at its end, rods first ([m], [rad]).
     pub positions: Vec<f64>,
-    /// Share of the path, 1 where nothing stops it.
+    /// Share of the path, 1 for a path without contact.
     pub share: f64,
-    /// The two collision objects that touch beyond, where something stops it.
+    /// The two collision objects that touch beyond; `None` for a path without contact.
     pub touching: Option<[EntityId; 2]>,
 }
 
-/// What is wrong with one pose: limits of axes and of the tilt, play, droop, distances and zones.
+/// Checks one pose against the limits of axes, tilt and play, droop, clearances and zones.
 ///
-/// Poses, pairs, allowed pairs and distances asked for are those of [`check`](super::check); the robot stands still.
+/// Pairs, allowed collisions and required clearances are those of [`check`](super::check); the robot is at rest.
 /// `distances` of the report lists the minimum distance of each relevant pair that is nearer than `near` of the options.
 ///
 /// # Errors
 /// As [`HybridRobot::forward`](crate::robot::HybridRobot::forward) for positions that are not those of the robot's axes.
 pub fn check_pose(
     cell: &Cell,
-    moment: &Moment<'_>,
+    moment: &PoseContext<'_>,
     positions: &[f64],
     options: &CheckOptions,
 ) -> Result<Report, CellError> {
     cell.robot.check_positions(positions)?;
-    Ok(Held::new(cell, moment).pose(positions, options))
+    Ok(SceneAtTime::new(cell, moment).pose(positions, options))
 }
 
-/// The last state without contact on the straight path of all axes from one pose toward another.
+/// Moves all axes straight from one pose toward another, up to the last state without contact.
 ///
-/// The path is checked as that of a program is, between its samples too.
-/// A contact is a distance of zero, or a body in a zone that it must not enter; pairs that touch at the start are left out, so that a robot in contact can be moved out of it.
+/// The path is checked continuously, as that of a program.
+/// A contact is a distance of zero, or a body in a keep-out zone; pairs that touch at the start are excluded, so that a robot in contact can be moved out of it.
 ///
 /// # Errors
 /// As [`check_pose`], for both poses.
 pub fn advance_until_contact(
     cell: &Cell,
-    moment: &Moment<'_>,
+    moment: &PoseContext<'_>,
     [from, to]: [&[f64]; 2],
     options: &CheckOptions,
-) -> Result<Straight, CellError> {
+) -> Result<ContactFreePath, CellError> {
     cell.robot.check_positions(from)?;
     cell.robot.check_positions(to)?;
-    Ok(Held::new(cell, moment).straight([from, to], options))
+    Ok(SceneAtTime::new(cell, moment).straight([from, to], options))
 }
 
-/// Wafers where they are at one moment.
-struct Held<'a> {
+/// Scene at one time.
+struct SceneAtTime<'a> {
     cell: &'a Cell,
-    solids: Solids,
+    colliders: ColliderCache,
     scene: Scene<'a>,
     template: Step,
 }
 
-impl<'a> Held<'a> {
-    fn new(cell: &'a Cell, moment: &Moment<'_>) -> Self {
-        let Moment { motion, time, reaches } = *moment;
-        let mut solids = Solids::default();
-        solids.begin();
-        let mut scene = Scene::new(cell, &mut solids);
+impl<'a> SceneAtTime<'a> {
+    fn new(cell: &'a Cell, moment: &PoseContext<'_>) -> Self {
+        let PoseContext { motion, time, reaches } = *moment;
+        let mut colliders = ColliderCache::default();
+        colliders.begin();
+        let mut scene = Scene::new(cell, &mut colliders);
         let ended = motion.times.iter().skip(1).take_while(|&&end| end <= time).count();
         for handover in motion.steps.iter().take(ended).filter_map(|step| step.handover) {
-            scene.hand_over(handover, &mut solids);
+            scene.apply_handover(handover, &mut colliders);
         }
         let current = motion.steps.get(ended.min(motion.steps.len().saturating_sub(1)));
         let of_step = current.and_then(|step| match step.path {
             Path::Line(id) => Some((id, step.slot?, step.phase)),
             _ => None,
         });
-        // Whoever reaches into a slot by hand may lift its wafer.
+        // An effector that is jogged into a slot may lift its wafer.
         let reaches = reaches.map(|(id, slot)| (id, slot, Phase::Lift)).or(of_step);
-        let loaded = cell.robot.effectors().filter(|&id| scene.carried_by(id).is_some());
+        let loaded = cell.robot.effectors().filter(|&id| scene.held_wafer(id).is_some());
         let template = Step {
             instruction: 0,
             place: Place::default(),
@@ -121,17 +121,23 @@ impl<'a> Held<'a> {
             handover: None,
             slot: reaches.map(|(_, slot, _)| slot),
         };
-        Self { cell, solids, scene, template }
+        Self { cell, colliders, scene, template }
     }
 
     fn report(&mut self, [from, to]: [&[f64]; 2], options: &CheckOptions) -> (Trajectory, Report) {
         let mut step = self.template.clone();
         (step.from, step.to) = (from.to_vec(), to.to_vec());
         let motion = straight(step);
-        let all = (&motion, 0..motion.steps.len());
-        let (scene, run) = (self.scene.clone(), Run::one_by_one());
-        let (steps, starts) = whole(Steps::new(all, options, scene, &mut self.solids, run));
-        let report = examine(self.cell, &motion, steps, &starts);
+        let (scene, execution) = (self.scene.clone(), Execution::unobserved());
+        let (steps, starts) = uninterrupted(SegmentChecks::new(
+            &motion,
+            0..motion.steps.len(),
+            options,
+            scene,
+            &mut self.colliders,
+            execution,
+        ));
+        let report = check_uncached(self.cell, &motion, steps, &starts);
         (motion, report)
     }
 
@@ -139,7 +145,7 @@ impl<'a> Held<'a> {
         self.report([positions, positions], options).1
     }
 
-    fn straight(&mut self, [from, to]: [&[f64]; 2], options: &CheckOptions) -> Straight {
+    fn straight(&mut self, [from, to]: [&[f64]; 2], options: &CheckOptions) -> ContactFreePath {
         let at_start = contacts(&self.pose(from, options));
         let new = |report: &Report| -> Option<[EntityId; 2]> {
             contacts(report).into_iter().find(|pair| !at_start.contains(pair))
@@ -148,10 +154,10 @@ impl<'a> Held<'a> {
             from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect()
         };
         let (mut share, mut touching) = (1.0, None);
-        for _ in 0..MOST_CUTS {
+        for _ in 0..MAX_CUTS {
             let end = if share == 1.0 { to.to_vec() } else { at(share) };
             let (motion, report) = self.report([from, &end], options);
-            // A violation begins where a pair comes too near; at its worst time it touches.
+            // A violation begins with the clearance; the contact is at its worst time.
             let new_contacts = report.violations.iter().filter(|one| {
                 is_contact(one.kind)
                     && pair_of(&one.entities).is_some_and(|pair| !at_start.contains(&pair))
@@ -159,15 +165,15 @@ impl<'a> Held<'a> {
             let first =
                 new_contacts.min_by(|one, other| one.worst_time.total_cmp(&other.worst_time));
             let Some(first) = first else {
-                return Straight { positions: end, share, touching };
+                return ContactFreePath { positions: end, share, touching };
             };
             touching = pair_of(&first.entities);
-            // Where that is, as a share of the whole path.
+            // The position of the contact as a share of the whole path.
             let reached = motion.sample_at(first.worst_time).positions;
             let (mut free, mut touched) = (0.0, share_of([from, to], &reached).min(share));
-            for _ in 0..HALVINGS {
+            for _ in 0..BISECTIONS {
                 let middle = 0.5 * (free + touched);
-                if touched - free < BEFORE {
+                if touched - free < CONTACT_TOLERANCE {
                     break;
                 }
                 match new(&self.pose(&at(middle), options)) {
@@ -175,15 +181,15 @@ impl<'a> Held<'a> {
                     None => free = middle,
                 }
             }
-            // Before it by more than what distances are compared with.
+            // The margin exceeds the resolution of distances.
             share = (free - MARGIN).max(0.0);
         }
-        // As often as it was cut, something was touched before.
-        Straight { positions: from.to_vec(), share: 0.0, touching }
+        // Each shortened path had an earlier contact.
+        ContactFreePath { positions: from.to_vec(), share: 0.0, touching }
     }
 }
 
-/// The share of a straight path at which positions are.
+/// Share of a straight path at which positions are.
 fn share_of([from, to]: [&[f64]; 2], at: &[f64]) -> f64 {
     let (mut along, mut squares) = (0.0, 0.0);
     for ((from, to), at) in from.iter().zip(to).zip(at) {

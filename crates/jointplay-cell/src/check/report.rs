@@ -4,93 +4,93 @@ use crate::EntityId;
 use crate::program::Place;
 use crate::violation::Violation;
 
-/// Whether a motion may be run.
+/// Result of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// Nothing is broken.
+    /// No violation was found.
     Sound,
-    /// Something is.
+    /// Violations were found.
     Broken,
 }
 
-/// How near a limit something comes, as a share of it: above 1 it is broken.
+/// Largest value relative to its limit; above 1 the limit is violated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
-    /// Of which axis, effector or body, as an index into what is asked about.
+    /// Index of the axis or effector.
     pub of: usize,
-    /// Largest share.
+    /// Value divided by its limit.
     pub share: f64,
-    /// When [s].
+    /// Time of the peak [s].
     pub time: f64,
 }
 
-/// How near two bodies come.
+/// Minimum distance of two collision objects over a trajectory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MinimumDistance {
     /// The two collision objects.
     pub entities: [EntityId; 2],
-    /// Least distance found at a sample [m].
+    /// Minimum distance at the samples [m].
     pub distance: f64,
-    /// How much less it may have been at samples that were passed over [m].
+    /// Tolerance: samples that were not evaluated may have a distance smaller by this much [m].
     pub within: f64,
-    /// When [s].
+    /// Time of the minimum [s].
     pub time: f64,
-    /// Index of the step then.
+    /// Index of the step at that time.
     pub step: usize,
 }
 
-/// What is known of one instruction.
+/// Results of one instruction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InstructionResult {
-    /// Its index in the order of running.
+    /// Index of the instruction in the order of execution.
     pub instruction: usize,
-    /// Where it is written.
+    /// Place of the instruction in the program text.
     pub place: Place,
-    /// Indices of its steps.
+    /// Indices of the steps.
     pub steps: std::ops::Range<usize>,
-    /// When it starts [s].
+    /// Start time [s].
     pub start: f64,
-    /// How long it takes [s].
+    /// Duration [s].
     pub duration: f64,
-    /// How long each axis moves in it [s].
+    /// Time during which each axis moves [s].
     pub moving: Vec<f64>,
-    /// Axis that comes nearest to its speed limit.
+    /// Largest velocity relative to its limit.
     pub velocity: Option<Share>,
-    /// Axis that comes nearest to its acceleration limit.
+    /// Largest acceleration relative to its limit.
     pub acceleration: Option<Share>,
-    /// Axis that comes nearest to its jerk limit.
+    /// Largest jerk relative to its limit.
     pub jerk: Option<Share>,
-    /// Share of the tilt limit.
+    /// Largest tilt relative to its limit.
     pub tilt: f64,
-    /// Share of the play budget.
+    /// Largest displacement of the virtual joints relative to the play budget.
     pub play: f64,
-    /// Effector whose wafer comes nearest to slipping, by index among all effectors; other samples may have had as much as 0.0001 more, unless it slips.
+    /// Largest utilization of friction, by index among all effectors; samples that were not evaluated may have 0.0001 more, unless a wafer slips.
     pub slip: Option<Share>,
-    /// The two bodies that come nearest; `None` where all stay farther than distances are followed.
+    /// Minimum distance of all pairs; `None` where all distances exceed the reporting range.
     pub nearest: Option<MinimumDistance>,
-    /// How many violations begin in it.
+    /// Number of violations that begin in the instruction.
     pub violations: usize,
 }
 
-/// What a check finds.
+/// Report of a check.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// Whether the motion may be run.
+    /// Whether violations were found.
     pub verdict: Verdict,
-    /// All that is broken, by time.
+    /// All violations in the order of time.
     pub violations: Vec<Violation>,
-    /// A row for each instruction.
+    /// Results of each instruction.
     pub by_instruction: Vec<InstructionResult>,
-    /// How near bodies come, nearest first; pairs that stay farther than distances are followed are left out.
+    /// Minimum distances of pairs within the reporting range, smallest first.
     pub distances: Vec<MinimumDistance>,
-    /// How long each axis moves [s].
+    /// Time during which each axis moves [s].
     pub moving: Vec<f64>,
-    /// How long the motion takes [s].
+    /// Duration of the trajectory [s].
     pub duration: f64,
-    /// Different wafers that are laid into a slot.
+    /// Number of wafers that are placed into a slot, each counted once.
     pub wafers: usize,
-    /// Wafers an hour where the program is repeated: those wafers by the duration; `None` where there are none.
+    /// Wafers per hour of the repeated program: wafers by duration; `None` without wafers [1/h].
     pub wafers_per_hour: Option<f64>,
-    /// Samples that were looked at.
+    /// Number of samples.
     pub samples: usize,
 }

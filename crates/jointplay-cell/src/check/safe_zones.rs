@@ -1,61 +1,72 @@
-//! Safe zones, which wafer centres must not leave while the robot turns.
+//! Safe zones, which the centres of end effectors must not leave while the robot turns.
 
 use jointplay_core::spatial::Pose;
 
-use super::segment_findings::Alone;
-use crate::collision::{Course, Gearing, Levers, Lost, Scene};
-use crate::geometry::{Placed, outside};
+use super::segment_findings::SegmentFindings;
+use crate::collision::{
+    MotionBoundCoefficients, MotionBoundModel, SampledSegment, Scene, UnknownPose,
+};
+use crate::geometry::{PlacedCollider, signed_distance};
 use crate::robot::EffectorId;
-use crate::violation::{Found, Hit, Kind, Unit, When};
+use crate::violation::{IntervalMerger, Kind, SampleTime, SampleViolation, Subject, Unit};
 
-impl Alone {
-    /// The centre of an effector stays in the safe zones while the robot turns: looked at where it may have come to an edge.
-    pub(super) fn zones(
+impl SegmentFindings {
+    /// Checks the centre of an effector against the safe zones, at samples where it may have reached a boundary.
+    ///
+    /// # Arguments
+    /// * `index` – number of the effector among all effectors
+    pub(super) fn check_safe_zones(
         &self,
         scene: &Scene<'_>,
-        (course, gearing): (&Course, &Gearing),
-        (place, id): (usize, EffectorId),
-        found: &mut Found,
+        segment: &SampledSegment,
+        bounds: &MotionBoundModel,
+        index: usize,
+        effector: EffectorId,
+        violations: &mut IntervalMerger,
     ) {
         let kind = Kind::SafeZone;
-        let levers = Levers::of_center(scene.cell, id);
+        let coefficients = MotionBoundCoefficients::of_wafer_center(scene.cell, effector);
         for run in &self.runs {
             let (mut sample, mut stride) = (run.start, 1);
             while sample < run.end {
-                let pose = match scene.wafer(id, &course.positions(sample)) {
+                let at = SampleTime { time: segment.times()[sample], sample };
+                let pose = match scene.wafer_pose(effector, &segment.positions(sample)) {
                     Ok(pose) => pose,
-                    Err(why) => {
-                        let when = When { time: course.times()[sample], sample };
-                        Lost { when, why }.report(found);
+                    Err(error) => {
+                        UnknownPose { at, error }.report(violations);
                         (sample, stride) = (sample + 1, 1);
                         continue;
                     }
                 };
-                let mut room = f64::INFINITY;
-                for (zone, solid) in &scene.safe {
-                    let placed = Placed { solid, base_from_carrier: &Pose::identity() };
-                    let off = outside(placed, &pose.translation.vector);
-                    room = room.min(-off);
-                    if off > 0.0 {
-                        let (about, unit) = ((kind, place, *zone), Unit::Length);
-                        let hit = Hit { about, kind, severity: off, value: off, limit: 0.0, unit };
-                        let when = When { time: course.times()[sample], sample };
-                        found.add(when, hit, String::new);
+                let mut margin = f64::INFINITY;
+                for (zone, collider) in &scene.safe_zones {
+                    let base_from_parent = &Pose::identity();
+                    let placed = PlacedCollider { collider, base_from_parent };
+                    let outside = signed_distance(placed, &pose.translation.vector);
+                    margin = margin.min(-outside);
+                    if outside > 0.0 {
+                        let subject = Subject { kind, first: index, second: *zone };
+                        let (value, limit, unit) = (outside, 0.0, Unit::Length);
+                        let severity = outside;
+                        let violation =
+                            SampleViolation { subject, kind, severity, value, limit, unit };
+                        violations.add(at, violation, String::new);
                     }
                 }
-                // The farthest sample to which the centre cannot have come out, as far as the last time at first.
-                let stays = |to: usize| {
-                    gearing.travel(&levers, &course.moved(&(sample..to))).total() < room
+                // The last sample to which the centre cannot have left: first doubled strides, then bisection.
+                let stays_inside = |to: usize| {
+                    let travel = segment.axis_travel(&(sample..to));
+                    bounds.displacement(&coefficients, &travel).total() < margin
                 };
                 let mut near = sample;
                 let mut far = (sample + stride).min(run.end);
-                while far < run.end && stays(far) {
+                while far < run.end && stays_inside(far) {
                     near = far;
                     far = (sample + 2 * (far - sample)).min(run.end);
                 }
                 while near + 1 < far {
                     let middle = near.midpoint(far);
-                    if stays(middle) { near = middle } else { far = middle }
+                    if stays_inside(middle) { near = middle } else { far = middle }
                 }
                 stride = near + 1 - sample;
                 sample = near + 1;

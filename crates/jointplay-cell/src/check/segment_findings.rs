@@ -1,45 +1,48 @@
-//! Findings of one segment by itself: shares of limits, violations, swept boxes.
+//! Findings of one segment by itself: peaks relative to limits, violations, swept boxes.
 
 use std::ops::Range;
 
 use super::report::Share;
-use crate::collision::{Around, Lost};
-use crate::violation::{Found, Stretch};
+use crate::collision::{SweptAabb, UnknownPose};
+use crate::violation::{IntervalMerger, ViolationInterval};
 
-/// What is found of a step by itself; times are since its start.
+/// Findings of one segment by itself; times count from the start of the segment.
 #[derive(Debug)]
-pub(super) struct Alone {
+pub(super) struct SegmentFindings {
     pub(super) velocity: Option<Share>,
     pub(super) acceleration: Option<Share>,
     pub(super) jerk: Option<Share>,
     pub(super) slip: Option<Share>,
+    /// Largest tilt as a share of its limit.
     pub(super) tilt: f64,
+    /// Largest displacement of the virtual joints as a share of the play budget.
     pub(super) play: f64,
     /// Whether each axis moves.
     pub(super) moved: Vec<bool>,
+    /// Number of samples.
     pub(super) samples: usize,
-    pub(super) found: Vec<Stretch>,
-    /// Samples between which it is known where everything is.
+    pub(super) violations: Vec<ViolationInterval>,
+    /// Runs of samples at which all poses are known.
     pub(super) runs: Vec<Range<usize>>,
-    /// The room around the way of each thing that moves.
-    pub(super) around: Vec<Option<Around>>,
+    /// Swept boxes of the moving objects.
+    pub(super) paths: Vec<Option<SweptAabb>>,
 }
 
-/// Keeps the largest share, and of those the earliest.
-pub(super) fn raise(most: &mut Option<Share>, share: Share) {
-    let is_more = |most: &Share| {
-        share.share > most.share || (share.share == most.share && share.time < most.time)
+/// Keeps the larger of two peaks, of equal ones the earlier.
+pub(super) fn update_peak(peak: &mut Option<Share>, share: Share) {
+    let is_larger = |peak: &Share| {
+        share.share > peak.share || (share.share == peak.share && share.time < peak.time)
     };
-    if most.as_ref().is_none_or(is_more) {
-        *most = Some(share);
+    if peak.as_ref().is_none_or(is_larger) {
+        *peak = Some(share);
     }
 }
 
-impl Alone {
-    /// Adds what a later window of the step comes to.
+impl SegmentFindings {
+    /// Adds the findings of a later window of the segment.
     ///
     /// # Arguments
-    /// * `first` – number of its first sample in the step
+    /// * `first` – number of its first sample in the segment
     pub(super) fn join(&mut self, next: Self, first: usize) {
         let peaks = [
             (&mut self.velocity, next.velocity),
@@ -47,9 +50,9 @@ impl Alone {
             (&mut self.jerk, next.jerk),
             (&mut self.slip, next.slip),
         ];
-        for (most, share) in peaks {
+        for (peak, share) in peaks {
             if let Some(share) = share {
-                raise(most, share);
+                update_peak(peak, share);
             }
         }
         self.tilt = self.tilt.max(next.tilt);
@@ -58,9 +61,9 @@ impl Alone {
             *moved |= also;
         }
         self.samples = first + next.samples;
-        let mut found = Found::of(std::mem::take(&mut self.found));
-        found.join(next.found, first);
-        self.found = found.finished();
+        let mut violations = IntervalMerger::from_intervals(std::mem::take(&mut self.violations));
+        violations.join(next.violations, first);
+        self.violations = violations.into_intervals();
         for run in next.runs {
             let run = run.start + first..run.end + first;
             match self.runs.last_mut() {
@@ -68,21 +71,21 @@ impl Alone {
                 _ => self.runs.push(run),
             }
         }
-        for (around, next) in self.around.iter_mut().zip(next.around) {
-            match (around.as_mut(), next) {
-                (Some(around), Some(next)) => around.join(next),
-                (None, next) => *around = next,
+        for (path, next) in self.paths.iter_mut().zip(next.paths) {
+            match (path.as_mut(), next) {
+                (Some(path), Some(next)) => path.join(next),
+                (None, next) => *path = next,
                 (Some(_), None) => {}
             }
         }
     }
 
-    /// Reports a pose that is unknown though the step was found to have all of them; its distances are not followed then.
-    pub(super) fn lost(&mut self, lost: Lost) {
-        let mut found = Found::default();
-        lost.report(&mut found);
-        self.found.extend(found.finished());
-        self.found.sort_by_key(|stretch| stretch.first);
+    /// Reports a pose that is unknown although the segment has poses at all its samples; no distance is evaluated then.
+    pub(super) fn add_unknown_pose(&mut self, unknown: UnknownPose) {
+        let mut violations = IntervalMerger::default();
+        unknown.report(&mut violations);
+        self.violations.extend(violations.into_intervals());
+        self.violations.sort_by_key(|interval| interval.first);
         self.runs.clear();
     }
 }

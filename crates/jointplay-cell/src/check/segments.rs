@@ -1,181 +1,194 @@
-//! What each step of a motion depends on, and how it is looked at.
+//! Checks of single segments: their inputs, and the calls of limits, broad phase and distance queries.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use super::options::CheckOptions;
-use super::segment_findings::Alone;
-use crate::collision::{Among, Cast, Course, Gearing, Look, Near, Pair, Pairs, Samples, Scene};
-use crate::geometry::Solids;
-use crate::incremental::{Interrupted, Key, Run, each};
+use super::segment_findings::SegmentFindings;
+use crate::collision::{
+    BroadPhase, CandidatePair, CandidatePairs, MotionBoundModel, PairAccumulator, PairResults,
+    SampleWindows, SampledSegment, Scene, SegmentDistanceQuery,
+};
+use crate::geometry::ColliderCache;
+use crate::incremental::{Execution, Fingerprint, Interrupted, parallel_map};
 use crate::program::Phase;
 use crate::trajectory::Trajectory;
 
-/// Some steps of a motion, and what they are among.
-pub(super) struct Steps<'a> {
-    motion: &'a Trajectory,
+/// Successive segments of a trajectory, with their scenes.
+pub(super) struct SegmentChecks<'a> {
+    trajectory: &'a Trajectory,
     options: &'a CheckOptions,
-    gearing: Gearing,
-    /// From one handing over of a wafer to the next.
+    bounds: MotionBoundModel,
+    /// Scenes from one hand-off to the next.
     scenes: Vec<Scene<'a>>,
-    /// Of each scene.
-    casts: Vec<Cast>,
-    /// Room for the samples of steps that are looked at next.
-    courses: Mutex<Vec<Course>>,
+    /// Broad phase of each scene.
+    broad_phases: Vec<BroadPhase>,
+    /// Buffers for the samples of the next segments.
+    buffers: Mutex<Vec<SampledSegment>>,
 }
 
-/// What a step by itself depends on.
-pub(super) struct Start {
+/// Inputs of the check of one segment by itself.
+pub(super) struct SegmentKey {
     scene: usize,
-    pub(super) key: Key,
+    pub(super) fingerprint: Fingerprint,
 }
 
-impl Start {
-    fn new(motion: &Trajectory, index: usize, (scene, cast): (usize, &Cast)) -> Self {
-        let step = &motion.steps[index];
-        let mut key = motion.key(index);
-        key.push(u64::from(step.phase == Phase::Turn));
-        key.push(step.loaded.len() as u64);
-        key.extend(step.loaded.iter().flat_map(|id| [id.arm as u64, id.effector as u64]));
-        key.extend(&cast.key);
-        Self { scene, key }
-    }
-}
-
-impl<'a> Steps<'a> {
-    /// Some steps of a motion, with what each by itself depends on.
-    ///
+impl<'a> SegmentChecks<'a> {
     /// # Arguments
-    /// * `scene` – before the first of them
+    /// * `scene` – before the first of the steps
     pub(super) fn new(
-        (motion, range): (&'a Trajectory, Range<usize>),
+        trajectory: &'a Trajectory,
+        steps: Range<usize>,
         options: &'a CheckOptions,
         scene: Scene<'a>,
-        solids: &mut Solids,
-        run: Run<'_>,
-    ) -> Result<(Self, Vec<Start>), Interrupted> {
+        cache: &mut ColliderCache,
+        execution: Execution<'_>,
+    ) -> Result<(Self, Vec<SegmentKey>), Interrupted> {
         let cell = scene.cell;
         let mut scenes = vec![scene];
-        let mut scene_of = Vec::with_capacity(range.len());
-        for step in &motion.steps[range.clone()] {
-            run.poll()?;
+        let mut scene_of = Vec::with_capacity(steps.len());
+        for step in &trajectory.steps[steps.clone()] {
+            execution.check_interruption()?;
             let last = scenes.len() - 1;
             scene_of.push(last);
             if let Some(handover) = step.handover {
                 let mut next = scenes[last].clone();
-                next.hand_over(handover, solids);
+                next.apply_handover(handover, cache);
                 scenes.push(next);
             }
         }
-        let gearing = Gearing::new(&cell.robot);
-        let near = options.near.max(cell.clearance).max(cell.slot_clearance);
-        let casts = each(scenes.len(), run, |scene| Cast::new(&scenes[scene], &gearing, near))?;
-        let of = |index: usize| (scene_of[index], &casts[scene_of[index]]);
-        let start = |place: usize| Start::new(motion, range.start + place, of(place));
-        let starts = each(range.len(), run, start)?;
-        let courses = Mutex::default();
-        Ok((Self { motion, options, gearing, scenes, casts, courses }, starts))
+        let bounds = MotionBoundModel::new(&cell.robot);
+        let max_distance = options.near.max(cell.clearance).max(cell.slot_clearance);
+        let broad_phases = parallel_map(scenes.len(), execution, |scene| {
+            BroadPhase::new(&scenes[scene], &bounds, max_distance)
+        })?;
+        let key = |index: usize| {
+            let (step, scene) = (steps.start + index, scene_of[index]);
+            let mut fingerprint = trajectory.step_fingerprint(step);
+            let step = &trajectory.steps[step];
+            fingerprint.add(&(step.phase == Phase::Turn)).add(&step.loaded);
+            fingerprint.add(&broad_phases[scene].fingerprint);
+            SegmentKey { scene, fingerprint }
+        };
+        let keys = parallel_map(steps.len(), execution, key)?;
+        let buffers = Mutex::default();
+        Ok((Self { trajectory, options, bounds, scenes, broad_phases, buffers }, keys))
     }
 
-    pub(super) fn scene(&self, start: &Start) -> &Scene<'a> {
-        &self.scenes[start.scene]
+    pub(super) fn scene(&self, key: &SegmentKey) -> &Scene<'a> {
+        &self.scenes[key.scene]
     }
 
-    /// After the last step.
-    pub(super) fn into_last(mut self) -> Scene<'a> {
+    /// Scene after the last step.
+    pub(super) fn into_last_scene(mut self) -> Scene<'a> {
         self.scenes.swap_remove(self.scenes.len() - 1)
     }
 
-    /// Does something in the room that was used before.
-    pub(super) fn with_course<T>(&self, make: impl FnOnce(&mut Course) -> T) -> T {
-        let courses = || self.courses.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut course = courses().pop().unwrap_or_default();
-        let made = make(&mut course);
-        course.leave();
-        courses().push(course);
-        made
+    /// Calls a function with a buffer for samples.
+    pub(super) fn with_buffer<T>(&self, call: impl FnOnce(&mut SampledSegment) -> T) -> T {
+        let buffers = || self.buffers.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut segment = buffers().pop().unwrap_or_default();
+        let result = call(&mut segment);
+        segment.release();
+        buffers().push(segment);
+        result
     }
 
-    /// Looks at a step by itself.
-    pub(super) fn alone(&self, start: &Start, index: usize, course: &mut Course) -> Alone {
-        let (scene, cast) = (self.scene(start), &self.casts[start.scene]);
-        let mut window = |window: usize| {
-            self.take(index, window, course);
-            let step = &self.motion.steps[index];
-            let mut alone = Alone::new(scene, step, (&*course, &self.gearing));
-            let mut around = Vec::with_capacity(cast.movers.len());
-            for (&item, levers) in cast.movers.iter().zip(&cast.levers) {
-                match course.around(scene, item, (&self.gearing, levers), &alone.runs) {
-                    Ok(found) => around.push(found),
-                    Err(lost) => {
-                        // Nothing is known of the distances in this window, which is a violation.
-                        alone.lost(lost);
-                        around = cast.movers.iter().map(|_| None).collect();
+    /// Checks a segment by itself, and computes its swept boxes.
+    pub(super) fn findings(
+        &self,
+        key: &SegmentKey,
+        step: usize,
+        segment: &mut SampledSegment,
+    ) -> SegmentFindings {
+        let (scene, broad_phase) = (self.scene(key), &self.broad_phases[key.scene]);
+        let mut check_window = |window: usize| {
+            self.sample(step, window, segment);
+            let mut findings =
+                SegmentFindings::new(scene, &self.trajectory.steps[step], segment, &self.bounds);
+            let mut paths = Vec::with_capacity(broad_phase.moving.len());
+            for (&object, coefficients) in broad_phase.moving.iter().zip(&broad_phase.coefficients)
+            {
+                let runs = &findings.runs;
+                match segment.swept_aabb(scene, object, &self.bounds, coefficients, runs) {
+                    Ok(path) => paths.push(path),
+                    Err(unknown) => {
+                        // No distance of this window is known, which is reported as a violation.
+                        findings.add_unknown_pose(unknown);
+                        paths = broad_phase.moving.iter().map(|_| None).collect();
                         break;
                     }
                 }
             }
-            alone.around = around;
-            (alone, course.first())
+            findings.paths = paths;
+            (findings, segment.first())
         };
-        let (mut alone, _) = window(0);
-        for later in 1..self.samples(index).windows() {
-            let (next, first) = window(later);
-            alone.join(next, first);
+        let (mut findings, _) = check_window(0);
+        for window in 1..self.windows(step).windows() {
+            let (next, first) = check_window(window);
+            findings.join(next, first);
         }
-        alone
+        findings
     }
 
-    fn samples(&self, index: usize) -> Samples {
-        Samples::of(self.motion, index, self.options.rate)
+    fn windows(&self, step: usize) -> SampleWindows {
+        SampleWindows::new(self.trajectory, step, self.options.rate)
     }
 
-    fn take(&self, index: usize, window: usize, course: &mut Course) {
-        if !course.is_of(index, window) {
-            course.take(self.motion, (index, window), &self.samples(index), &self.gearing);
+    fn sample(&self, step: usize, window: usize, segment: &mut SampledSegment) {
+        if !segment.is_at(step, window) {
+            segment.begin(self.trajectory, step, window, &self.windows(step), &self.bounds);
         }
     }
 
-    /// Finds what may come near in a step.
-    pub(super) fn among(&self, start: &Start, index: usize, alone: &Alone) -> Among {
-        let (scene, cast) = (self.scene(start), &self.casts[start.scene]);
-        let clearance = scene.cell.clearance.max(scene.cell.slot_clearance);
-        let reach = self.options.near.max(clearance);
-        let (items, pairs) = cast.pairs(scene, &self.motion.steps[index], &alone.around, reach);
-        let mut key = start.key.clone();
-        items[cast.movers.len()..].iter().for_each(|&item| scene.items[item].key(&mut key));
-        for Pair { items: [a, b], rule } in &pairs {
-            key.extend([*a as u64, *b as u64]);
-            rule.key(&mut key);
-        }
-        Among { items, pairs, key }
-    }
-
-    /// Looks at the distances in a step.
-    pub(super) fn near(
+    /// Broad phase of a segment.
+    pub(super) fn candidates(
         &self,
-        start: &Start,
-        index: usize,
-        (alone, among): (&Alone, &Among),
-        course: &mut Course,
-    ) -> Near {
-        let (scene, cast) = (self.scene(start), &self.casts[start.scene]);
-        let mut pairs = Pairs::new(&among.pairs);
-        for window in 0..self.samples(index).windows() {
-            self.take(index, window, course);
-            let mut look = Look {
-                scene,
-                motion: self.motion,
-                step: index,
-                course: &mut *course,
-                items: &among.items,
-                gearing: &self.gearing,
-                levers: &cast.levers,
-                between: cast.between(scene),
-                near: self.options.near,
-            };
-            look.at(&mut pairs, &alone.runs);
+        key: &SegmentKey,
+        step: usize,
+        findings: &SegmentFindings,
+    ) -> CandidatePairs {
+        let (scene, broad_phase) = (self.scene(key), &self.broad_phases[key.scene]);
+        let clearance = scene.cell.clearance.max(scene.cell.slot_clearance);
+        let distance = self.options.near.max(clearance);
+        let step = &self.trajectory.steps[step];
+        let (objects, pairs) = broad_phase.candidates(scene, step, &findings.paths, distance);
+        let mut fingerprint = key.fingerprint.clone();
+        for &object in &objects[broad_phase.moving.len()..] {
+            fingerprint.add(&*scene.objects[object]);
         }
-        pairs.finished()
+        for CandidatePair { objects, rule } in &pairs {
+            fingerprint.add(objects).add(rule);
+        }
+        CandidatePairs { objects, pairs, fingerprint }
+    }
+
+    /// Narrow phase of a segment: distances of its candidate pairs.
+    pub(super) fn distances(
+        &self,
+        key: &SegmentKey,
+        step: usize,
+        findings: &SegmentFindings,
+        candidates: &CandidatePairs,
+        segment: &mut SampledSegment,
+    ) -> PairResults {
+        let (scene, broad_phase) = (self.scene(key), &self.broad_phases[key.scene]);
+        let mut pairs = PairAccumulator::new(&candidates.pairs);
+        for window in 0..self.windows(step).windows() {
+            self.sample(step, window, segment);
+            let mut query = SegmentDistanceQuery {
+                scene,
+                trajectory: self.trajectory,
+                step,
+                segment: &mut *segment,
+                objects: &candidates.objects,
+                bounds: &self.bounds,
+                coefficients: &broad_phase.coefficients,
+                relative: broad_phase.relative_motion(scene),
+                max_distance: self.options.near,
+            };
+            query.check(&mut pairs, &findings.runs);
+        }
+        pairs.into_results()
     }
 }

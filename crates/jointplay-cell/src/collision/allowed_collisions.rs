@@ -1,39 +1,37 @@
-//! What is required of the distance of each pair of collision objects.
+//! Contact rules: the required distance of each pair of collision objects.
 
-use super::object::{Holder, Role};
+use super::object::{Parent, Role};
 use super::scene::Scene;
-use crate::incremental::Key;
+use crate::incremental::{Fingerprint, Fingerprinted};
 use crate::program::{Handover, Path, Phase, Step};
 use crate::robot::EffectorId;
 
-/// What is asked of the distance of two items during a step.
+/// Required distance of two collision objects during a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Rule {
-    /// Nothing.
-    Free,
-    /// Not to touch, and to stay this far apart [m].
-    Apart(f64),
-    /// As before, asked for by the slots of a station.
-    Slots(f64),
-    /// Not to enter.
-    Out,
+pub(crate) enum ContactRule {
+    /// The pair is not checked.
+    Unchecked,
+    /// Minimum clearance [m].
+    MinClearance(f64),
+    /// Minimum clearance at the slots of a station [m].
+    SlotClearance(f64),
+    /// No penetration of a keep-out zone.
+    KeepOut,
 }
 
-impl Rule {
-    /// Adds what is asked to inputs.
-    pub(crate) fn key(self, key: &mut Key) {
-        let (kind, limit) = match self {
-            Self::Free => (0, 0.0),
-            Self::Apart(limit) => (1, limit),
-            Self::Slots(limit) => (2, limit),
-            Self::Out => (3, 0.0),
-        };
-        key.extend([kind, f64::to_bits(limit)]);
+impl Fingerprinted for ContactRule {
+    fn append_to(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.add(&match *self {
+            Self::Unchecked => (0_u64, 0.0),
+            Self::MinClearance(limit) => (1, limit),
+            Self::SlotClearance(limit) => (2, limit),
+            Self::KeepOut => (3, 0.0),
+        });
     }
 }
 
-/// The effector that a step is about.
-pub(crate) fn acting(step: &Step) -> Option<EffectorId> {
+/// Effector that a step moves along a line, or that takes part in its hand-off.
+pub(crate) fn acting_effector(step: &Step) -> Option<EffectorId> {
     match (step.path, step.handover) {
         (Path::Line(id), _) => Some(id),
         (_, Some(Handover::Picked(id, _) | Handover::Placed(id, _))) => Some(id),
@@ -42,72 +40,75 @@ pub(crate) fn acting(step: &Step) -> Option<EffectorId> {
 }
 
 impl Scene<'_> {
-    /// What is asked of two items, whatever the step.
+    /// Contact rule of two objects, independent of the step.
     ///
-    /// Nothing is asked of bodies on one carrier or on two that a joint connects, of pairs that the cell allows, and of a wafer and the link that carries it.
-    pub(crate) fn general_rule(&self, a: usize, b: usize) -> Rule {
-        let (first, second) = (&self.items[a], &self.items[b]);
-        if !(first.holder.moves() || second.holder.moves()) || self.joined(a, b) {
-            return Rule::Free;
+    /// Not checked are objects on one body or on two bodies that a joint connects, pairs that the cell allows, and a wafer with the link that holds it.
+    pub(crate) fn general_contact_rule(&self, a: usize, b: usize) -> ContactRule {
+        let (first, second) = (&self.objects[a], &self.objects[b]);
+        if !(first.parent.moves() || second.parent.moves()) || self.are_adjacent(a, b) {
+            return ContactRule::Unchecked;
         }
         if let (Role::Body(i), Role::Body(j)) = (first.role, second.role) {
             let allowed = &self.cell.allowed_pairs;
             if allowed.contains(&[i, j]) || allowed.contains(&[j, i]) {
-                return Rule::Free;
+                return ContactRule::Unchecked;
             }
         }
         if first.role == Role::KeepOut || second.role == Role::KeepOut {
-            return Rule::Out;
+            return ContactRule::KeepOut;
         }
-        Rule::Apart(self.cell.clearance)
+        ContactRule::MinClearance(self.cell.clearance)
     }
 
-    /// What is asked during a step of an item that moves and one that stands.
+    /// Contact rule of a moving and a fixed object during a step.
     ///
-    /// While a step reaches into a slot, what reaches there has to keep the slots' clearance from the wafers of that station and from all that stands, where that is less than the general one; while it lifts or lowers there, its last link may touch the wafer of that very slot.
-    pub(crate) fn rule(&self, mover: usize, standing: usize, step: &Step) -> Rule {
-        let general = self.general_rule(mover, standing);
-        let (Rule::Apart(_), Some(slot), Some(id)) = (general, step.slot, acting(step)) else {
+    /// While a step reaches into a slot, the end effector and its wafer must keep the slot clearance to the wafers of that station, and the lesser of slot clearance and general clearance to all fixed objects.
+    /// During lift and lower, the last link may touch the wafer of that slot.
+    pub(crate) fn contact_rule(&self, mover: usize, fixed: usize, step: &Step) -> ContactRule {
+        let general = self.general_contact_rule(mover, fixed);
+        let (ContactRule::MinClearance(_), Some(slot), Some(id)) =
+            (general, step.slot, acting_effector(step))
+        else {
             return general;
         };
-        let [inside, other] = [mover, standing].map(|item| self.items[item].holder);
-        if inside != Holder::Effector(id) && !carries(inside, id) {
+        let [inside, other] = [mover, fixed].map(|object| self.objects[object].parent);
+        if inside != Parent::Effector(id) && !holds(inside, id) {
             return general;
         }
-        let nearer = self.cell.slot_clearance.min(self.cell.clearance);
+        let lesser = self.cell.slot_clearance.min(self.cell.clearance);
         match other {
-            Holder::Slot(there) if there == slot => {
-                let handing = matches!(step.phase, Phase::Lift | Phase::Lower);
-                if handing { Rule::Free } else { Rule::Slots(nearer) }
+            Parent::Slot(there) if there == slot => {
+                let is_handoff = matches!(step.phase, Phase::Lift | Phase::Lower);
+                if is_handoff { ContactRule::Unchecked } else { ContactRule::SlotClearance(lesser) }
             }
-            Holder::Slot(there) if there.station == slot.station => {
-                Rule::Slots(self.cell.slot_clearance)
+            Parent::Slot(there) if there.station == slot.station => {
+                ContactRule::SlotClearance(self.cell.slot_clearance)
             }
-            _ => Rule::Apart(nearer),
+            _ => ContactRule::MinClearance(lesser),
         }
     }
 
-    /// Whether two items are on one carrier, or on two that a joint connects, or one carries the other.
-    fn joined(&self, a: usize, b: usize) -> bool {
-        let (a, b) = (self.items[a].holder, self.items[b].holder);
-        let linked = |x: Holder, y: Holder| match (x, y) {
-            (Holder::Platform, Holder::Link { link: 0, .. }) => true,
-            (Holder::Platform, Holder::Tip(id)) => self.last_link(id.arm) == 0,
-            (Holder::Link { arm, link }, Holder::Link { arm: other, link: next }) => {
+    /// Whether two objects are on one body, on two that a joint connects, or one holds the other.
+    fn are_adjacent(&self, a: usize, b: usize) -> bool {
+        let (a, b) = (self.objects[a].parent, self.objects[b].parent);
+        let linked = |x: Parent, y: Parent| match (x, y) {
+            (Parent::Platform, Parent::Link { link: 0, .. }) => true,
+            (Parent::Platform, Parent::Tip(id)) => self.last_link(id.arm) == 0,
+            (Parent::Link { arm, link }, Parent::Link { arm: other, link: next }) => {
                 arm == other && link + 1 == next
             }
-            (Holder::Link { arm, link }, Holder::Tip(id)) => {
+            (Parent::Link { arm, link }, Parent::Tip(id)) => {
                 arm == id.arm && link + 1 == self.last_link(arm)
             }
-            (Holder::Tip(one), Holder::Tip(other)) => one.arm == other.arm,
-            (link, Holder::Effector(id)) => carries(link, id),
+            (Parent::Tip(one), Parent::Tip(other)) => one.arm == other.arm,
+            (link, Parent::Effector(id)) => holds(link, id),
             _ => false,
         };
         a == b || linked(a, b) || linked(b, a)
     }
 }
 
-/// Whether a carrier is the link that an effector's wafer is on.
-fn carries(link: Holder, id: EffectorId) -> bool {
-    matches!(link, Holder::Tip(tip) if tip.arm == id.arm)
+/// Whether a parent is the last link of the arm of an effector.
+fn holds(link: Parent, id: EffectorId) -> bool {
+    matches!(link, Parent::Tip(tip) if tip.arm == id.arm)
 }

@@ -2,25 +2,25 @@
 
 use crate::trajectory::AxisState;
 
-/// What some axes do.
-pub(crate) struct Axes<'a, const N: usize> {
-    /// By sample, of those that do anything.
+/// States of some axes at the samples of a window.
+pub(crate) struct AxisStates<'a, const N: usize> {
+    /// States by sample, of axes that move.
     pub(super) moving: [Option<&'a [AxisState]>; N],
-    /// Where the others stand.
-    pub(super) standing: [f64; N],
+    /// Positions of the axes that do not move [m or rad].
+    pub(super) fixed: [f64; N],
 }
 
-impl<const N: usize> Axes<'_, N> {
+impl<const N: usize> AxisStates<'_, N> {
     /// Positions, velocities and accelerations at a sample.
-    pub(crate) fn rates(&self, sample: usize) -> [[f64; N]; 3] {
-        let mut rates = [self.standing, [0.0; N], [0.0; N]];
-        for (place, states) in self.moving.iter().enumerate() {
-            if let Some(states) = states {
-                for (order, rates) in rates.iter_mut().enumerate() {
-                    rates[place] = states[sample][order];
+    pub(crate) fn at(&self, sample: usize) -> [[f64; N]; 3] {
+        let mut states = [self.fixed, [0.0; N], [0.0; N]];
+        for (index, moving) in self.moving.iter().enumerate() {
+            if let Some(moving) = moving {
+                for (order, values) in states.iter_mut().enumerate() {
+                    values[index] = moving[sample][order];
                 }
             }
         }
-        rates
+        states
     }
 }

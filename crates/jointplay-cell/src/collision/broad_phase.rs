@@ -2,145 +2,158 @@
 
 use std::sync::OnceLock;
 
-use super::allowed_collisions::Rule;
-use super::conservative_advancement::Pair;
-use super::motion_bound::Gearing;
-use super::motion_bound_coefficients::{Levers, common};
-use super::object::Holder;
+use super::allowed_collisions::ContactRule;
+use super::conservative_advancement::{CandidatePair, RelativeMotion};
+use super::motion_bound::MotionBoundModel;
+use super::motion_bound_coefficients::{MotionBoundCoefficients, common_ancestor};
 use super::scene::Scene;
-use super::swept_aabb::Around;
-use crate::incremental::Key;
+use super::swept_aabb::SweptAabb;
+use crate::incremental::Fingerprint;
 use crate::program::Step;
 
-/// Who moves in a scene, and who stands.
-pub(crate) struct Cast {
-    /// Items that move.
-    pub(crate) movers: Vec<usize>,
-    /// And those that stand.
-    others: Vec<usize>,
-    /// Of those that move: up to which distance from what holds them their points count [m].
+/// Moving and fixed objects of a scene, and the pairs of moving objects.
+pub(crate) struct BroadPhase {
+    /// Moving objects, as indices in the scene.
+    pub(crate) moving: Vec<usize>,
+    /// Fixed objects, as indices in the scene.
+    fixed: Vec<usize>,
+    /// For each moving object the distance from the origin of its parent up to which its points are relevant [m].
     reaches: Vec<f64>,
-    /// Of those that move.
-    pub(crate) levers: Vec<Levers>,
-    /// Pairs of them that something is asked of, by their places among them.
-    pairs: Vec<Pair>,
-    /// Of each of these, against what carries both; found when first asked for.
-    between: OnceLock<Vec<(Levers, Holder)>>,
-    /// All that is known of them.
-    pub(crate) key: Key,
+    /// Bound coefficients of the moving objects.
+    pub(crate) coefficients: Vec<MotionBoundCoefficients>,
+    /// Pairs of moving objects that are checked.
+    pairs: Vec<CandidatePair>,
+    /// Relative motion of these pairs, computed at its first use.
+    relative: OnceLock<Vec<RelativeMotion>>,
+    /// Fingerprint of the moving objects.
+    pub(crate) fingerprint: Fingerprint,
 }
 
-/// What a step is among.
-pub(crate) struct Among {
-    /// Items of the scene that take part, those that move first.
-    pub(crate) items: Vec<usize>,
-    pub(crate) pairs: Vec<Pair>,
-    pub(crate) key: Key,
+/// Candidate pairs of one segment.
+pub(crate) struct CandidatePairs {
+    /// Objects of the pairs, as indices in the scene, moving objects first.
+    pub(crate) objects: Vec<usize>,
+    pub(crate) pairs: Vec<CandidatePair>,
+    /// Fingerprint of everything that their distances depend on.
+    pub(crate) fingerprint: Fingerprint,
 }
 
-impl Cast {
+impl BroadPhase {
     /// # Arguments
-    /// * `near` – distance from which on none is followed [m]
-    pub(crate) fn new(scene: &Scene<'_>, gearing: &Gearing, near: f64) -> Self {
-        let (movers, others): (Vec<usize>, Vec<usize>) =
-            (0..scene.items.len()).partition(|&item| scene.items[item].holder.moves());
-        let mut key = Key::new();
-        movers.iter().for_each(|&item| scene.items[item].key(&mut key));
-        let reaches = reaches(scene, (&movers, &others), gearing, near);
-        for (&item, &reach) in movers.iter().zip(&reaches) {
-            // What it is clipped to depends on the others.
-            if reach < scene.items[item].solid.reach() {
-                key.push(reach.to_bits());
+    /// * `max_distance` – distance from which on no pair is relevant [m]
+    pub(crate) fn new(scene: &Scene<'_>, bounds: &MotionBoundModel, max_distance: f64) -> Self {
+        let (moving, fixed): (Vec<usize>, Vec<usize>) =
+            (0..scene.objects.len()).partition(|&object| scene.objects[object].parent.moves());
+        let mut fingerprint = Fingerprint::default();
+        for &object in &moving {
+            fingerprint.add(&*scene.objects[object]);
+        }
+        let reaches = relevant_reaches(scene, &moving, &fixed, bounds, max_distance);
+        for (&object, &reach) in moving.iter().zip(&reaches) {
+            // A reach that is clipped depends on the other objects.
+            if reach < scene.objects[object].collider.reach() {
+                fingerprint.add(&reach);
             }
         }
-        let lever =
-            |(&item, &reach): (&usize, &f64)| Levers::new(scene.cell, &scene.items[item], reach);
-        let levers = movers.iter().zip(&reaches).map(lever).collect();
+        let coefficients = |(&object, &reach): (&usize, &f64)| {
+            MotionBoundCoefficients::new(scene.cell, &scene.objects[object], reach)
+        };
+        let coefficients = moving.iter().zip(&reaches).map(coefficients).collect();
         let mut pairs = Vec::new();
-        for a in 0..movers.len() {
-            for b in a + 1..movers.len() {
-                let rule = scene.general_rule(movers[a], movers[b]);
-                if rule != Rule::Free {
-                    pairs.push(Pair { items: [a, b], rule });
+        for a in 0..moving.len() {
+            for b in a + 1..moving.len() {
+                let rule = scene.general_contact_rule(moving[a], moving[b]);
+                if rule != ContactRule::Unchecked {
+                    pairs.push(CandidatePair { objects: [a, b], rule });
                 }
             }
         }
-        Self { movers, others, reaches, levers, pairs, between: OnceLock::new(), key }
+        let relative = OnceLock::new();
+        Self { moving, fixed, reaches, coefficients, pairs, relative, fingerprint }
     }
 
-    pub(crate) fn between(&self, scene: &Scene<'_>) -> &[(Levers, Holder)] {
-        let of = |pair: &Pair| {
-            let both =
-                pair.items.map(|place| (&*scene.items[self.movers[place]], self.reaches[place]));
-            let common = common(&scene.cell.robot, both[0].0, both[1].0);
-            (Levers::between(scene.cell, both, common), common)
+    /// Relative motion of the pairs of two moving objects.
+    pub(crate) fn relative_motion(&self, scene: &Scene<'_>) -> &[RelativeMotion] {
+        let of_pair = |pair: &CandidatePair| {
+            let objects = pair.objects.map(|k| (&*scene.objects[self.moving[k]], self.reaches[k]));
+            let ancestor = common_ancestor(&scene.cell.robot, objects[0].0, objects[1].0);
+            let coefficients = MotionBoundCoefficients::relative(scene.cell, objects, ancestor);
+            RelativeMotion { coefficients, ancestor }
         };
-        self.between.get_or_init(|| self.pairs.iter().map(of).collect())
+        self.relative.get_or_init(|| self.pairs.iter().map(of_pair).collect())
     }
 
-    /// Who may come near in a step, those that move first, and the pairs of them that something is asked of.
-    pub(crate) fn pairs(
+    /// Objects whose swept boxes come within a distance of each other [m], moving ones first, and their pairs.
+    ///
+    /// # Arguments
+    /// * `paths` – swept boxes of the moving objects
+    pub(crate) fn candidates(
         &self,
         scene: &Scene<'_>,
         step: &Step,
-        paths: &[Option<Around>],
-        reach: f64,
-    ) -> (Vec<usize>, Vec<Pair>) {
-        let (mut items, mut pairs) = (self.movers.clone(), self.pairs.clone());
-        let whole = Around::all(paths.iter().flatten());
-        for &other in &self.others {
-            let standing = &scene.items[other].around;
-            if !whole.as_ref().is_some_and(|whole| whole.comes_near(standing, reach)) {
+        paths: &[Option<SweptAabb>],
+        distance: f64,
+    ) -> (Vec<usize>, Vec<CandidatePair>) {
+        let (mut objects, mut pairs) = (self.moving.clone(), self.pairs.clone());
+        let all_paths = SweptAabb::union(paths.iter().flatten());
+        for &fixed in &self.fixed {
+            let aabb = &scene.objects[fixed].aabb;
+            if !all_paths.as_ref().is_some_and(|all| all.is_within(aabb, distance)) {
                 continue;
             }
-            let mut place = None;
-            for (mover, around) in paths.iter().enumerate() {
-                if !around.as_ref().is_some_and(|around| around.comes_near(standing, reach)) {
+            let mut index = None;
+            for (moving, path) in paths.iter().enumerate() {
+                if !path.as_ref().is_some_and(|path| path.is_within(aabb, distance)) {
                     continue;
                 }
-                let rule = scene.rule(self.movers[mover], other, step);
-                if rule == Rule::Free {
+                let rule = scene.contact_rule(self.moving[moving], fixed, step);
+                if rule == ContactRule::Unchecked {
                     continue;
                 }
-                let place = *place.get_or_insert_with(|| {
-                    items.push(other);
-                    items.len() - 1
+                let index = *index.get_or_insert_with(|| {
+                    objects.push(fixed);
+                    objects.len() - 1
                 });
-                pairs.push(Pair { items: [mover, place], rule });
+                pairs.push(CandidatePair { objects: [moving, index], rule });
             }
         }
-        (items, pairs)
+        (objects, pairs)
     }
 }
 
-/// Up to which distance from the origin of what holds them points of items that move count [m].
+/// For each moving object the distance from the origin of its parent up to which its points are relevant [m].
 ///
-/// A point farther out than every other item is from there is not near to any of them, so that bounds of how far a long item moves need not count its far end:
+/// A point that is farther out than any other object can be is not near to any of them; the motion bound of a long object need not contain its far end:
 ///
 /// ```text
-///    |a − o|  ≤  |a − b| + |b − O| + |O − o|        a, b: points of both that are nearest, o: origin of what holds a, O: that of the platform
+///    |a − o|  ≤  |a − b| + |b − O| + |O − o|        a, b: closest points of both, o: origin of the parent of a, O: origin of the platform
 /// ```
-fn reaches(
+fn relevant_reaches(
     scene: &Scene<'_>,
-    (movers, others): (&[usize], &[usize]),
-    gearing: &Gearing,
-    near: f64,
+    moving: &[usize],
+    fixed: &[usize],
+    bounds: &MotionBoundModel,
+    max_distance: f64,
 ) -> Vec<f64> {
-    let highest = gearing.highest(&scene.cell.robot);
-    let farthest = |&item: &usize| {
-        let corner = scene.items[item].around.map(|span| span.least.abs().max(span.most.abs()));
-        corner[0].hypot(corner[1]).hypot(corner[2]) + highest
+    let platform_radius = bounds.max_platform_distance(&scene.cell.robot);
+    let farthest_corner = |&object: &usize| {
+        let corner =
+            scene.objects[object].aabb.map(|extent| extent.min.abs().max(extent.max.abs()));
+        corner[0].hypot(corner[1]).hypot(corner[2]) + platform_radius
     };
-    let standing = others.iter().map(farthest).fold(0.0, f64::max);
-    let far =
-        |&item: &usize, reach: f64| Levers::new(scene.cell, &scene.items[item], reach).farthest();
-    let radii: Vec<f64> =
-        movers.iter().map(|item| far(item, scene.items[*item].solid.reach())).collect();
-    let reach = |(place, item): (usize, &usize)| {
-        let moving = radii.iter().enumerate().filter(|(other, _)| *other != place);
-        let moving = moving.map(|(_, radius)| *radius).fold(0.0, f64::max);
-        let counts = far(item, 0.0) + standing.max(moving) + near;
-        counts.min(scene.items[*item].solid.reach())
+    let of_fixed = fixed.iter().map(farthest_corner).fold(0.0, f64::max);
+    let radius = |&object: &usize, reach: f64| {
+        MotionBoundCoefficients::new(scene.cell, &scene.objects[object], reach).radius()
     };
-    movers.iter().enumerate().map(reach).collect()
+    let radii: Vec<f64> = moving
+        .iter()
+        .map(|object| radius(object, scene.objects[*object].collider.reach()))
+        .collect();
+    let reach = |(index, object): (usize, &usize)| {
+        let others = radii.iter().enumerate().filter(|(other, _)| *other != index);
+        let of_moving = others.map(|(_, radius)| *radius).fold(0.0, f64::max);
+        let relevant = radius(object, 0.0) + of_fixed.max(of_moving) + max_distance;
+        relevant.min(scene.objects[*object].collider.reach())
+    };
+    moving.iter().enumerate().map(reach).collect()
 }

@@ -1,445 +1,527 @@
-//! Distances of bodies in one step, looked at only as often as they can matter.
+//! Conservative advancement: distances of candidate pairs over one segment, evaluated only where they can matter.
 
 use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::allowed_collisions::Rule;
-use super::link_poses::Places;
-use super::motion_bound::{Gearing, Travel};
-use super::motion_bound_coefficients::Levers;
-use super::object::Holder;
-use super::sampled_segment::Course;
+use super::allowed_collisions::ContactRule;
+use super::link_poses::LinkPoses;
+use super::motion_bound::{DisplacementBound, MotionBoundModel};
+use super::motion_bound_coefficients::MotionBoundCoefficients;
+use super::object::Parent;
+use super::sampled_segment::SampledSegment;
 use super::scene::Scene;
-use super::unknown_pose::Lost;
-use crate::geometry::{Placed, apart, between_balls, depth, distance, gap_along};
+use super::unknown_pose::UnknownPose;
+use crate::geometry::{
+    PlacedCollider, bounding_sphere_gap, distance, penetration_depth, separation, separation_along,
+};
 use crate::trajectory::{Sample, Trajectory};
-use crate::violation::{Found, Hit, Kind, Stretch, Unit, When};
+use crate::violation::{
+    IntervalMerger, Kind, SampleTime, SampleViolation, Subject, Unit, ViolationInterval,
+};
 
-/// By how much a least distance may be passed over, as a share of it.
-const PASSED_SHARE: f64 = 0.02;
-/// And at least [m].
-const PASSED: f64 = 2e-5;
-/// Travel between two looks below which nothing is looked for between them [m].
-const FINEST: f64 = 2e-6;
-/// Resolution of comparisons of distances with what is asked for: what distances are tested to be exact to [m].
+/// Relative tolerance of reported minimum distances.
+const RELATIVE_DISTANCE_TOLERANCE: f64 = 0.02;
+/// Least tolerance of reported minimum distances [m].
+const DISTANCE_TOLERANCE: f64 = 2e-5;
+/// An interval between two samples is not bisected further once no point travels farther in it than this [m].
+const MIN_INTERVAL_TRAVEL: f64 = 2e-6;
+/// Resolution of the comparison of a distance with the required clearance: the accuracy to which distances are tested [m].
 ///
-/// A pair is too near where its distance is less than what is asked for by more than this; where it touches, it is so whatever is asked for.
-pub(crate) const RESOLUTION: f64 = 1e-8;
+/// A pair violates its clearance where its distance is smaller by more than this; a contact is a violation for any required clearance.
+pub(super) const RESOLUTION: f64 = 1e-8;
 
-/// How much less than a least distance another one may have been that was passed over [m].
-pub(crate) fn passed(distance: f64) -> f64 {
-    (PASSED_SHARE * distance).max(PASSED)
+/// Tolerance of a reported minimum distance: a sample that was not evaluated may have a distance smaller by this much [m].
+pub(crate) fn distance_tolerance(distance: f64) -> f64 {
+    (RELATIVE_DISTANCE_TOLERANCE * distance).max(DISTANCE_TOLERANCE)
 }
 
-/// What is found of the distances in a step; items are indices into those that were looked at, times are since its start.
-pub(crate) struct Near {
-    pub(crate) least: Vec<Least>,
-    pub(crate) found: Vec<Stretch>,
+/// Minimum distances and violations of the candidate pairs of one segment; objects are indices into the candidates, times count from the start of the segment.
+pub(crate) struct PairResults {
+    /// Minimum distances of pairs that come near.
+    pub(crate) minima: Vec<PairMinimum>,
+    /// Violations of clearances and keep-out zones.
+    pub(crate) violations: Vec<ViolationInterval>,
 }
 
-/// The least distance of a pair at the samples, where it is followed.
-pub(crate) struct Least {
-    pub(crate) items: [usize; 2],
+/// Minimum distance of a pair at the samples.
+pub(crate) struct PairMinimum {
+    pub(crate) objects: [usize; 2],
+    /// Minimum distance [m].
     pub(crate) distance: f64,
+    /// Time of the minimum since the start of the segment [s].
     pub(crate) time: f64,
 }
 
-/// Two items, the first of which moves, and what is asked of them.
+/// Pair of collision objects, the first of which moves, and its contact rule.
 #[derive(Clone, Copy)]
-pub(crate) struct Pair {
-    pub(crate) items: [usize; 2],
-    pub(crate) rule: Rule,
+pub(crate) struct CandidatePair {
+    pub(crate) objects: [usize; 2],
+    pub(crate) rule: ContactRule,
 }
 
-/// Pairs, and what is known of them from the windows of a step that were looked at.
-pub(crate) struct Pairs<'p> {
-    pairs: &'p [Pair],
-    /// Of each: the least distance, and when.
-    least: Vec<Option<(f64, f64)>>,
-    /// Of each: along what the second was from the first where that was looked at last.
-    along: Vec<Option<Vector3<f64>>>,
-    found: Found,
+/// Candidate pairs, with results of the windows of a segment that were checked so far.
+pub(crate) struct PairAccumulator<'p> {
+    pairs: &'p [CandidatePair],
+    /// Minimum distance [m] and its time [s] of each pair.
+    minima: Vec<Option<(f64, f64)>>,
+    /// Last separating direction of each pair.
+    directions: Vec<Option<Vector3<f64>>>,
+    violations: IntervalMerger,
 }
 
-impl<'p> Pairs<'p> {
-    pub(crate) fn new(pairs: &'p [Pair]) -> Self {
-        let (least, along) = (vec![None; pairs.len()], vec![None; pairs.len()]);
-        Self { pairs, least, along, found: Found::default() }
+impl<'p> PairAccumulator<'p> {
+    pub(crate) fn new(pairs: &'p [CandidatePair]) -> Self {
+        let (minima, directions) = (vec![None; pairs.len()], vec![None; pairs.len()]);
+        Self { pairs, minima, directions, violations: IntervalMerger::default() }
     }
 
-    pub(crate) fn finished(self) -> Near {
-        let pairs = self.pairs.iter().zip(self.least);
-        let least = pairs.filter_map(|(pair, least)| {
-            least.map(|(distance, time)| Least { items: pair.items, distance, time })
+    pub(crate) fn into_results(self) -> PairResults {
+        let pairs = self.pairs.iter().zip(self.minima);
+        let minima = pairs.filter_map(|(pair, minimum)| {
+            minimum.map(|(distance, time)| PairMinimum { objects: pair.objects, distance, time })
         });
-        Near { least: least.collect(), found: self.found.finished() }
+        PairResults { minima: minima.collect(), violations: self.violations.into_intervals() }
     }
 }
 
-/// A window of a step, and what is near its way.
-pub(crate) struct Look<'a> {
-    pub(crate) scene: &'a Scene<'a>,
-    pub(crate) motion: &'a Trajectory,
-    pub(crate) step: usize,
-    pub(crate) course: &'a mut Course,
-    /// Items of the scene, those that move first, as in the course.
-    pub(crate) items: &'a [usize],
-    pub(crate) gearing: &'a Gearing,
-    /// Of those that move.
-    pub(crate) levers: &'a [Levers],
-    /// Of the pairs of them, which come first, against what carries both.
-    pub(crate) between: &'a [(Levers, Holder)],
-    /// Distance from which on none is followed [m].
-    pub(crate) near: f64,
+/// Bound coefficients of the relative motion of a pair.
+#[derive(Clone, Copy)]
+pub(crate) struct RelativeMotion {
+    /// Sums of the coefficients of both objects, those of the common ancestor excluded.
+    pub(crate) coefficients: MotionBoundCoefficients,
+    /// Last body that carries both objects.
+    pub(crate) ancestor: Parent,
 }
 
-impl Look<'_> {
-    /// Looks at pairs during runs of samples of the step, as far as they are in the window.
-    ///
-    /// ```text
-    ///    min d  ≥  (d_0 + d_1 − way) / 2
-    ///    min d  ≥  min(g_0, g_1) - bend dt / 4 - across
-    /// ```
-    /// over an interval with the distances d_0 and d_1 at its ends, or lower bounds of them, where no point goes farther than the way, and with the gaps g_0 and g_1 along one direction, from which points that go straight beside what is there do not stray:
-    /// as long as neither keeps a pair apart, the interval is halved, down to the samples, and between them where they do not rule out that the pair comes too near.
-    pub(crate) fn at(&mut self, pairs: &mut Pairs<'_>, runs: &[Range<usize>]) {
-        let (first, count) = (self.course.first(), self.course.times().len());
-        let within = |run: &Range<usize>| {
+/// Distance query for the candidate pairs in one window of a segment.
+pub(crate) struct SegmentDistanceQuery<'a> {
+    pub(crate) scene: &'a Scene<'a>,
+    pub(crate) trajectory: &'a Trajectory,
+    pub(crate) step: usize,
+    pub(crate) segment: &'a mut SampledSegment,
+    /// Indices of the candidates in the scene, moving objects first.
+    pub(crate) objects: &'a [usize],
+    pub(crate) bounds: &'a MotionBoundModel,
+    /// Bound coefficients of the moving objects.
+    pub(crate) coefficients: &'a [MotionBoundCoefficients],
+    /// Relative motion of the pairs of two moving objects, which are the first pairs.
+    pub(crate) relative: &'a [RelativeMotion],
+    /// Distances from this on are not reported [m].
+    pub(crate) max_distance: f64,
+}
+
+impl SegmentDistanceQuery<'_> {
+    /// Checks all pairs over runs of samples of the segment, as far as they are in the window.
+    pub(crate) fn check(&mut self, pairs: &mut PairAccumulator<'_>, runs: &[Range<usize>]) {
+        let (first, count) = (self.segment.first(), self.segment.times().len());
+        let in_window = |run: &Range<usize>| {
             let local = run.start.saturating_sub(first)..run.end.saturating_sub(first).min(count);
             (!local.is_empty()).then_some(local)
         };
-        let runs: Vec<Range<usize>> = runs.iter().filter_map(within).collect();
-        let mut lost: Vec<Lost> = Vec::new();
-        for (place, pair) in pairs.pairs.iter().enumerate() {
-            let asked = match pair.rule {
-                Rule::Apart(limit) | Rule::Slots(limit) => limit,
-                Rule::Free | Rule::Out => 0.0,
+        let runs: Vec<Range<usize>> = runs.iter().filter_map(in_window).collect();
+        let mut unknown: Vec<UnknownPose> = Vec::new();
+        for (index, pair) in pairs.pairs.iter().enumerate() {
+            let required = match pair.rule {
+                ContactRule::MinClearance(clearance) | ContactRule::SlotClearance(clearance) => {
+                    clearance
+                }
+                ContactRule::Unchecked | ContactRule::KeepOut => 0.0,
             };
-            let limit = (asked - RESOLUTION).max(0.0);
-            // What stands is no less than the world.
-            let of_mover = || (self.levers[pair.items[0]], Holder::World);
-            let (levers, common) = self.between.get(place).copied().unwrap_or_else(of_mover);
-            let mut search = Search {
-                look: self,
+            // A fixed object does not move against the world.
+            let against_fixed = || RelativeMotion {
+                coefficients: self.coefficients[pair.objects[0]],
+                ancestor: Parent::World,
+            };
+            let relative = self.relative.get(index).copied().unwrap_or_else(against_fixed);
+            let mut query = PairQuery {
+                query: self,
                 pair,
-                limit,
-                levers,
-                common,
-                least: pairs.least[place],
-                seen: Vec::new(),
-                along: pairs.along[place],
+                limit: (required - RESOLUTION).max(0.0),
+                relative,
+                minimum: pairs.minima[index],
+                violating: Vec::new(),
+                direction: pairs.directions[index],
             };
             for run in &runs {
-                if let Err(one) = search.run(run) {
-                    lost.push(one);
+                if let Err(pose) = query.check_run(run) {
+                    unknown.push(pose);
                 }
             }
-            let Search { least, mut seen, along, .. } = search;
-            (pairs.least[place], pairs.along[place]) = (least, along);
-            seen.sort_by(|one, other| one.when.time.total_cmp(&other.when.time));
-            for Seen { when: When { time, sample }, apart, deep } in seen {
-                let when = When { time, sample: first + sample };
-                pairs.found.add(when, pair.hit(apart, deep, asked), String::new);
+            let PairQuery { minimum, mut violating, direction, .. } = query;
+            (pairs.minima[index], pairs.directions[index]) = (minimum, direction);
+            violating.sort_by(|one, other| one.at.time.total_cmp(&other.at.time));
+            for DistanceSample { at: SampleTime { time, sample }, distance, depth } in violating {
+                let at = SampleTime { time, sample: first + sample };
+                pairs.violations.add(at, pair.violation(distance, depth, required), String::new);
             }
         }
-        // Between two samples a pose may be unknown that is known at both: nothing is known of the pair there.
-        lost.sort_by(|one, other| one.when.time.total_cmp(&other.when.time));
-        for mut lost in lost {
-            lost.when.sample += first;
-            lost.report(&mut pairs.found);
+        // Between two samples a pose may be unknown that is known at both: the distance there is unknown, which is reported.
+        unknown.sort_by(|one, other| one.at.time.total_cmp(&other.at.time));
+        for mut pose in unknown {
+            pose.at.sample += first;
+            pose.report(&mut pairs.violations);
         }
     }
 
-    fn placed<'b>(&'b self, places: &'b Places, [a, b]: [usize; 2]) -> [Placed<'b>; 2] {
-        [a, b].map(|item| self.scene.placed(self.items[item], places))
+    fn colliders<'b>(
+        &'b self,
+        poses: &'b LinkPoses,
+        [a, b]: [usize; 2],
+    ) -> [PlacedCollider<'b>; 2] {
+        [a, b].map(|object| self.scene.collider_at(self.objects[object], poses))
     }
 }
 
-impl Pair {
-    fn hit(&self, apart: f64, deep: f64, limit: f64) -> Hit {
+impl CandidatePair {
+    /// The violation of this pair's rule at a distance [m] or penetration depth [m].
+    fn violation(&self, distance: f64, depth: f64, required: f64) -> SampleViolation {
         let (kind, value, limit) = match self.rule {
-            Rule::Out => (Kind::KeepOut, 0.0 - deep, 0.0),
-            _ if apart == 0.0 => (Kind::Collision, -deep, 0.0),
-            Rule::Slots(_) => (Kind::SlotClearance, apart, limit),
-            _ => (Kind::Clearance, apart, limit),
+            ContactRule::KeepOut => (Kind::KeepOut, 0.0 - depth, 0.0),
+            _ if distance == 0.0 => (Kind::Collision, -depth, 0.0),
+            ContactRule::SlotClearance(_) => (Kind::SlotClearance, distance, required),
+            _ => (Kind::Clearance, distance, required),
         };
-        let [a, b] = self.items;
-        let about = (Kind::Collision, a, b);
-        Hit { about, kind, severity: -value, value, limit, unit: Unit::Length }
+        let [first, second] = self.objects;
+        // One subject for all kinds: clearance violation and contact merge into one interval.
+        let subject = Subject { kind: Kind::Collision, first, second };
+        SampleViolation { subject, kind, severity: -value, value, limit, unit: Unit::Length }
     }
 }
 
-/// A pair too near.
-struct Seen {
-    when: When,
-    apart: f64,
-    deep: f64,
+/// Distance of a pair that violates its rule.
+struct DistanceSample {
+    at: SampleTime,
+    /// Distance [m].
+    distance: f64,
+    /// Penetration depth [m].
+    depth: f64,
 }
 
-/// One pair.
-struct Search<'l, 'a> {
-    look: &'l mut Look<'a>,
-    pair: &'l Pair,
-    /// Distance at which it is too near: the one asked for, less the resolution [m].
+/// Distance query for one pair.
+struct PairQuery<'q, 'a> {
+    query: &'q mut SegmentDistanceQuery<'a>,
+    pair: &'q CandidatePair,
+    /// Distance at which the pair violates its rule: the required clearance less the resolution [m].
     limit: f64,
-    levers: Levers,
-    /// What they move against.
-    common: Holder,
-    /// Least distance, and when.
-    least: Option<(f64, f64)>,
-    seen: Vec<Seen>,
-    /// Along what the second was from the first where that was looked at last, as seen from what they move against: it is about the same near by.
-    along: Option<Vector3<f64>>,
+    relative: RelativeMotion,
+    /// Minimum distance [m] and its time [s] so far.
+    minimum: Option<(f64, f64)>,
+    violating: Vec<DistanceSample>,
+    /// Separating direction from the first object to the second at the last evaluation, in the frame of the common ancestor, where it changes little.
+    direction: Option<Vector3<f64>>,
 }
 
-/// What is known of a distance at one time.
+/// Distance of a pair at one time, or lower bounds of it.
 #[derive(Clone, Copy)]
-struct Known {
-    /// The distance, or a lower bound of it [m].
-    apart: f64,
+struct DistanceBound {
+    /// Distance, or a lower bound of it [m].
+    value: f64,
     is_exact: bool,
-    /// Its part along the platform's normal, at least: where arms do not go [m].
-    gap: f64,
+    /// Lower bound of the gap along the platform's normal, along which arms do not move [m].
+    along_normal: f64,
 }
 
-/// How far both came in an interval, at most.
+/// Bound of the relative motion of a pair in an interval.
 #[derive(Clone, Copy)]
-struct Way {
-    /// In any direction [m].
-    whole: f64,
-    /// Along the platform's normal [m].
-    along: f64,
-    /// By the rods alone [m].
-    plane: f64,
-    /// By droop alone [m].
-    droop: f64,
-    /// Of that, in other directions than up and down [m].
-    aside: f64,
-    /// Angle by which the platform's normal turned [rad].
-    lean: f64,
-    /// How far from straight the arms took anything [m].
-    bent: f64,
+struct IntervalMotionBound {
+    /// Travel in any direction [m].
+    total: f64,
+    /// Travel along the platform's normal [m].
+    along_normal: f64,
+    /// Travel by the rods alone [m].
+    platform: f64,
+    /// Travel by changes of the arms' deflection alone [m].
+    deflection: f64,
+    /// Horizontal part of `deflection` [m].
+    lateral_deflection: f64,
+    /// Rotation of the platform's normal [rad].
+    normal_rotation: f64,
+    /// Deviation of the arms' part of the motion from the chord [m].
+    chord_deviation: f64,
 }
 
-impl Way {
-    /// In either half of the interval: ways are those at the largest speed for the whole time.
+impl IntervalMotionBound {
+    /// Bound for either half of the interval: travel is bounded by the largest speed over the whole time, and so is additive over halves.
     fn half(self) -> Self {
-        let Self { whole, along, plane, droop, aside, lean, bent } = self;
-        let [whole, along, plane, droop, aside, lean] =
-            [whole, along, plane, droop, aside, lean].map(|way| 0.5 * way);
-        Self { whole, along, plane, droop, aside, lean, bent }
+        let Self {
+            total,
+            along_normal,
+            platform,
+            deflection,
+            lateral_deflection,
+            normal_rotation,
+            chord_deviation,
+        } = self;
+        Self {
+            total: 0.5 * total,
+            along_normal: 0.5 * along_normal,
+            platform: 0.5 * platform,
+            deflection: 0.5 * deflection,
+            lateral_deflection: 0.5 * lateral_deflection,
+            normal_rotation: 0.5 * normal_rotation,
+            // Not additive: kept as it is, which is an upper bound for each half.
+            chord_deviation,
+        }
     }
 }
 
-/// A lower bound of the distance in an interval.
-fn bound(left: &Known, right: &Known, way: Way) -> f64 {
-    let plain = left.apart + right.apart - way.whole;
-    let gap = left.gap + right.gap - way.along;
-    0.5 * plain.max(gap)
+/// Lower bound of the distance in an interval, from bounds at its ends and the travel between them [m].
+fn distance_bound(left: &DistanceBound, right: &DistanceBound, motion: IntervalMotionBound) -> f64 {
+    let any_direction = left.value + right.value - motion.total;
+    let along_normal = left.along_normal + right.along_normal - motion.along_normal;
+    0.5 * any_direction.max(along_normal)
 }
 
-impl Known {
-    fn of(look: &Look<'_>, places: &Places, items: [usize; 2]) -> Self {
-        let [a, b] = look.placed(places, items);
-        let gap = gap_along(a, b, &places.normal);
-        Self { apart: between_balls(a, b), is_exact: false, gap }
+impl DistanceBound {
+    /// Bound by bounding spheres, and by the extents along the platform's normal.
+    fn of_spheres(
+        query: &SegmentDistanceQuery<'_>,
+        poses: &LinkPoses,
+        objects: [usize; 2],
+    ) -> Self {
+        let [a, b] = query.colliders(poses, objects);
+        let along_normal = separation_along(a, b, &poses.normal);
+        Self { value: bounding_sphere_gap(a, b), is_exact: false, along_normal }
     }
 }
 
-impl Search<'_, '_> {
-    fn run(&mut self, run: &Range<usize>) -> Result<(), Lost> {
+impl PairQuery<'_, '_> {
+    fn check_run(&mut self, run: &Range<usize>) -> Result<(), UnknownPose> {
         let last = run.end - 1;
-        let mut left = self.known(run.start)?;
+        let mut left = self.bound_at(run.start)?;
         if last == run.start {
-            return self.matters(run.start, &mut left);
+            return self.evaluate_if_relevant(run.start, &mut left);
         }
-        let mut right = self.known(last)?;
-        self.search(run.start..last, &mut left, &mut right)
+        let mut right = self.bound_at(last)?;
+        self.certify_interval(run.start..last, &mut left, &mut right)
     }
 
-    /// Between two samples.
-    fn search(
+    /// Certifies the distance between two samples, or bisects the interval down to neighbouring samples.
+    fn certify_interval(
         &mut self,
-        between: Range<usize>,
-        left: &mut Known,
-        right: &mut Known,
-    ) -> Result<(), Lost> {
-        let way = self.way(&between);
-        if bound(left, right, way) > self.threshold() {
+        interval: Range<usize>,
+        left: &mut DistanceBound,
+        right: &mut DistanceBound,
+    ) -> Result<(), UnknownPose> {
+        // Bounds in the order of their cost: spheres, separating direction, exact distances.
+        let motion = self.motion_bound(&interval);
+        if distance_bound(left, right, motion) > self.relevant_distance() {
             return Ok(());
         }
-        self.tighten(between.start, left)?;
-        self.tighten(between.end, right)?;
-        if bound(left, right, way).max(self.beside(&between, way)?) > self.threshold() {
+        self.refine_lower_bound(interval.start, left)?;
+        self.refine_lower_bound(interval.end, right)?;
+        let bound = distance_bound(left, right, motion);
+        if bound.max(self.separating_direction_bound(&interval, motion)?) > self.relevant_distance()
+        {
             return Ok(());
         }
-        if between.len() == 1 {
-            self.matters(between.start, left)?;
-            self.matters(between.end, right)?;
-            if bound(left, right, way).max(self.beside(&between, way)?) > self.limit {
+        if interval.len() == 1 {
+            self.evaluate_if_relevant(interval.start, left)?;
+            self.evaluate_if_relevant(interval.end, right)?;
+            // Between samples only violations are searched for, not minimum distances.
+            let bound = distance_bound(left, right, motion);
+            if bound.max(self.separating_direction_bound(&interval, motion)?) > self.limit {
                 return Ok(());
             }
-            self.exact(between.start, left)?;
-            self.exact(between.end, right)?;
-            let times = [between.start, between.end].map(|k| self.look.course.times()[k]);
-            self.between(between.end, times, [*left, *right], way)?;
+            self.evaluate(interval.start, left)?;
+            self.evaluate(interval.end, right)?;
+            let times = [interval.start, interval.end].map(|k| self.query.segment.times()[k]);
+            self.bisect_between_samples(interval.end, times, [*left, *right], motion)?;
             return Ok(());
         }
-        let middle = between.start.midpoint(between.end);
-        let mut center = self.known(middle)?;
-        // The nearer half first: what it comes to spares looks at the other.
-        if left.apart <= right.apart {
-            self.search(between.start..middle, left, &mut center)?;
-            self.search(middle..between.end, &mut center, right)
+        let middle = interval.start.midpoint(interval.end);
+        let mut center = self.bound_at(middle)?;
+        // The half with the smaller distance first: the minimum found there may exclude the other half.
+        if left.value <= right.value {
+            self.certify_interval(interval.start..middle, left, &mut center)?;
+            self.certify_interval(middle..interval.end, &mut center, right)
         } else {
-            self.search(middle..between.end, &mut center, right)?;
-            self.search(between.start..middle, left, &mut center)
+            self.certify_interval(middle..interval.end, &mut center, right)?;
+            self.certify_interval(interval.start..middle, left, &mut center)
         }
     }
 
-    /// Between two neighbouring samples, where they do not rule out that the pair comes too near; whether it was found to touch.
-    fn between(
+    /// Bisects the interval between two neighbouring samples where they do not exclude a violation; true if a contact was found.
+    fn bisect_between_samples(
         &mut self,
         sample: usize,
         times: [f64; 2],
-        ends: [Known; 2],
-        way: Way,
-    ) -> Result<bool, Lost> {
+        ends: [DistanceBound; 2],
+        motion: IntervalMotionBound,
+    ) -> Result<bool, UnknownPose> {
         let [left, right] = &ends;
-        if left.apart == 0.0 || right.apart == 0.0 {
+        if left.value == 0.0 || right.value == 0.0 {
             return Ok(false);
         }
-        // Where it is too near already, only a contact is worse.
-        let level = if left.apart.min(right.apart) <= self.limit { 0.0 } else { self.limit };
-        if bound(left, right, way) > level || way.whole < FINEST {
+        // Where the clearance is violated already, only a contact is worse.
+        let level = if left.value.min(right.value) <= self.limit { 0.0 } else { self.limit };
+        if distance_bound(left, right, motion) > level || motion.total < MIN_INTERVAL_TRAVEL {
             return Ok(false);
         }
         let time = 0.5 * (times[0] + times[1]);
-        let when = When { time, sample };
-        let look = &mut *self.look;
+        let at = SampleTime { time, sample };
+        let query = &mut *self.query;
         let mut state = Sample::default();
-        look.motion.write_sample_in_step(look.step, time, &mut state);
-        let places = look.scene.places(&state.positions, Vec::new());
-        let places = places.map_err(|why| Lost { when, why })?;
-        let [a, b] = look.placed(&places, self.pair.items);
-        let mut middle = Known::of(look, &places, self.pair.items);
-        (middle.apart, middle.is_exact) = (distance(a, b), true);
-        if middle.apart <= self.limit {
-            self.seen.push(Seen { when, apart: middle.apart, deep: 0.0 });
+        query.trajectory.write_sample_in_step(query.step, time, &mut state);
+        let poses = query.scene.link_poses(&state.positions, Vec::new());
+        let poses = poses.map_err(|error| UnknownPose { at, error })?;
+        let [a, b] = query.colliders(&poses, self.pair.objects);
+        let mut middle = DistanceBound::of_spheres(query, &poses, self.pair.objects);
+        (middle.value, middle.is_exact) = (distance(a, b), true);
+        if middle.value <= self.limit {
+            self.violating.push(DistanceSample { at, distance: middle.value, depth: 0.0 });
         }
-        if middle.apart == 0.0 {
-            self.note(0.0, time);
+        if middle.value == 0.0 {
+            self.update_minimum(0.0, time);
             return Ok(true);
         }
-        let half = way.half();
-        Ok(self.between(sample, [times[0], time], [*left, middle], half)?
-            || self.between(sample, [time, times[1]], [middle, *right], half)?)
+        let half = motion.half();
+        Ok(self.bisect_between_samples(sample, [times[0], time], [*left, middle], half)?
+            || self.bisect_between_samples(sample, [time, times[1]], [middle, *right], half)?)
     }
 
-    fn known(&mut self, sample: usize) -> Result<Known, Lost> {
-        let look = &mut *self.look;
-        look.course.place(look.scene, sample)?;
-        Ok(Known::of(look, look.course.placed(sample)?, self.pair.items))
+    /// Bound of the distance at a sample by bounding spheres.
+    fn bound_at(&mut self, sample: usize) -> Result<DistanceBound, UnknownPose> {
+        let query = &mut *self.query;
+        query.segment.locate(query.scene, sample)?;
+        let poses = query.segment.link_poses(sample)?;
+        Ok(DistanceBound::of_spheres(query, poses, self.pair.objects))
     }
 
-    /// Raises the lower bound to the gap along what the two were apart when last looked at.
-    fn tighten(&mut self, sample: usize, known: &mut Known) -> Result<(), Lost> {
-        let (false, Some(along)) = (known.is_exact, &self.along) else { return Ok(()) };
-        let places = self.look.course.placed(sample)?;
-        let [a, b] = self.look.placed(places, self.pair.items);
-        let turned = self.look.scene.turned(self.common, places);
-        known.apart = known.apart.max(gap_along(a, b, &(turned * along)));
+    /// Raises the lower bound at a sample to the separation along the last separating direction.
+    fn refine_lower_bound(
+        &mut self,
+        sample: usize,
+        bound: &mut DistanceBound,
+    ) -> Result<(), UnknownPose> {
+        let (false, Some(direction)) = (bound.is_exact, &self.direction) else { return Ok(()) };
+        let poses = self.query.segment.link_poses(sample)?;
+        let [a, b] = self.query.colliders(poses, self.pair.objects);
+        let rotation = self.query.scene.rotation_of(self.relative.ancestor, poses);
+        bound.value = bound.value.max(separation_along(a, b, &(rotation * direction)));
         Ok(())
     }
 
-    /// Finds the distance at a sample, unless it is known not to matter.
-    fn matters(&mut self, sample: usize, known: &mut Known) -> Result<(), Lost> {
-        if known.apart.max(known.gap) <= self.threshold() {
-            self.tighten(sample, known)?;
+    /// Evaluates the distance at a sample unless its lower bound excludes that it is relevant.
+    fn evaluate_if_relevant(
+        &mut self,
+        sample: usize,
+        bound: &mut DistanceBound,
+    ) -> Result<(), UnknownPose> {
+        if bound.value.max(bound.along_normal) <= self.relevant_distance() {
+            self.refine_lower_bound(sample, bound)?;
         }
-        if known.apart.max(known.gap) <= self.threshold() {
-            self.exact(sample, known)?;
+        if bound.value.max(bound.along_normal) <= self.relevant_distance() {
+            self.evaluate(sample, bound)?;
         }
         Ok(())
     }
 
-    /// The distance itself.
-    fn exact(&mut self, sample: usize, known: &mut Known) -> Result<(), Lost> {
-        if known.is_exact {
+    /// Evaluates the exact distance at a sample.
+    fn evaluate(&mut self, sample: usize, bound: &mut DistanceBound) -> Result<(), UnknownPose> {
+        if bound.is_exact {
             return Ok(());
         }
-        let look = &mut *self.look;
-        let places = look.course.placed(sample)?;
-        let [a, b] = look.placed(places, self.pair.items);
-        let turned = look.scene.turned(self.common, places);
-        let guess = self.along.map(|along| turned * along);
-        let found = apart(a, b, guess.as_ref());
-        let apart = found.distance;
-        self.along = found.along.map(|along| turned.inverse() * along).or(self.along);
-        (known.apart, known.is_exact) = (apart, true);
-        let time = look.course.times()[sample];
-        if apart <= self.limit {
-            let deep = if apart == 0.0 { depth(a, b) } else { 0.0 };
-            self.seen.push(Seen { when: When { time, sample }, apart, deep });
+        let query = &mut *self.query;
+        let poses = query.segment.link_poses(sample)?;
+        let [a, b] = query.colliders(poses, self.pair.objects);
+        let rotation = query.scene.rotation_of(self.relative.ancestor, poses);
+        let guess = self.direction.map(|direction| rotation * direction);
+        let found = separation(a, b, guess.as_ref());
+        let distance = found.distance;
+        let direction = found.direction.map(|direction| rotation.inverse() * direction);
+        self.direction = direction.or(self.direction);
+        (bound.value, bound.is_exact) = (distance, true);
+        let time = query.segment.times()[sample];
+        if distance <= self.limit {
+            let depth = if distance == 0.0 { penetration_depth(a, b) } else { 0.0 };
+            self.violating.push(DistanceSample {
+                at: SampleTime { time, sample },
+                distance,
+                depth,
+            });
         }
-        self.note(apart, time);
+        self.update_minimum(distance, time);
         Ok(())
     }
 
-    fn note(&mut self, apart: f64, time: f64) {
-        let nearer = match self.least {
-            Some((least, earlier)) => apart < least || (apart == least && time < earlier),
-            None => apart < self.look.near,
+    fn update_minimum(&mut self, distance: f64, time: f64) {
+        let is_smaller = match self.minimum {
+            Some((minimum, earlier)) => {
+                distance < minimum || (distance == minimum && time < earlier)
+            }
+            None => distance < self.query.max_distance,
         };
-        if nearer && self.pair.rule != Rule::Out {
-            self.least = Some((apart, time));
+        if is_smaller && self.pair.rule != ContactRule::KeepOut {
+            self.minimum = Some((distance, time));
         }
     }
 
-    /// Distance above which nothing matters [m].
-    fn threshold(&self) -> f64 {
-        if self.pair.rule == Rule::Out {
+    /// Distance above which neither a violation nor a smaller minimum is possible [m].
+    fn relevant_distance(&self) -> f64 {
+        if self.pair.rule == ContactRule::KeepOut {
             return 0.0;
         }
-        let known = self.least.map_or(self.look.near, |(least, _)| least);
-        self.limit.max(known - passed(known))
+        let minimum = self.minimum.map_or(self.query.max_distance, |(minimum, _)| minimum);
+        self.limit.max(minimum - distance_tolerance(minimum))
     }
 
-    fn way(&self, between: &Range<usize>) -> Way {
-        let Look { course, gearing, .. } = &*self.look;
-        let moved = course.moved(between);
-        let levers = &self.levers;
-        let Travel { plane, arm, droop, aside, hang } = gearing.travel(levers, &moved);
-        let [from, to] = [between.start, between.end].map(|k| course.times()[k]);
-        let bent = 0.25 * (to - from) * gearing.bend(levers, &moved);
-        let lean = moved.lean.min(1.0);
-        // Where the platform carries both, it changes no more than how they droop.
-        let (plane, swung) =
-            if self.common == Holder::World { (plane, lean * arm) } else { (hang, 0.0) };
-        let (whole, along) = (plane + arm + droop, plane + droop + swung);
-        Way { whole, along, plane, droop, aside, lean, bent }
-    }
-
-    /// A lower bound of the distance in an interval, by the gap along what the two were apart when last looked at.
-    ///
-    /// A point whose coordinate along it changes its speed by `bend` in all strays from the straight way between two times by `bend dt / 4` at most.
-    fn beside(&self, between: &Range<usize>, way: Way) -> Result<f64, Lost> {
-        let Some(along) = &self.along else { return Ok(f64::NEG_INFINITY) };
-        let look = &*self.look;
-        let mut least = f64::INFINITY;
-        let mut upward = 0.0_f64;
-        for sample in [between.start, between.end] {
-            let places = look.course.placed(sample)?;
-            let [a, b] = look.placed(places, self.pair.items);
-            let along = look.scene.turned(self.common, places) * along;
-            // On the same side at both ends: what passes through something is apart from it before and after.
-            least = least.min(b.span(&along).least - a.span(&along).most);
-            let tilt = (places.normal - Vector3::z()).norm();
-            upward = upward.max(along.dot(&places.normal).abs() + tilt);
+    fn motion_bound(&self, interval: &Range<usize>) -> IntervalMotionBound {
+        let SegmentDistanceQuery { segment, bounds, .. } = &*self.query;
+        let travel = segment.axis_travel(interval);
+        let coefficients = &self.relative.coefficients;
+        let DisplacementBound {
+            platform,
+            arms,
+            deflection,
+            lateral_deflection,
+            platform_deflection,
+        } = bounds.displacement(coefficients, &travel);
+        let [from, to] = [interval.start, interval.end].map(|k| segment.times()[k]);
+        let variation = bounds.velocity_variation(coefficients, &travel);
+        let normal_rotation = travel.normal_rotation.min(1.0);
+        // A common platform moves both alike: of its motion only the change of the deflections in its frame counts.
+        let (platform, by_rotation) = if self.relative.ancestor == Parent::World {
+            (platform, normal_rotation * arms)
+        } else {
+            (platform_deflection, 0.0)
+        };
+        IntervalMotionBound {
+            total: platform + arms + deflection,
+            along_normal: platform + deflection + by_rotation,
+            platform,
+            deflection,
+            lateral_deflection,
+            normal_rotation,
+            chord_deviation: 0.25 * (to - from) * variation,
         }
-        // What droops goes down, and hardly aside.
-        let droop = (upward + way.lean).min(1.0) * way.droop + way.aside;
-        Ok(least - way.bent - 2.0 * (way.plane + droop))
+    }
+
+    /// Lower bound of the distance in an interval by the gap along the last separating direction [m].
+    ///
+    /// A coordinate whose velocity varies by `v` in all deviates from the chord between two times by `v dt / 4` at most.
+    fn separating_direction_bound(
+        &self,
+        interval: &Range<usize>,
+        motion: IntervalMotionBound,
+    ) -> Result<f64, UnknownPose> {
+        let Some(direction) = &self.direction else { return Ok(f64::NEG_INFINITY) };
+        let query = &*self.query;
+        let mut gap = f64::INFINITY;
+        let mut vertical = 0.0_f64;
+        for sample in [interval.start, interval.end] {
+            let poses = query.segment.link_poses(sample)?;
+            let [a, b] = query.colliders(poses, self.pair.objects);
+            let direction = query.scene.rotation_of(self.relative.ancestor, poses) * direction;
+            // Signed: an object that passes through another is apart from it before and after, but on opposite sides.
+            gap = gap.min(b.extent_along(&direction).min - a.extent_along(&direction).max);
+            let tilt = (poses.normal - Vector3::z()).norm();
+            vertical = vertical.max(direction.dot(&poses.normal).abs() + tilt);
+        }
+        // Deflections are mostly vertical: only their part along the direction counts.
+        let share = (vertical + motion.normal_rotation).min(1.0);
+        let deflection = share * motion.deflection + motion.lateral_deflection;
+        Ok(gap - motion.chord_deviation - 2.0 * (motion.platform + deflection))
     }
 }

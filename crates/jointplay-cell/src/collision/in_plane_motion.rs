@@ -1,4 +1,4 @@
-//! How the platform moves within its own plane as its tilt changes, at most.
+//! Bounds of the platform's motion in its own plane as its tilt changes.
 
 use jointplay_core::gpr::{AxisHeight, Gpr};
 use jointplay_core::spatial::{Tilt, tilt_rotation};
@@ -7,22 +7,22 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::robot::{HybridRobot, PlatformModel};
 
-/// Largest tilt of the samples, where the robot may not tilt farther [rad].
-const TOP: f64 = 0.2;
-/// Sampled tilts.
+/// Least tilt up to which the motion is sampled [rad]; the tilt limit of the robot counts where it is larger.
+const MIN_SAMPLED_TILT: f64 = 0.2;
+/// Number of sampled tilts.
 const RINGS: usize = 8;
-/// Sampled directions of each.
+/// Number of sampled directions at each tilt.
 const DIRECTIONS: usize = 24;
-/// Half of the step of differences, as a slope.
+/// Half of the step of central differences, as a slope.
 const STEP: f64 = 1e-4;
 
 /// Bounds of the platform's motion beyond the shortest rotation to its normal, as its plane's slope changes.
 ///
 /// The slope s is the gradient of the plane's height, |s| = tan α.
-/// See "Trajectory bounds" in `docs/explanation/collision-guarantee.md` for the inequalities and their proof.
+/// See "Motion bounds" in `docs/explanation/collision-guarantee.md` for the inequalities and their proof.
 #[derive(Debug, Clone)]
-pub(crate) enum Drift {
-    /// Of the planar model, in closed form.
+pub(crate) enum InPlaneMotion {
+    /// Bound of the planar model, in closed form.
     Planar {
         /// Σ|b̂_k||b_k| / N_0: largest twist by strain of the ball triangle.
         ratio: f64,
@@ -31,20 +31,20 @@ pub(crate) enum Drift {
         /// Distance of the centroid of the sockets from the platform's origin [m].
         sockets: f64,
     },
-    /// Of other models: tan α of each ring of samples, with the largest rates found up to it.
-    Sampled(Vec<(f64, Rates)>),
+    /// Bounds of other models: tan α of each ring of samples, with the largest rates up to it.
+    Sampled(Vec<(f64, InPlaneRates)>),
 }
 
-/// Rates by the slope of the platform's plane, at most.
+/// InPlaneRates by the slope of the platform's plane, at most.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Rates {
-    /// Of the platform's origin, but for the height at which the plane crosses the base axis [m].
+pub(crate) struct InPlaneRates {
+    /// Displacement of the platform's origin, without that of the plane's height on the base axis [m].
     pub(crate) shift: f64,
-    /// Of the rotation about the normal beyond the shortest rotation [rad].
+    /// Rotation about the normal, beyond the shortest rotation [rad].
     pub(crate) twist: f64,
 }
 
-impl Drift {
+impl InPlaneMotion {
     pub(crate) fn new(robot: &HybridRobot) -> Self {
         let PlatformModel { virtualization, options } = robot.model;
         if virtualization == BuiltIn::Planar && options.solver == Solver::ClosedForm {
@@ -80,12 +80,12 @@ impl Drift {
             let flat = tilt_rotation(&pose.normal()).inverse() * from_axis;
             Some((flat.xy(), pose.twist_about_normal()))
         };
-        let top = robot.gpr.limits().tilt_max.clamp(TOP, 1.1);
+        let top = robot.gpr.limits().tilt_max.clamp(MIN_SAMPLED_TILT, 1.1);
         let mut rings = Vec::with_capacity(RINGS);
-        let mut most = Rates::default();
+        let mut most = InPlaneRates::default();
         for ring in 1..=RINGS {
             let steep = (top * ring as f64 / RINGS as f64).tan();
-            let rates: Vec<Option<Rates>> = (0..DIRECTIONS)
+            let rates: Vec<Option<InPlaneRates>> = (0..DIRECTIONS)
                 .map(|direction| {
                     let angle = std::f64::consts::TAU * direction as f64 / DIRECTIONS as f64;
                     let slope = Vector2::new(angle.cos(), angle.sin()) * steep;
@@ -97,10 +97,10 @@ impl Drift {
                         shift = shift.hypot((after - before).norm() / (2.0 * STEP));
                         twist = twist.hypot((right - left) / (2.0 * STEP));
                     }
-                    Some(Rates { shift: shift + here.norm(), twist })
+                    Some(InPlaneRates { shift: shift + here.norm(), twist })
                 })
                 .collect();
-            // Between neighbours by no more than they differ.
+            // Between neighbours the rate exceeds the larger one by at most their difference.
             for (k, rate) in rates.iter().enumerate() {
                 let next = rates[(k + 1) % DIRECTIONS].or(*rate);
                 if let (Some(one), Some(other)) = (rate, next) {
@@ -114,8 +114,8 @@ impl Drift {
         Self::Sampled(rings)
     }
 
-    /// Rates while the slope is no steeper than this.
-    pub(crate) fn rates(&self, steep: f64) -> Rates {
+    /// Bounds for slopes up to a given one.
+    pub(crate) fn rates(&self, steep: f64) -> InPlaneRates {
         match self {
             Self::Planar { ratio, balls, sockets } => {
                 let secant = 1.0_f64.hypot(steep);
@@ -123,14 +123,14 @@ impl Drift {
                 let strain = 2.0 / 3.0_f64.sqrt() * steep / secant;
                 let twist = strain * ratio;
                 let shift = strain * balls + twist * sockets + secant * balls + sockets;
-                Rates { shift, twist }
+                InPlaneRates { shift, twist }
             }
             Self::Sampled(rings) => {
                 let ring = rings.iter().find(|(reached, _)| steep <= *reached).or(rings.last());
-                let Some(&(reached, rates)) = ring else { return Rates::default() };
-                // Beyond the rings as steeply as there.
+                let Some(&(reached, rates)) = ring else { return InPlaneRates::default() };
+                // Beyond the rings the rates grow in proportion.
                 let more = (steep / reached).max(1.0);
-                Rates { shift: rates.shift * more, twist: rates.twist * more }
+                InPlaneRates { shift: rates.shift * more, twist: rates.twist * more }
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Poses of all moving links at one time.
+//! Poses of all moving bodies at one time.
 
 use jointplay_core::spatial::Pose;
 use nalgebra::Vector3;
@@ -6,39 +6,40 @@ use nalgebra::Vector3;
 use crate::violation::Kind;
 use crate::wafer::DroopError;
 
-/// Where all that moves is at one time.
+/// Poses of the platform, the links and the effectors in the base frame at one time.
 #[derive(Debug)]
-pub(crate) struct Places {
+pub(crate) struct LinkPoses {
     pub(super) base_from_platform: Pose,
+    /// Normal of the platform in the base frame.
     pub(crate) normal: Vector3<f64>,
-    /// Arm by arm, as [`Cell::place_arm`] adds them: links, then for each effector the last link deflected, and its wafer.
+    /// Arm by arm, in the order of [`Cell::append_arm_poses`](crate::workcell::Cell): links, then for each effector the deflected last link and the wafer.
     pub(super) poses: Vec<Pose>,
 }
 
-impl Places {
-    /// The room that they took.
-    pub(crate) fn into_room(mut self) -> Vec<Pose> {
+impl LinkPoses {
+    /// The buffer of the poses, for reuse.
+    pub(crate) fn into_buffer(mut self) -> Vec<Pose> {
         self.poses.clear();
         self.poses
     }
 }
 
-/// Why the poses of all that moves are unknown at one time.
+/// Why the poses of the links are unknown at one time.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Unplaced {
+pub(crate) struct PoseError {
     /// [`Kind::Platform`] or [`Kind::Droop`].
     pub(crate) kind: Kind,
-    pub(crate) why: String,
+    pub(crate) reason: String,
 }
 
-impl From<crate::CellError> for Unplaced {
+impl From<crate::CellError> for PoseError {
     fn from(error: crate::CellError) -> Self {
-        Self { kind: Kind::Platform, why: error.to_string() }
+        Self { kind: Kind::Platform, reason: error.to_string() }
     }
 }
 
-impl From<DroopError> for Unplaced {
+impl From<DroopError> for PoseError {
     fn from(error: DroopError) -> Self {
-        Self { kind: Kind::Droop, why: error.to_string() }
+        Self { kind: Kind::Droop, reason: error.to_string() }
     }
 }

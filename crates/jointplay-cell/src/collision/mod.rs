@@ -1,4 +1,31 @@
 //! Continuous collision checking.
+//!
+//! **Guarantee.** Every pair of collision objects (bodies, wafers, keep-out zones) of which at least one moves is checked, except pairs on one body or on two bodies that a joint connects, pairs that the cell allows, and a wafer with the link that holds or takes it.
+//! Over an interval with the distances d₀ and d₁ at its ends, or lower bounds of them, in which no point of one object travels farther than w relative to the other,
+//!
+//! ```text
+//!    min d  ≥  (d₀ + d₁ − w) / 2
+//!    min d  ≥  min(g₀, g₁) − v dt / 4 − 2 u
+//! ```
+//! where g₀ and g₁ are the signed gaps along one separating direction, v bounds the variation of the velocity by the arms, and u the travel by platform and deflection.
+//! An interval is bisected until one of these bounds reaches the required clearance c, or until w < 2 µm.
+//! So no pair comes closer than c − 10⁻⁸ m at a sample, or than c − 1 µm between two samples, without a reported violation; after a first violation, only contacts are searched for between the next two samples.
+//! Reported minimum distances are those at samples; a sample that was not evaluated may have a distance smaller by 2 % or 20 µm, whichever is larger.
+//!
+//! **Assumptions between samples.** The jerk of each axis is at most the larger of its limit and its jerk at both samples.
+//! Bodies are rigid, wafers are flat discs, and the tilt is below 90°.
+//! The bounds are proven for the planar platform model, for arms and for deflections; the displacement of the platform in its own plane by other models is bounded by sampled derivatives.
+//! A pose that is unknown is reported as a violation.
+//! The derivation is in `docs/explanation/collision-guarantee.md`.
+//!
+//! | file | contents |
+//! | --- | --- |
+//! | `object`, `scene` | collision objects, what they are attached to, and their poses |
+//! | `allowed_collisions` | contact rule of each pair |
+//! | `sample_times`, `sampled_segment`, `axis_states`, `link_poses`, `unknown_pose` | axis states and link poses of a segment at its samples |
+//! | `motion_bound_coefficients`, `in_plane_motion`, `motion_bound` | upper bounds of the travel of any point between two samples |
+//! | `swept_aabb`, `broad_phase` | boxes around the path of each object, candidate pairs |
+//! | `conservative_advancement` | distances of candidate pairs over a segment |
 
 mod allowed_collisions;
 mod axis_states;
@@ -17,15 +44,17 @@ mod scene;
 mod swept_aabb;
 mod unknown_pose;
 
-pub(crate) use axis_states::Axes;
-pub(crate) use broad_phase::{Among, Cast};
-pub(crate) use conservative_advancement::{Look, Near, Pair, Pairs, passed};
-pub(crate) use link_poses::Unplaced;
-pub(crate) use motion_bound::Gearing;
-pub(crate) use motion_bound_coefficients::{Levers, droop_bounds};
+pub(crate) use axis_states::AxisStates;
+pub(crate) use broad_phase::{BroadPhase, CandidatePairs};
+pub(crate) use conservative_advancement::{
+    CandidatePair, PairAccumulator, PairResults, SegmentDistanceQuery, distance_tolerance,
+};
+pub(crate) use link_poses::PoseError;
+pub(crate) use motion_bound::MotionBoundModel;
+pub(crate) use motion_bound_coefficients::{MotionBoundCoefficients, droop_bounds};
 pub(crate) use object::Role;
-pub(crate) use sample_times::Samples;
-pub(crate) use sampled_segment::Course;
+pub(crate) use sample_times::SampleWindows;
+pub(crate) use sampled_segment::SampledSegment;
 pub(crate) use scene::Scene;
-pub(crate) use swept_aabb::Around;
-pub(crate) use unknown_pose::Lost;
+pub(crate) use swept_aabb::SweptAabb;
+pub(crate) use unknown_pose::UnknownPose;

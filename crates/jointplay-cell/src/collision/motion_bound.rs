@@ -1,73 +1,77 @@
-//! How far what moves can have gone between two samples, at most.
+//! Motion bounds: upper bounds of the travel of any point of an object between two samples.
+//!
+//! The inequalities and their proofs are in the chapter "Motion bounds" of `docs/explanation/kinematics.md`.
 
 use std::ops::Range;
 
 use nalgebra::Vector2;
 
-use super::in_plane_motion::{Drift, Rates};
-use super::motion_bound_coefficients::Levers;
+use super::in_plane_motion::{InPlaneMotion, InPlaneRates};
+use super::motion_bound_coefficients::MotionBoundCoefficients;
 use crate::robot::{HybridRobot, MAX_AXES, RODS};
 use crate::trajectory::{AxisSampler, AxisState};
 
-/// How far points of an item went, at most.
+/// Upper bounds of the displacement of any point of an object in an interval.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Travel {
-    /// By the rods, the deflection as seen from the platform included [m].
-    pub(crate) plane: f64,
-    /// By the arms, parallel to the platform [m].
-    pub(crate) arm: f64,
-    /// By drooping otherwise than before, as the reach changed [m].
-    pub(crate) droop: f64,
-    /// Of that, in other directions than up and down [m].
-    pub(crate) aside: f64,
-    /// By the deflection as seen from the platform, which rotates [m].
-    pub(crate) hang: f64,
+pub(crate) struct DisplacementBound {
+    /// Displacement by the platform, the rotation of deflected arms with it included [m].
+    pub(crate) platform: f64,
+    /// Displacement by the arms, parallel to the platform [m].
+    pub(crate) arms: f64,
+    /// Displacement by the change of the deflection with the reach [m].
+    pub(crate) deflection: f64,
+    /// Horizontal part of `deflection` [m].
+    pub(crate) lateral_deflection: f64,
+    /// Displacement in the platform frame by the change of the deflection as the platform rotates [m].
+    pub(crate) platform_deflection: f64,
 }
 
-impl Travel {
+impl DisplacementBound {
+    /// Displacement in any direction [m].
     pub(crate) fn total(self) -> f64 {
-        self.plane + self.arm + self.droop
+        self.platform + self.arms + self.deflection
     }
 }
 
-/// What all axes did between two samples, at most.
+/// Upper bounds of the travel of all axes and of the platform between two samples.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Moved {
-    /// Path of each axis [m or rad].
+pub(crate) struct AxisTravel {
+    /// Travel of each axis, back and forth added up [m or rad].
     axes: [f64; MAX_AXES],
-    /// ∫|q̈| dt of each [m/s or rad/s].
-    hurries: [f64; MAX_AXES],
-    /// ∫q̇² dt of each [m²/s or rad²/s].
-    squares: [f64; MAX_AXES],
-    /// Path of the platform's origin [m].
+    /// ∫|q̈| dt of each axis [m/s or rad/s].
+    acceleration_integrals: [f64; MAX_AXES],
+    /// ∫q̇² dt of each axis [m²/s or rad²/s].
+    squared_velocity_integrals: [f64; MAX_AXES],
+    /// Travel of the platform's origin [m].
     origin: f64,
-    /// Angle that its normal turned by [rad].
-    pub(crate) lean: f64,
-    /// Angle that it turned by about its normal beyond the shortest rotation [rad].
+    /// Rotation of the platform's normal [rad].
+    pub(crate) normal_rotation: f64,
+    /// Rotation of the platform about its normal, beyond the shortest rotation [rad].
     twist: f64,
 }
 
-/// How far everything has come by each sample of a step, at most.
+/// Prefix sums of the travel of all axes and of the platform, by sample.
 #[derive(Default)]
-pub(crate) struct Odometer {
-    /// Of each axis that moves, in the order of the track: path, ∫|q̈| dt and ∫q̇² dt; there may be more than there are.
+pub(crate) struct CumulativeAxisTravel {
+    /// Travel, ∫|q̈| dt and ∫q̇² dt of each moving axis, in the order of the sampler; buffers of earlier segments may follow.
     axes: Vec<Vec<[f64; 3]>>,
-    /// Of the platform, while rods move: path of its origin, angle that its normal turned by, and angle about that.
+    /// Travel of the platform's origin, rotation of its normal, and rotation about the normal; empty while no rod moves.
     platform: Vec<[f64; 3]>,
 }
 
-impl Odometer {
-    /// Takes up a step.
+impl CumulativeAxisTravel {
+    /// Accumulates the travel over the samples of a window.
     ///
     /// # Arguments
-    /// * `from` – positions of all axes at its start
-    pub(crate) fn take(
+    /// * `from` – positions of all axes at the start of the segment [m or rad]
+    pub(crate) fn accumulate(
         &mut self,
-        gearing: &Gearing,
-        (times, from): (&[f64], &[f64]),
-        track: &AxisSampler,
+        bounds: &MotionBoundModel,
+        times: &[f64],
+        from: &[f64],
+        sampler: &AxisSampler,
     ) {
-        let (moving, states) = (track.moving(), track.states());
+        let (moving, states) = (sampler.moving(), sampler.states());
         if self.axes.len() < moving.len() {
             self.axes.resize_with(moving.len(), Vec::new);
         }
@@ -76,83 +80,96 @@ impl Odometer {
             self.platform.resize(times.len(), [0.0; 3]);
         }
         for (place, (&axis, states)) in moving.iter().zip(states).enumerate() {
-            let by = &mut self.axes[place];
-            by.clear();
-            let mut all = [0.0; 3];
-            by.push(all);
+            let sums = &mut self.axes[place];
+            sums.clear();
+            let mut total = [0.0; 3];
+            sums.push(total);
             for (k, pair) in states.windows(2).enumerate() {
                 let dt = times[k + 1] - times[k];
-                let [speed, hurry] = gearing.most(dt, axis, [&pair[0], &pair[1]]);
-                let path = dt * speed;
-                for (sum, more) in all.iter_mut().zip([path, dt * hurry, path * speed]) {
+                let [speed, acceleration] =
+                    bounds.speed_and_acceleration_bound(dt, axis, [&pair[0], &pair[1]]);
+                let travel = dt * speed;
+                let increments = [travel, dt * acceleration, travel * speed];
+                for (sum, more) in total.iter_mut().zip(increments) {
                     *sum += more;
                 }
-                by.push(all);
+                sums.push(total);
                 if axis < RODS {
-                    let [height, ..] = &mut self.platform[k + 1];
-                    *height = height.max(path);
+                    // The largest travel of a rod; its weight follows in `accumulate_tilt`.
+                    let [largest, ..] = &mut self.platform[k + 1];
+                    *largest = largest.max(travel);
                 }
             }
         }
         if !self.platform.is_empty() {
-            self.lean(gearing, (times, from), track);
+            self.accumulate_tilt(bounds, times, from, sampler);
         }
     }
 
-    /// Sums up what the rods do to the platform: its height is theirs, weighted, and its normal turns as they go unevenly.
-    fn lean(&mut self, gearing: &Gearing, (times, from): (&[f64], &[f64]), track: &AxisSampler) {
+    /// Accumulates the travel of the platform: its origin by the weighted travel of the rods, its normal by the differences of their velocities.
+    fn accumulate_tilt(
+        &mut self,
+        bounds: &MotionBoundModel,
+        times: &[f64],
+        from: &[f64],
+        sampler: &AxisSampler,
+    ) {
         let rods: [Option<&Vec<AxisState>>; RODS] = std::array::from_fn(|rod| {
-            let place = track.moving().iter().position(|&axis| axis == rod)?;
-            Some(&track.states()[place])
+            let place = sampler.moving().iter().position(|&axis| axis == rod)?;
+            Some(&sampler.states()[place])
         });
-        let of = |sample: usize| -> [AxisState; RODS] {
-            let still = |rod: usize| [from[rod], 0.0, 0.0, 0.0];
-            std::array::from_fn(|rod| rods[rod].map_or(still(rod), |states| states[sample]))
+        let rod_states = |sample: usize| -> [AxisState; RODS] {
+            let at_rest = |rod: usize| [from[rod], 0.0, 0.0, 0.0];
+            std::array::from_fn(|rod| rods[rod].map_or(at_rest(rod), |states| states[sample]))
         };
-        let mut first = of(0);
-        let mut all = [0.0; 3];
+        let mut first = rod_states(0);
+        let mut total = [0.0; 3];
         for k in 1..times.len() {
-            let last = of(k);
-            let lean = gearing.lean(times[k] - times[k - 1], [&first, &last]);
-            let [before, after] = [&first, &last].map(|states| gearing.slope(states));
-            let Rates { shift, twist } = gearing.drift.rates(0.5 * (before + after + lean));
-            all[0] += gearing.weights * self.platform[k][0] + lean * shift;
-            all[1] += lean;
-            all[2] += lean * twist;
-            self.platform[k] = all;
+            let last = rod_states(k);
+            let rotation = bounds.normal_rotation(times[k] - times[k - 1], [&first, &last]);
+            let [before, after] = [&first, &last].map(|states| bounds.slope(states));
+            let InPlaneRates { shift, twist } =
+                bounds.in_plane.rates(0.5 * (before + after + rotation));
+            total[0] += bounds.weight_sum * self.platform[k][0] + rotation * shift;
+            total[1] += rotation;
+            total[2] += rotation * twist;
+            self.platform[k] = total;
             first = last;
         }
     }
 
-    /// What all axes did between two samples, at most.
-    pub(crate) fn moved(&self, track: &AxisSampler, between: &Range<usize>) -> Moved {
-        let mut moved = Moved::default();
-        let (from, to) = (between.start, between.end);
-        for (&axis, by) in track.moving().iter().zip(&self.axes) {
-            let [path, hurry, square] = std::array::from_fn(|k| by[to][k] - by[from][k]);
-            (moved.axes[axis], moved.hurries[axis], moved.squares[axis]) = (path, hurry, square);
+    /// Travel between two samples.
+    pub(crate) fn between(&self, sampler: &AxisSampler, interval: &Range<usize>) -> AxisTravel {
+        let mut travel = AxisTravel::default();
+        let (from, to) = (interval.start, interval.end);
+        for (&axis, sums) in sampler.moving().iter().zip(&self.axes) {
+            let [path, acceleration, square] = std::array::from_fn(|k| sums[to][k] - sums[from][k]);
+            travel.axes[axis] = path;
+            travel.acceleration_integrals[axis] = acceleration;
+            travel.squared_velocity_integrals[axis] = square;
         }
         if let (Some(last), Some(first)) = (self.platform.get(to), self.platform.get(from)) {
-            [moved.origin, moved.lean, moved.twist] = std::array::from_fn(|k| last[k] - first[k]);
+            [travel.origin, travel.normal_rotation, travel.twist] =
+                std::array::from_fn(|k| last[k] - first[k]);
         }
-        moved
+        travel
     }
 }
 
-/// The base triangle, as far as it gears rods to the platform.
-pub(crate) struct Gearing {
-    /// Sum of the absolute weights by which the rods lift the platform's origin.
-    weights: f64,
-    /// Heights of the base triangle over each side [m], at the corner of each rod.
+/// Motion of the platform by the rods, with the jerk limits of all axes: everything that motion bounds of a robot share.
+pub(crate) struct MotionBoundModel {
+    /// Sum of the absolute weights of the rods in the height of the platform's origin.
+    weight_sum: f64,
+    /// Heights of the base triangle, at the corner of each rod [m].
     heights: [f64; RODS],
-    /// Slope of the base plane's height by each rod [1/m].
+    /// Gradient of the platform plane's slope by each rod [1/m].
     slopes: [Vector2<f64>; RODS],
-    drift: Drift,
-    /// Largest jerk that the limits of each axis allow: samples do not show what it is between them [m/s³ or rad/s³].
+    in_plane: InPlaneMotion,
+    /// Largest jerk that the limits of each axis allow [m/s³ or rad/s³]: samples do not show the jerk between them.
     jerks: [f64; MAX_AXES],
 }
 
-impl Gearing {
+impl MotionBoundModel {
     pub(crate) fn new(robot: &HybridRobot) -> Self {
         let b = robot.gpr.base_points();
         let area = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
@@ -169,30 +186,35 @@ impl Gearing {
         }
         Self {
             jerks,
-            weights: (0..RODS).map(|k| weight(k).abs()).sum(),
+            weight_sum: (0..RODS).map(|k| weight(k).abs()).sum(),
             heights: [0, 1, 2].map(|k| whole.abs() / side(k)),
             slopes: [0, 1, 2].map(|k| {
                 let side = b[(k + 2) % 3] - b[(k + 1) % 3];
                 Vector2::new(-side.y, side.x) / whole
             }),
-            drift: Drift::new(robot),
+            in_plane: InPlaneMotion::new(robot),
         }
     }
 
-    /// Distance of the platform's origin from that of the base, at most [m].
-    pub(crate) fn highest(&self, robot: &HybridRobot) -> f64 {
+    /// Upper bound of the distance of the platform's origin from the base origin [m].
+    pub(crate) fn max_platform_distance(&self, robot: &HybridRobot) -> f64 {
         let rods = robot.axes[..RODS].iter().map(|rod| rod.min.abs().max(rod.max.abs()));
-        // Beside the base axis it is by far less than a ball is.
+        // Its offset from the base axis is by far smaller than that of a ball.
         let radius = robot.gpr.base_points().map(|point| point.norm()).into_iter();
-        self.weights * rods.fold(0.0, f64::max) + radius.fold(0.0, f64::max)
+        self.weight_sum * rods.fold(0.0, f64::max) + radius.fold(0.0, f64::max)
     }
 
-    /// Speed [m/s or rad/s] and acceleration [m/s² or rad/s²] of an axis between two samples, at most.
-    fn most(&self, dt: f64, axis: usize, [from, to]: [&AxisState; 2]) -> [f64; 2] {
+    /// Upper bounds of the speed [m/s or rad/s] and acceleration [m/s² or rad/s²] of an axis between two samples.
+    fn speed_and_acceleration_bound(
+        &self,
+        dt: f64,
+        axis: usize,
+        [from, to]: [&AxisState; 2],
+    ) -> [f64; 2] {
         let jerk = self.jerks[axis].max(from[3].abs()).max(to[3].abs());
-        let hurry = most(dt, [from[2], to[2]], jerk);
-        let speed = most(dt, [from[1], to[1]], hurry);
-        [speed, hurry]
+        let acceleration = bound_between(dt, [from[2], to[2]], jerk);
+        let speed = bound_between(dt, [from[1], to[1]], acceleration);
+        [speed, acceleration]
     }
 
     /// Slope of the platform's plane: the tangent of its tilt.
@@ -201,64 +223,75 @@ impl Gearing {
         by_rod.sum::<Vector2<f64>>().norm()
     }
 
-    /// Path of the slope of the platform's plane between two samples, and so of its normal, at most [rad].
-    fn lean(&self, dt: f64, [from, to]: [&[AxisState; RODS]; 2]) -> f64 {
-        let off = |states: &[AxisState; RODS], order: usize| -> [f64; RODS] {
+    /// Upper bound of the rotation of the platform's normal between two samples [rad]: the travel of the plane's slope.
+    fn normal_rotation(&self, dt: f64, [from, to]: [&[AxisState; RODS]; 2]) -> f64 {
+        let deviations = |states: &[AxisState; RODS], order: usize| -> [f64; RODS] {
             let mean = (states[0][order] + states[1][order] + states[2][order]) / 3.0;
             std::array::from_fn(|rod| states[rod][order] - mean)
         };
-        let velocities = [from, to].map(|states| off(states, 1));
-        let accelerations = [from, to].map(|states| off(states, 2));
+        let velocities = [from, to].map(|states| deviations(states, 1));
+        let accelerations = [from, to].map(|states| deviations(states, 2));
         let jerk_of = |rod: usize| self.jerks[rod].max(from[rod][3].abs()).max(to[rod][3].abs());
         let jerk = 2.0 * (0..RODS).map(jerk_of).fold(0.0, f64::max);
-        let turned = |rod: usize| {
-            let hurry = most(dt, accelerations.map(|of| of[rod]), jerk);
-            let speed = most(dt, velocities.map(|of| of[rod]), hurry);
+        let rotation = |rod: usize| {
+            let acceleration = bound_between(dt, accelerations.map(|of| of[rod]), jerk);
+            let speed = bound_between(dt, velocities.map(|of| of[rod]), acceleration);
             dt * speed / self.heights[rod]
         };
-        (0..RODS).map(turned).sum()
+        (0..RODS).map(rotation).sum()
     }
 
-    /// How much the platform's normal turns as the rods go so unevenly, or how fast where these are rates, at most [rad, or that by time].
-    pub(crate) fn leaning(&self, rods: &[f64; RODS]) -> f64 {
+    /// Upper bound of the rotation of the platform's normal by displacements of the rods [rad]; of its rate by their velocities.
+    pub(crate) fn tilt_bound(&self, rods: &[f64; RODS]) -> f64 {
         let mean = (rods[0] + rods[1] + rods[2]) / 3.0;
         (0..RODS).map(|rod| (rods[rod] - mean).abs() / self.heights[rod]).sum::<f64>()
     }
 
-    /// How much the platform's origin goes up or down as the rods go so, at most [m, or that by time].
-    pub(crate) fn lift(&self, rods: &[f64; RODS]) -> f64 {
-        self.weights * rods.iter().fold(0.0, |most: f64, rod| most.max(rod.abs()))
+    /// Upper bound of the vertical displacement of the platform's origin by displacements of the rods [m]; of its rate by their velocities.
+    pub(crate) fn heave_bound(&self, rods: &[f64; RODS]) -> f64 {
+        self.weight_sum * rods.iter().fold(0.0, |most: f64, rod| most.max(rod.abs()))
     }
 
-    /// How far points of an item went, at most; see "Trajectory bounds" in `docs/explanation/collision-guarantee.md`.
-    pub(crate) fn travel(&self, levers: &Levers, moved: &Moved) -> Travel {
-        let turned = moved.lean + moved.twist;
-        let by = |levers: &[f64; MAX_AXES]| -> f64 {
-            levers.iter().zip(&moved.axes).map(|(lever, path)| lever * path).sum()
-        };
-        let hang = turned * levers.hang;
-        let plane = moved.origin + turned * levers.far + hang;
-        let [arm, droop, aside] = [&levers.arms, &levers.droops, &levers.asides].map(by);
-        Travel { plane, arm, droop, aside, hang }
+    /// Upper bounds of the displacement of any point of an object.
+    pub(crate) fn displacement(
+        &self,
+        coefficients: &MotionBoundCoefficients,
+        travel: &AxisTravel,
+    ) -> DisplacementBound {
+        let rotation = travel.normal_rotation + travel.twist;
+        let by_axes = |coefficients: &[f64; MAX_AXES]| dot(coefficients, &travel.axes);
+        let platform_deflection = rotation * coefficients.platform_deflection;
+        let platform = travel.origin + rotation * coefficients.rigid_radius + platform_deflection;
+        let arms = by_axes(&coefficients.arms);
+        let deflection = by_axes(&coefficients.deflection);
+        let lateral_deflection = by_axes(&coefficients.lateral_deflection);
+        DisplacementBound { platform, arms, deflection, lateral_deflection, platform_deflection }
     }
 
-    /// How fast the arms' part of the way of a point changed, in all [m/s].
+    /// Upper bound of the variation of the arms' part of a point's velocity, ∫|p̈| dt [m/s].
     ///
     /// ```text
-    ///    p̈  =  Σ_g |v_g| (φ̈_g e_⊥ - φ̇_g² e)         g: links from the first that moves on, φ_g: angle of each
+    ///    p̈  =  Σ_g |v_g| (φ̈_g e_⊥ - φ̇_g² e)         g: links from the first moving one on, φ_g: their angles
     /// ```
-    pub(crate) fn bend(&self, levers: &Levers, moved: &Moved) -> f64 {
-        let each = |levers: &[f64; MAX_AXES], moved: &[f64; MAX_AXES]| -> f64 {
-            levers.iter().zip(moved).map(|(lever, moved)| lever * moved).sum()
-        };
-        each(&levers.arms, &moved.hurries) + each(&levers.turns, &moved.squares)
+    pub(crate) fn velocity_variation(
+        &self,
+        coefficients: &MotionBoundCoefficients,
+        travel: &AxisTravel,
+    ) -> f64 {
+        dot(&coefficients.arms, &travel.acceleration_integrals)
+            + dot(&coefficients.centripetal, &travel.squared_velocity_integrals)
     }
 }
 
-/// What lies between two values, at most, of something that changes no faster than so.
+/// Sum of the products of coefficients and quantities of all axes.
+fn dot(coefficients: &[f64; MAX_AXES], quantities: &[f64; MAX_AXES]) -> f64 {
+    coefficients.iter().zip(quantities).map(|(coefficient, quantity)| coefficient * quantity).sum()
+}
+
+/// Upper bound of the magnitude between two values of a quantity whose rate is bounded.
 ///
-/// Speeds bounded so bound the way in any part of the interval by that part of it: in half of the time no more than half.
-fn most(dt: f64, [first, last]: [f64; 2], rate: f64) -> f64 {
+/// The travel at a speed bounded in this way is additive over parts of the interval: in half of the time at most half.
+fn bound_between(dt: f64, [first, last]: [f64; 2], rate: f64) -> f64 {
     0.5 * (first.abs() + last.abs() + dt * rate)
 }
 
@@ -267,8 +300,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn half_of_the_way_is_enough_for_either_half_of_the_time() {
-        // By pieces of one jerk from whatever speed and acceleration, turning back or not.
+    fn motion_bound_is_additive_over_halves() {
+        // Pieces of constant jerk from any speed and acceleration, with and without reversal.
         let mut state = 3_u64;
         let mut random = move || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
@@ -276,12 +309,12 @@ mod tests {
         };
         for round in 0..2000 {
             let (dt, jerk) = (0.01, 100.0 * random());
-            // Speeding up from rest, the second half is three times the first.
+            // From rest at constant acceleration, the second half is three times the first.
             let (v, a) = if round == 0 { (0.0, 5.0) } else { (0.2 * random(), 10.0 * random()) };
             let speed = |t: f64| v + a * t + 0.5 * jerk * t * t;
-            let hurry = most(dt, [a, a + jerk * dt], jerk.abs());
-            let bound = dt * most(dt, [v, speed(dt)], hurry);
-            let way = |from: f64| {
+            let acceleration = bound_between(dt, [a, a + jerk * dt], jerk.abs());
+            let bound = dt * bound_between(dt, [v, speed(dt)], acceleration);
+            let travel = |from: f64| {
                 let steps = 200;
                 let step = 0.5 * dt / f64::from(steps);
                 (0..steps)
@@ -289,7 +322,11 @@ mod tests {
                     .sum::<f64>()
             };
             for from in [0.0, 0.5 * dt] {
-                assert!(way(from) <= 0.5 * bound * (1.0 + 1e-4), "{round}: {} {bound}", way(from));
+                assert!(
+                    travel(from) <= 0.5 * bound * (1.0 + 1e-4),
+                    "{round}: {} {bound}",
+                    travel(from)
+                );
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Trajectory bounds against motions: no point travels farther between two samples than its bound.
+//! Motion bounds against motions: no point travels farther between two samples than its bound.
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
@@ -9,15 +9,15 @@ use jointplay_core::spatial::{Pose, Tilt};
 use jointplay_core::virtualization::{BuiltIn, SolveOptions, Solver};
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use super::link_poses::Places;
-use super::motion_bound::{Gearing, Travel};
-use super::motion_bound_coefficients::{Levers, common};
-use super::object::Holder;
-use super::sample_times::Samples;
-use super::sampled_segment::Course;
+use super::link_poses::LinkPoses;
+use super::motion_bound::{DisplacementBound, MotionBoundModel};
+use super::motion_bound_coefficients::{MotionBoundCoefficients, common_ancestor};
+use super::object::Parent;
+use super::sample_times::SampleWindows;
+use super::sampled_segment::SampledSegment;
 use super::scene::Scene;
 use crate::EntityId;
-use crate::geometry::{Shape, Solids};
+use crate::geometry::{ColliderCache, Shape};
 use crate::program::{Path, Phase, Place, Step};
 use crate::robot::{AxisKind, PlatformModel, RODS};
 use crate::trajectory::{Sample, Trajectory, TrajectoryOptions, plan_trajectory, straight};
@@ -156,21 +156,21 @@ fn no_point_travels_farther_than_its_bound() {
     for round in 0..240 {
         let (cell, tilt_max) = cell(&mut random, round);
         let motion = motion(&mut random, &cell, tilt_max, round);
-        let mut solids = Solids::default();
-        solids.begin();
-        let scene = Scene::new(&cell, &mut solids);
-        let gearing = Gearing::new(&cell.robot);
-        let mut course = Course::default();
-        let samples = Samples::of(&motion, 0, 200.0);
-        course.take(&motion, (0, 0), &samples, &gearing);
-        let count = course.times().len();
+        let mut cache = ColliderCache::default();
+        cache.begin();
+        let scene = Scene::new(&cell, &mut cache);
+        let bounds = MotionBoundModel::new(&cell.robot);
+        let mut segment = SampledSegment::default();
+        let samples = SampleWindows::new(&motion, 0, 200.0);
+        segment.begin(&motion, 0, 0, &samples, &bounds);
+        let count = segment.times().len();
         if count < 2 {
             continue;
         }
         // Corners of the bodies, and edges of the wafer, each on its carrier.
-        let points: Vec<(usize, Vector3<f64>)> = (0..scene.items.len())
-            .map(|item| {
-                let corner = match scene.items[item].entity {
+        let points: Vec<(usize, Vector3<f64>)> = (0..scene.objects.len())
+            .map(|object| {
+                let corner = match scene.objects[object].entity {
                     EntityId::Body(body) => Some(&cell.bodies[body]),
                     _ => None,
                 };
@@ -186,63 +186,64 @@ fn no_point_travels_farther_than_its_bound() {
                         Vector3::new(0.15 * angle.cos(), 0.15 * angle.sin(), 0.0)
                     }
                 };
-                (item, point)
+                (object, point)
             })
             .collect();
         for _ in 0..6 {
             let from = (random.next() * (count - 1) as f64) as usize % (count - 1);
             let to = (from + 1 + (random.next() * 5.0) as usize).min(count - 1);
-            let [start, end] = [from, to].map(|sample| course.times()[sample]);
+            let [start, end] = [from, to].map(|sample| segment.times()[sample]);
             let states = (0..=PARTS * (to - from) as u32).map(|part| {
                 let share = f64::from(part) / f64::from(PARTS * (to - from) as u32);
                 let mut sample = Sample::default();
                 motion.write_sample_in_step(0, start + share * (end - start), &mut sample);
-                scene.places(&sample.positions, Vec::new())
+                scene.link_poses(&sample.positions, Vec::new())
             });
             // A model that does not converge somewhere has no pose there, which the check reports.
             let states: Result<Vec<_>, _> = states.collect();
             let Ok(states) = states else { continue };
-            let moved = course.moved(&(from..to));
+            let travel = segment.axis_travel(&(from..to));
             intervals += 1;
             let turned: f64 =
                 states.windows(2).map(|two| (two[1].normal - two[0].normal).norm()).sum();
-            assert!(turned <= moved.lean * (1.0 + 1e-9) + 1e-12, "{round}: {turned}");
+            assert!(turned <= travel.normal_rotation * (1.0 + 1e-9) + 1e-12, "{round}: {turned}");
             steepest = states.iter().map(|it| it.normal.z.acos()).fold(steepest, f64::max);
-            let world = |item: usize, point: &Vector3<f64>, state: &Places| {
-                let pose = scene.placed(item, state).base_from_carrier;
+            let world = |object: usize, point: &Vector3<f64>, state: &LinkPoses| {
+                let pose = scene.collider_at(object, state).base_from_parent;
                 (pose * Point3::from(*point)).coords
             };
-            let path = |at: &dyn Fn(&Places) -> Vector3<f64>| -> f64 {
+            let path = |at: &dyn Fn(&LinkPoses) -> Vector3<f64>| -> f64 {
                 states.windows(2).map(|two| (at(&two[1]) - at(&two[0])).norm()).sum()
             };
-            for (item, point) in &points {
-                let one = &scene.items[*item];
-                let levers = Levers::new(&cell, one, one.solid.reach());
-                let bound = gearing.travel(&levers, &moved).total();
-                let travelled = path(&|state| world(*item, point, state));
+            for (object, point) in &points {
+                let one = &scene.objects[*object];
+                let coefficients = MotionBoundCoefficients::new(&cell, one, one.collider.reach());
+                let bound = bounds.displacement(&coefficients, &travel).total();
+                let travelled = path(&|state| world(*object, point, state));
                 assert!(
                     travelled <= bound * (1.0 + 1e-9) + 1e-12,
                     "{round}, {:?}: {travelled} above {bound}",
-                    scene.items[*item].entity
+                    scene.objects[*object].entity
                 );
                 tightest = tightest.max(travelled / bound.max(1e-12));
-                // Against what carries both alike.
+                // Relative to the common ancestor.
                 for (other, with) in &points {
-                    let [one, two] = [*item, *other].map(|item| &scene.items[item]);
-                    if one.holder == two.holder {
+                    let [one, two] = [*object, *other].map(|object| &scene.objects[object]);
+                    if one.parent == two.parent {
                         continue;
                     }
-                    let carrier = common(&cell.robot, one, two);
-                    if carrier == Holder::World {
+                    let carrier = common_ancestor(&cell.robot, one, two);
+                    if carrier == Parent::World {
                         continue;
                     }
-                    let both = [one, two].map(|item| (&**item, item.solid.reach()));
-                    let levers = Levers::between(&cell, both, carrier);
-                    let Travel { arm, droop, hang, .. } = gearing.travel(&levers, &moved);
-                    let bound = arm + droop + hang;
+                    let both = [one, two].map(|object| (&**object, object.collider.reach()));
+                    let coefficients = MotionBoundCoefficients::relative(&cell, both, carrier);
+                    let DisplacementBound { arms, deflection, platform_deflection, .. } =
+                        bounds.displacement(&coefficients, &travel);
+                    let bound = arms + deflection + platform_deflection;
                     let travelled = path(&|state| {
-                        let apart = world(*other, with, state) - world(*item, point, state);
-                        scene.turned(carrier, state).inverse() * apart
+                        let apart = world(*other, with, state) - world(*object, point, state);
+                        scene.rotation_of(carrier, state).inverse() * apart
                     });
                     assert!(
                         travelled <= bound * (1.0 + 1e-9) + 1e-12,

@@ -1,16 +1,16 @@
-//! Collision objects, and what each is attached to.
+//! Collision objects, and the bodies that they are attached to.
 
 use jointplay_core::spatial::Pose;
 
 use crate::EntityId;
-use crate::geometry::{Placed, Solid, Solids, Span};
-use crate::incremental::Key;
+use crate::geometry::{Collider, ColliderCache, Interval, PlacedCollider};
+use crate::incremental::{Fingerprint, Fingerprinted};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 
-/// What holds an item.
+/// Body that a collision object is attached to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Holder {
+pub(crate) enum Parent {
     World,
     Platform,
     /// A link before the last one of its arm.
@@ -18,82 +18,90 @@ pub(crate) enum Holder {
         arm: usize,
         link: usize,
     },
-    /// The last link of an arm, deflected as at this effector.
+    /// The last link of an arm, with the deflection at this effector.
     Tip(EffectorId),
     Slot(SlotId),
     Effector(EffectorId),
 }
 
-impl Holder {
+impl Parent {
     pub(crate) fn moves(self) -> bool {
         !matches!(self, Self::World | Self::Slot(_))
     }
 }
 
-/// What an item is.
+/// Role of a collision object in contact rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Role {
-    /// Of the cell, by index.
+    /// Body of the cell, by index.
     Body(usize),
     Wafer,
     KeepOut,
 }
 
-/// Something that takes room.
+/// Collider with the entity that it represents and the body that it is attached to.
 #[derive(Clone)]
-pub(crate) struct Item {
-    /// What it is to the user.
+pub(crate) struct CollisionObject {
     pub(crate) entity: EntityId,
-    pub(crate) solid: Solid,
-    /// Number of its solid, which no other solid has.
-    number: u64,
-    /// Number of its solid where it stands, for what does not move.
-    stands: u64,
-    pub(crate) holder: Holder,
+    pub(crate) collider: Collider,
+    /// Number of the collider in the cache.
+    collider_number: u64,
+    /// Number of the collider at its fixed pose, for objects that do not move.
+    fixed_number: u64,
+    pub(crate) parent: Parent,
     pub(crate) role: Role,
-    /// Where its holder stands, for what does not move.
-    pub(super) standing: Pose,
-    /// A box around it, axes those of the base, for what does not move.
-    pub(crate) around: [Span; 3],
-    /// Whether it was ever laid into a slot.
-    pub(crate) laid: bool,
+    /// Pose of the parent, for objects that do not move.
+    pub(super) base_from_fixed_parent: Pose,
+    /// Axis-aligned box in the base frame, for objects that do not move.
+    pub(crate) aabb: [Interval; 3],
+    /// Whether this wafer was placed into a slot.
+    pub(crate) was_placed: bool,
 }
 
-impl Item {
+impl CollisionObject {
+    /// An object at the origin of the base frame.
     pub(super) fn new(
         entity: EntityId,
-        (number, solid): (u64, Solid),
-        (holder, role): (Holder, Role),
-        solids: &mut Solids,
+        (collider_number, collider): (u64, Collider),
+        parent: Parent,
+        role: Role,
+        cache: &mut ColliderCache,
     ) -> Self {
-        let (around, standing) = ([Span { least: 0.0, most: 0.0 }; 3], Pose::identity());
-        let (stands, laid) = (0, false);
-        let mut item = Self { entity, solid, number, stands, holder, role, standing, around, laid };
-        item.stand(standing, solids);
-        item
+        let mut object = Self {
+            entity,
+            collider,
+            collider_number,
+            fixed_number: 0,
+            parent,
+            role,
+            base_from_fixed_parent: Pose::identity(),
+            aabb: [Interval { min: 0.0, max: 0.0 }; 3],
+            was_placed: false,
+        };
+        object.set_fixed_pose(Pose::identity(), cache);
+        object
     }
 
-    pub(super) fn stand(&mut self, standing: Pose, solids: &mut Solids) {
-        self.standing = standing;
-        self.stands = solids.standing(self.number, &standing);
-        let placed = Placed { solid: &self.solid, base_from_carrier: &self.standing };
-        self.around = placed.around();
+    /// Sets the pose of a parent that does not move.
+    pub(super) fn set_fixed_pose(&mut self, base_from_parent: Pose, cache: &mut ColliderCache) {
+        self.base_from_fixed_parent = base_from_parent;
+        self.fixed_number = cache.fixed_number(self.collider_number, &base_from_parent);
+        let (collider, base_from_parent) = (&self.collider, &self.base_from_fixed_parent);
+        self.aabb = PlacedCollider { collider, base_from_parent }.aabb();
     }
+}
 
-    /// Adds what it is and what holds it to inputs.
-    pub(crate) fn key(&self, key: &mut Key) {
-        match self.holder {
-            Holder::World | Holder::Slot(_) => key.extend([0, self.stands]),
-            Holder::Platform => key.extend([1, self.number]),
-            Holder::Link { arm, link } => {
-                key.extend([2, self.number, arm as u64, link as u64]);
+impl Fingerprinted for CollisionObject {
+    /// Collider and parent, and the pose of a fixed object; neither entity nor role, which distances do not depend on.
+    fn append_to(&self, fingerprint: &mut Fingerprint) {
+        match self.parent {
+            Parent::World | Parent::Slot(_) => fingerprint.add(&0_u64).add(&self.fixed_number),
+            Parent::Platform => fingerprint.add(&1_u64).add(&self.collider_number),
+            Parent::Link { arm, link } => {
+                fingerprint.add(&2_u64).add(&self.collider_number).add(&arm).add(&link)
             }
-            Holder::Effector(EffectorId { arm, effector }) => {
-                key.extend([3, self.number, arm as u64, effector as u64]);
-            }
-            Holder::Tip(EffectorId { arm, effector }) => {
-                key.extend([4, self.number, arm as u64, effector as u64]);
-            }
-        }
+            Parent::Effector(id) => fingerprint.add(&3_u64).add(&self.collider_number).add(&id),
+            Parent::Tip(id) => fingerprint.add(&4_u64).add(&self.collider_number).add(&id),
+        };
     }
 }

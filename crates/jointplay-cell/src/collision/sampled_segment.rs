@@ -1,120 +1,121 @@
-//! One step, sample by sample, a window at a time.
+//! Axis states and link poses of a segment at its samples, a window at a time.
 
 use std::ops::Range;
 
 use jointplay_core::bulk::Column;
 use jointplay_core::spatial::Pose;
 
-use super::axis_states::Axes;
-use super::link_poses::{Places, Unplaced};
-use super::motion_bound::{Gearing, Moved, Odometer};
-use super::motion_bound_coefficients::Levers;
-use super::sample_times::Samples;
+use super::axis_states::AxisStates;
+use super::link_poses::{LinkPoses, PoseError};
+use super::motion_bound::{AxisTravel, CumulativeAxisTravel, MotionBoundModel};
+use super::motion_bound_coefficients::MotionBoundCoefficients;
+use super::sample_times::SampleWindows;
 use super::scene::Scene;
-use super::swept_aabb::{Around, with};
-use super::unknown_pose::Lost;
-use crate::geometry::Span;
+use super::swept_aabb::{SweptAabb, union};
+use super::unknown_pose::UnknownPose;
+use crate::geometry::Interval;
 use crate::robot::{Positions, RODS};
 use crate::trajectory::{AxisSampler, AxisState, Trajectory};
-use crate::violation::{Kind, When};
+use crate::violation::{Kind, SampleTime};
 
-/// Samples from one place that a box around a way is made of to the next.
-const STRIDE: usize = 16;
+/// Least number of samples in one box of a swept AABB.
+const MIN_SAMPLES_PER_BOX: usize = 16;
 
-/// Boxes around the way of one thing in a step, about, at most: those of long steps are made of more samples each.
-const MOST_BOXES: usize = 4096;
+/// Approximate limit of the boxes of a swept AABB: the boxes of long segments contain more samples each.
+const MAX_BOXES: usize = 4096;
 
-/// The samples of a window of a step, and how far what moves has come by each.
+/// A window of samples of one segment: axis states, cumulative travel, and the link poses as far as they were needed.
 ///
-/// It is used for one window after the other, so that its room is taken once.
+/// One value is used for many windows, so that its buffers are allocated once.
 #[derive(Default)]
-pub(crate) struct Course {
-    /// Which step and window, while it is looked at.
+pub(crate) struct SampledSegment {
+    /// Step and window that the samples belong to.
     window: Option<(usize, usize)>,
-    /// Number of the window's first sample in the step.
+    /// Number of the window's first sample in the segment.
     first: usize,
-    /// Samples from one box around a way to the next.
-    stride: usize,
-    /// Of the samples, since its start [s].
+    /// Samples in one box of a swept AABB.
+    samples_per_box: usize,
+    /// Times since the start of the segment [s].
     times: Vec<f64>,
-    /// Where all axes start.
+    /// Positions of all axes at the start [m or rad].
     from: Vec<f64>,
-    track: AxisSampler,
-    odometer: Odometer,
-    /// Poses of all that moves by sample, or why they are unknown, as far as that was asked for.
-    places: Vec<Option<Result<Places, Unplaced>>>,
-    /// Room of places that are no longer needed.
-    rooms: Vec<Vec<Pose>>,
+    axes: AxisSampler,
+    travel: CumulativeAxisTravel,
+    /// Link poses by sample, or why they are unknown, once they were needed.
+    poses: Vec<Option<Result<LinkPoses, PoseError>>>,
+    /// Buffers of poses that are no longer needed.
+    buffers: Vec<Vec<Pose>>,
 }
 
-impl Course {
-    /// Takes up a window of a step.
-    pub(crate) fn take(
+impl SampledSegment {
+    /// Samples a window of a step.
+    pub(crate) fn begin(
         &mut self,
-        motion: &Trajectory,
-        (step, window): (usize, usize),
-        samples: &Samples,
-        gearing: &Gearing,
+        trajectory: &Trajectory,
+        step: usize,
+        window: usize,
+        windows: &SampleWindows,
+        bounds: &MotionBoundModel,
     ) {
         self.window = Some((step, window));
-        self.from.clone_from(&motion.steps[step].from);
-        let range = samples.window(window);
+        self.from.clone_from(&trajectory.steps[step].from);
+        let range = windows.window(window);
         self.first = range.start;
-        self.stride = STRIDE.max(samples.count / MOST_BOXES);
+        self.samples_per_box = MIN_SAMPLES_PER_BOX.max(windows.count / MAX_BOXES);
         self.times.clear();
-        self.times.extend(range.map(|sample| samples.time(sample)));
-        self.track.sample_step(motion, step, &self.times);
-        self.odometer.take(gearing, (&self.times, &self.from), &self.track);
-        let left = self.places.drain(..).flatten().filter_map(Result::ok);
-        self.rooms.extend(left.map(Places::into_room));
-        self.places.resize_with(self.times.len(), || None);
+        self.times.extend(range.map(|sample| windows.time(sample)));
+        self.axes.sample_step(trajectory, step, &self.times);
+        self.travel.accumulate(bounds, &self.times, &self.from, &self.axes);
+        let unused = self.poses.drain(..).flatten().filter_map(Result::ok);
+        self.buffers.extend(unused.map(LinkPoses::into_buffer));
+        self.poses.resize_with(self.times.len(), || None);
     }
 
-    /// Whether it has taken up a window of a step.
-    pub(crate) fn is_of(&self, step: usize, window: usize) -> bool {
+    /// Whether the samples are those of a window of a step.
+    pub(crate) fn is_at(&self, step: usize, window: usize) -> bool {
         self.window == Some((step, window))
     }
 
-    /// Done with its step, for the next who needs the room.
-    pub(crate) fn leave(&mut self) {
+    /// Invalidates the samples; the buffers stay for the next segment.
+    pub(crate) fn release(&mut self) {
         self.window = None;
     }
 
-    /// Number of the window's first sample in the step.
+    /// Number of the window's first sample in the segment.
     pub(crate) fn first(&self) -> usize {
         self.first
     }
 
-    /// Of the samples, since the start of the step [s].
+    /// Times of the samples since the start of the segment [s].
     pub(crate) fn times(&self) -> &[f64] {
         &self.times
     }
 
-    /// What the axes do that do anything.
-    pub(crate) fn track(&self) -> &AxisSampler {
-        &self.track
+    /// States of the axes that move.
+    pub(crate) fn moving_axes(&self) -> &AxisSampler {
+        &self.axes
     }
 
-    /// Where all axes are at the start.
+    /// Positions of all axes at the start [m or rad].
     pub(crate) fn from(&self) -> &[f64] {
         &self.from
     }
 
-    /// Some axes, by their indices; as far as there are fewer, the rest stand at zero.
-    pub(crate) fn axes<const N: usize>(&self, indices: &[usize]) -> Axes<'_, N> {
-        let mut axes = Axes { moving: [None; N], standing: [0.0; N] };
+    /// States of some axes, by their indices; missing axes have the position 0.
+    pub(crate) fn axis_states<const N: usize>(&self, indices: &[usize]) -> AxisStates<'_, N> {
+        let mut states = AxisStates { moving: [None; N], fixed: [0.0; N] };
         for (place, &axis) in indices.iter().enumerate() {
-            axes.moving[place] = self.states(axis);
-            axes.standing[place] = self.from[axis];
+            states.moving[place] = self.states_of(axis);
+            states.fixed[place] = self.from[axis];
         }
-        axes
+        states
     }
 
-    /// Lengths of the rods by sample [m]; one alone where none of them moves.
+    /// Lengths of the rods by sample [m]; a single value where no rod moves.
     pub(crate) fn rods(&self) -> [Column<'_>; RODS] {
-        let states: [_; RODS] = std::array::from_fn(|rod| self.states(rod));
-        let move_at_all = states.iter().any(Option::is_some);
-        let len = if move_at_all { self.times.len() } else { 1 };
+        let states: [_; RODS] = std::array::from_fn(|rod| self.states_of(rod));
+        let any_moves = states.iter().any(Option::is_some);
+        let len = if any_moves { self.times.len() } else { 1 };
         std::array::from_fn(|rod| match states[rod] {
             Some(states) => Column::strided(states.as_flattened(), states[0].len(), len)
                 .expect("there is a state for each sample"),
@@ -122,82 +123,86 @@ impl Course {
         })
     }
 
-    /// What an axis does by sample, if it does anything.
-    fn states(&self, axis: usize) -> Option<&[AxisState]> {
-        let place = self.track.moving().binary_search(&axis).ok()?;
-        Some(&self.track.states()[place])
+    /// States of an axis by sample; `None` where it does not move.
+    fn states_of(&self, axis: usize) -> Option<&[AxisState]> {
+        let place = self.axes.moving().binary_search(&axis).ok()?;
+        Some(&self.axes.states()[place])
     }
 
-    /// Where all axes are at a sample.
+    /// Positions of all axes at a sample [m or rad].
     pub(crate) fn positions(&self, sample: usize) -> Positions {
         let mut positions = Positions::new(&self.from);
-        for (&axis, states) in self.track.moving().iter().zip(self.track.states()) {
+        for (&axis, states) in self.axes.moving().iter().zip(self.axes.states()) {
             positions[axis] = states[sample][0];
         }
         positions
     }
 
-    /// What all axes did between two samples, at most.
-    pub(crate) fn moved(&self, between: &Range<usize>) -> Moved {
-        self.odometer.moved(&self.track, between)
+    /// Upper bounds of the travel of all axes between two samples.
+    pub(crate) fn axis_travel(&self, interval: &Range<usize>) -> AxisTravel {
+        self.travel.between(&self.axes, interval)
     }
 
-    /// Finds the poses of all that moves at a sample.
+    /// Computes the link poses at a sample, unless they are there.
     ///
     /// # Errors
-    /// [`Lost`], where they are unknown.
-    pub(crate) fn place(&mut self, scene: &Scene<'_>, sample: usize) -> Result<(), Lost> {
-        if self.places[sample].is_none() {
-            let room = self.rooms.pop().unwrap_or_default();
-            self.places[sample] = Some(scene.places(&self.positions(sample), room));
+    /// [`UnknownPose`]
+    pub(crate) fn locate(&mut self, scene: &Scene<'_>, sample: usize) -> Result<(), UnknownPose> {
+        if self.poses[sample].is_none() {
+            let buffer = self.buffers.pop().unwrap_or_default();
+            self.poses[sample] = Some(scene.link_poses(&self.positions(sample), buffer));
         }
-        self.placed(sample).map(|_| ())
+        self.link_poses(sample).map(|_| ())
     }
 
-    /// Poses of all that moves at a sample that was placed.
+    /// Link poses at a sample that was located.
     ///
     /// # Errors
-    /// [`Lost`], where they are unknown.
-    pub(crate) fn placed(&self, sample: usize) -> Result<&Places, Lost> {
-        let lost = |why: Unplaced| Lost { when: When { time: self.times[sample], sample }, why };
-        match &self.places[sample] {
-            Some(Ok(places)) => Ok(places),
-            Some(Err(why)) => Err(lost(why.clone())),
+    /// [`UnknownPose`]
+    pub(crate) fn link_poses(&self, sample: usize) -> Result<&LinkPoses, UnknownPose> {
+        let at = SampleTime { time: self.times[sample], sample };
+        match &self.poses[sample] {
+            Some(Ok(poses)) => Ok(poses),
+            Some(Err(error)) => Err(UnknownPose { at, error: error.clone() }),
+            // A distance that cannot be computed is a violation, never a distance that is kept.
             None => {
-                let why = "this sample was not placed before it was asked for".to_owned();
-                Err(lost(Unplaced { kind: Kind::Platform, why }))
+                let reason =
+                    "the poses of this sample were not computed before their use".to_owned();
+                Err(UnknownPose { at, error: PoseError { kind: Kind::Platform, reason } })
             }
         }
     }
 
-    /// The room that an item takes during runs of samples; `None` where there are none.
+    /// Boxes around the path of an object over runs of samples; `None` for no run.
     ///
     /// # Errors
-    /// [`Lost`], where a pose is unknown.
-    pub(crate) fn around(
+    /// [`UnknownPose`], where a pose is unknown.
+    pub(crate) fn swept_aabb(
         &mut self,
         scene: &Scene<'_>,
-        item: usize,
-        (gearing, levers): (&Gearing, &Levers),
+        object: usize,
+        bounds: &MotionBoundModel,
+        coefficients: &MotionBoundCoefficients,
         runs: &[Range<usize>],
-    ) -> Result<Option<Around>, Lost> {
-        let count = runs.iter().map(|run| run.len().div_ceil(self.stride)).sum();
-        let mut parts: Vec<[Span; 3]> = Vec::with_capacity(count);
+    ) -> Result<Option<SweptAabb>, UnknownPose> {
+        let count = runs.iter().map(|run| run.len().div_ceil(self.samples_per_box)).sum();
+        let mut parts: Vec<[Interval; 3]> = Vec::with_capacity(count);
         for run in runs {
-            let ends = run.clone().step_by(self.stride).skip(1).chain([run.end - 1]);
+            let ends = run.clone().step_by(self.samples_per_box).skip(1).chain([run.end - 1]);
             let mut from = run.start;
             for to in ends {
-                let mut at = |sample: usize| -> Result<[Span; 3], Lost> {
-                    self.place(scene, sample)?;
-                    Ok(scene.placed(item, self.placed(sample)?).around())
+                let mut aabb = |sample: usize| -> Result<[Interval; 3], UnknownPose> {
+                    self.locate(scene, sample)?;
+                    Ok(scene.collider_at(object, self.link_poses(sample)?).aabb())
                 };
-                let (first, second) = (at(from)?, at(to)?);
-                // Between two places it is nearer to one of them than half of the way.
-                let slack = 0.5 * gearing.travel(levers, &self.moved(&(from..to))).total();
-                parts.push(std::array::from_fn(|k| first[k].with(second[k]).wider(slack)));
+                let (first, second) = (aabb(from)?, aabb(to)?);
+                // Between two samples a point is no farther from one of its positions there than half of its travel.
+                let travel = self.axis_travel(&(from..to));
+                let slack = 0.5 * bounds.displacement(coefficients, &travel).total();
+                parts.push(std::array::from_fn(|k| first[k].union(second[k]).inflated(slack)));
                 from = to;
             }
         }
-        Ok(parts.iter().copied().reduce(with).map(|whole| Around { whole, parts }))
+        Ok(parts.iter().copied().reduce(union).map(|whole| SweptAabb { whole, parts }))
     }
 }

@@ -1,159 +1,174 @@
-//! Collision objects of a cell, and where they are.
+//! Collision objects of a cell, and their poses.
 
 use std::sync::Arc;
 
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector3};
 
-use super::link_poses::{Places, Unplaced};
-use super::object::{Holder, Item, Role};
+use super::link_poses::{LinkPoses, PoseError};
+use super::object::{CollisionObject, Parent, Role};
 use crate::EntityId;
-use crate::geometry::{Placed, Shape, Solid, Solids};
+use crate::geometry::{Collider, ColliderCache, PlacedCollider, Shape};
 use crate::program::Handover;
 use crate::robot::{ArmChain, EffectorId};
 use crate::workcell::{Carrier, Cell, ZoneRule};
 
-/// Everything that takes room in a cell.
+/// All collision objects of a cell, and the wafers that effectors hold.
 #[derive(Clone)]
 pub(crate) struct Scene<'a> {
     pub(crate) cell: &'a Cell,
-    pub(crate) items: Vec<Arc<Item>>,
-    /// Effectors that carry a wafer, and which.
-    carried: Vec<(EffectorId, usize)>,
-    /// Zones that wafers' centres have to stay in while the robot turns, by index in the cell.
-    pub(crate) safe: Vec<(usize, Solid)>,
-    /// By arm and effector.
-    arms: Vec<Vec<ArmChain>>,
+    pub(crate) objects: Vec<Arc<CollisionObject>>,
+    /// Effectors that hold a wafer, with the index of its object.
+    held: Vec<(EffectorId, usize)>,
+    /// Safe zones, by index in the cell.
+    pub(crate) safe_zones: Vec<(usize, Collider)>,
+    /// Chain to each effector, by arm and effector.
+    chains: Vec<Vec<ArmChain>>,
 }
 
 impl<'a> Scene<'a> {
-    pub(crate) fn new(cell: &'a Cell, solids: &mut Solids) -> Self {
-        let (mut items, mut carried) = (Vec::new(), Vec::new());
+    pub(crate) fn new(cell: &'a Cell, cache: &mut ColliderCache) -> Self {
+        let (mut objects, mut held) = (Vec::new(), Vec::new());
         for (index, body) in cell.bodies.iter().enumerate() {
-            // A body on a link with several effectors is there once for each deflection.
-            let holders = match body.carrier {
-                Carrier::World => vec![Holder::World],
-                Carrier::Platform => vec![Holder::Platform],
+            // A body on a link with several effectors has one object for the deflection at each of them.
+            let parents = match body.carrier {
+                Carrier::World => vec![Parent::World],
+                Carrier::Platform => vec![Parent::Platform],
                 Carrier::Link { arm, link } if link + 1 == cell.robot.arms[arm].joints.len() => {
                     let effectors = 0..cell.robot.arms[arm].effectors.len();
-                    effectors.map(|effector| Holder::Tip(EffectorId { arm, effector })).collect()
+                    effectors.map(|effector| Parent::Tip(EffectorId { arm, effector })).collect()
                 }
-                Carrier::Link { arm, link } => vec![Holder::Link { arm, link }],
+                Carrier::Link { arm, link } => vec![Parent::Link { arm, link }],
             };
-            for holder in holders {
-                if let Some(solid) = solids.get(&body.shape, &body.carrier_from_shape) {
-                    let what = (holder, Role::Body(index));
-                    items.push(Item::new(EntityId::Body(index), solid, what, solids));
+            for parent in parents {
+                if let Some(collider) = cache.get(&body.shape, &body.carrier_from_shape) {
+                    let (entity, role) = (EntityId::Body(index), Role::Body(index));
+                    objects.push(CollisionObject::new(entity, collider, parent, role, cache));
                 }
             }
         }
-        let mut safe = Vec::new();
+        let mut safe_zones = Vec::new();
         for (index, zone) in cell.zones.iter().enumerate() {
-            let Some(solid) = solids.get(&zone.shape, &zone.base_from_shape) else { continue };
+            let Some(collider) = cache.get(&zone.shape, &zone.base_from_shape) else { continue };
             match zone.rule {
                 ZoneRule::KeepOut => {
-                    let what = (Holder::World, Role::KeepOut);
-                    items.push(Item::new(EntityId::Zone(index), solid, what, solids));
+                    let (entity, role) = (EntityId::Zone(index), Role::KeepOut);
+                    objects.push(CollisionObject::new(
+                        entity,
+                        collider,
+                        Parent::World,
+                        role,
+                        cache,
+                    ));
                 }
-                ZoneRule::Safe => safe.push((index, solid.1)),
+                ZoneRule::Safe => safe_zones.push((index, collider.1)),
             }
         }
-        // A wafer lies on the plane of its frame, thickness upward.
+        // The lower face of a wafer is in the xy plane of its frame.
         let half_height = 0.5 * cell.wafer.thickness;
         let disc = Shape::Cylinder { radius: 0.5 * cell.wafer.diameter, half_height };
         let middle = Pose::from_parts(
             Vector3::new(0.0, 0.0, half_height).into(),
             nalgebra::Rotation3::identity(),
         );
-        if let Some(disc) = solids.get(&disc, &middle) {
+        if let Some(disc) = cache.get(&disc, &middle) {
             for &slot in &cell.occupied {
-                let what = (Holder::Slot(slot), Role::Wafer);
-                let mut item = Item::new(EntityId::Wafer(slot), disc.clone(), what, solids);
-                item.stand(cell.stations[slot.station].slot_frame(slot.slot), solids);
-                items.push(item);
+                let (entity, parent) = (EntityId::Wafer(slot), Parent::Slot(slot));
+                let mut object =
+                    CollisionObject::new(entity, disc.clone(), parent, Role::Wafer, cache);
+                object.set_fixed_pose(cell.stations[slot.station].slot_frame(slot.slot), cache);
+                objects.push(object);
             }
             for &id in &cell.carried {
-                carried.push((id, items.len()));
-                let what = (Holder::Effector(id), Role::Wafer);
-                items.push(Item::new(EntityId::HeldWafer(id), disc.clone(), what, solids));
+                held.push((id, objects.len()));
+                let (entity, parent) = (EntityId::HeldWafer(id), Parent::Effector(id));
+                let disc = disc.clone();
+                objects.push(CollisionObject::new(entity, disc, parent, Role::Wafer, cache));
             }
         }
-        let planar = |arm: usize| {
+        let chains_of = |arm: usize| {
             let effectors = 0..cell.robot.arms[arm].effectors.len();
             effectors.map(move |effector| ArmChain::new(&cell.robot, EffectorId { arm, effector }))
         };
-        let arms = (0..cell.robot.arms.len()).map(|arm| planar(arm).collect()).collect();
-        let items = items.into_iter().map(Arc::new).collect();
-        Self { cell, items, carried, safe, arms }
+        let chains = (0..cell.robot.arms.len()).map(|arm| chains_of(arm).collect()).collect();
+        let objects = objects.into_iter().map(Arc::new).collect();
+        Self { cell, objects, held, safe_zones, chains }
     }
 
-    /// Poses of all that moves, in the room given.
+    /// Poses of all moving bodies at axis positions.
+    ///
+    /// # Arguments
+    /// * `buffer` – an empty vector whose memory is reused
     ///
     /// # Errors
-    /// [`Unplaced`]
-    pub(crate) fn places(
+    /// [`PoseError`]
+    pub(crate) fn link_poses(
         &self,
         positions: &[f64],
-        mut room: Vec<Pose>,
-    ) -> Result<Places, Unplaced> {
+        mut buffer: Vec<Pose>,
+    ) -> Result<LinkPoses, PoseError> {
         let robot = &self.cell.robot;
         let platform = robot.platform(positions)?;
         let base_from_platform = platform.base_from_platform;
-        let loaded = |id: EffectorId| self.carried_by(id).is_some();
+        let loaded = |id: EffectorId| self.held_wafer(id).is_some();
         for arm in 0..robot.arms.len() {
             let placed = (arm, &base_from_platform);
-            self.cell.place_arm(placed, positions, loaded, |found| found, &mut room)?;
+            self.cell.append_arm_poses(placed, positions, loaded, |found| found, &mut buffer)?;
         }
-        Ok(Places { base_from_platform, normal: platform.normal(), poses: room })
+        Ok(LinkPoses { base_from_platform, normal: platform.normal(), poses: buffer })
     }
 
-    /// The number of an arm's first pose among the places.
+    /// Index of the first pose of an arm.
     fn first_of(&self, arm: usize) -> usize {
         let before = &self.cell.robot.arms[..arm];
         before.iter().map(|arm| arm.joints.len() + 2 * arm.effectors.len()).sum()
     }
 
-    /// The number of the pose of an effector's last link among the places; that of its wafer is the next.
+    /// Index of the pose of the deflected last link at an effector; that of its wafer is the next.
     fn tip_of(&self, EffectorId { arm, effector }: EffectorId) -> usize {
         self.first_of(arm) + self.cell.robot.arms[arm].joints.len() + 2 * effector
     }
 
-    /// The arm to an effector.
-    pub(crate) fn planar(&self, id: EffectorId) -> &ArmChain {
-        &self.arms[id.arm][id.effector]
+    /// Kinematic chain to an effector.
+    pub(crate) fn chain(&self, id: EffectorId) -> &ArmChain {
+        &self.chains[id.arm][id.effector]
     }
 
-    /// Pose of an effector's wafer, or of where it would be, its arm deflected.
+    /// Pose of the wafer of an effector, whether it holds one or not, with the deflection of the arm.
     ///
     /// # Errors
-    /// [`Unplaced`]
-    pub(crate) fn wafer(&self, id: EffectorId, positions: &[f64]) -> Result<Pose, Unplaced> {
+    /// [`PoseError`]
+    pub(crate) fn wafer_pose(&self, id: EffectorId, positions: &[f64]) -> Result<Pose, PoseError> {
         let platform = self.cell.robot.platform(positions)?.base_from_platform;
-        let loaded = self.carried_by(id).is_some();
-        Ok(self.cell.wafer_over(&platform, self.planar(id), positions, loaded)?)
+        let loaded = self.held_wafer(id).is_some();
+        Ok(self.cell.wafer_over(&platform, self.chain(id), positions, loaded)?)
     }
 
-    /// Where an item is.
-    pub(crate) fn placed<'b>(&'b self, item: usize, places: &'b Places) -> Placed<'b> {
-        let item = &self.items[item];
-        let base_from_carrier = match item.holder {
-            Holder::World | Holder::Slot(_) => &item.standing,
-            Holder::Platform => &places.base_from_platform,
-            Holder::Link { arm, link } => &places.poses[self.first_of(arm) + link],
-            Holder::Tip(id) => &places.poses[self.tip_of(id)],
-            Holder::Effector(id) => &places.poses[self.tip_of(id) + 1],
+    /// Collider of an object at its pose.
+    pub(crate) fn collider_at<'b>(
+        &'b self,
+        object: usize,
+        poses: &'b LinkPoses,
+    ) -> PlacedCollider<'b> {
+        let object = &self.objects[object];
+        let base_from_parent = match object.parent {
+            Parent::World | Parent::Slot(_) => &object.base_from_fixed_parent,
+            Parent::Platform => &poses.base_from_platform,
+            Parent::Link { arm, link } => &poses.poses[self.first_of(arm) + link],
+            Parent::Tip(id) => &poses.poses[self.tip_of(id)],
+            Parent::Effector(id) => &poses.poses[self.tip_of(id) + 1],
         };
-        Placed { solid: &item.solid, base_from_carrier }
+        PlacedCollider { collider: &object.collider, base_from_parent }
     }
 
-    /// Rotation of a carrier against the base, an arm taken as rigid; none for the world and for slots.
-    pub(crate) fn turned(&self, holder: Holder, places: &Places) -> Rotation3<f64> {
-        match holder {
-            Holder::World | Holder::Slot(_) => Rotation3::identity(),
-            Holder::Platform => places.base_from_platform.rotation,
-            Holder::Link { arm, link } => places.poses[self.first_of(arm) + link].rotation,
-            Holder::Tip(EffectorId { arm, .. }) | Holder::Effector(EffectorId { arm, .. }) => {
-                places.poses[self.first_of(arm) + self.last_link(arm)].rotation
+    /// Rotation of a parent in the base frame without the deflection of arms; identity for the world and for slots.
+    pub(crate) fn rotation_of(&self, parent: Parent, poses: &LinkPoses) -> Rotation3<f64> {
+        match parent {
+            Parent::World | Parent::Slot(_) => Rotation3::identity(),
+            Parent::Platform => poses.base_from_platform.rotation,
+            Parent::Link { arm, link } => poses.poses[self.first_of(arm) + link].rotation,
+            Parent::Tip(EffectorId { arm, .. }) | Parent::Effector(EffectorId { arm, .. }) => {
+                poses.poses[self.first_of(arm) + self.last_link(arm)].rotation
             }
         }
     }
@@ -163,27 +178,29 @@ impl<'a> Scene<'a> {
         self.cell.robot.arms[arm].joints.len() - 1
     }
 
-    /// The wafer that an effector carries, by index among the items.
-    pub(crate) fn carried_by(&self, id: EffectorId) -> Option<usize> {
-        self.carried.iter().find(|(by, _)| *by == id).map(|(_, item)| *item)
+    /// Index of the wafer that an effector holds.
+    pub(crate) fn held_wafer(&self, id: EffectorId) -> Option<usize> {
+        self.held.iter().find(|(by, _)| *by == id).map(|(_, object)| *object)
     }
 
-    /// Does what the end of a step does to wafers.
-    pub(crate) fn hand_over(&mut self, handover: Handover, solids: &mut Solids) {
+    /// Attaches a wafer to its new parent at a hand-off.
+    pub(crate) fn apply_handover(&mut self, handover: Handover, cache: &mut ColliderCache) {
         let (from, to) = match handover {
-            Handover::Picked(id, slot) => (Holder::Slot(slot), Holder::Effector(id)),
-            Handover::Placed(id, slot) => (Holder::Effector(id), Holder::Slot(slot)),
+            Handover::Picked(id, slot) => (Parent::Slot(slot), Parent::Effector(id)),
+            Handover::Placed(id, slot) => (Parent::Effector(id), Parent::Slot(slot)),
         };
-        let Some(index) = self.items.iter().position(|item| item.holder == from) else { return };
+        let Some(index) = self.objects.iter().position(|object| object.parent == from) else {
+            return;
+        };
         match handover {
-            Handover::Picked(id, _) => self.carried.push((id, index)),
-            Handover::Placed(id, _) => self.carried.retain(|(by, _)| *by != id),
+            Handover::Picked(id, _) => self.held.push((id, index)),
+            Handover::Placed(id, _) => self.held.retain(|(by, _)| *by != id),
         }
-        let item = Arc::make_mut(&mut self.items[index]);
-        item.holder = to;
-        if let Holder::Slot(slot) = to {
-            item.stand(self.cell.stations[slot.station].slot_frame(slot.slot), solids);
-            item.laid = true;
+        let object = Arc::make_mut(&mut self.objects[index]);
+        object.parent = to;
+        if let Parent::Slot(slot) = to {
+            object.set_fixed_pose(self.cell.stations[slot.station].slot_frame(slot.slot), cache);
+            object.was_placed = true;
         }
     }
 }

@@ -1,35 +1,36 @@
-//! Axis-aligned boxes around the path of a collision object.
+//! Axis-aligned boxes that contain a collision object over a segment.
 
-use crate::geometry::Span;
+use crate::geometry::Interval;
 
-/// The room around a way: boxes one after the other, axes those of the base.
+/// Boxes around the path of a collision object, one after the other, with edges along the axes of the base frame.
 #[derive(Debug)]
-pub(crate) struct Around {
-    pub(super) whole: [Span; 3],
-    pub(super) parts: Vec<[Span; 3]>,
+pub(crate) struct SweptAabb {
+    /// Box around all parts.
+    pub(super) whole: [Interval; 3],
+    pub(super) parts: Vec<[Interval; 3]>,
 }
 
-impl Around {
+impl SweptAabb {
     /// Adds the boxes of a later window.
     pub(crate) fn join(&mut self, next: Self) {
-        self.whole = with(self.whole, next.whole);
+        self.whole = union(self.whole, next.whole);
         self.parts.extend(next.parts);
     }
 
-    /// Around them all, in one box.
-    pub(crate) fn all<'a>(of: impl Iterator<Item = &'a Self>) -> Option<Self> {
-        let whole = of.map(|around| around.whole).reduce(with)?;
+    /// One box around several paths; `None` for none.
+    pub(crate) fn union<'a>(paths: impl Iterator<Item = &'a Self>) -> Option<Self> {
+        let whole = paths.map(|path| path.whole).reduce(union)?;
         Some(Self { whole, parts: vec![whole] })
     }
 
-    /// Whether it may come as near to a box as that.
-    pub(crate) fn comes_near(&self, other: &[Span; 3], reach: f64) -> bool {
-        let near = |part: &[Span; 3]| (0..3).all(|k| part[k].gap(other[k]) <= reach);
-        near(&self.whole) && self.parts.iter().any(near)
+    /// Whether a part is within a distance of a box, axis by axis [m].
+    pub(crate) fn is_within(&self, other: &[Interval; 3], distance: f64) -> bool {
+        let is_near = |part: &[Interval; 3]| (0..3).all(|k| part[k].gap(other[k]) <= distance);
+        is_near(&self.whole) && self.parts.iter().any(is_near)
     }
 }
 
-/// The least box that holds both.
-pub(super) fn with(one: [Span; 3], other: [Span; 3]) -> [Span; 3] {
-    std::array::from_fn(|k| one[k].with(other[k]))
+/// The least box that contains both.
+pub(super) fn union(one: [Interval; 3], other: [Interval; 3]) -> [Interval; 3] {
+    std::array::from_fn(|k| one[k].union(other[k]))
 }

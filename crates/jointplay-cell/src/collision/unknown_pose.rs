@@ -1,21 +1,22 @@
-//! Times at which poses are unknown.
+//! Times at which the poses of the links are unknown.
 
-use super::link_poses::Unplaced;
-use crate::violation::{Found, Hit, Unit, When};
+use super::link_poses::PoseError;
+use crate::violation::{IntervalMerger, SampleTime, SampleViolation, Subject, Unit};
 
-/// A time at which the poses of all that moves are unknown.
+/// A time at which the poses of the links are unknown, with the reason.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Lost {
-    pub(crate) when: When,
-    pub(crate) why: Unplaced,
+pub(crate) struct UnknownPose {
+    pub(crate) at: SampleTime,
+    pub(crate) error: PoseError,
 }
 
-impl Lost {
-    /// Reports it.
-    pub(crate) fn report(self, found: &mut Found) {
-        let Self { when, why: Unplaced { kind, why } } = self;
-        let (about, unit) = ((kind, 0, 0), Unit::None);
-        let hit = Hit { about, kind, severity: 0.0, value: 0.0, limit: 0.0, unit };
-        found.add(when, hit, || why);
+impl UnknownPose {
+    /// Adds a violation: a distance that is unknown is not a distance that is kept.
+    pub(crate) fn report(self, violations: &mut IntervalMerger) {
+        let Self { at, error: PoseError { kind, reason } } = self;
+        let subject = Subject::of(kind);
+        let (severity, value, limit, unit) = (0.0, 0.0, 0.0, Unit::None);
+        let violation = SampleViolation { subject, kind, severity, value, limit, unit };
+        violations.add(at, violation, || reason);
     }
 }

@@ -7,46 +7,54 @@ use parry3d_f64::query::details::closest_points_support_map_support_map_with_par
 use parry3d_f64::query::gjk::{GJKResult, VoronoiSimplex};
 use parry3d_f64::shape::{Shape as Queried, SupportMap};
 
-use super::collider::Placed;
+use super::collider::PlacedCollider;
 
-/// A lower bound of the distance by the balls around two solids [m]; below zero where they overlap.
-pub(crate) fn between_balls(a: Placed<'_>, b: Placed<'_>) -> f64 {
-    let center = |p: &Placed<'_>| {
-        p.base_from_carrier.rotation * p.solid.center + p.base_from_carrier.translation.vector
+/// Lower bound of the distance by the bounding spheres [m]; negative where these overlap.
+pub(crate) fn bounding_sphere_gap(a: PlacedCollider<'_>, b: PlacedCollider<'_>) -> f64 {
+    let center = |p: &PlacedCollider<'_>| {
+        p.base_from_parent.rotation * p.collider.center + p.base_from_parent.translation.vector
     };
-    (center(&a) - center(&b)).norm() - a.solid.radius - b.solid.radius
+    (center(&a) - center(&b)).norm() - a.collider.radius - b.collider.radius
 }
 
-/// A lower bound of the distance: the gap between two solids along a direction [m]; below zero where they overlap there.
-pub(crate) fn gap_along(a: Placed<'_>, b: Placed<'_>, direction: &Vector3<f64>) -> f64 {
-    a.span(direction).gap(b.span(direction))
+/// Lower bound of the distance: the gap between two colliders along a direction [m]; negative where they overlap along it.
+pub(crate) fn separation_along(
+    a: PlacedCollider<'_>,
+    b: PlacedCollider<'_>,
+    direction: &Vector3<f64>,
+) -> f64 {
+    a.extent_along(direction).gap(b.extent_along(direction))
 }
 
-/// How far two solids are apart.
+/// Distance and separating direction of two colliders.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Apart {
-    /// Distance, 0 where they overlap [m].
+pub(crate) struct Separation {
+    /// Distance, 0 where the colliders overlap [m].
     pub(crate) distance: f64,
     /// Unit vector from the nearest point of the first to that of the second in the base frame, where it is known.
-    pub(crate) along: Option<Vector3<f64>>,
+    pub(crate) direction: Option<Vector3<f64>>,
 }
 
-/// How far two solids are apart, found faster where it is guessed along what.
-pub(crate) fn apart(a: Placed<'_>, b: Placed<'_>, guess: Option<&Vector3<f64>>) -> Apart {
+/// Distance and separating direction of two colliders; a guess of the direction makes it faster.
+pub(crate) fn separation(
+    a: PlacedCollider<'_>,
+    b: PlacedCollider<'_>,
+    guess: Option<&Vector3<f64>>,
+) -> Separation {
     let (pose_a, pose_b) = (a.pose(), b.pose());
-    let margin = a.solid.margin + b.solid.margin;
-    let (one, other): (&dyn Queried, &dyn Queried) = (&*a.solid.shape.0, &*b.solid.shape.0);
+    let margin = a.collider.margin + b.collider.margin;
+    let (one, other): (&dyn Queried, &dyn Queried) = (&*a.collider.shape.0, &*b.collider.shape.0);
     let between = pose_a.inv_mul(&pose_b);
     let guess = guess.map_or(between.translation, |guess| {
         pose_a.rotation.inverse() * Vector::new(guess.x, guess.y, guess.z)
     });
-    // What the library does for two boxes goes to and fro between their faces once, and ends too far away where these lie parallel and crosswise.
+    // For two boxes the library alternates between their faces once, which is inexact where these are parallel and crosswise.
     let points = if let (Some(one), Some(other)) = (one.as_cuboid(), other.as_cuboid()) {
-        Some(nearest(&between, one, other, guess))
+        Some(closest_points(&between, one, other, guess))
     } else if one.as_segment().is_some() && other.as_segment().is_some() {
         None
     } else if let (Some(one), Some(other)) = (one.as_support_map(), other.as_support_map()) {
-        Some(nearest(&between, one, other, guess))
+        Some(closest_points(&between, one, other, guess))
     } else {
         None
     };
@@ -54,7 +62,8 @@ pub(crate) fn apart(a: Placed<'_>, b: Placed<'_>, guess: Option<&Vector3<f64>>) 
         Some(None) => (0.0, None),
         Some(Some(points)) => {
             let round = [one, other].iter().any(|shape| shape.as_cylinder().is_some());
-            let [first, second] = if round { closer(&between, one, other, points) } else { points };
+            let [first, second] =
+                if round { refine_by_projection(&between, one, other, points) } else { points };
             let distance = (second - first).length();
             (distance, (distance > 0.0).then(|| (second - first) / distance))
         }
@@ -64,20 +73,20 @@ pub(crate) fn apart(a: Placed<'_>, b: Placed<'_>, guess: Option<&Vector3<f64>>) 
         }
     };
     if distance == 0.0 {
-        // An iteration that does not end also answers 0: the bound by the balls is then the honest one.
+        // An iteration that does not converge returns 0, too: the bound by the spheres is then valid.
         let touching = query::intersection_test(&pose_a, one, &pose_b, other);
         if touching.is_ok_and(|found| !found.intersecting) {
-            let distance = between_balls(a, b).max(f64::MIN_POSITIVE);
-            return Apart { distance, along: None };
+            let distance = bounding_sphere_gap(a, b).max(f64::MIN_POSITIVE);
+            return Separation { distance, direction: None };
         }
     }
     let along = along.map(|along| pose_a.rotation * along);
     let along = along.map(|along| Vector3::new(along.x, along.y, along.z));
-    Apart { distance: (distance - margin).max(0.0), along }
+    Separation { distance: (distance - margin).max(0.0), direction: along }
 }
 
-/// The nearest points of two convex shapes in the frame of the first, none where they overlap.
-fn nearest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// Closest points of two convex shapes in the frame of the first; `None` where they overlap.
+fn closest_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     between: &Pose3,
     one: &A,
     other: &B,
@@ -99,21 +108,21 @@ fn nearest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     }
 }
 
-/// How often points of round shapes are projected from one to the other.
-const MOST_PROJECTIONS: usize = 100;
+/// Largest number of alternating projections between two shapes.
+const MAX_PROJECTIONS: usize = 100;
 
-/// Less than this nearer by a projection, they are as near as they come [m].
-const PROJECTED: f64 = 1e-11;
+/// Decrease of the distance below which projections end [m].
+const PROJECTION_TOLERANCE: f64 = 1e-11;
 
-/// Nearer points of two convex shapes, projected from one to the other: with cylinders the library's iteration ends micrometres too far away at times.
-fn closer(
+/// Closest points of two convex shapes, refined by alternating projections: with cylinders, the library's iteration sometimes ends micrometres too early.
+fn refine_by_projection(
     between: &Pose3,
     one: &dyn Queried,
     other: &dyn Queried,
     [mut first, mut second]: [Vector; 2],
 ) -> [Vector; 2] {
     let mut apart = (second - first).length();
-    for _ in 0..MOST_PROJECTIONS {
+    for _ in 0..MAX_PROJECTIONS {
         let nearer = one.project_local_point(second, true).point;
         let next = other.project_point(between, nearer, true).point;
         let now = (next - nearer).length();
@@ -121,7 +130,7 @@ fn closer(
             break;
         }
         (first, second) = (nearer, next);
-        if apart - now <= PROJECTED {
+        if apart - now <= PROJECTION_TOLERANCE {
             break;
         }
         apart = now;
@@ -129,26 +138,26 @@ fn closer(
     [first, second]
 }
 
-/// Distance between two solids [m], 0 where they overlap.
-pub(crate) fn distance(a: Placed<'_>, b: Placed<'_>) -> f64 {
-    apart(a, b, None).distance
+/// Distance of two colliders [m]; 0 where they overlap.
+pub(crate) fn distance(a: PlacedCollider<'_>, b: PlacedCollider<'_>) -> f64 {
+    separation(a, b, None).distance
 }
 
-/// How deep two solids overlap [m], 0 where that is not known.
-pub(crate) fn depth(a: Placed<'_>, b: Placed<'_>) -> f64 {
-    let margin = a.solid.margin + b.solid.margin;
-    query::contact(&a.pose(), &*a.solid.shape.0, &b.pose(), &*b.solid.shape.0, margin)
+/// Penetration depth of two colliders [m]; 0 where it is unknown.
+pub(crate) fn penetration_depth(a: PlacedCollider<'_>, b: PlacedCollider<'_>) -> f64 {
+    let margin = a.collider.margin + b.collider.margin;
+    query::contact(&a.pose(), &*a.collider.shape.0, &b.pose(), &*b.collider.shape.0, margin)
         .ok()
         .flatten()
         .map_or(0.0, |contact| (margin - contact.dist).max(0.0))
 }
 
-/// How far a point in the base frame is outside a solid [m]; below zero how deep it is within, or less.
-pub(crate) fn outside(solid: Placed<'_>, point: &Vector3<f64>) -> f64 {
+/// Signed distance of a point in the base frame from a collider [m]; negative inside, where its magnitude is a lower bound of the depth.
+pub(crate) fn signed_distance(placed: PlacedCollider<'_>, point: &Vector3<f64>) -> f64 {
     let point = Vector::new(point.x, point.y, point.z);
-    let found = solid.solid.shape.0.project_point(&solid.pose(), point, false);
+    let found = placed.collider.shape.0.project_point(&placed.pose(), point, false);
     let apart = (found.point - point).length();
-    (if found.is_inside { -apart } else { apart }) - solid.solid.margin
+    (if found.is_inside { -apart } else { apart }) - placed.collider.margin
 }
 
 #[cfg(test)]
@@ -156,7 +165,7 @@ mod tests {
     use jointplay_core::spatial::Pose;
     use nalgebra::{Rotation3, Translation3};
 
-    use super::super::collider::{Solid, posed, vector};
+    use super::super::collider::{Collider, posed, vector};
     use super::super::shape::Shape;
     use super::*;
 
@@ -166,15 +175,17 @@ mod tests {
 
     #[track_caller]
     fn check(a: &Shape, b: &Shape, base_from_b: Pose, expected: f64) {
-        let (a, b) =
-            (Solid::new(a, &Pose::identity()).unwrap(), Solid::new(b, &Pose::identity()).unwrap());
-        let first = Placed { solid: &a, base_from_carrier: &Pose::identity() };
-        let second = Placed { solid: &b, base_from_carrier: &base_from_b };
+        let (a, b) = (
+            Collider::new(a, &Pose::identity()).unwrap(),
+            Collider::new(b, &Pose::identity()).unwrap(),
+        );
+        let first = PlacedCollider { collider: &a, base_from_parent: &Pose::identity() };
+        let second = PlacedCollider { collider: &b, base_from_parent: &base_from_b };
         let found = distance(first, second);
         assert!((found - expected).abs() < 1e-7, "{found} for {expected}");
-        assert!(between_balls(first, second) <= found + 1e-12);
+        assert!(bounding_sphere_gap(first, second) <= found + 1e-12);
         for direction in [Vector3::x(), Vector3::y(), Vector3::z(), Vector3::new(0.6, 0.0, 0.8)] {
-            assert!(gap_along(first, second, &direction) <= found + 1e-9);
+            assert!(separation_along(first, second, &direction) <= found + 1e-9);
         }
     }
 
@@ -253,10 +264,10 @@ mod tests {
             ];
             let poses = [poses[0], poses[0] * Pose::from_parts(shift.into(), rotation)];
             let [a, b] =
-                halves.map(|half| Solid::new(&Shape::Box { half }, &Pose::identity()).unwrap());
+                halves.map(|half| Collider::new(&Shape::Box { half }, &Pose::identity()).unwrap());
             let [a, b] = [(&a, &poses[0]), (&b, &poses[1])]
-                .map(|(solid, base_from_carrier)| Placed { solid, base_from_carrier });
-            let Apart { distance: found, along } = apart(a, b, None);
+                .map(|(collider, base_from_parent)| PlacedCollider { collider, base_from_parent });
+            let Separation { distance: found, direction: along } = separation(a, b, None);
             let expected = by_corners_and_edges(halves, poses.map(|pose| posed(&pose)));
             crosswise +=
                 usize::from((expected - (above - halves[0][2] - halves[1][2])).abs() < 1e-9);
@@ -264,10 +275,10 @@ mod tests {
                 assert!((found - expected).abs() < 1e-8, "{round}: {found} for {expected}");
                 // From a good guess as from a bad one, and there is a gap as wide along it.
                 let along = along.unwrap();
-                assert!((gap_along(a, b, &along) - expected).abs() < 1e-7, "{round}");
+                assert!((separation_along(a, b, &along) - expected).abs() < 1e-7, "{round}");
                 let off = Vector3::new(random(), random(), random()) * [0.0, 0.01, 1.0][round % 3];
                 for guess in [along + off, -along + off] {
-                    let guessed = apart(a, b, Some(&guess)).distance;
+                    let guessed = separation(a, b, Some(&guess)).distance;
                     assert!((guessed - expected).abs() < 1e-8, "{round}: {guessed} {expected}");
                 }
             }
@@ -309,9 +320,9 @@ mod tests {
             let turn = Rotation3::new(Vector3::new(random(), random(), random()) * 2.0);
             let shift = Vector3::new(random(), random(), random()) * 0.15;
             let base_from_it = Pose::from_parts(shift.into(), turn);
-            let one = Solid::new(&Shape::Box { half }, &Pose::identity()).unwrap();
+            let one = Collider::new(&Shape::Box { half }, &Pose::identity()).unwrap();
             let other =
-                Solid::new(&Shape::Cylinder { radius, half_height }, &Pose::identity()).unwrap();
+                Collider::new(&Shape::Cylinder { radius, half_height }, &Pose::identity()).unwrap();
             let expected = by_projections(half, [radius, half_height], &base_from_it);
             if expected < 1e-3 {
                 continue;
@@ -319,7 +330,7 @@ mod tests {
             seen += 1;
             let identity = Pose::identity();
             let [a, b] = [(&one, &identity), (&other, &base_from_it)]
-                .map(|(solid, base_from_carrier)| Placed { solid, base_from_carrier });
+                .map(|(collider, base_from_parent)| PlacedCollider { collider, base_from_parent });
             let found = distance(a, b);
             assert!((found - expected).abs() < 1e-8, "{round}: {found} for {expected}");
         }
@@ -328,31 +339,31 @@ mod tests {
 
     #[test]
     fn depth_of_an_overlap() {
-        let a = Solid::new(&Shape::Box { half: [0.1; 3] }, &Pose::identity()).unwrap();
-        let first = Placed { solid: &a, base_from_carrier: &Pose::identity() };
+        let a = Collider::new(&Shape::Box { half: [0.1; 3] }, &Pose::identity()).unwrap();
+        let first = PlacedCollider { collider: &a, base_from_parent: &Pose::identity() };
         let shifted = at(0.17, 0.0, 0.0);
-        let second = Placed { solid: &a, base_from_carrier: &shifted };
+        let second = PlacedCollider { collider: &a, base_from_parent: &shifted };
         assert_eq!(distance(first, second), 0.0);
-        assert!((depth(first, second) - 0.03).abs() < 1e-6);
+        assert!((penetration_depth(first, second) - 0.03).abs() < 1e-6);
     }
 
     #[test]
     fn a_point_within_and_outside() {
         let zone =
-            Solid::new(&Shape::Cylinder { radius: 0.4, half_height: 0.5 }, &Pose::identity())
+            Collider::new(&Shape::Cylinder { radius: 0.4, half_height: 0.5 }, &Pose::identity())
                 .unwrap();
-        let placed = Placed { solid: &zone, base_from_carrier: &Pose::identity() };
-        let within = outside(placed, &Vector3::new(0.1, 0.2, 0.3));
+        let placed = PlacedCollider { collider: &zone, base_from_parent: &Pose::identity() };
+        let within = signed_distance(placed, &Vector3::new(0.1, 0.2, 0.3));
         assert!((within + 0.4 - 0.1_f64.hypot(0.2)).abs() < 1e-9, "{within}");
-        assert!((outside(placed, &Vector3::new(0.0, 0.5, 0.3)) - 0.1).abs() < 1e-9);
+        assert!((signed_distance(placed, &Vector3::new(0.0, 0.5, 0.3)) - 0.1).abs() < 1e-9);
     }
 
     #[test]
     fn flat_points_are_taken_as_the_box_around_them() {
         let flat = Shape::Convex { points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] };
-        let solid = Solid::new(&flat, &Pose::identity()).unwrap();
-        let placed = Placed { solid: &solid, base_from_carrier: &Pose::identity() };
-        assert!(outside(placed, &Vector3::new(0.5, 0.5, 0.2)) - 0.2 < 1e-9);
-        assert!(Solid::new(&Shape::Convex { points: vec![] }, &Pose::identity()).is_none());
+        let solid = Collider::new(&flat, &Pose::identity()).unwrap();
+        let placed = PlacedCollider { collider: &solid, base_from_parent: &Pose::identity() };
+        assert!(signed_distance(placed, &Vector3::new(0.5, 0.5, 0.2)) - 0.2 < 1e-9);
+        assert!(Collider::new(&Shape::Convex { points: vec![] }, &Pose::identity()).is_none());
     }
 }

@@ -1,25 +1,25 @@
-//! Intervals of coordinates.
+//! Intervals of coordinates, of which axis-aligned boxes are made.
 
-/// Least and largest coordinate along a direction [m], or wider.
+/// Interval that contains the coordinates of a collider along a direction [m].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Span {
-    pub(crate) least: f64,
-    pub(crate) most: f64,
+pub(crate) struct Interval {
+    pub(crate) min: f64,
+    pub(crate) max: f64,
 }
 
-impl Span {
-    /// What is between two spans; below zero where they overlap.
+impl Interval {
+    /// Gap between two intervals [m]; negative where they overlap.
     pub(crate) fn gap(self, other: Self) -> f64 {
-        (self.least - other.most).max(other.least - self.most)
+        (self.min - other.max).max(other.min - self.max)
     }
 
-    /// The least span that holds both.
-    pub(crate) fn with(self, other: Self) -> Self {
-        Self { least: self.least.min(other.least), most: self.most.max(other.most) }
+    /// The least interval that contains both.
+    pub(crate) fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// With so much more at either end.
-    pub(crate) fn wider(self, by: f64) -> Self {
-        Self { least: self.least - by, most: self.most + by }
+    /// This interval extended at both ends [m].
+    pub(crate) fn inflated(self, by: f64) -> Self {
+        Self { min: self.min - by, max: self.max + by }
     }
 }

@@ -7,6 +7,7 @@
 //! | `interval` | intervals of coordinates, of which axis-aligned boxes are made |
 //! | `collider` | shapes as the collision library takes them, with bounding spheres |
 //! | `collider_cache` | colliders of the last check |
+//! | `fingerprint` | fingerprints of shapes |
 //! | `distance` | minimum distance, separation along a direction, penetration depth |
 //!
 //! Nothing in this folder knows of cells.
@@ -14,13 +15,16 @@
 mod collider;
 mod collider_cache;
 mod distance;
+mod fingerprint;
 mod interval;
 mod shape;
 mod triangulate;
 
-pub(crate) use collider::{Placed, Solid};
-pub(crate) use collider_cache::Solids;
-pub(crate) use distance::{apart, between_balls, depth, distance, gap_along, outside};
-pub(crate) use interval::Span;
+pub(crate) use collider::{Collider, PlacedCollider};
+pub(crate) use collider_cache::ColliderCache;
+pub(crate) use distance::{
+    bounding_sphere_gap, distance, penetration_depth, separation, separation_along, signed_distance,
+};
+pub(crate) use interval::Interval;
 pub use shape::Shape;
 pub use triangulate::Surface;

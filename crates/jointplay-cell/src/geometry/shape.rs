@@ -1,37 +1,37 @@
 //! Shapes of collision objects.
 
-/// A shape for collision checks, in a frame of its own.
+/// Shape for collision checks, in its own frame.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
-    /// A box about its centre, half its sides [m].
+    /// Box about its centre.
     Box {
-        /// Half of each side [m].
+        /// Half of each edge length [m].
         half: [f64; 3],
     },
-    /// An upright cylinder about its centre.
+    /// Cylinder about its centre, axis along z.
     Cylinder {
         /// Radius [m].
         radius: f64,
         /// Half of its height [m].
         half_height: f64,
     },
-    /// All points no farther from a segment than a radius.
+    /// All points within a radius of a line segment.
     Capsule {
         /// Ends of the segment [m].
         ends: [[f64; 3]; 2],
         /// Radius [m].
         radius: f64,
     },
-    /// The least convex body about points.
+    /// Convex hull of points.
     Convex {
-        /// The points [m].
+        /// Points [m].
         points: Vec<[f64; 3]>,
     },
-    /// A surface of triangles.
+    /// Triangle mesh.
     Mesh {
-        /// Corners [m].
+        /// Vertices [m].
         vertices: Vec<[f64; 3]>,
-        /// Three corners each.
+        /// Vertices of each triangle, by index.
         triangles: Vec<[u32; 3]>,
     },
 }

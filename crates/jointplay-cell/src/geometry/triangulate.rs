@@ -1,4 +1,4 @@
-//! Shapes as triangles, for whoever shows them.
+//! Shapes as triangles, for display and export.
 
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::{Capsule, Cuboid, Cylinder};
@@ -6,41 +6,42 @@ use parry3d_f64::transformation::try_convex_hull;
 
 use super::shape::Shape;
 
-/// Corners of the polygon that stands for a circle: its edges stay within half a percent of the radius.
-const ROUND: u32 = 32;
+/// Vertices of the polygon that approximates a circle: the deviation is below half a percent of the radius.
+const CIRCLE_VERTICES: u32 = 32;
 
-/// Triangles that bound a shape.
+/// Triangles on the surface of a shape.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Surface {
-    /// Corners, in the frame of the shape [m].
+    /// Vertices in the frame of the shape [m].
     pub vertices: Vec<[f64; 3]>,
-    /// Three corners each.
+    /// Vertices of each triangle, by index, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Shape {
-    /// The triangles that bound this shape; round ones by polygons with 32 corners, points that span no body by none.
+    /// Triangulated surface; circles are polygons with 32 vertices, and points in one plane have no surface.
     #[must_use]
     pub fn surface(&self) -> Surface {
-        let round = |(vertices, triangles): (Vec<Vector>, Vec<[u32; 3]>)| Surface {
+        let surface_of = |(vertices, triangles): (Vec<Vector>, Vec<[u32; 3]>)| Surface {
             vertices: vertices.iter().map(|at| [at.x, at.y, at.z]).collect(),
             triangles,
         };
         match self {
-            Self::Box { half } => round(Cuboid::new(Vector::from(*half)).to_trimesh()),
+            Self::Box { half } => surface_of(Cuboid::new(Vector::from(*half)).to_trimesh()),
             Self::Cylinder { radius, half_height } => {
-                let mut surface = round(Cylinder::new(*half_height, *radius).to_trimesh(ROUND));
-                // Theirs stands along y.
+                let mut surface =
+                    surface_of(Cylinder::new(*half_height, *radius).to_trimesh(CIRCLE_VERTICES));
+                // The axis of the library's cylinder is y.
                 surface.vertices.iter_mut().for_each(|[x, y, z]| (*x, *y, *z) = (*x, -*z, *y));
                 surface
             }
             Self::Capsule { ends: [from, to], radius } => {
                 let capsule = Capsule::new(Vector::from(*from), Vector::from(*to), *radius);
-                round(capsule.to_trimesh(ROUND, ROUND / 2))
+                surface_of(capsule.to_trimesh(CIRCLE_VERTICES, CIRCLE_VERTICES / 2))
             }
             Self::Convex { points } => {
                 let points: Vec<Vector> = points.iter().map(|&at| Vector::from(at)).collect();
-                try_convex_hull(&points).map_or_else(|_| Surface::default(), round)
+                try_convex_hull(&points).map_or_else(|_| Surface::default(), surface_of)
             }
             Self::Mesh { vertices, triangles } => {
                 Surface { vertices: vertices.clone(), triangles: triangles.clone() }

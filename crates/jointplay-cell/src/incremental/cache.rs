@@ -1,84 +1,85 @@
-//! Results of the last round and of the present one, by their fingerprints.
+//! Results of the previous and of the present generation, by their fingerprints.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::fingerprint::Key;
+use super::fingerprint::Fingerprint;
 
-/// How much of the last plan was made anew, and how much was known.
+/// How many results of a plan were reused, and how many computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CacheStats {
-    /// Known from the plan before.
+    /// Results of the previous plan that were reused.
     pub hits: usize,
-    /// The same as an earlier one of this plan.
+    /// Results that this plan needed more than once, without their first use.
     pub duplicates: usize,
-    /// Made anew.
+    /// Results that were computed.
     pub misses: usize,
 }
 
-/// Results by their inputs: those of the last round, and those of this one.
-pub(crate) struct Kept<T> {
+/// Results by their fingerprints: a generation keeps what it asks for and forgets the rest.
+pub(crate) struct GenerationalCache<T> {
     /// Inputs that all results share.
-    shared: String,
-    last: BTreeMap<Key, Arc<T>>,
-    now: BTreeMap<Key, Arc<T>>,
-    reuse: CacheStats,
+    shared: Fingerprint,
+    previous: BTreeMap<Fingerprint, Arc<T>>,
+    current: BTreeMap<Fingerprint, Arc<T>>,
+    stats: CacheStats,
 }
 
-impl<T> Default for Kept<T> {
+impl<T> Default for GenerationalCache<T> {
     fn default() -> Self {
-        let (last, now) = (BTreeMap::new(), BTreeMap::new());
-        Self { shared: String::new(), last, now, reuse: CacheStats::default() }
+        let (previous, current) = (BTreeMap::new(), BTreeMap::new());
+        Self { shared: Fingerprint::default(), previous, current, stats: CacheStats::default() }
     }
 }
 
-impl<T> Kept<T> {
-    /// A round begins; nothing is known where the shared inputs are others.
-    pub(crate) fn begin(&mut self, shared: &str) {
-        // What is left of the round before last is of a round that was interrupted.
-        self.last.append(&mut self.now);
-        self.reuse = CacheStats::default();
-        if self.shared != shared {
-            self.last.clear();
+impl<T> GenerationalCache<T> {
+    /// Begins a generation; all results are invalidated where the shared inputs have changed.
+    pub(crate) fn begin(&mut self, shared: &Fingerprint) {
+        // `current` still holds the results of a generation that did not end, because it was interrupted.
+        self.previous.append(&mut self.current);
+        self.stats = CacheStats::default();
+        if self.shared != *shared {
+            self.previous.clear();
             shared.clone_into(&mut self.shared);
         }
     }
 
-    /// The result for a key, made where it is not known.
-    pub(crate) fn get<E>(
+    /// The result for a fingerprint, computed if it is missing; an error is not kept.
+    pub(crate) fn get_or_compute<E>(
         &mut self,
-        key: Key,
-        make: impl FnOnce() -> Result<T, E>,
+        fingerprint: Fingerprint,
+        compute: impl FnOnce() -> Result<T, E>,
     ) -> Result<Arc<T>, E> {
-        if let Some(known) = self.now.get(&key) {
-            self.reuse.duplicates += 1;
-            return Ok(Arc::clone(known));
+        if let Some(result) = self.current.get(&fingerprint) {
+            self.stats.duplicates += 1;
+            return Ok(Arc::clone(result));
         }
-        let found = match self.last.remove(&key) {
-            Some(known) => {
-                self.reuse.hits += 1;
-                known
+        let result = match self.previous.remove(&fingerprint) {
+            Some(result) => {
+                self.stats.hits += 1;
+                result
             }
             None => {
-                self.reuse.misses += 1;
-                Arc::new(make()?)
+                self.stats.misses += 1;
+                Arc::new(compute()?)
             }
         };
-        self.now.insert(key, Arc::clone(&found));
-        Ok(found)
+        self.current.insert(fingerprint, Arc::clone(&result));
+        Ok(result)
     }
 
-    /// Whether [`Self::get`] would not have to make it.
-    pub(crate) fn knows(&self, key: &Key) -> bool {
-        self.now.contains_key(key) || self.last.contains_key(key)
+    /// Whether the result for a fingerprint is there.
+    pub(crate) fn contains(&self, fingerprint: &Fingerprint) -> bool {
+        self.current.contains_key(fingerprint) || self.previous.contains_key(fingerprint)
     }
 
-    /// A round ends: what it did not ask for is forgotten.
+    /// Ends a generation: results that it did not ask for are forgotten.
     pub(crate) fn end(&mut self) {
-        self.last.clear();
+        self.previous.clear();
     }
 
-    pub(crate) fn reuse(&self) -> CacheStats {
-        self.reuse
+    /// Hits, duplicates and misses of this generation.
+    pub(crate) fn stats(&self) -> CacheStats {
+        self.stats
     }
 }

@@ -1,6 +1,6 @@
-//! Interruption of a computation.
+//! Interruption and progress of a computation.
 
-/// Returns true when the computation shall stop; it is called between instructions and between moves.
+/// Returns true when the computation is to stop; polled between instructions and between segments.
 pub type Stop<'s> = &'s (dyn Fn() -> bool + Sync);
 
 /// The computation was stopped before its end.
@@ -8,7 +8,43 @@ pub type Stop<'s> = &'s (dyn Fn() -> bool + Sync);
 #[error("the computation was stopped before its end")]
 pub struct Interrupted;
 
-/// The result of a computation that nothing stops.
-pub(crate) fn whole<T>(result: Result<T, Interrupted>) -> T {
-    result.expect("a computation that is never asked to stop runs to its end")
+/// Progress of a computation that is divided into jobs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// So many jobs begin.
+    Started {
+        /// Number of jobs.
+        jobs: usize,
+    },
+    /// One job has ended.
+    JobDone,
+}
+
+/// Observer of the progress; called from several threads.
+pub(crate) type Observer = dyn Fn(Progress) + Send + Sync;
+
+/// Stop condition and progress observer of one computation.
+#[derive(Clone, Copy)]
+pub(crate) struct Execution<'e> {
+    pub(crate) stop: Stop<'e>,
+    pub(crate) observer: &'e Observer,
+}
+
+impl Execution<'static> {
+    /// Without a stop condition and without an observer.
+    pub(crate) fn unobserved() -> Self {
+        Self { stop: &|| false, observer: &|_| {} }
+    }
+}
+
+impl Execution<'_> {
+    /// Fails once the stop condition holds.
+    pub(crate) fn check_interruption(&self) -> Result<(), Interrupted> {
+        if (self.stop)() { Err(Interrupted) } else { Ok(()) }
+    }
+}
+
+/// The result of a computation without a stop condition.
+pub(crate) fn uninterrupted<T>(result: Result<T, Interrupted>) -> T {
+    result.expect("a computation without a stop condition runs to its end")
 }

@@ -2,10 +2,11 @@
 //!
 //! | file | contents |
 //! | --- | --- |
-//! | `fingerprint` | the inputs of a computation, bit by bit |
-//! | `cache` | results of the last round and of the present one |
-//! | `parallel` | map over jobs |
-//! | `interruption` | stop of a computation before its end |
+//! | `fingerprint` | all inputs of a computation, bit by bit |
+//! | `unique` | values distinguished by an identity |
+//! | `cache` | results of the previous and of the present generation |
+//! | `parallel` | parallel map over jobs |
+//! | `interruption` | stop condition and progress of a computation |
 //!
 //! Nothing in this folder knows of robots.
 
@@ -13,11 +14,12 @@ mod cache;
 mod fingerprint;
 mod interruption;
 mod parallel;
+mod unique;
 
 pub use cache::CacheStats;
-pub(crate) use cache::Kept;
-pub(crate) use fingerprint::{Key, extend};
-pub(crate) use interruption::whole;
-pub use interruption::{Interrupted, Stop};
-pub use parallel::Job;
-pub(crate) use parallel::{Run, anew, each, never};
+pub(crate) use cache::GenerationalCache;
+pub(crate) use fingerprint::{Fingerprint, Fingerprinted};
+pub(crate) use interruption::{Execution, Observer, uninterrupted};
+pub use interruption::{Interrupted, Progress, Stop};
+pub(crate) use parallel::{compute_missing, parallel_map};
+pub(crate) use unique::Unique;

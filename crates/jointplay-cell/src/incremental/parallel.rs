@@ -1,76 +1,43 @@
-//! Map over jobs, sequential or parallel.
+//! Parallel map over independent jobs.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::OnceLock;
 
-use super::fingerprint::Key;
-use super::interruption::{Interrupted, Stop};
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
-/// What is to be done for each number.
-pub type Job<'j> = &'j (dyn Fn(usize) + Sync);
+use super::fingerprint::Fingerprint;
+use super::interruption::{Execution, Interrupted, Progress};
 
-/// How jobs are run, and when they stop.
-#[derive(Clone, Copy)]
-pub(crate) struct Run<'r> {
-    pub(crate) jobs: &'r dyn Fn(usize, Job<'_>),
-    pub(crate) stop: Stop<'r>,
-}
-
-impl Run<'static> {
-    /// One job after the other, to the end.
-    pub(crate) fn one_by_one() -> Self {
-        Self { jobs: &one_by_one, stop: &never }
-    }
-}
-
-impl Run<'_> {
-    /// Stops where a stop is asked for.
-    pub(crate) fn poll(&self) -> Result<(), Interrupted> {
-        if (self.stop)() { Err(Interrupted) } else { Ok(()) }
-    }
-}
-
-/// Does a job for one number after the other.
-fn one_by_one(count: usize, job: Job<'_>) {
-    (0..count).for_each(job);
-}
-
-pub(crate) fn never() -> bool {
-    false
-}
-
-/// Makes something for each number below one.
-pub(crate) fn each<T: Send + Sync>(
+/// Computes one result for each number below `count`, on the threads of the current rayon pool.
+///
+/// The results are in the order of the numbers, and do not depend on the number of threads.
+pub(crate) fn parallel_map<T: Send>(
     count: usize,
-    run: Run<'_>,
-    make: impl Fn(usize) -> T + Sync,
+    execution: Execution<'_>,
+    compute: impl Fn(usize) -> T + Sync,
 ) -> Result<Vec<T>, Interrupted> {
-    let made: Vec<OnceLock<T>> = (0..count).map(|_| OnceLock::new()).collect();
-    let stop = run.stop;
+    (execution.observer)(Progress::Started { jobs: count });
     let job = |number: usize| {
-        if let Some(place) = made.get(number)
-            && !stop()
-        {
-            place.get_or_init(|| make(number));
-        }
+        execution.check_interruption()?;
+        let result = compute(number);
+        (execution.observer)(Progress::JobDone);
+        Ok(result)
     };
-    (run.jobs)(count, &job);
-    // The runner may have left some.
-    let of = |(number, made): (usize, OnceLock<T>)| match made.into_inner() {
-        Some(made) => Ok(made),
-        None => run.poll().map(|()| make(number)),
-    };
-    made.into_iter().enumerate().map(of).collect()
+    // Jobs differ in cost by orders of magnitude: one per task keeps all cores busy.
+    (0..count).into_par_iter().with_max_len(1).map(job).collect()
 }
 
-/// Makes something for each of some keys, with their numbers; once for those that are alike.
-pub(crate) fn anew<'k, T: Send + Sync>(
-    keys: impl Iterator<Item = (usize, &'k Key)>,
-    run: Run<'_>,
-    make: impl Fn(usize) -> T + Sync,
-) -> Result<BTreeMap<Key, T>, Interrupted> {
+/// Computes one result for each distinct fingerprint.
+///
+/// # Arguments
+/// * `inputs` – number and fingerprint of each job; of jobs with equal fingerprints the first is computed
+pub(crate) fn compute_missing<'f, T: Send>(
+    inputs: impl Iterator<Item = (usize, &'f Fingerprint)>,
+    execution: Execution<'_>,
+    compute: impl Fn(usize) -> T + Sync,
+) -> Result<BTreeMap<Fingerprint, T>, Interrupted> {
     let mut seen = BTreeSet::new();
-    let jobs: Vec<(usize, &Key)> = keys.filter(|(_, key)| seen.insert(*key)).collect();
-    let made = each(jobs.len(), run, |place| make(jobs[place].0))?;
-    Ok(jobs.into_iter().map(|(_, key)| key.clone()).zip(made).collect())
+    let jobs: Vec<(usize, &Fingerprint)> =
+        inputs.filter(|(_, fingerprint)| seen.insert(*fingerprint)).collect();
+    let results = parallel_map(jobs.len(), execution, |job| compute(jobs[job].0))?;
+    Ok(jobs.into_iter().map(|(_, fingerprint)| fingerprint.clone()).zip(results).collect())
 }

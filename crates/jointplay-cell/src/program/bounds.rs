@@ -1,28 +1,31 @@
-//! How long a program runs, before it does.
+//! Bounds on the expansion of a program, checked before it is expanded.
 
 use std::collections::BTreeMap;
 
 use super::problem::Count;
-use super::resolve::{Line, Resolved, ResolvedCommand};
+use super::resolved::{ResolvedCommand, ResolvedInstruction, ResolvedProgram};
 use super::{Place, Program, ProgramProblem};
 
-/// Most instructions that a program may come to, routines and passes counted out.
+/// Largest number of instructions of an expanded program.
 pub const MAX_INSTRUCTIONS: u64 = 20_000;
 
-/// How deep CALL and REPEAT may stand within each other.
+/// Largest nesting depth of CALL and REPEAT.
 pub const MAX_CALLS: usize = 64;
 
-/// What is too long where no one line is.
+/// The construct that is too long where no single instruction is.
 pub(super) const WHOLE: &str = "the program";
 
-/// Where a program becomes too long or too deep, and how.
+/// Location and kind of an unbounded construct.
 type UnboundedProgram = (Place, ProgramProblem);
 
-/// That a program comes to its end within [`MAX_INSTRUCTIONS`] and [`MAX_CALLS`].
+/// Checks that a program expands to at most [`MAX_INSTRUCTIONS`], nested to at most [`MAX_CALLS`].
 ///
 /// # Errors
-/// The first place that keeps it from that.
-pub(super) fn check_bounds(program: &Program, resolved: &Resolved) -> Result<(), UnboundedProgram> {
+/// The first construct that exceeds a bound.
+pub(super) fn check_bounds(
+    program: &Program,
+    resolved: &ResolvedProgram,
+) -> Result<(), UnboundedProgram> {
     let mut counter =
         BlockCounter { program, resolved, known: BTreeMap::new(), running: Vec::new() };
     let extent = counter.block(&resolved.body, 0)?;
@@ -37,46 +40,50 @@ fn too_long(place: Place, what: &'static str, found: u64) -> UnboundedProgram {
     (place, ProgramProblem::TooLong { what, found: Count(found), allowed: MAX_INSTRUCTIONS })
 }
 
-/// What a block comes to.
+/// Size of an expanded block.
 #[derive(Clone, Copy)]
 struct BlockSize {
     instructions: u64,
-    /// How many blocks and routines stand within each other.
+    /// Nesting depth of blocks and routines.
     depth: usize,
 }
 
-/// Counts how many instructions a program comes to, before any is run.
+/// Counts the instructions of an expanded program without expanding it.
 struct BlockCounter<'p> {
     program: &'p Program,
-    resolved: &'p Resolved,
-    /// Of routines that have been counted.
+    resolved: &'p ResolvedProgram,
+    /// Sizes of routines that have been counted.
     known: BTreeMap<usize, BlockSize>,
-    /// Routines that are being counted, the caller before the called.
+    /// Routines that are being counted, the caller before the callee.
     running: Vec<usize>,
 }
 
 impl BlockCounter<'_> {
-    fn block(&mut self, body: &[Line], outer: usize) -> Result<BlockSize, UnboundedProgram> {
+    fn block(
+        &mut self,
+        body: &[ResolvedInstruction],
+        outer: usize,
+    ) -> Result<BlockSize, UnboundedProgram> {
         let mut sum = BlockSize { instructions: 0, depth: 0 };
-        for line in body {
-            let (what, instructions, depth) = match &line.act {
+        for instruction in body {
+            let (what, instructions, depth) = match &instruction.command {
                 ResolvedCommand::Repeat { times, body } => {
-                    self.enter(line.place, outer + 1)?;
+                    self.enter(instruction.place, outer + 1)?;
                     let each = self.block(body, outer + 1)?;
-                    // An empty pass takes its time to run through as well.
+                    // An empty pass costs time too, so that it counts as one instruction.
                     let all = each.instructions.max(1).saturating_mul(*times);
                     ("this REPEAT", all, 1 + each.depth)
                 }
                 ResolvedCommand::Call(routine) => {
-                    self.enter(line.place, outer + 1)?;
-                    let called = self.routine(line.place, *routine, outer + 1)?;
-                    self.enter(line.place, outer + 1 + called.depth)?;
+                    self.enter(instruction.place, outer + 1)?;
+                    let called = self.routine(instruction.place, *routine, outer + 1)?;
+                    self.enter(instruction.place, outer + 1 + called.depth)?;
                     ("this CALL", called.instructions.saturating_add(1), 1 + called.depth)
                 }
                 _ => ("", 1, 0),
             };
             if instructions > MAX_INSTRUCTIONS {
-                return Err(too_long(line.place, what, instructions));
+                return Err(too_long(instruction.place, what, instructions));
             }
             sum.instructions = sum.instructions.saturating_add(instructions);
             sum.depth = sum.depth.max(depth);

@@ -1,37 +1,40 @@
-//! From instructions to steps.
+//! From the instructions of a program to steps.
 
 use std::collections::BTreeMap;
 use std::mem::discriminant;
 
 use super::ik_cache::IkCache;
 use super::occupancy::WaferOccupancy;
-use super::resolve::{Line, Number, Resolved, ResolvedCommand, Slot, resolve};
+use super::resolve::resolve;
+use super::resolved::{
+    ResolvedCommand, ResolvedInstruction, ResolvedProgram, ResolvedSlot, ResolvedSlotNumber,
+};
 use super::sequence::MotionSequencer;
 use super::{Path, Place, Program, ProgramError, ProgramProblem, Step};
-use crate::incremental::{Interrupted, Stop, whole};
+use crate::incremental::{Interrupted, Stop, uninterrupted};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::workcell::Cell;
 
-/// The steps that a program comes to in its cell, from the home position on.
+/// Expands a program in its cell into steps, from the home position on.
 ///
 /// ```text
 ///    GET:  turn retracted → enter below, tilted → extend → lift to the wafer → lift with it → retract → level
 ///    PUT:  turn retracted → enter above, tilted → extend → lower to the slot → lower without it → retract → level
 /// ```
-/// A wafer that lies in a station with a process time is fetched when that is over: a step waits before the slot.
+/// A wafer in a station with a process time is picked when the process is over: a dwell in front of the slot waits for it.
 ///
 /// # Errors
-/// Everything that is wrong with the program in this cell, each thing once with its place: names, programs without end, wafers that are missing or in the way, places out of reach and limits that stop them.
+/// All errors of the program in this cell, each once with its location: unknown names, programs without end, wafers that are missing or in the way, targets out of reach and violated limits.
 pub fn expand(cell: &Cell, program: &Program) -> Result<Vec<Step>, Vec<ProgramError>> {
-    whole(expand_by(cell, program, &mut IkCache::default(), &|| false))
+    uninterrupted(expand_by(cell, program, &mut IkCache::default(), &|| false))
 }
 
-/// The same, with what is known of the last program's places.
+/// As [`expand`], with the inverse kinematics of the last program.
 pub(crate) fn expand_by(
     cell: &Cell,
     program: &Program,
-    places: &mut IkCache,
+    ik_cache: &mut IkCache,
     stop: Stop<'_>,
 ) -> Result<Result<Vec<Step>, Vec<ProgramError>>, Interrupted> {
     let (resolved, unresolved) = resolve(cell, program);
@@ -41,24 +44,24 @@ pub(crate) fn expand_by(
     }
     let mut steps = Vec::new();
     if let Some(resolved) = &resolved {
-        places.begin(cell);
-        let mut run = ProgramExpander {
+        ik_cache.begin(cell);
+        let mut expander = ProgramExpander {
             resolved,
-            presence: WaferOccupancy::new(cell),
-            robot: MotionSequencer::new(cell, places),
+            occupancy: WaferOccupancy::new(cell),
+            sequencer: MotionSequencer::new(cell, ik_cache),
             errors: &mut errors,
             instruction: 0,
             stop,
         };
-        run.block(&resolved.body, &mut Vec::new())?;
-        steps = run.robot.steps;
-        places.end();
+        expander.block(&resolved.body, &mut Vec::new())?;
+        steps = expander.sequencer.steps;
+        ik_cache.end();
     }
     let errors: Vec<ProgramError> = errors.0.into_values().flatten().collect();
     Ok(if errors.is_empty() { Ok(steps) } else { Err(errors) })
 }
 
-/// What is wrong, each thing once a place.
+/// Errors, each kind once at a location.
 #[derive(Default)]
 struct Errors(BTreeMap<Place, Vec<ProgramError>>);
 
@@ -73,26 +76,30 @@ impl Errors {
     }
 }
 
-/// A program on its way through the cell.
+/// The state of a program during its expansion.
 struct ProgramExpander<'r> {
-    resolved: &'r Resolved,
-    presence: WaferOccupancy<'r>,
-    robot: MotionSequencer<'r>,
+    resolved: &'r ResolvedProgram,
+    occupancy: WaferOccupancy<'r>,
+    sequencer: MotionSequencer<'r>,
     errors: &'r mut Errors,
-    /// How many instructions have been run.
+    /// Number of instructions executed.
     instruction: usize,
     stop: Stop<'r>,
 }
 
 impl ProgramExpander<'_> {
-    /// Goes through a block; `passes` are those of the REPEATs around it, from 1.
-    fn block(&mut self, body: &[Line], passes: &mut Vec<u64>) -> Result<(), Interrupted> {
+    /// Executes a block; `passes` are those of the enclosing REPEATs, from 1.
+    fn block(
+        &mut self,
+        body: &[ResolvedInstruction],
+        passes: &mut Vec<u64>,
+    ) -> Result<(), Interrupted> {
         let resolved = self.resolved;
-        for Line { place, act } in body {
+        for ResolvedInstruction { place, command } in body {
             if (self.stop)() {
                 return Err(Interrupted);
             }
-            match act {
+            match command {
                 ResolvedCommand::Repeat { times, body } => {
                     for pass in 1..=*times {
                         passes.push(pass);
@@ -103,25 +110,25 @@ impl ProgramExpander<'_> {
                 ResolvedCommand::Call(routine) => {
                     self.block(&resolved.routines[*routine], &mut Vec::new())?
                 }
-                act => {
-                    self.robot.start(self.instruction, *place, self.presence.loaded());
+                command => {
+                    self.sequencer.start(self.instruction, *place, self.occupancy.loaded());
                     self.instruction += 1;
-                    self.simple(*place, act, passes);
+                    self.execute(*place, command, passes);
                 }
             }
         }
         Ok(())
     }
 
-    fn simple(&mut self, place: Place, act: &ResolvedCommand, passes: &[u64]) {
-        match *act {
-            ResolvedCommand::Home => self.robot.home(),
+    fn execute(&mut self, place: Place, command: &ResolvedCommand, passes: &[u64]) {
+        match *command {
+            ResolvedCommand::Home => self.sequencer.home(),
             ResolvedCommand::Move(ref targets) => {
-                let done = self.robot.move_axes(targets);
+                let done = self.sequencer.move_axes(targets);
                 self.report(place, done);
             }
             ResolvedCommand::MoveLine { effector, by } => {
-                let done = self.robot.move_line(effector, by);
+                let done = self.sequencer.move_line(effector, by);
                 self.report(place, done);
             }
             ResolvedCommand::Get { from, effector } => self.get(place, from, effector, passes),
@@ -136,20 +143,20 @@ impl ProgramExpander<'_> {
             }
             ResolvedCommand::Goto { to, effector } => {
                 if let Some(slot) = self.slot(to, passes) {
-                    let done = self.robot.goto(effector, slot);
+                    let done = self.sequencer.goto(effector, slot);
                     self.report(place, done);
                 }
             }
-            ResolvedCommand::Wait(seconds) => self.robot.stand(Path::Dwell(seconds)),
-            ResolvedCommand::Speed(share) => self.robot.speed = share,
-            ResolvedCommand::Blend(radius) => self.robot.blend = radius,
+            ResolvedCommand::Wait(seconds) => self.sequencer.dwell(Path::Dwell(seconds)),
+            ResolvedCommand::Speed(share) => self.sequencer.speed = share,
+            ResolvedCommand::Blend(radius) => self.sequencer.blend = radius,
             ResolvedCommand::Tilt(tilt) => {
-                let done = self.robot.tilt(tilt);
+                let done = self.sequencer.tilt(tilt);
                 self.report(place, done);
             }
-            ResolvedCommand::Unclear => self.presence.forget(),
+            ResolvedCommand::Unresolved => self.occupancy.invalidate(),
             ResolvedCommand::Call(_) | ResolvedCommand::Repeat { .. } => {
-                unreachable!("gone through by block")
+                unreachable!("executed by `block`")
             }
         }
     }
@@ -161,15 +168,15 @@ impl ProgramExpander<'_> {
     }
 
     /// The slot of this pass, if the station has it.
-    fn slot(&mut self, slot: Slot, passes: &[u64]) -> Option<SlotId> {
+    fn slot(&mut self, slot: ResolvedSlot, passes: &[u64]) -> Option<SlotId> {
         let found = match slot.number {
-            Number::Fixed(number) => number,
-            Number::Counted { repeat, offset, down } => {
+            ResolvedSlotNumber::Fixed(number) => number,
+            ResolvedSlotNumber::Counted { repeat, offset, down } => {
                 let pass = i128::from(passes[repeat]);
                 i128::from(offset) + if down { -pass } else { pass }
             }
         };
-        let station = &self.robot.cell.stations[slot.station];
+        let station = &self.sequencer.cell.stations[slot.station];
         let slots = station.slots;
         if let Ok(number @ 1..) = usize::try_from(found)
             && number <= slots
@@ -181,34 +188,34 @@ impl ProgramExpander<'_> {
         None
     }
 
-    fn get(&mut self, place: Place, from: Slot, effector: EffectorId, passes: &[u64]) {
+    fn get(&mut self, place: Place, from: ResolvedSlot, effector: EffectorId, passes: &[u64]) {
         let Some(slot) = self.slot(from, passes) else {
-            self.presence.forget();
+            self.occupancy.invalidate();
             return;
         };
-        for problem in self.presence.before_get(effector, slot) {
+        for problem in self.occupancy.before_get(effector, slot) {
             self.errors.add(place, problem);
         }
-        let process_time = self.robot.cell.stations[slot.station].process_time;
-        let since = self.presence.left_by(slot).filter(|_| process_time > 0.0);
+        let process_time = self.sequencer.cell.stations[slot.station].process_time;
+        let since = self.occupancy.placed_by(slot).filter(|_| process_time > 0.0);
         let wait = since.map(|since| Path::ProcessDwell { since, seconds: process_time });
-        let done = self.robot.get(effector, slot, wait);
+        let done = self.sequencer.get(effector, slot, wait);
         self.report(place, done);
-        // What was meant, also where it went wrong: later lines are held to it.
-        self.presence.get(effector, slot, place);
+        // The command counts as executed also where it failed: so one mistake does not cause errors in later lines.
+        self.occupancy.get(effector, slot, place);
     }
 
-    fn put(&mut self, place: Place, to: Slot, effector: EffectorId, passes: &[u64]) {
+    fn put(&mut self, place: Place, to: ResolvedSlot, effector: EffectorId, passes: &[u64]) {
         let Some(slot) = self.slot(to, passes) else {
-            self.presence.forget();
+            self.occupancy.invalidate();
             return;
         };
-        for problem in self.presence.before_put(effector, slot) {
+        for problem in self.occupancy.before_put(effector, slot) {
             self.errors.add(place, problem);
         }
-        let done = self.robot.put(effector, slot);
+        let done = self.sequencer.put(effector, slot);
         let step = done.as_ref().ok().copied();
         self.report(place, done.map(|_| ()));
-        self.presence.put(effector, slot, place, step);
+        self.occupancy.put(effector, slot, place, step);
     }
 }

@@ -1,4 +1,4 @@
-//! How carried wafers lie over their slots: what of droop and sag is made up for, and what is left.
+//! Droop and sag of wafers at hand-overs: what is compensated, and what remains.
 
 use std::collections::BTreeMap;
 
@@ -10,35 +10,35 @@ use crate::station::SlotId;
 use crate::wafer::Deflection;
 use crate::workcell::Cell;
 
-/// A wafer on its effector, by the resting plane of a slot.
+/// A wafer on its effector, relative to the resting plane of a slot.
 ///
 /// ```text
-///    fetched:    where the stroke has lifted it to, above the plane
-///    laid down:  where it comes to rest, in the plane
+///    picked:  after the stroke has lifted it, above the plane
+///    placed:  at rest, in the plane
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HandoverDeflection {
-    /// Index of the step at whose end it changes hands.
+    /// Index of the step at whose end the wafer changes hands.
     pub step: usize,
-    /// What carries it.
+    /// The effector.
     pub effector: EffectorId,
     /// The slot.
     pub slot: SlotId,
-    /// How the arm droops under it, all of which is made up for but what is left.
+    /// Deflection of the arm, compensated except for the residuals.
     pub deflection: Deflection,
-    /// Height of its mean plane over its supports by its own sag, negative below them; made up for, too [m].
+    /// Height of the wafer's mean plane over its supports by its own sag, negative below them; compensated [m].
     pub sag: f64,
-    /// Distance of its mean plane's centre from where it should be [m].
+    /// Distance of the mean plane's centre from its target [m].
     pub left: f64,
-    /// Angle of its mean plane to that of the slot [rad].
+    /// Angle between the mean plane and the slot [rad].
     pub left_tilt: f64,
-    /// What no platform removes: root of the mean square of its distance from its own mean plane [m].
+    /// Root mean square distance of the wafer from its mean plane, which no tilt of the platform compensates [m].
     pub bent: f64,
-    /// Distance by which the effector moves as the arm takes the wafer's weight or gives it up, at once as far as poses are concerned [m].
+    /// Distance by which the effector moves as the arm takes the wafer's weight or gives it up [m].
     pub jump: f64,
 }
 
-/// All wafers of a program as they change hands, in order; those of arms whose droop is not known there are left out.
+/// Deflections of all hand-overs of a program, in order; those of arms whose droop is not known there are omitted.
 #[must_use]
 pub fn handover_deflections(cell: &Cell, steps: &[Step]) -> Vec<HandoverDeflection> {
     let mut sags = BTreeMap::new();

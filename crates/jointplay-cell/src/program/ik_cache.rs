@@ -1,40 +1,37 @@
-//! Where the last program reached, so that a change of one station costs what it changes.
+//! Inverse kinematics of the last program, so that a change of one station costs only what it changes.
 
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use crate::incremental::{CacheStats, Kept, Key, extend};
+use crate::incremental::{CacheStats, Fingerprint, GenerationalCache};
 use crate::robot::{EffectorId, WaferTarget};
-use crate::station::{SlotId, Waypoints};
+use crate::station::{SlotId, Station, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
-/// Places that the last program came to, by what they depend on.
+/// Inverse kinematics of the last program, by what it depends on.
 #[derive(Default)]
 pub(crate) struct IkCache {
-    /// Numbers of the stations of the last program, by all that is known of each.
-    stations: Kept<u64>,
-    /// How many there have been.
+    /// Numbers of the stations of the last program, by their descriptions.
+    stations: GenerationalCache<u64>,
+    /// How many numbers have been used.
     count: u64,
-    /// Of the stations of this one.
+    /// Numbers of the stations of this program.
     numbers: Vec<u64>,
-    ways: Kept<Waypoints>,
-    reached: Kept<Vec<f64>>,
+    waypoints: GenerationalCache<Waypoints>,
+    reachable: GenerationalCache<Vec<f64>>,
 }
 
 impl IkCache {
     pub(super) fn begin(&mut self, cell: &Cell) {
-        // Numbers are printed so that no two of them look alike.
-        let shared = format!(
-            "{:?} {:?} {:?} {:?}",
-            cell.robot, cell.wafer, cell.gravity, cell.plane_threshold
-        );
-        self.stations.begin("");
-        self.ways.begin(&shared);
-        self.reached.begin(&shared);
-        let number = |station| {
-            let key = format!("{station:?}").bytes().map(u64::from).collect();
-            let Ok(number) = self.stations.get::<Infallible>(key, || {
+        let mut shared = Fingerprint::default();
+        shared.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(&cell.plane_threshold);
+        self.stations.begin(&Fingerprint::default());
+        self.waypoints.begin(&shared);
+        self.reachable.begin(&shared);
+        let number = |station: &Station| {
+            let inputs = Fingerprint::default().with(station);
+            let Ok(number) = self.stations.get_or_compute::<Infallible>(inputs, || {
                 self.count += 1;
                 Ok(self.count)
             });
@@ -45,8 +42,8 @@ impl IkCache {
 
     pub(super) fn end(&mut self) {
         self.stations.end();
-        self.ways.end();
-        self.reached.end();
+        self.waypoints.end();
+        self.reachable.end();
     }
 
     /// As [`Cell::waypoints`].
@@ -57,13 +54,12 @@ impl IkCache {
         slot: SlotId,
         near: &[f64],
     ) -> Result<Arc<Waypoints>, Unreachable> {
-        let mut key = of(effector);
-        key.extend([self.numbers[slot.station], slot.slot as u64]);
-        extend(&mut key, near);
-        self.ways.get(key, || cell.waypoints(effector, slot, near))
+        let mut inputs = Fingerprint::default().with(&effector);
+        inputs.add(&self.numbers[slot.station]).add(&slot.slot).add(near);
+        self.waypoints.get_or_compute(inputs, || cell.waypoints(effector, slot, near))
     }
 
-    /// The positions of [`Cell::reach`].
+    /// As [`Cell::reach`], the positions alone.
     pub(super) fn reach(
         &mut self,
         cell: &Cell,
@@ -72,21 +68,13 @@ impl IkCache {
         loaded: bool,
         near: &[f64],
     ) -> Result<Vec<f64>, Unreachable> {
-        let mut key = of(effector);
-        key.extend([u64::from(loaded), u64::from(target.heading.is_some())]);
-        extend(&mut key, target.center.as_slice());
-        extend(&mut key, target.normal.as_slice());
-        extend(&mut key, target.heading.as_slice());
-        extend(&mut key, near);
+        let mut inputs = Fingerprint::default().with(&effector).with(&loaded);
+        inputs.add(&target.center).add(&target.normal).add(&target.heading).add(near);
         let reach = || cell.reach(effector, target, loaded, near).map(|found| found.positions);
-        self.reached.get(key, reach).map(|positions| positions.to_vec())
+        self.reachable.get_or_compute(inputs, reach).map(|positions| positions.to_vec())
     }
 
-    pub(crate) fn reuse(&self) -> CacheStats {
-        self.reached.reuse()
+    pub(crate) fn stats(&self) -> CacheStats {
+        self.reachable.stats()
     }
-}
-
-fn of(effector: EffectorId) -> Key {
-    vec![effector.arm as u64, effector.effector as u64]
 }

@@ -1,10 +1,25 @@
-//! What the robot is told, and the steps that it comes to.
+//! Programs: their syntax, their expansion into steps, and their errors.
 //!
 //! ```text
-//!    Program ──names──▶ instructions ──one after the other──▶ Step…
-//!                            ▲                  ▲
-//!              no end, no name: errors    wafers, reach, limits: errors
+//!    Program ──resolve──▶ ResolvedProgram ──expand──▶ Step…
+//!                ▲                            ▲
+//!       unknown names, no end        wafers, reach, limits
 //! ```
+//!
+//! | file | contents |
+//! | --- | --- |
+//! | `syntax` | syntax tree |
+//! | `problem` | errors |
+//! | `resolved`, `resolve` | names resolved in the cell |
+//! | `bounds` | bounds on the expansion |
+//! | `step` | steps: moves and dwells of all axes |
+//! | `occupancy` | wafers on effectors and in slots during the expansion |
+//! | `ik_cache` | inverse kinematics of the last program |
+//! | `sequence` | motion sequences of instructions |
+//! | `expand` | from instructions to steps |
+//! | `handover_deflection` | droop and sag of wafers at hand-overs |
+//!
+//! The text of programs is parsed and written by `jointplay-format`.
 
 mod bounds;
 mod expand;
@@ -13,6 +28,7 @@ mod ik_cache;
 mod occupancy;
 mod problem;
 mod resolve;
+mod resolved;
 mod sequence;
 mod step;
 mod syntax;

@@ -1,4 +1,4 @@
-//! Which effectors and slots hold a wafer.
+//! Wafers on effectors and in slots during the expansion of a program.
 
 use std::collections::BTreeMap;
 
@@ -8,31 +8,31 @@ use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::workcell::Cell;
 
-/// Whether something holds a wafer.
+/// Whether an effector or a slot holds a wafer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Holds {
     Nothing,
     Wafer,
-    /// A line that could not be understood may have changed it.
-    Unsure,
+    /// Unknown, because a line with an error may have changed it.
+    Unknown,
 }
 
-/// What is known of an effector or a slot, and which line changed it last.
+/// State of an effector or a slot, and the location of its last change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Holding {
     holds: Holds,
     since: Option<Place>,
 }
 
-/// Wafers in the cell while a program is gone through.
+/// Wafers on effectors and in slots at one instruction of a program.
 pub(super) struct WaferOccupancy<'c> {
     cell: &'c Cell,
     effectors: BTreeMap<EffectorId, Holding>,
     slots: BTreeMap<SlotId, Holding>,
-    /// What holds for slots that are not in the list.
+    /// State of effectors and slots that are not listed.
     elsewhere: Holds,
-    /// Steps at whose end wafers were left, for stations that work on them.
-    left: BTreeMap<SlotId, usize>,
+    /// Steps at whose end wafers were placed, for stations that process them.
+    placed: BTreeMap<SlotId, usize>,
 }
 
 impl<'c> WaferOccupancy<'c> {
@@ -43,17 +43,17 @@ impl<'c> WaferOccupancy<'c> {
             effectors: cell.carried.iter().map(|&id| (id, full)).collect(),
             slots: cell.occupied.iter().map(|&slot| (slot, full)).collect(),
             elsewhere: Holds::Nothing,
-            left: BTreeMap::new(),
+            placed: BTreeMap::new(),
         }
     }
 
-    /// After a line that could not be understood.
-    pub(super) fn forget(&mut self) {
+    /// Makes all states unknown, after a line with an error.
+    pub(super) fn invalidate(&mut self) {
         self.effectors.values_mut().chain(self.slots.values_mut()).for_each(|state| {
-            state.holds = Holds::Unsure;
+            state.holds = Holds::Unknown;
         });
-        self.elsewhere = Holds::Unsure;
-        self.left.clear();
+        self.elsewhere = Holds::Unknown;
+        self.placed.clear();
     }
 
     fn effector(&self, id: EffectorId) -> Holding {
@@ -71,12 +71,12 @@ impl<'c> WaferOccupancy<'c> {
         loaded.map(|(&id, _)| id).collect()
     }
 
-    /// Step at whose end the wafer was left in a slot, since it was last fetched from there.
-    pub(super) fn left_by(&self, slot: SlotId) -> Option<usize> {
-        self.left.get(&slot).copied()
+    /// Step at whose end the wafer in a slot was placed; `None` where the program did not place it.
+    pub(super) fn placed_by(&self, slot: SlotId) -> Option<usize> {
+        self.placed.get(&slot).copied()
     }
 
-    /// What speaks against fetching.
+    /// Problems of picking a wafer.
     pub(super) fn before_get(&self, id: EffectorId, slot: SlotId) -> Vec<ProgramProblem> {
         let mut problems = Vec::new();
         let (hand, place) = (self.effector(id), self.slot(slot));
@@ -95,7 +95,7 @@ impl<'c> WaferOccupancy<'c> {
         problems
     }
 
-    /// What speaks against laying down.
+    /// Problems of placing a wafer.
     pub(super) fn before_put(&self, id: EffectorId, slot: SlotId) -> Vec<ProgramProblem> {
         let mut problems = Vec::new();
         let (hand, place) = (self.effector(id), self.slot(slot));
@@ -114,19 +114,19 @@ impl<'c> WaferOccupancy<'c> {
         problems
     }
 
-    /// The wafer goes from the slot to the effector.
+    /// Moves the wafer from the slot to the effector.
     pub(super) fn get(&mut self, id: EffectorId, slot: SlotId, place: Place) {
         self.effectors.insert(id, Holding { holds: Holds::Wafer, since: Some(place) });
         self.slots.insert(slot, Holding { holds: Holds::Nothing, since: Some(place) });
-        self.left.remove(&slot);
+        self.placed.remove(&slot);
     }
 
-    /// The wafer goes from the effector to the slot, at the end of a step if that is known.
+    /// Moves the wafer from the effector to the slot, at the end of a step if that is known.
     pub(super) fn put(&mut self, id: EffectorId, slot: SlotId, place: Place, step: Option<usize>) {
         self.effectors.insert(id, Holding { holds: Holds::Nothing, since: Some(place) });
         self.slots.insert(slot, Holding { holds: Holds::Wafer, since: Some(place) });
         if let Some(step) = step {
-            self.left.insert(slot, step);
+            self.placed.insert(slot, step);
         }
     }
 }

@@ -1,18 +1,18 @@
-//! What is wrong with a program in its cell.
+//! Errors of a program in its cell.
 
 use super::Place;
 use crate::robot::{AxisKind, LimitViolation};
 use crate::wafer::{SagError, Unreachable};
 
-/// Something wrong with a program in its cell, at its place.
+/// An error of a program in its cell.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{problem}{}", self.repetitions())]
 pub struct ProgramError {
-    /// Where in its text.
+    /// Location in the text.
     pub place: Place,
-    /// What is wrong, the first time that this place is run.
+    /// The problem at its first occurrence.
     pub problem: ProgramProblem,
-    /// How many times more the same goes wrong at this place.
+    /// Number of further occurrences at this location.
     pub more: usize,
 }
 
@@ -28,85 +28,85 @@ impl ProgramError {
     }
 }
 
-/// What can be wrong with a program in its cell. Lengths are in m, angles in rad; messages say mm and degrees.
+/// Problem of a program in its cell. Lengths are in m, angles in rad.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProgramProblem {
-    /// A name that is none of the known ones.
+    /// An unknown name.
     #[error("{what} `{found}` is not known; known: {}", listed(.known))]
     Unknown {
-        /// What it should name.
+        /// The kind of thing named.
         what: &'static str,
-        /// What was found.
+        /// The name found.
         found: String,
-        /// All that could stand there.
+        /// All known names.
         known: Vec<String>,
     },
-    /// A second thing of the same name.
-    #[error("{what} `{name}` is there already, in line {line}")]
+    /// A name that is used twice.
+    #[error("{what} `{name}` is already defined in line {line}")]
     Twice {
-        /// What has the name.
+        /// The kind of thing named.
         what: &'static str,
         /// The name.
         name: String,
-        /// Where the first one stands.
+        /// Line of the first use.
         line: usize,
     },
-    /// An angle for an axis that slides, or a length for one that turns.
+    /// An angle for a linear axis, or a length for a rotary one.
     #[error("axis {axis} {}", match .kind {
         AxisKind::Rotary => "turns: its position is in deg",
         AxisKind::Linear => "slides: its position is in mm",
     })]
     AxisUnit {
-        /// Its name.
+        /// Name of the axis.
         axis: String,
-        /// What its position is.
+        /// Kind of the axis.
         kind: AxisKind,
     },
-    /// No effector is named where several could be meant.
-    #[error("{where_}: say WITH which effector: {}", listed(.known))]
+    /// No effector is named where several are possible.
+    #[error("{where_}: name the effector with WITH: {}", listed(.known))]
     WhichEffector {
-        /// What several effectors may use.
+        /// The command and its station.
         where_: String,
-        /// Those that may.
+        /// Possible effectors.
         known: Vec<String>,
     },
-    /// An effector that a station is closed to, or that does not exist for it.
+    /// An effector that the station is not open to.
     #[error("effector {effector} may not use station {station}; it is open to: {}", listed(.known))]
     NotAllowed {
         /// Name of the effector.
         effector: String,
         /// Name of the station.
         station: String,
-        /// Those that may.
+        /// Effectors that the station is open to.
         known: Vec<String>,
     },
     /// Stations that have no effector in common.
     #[error("no effector may use both {from} and {to}: {from} is open to {}, {to} to {}", listed(.may_from), listed(.may_to))]
     NoneForBoth {
-        /// Name of one station.
+        /// Name of the first station.
         from: String,
-        /// Name of the other.
+        /// Name of the second station.
         to: String,
-        /// Who may use the one.
+        /// Effectors that the first station is open to.
         may_from: Vec<String>,
-        /// Who may use the other.
+        /// Effectors that the second station is open to.
         may_to: Vec<String>,
     },
-    /// Two effectors that have to be two.
+    /// The same effector twice in a SWAP.
     #[error(
-        "SWAP takes two effectors, one that fetches and one that lays down; effector {effector} cannot be both"
+        "SWAP needs two effectors, one that picks and one that places; effector {effector} cannot do both"
     )]
     SameEffector {
-        /// Name of the one.
+        /// Name of the effector.
         effector: String,
     },
-    /// No slot is named where there are several.
-    #[error("station {station} has {slots} slots: say which, as in `{station} SLOT 1`")]
+    /// No slot is named where the station has several.
+    #[error("station {station} has {slots} slots: name one, as in `{station} SLOT 1`")]
     WhichSlot {
         /// Name of the station.
         station: String,
-        /// How many it has.
+        /// Number of slots.
         slots: usize,
     },
     /// A slot that the station does not have.
@@ -114,63 +114,63 @@ pub enum ProgramProblem {
     NoSlot {
         /// Name of the station.
         station: String,
-        /// Which was asked for.
+        /// The slot number found.
         found: i128,
-        /// How many there are, from 1.
+        /// Number of slots; they are counted from 1.
         slots: usize,
     },
-    /// A routine that calls itself, by itself or by others.
+    /// A routine that calls itself, directly or through others.
     #[error("this CALL never ends: {}", .routines.join(" calls "))]
     Recursive {
-        /// The circle; the first name is also the last.
+        /// Names of the routines of the cycle; the first is also the last.
         routines: Vec<String>,
     },
-    /// Routines that call routines that call routines.
-    #[error("CALL and REPEAT stand within each other more than {allowed} deep")]
+    /// CALL and REPEAT are nested too deeply.
+    #[error("CALL and REPEAT are nested more than {allowed} deep")]
     TooDeep {
-        /// How deep they may.
+        /// Largest depth.
         allowed: usize,
     },
-    /// More than anyone waits for.
+    /// The program expands to too many instructions.
     #[error(
-        "{what} comes to {found} instructions one after the other, but at most {allowed} are allowed; lower the number of passes"
+        "{what} expands to {found} instructions, but at most {allowed} are allowed; lower the number of passes"
     )]
     TooLong {
-        /// Which command: REPEAT, CALL or the program.
+        /// The construct: REPEAT, CALL or the program.
         what: &'static str,
-        /// How many, where they can be counted.
+        /// Number of instructions.
         found: Count,
-        /// How many may be.
+        /// Largest number of instructions.
         allowed: u64,
     },
-    /// GET where there is nothing.
+    /// GET from an empty slot.
     #[error("{slot} is empty: {}", match .since {
-        None => "it has no wafer at the start, and none was put there since".to_owned(),
-        Some(line) => format!("its wafer was taken in line {line}"),
+        None => "it has no wafer at the start, and none was placed there since".to_owned(),
+        Some(line) => format!("its wafer was picked in line {line}"),
     })]
     EmptySlot {
-        /// Which slot.
+        /// The slot.
         slot: String,
-        /// The line that took its wafer; `None` where it never had one.
+        /// Line that picked its wafer; `None` where there never was one.
         since: Option<usize>,
     },
-    /// GET with an effector that has its hands full.
+    /// GET with an effector that carries a wafer.
     #[error("effector {effector} already carries a wafer, {}; PUT that first", since_line(.since))]
     EffectorLoaded {
         /// Name of the effector.
         effector: String,
-        /// The line that took it; `None` for the start.
+        /// Line that picked the wafer; `None` for the start.
         since: Option<usize>,
     },
-    /// PUT where there is a wafer already.
+    /// PUT into a slot that holds a wafer.
     #[error("{slot} already holds a wafer, {}; GET that first", since_line(.since))]
     SlotOccupied {
-        /// Which slot.
+        /// The slot.
         slot: String,
-        /// The line that put it there; `None` for the start.
+        /// Line that placed the wafer; `None` for the start.
         since: Option<usize>,
     },
-    /// PUT without a wafer.
+    /// PUT with an effector that carries no wafer.
     #[error("effector {effector} carries no wafer{}; GET one first", match .since {
         None => String::new(),
         Some(line) => format!(" since line {line}"),
@@ -178,17 +178,17 @@ pub enum ProgramProblem {
     EffectorEmpty {
         /// Name of the effector.
         effector: String,
-        /// The line that put its wafer down; `None` where it never had one.
+        /// Line that placed the wafer; `None` where there never was one.
         since: Option<usize>,
     },
-    /// A speed, a time or a displacement that is none.
+    /// A speed, time or displacement out of range.
     #[error("{what} is {value}, but has to be {allowed}")]
     Range {
-        /// What.
+        /// The quantity.
         what: &'static str,
-        /// What was found.
+        /// The value found.
         value: f64,
-        /// What it may be.
+        /// The allowed range.
         allowed: &'static str,
     },
     /// Positions that violate limits of axes or of the platform.
@@ -202,9 +202,9 @@ pub enum ProgramProblem {
     /// A wafer that its supports do not carry.
     #[error("effector {effector} does not carry the wafer: {source}")]
     Sag {
-        /// Its name.
+        /// Name of the effector.
         effector: String,
-        /// Why.
+        /// The reason.
         source: Box<SagError>,
     },
     /// A target that the effector does not reach.
@@ -245,7 +245,7 @@ impl std::fmt::Display for Count {
     }
 }
 
-/// Most names listed in a message.
+/// Largest number of names listed in a message.
 const MOST_LISTED: usize = 16;
 
 fn listed(names: &[String]) -> String {

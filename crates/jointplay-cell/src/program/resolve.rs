@@ -1,10 +1,11 @@
-//! Names of a program, looked up in its cell once a line.
+//! Resolution of the names of a program in its cell.
 
 use std::collections::BTreeMap;
 
-use jointplay_core::spatial::Tilt;
-
 use super::bounds::{WHOLE, check_bounds};
+use super::resolved::{
+    ResolvedCommand, ResolvedInstruction, ResolvedProgram, ResolvedSlot, ResolvedSlotNumber,
+};
 use super::{
     AxisTarget, Command, Instruction, Name, Place, Program, ProgramError, ProgramProblem, SlotName,
     SlotNumber,
@@ -12,84 +13,14 @@ use super::{
 use crate::robot::{EffectorId, HybridRobot};
 use crate::workcell::Cell;
 
-/// A program with its names looked up.
-pub(super) struct Resolved {
-    pub(super) body: Vec<Line>,
-    pub(super) routines: Vec<Vec<Line>>,
-}
-
-/// An instruction with its names looked up.
-pub(super) struct Line {
-    pub(super) place: Place,
-    pub(super) act: ResolvedCommand,
-}
-
-pub(super) enum ResolvedCommand {
-    Home,
-    Move(Vec<(usize, f64)>),
-    MoveLine {
-        effector: EffectorId,
-        by: [f64; 3],
-    },
-    Get {
-        from: Slot,
-        effector: EffectorId,
-    },
-    Put {
-        to: Slot,
-        effector: EffectorId,
-    },
-    Transfer {
-        from: Slot,
-        to: Slot,
-        effector: EffectorId,
-    },
-    Swap {
-        at: Slot,
-        get: EffectorId,
-        put: EffectorId,
-    },
-    Goto {
-        to: Slot,
-        effector: EffectorId,
-    },
-    Wait(f64),
-    Speed(f64),
-    Blend(f64),
-    Tilt(Tilt),
-    Call(usize),
-    Repeat {
-        times: u64,
-        body: Vec<Line>,
-    },
-    /// What has a name that is not known: nothing is known of the wafers behind it.
-    Unclear,
-}
-
-/// A slot whose number may depend on the pass.
-#[derive(Clone, Copy)]
-pub(super) struct Slot {
-    pub(super) station: usize,
-    pub(super) number: Number,
-    pub(super) place: Place,
-}
-
-#[derive(Clone, Copy)]
-pub(super) enum Number {
-    Fixed(i128),
-    /// `offset ± pass` of a REPEAT, counted from the outermost of its body or routine.
-    Counted {
-        repeat: usize,
-        offset: i64,
-        down: bool,
-    },
-}
-
-/// Looks all names up.
+/// Resolves all names of a program.
 ///
 /// # Errors
-/// Everything that is wrong. Where it can be run all the same, to see what else is, also the program.
-pub(super) fn resolve(cell: &Cell, program: &Program) -> (Option<Resolved>, Vec<ProgramError>) {
+/// All errors; where the program can be expanded all the same, to find further errors, it is returned with them.
+pub(super) fn resolve(
+    cell: &Cell,
+    program: &Program,
+) -> (Option<ResolvedProgram>, Vec<ProgramError>) {
     let mut routines = BTreeMap::new();
     let mut resolver = Resolver { cell, routines: BTreeMap::new(), errors: Vec::new() };
     for (index, routine) in program.routines.iter().enumerate() {
@@ -102,34 +33,34 @@ pub(super) fn resolve(cell: &Cell, program: &Program) -> (Option<Resolved>, Vec<
         }
     }
     resolver.routines = routines;
-    let mut resolved = Resolved {
+    let mut resolved = ResolvedProgram {
         body: resolver.block(&program.body, &mut Vec::new()),
         routines: (program.routines.iter())
             .map(|routine| resolver.block(&routine.body, &mut Vec::new()))
             .collect(),
     };
     let mut errors = resolver.errors;
-    // What never ends is left out, to see what else is wrong.
-    for _ in 0..MOST_ENDLESS {
+    // Unbounded parts are excluded, so that further errors are found.
+    for _ in 0..MAX_UNBOUNDED {
         let Err((place, problem)) = check_bounds(program, &resolved) else {
             return (Some(resolved), errors);
         };
-        // Too deep or too long as a whole, it is not for one line.
+        // No single instruction is the cause.
         let whole = matches!(
             problem,
             ProgramProblem::TooDeep { .. } | ProgramProblem::TooLong { what: WHOLE, .. }
         );
         errors.push(ProgramError { place, problem, more: 0 });
-        if whole || !resolved.leave_out(place) {
+        if whole || !resolved.exclude(place) {
             break;
         }
     }
     (None, errors)
 }
 
-/// What is wrong line by line with a program of which not all could be read: names, units, what never ends.
+/// Errors of single lines of a program that could not be parsed as a whole: names, units, unbounded repetition.
 ///
-/// Routines that are not known may stand in the rest, and nothing is known of wafers and places behind it: neither is told.
+/// Unknown routines and counters are not reported, because they may be defined in the part that was not parsed; wafers and targets are not checked.
 #[must_use]
 pub fn name_errors(cell: &Cell, program: &Program) -> Vec<ProgramError> {
     let (_, mut errors) = resolve(cell, program);
@@ -139,36 +70,16 @@ pub fn name_errors(cell: &Cell, program: &Program) -> Vec<ProgramError> {
     errors
 }
 
-/// What unknown names are names of.
+/// Kinds of names, in messages.
 const ROUTINE: &str = "the routine";
 const COUNTER: &str = "the counter";
 
-/// So many lines that never end are told at once.
-const MOST_ENDLESS: usize = 10;
-
-impl Resolved {
-    /// Makes the REPEAT or CALL of a place one of which nothing is known; whether there is one.
-    fn leave_out(&mut self, place: Place) -> bool {
-        std::iter::once(&mut self.body).chain(&mut self.routines).any(|body| left_out(body, place))
-    }
-}
-
-fn left_out(body: &mut [Line], place: Place) -> bool {
-    body.iter_mut().any(|line| match &mut line.act {
-        act @ (ResolvedCommand::Repeat { .. } | ResolvedCommand::Call(_))
-            if line.place == place =>
-        {
-            *act = ResolvedCommand::Unclear;
-            true
-        }
-        ResolvedCommand::Repeat { body, .. } => left_out(body, place),
-        _ => false,
-    })
-}
+/// Largest number of unbounded instructions that are reported together.
+const MAX_UNBOUNDED: usize = 10;
 
 struct Resolver<'p> {
     cell: &'p Cell,
-    /// Index and line of each.
+    /// Index and line of each routine, by name.
     routines: BTreeMap<&'p str, (usize, usize)>,
     errors: Vec<ProgramError>,
 }
@@ -181,17 +92,22 @@ impl<'p> Resolver<'p> {
         self.errors.push(ProgramError { place, problem, more: 0 });
     }
 
-    fn block(&mut self, body: &'p [Instruction], counters: &mut Counters<'p>) -> Vec<Line> {
+    fn block(
+        &mut self,
+        body: &'p [Instruction],
+        counters: &mut Counters<'p>,
+    ) -> Vec<ResolvedInstruction> {
         let mut lines = Vec::with_capacity(body.len());
         for instruction in body {
-            let act = self.act(instruction, counters).unwrap_or(ResolvedCommand::Unclear);
-            lines.push(Line { place: instruction.place, act });
+            let command =
+                self.command(instruction, counters).unwrap_or(ResolvedCommand::Unresolved);
+            lines.push(ResolvedInstruction { place: instruction.place, command });
         }
         lines
     }
 
-    /// `None` where something is wrong; then it has been said.
-    fn act(
+    /// The command with its names resolved; `None` where it has an error, which is recorded.
+    fn command(
         &mut self,
         instruction: &'p Instruction,
         counters: &mut Counters<'p>,
@@ -210,7 +126,10 @@ impl<'p> Resolver<'p> {
                 };
                 if let Some(&value) = by.iter().find(|length| !length.is_finite()) {
                     let allowed = "a finite length in m";
-                    self.error(place, ProgramProblem::Range { what: "the way", value, allowed });
+                    self.error(
+                        place,
+                        ProgramProblem::Range { what: "the displacement", value, allowed },
+                    );
                     return None;
                 }
                 ResolvedCommand::MoveLine { effector: effector?, by: *by }
@@ -364,7 +283,7 @@ impl<'p> Resolver<'p> {
         ids.iter().map(|&id| effector_name(&self.cell.robot, id).to_owned()).collect()
     }
 
-    /// The one of a list that can only be meant.
+    /// The only element of a list, or an error.
     fn only_one(&mut self, place: Place, where_: &str, ids: &[EffectorId]) -> Option<EffectorId> {
         if let &[only] = ids {
             return Some(only);
@@ -374,14 +293,14 @@ impl<'p> Resolver<'p> {
         None
     }
 
-    /// A slot and who is to use it.
+    /// A slot and the effector that uses it.
     fn at(
         &mut self,
         place: Place,
         slot: &'p SlotName,
         effector: Option<&Name>,
         counters: &Counters<'p>,
-    ) -> Option<(Slot, EffectorId)> {
+    ) -> Option<(ResolvedSlot, EffectorId)> {
         let slot = self.slot(slot, counters);
         let named = effector.map(|name| (name.place, self.effector(name)));
         let slot = slot?;
@@ -433,7 +352,7 @@ impl<'p> Resolver<'p> {
         self.only_one(place, &where_, &both)
     }
 
-    fn slot(&mut self, name: &'p SlotName, counters: &Counters<'p>) -> Option<Slot> {
+    fn slot(&mut self, name: &'p SlotName, counters: &Counters<'p>) -> Option<ResolvedSlot> {
         let stations = &self.cell.stations;
         let index = stations.iter().position(|station| station.name == name.station.text);
         if index.is_none() {
@@ -441,16 +360,15 @@ impl<'p> Resolver<'p> {
             self.unknown("the station", &name.station, known);
         }
         let (number, place) = match &name.slot {
-            None => (Some(Number::Fixed(1)), name.station.place),
-            Some(SlotNumber::Fixed { number, place }) => {
-                (Some(Number::Fixed(i128::try_from(*number).unwrap_or(i128::MAX))), *place)
-            }
+            None => (Some(ResolvedSlotNumber::Fixed(1)), name.station.place),
+            Some(SlotNumber::Fixed { number, place }) => (
+                Some(ResolvedSlotNumber::Fixed(i128::try_from(*number).unwrap_or(i128::MAX))),
+                *place,
+            ),
             Some(SlotNumber::Counted { counter, offset, down }) => {
                 let is_it = |it: &Option<&Name>| it.is_some_and(|it| it.text == counter.text);
-                let number = counters.iter().rposition(is_it).map(|repeat| Number::Counted {
-                    repeat,
-                    offset: *offset,
-                    down: *down,
+                let number = counters.iter().rposition(is_it).map(|repeat| {
+                    ResolvedSlotNumber::Counted { repeat, offset: *offset, down: *down }
                 });
                 if number.is_none() {
                     let known = counters.iter().flatten().map(|it| it.text.clone()).collect();
@@ -465,7 +383,7 @@ impl<'p> Resolver<'p> {
             self.error(name.station.place, ProgramProblem::WhichSlot { station, slots });
             return None;
         }
-        Some(Slot { station, number: number?, place })
+        Some(ResolvedSlot { station, number: number?, place })
     }
 }
 

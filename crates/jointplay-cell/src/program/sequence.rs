@@ -1,4 +1,4 @@
-//! The robot on its way: what it does for each instruction, step by step.
+//! The motion sequence of each instruction, step by step.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,43 +16,43 @@ use crate::station::{SlotId, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
-/// A platform that leans less counts as level: over the reach of an arm this is less than a micrometre [rad].
+/// Tilt of the platform below which it counts as level: over the reach of an arm it moves the wafer by less than a micrometre [rad].
 const LEVEL_ENOUGH: f64 = 1e-6;
 
-/// Motors that are nearer to where they should turn to go there while the rods do, without a step of their own [m or rad].
+/// Distance below which motors rotate together with the rods, without a step of their own [m or rad].
 const TURNED_ENOUGH: f64 = 1e-6;
 
-/// Motors that are nearer to where their arm always is when retracted are there: the droop of a retracted arm moves them by less [m or rad].
+/// Distance of motors from their retracted position below which they are moved to it exactly: the droop of a retracted arm displaces them by less [m or rad].
 const RETRACTED_ENOUGH: f64 = 1e-6;
 
-/// A line shorter than this is a move of no duration: positions are solved to a tenth of it [m].
+/// Length of a line below which it is a move without duration: positions are solved to a tenth of it [m].
 const NO_DISPLACEMENT: f64 = 1e-11;
 
-/// The robot where it is, and the steps that brought it there.
+/// The robot during a program, and the steps so far.
 pub(super) struct MotionSequencer<'c> {
     pub(super) cell: &'c Cell,
-    /// Of the last program.
-    places: &'c mut IkCache,
+    /// Inverse kinematics of the last program.
+    ik_cache: &'c mut IkCache,
     pub(super) steps: Vec<Step>,
     /// Share of the limits.
     pub(super) speed: f64,
-    /// How far a wafer may stray at a corner [m].
+    /// Blend radius [m].
     pub(super) blend: f64,
     positions: Vec<f64>,
-    /// Whether all arms are in.
+    /// Whether all arms are retracted.
     tucked: bool,
-    /// Motors that turn whole arms and nothing else.
+    /// Whether each axis turns whole arms and does nothing else.
     turning: Vec<bool>,
-    /// How high the plane of the sagging wafer is over the supports of each effector that has carried one [m].
+    /// Height of the sagging wafer's mean plane over the supports, for each effector that has carried one [m].
     sag: BTreeMap<EffectorId, f64>,
-    /// Motors that reach out, and where they are with their arm retracted for a station, the platform level.
+    /// Motors that extend the arm, with their positions where the arm is retracted for a station and the platform level.
     retracted: BTreeMap<(EffectorId, usize), Vec<(usize, f64)>>,
     instruction: usize,
     place: Place,
     loaded: Vec<EffectorId>,
 }
 
-/// Where a way leads: what it is called in messages, and the slot that it belongs to.
+/// The goal of a step.
 #[derive(Clone, Copy)]
 struct Goal<'g> {
     what: &'static str,
@@ -63,11 +63,11 @@ struct Goal<'g> {
 
 impl<'c> MotionSequencer<'c> {
     /// At home, at full speed, from rest to rest.
-    pub(super) fn new(cell: &'c Cell, places: &'c mut IkCache) -> Self {
+    pub(super) fn new(cell: &'c Cell, ik_cache: &'c mut IkCache) -> Self {
         let axes = &cell.robot.axes;
         Self {
             cell,
-            places,
+            ik_cache,
             steps: Vec::new(),
             speed: 1.0,
             blend: 0.0,
@@ -82,19 +82,19 @@ impl<'c> MotionSequencer<'c> {
         }
     }
 
-    /// The instruction that the next steps belong to, and who carries a wafer as it starts.
+    /// Starts an instruction, to which the next steps belong, with the effectors that carry a wafer.
     pub(super) fn start(&mut self, instruction: usize, place: Place, loaded: Vec<EffectorId>) {
         (self.instruction, self.place, self.loaded) = (instruction, place, loaded);
     }
 
-    /// Arms in, then everything to its home position.
+    /// HOME: retracts the arms, then moves all axes to their home positions.
     pub(super) fn home(&mut self) {
         self.tuck_in();
         let home = self.cell.robot.axes.iter().map(|axis| axis.home).collect();
-        self.go(Phase::Move, home, Path::PointToPoint);
+        self.move_to(Phase::Move, home, Path::PointToPoint);
     }
 
-    /// Some axes to positions, if all limits allow.
+    /// MOVE: some axes to positions, within all limits.
     pub(super) fn move_axes(&mut self, targets: &[(usize, f64)]) -> Result<(), ProgramProblem> {
         let mut to = self.positions.clone();
         for &(axis, position) in targets {
@@ -105,11 +105,11 @@ impl<'c> MotionSequencer<'c> {
             axis >= RODS && !self.turning[axis] && self.positions[axis] != to[axis]
         };
         self.tucked &= !targets.iter().any(reaches);
-        self.go(Phase::Move, to, Path::PointToPoint);
+        self.move_to(Phase::Move, to, Path::PointToPoint);
         Ok(())
     }
 
-    /// The wafer of an effector along a straight line, its plane and heading kept.
+    /// MOVE LINE: the wafer of an effector along a straight line, its plane and heading constant.
     pub(super) fn move_line(
         &mut self,
         effector: EffectorId,
@@ -131,43 +131,43 @@ impl<'c> MotionSequencer<'c> {
         }
         let mut target = WaferTarget::of(&pose);
         target.center += Vector3::from(by);
-        let reached = self.places.reach(self.cell, effector, &target, loaded, &self.positions);
+        let reached = self.ik_cache.reach(self.cell, effector, &target, loaded, &self.positions);
         let to = reached.map_err(stopped)?;
         self.tucked = false;
-        self.go(Phase::Move, to, Path::Line(effector));
+        self.move_to(Phase::Move, to, Path::Line(effector));
         Ok(())
     }
 
-    /// The platform to a tilt, its height on the axis kept.
+    /// TILT: the platform to a tilt at constant height on the axis.
     pub(super) fn tilt(&mut self, tilt: Tilt) -> Result<(), ProgramProblem> {
         let to = self.tilt_rotation(tilt);
         self.within_limits("this TILT", &to)?;
-        self.go(Phase::Move, to, Path::PointToPoint);
+        self.move_to(Phase::Move, to, Path::PointToPoint);
         Ok(())
     }
 
-    /// Stands still.
-    pub(super) fn stand(&mut self, path: Path) {
+    /// A dwell.
+    pub(super) fn dwell(&mut self, path: Path) {
         let positions = self.positions.clone();
         self.push(Phase::Wait, positions, path);
     }
 
-    /// Before a slot, retracted, at its height and tilt: above its resting plane with a wafer, below without.
+    /// GOTO: in front of a slot, retracted, at its height and tilt; above its resting plane with a wafer, below without.
     pub(super) fn goto(
         &mut self,
         effector: EffectorId,
         slot: SlotId,
     ) -> Result<(), ProgramProblem> {
-        let way = self.waypoints(effector, slot)?;
+        let waypoints = self.waypoints(effector, slot)?;
         let (what, target) = if self.loaded.contains(&effector) {
-            ("the place retracted above", &way.retracted_above)
+            ("the retracted pose above", &waypoints.retracted_above)
         } else {
-            ("the place retracted below", &way.retracted_below)
+            ("the retracted pose below", &waypoints.retracted_below)
         };
-        self.before(Goal { what, effector, target, slot })
+        self.approach(Goal { what, effector, target, slot })
     }
 
-    /// Fetches the wafer of a slot; `wait` says how to stand before it until it may be fetched.
+    /// GET: picks the wafer of a slot; `wait` is the dwell in front of the slot.
     pub(super) fn get(
         &mut self,
         effector: EffectorId,
@@ -175,34 +175,34 @@ impl<'c> MotionSequencer<'c> {
         wait: Option<Path>,
     ) -> Result<(), ProgramProblem> {
         self.loaded.retain(|&id| id != effector);
-        let way = self.waypoints(effector, slot)?;
+        let waypoints = self.waypoints(effector, slot)?;
         let goal = |what, target| Goal { what, effector, target, slot };
         let first = self.steps.len();
-        self.before(goal("the place retracted below", &way.retracted_below))?;
+        self.approach(goal("the retracted pose below", &waypoints.retracted_below))?;
         if let Some(wait) = wait {
-            self.stand(wait);
+            self.dwell(wait);
         }
-        for via in &way.via_below {
+        for via in &waypoints.via_below {
             self.line(Phase::Extend, goal("a via point below", via))?;
         }
-        self.line(Phase::Extend, goal("the place below", &way.below))?;
-        // Where its loaded wafer's plane will be the slot's, the empty effector already comes to.
-        let resting = self.sagged(effector, &way.resting)?;
-        self.line(Phase::Lift, goal("the place of rest in", &resting))?;
+        self.line(Phase::Extend, goal("the pose below", &waypoints.below))?;
+        // The empty effector lifts to where the mean plane of the loaded wafer will be that of the slot.
+        let resting = self.compensated_sag(effector, &waypoints.resting)?;
+        self.line(Phase::Lift, goal("the resting pose in", &resting))?;
         self.hand_over(Handover::Picked(effector, slot));
         self.loaded.push(effector);
         self.loaded.sort_unstable();
-        self.line(Phase::Lift, goal("the place above", &way.above))?;
-        for via in way.via_above.iter().rev() {
+        self.line(Phase::Lift, goal("the pose above", &waypoints.above))?;
+        for via in waypoints.via_above.iter().rev() {
             self.line(Phase::Retract, goal("a via point above", via))?;
         }
-        self.line(Phase::Retract, goal("the place retracted above", &way.retracted_above))?;
+        self.line(Phase::Retract, goal("the retracted pose above", &waypoints.retracted_above))?;
         self.level();
-        self.reach_into(slot, first);
+        self.mark_in_station(slot, first);
         Ok(())
     }
 
-    /// Lays the wafer into a slot; the index of the step at whose end it lies there.
+    /// PUT: places the wafer into a slot; returns the index of the step at whose end it rests there.
     pub(super) fn put(
         &mut self,
         effector: EffectorId,
@@ -212,25 +212,25 @@ impl<'c> MotionSequencer<'c> {
             self.loaded.push(effector);
             self.loaded.sort_unstable();
         }
-        let way = self.waypoints(effector, slot)?;
+        let waypoints = self.waypoints(effector, slot)?;
         let goal = |what, target| Goal { what, effector, target, slot };
         let first = self.steps.len();
-        self.before(goal("the place retracted above", &way.retracted_above))?;
-        for via in &way.via_above {
+        self.approach(goal("the retracted pose above", &waypoints.retracted_above))?;
+        for via in &waypoints.via_above {
             self.line(Phase::Extend, goal("a via point above", via))?;
         }
-        self.line(Phase::Extend, goal("the place above", &way.above))?;
-        self.line(Phase::Lower, goal("the place of rest in", &way.resting))?;
+        self.line(Phase::Extend, goal("the pose above", &waypoints.above))?;
+        self.line(Phase::Lower, goal("the resting pose in", &waypoints.resting))?;
         self.hand_over(Handover::Placed(effector, slot));
         let left = self.steps.len() - 1;
         self.loaded.retain(|&id| id != effector);
-        self.line(Phase::Lower, goal("the place below", &way.below))?;
-        for via in way.via_below.iter().rev() {
+        self.line(Phase::Lower, goal("the pose below", &waypoints.below))?;
+        for via in waypoints.via_below.iter().rev() {
             self.line(Phase::Retract, goal("a via point below", via))?;
         }
-        self.line(Phase::Retract, goal("the place retracted below", &way.retracted_below))?;
+        self.line(Phase::Retract, goal("the retracted pose below", &waypoints.retracted_below))?;
         self.level();
-        self.reach_into(slot, first);
+        self.mark_in_station(slot, first);
         Ok(left)
     }
 
@@ -239,10 +239,9 @@ impl<'c> MotionSequencer<'c> {
         effector: EffectorId,
         slot: SlotId,
     ) -> Result<Arc<Waypoints>, ProgramProblem> {
-        let found = self.places.waypoints(self.cell, effector, slot, &self.positions);
-        found.map_err(|source| {
-            self.unreachable("the place of rest in", effector, slot, true, source)
-        })
+        let found = self.ik_cache.waypoints(self.cell, effector, slot, &self.positions);
+        found
+            .map_err(|source| self.unreachable("the resting pose in", effector, slot, true, source))
     }
 
     fn unreachable(
@@ -270,23 +269,23 @@ impl<'c> MotionSequencer<'c> {
         Some(Leveling { station: station.name.clone(), angle })
     }
 
-    /// Arms in, level, turned to a retracted place with the motors alone, then there with the rods alone.
-    fn before(&mut self, goal: Goal<'_>) -> Result<(), ProgramProblem> {
+    /// Retracts the arms, levels, turns to a retracted pose with the motors alone, then moves there with the rods alone.
+    fn approach(&mut self, goal: Goal<'_>) -> Result<(), ProgramProblem> {
         self.tuck_in();
         self.level();
-        let mut to = self.reached(goal)?;
-        self.retract(&mut to, (goal.effector, goal.slot.station));
+        let mut to = self.positions_at(goal)?;
+        self.snap_to_retracted(&mut to, goal.effector, goal.slot.station);
         let mut turned = to.clone();
         turned[..RODS].copy_from_slice(&self.positions[..RODS]);
-        let way = |(to, from): (&f64, &f64)| (to - from).abs();
-        if turned.iter().zip(&self.positions).map(way).fold(0.0, f64::max) > TURNED_ENOUGH {
+        let distance = |(to, from): (&f64, &f64)| (to - from).abs();
+        if turned.iter().zip(&self.positions).map(distance).fold(0.0, f64::max) > TURNED_ENOUGH {
             self.push(Phase::Turn, turned, Path::PointToPoint);
         }
-        self.go(Phase::Enter, to, Path::PointToPoint);
+        self.move_to(Phase::Enter, to, Path::PointToPoint);
         Ok(())
     }
 
-    /// Motors that reach out to their home positions, where an arm may be out.
+    /// Moves the motors that extend arms to their home positions, where an arm may be extended.
     fn tuck_in(&mut self) {
         if self.tucked {
             return;
@@ -298,7 +297,7 @@ impl<'c> MotionSequencer<'c> {
             }
         }
         self.tucked = true;
-        self.go(Phase::TuckIn, to, Path::PointToPoint);
+        self.move_to(Phase::TuckIn, to, Path::PointToPoint);
     }
 
     fn level(&mut self) {
@@ -309,10 +308,10 @@ impl<'c> MotionSequencer<'c> {
         }
     }
 
-    /// Brings an arm that is as good as retracted for a station to where it then always is, so that moves repeat and others find it at one place.
-    fn retract(&mut self, to: &mut [f64], arm: (EffectorId, usize)) {
-        let found = self.retracted.entry(arm).or_insert_with(|| {
-            let motors = retracted(self.cell, arm).unwrap_or_default();
+    /// Snaps an arm that is nearly retracted for a station to its retracted position, so that sequences repeat exactly and are found in caches.
+    fn snap_to_retracted(&mut self, to: &mut [f64], effector: EffectorId, station: usize) {
+        let found = self.retracted.entry((effector, station)).or_insert_with(|| {
+            let motors = retracted(self.cell, effector, station).unwrap_or_default();
             motors.into_iter().filter(|&(axis, _)| !self.turning[axis]).collect()
         });
         if found.iter().all(|&(axis, at)| (to[axis] - at).abs() <= RETRACTED_ENOUGH) {
@@ -325,15 +324,15 @@ impl<'c> MotionSequencer<'c> {
         let gpr = &self.cell.robot.gpr;
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         let mut to = self.positions.clone();
-        // Tilts without rods are not let in.
+        // Tilts out of range are rejected before.
         if let Ok(rods) = gpr.inverse(tilt, gpr.plane_height(&rods)) {
             to[..RODS].copy_from_slice(&rods);
         }
         to
     }
 
-    /// A place at which the sagging wafer's mean plane lies in that of the target.
-    fn sagged(
+    /// The target at which the sagging wafer's mean plane coincides with that of a given target.
+    fn compensated_sag(
         &mut self,
         effector: EffectorId,
         target: &WaferTarget,
@@ -355,19 +354,19 @@ impl<'c> MotionSequencer<'c> {
         Ok(WaferTarget { center, ..*target })
     }
 
-    fn reached(&mut self, goal: Goal<'_>) -> Result<Vec<f64>, ProgramProblem> {
+    fn positions_at(&mut self, goal: Goal<'_>) -> Result<Vec<f64>, ProgramProblem> {
         let Goal { what, effector, target, slot } = goal;
         let loaded = self.loaded.contains(&effector);
-        let target = if loaded { self.sagged(effector, target)? } else { *target };
-        let reached = self.places.reach(self.cell, effector, &target, loaded, &self.positions);
+        let target = if loaded { self.compensated_sag(effector, target)? } else { *target };
+        let reached = self.ik_cache.reach(self.cell, effector, &target, loaded, &self.positions);
         reached.map_err(|source| self.unreachable(what, effector, slot, loaded, source))
     }
 
-    /// Straight to a place.
+    /// A Cartesian line to a goal.
     fn line(&mut self, phase: Phase, goal: Goal<'_>) -> Result<(), ProgramProblem> {
-        let mut to = self.reached(goal)?;
+        let mut to = self.positions_at(goal)?;
         if phase == Phase::Retract {
-            self.retract(&mut to, (goal.effector, goal.slot.station));
+            self.snap_to_retracted(&mut to, goal.effector, goal.slot.station);
         }
         self.push(phase, to, Path::Line(goal.effector));
         if matches!(phase, Phase::Lift | Phase::Lower) {
@@ -380,7 +379,7 @@ impl<'c> MotionSequencer<'c> {
     }
 
     /// A step, unless the robot is there already.
-    fn go(&mut self, phase: Phase, to: Vec<f64>, path: Path) {
+    fn move_to(&mut self, phase: Phase, to: Vec<f64>, path: Path) {
         if to != self.positions {
             self.push(phase, to, path);
         }
@@ -404,7 +403,7 @@ impl<'c> MotionSequencer<'c> {
         });
     }
 
-    /// What happens at the end of the last step.
+    /// Sets the hand-over at the end of the last step.
     fn hand_over(&mut self, handover: Handover) {
         if let Some(step) = self.steps.last_mut() {
             step.handover = Some(handover);
@@ -412,7 +411,7 @@ impl<'c> MotionSequencer<'c> {
     }
 
     /// Marks the steps from an index on that are within the station.
-    fn reach_into(&mut self, slot: SlotId, first: usize) {
+    fn mark_in_station(&mut self, slot: SlotId, first: usize) {
         for step in &mut self.steps[first..] {
             let within =
                 matches!(step.phase, Phase::Extend | Phase::Lift | Phase::Lower | Phase::Retract);
@@ -438,8 +437,8 @@ fn turns_arms(cell: &Cell, axis: usize) -> bool {
     axis >= RODS && driven.all(|(index, joint)| index == 0 && joint.kind == AxisKind::Rotary)
 }
 
-/// Where the motors of an arm are with its wafer as far from its axis as counts as retracted for a station, over a level platform.
-fn retracted(cell: &Cell, (effector, station): (EffectorId, usize)) -> Option<Vec<(usize, f64)>> {
+/// Positions of an arm's motors with its wafer at the retract distance of a station, over a level platform.
+fn retracted(cell: &Cell, effector: EffectorId, station: usize) -> Option<Vec<(usize, f64)>> {
     let robot = &cell.robot;
     let home: Vec<f64> = robot.axes.iter().map(|axis| axis.home).collect();
     let [x, y, _] = robot.arms[effector.arm].mount;

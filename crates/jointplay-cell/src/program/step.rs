@@ -1,86 +1,86 @@
-//! What a program comes to: motions of all axes, one after the other.
+//! Steps: elementary moves and dwells of all axes.
 
 use super::Place;
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 
-/// How axes go from one position to the next.
+/// Path of the axes in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Path {
-    /// Each axis on its own way, all in the same time.
+    /// Point to point: each axis by itself, all of them ending together.
     PointToPoint,
-    /// The wafer centre of this effector on a straight line, its plane turning evenly.
+    /// A straight line of this effector's wafer centre, its plane rotating evenly.
     Line(EffectorId),
-    /// Standing still [s].
+    /// A dwell [s].
     Dwell(f64),
-    /// Standing still until a station is done with its wafer; not at all where it is done already.
+    /// A dwell until a station has processed its wafer; without duration where it has already.
     ProcessDwell {
-        /// Index of the step at whose end the wafer was left there.
+        /// Index of the step at whose end the wafer was placed.
         since: usize,
-        /// How long the station works on it from then on [s].
+        /// Process time of the station [s].
         seconds: f64,
     },
 }
 
-/// What part of an instruction a step is.
+/// Part of an instruction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
-    /// Axes to where they were told.
+    /// Axes to given positions.
     Move,
-    /// Arms in, where they were not.
+    /// Retract arms that are extended.
     TuckIn,
     /// Turn toward the station, retracted and level.
     Turn,
-    /// To the height and the tilt of entering.
+    /// To the height and tilt in front of the slot.
     Enter,
-    /// Out into the station.
+    /// Extend into the station.
     Extend,
-    /// Up by the stroke: first to the wafer, then with it.
+    /// Lift by the stroke: first to the wafer, then with it.
     Lift,
-    /// Down by the stroke: first with the wafer, then without.
+    /// Lower by the stroke: first with the wafer, then without.
     Lower,
-    /// Out of the station.
+    /// Retract from the station.
     Retract,
-    /// The platform level again.
+    /// Level the platform.
     Level,
-    /// Standing still.
+    /// Dwell.
     Wait,
 }
 
-/// What happens to wafers at the end of a step.
+/// Hand-over of a wafer at the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Handover {
-    /// The effector has come to the resting plane, and the wafer of the slot is on it from then on.
+    /// The effector has lifted to the resting plane, and carries the wafer of the slot from then on.
     Picked(EffectorId, SlotId),
-    /// The wafer has come to the resting plane, and is in the slot from then on.
+    /// The wafer has been lowered to the resting plane, and is in the slot from then on.
     Placed(EffectorId, SlotId),
 }
 
-/// One motion of all axes from one place to the next, with everything resolved.
+/// A move or dwell of all axes, with all names resolved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// Index of the instruction in the order of running.
+    /// Index of the instruction in the order of execution.
     pub instruction: usize,
-    /// Where that instruction is written.
+    /// Location of the instruction in the text.
     pub place: Place,
-    /// What part of it this is.
+    /// Part of the instruction.
     pub phase: Phase,
     /// Positions of all axes at its start [m and rad].
     pub from: Vec<f64>,
     /// Positions of all axes at its end [m and rad].
     pub to: Vec<f64>,
-    /// The way between.
+    /// Path between them.
     pub path: Path,
-    /// Share of the limits, 0 to 1.
+    /// Share of the limits, from 0 to 1.
     pub speed: f64,
-    /// How far a wafer's centre may stray from the way without blending where this step runs into one that allows as much; 0 brings all axes to rest [m].
+    /// Largest distance of a wafer's centre from the unblended path where this step is blended with a neighbour that allows as much; 0 brings all axes to rest [m].
     pub blend: f64,
-    /// Largest speed of the wafer centre along a line [m/s], where the step has one.
+    /// Largest speed of the wafer's centre along a line [m/s]; `None` where only the axes limit it.
     pub line_speed: Option<f64>,
     /// Effectors that carry a wafer during the step.
     pub loaded: Vec<EffectorId>,
-    /// What happens to wafers at its end.
+    /// Hand-over at the end of the step.
     pub handover: Option<Handover>,
-    /// Slot that is reached into, whose own bodies and wafers are near by intent.
+    /// Slot that the effector reaches into; contact with its bodies and wafers is checked with the slot clearance.
     pub slot: Option<SlotId>,
 }

@@ -1,183 +1,183 @@
-//! A program as it is written.
+//! Syntax tree of a program.
 
 use jointplay_core::spatial::Tilt;
 
 use crate::robot::AxisKind;
 
-/// Where something is said in the text of a program.
+/// Location in the text of a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, PartialOrd, Ord)]
 pub struct Place {
-    /// Counted from 1.
+    /// Line, counted from 1.
     pub line: usize,
-    /// Counted from 1, in characters.
+    /// Column in characters, counted from 1.
     pub column: usize,
 }
 
-/// A name as it is written, with its place.
+/// A name in a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Name {
     /// The text.
     pub text: String,
-    /// Where it stands.
+    /// Location.
     pub place: Place,
 }
 
-/// A slot as it is written: a station, and a slot number where the station has more than one.
+/// A slot in a program: a station, and a slot number where the station has more than one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SlotName {
-    /// Which station.
+    /// The station.
     pub station: Name,
-    /// Which slot; `None` says the only one.
+    /// The slot; `None` for the only one.
     pub slot: Option<SlotNumber>,
 }
 
-/// The number of a slot, from 1.
+/// Number of a slot, from 1.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SlotNumber {
-    /// As written.
+    /// A literal number.
     Fixed {
         /// The number.
         number: usize,
-        /// Where it stands.
+        /// Location.
         place: Place,
     },
-    /// From the counter of a REPEAT around it: `n + offset`, or `offset − n` where it counts down.
+    /// A number by the counter of an enclosing REPEAT: `n + offset`, or `offset − n` where it counts down.
     Counted {
-        /// Which counter.
+        /// The counter.
         counter: Name,
-        /// What is added to it, or what it is taken from.
+        /// Number that the counter is added to or subtracted from.
         offset: i64,
         /// Whether it counts down.
         down: bool,
     },
 }
 
-/// A program as it is written.
+/// A program.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Program {
-    /// What is run.
+    /// Main instructions.
     pub body: Vec<Instruction>,
-    /// What CALL may name.
+    /// Routines that CALL may name.
     pub routines: Vec<Routine>,
 }
 
-/// Instructions with a name.
+/// A routine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Routine {
-    /// What it is called.
+    /// Name.
     pub name: Name,
-    /// What it does.
+    /// Instructions.
     pub body: Vec<Instruction>,
 }
 
-/// One line of a program.
+/// An instruction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instruction {
-    /// Where it starts.
+    /// Location of its first token.
     pub place: Place,
-    /// What it says.
+    /// The command.
     pub command: Command,
 }
 
-/// Where an axis goes.
+/// Target of an axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisTarget {
-    /// Which axis.
+    /// The axis.
     pub axis: Name,
     /// Whether the position is written as an angle or as a length.
     pub kind: AxisKind,
-    /// Where to [m or rad].
+    /// Target position [m or rad].
     pub position: f64,
 }
 
-/// What one line says.
+/// Command of an instruction.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
-    /// All arms in, then every axis to its home position, the platform level.
+    /// Retract all arms, then move every axis to its home position, the platform level.
     Home,
-    /// Axes to positions, each on its own way and all in the same time; the others stay.
+    /// Move axes to positions, synchronized; the others keep theirs.
     Move {
-        /// One or more.
+        /// Targets; one or more.
         targets: Vec<AxisTarget>,
     },
-    /// The wafer centre of an effector along a straight line by a displacement in the base frame.
+    /// Move the wafer centre of an effector along a straight line by a displacement in the base frame.
     MoveLine {
-        /// Which effector; `None` takes the robot's only one.
+        /// The effector; `None` for the robot's only one.
         effector: Option<Name>,
-        /// How far [m].
+        /// Displacement [m].
         by: [f64; 3],
     },
-    /// Fetch the wafer of a slot.
+    /// Pick the wafer of a slot.
     Get {
-        /// From where.
+        /// The slot.
         from: SlotName,
-        /// With what; `None` takes the only one that may.
+        /// The effector; `None` for the only possible one.
         effector: Option<Name>,
     },
-    /// Lay the wafer into a slot.
+    /// Place the wafer into a slot.
     Put {
-        /// To where.
+        /// The slot.
         to: SlotName,
-        /// From what; `None` takes the only one that may.
+        /// The effector; `None` for the only possible one.
         effector: Option<Name>,
     },
     /// GET, then PUT.
     Transfer {
-        /// From where.
+        /// Slot to pick from.
         from: SlotName,
-        /// To where.
+        /// Slot to place into.
         to: SlotName,
-        /// With what; `None` takes the only one that may use both stations.
+        /// The effector; `None` for the only one that may use both stations.
         effector: Option<Name>,
     },
-    /// Fetch the wafer of a slot with one effector and lay that of another there.
+    /// Pick the wafer of a slot with one effector and place that of another there.
     Swap {
-        /// Which slot.
+        /// The slot.
         at: SlotName,
-        /// What fetches.
+        /// Effector that picks.
         get: Name,
-        /// What lays down.
+        /// Effector that places.
         put: Name,
     },
-    /// Before a slot, retracted, at its height and tilt.
+    /// Move in front of a slot, retracted, at its height and tilt.
     Goto {
-        /// Which slot.
+        /// The slot.
         to: SlotName,
-        /// With which effector; `None` takes the only one that may.
+        /// The effector; `None` for the only possible one.
         effector: Option<Name>,
     },
-    /// Stand still.
+    /// Dwell.
     Wait {
-        /// How long [s].
+        /// Duration [s].
         seconds: f64,
     },
-    /// All that follows at a share of the limits.
+    /// Set the share of the limits for all following moves.
     Speed {
-        /// Above 0, to 1.
+        /// Share, above 0 and at most 1.
         share: f64,
     },
-    /// All that follows runs into each other at its corners.
+    /// Blend all following moves.
     Blend {
-        /// How far a wafer's centre may stray there from the way without it; 0 brings all axes to rest [m].
+        /// Largest distance of a wafer's centre from the unblended path; 0 brings all axes to rest [m].
         radius: f64,
     },
-    /// Lean the platform where it stands.
+    /// Tilt the platform in place.
     Tilt {
-        /// How it leans.
+        /// The tilt.
         tilt: Tilt,
     },
-    /// Run a routine.
+    /// Call a routine.
     Call {
-        /// Which.
+        /// The routine.
         routine: Name,
     },
-    /// Run instructions several times.
+    /// Repeat instructions.
     Repeat {
-        /// How often.
+        /// Number of passes.
         times: u64,
-        /// What SLOT calls the pass, from 1.
+        /// Name by which SLOT refers to the pass, from 1.
         counter: Option<Name>,
-        /// What.
+        /// Instructions.
         body: Vec<Instruction>,
     },
 }

@@ -119,13 +119,14 @@ impl ArmChain {
     /// Motion of the wafer relative to the platform, by positions, velocities and accelerations of the arm's own axes.
     pub(crate) fn wafer_motion(&self, own: &[AxisCoefficients; 3]) -> FrameMotion {
         let [tip, velocity, acceleration] = self.tip_motion(own, 0.0);
-        let [_, speed, hurry] = own.each_ref().map(|rates| dot(&self.heading.1, rates));
+        let [_, rate, acceleration_of_heading] =
+            own.each_ref().map(|rates| dot(&self.heading.1, rates));
         FrameMotion {
             base_from_frame: self.at(&tip, &own[0]),
             velocity: velocity.push(0.0),
             acceleration: acceleration.push(0.0),
-            angular_velocity: Vector3::z() * speed,
-            angular_acceleration: Vector3::z() * hurry,
+            angular_velocity: Vector3::z() * rate,
+            angular_acceleration: Vector3::z() * acceleration_of_heading,
         }
     }
 
@@ -141,21 +142,21 @@ impl ArmChain {
         let (mut velocity, mut acceleration) = (Vector2::zeros(), Vector2::zeros());
         let mut tip = turned(&self.origin, turn);
         let by = |slopes: &AxisCoefficients| own.each_ref().map(|rates| dot(slopes, rates));
-        for arrow in self.arrows() {
-            let [angle, speed, hurry] = by(&arrow.turn);
-            let arrow = turned(&arrow.vector, turn + angle);
-            tip += arrow;
-            velocity += perpendicular(&arrow) * speed;
-            acceleration += perpendicular(&arrow) * hurry - arrow * (speed * speed);
+        for link_vector in self.link_vectors() {
+            let [angle, omega, alpha] = by(&link_vector.turn);
+            let link_vector = turned(&link_vector.vector, turn + angle);
+            tip += link_vector;
+            velocity += perpendicular(&link_vector) * omega;
+            acceleration += perpendicular(&link_vector) * alpha - link_vector * (omega * omega);
         }
-        for slide in self.slides() {
-            let [angle, speed, hurry] = by(&slide.along.turn);
-            let [length, growth, urge] = by(&slide.growth);
+        for slide in self.prismatic_joints() {
+            let [angle, omega, alpha] = by(&slide.along.turn);
+            let [length, rate, length_acceleration] = by(&slide.extension);
             let along = turned(&slide.along.vector, turn + angle);
             tip += along * length;
-            velocity += along * growth + perpendicular(&along) * (length * speed);
-            acceleration += along * (urge - length * speed * speed)
-                + perpendicular(&along) * (2.0 * growth * speed + length * hurry);
+            velocity += along * rate + perpendicular(&along) * (length * omega);
+            acceleration += along * (length_acceleration - length * omega * omega)
+                + perpendicular(&along) * (2.0 * rate * omega + length * alpha);
         }
         [tip, velocity, acceleration]
     }

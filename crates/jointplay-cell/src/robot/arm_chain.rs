@@ -24,7 +24,7 @@ pub(super) struct PrismaticJoint {
     /// Direction of the joint, and its rotation.
     pub(super) along: LinkVector,
     /// Length by each position.
-    pub(super) growth: AxisCoefficients,
+    pub(super) extension: AxisCoefficients,
 }
 
 /// An arm from the platform to one of its wafers, in the arm's plane.
@@ -44,10 +44,10 @@ pub(crate) struct ArmChain {
     pub(super) origin: Vector2<f64>,
     /// Height of the wafer's plane over the platform plane [m].
     pub(super) height: f64,
-    arrows: [LinkVector; MAX_JOINTS],
-    arrow_count: usize,
-    slides: [PrismaticJoint; MAX_JOINTS],
-    slide_count: usize,
+    link_vectors: [LinkVector; MAX_JOINTS],
+    link_count: usize,
+    prismatic_joints: [PrismaticJoint; MAX_JOINTS],
+    prismatic_count: usize,
     /// Heading of the wafer where all axes are at zero [rad], and its rotation by each position.
     pub(super) heading: (f64, AxisCoefficients),
 }
@@ -78,24 +78,24 @@ impl ArmChain {
         let arm = &robot.arms[id.arm];
         let effector = &arm.effectors[id.effector];
         let still = LinkVector { vector: Vector2::zeros(), turn: [0.0; MAX_JOINTS] };
-        let mut planar = Self {
+        let mut chain = Self {
             effector: id,
             axes: [0; MAX_JOINTS],
             count: 0,
             origin: Vector2::new(arm.mount[0], arm.mount[1]),
             height: arm.mount[2] + effector.wafer_center[2],
-            arrows: [still; MAX_JOINTS],
-            arrow_count: 0,
-            slides: [PrismaticJoint { along: still, growth: still.turn }; MAX_JOINTS],
-            slide_count: 0,
+            link_vectors: [still; MAX_JOINTS],
+            link_count: 0,
+            prismatic_joints: [PrismaticJoint { along: still, extension: still.turn }; MAX_JOINTS],
+            prismatic_count: 0,
             heading: (0.0, still.turn),
         };
         let (mut constant, mut turn) = (0.0, [0.0; MAX_JOINTS]);
         for (k, joint) in arm.joints.iter().enumerate() {
-            planar.height += joint.rise;
+            chain.height += joint.rise;
             let mut slopes = [0.0; MAX_JOINTS];
             for &(axis, ratio) in &joint.drives {
-                slopes[planar.axis(axis)] += ratio;
+                slopes[chain.index_of(axis)] += ratio;
             }
             match joint.kind {
                 AxisKind::Rotary => {
@@ -106,11 +106,11 @@ impl ArmChain {
                 }
                 AxisKind::Linear => {
                     let along = turned(&Vector2::x(), constant);
-                    planar.slide(PrismaticJoint {
+                    chain.add_prismatic_joint(PrismaticJoint {
                         along: LinkVector { vector: along, turn },
-                        growth: slopes,
+                        extension: slopes,
                     });
-                    planar.arrow(LinkVector { vector: along * joint.zero, turn });
+                    chain.add_link_vector(LinkVector { vector: along * joint.zero, turn });
                 }
             }
             let link = if k + 1 == arm.joints.len() {
@@ -118,13 +118,13 @@ impl ArmChain {
             } else {
                 Vector2::new(joint.length, joint.offset)
             };
-            planar.arrow(LinkVector { vector: turned(&link, constant), turn });
+            chain.add_link_vector(LinkVector { vector: turned(&link, constant), turn });
         }
-        planar.heading = (constant + effector.heading, turn);
-        planar
+        chain.heading = (constant + effector.heading, turn);
+        chain
     }
 
-    fn axis(&mut self, axis: usize) -> usize {
+    fn index_of(&mut self, axis: usize) -> usize {
         self.axes().iter().position(|&known| known == axis).unwrap_or_else(|| {
             self.axes[self.count] = axis;
             self.count += 1;
@@ -132,24 +132,24 @@ impl ArmChain {
         })
     }
 
-    fn arrow(&mut self, arrow: LinkVector) {
-        if arrow.turn == [0.0; MAX_JOINTS] {
-            self.origin += arrow.vector;
+    fn add_link_vector(&mut self, link_vector: LinkVector) {
+        if link_vector.turn == [0.0; MAX_JOINTS] {
+            self.origin += link_vector.vector;
             return;
         }
-        let known = self.arrows[..self.arrow_count].iter_mut();
-        match known.into_iter().find(|known| known.turn == arrow.turn) {
-            Some(known) => known.vector += arrow.vector,
+        let known = self.link_vectors[..self.link_count].iter_mut();
+        match known.into_iter().find(|known| known.turn == link_vector.turn) {
+            Some(known) => known.vector += link_vector.vector,
             None => {
-                self.arrows[self.arrow_count] = arrow;
-                self.arrow_count += 1;
+                self.link_vectors[self.link_count] = link_vector;
+                self.link_count += 1;
             }
         }
     }
 
-    fn slide(&mut self, slide: PrismaticJoint) {
-        self.slides[self.slide_count] = slide;
-        self.slide_count += 1;
+    fn add_prismatic_joint(&mut self, joint: PrismaticJoint) {
+        self.prismatic_joints[self.prismatic_count] = joint;
+        self.prismatic_count += 1;
     }
 
     /// Height of the wafer's plane over the platform plane [m].
@@ -164,13 +164,13 @@ impl ArmChain {
     }
 
     #[inline]
-    pub(super) fn arrows(&self) -> &[LinkVector] {
-        &self.arrows[..self.arrow_count]
+    pub(super) fn link_vectors(&self) -> &[LinkVector] {
+        &self.link_vectors[..self.link_count]
     }
 
     #[inline]
-    pub(super) fn slides(&self) -> &[PrismaticJoint] {
-        &self.slides[..self.slide_count]
+    pub(super) fn prismatic_joints(&self) -> &[PrismaticJoint] {
+        &self.prismatic_joints[..self.prismatic_count]
     }
 
     /// Positions of the arm's own axes, from those of all axes.
@@ -187,12 +187,12 @@ impl ArmChain {
     #[inline]
     pub(super) fn tip(&self, own: &AxisCoefficients) -> Vector2<f64> {
         let mut tip = self.origin;
-        for arrow in self.arrows() {
-            tip += turned(&arrow.vector, dot(&arrow.turn, own));
+        for link_vector in self.link_vectors() {
+            tip += turned(&link_vector.vector, dot(&link_vector.turn, own));
         }
-        for slide in self.slides() {
-            let along = turned(&slide.along.vector, dot(&slide.along.turn, own));
-            tip += along * dot(&slide.growth, own);
+        for joint in self.prismatic_joints() {
+            let along = turned(&joint.along.vector, dot(&joint.along.turn, own));
+            tip += along * dot(&joint.extension, own);
         }
         tip
     }
@@ -219,17 +219,17 @@ impl ArmChain {
     /// Velocity of the tip by each of the arm's axes [m/m or m/rad].
     pub(super) fn tip_velocities(&self, own: &AxisCoefficients) -> [Vector2<f64>; MAX_JOINTS] {
         let mut velocities = [Vector2::zeros(); MAX_JOINTS];
-        for arrow in self.arrows() {
-            let turning = perpendicular(&turned(&arrow.vector, dot(&arrow.turn, own)));
-            for (velocity, slope) in velocities.iter_mut().zip(arrow.turn) {
+        for link_vector in self.link_vectors() {
+            let turning = perpendicular(&turned(&link_vector.vector, dot(&link_vector.turn, own)));
+            for (velocity, slope) in velocities.iter_mut().zip(link_vector.turn) {
                 *velocity += turning * slope;
             }
         }
-        for slide in self.slides() {
-            let along = turned(&slide.along.vector, dot(&slide.along.turn, own));
-            let turning = perpendicular(&along) * dot(&slide.growth, own);
+        for joint in self.prismatic_joints() {
+            let along = turned(&joint.along.vector, dot(&joint.along.turn, own));
+            let turning = perpendicular(&along) * dot(&joint.extension, own);
             for (a, velocity) in velocities.iter_mut().enumerate() {
-                *velocity += along * slide.growth[a] + turning * slide.along.turn[a];
+                *velocity += along * joint.extension[a] + turning * joint.along.turn[a];
             }
         }
         velocities

@@ -50,13 +50,13 @@ impl HybridRobot {
     /// As [`Self::effector_jacobian`], the arm to the effector known.
     pub(crate) fn jacobian_by(
         &self,
-        planar: &ArmChain,
+        chain: &ArmChain,
         positions: &[f64],
     ) -> Result<EffectorJacobian, CellError> {
         let platform = self.platform(positions)?;
         let turn = platform.base_from_platform.rotation;
-        let own = planar.own(positions);
-        let tip = planar.tip(&own).push(planar.height);
+        let own = chain.own(positions);
+        let tip = chain.tip(&own).push(chain.height);
         let mut jacobian = EffectorJacobian {
             linear: [Vector3::zeros(); MAX_AXES],
             angular: [Vector3::zeros(); MAX_AXES],
@@ -67,10 +67,10 @@ impl HybridRobot {
             jacobian.linear[rod] = origin + angular.cross(&arm);
             jacobian.angular[rod] = angular;
         }
-        let velocities = planar.tip_velocities(&own);
-        for (k, &axis) in planar.axes().iter().enumerate() {
+        let velocities = chain.tip_velocities(&own);
+        for (k, &axis) in chain.axes().iter().enumerate() {
             jacobian.linear[axis] = turn * velocities[k].push(0.0);
-            jacobian.angular[axis] = turn * Vector3::z() * planar.heading.1[k];
+            jacobian.angular[axis] = turn * Vector3::z() * chain.heading.1[k];
         }
         Ok(jacobian)
     }

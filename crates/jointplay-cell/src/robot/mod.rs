@@ -17,6 +17,7 @@
 mod acceleration;
 mod angle;
 mod arm_chain;
+mod fingerprint;
 mod forward;
 mod hybrid_robot;
 mod inverse;

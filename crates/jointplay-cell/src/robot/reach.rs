@@ -10,6 +10,12 @@ const FOLLOWED: usize = 24;
 /// Step below which a search ends, as a share of an axis' range.
 const FINEST: f64 = 1e-9;
 
+/// A start of a search.
+struct Start {
+    gain: f64,
+    positions: Vec<f64>,
+}
+
 impl HybridRobot {
     /// Least and greatest distance of an effector's wafer centre from the base axis through O_b, the rods at home, over the ranges of all motors that move it [m].
     ///
@@ -30,7 +36,7 @@ impl HybridRobot {
         let mut ends = [0.0; 2];
         for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
             let gain = |positions: &[f64]| Ok::<f64, CellError>(sign * distance(positions)?);
-            let mut starts = vec![(gain(&home)?, home.clone())];
+            let mut starts = vec![Start { gain: gain(&home)?, positions: home.clone() }];
             for start in 0..STARTS.pow(u32::try_from(motors.len()).unwrap_or(0)) {
                 let mut positions = home.clone();
                 let mut rest = start;
@@ -40,13 +46,13 @@ impl HybridRobot {
                     let axis = &self.axes[motor];
                     positions[motor] = axis.min + share * (axis.max - axis.min);
                 }
-                starts.push((gain(&positions)?, positions));
+                starts.push(Start { gain: gain(&positions)?, positions });
             }
-            starts.sort_by(|(one, _), (other, _)| other.total_cmp(one));
+            starts.sort_by(|one, other| other.gain.total_cmp(&one.gain));
             starts.truncate(FOLLOWED);
             let mut best = f64::NEG_INFINITY;
             for start in starts {
-                best = self.climbed(&motors, start, gain)?.max(best);
+                best = self.hill_climb(&motors, start, gain)?.max(best);
             }
             *end = (sign * best).max(0.0).sqrt();
         }
@@ -54,12 +60,13 @@ impl HybridRobot {
     }
 
     /// The largest gain that steps of the motors lead to from a start.
-    fn climbed(
+    fn hill_climb(
         &self,
         motors: &[usize],
-        (mut best, mut at): (f64, Vec<f64>),
+        start: Start,
         gain: impl Fn(&[f64]) -> Result<f64, CellError>,
     ) -> Result<f64, CellError> {
+        let Start { gain: mut best, positions: mut at } = start;
         let mut share = 1.0 / (STARTS - 1) as f64;
         while share > FINEST {
             let mut better = false;
@@ -68,10 +75,10 @@ impl HybridRobot {
                 let mut positions = at.clone();
                 let mut rest = direction;
                 for &motor in motors {
-                    let way = (rest % 3) as f64 - 1.0;
+                    let sign = (rest % 3) as f64 - 1.0;
                     rest /= 3;
                     let axis = &self.axes[motor];
-                    let moved = positions[motor] + way * share * (axis.max - axis.min);
+                    let moved = positions[motor] + sign * share * (axis.max - axis.min);
                     positions[motor] = moved.clamp(axis.min, axis.max);
                 }
                 let found = gain(&positions)?;

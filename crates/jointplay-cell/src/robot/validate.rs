@@ -39,7 +39,7 @@ impl AxisKind {
     fn verb(self) -> &'static str {
         match self {
             Self::Rotary => "turns",
-            Self::Linear => "slides",
+            Self::Linear => "prismatic_joints",
         }
     }
 }
@@ -258,8 +258,8 @@ impl HybridRobot {
 
     /// Number of independent directions in which an effector's motors move its wafer, the largest over a few positions.
     fn directions(&self, id: EffectorId) -> usize {
-        let planar = ArmChain::new(self, id);
-        let axes = planar.axes();
+        let chain = ArmChain::new(self, id);
+        let axes = chain.axes();
         let at = |share: f64| {
             let mut own = [0.0; MAX_JOINTS];
             for (k, (own, &axis)) in own.iter_mut().zip(axes).enumerate() {
@@ -267,7 +267,7 @@ impl HybridRobot {
                 let share = (share + 0.211 * k as f64).fract();
                 *own = self.axes[axis].min + share * (self.axes[axis].max - self.axes[axis].min);
             }
-            let velocities = planar.tip_velocities(&own);
+            let velocities = chain.tip_velocities(&own);
             let largest = velocities.iter().map(Vector2::norm_squared).fold(0.0, f64::max);
             let flat = |one: &Vector2<f64>| {
                 velocities.iter().all(|other| one.perp(other).abs() <= FLAT * largest)

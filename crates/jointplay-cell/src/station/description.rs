@@ -7,12 +7,12 @@ use nalgebra::{Rotation3, Vector3};
 
 use crate::robot::EffectorId;
 
-/// How a wafer enters a station.
+/// Direction in which a wafer enters a station.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Approach {
     /// Along the line from the robot's axis through the slot, as an arm extends.
     Radial,
-    /// Along the y axis of the station frame, whose origin the wafer comes to.
+    /// Along the y axis of the station frame.
     Line,
 }
 
@@ -21,34 +21,34 @@ pub enum Approach {
 /// Its frame has the origin at the centre of the lowest slot's wafer, in the plane that the wafer's lower face rests on; z normal to that plane, y inward.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Station {
-    /// What it is called in programs.
+    /// Name in programs.
     pub name: String,
-    /// Where it is.
+    /// Frame of the station.
     pub base_from_station: Pose,
-    /// What is known of where it is.
+    /// Source of the frame.
     pub origin: Origin,
-    /// How many slots it has, from the lowest.
+    /// Number of slots, from the lowest.
     pub slots: usize,
-    /// From slot to slot, along z of its frame [m]; of no meaning with one slot.
+    /// Distance between slots along z of the station frame [m]; without meaning for one slot.
     pub pitch: f64,
-    /// Where it may be entered below the resting plane, and how far above it is left; each counts along z of its frame [m].
+    /// Heights at which the effector passes below and above the resting plane, along z of the station frame [m].
     pub stroke: Stroke,
-    /// Added to the wafer's place in the station frame [m].
+    /// Offset of the wafer in the station frame [m].
     pub offset: [f64; 3],
-    /// Distance of the wafer centre from the robot's axis where the arm counts as retracted for this station [m].
+    /// Distance of the wafer centre from the robot's axis at which the arm counts as retracted for this station [m].
     pub retract_reach: f64,
-    /// Wafer centres passed between retract position and station, in the station frame [m], outermost first.
+    /// Via points: wafer centres between the retracted pose and the station, in the station frame [m], outermost first.
     pub via: Vec<[f64; 3]>,
-    /// How it is entered.
+    /// Approach.
     pub approach: Approach,
     /// Effectors that may use it.
     pub effectors: Vec<EffectorId>,
-    /// Seconds that it works on a wafer before giving it back [s].
+    /// Process time: how long the station works on a wafer before it may be picked [s].
     pub process_time: f64,
 }
 
 impl Station {
-    /// The frame that the station would have if a wafer lay in one of its slots like this, headed inward.
+    /// Frame of the station if a wafer in one of its slots had this pose, its heading inward.
     ///
     /// ```text
     ///    base_from_station  =  base_from_wafer · wafer_from_slot · slot_from_station      wafer's x along y of the slot
@@ -60,7 +60,7 @@ impl Station {
         base_from_wafer * inward * station_from_slot.inverse()
     }
 
-    /// Where the origin of the station would be if a wafer's centre lay in one of its slots here, its lean and yaw as they are, in the base frame [m].
+    /// Origin of the station if the centre of a wafer in one of its slots were here, the tilt and yaw of the frame unchanged, in the base frame [m].
     #[must_use]
     pub fn origin_under(&self, slot: usize, center: &Vector3<f64>) -> Vector3<f64> {
         let beside =
@@ -69,23 +69,23 @@ impl Station {
     }
 }
 
-/// What a station's frame comes from.
+/// Source of a station's frame.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Origin {
-    /// As drawn.
+    /// Nominal, from the drawing.
     Nominal,
-    /// The nominal place and yaw, laid into the plane of taught points.
+    /// Nominal position and yaw, fitted to the plane of taught points.
     Taught(super::teach::PlaneFit),
-    /// The places of the first and the last slot.
+    /// Positions of the first and the last slot.
     Drift(super::teach::Drift),
 }
 
-/// Heights of handing over.
+/// Stroke of a hand-over.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stroke {
-    /// How far below the resting plane an empty effector enters [m].
+    /// Distance below the resting plane at which an empty effector enters [m].
     pub below: f64,
-    /// How far above the resting plane a loaded effector leaves [m].
+    /// Distance above the resting plane at which a loaded effector leaves [m].
     pub above: f64,
     /// Speed of lifting and lowering [m/s].
     pub speed: f64,

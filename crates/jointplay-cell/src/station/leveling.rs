@@ -1,4 +1,4 @@
-//! By how much a station has to be leveled for the platform to follow it.
+//! Correction of stations that tilt too far for the platform.
 
 use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
@@ -9,17 +9,17 @@ use crate::robot::WaferTarget;
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
-/// Halvings by which the largest tilt that can be followed is found: to less than a nanoradian.
+/// Number of bisections for the largest feasible tilt: to less than a nanoradian.
 const HALVINGS: usize = 30;
 
 impl Cell {
-    /// The least angle by which the tilt of a station has to be reduced about its origin, so that the platform can follow it at every slot with every effector that may use it, the deflection of the loaded arms compensated [rad].
+    /// Least angle by which the tilt of a station has to be reduced about its origin, so that the platform can follow it at every slot with every effector that may use it, the deflection of the loaded arms compensated [rad].
     ///
-    /// `None` where the platform can follow it, and where leveling does not help.
-    /// Places that cannot be reached for other reasons do not count.
+    /// `None` where the platform can follow the tilt, and where leveling does not help.
+    /// Targets that are out of reach for other reasons are ignored.
     ///
     /// # Numerics
-    /// By halving, for the lowest and the highest slot: the deflection grows with the reach, which changes evenly from slot to slot.
+    /// Bisection for the lowest and the highest slot: the deflection grows with the reach, which changes linearly from slot to slot.
     #[must_use]
     pub fn leveling(&self, station: &Station) -> Option<f64> {
         let tilt = Tilt::from_normal(&(station.base_from_station.rotation * Vector3::z()));
@@ -43,7 +43,7 @@ impl Cell {
         Some(tilt.pitch - low)
     }
 
-    /// Whether the platform can tilt as far as the places of a station ask for.
+    /// Whether the platform can tilt as far as the targets of a station need.
     fn can_follow(&self, station: &Station) -> bool {
         let home: Vec<f64> = self.robot.axes.iter().map(|axis| axis.home).collect();
         station.effectors.iter().all(|&effector| {

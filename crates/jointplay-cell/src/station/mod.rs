@@ -1,6 +1,7 @@
 //! Stations: places for wafers, the poses in front of and in their slots, and their frames from taught points.
 
 mod description;
+mod fingerprint;
 mod leveling;
 pub mod teach;
 mod waypoints;

@@ -4,41 +4,41 @@ use jointplay_core::linalg::svd;
 use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use nalgebra::{DMatrix, Rotation3, Vector3};
 
-/// Points nearer than this many times the threshold to one line leave the tilt about it open.
+/// Multiple of the threshold below which points are on one line: the tilt about that line is undetermined.
 const SPREAD: f64 = 10.0;
 
-/// The plane that fits taught points with the least sum of squares.
+/// Least-squares plane of taught points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlaneFit {
-    /// Middle of the points, in the base frame [m].
+    /// Centroid of the points, in the base frame [m].
     pub center: Vector3<f64>,
     /// Unit normal, upward, in the base frame.
     pub normal: Vector3<f64>,
-    /// How it leans.
+    /// Tilt of the plane.
     pub tilt: Tilt,
     /// Distance of each point from the plane, above positive [m].
     pub distances: Vec<f64>,
-    /// Root of the mean square of the distances [m].
+    /// Root mean square distance [m].
     pub residual: f64,
     /// Largest distance [m].
     pub worst: f64,
     /// The points, in the base frame [m].
     pub points: Vec<Vector3<f64>>,
-    /// Root of the mean square of how far the points lie from the line that fits them best, within the plane: what holds the tilt about that line [m].
+    /// Root mean square distance of the points from the line that fits them best, within the plane: it determines the tilt about that line [m].
     pub spread: f64,
-    /// What the largest distance may be [m].
+    /// Largest allowed distance [m].
     pub threshold: f64,
-    /// Standard deviation of each measured coordinate, where that is known [m].
+    /// Standard deviation of each measured coordinate, if known [m].
     pub noise: Option<f64>,
-    /// How well the points determine the plane; `None` for three points whose noise is not known.
+    /// Uncertainty of the plane; `None` for three points whose noise is not known.
     pub uncertainty: Option<Box<Uncertainty>>,
-    /// Points beyond the three that a plane takes: degrees of freedom that test the noise.
+    /// Number of points beyond three: degrees of freedom that test the noise.
     pub freedom: usize,
     /// Whether the points agree with one plane.
     pub verdict: Verdict,
 }
 
-/// How well taught points determine their plane: the covariance of tilt and height along the principal directions of their layout, where both slopes and the height at the center are uncorrelated.
+/// Uncertainty of a fitted plane: the covariance of tilt and height along the principal directions of the points, where both slopes and the height at the centroid are uncorrelated.
 ///
 /// ```text
 ///    var(slope_k)  =  σ² / Σ u_k²        var(height)  =  σ² (1/n + Σ_k p_k² / Σ u_k²)        u_k: coordinates of the points from their center, p_k: those of the place asked about
@@ -59,21 +59,21 @@ pub struct Uncertainty {
     pub tilt_95: f64,
     /// Factor on a standard deviation of a height that gives 95 % confidence.
     factor: f64,
-    /// Middle of the points, in the base frame [m].
+    /// Centroid of the points, in the base frame [m].
     center: Vector3<f64>,
 }
 
 impl Uncertainty {
-    /// Root of the mean square of the angle between the fitted and the true normal [rad].
+    /// Root mean square angle between the fitted and the true normal [rad].
     #[must_use]
     pub fn tilt(&self) -> f64 {
         self.slopes[0].hypot(self.slopes[1])
     }
 
-    /// Height above and below the fitted plane within which the true one lies at a place with 95 % confidence [m].
+    /// Half-width of the 95 % confidence interval of the height of the true plane over a position [m].
     ///
     /// # Arguments
-    /// * `place` – in the base frame [m]
+    /// * `place` – position in the base frame [m]
     #[must_use]
     pub fn height_95(&self, place: &Vector3<f64>) -> f64 {
         let from_center = place - self.center;
@@ -85,90 +85,93 @@ impl Uncertainty {
 /// Whether taught points agree with one plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// All points lie within the threshold of the plane and as near to it as their noise lets expect.
+    /// All points lie within the threshold, and as near to the plane as their noise predicts.
     Fits,
     /// There are too few points to test them: three of any noise, or fewer than [`ENOUGH`] of unknown noise.
     Unproven,
-    /// A point lies farther off than the threshold, or all of them farther than their noise explains.
+    /// A point is farther from the plane than the threshold, or all of them are farther than their noise explains.
     Scattered,
 }
 
-/// Points from which on their distances from the plane give an estimate of the noise that is better than a factor of about three (95 %).
+/// Number of points from which on their distances from the plane estimate the noise to better than a factor of about three (95 %).
 pub const ENOUGH: usize = 6;
 
-/// Share of teachings with the noise given that are taken as scattered by chance.
+/// Quantile of the false alarm rate at which points with given noise count as scattered.
 const FALSE_ALARM_QUANTILE: f64 = 3.090_232;
-/// Share of confidence beyond the bounds that are reported.
+/// Share outside the reported confidence bounds.
 const BEYOND: f64 = 0.05;
-/// Standard deviations that hold 95 % of a normal distribution.
+/// Number of standard deviations that contain 95 % of a normal distribution.
 const TWO_SIDED: f64 = 1.959_964;
 
-/// Why taught points give no frame.
+/// Reason why taught points give no frame.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TeachError {
     /// Not enough points for a plane.
-    #[error("{found} taught points make no plane; teach 3, and better 4, that are not on one line")]
+    #[error(
+        "{found} taught points determine no plane; teach 3, and better 4, that are not on one line"
+    )]
     TooFew {
         /// How many there are.
         found: usize,
     },
-    /// Noise that is no positive number.
-    #[error("the noise of taught points is {:.3} µm, but has to be positive", found * 1e6)]
+    /// The noise is not a positive number.
+    #[error("the noise of taught points is {found} m, but has to be positive")]
     Noise {
-        /// What was given [m].
+        /// The value found [m].
         found: f64,
     },
-    /// A number that is none.
+    /// A coordinate is not finite.
     #[error("a taught point is not finite")]
     NotFinite,
-    /// Points on one line.
+    /// The points are on one line.
     #[error(
-        "the taught points lie within {:.1} µm of one line, and leave the tilt about it open: teach one at least {:.1} mm beside it",
-        spread * 1e6, least * 1e3
+        "the taught points lie within {spread} m of one line, which leaves the tilt about it undetermined: teach a point at least {min} m from it"
     )]
     Collinear {
-        /// Root of the mean square of their distances from the line [m].
+        /// Root mean square distance of the points from the line [m].
         spread: f64,
-        /// What it has to be at least [m].
-        least: f64,
+        /// Least allowed value [m].
+        min: f64,
     },
-    /// A plane that stands upright.
-    #[error("the plane of the taught points stands upright: its normal leans {:.3}° from vertical", tilt.to_degrees())]
+    /// The plane is upright.
+    #[error("the plane of the taught points is upright: its normal is {tilt} rad from vertical")]
     Upright {
-        /// How far the normal leans [rad].
+        /// Angle of the normal from vertical [rad].
         tilt: f64,
     },
-    /// First and last slot in the wrong order, or in one place.
-    #[error("the last slot was taught {} mm above the first; it has to be above it, by the slots between them", rise * 1e3)]
+    /// The last slot is not above the first.
+    #[error(
+        "the last slot was taught {rise} m above the first; it has to be above it, by the slots between them"
+    )]
     NotAbove {
-        /// How far it is above [m].
+        /// Height of the last slot above the first [m].
         rise: f64,
     },
-    /// First and last slot of a station that has only one.
-    #[error("drift is between the first and the last of several slots, but there are {slots}")]
+    /// A drift of a station with one slot.
+    #[error("a drift needs several slots, but there are {slots}")]
     OneSlot {
-        /// How many slots there are.
+        /// Number of slots.
         slots: usize,
     },
 }
 
-/// The plane through taught points, with its uncertainty.
+/// Fits a plane to taught points, with its uncertainty.
 ///
 /// # Arguments
 /// * `points` – three or more, in the base frame [m]
-/// * `threshold` – how far from the plane a point may lie [m]
-/// * `noise` – standard deviation of each measured coordinate; `None` where it is not known, so that it is estimated from the distances [m]
+/// * `threshold` – largest allowed distance of a point from the plane [m]
+/// * `noise` – standard deviation of each measured coordinate; `None` where it is not known and is estimated from the distances [m]
 ///
 /// # Errors
-/// [`TeachError`] for too few points, points on a line, a plane that stands upright, and noise that is no positive number.
+/// [`TeachError`] for too few points, points on a line, an upright plane, and noise that is not positive.
 ///
 /// # Numerics
 /// Singular values of the centred points: the last direction is the normal.
-/// The tilt of 95 % is exact for two independent normal slopes where the noise is given; where it is estimated, it is that of the F distribution of 2 and `freedom` for the worse of both slopes, which is no smaller.
+/// The 95 % bound of the tilt is exact for two independent normal slopes where the noise is given; where it is estimated, it is that of the F distribution of 2 and `freedom` for the larger of both slopes, which is conservative.
 ///
 /// # Assumptions
-/// The errors of the points are independent, normal and alike in all directions; those within the plane do not matter to first order.
+/// The errors of the points are independent, normal and isotropic; errors within the plane have no first-order effect.
 pub fn fit_plane(
     points: &[Vector3<f64>],
     threshold: f64,
@@ -186,10 +189,10 @@ pub fn fit_plane(
     let Ok(found) = svd(&centered) else { return Err(TeachError::NotFinite) };
     let mean = |value: f64| value / (count as f64).sqrt();
     let spread = mean(found.singular_values[1]);
-    // Round-off of the coordinates bounds what can be told from below, however good the points are.
-    let least = (SPREAD * threshold).max(1e-9 * center.norm().max(found.largest()));
-    if spread <= least {
-        return Err(TeachError::Collinear { spread, least });
+    // Round-off of the coordinates bounds the residual from below, however good the points are.
+    let min = (SPREAD * threshold).max(1e-9 * center.norm().max(found.largest()));
+    if spread <= min {
+        return Err(TeachError::Collinear { spread, min });
     }
     let direction = Vector3::new(found.v[(0, 2)], found.v[(1, 2)], found.v[(2, 2)]);
     let normal = if direction.z < 0.0 { -direction } else { direction };
@@ -251,7 +254,7 @@ pub fn fit_plane(
     })
 }
 
-/// The angle that two independent normal slopes stay within with 95 % confidence [rad].
+/// Bound on the angle of two independent normal slopes with 95 % confidence [rad].
 ///
 /// ```text
 ///    P(angle > R)  =  mean over θ of exp(−R² / (2 (σ_1² cos² θ + σ_2² sin² θ)))
@@ -265,7 +268,7 @@ fn angle_95(slopes: [f64; 2]) -> f64 {
     }
     let beyond = |angle: f64| {
         let share = |k: usize| {
-            // A quarter turn holds all there is, by symmetry.
+            // By symmetry, a quarter revolution suffices.
             let theta = std::f64::consts::FRAC_PI_2 * (k as f64 + 0.5) / DIRECTIONS as f64;
             let variance = one * theta.cos().powi(2) + other * theta.sin().powi(2);
             (-angle * angle / (2.0 * variance)).exp()
@@ -280,13 +283,13 @@ fn angle_95(slopes: [f64; 2]) -> f64 {
     high
 }
 
-/// The value that an F distribution of 1 or 2 and so many degrees of freedom is beyond in 5 % of all cases.
+/// The 95 % quantile of an F distribution of 1 or 2 and the given degrees of freedom.
 fn f_95(over: usize, freedom: usize) -> f64 {
     let freedom = freedom as f64;
     if over == 2 {
         return 0.5 * freedom * (BEYOND.powf(-2.0 / freedom) - 1.0);
     }
-    // The square of Student's t: by its distribution, integrated by the substitution t = √ν tan θ.
+    // The square of Student's t: its distribution is integrated by the substitution t = √ν tan θ.
     let integral = |to: f64| {
         const PARTS: usize = 400;
         let step = to / PARTS as f64;
@@ -303,7 +306,7 @@ fn f_95(over: usize, freedom: usize) -> f64 {
     high * high
 }
 
-/// The quantile of a chi-square distribution, by the normal quantile of its share.
+/// Quantile of a chi-square distribution, from the normal quantile.
 ///
 /// # Source
 /// [WilsonHilferty], within 4 % at 99.9 % from one degree of freedom on
@@ -314,10 +317,10 @@ fn chi_square(freedom: usize, quantile: f64) -> f64 {
 }
 
 impl PlaneFit {
-    /// Whether the plane's tilt is known too poorly: its bound of 95 % is beyond what is allowed, by points whose noise is given or enough to estimate it.
+    /// Whether the tilt of the plane is too uncertain: its 95 % bound exceeds an allowed angle, by points whose noise is given or enough to estimate it.
     ///
     /// # Arguments
-    /// * `allowed` – tilt by which the plane may be off [rad]
+    /// * `allowed` – largest allowed error of the tilt [rad]
     #[must_use]
     pub fn is_uncertain(&self, allowed: f64) -> bool {
         let is_tested = self.noise.is_some() || self.points.len() >= ENOUGH;
@@ -325,7 +328,7 @@ impl PlaneFit {
         self.verdict != Verdict::Scattered && is_tested && tilt > allowed
     }
 
-    /// The nominal frame laid into the plane: its origin moved up or down, its yaw kept.
+    /// The nominal frame laid into the plane: its origin moved vertically, its yaw unchanged.
     #[must_use]
     pub fn frame(&self, origin: &Vector3<f64>, yaw: f64) -> Pose {
         let beside = origin - self.center;
@@ -335,14 +338,14 @@ impl PlaneFit {
     }
 }
 
-/// The frame at an origin with this normal, turned by a yaw about the vertical before it leans.
+/// The frame at an origin with a given normal: a yaw about the vertical, then the tilt.
 #[must_use]
 pub fn frame(origin: Vector3<f64>, normal: &Vector3<f64>, yaw: f64) -> Pose {
     let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
     Pose::from_parts(origin.into(), tilt_rotation(normal) * turned)
 }
 
-/// The turn about the vertical of a frame before it leans: the yaw that [`frame`] makes it from [rad].
+/// Yaw about the vertical of a frame before its tilt: the argument of [`frame`] [rad].
 #[must_use]
 pub fn yaw(frame: &Pose) -> f64 {
     let normal = frame.rotation * Vector3::z();
@@ -350,20 +353,20 @@ pub fn yaw(frame: &Pose) -> f64 {
     along.y.atan2(along.x)
 }
 
-/// What the places of the first and the last slot tell of a station.
+/// Frame of a station from its first and last slot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drift {
-    /// Where the wafer of the first slot rests, in the base frame [m].
+    /// Resting position of the wafer in the first slot, in the base frame [m].
     pub first: Vector3<f64>,
-    /// From slot to slot, along the line between first and last [m].
+    /// Distance between slots along the line from first to last [m].
     pub pitch: f64,
-    /// How far the last slot stands off the vertical above the first [m].
+    /// Horizontal distance of the last slot from the vertical through the first [m].
     pub drift: f64,
-    /// How the station leans.
+    /// Tilt of the station.
     pub tilt: Tilt,
 }
 
-/// The tilt of a station from where the wafers of its first and its last slot rest.
+/// The tilt of a station from the resting positions of wafers in its first and last slot.
 ///
 /// # Errors
 /// [`TeachError`] where there is only one slot, or the last is not above the first.
@@ -402,7 +405,7 @@ mod tests {
     const SQUARE: [(f64, f64); 4] = [(0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.1, -0.1)];
 
     #[test]
-    fn points_of_a_plane_give_it_back() {
+    fn plane_fit_reproduces_a_plane() {
         let tilt = Tilt { yaw: 2.0, pitch: 0.0139 };
         let fit = fit_plane(&plane(tilt, &SQUARE), 1e-4, Some(1e-6)).unwrap();
         assert_eq!(fit.verdict, Verdict::Fits);
@@ -419,21 +422,21 @@ mod tests {
     }
 
     #[test]
-    fn a_point_that_is_off_shows() {
+    fn outlier_exceeds_the_threshold() {
         let mut points = plane(Tilt::LEVEL, &SQUARE);
         points[2].z += 4e-4;
         let fit = fit_plane(&points, 5e-5, None).unwrap();
-        // The fit shares it out over all four: a quarter each.
+        // The fit distributes the deviation over all four: a quarter each.
         assert_eq!(fit.verdict, Verdict::Scattered);
         assert!((fit.worst - 1e-4).abs() < 1e-8 && (fit.residual - 1e-4).abs() < 1e-8, "{fit:?}");
         assert_eq!(fit_plane(&points, 2e-4, Some(1e-4)).unwrap().verdict, Verdict::Fits);
-        // Within the threshold, but not of points that are known to a micrometre.
+        // Within the threshold, but not for points that are known to a micrometre.
         let fit = fit_plane(&points, 2e-4, Some(1e-6)).unwrap();
         assert_eq!(fit.verdict, Verdict::Scattered);
     }
 
     #[test]
-    fn what_makes_no_plane_is_refused() {
+    fn degenerate_points_are_rejected() {
         let tilt = Tilt { yaw: 0.3, pitch: 0.01 };
         let refused =
             |places: &[(f64, f64)]| fit_plane(&plane(tilt, places), 1e-4, None).unwrap_err();
@@ -450,7 +453,7 @@ mod tests {
     }
 
     #[test]
-    fn quantiles_are_those_of_printed_tables() {
+    fn quantiles_agree_with_published_tables() {
         for (freedom, expected) in [(1, 161.45), (2, 18.513), (3, 10.128), (10, 4.965)] {
             assert!((f_95(1, freedom) / expected - 1.0).abs() < 1e-3, "{}", f_95(1, freedom));
         }
@@ -466,7 +469,7 @@ mod tests {
     }
 
     #[test]
-    fn drift_is_a_tilt() {
+    fn drift_of_slots_determines_the_tilt() {
         let tilt = Tilt { yaw: -1.0, pitch: 0.8_f64.to_radians() };
         let first = Vector3::new(0.6, 0.1, 0.5);
         let found = drift(first, first + 0.24 * tilt.normal(), 25).unwrap();

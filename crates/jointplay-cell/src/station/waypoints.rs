@@ -1,4 +1,4 @@
-//! The places that a wafer passes on its way into a slot and out.
+//! Waypoints of a wafer into a slot and out of it.
 
 use jointplay_core::spatial::{Pose, tilt_rotation};
 use nalgebra::{Point3, Vector3};
@@ -9,14 +9,14 @@ use crate::robot::{EffectorId, WaferTarget};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
-/// Places of the wafer's centre for one slot, all in planes parallel to the slot's.
+/// Waypoints of the wafer's centre for one slot, all in planes parallel to the slot's.
 ///
-/// An effector that fetches goes in below and out above; one that lays down goes in above and out below.
+/// An effector that picks enters below and leaves above; one that places enters above and leaves below.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Waypoints {
-    /// Retracted, at the height of passing below.
+    /// Retracted, at the height of entering below.
     pub retracted_below: WaferTarget,
-    /// From there into the slot, below.
+    /// Via points from there into the slot, below.
     pub via_below: Vec<WaferTarget>,
     /// In the slot, below the resting plane.
     pub below: WaferTarget,
@@ -24,22 +24,22 @@ pub struct Waypoints {
     pub resting: WaferTarget,
     /// In the slot, above the resting plane.
     pub above: WaferTarget,
-    /// From the retracted place into the slot, above.
+    /// Via points from the retracted pose into the slot, above.
     pub via_above: Vec<WaferTarget>,
-    /// Retracted, at the height of passing above.
+    /// Retracted, at the height of entering above.
     pub retracted_above: WaferTarget,
 }
 
 impl Station {
-    /// Whether it has this slot, counted from 1.
+    /// Whether the station has a slot, counted from 1.
     #[must_use]
     pub fn has_slot(&self, slot: usize) -> bool {
         (1..=self.slots).contains(&slot)
     }
 
-    /// The frame of a slot, counted from 1, the lowest: its origin is where the centre of the wafer's lower face rests.
+    /// Frame of a slot, counted from 1, the lowest: its origin is the resting position of the centre of the wafer's lower face.
     ///
-    /// Whether the station has this slot is said by [`Self::has_slot`]; beyond the last one the pitch goes on.
+    /// Slots beyond the last continue the pitch; see [`Self::has_slot`].
     #[must_use]
     pub fn slot_frame(&self, slot: usize) -> Pose {
         let above = self.pitch * (slot as f64 - 1.0);
@@ -50,10 +50,10 @@ impl Station {
         )
     }
 
-    /// The places that a wafer passes for a slot, counted from 1.
+    /// Waypoints for a slot, counted from 1.
     ///
     /// # Arguments
-    /// * `axis` – where the axis that the arm turns about crosses the slot's plane as the wafer rests, and as the arm is retracted below and above it: x, y in the base frame [m]; [`Cell::waypoints`] finds it
+    /// * `axis` – intersections of the axis that the arm turns about with the slot's plane, for the resting pose and the poses retracted below and above: x, y in the base frame [m]; [`Cell::waypoints`] computes them
     #[must_use]
     pub fn waypoints(&self, slot: usize, [axis, below, above]: [[f64; 2]; 3]) -> Waypoints {
         let frame = self.slot_frame(slot);
@@ -86,22 +86,22 @@ impl Station {
         }
     }
 
-    /// The direction out of the slot, within its plane.
+    /// Direction out of the slot, within its plane.
     fn outward(&self, frame: &Pose, axis: [f64; 2]) -> Vector3<f64> {
         let straight = -(frame.rotation * Vector3::y());
         match self.approach {
             Approach::Line => straight,
-            // Within the plane, so that the line stays in it and above the one on the floor.
+            // Projected into the plane, so that the line stays in it.
             Approach::Radial => {
                 within(frame, axis).try_normalize(f64::MIN_POSITIVE).unwrap_or(straight)
             }
         }
     }
 
-    /// How far out the place is that counts as retracted: where the way comes as near to the axis as the retracted reach, or else as near as it comes [m].
+    /// Distance along the line out of the slot at which the wafer counts as retracted: where the line is at the retract distance from the axis, or else nearest to it [m].
     ///
     /// # Arguments
-    /// * `resting` – from the axis to where the wafer rests, within the slot's plane [m]
+    /// * `resting` – from the axis to the resting position, within the slot's plane [m]
     fn way_out(&self, resting: Vector3<f64>, out: &Vector3<f64>) -> f64 {
         // |resting + t out|² = reach², the smaller root.
         let along = resting.dot(out);
@@ -111,7 +111,7 @@ impl Station {
     }
 }
 
-/// From the origin of a slot's frame to where an upright line crosses its plane: x, y of the line in the base frame [m].
+/// From the origin of a slot's frame to the intersection of a vertical line with its plane: x, y of the line in the base frame [m].
 fn within(frame: &Pose, [x, y]: [f64; 2]) -> Vector3<f64> {
     let (center, normal) = (frame.translation.vector, frame.rotation * Vector3::z());
     let (x, y) = (x - center.x, y - center.y);
@@ -119,19 +119,19 @@ fn within(frame: &Pose, [x, y]: [f64; 2]) -> Vector3<f64> {
 }
 
 impl Cell {
-    /// The places that a wafer passes for a slot, on the line that the arm extends along as the platform then leans.
+    /// Waypoints for a slot, on the line along which the arm extends at the platform's tilt.
     ///
-    /// The axis of a leaning arm crosses the slot's plane beside the robot's: at a height of 150 mm over the platform and 1° by 3 mm, which is much for a wafer that is retracted to a few.
-    /// How far out counts as retracted is measured from where it crosses then, within that plane: the arm's own motors are at the same place whatever the lean.
+    /// The axis of a tilted arm intersects the slot's plane beside the robot's axis: by 3 mm at a height of 150 mm over the platform and 1°, which is much for a wafer that is retracted to a few millimetres.
+    /// The retract distance is measured from that intersection, within the plane: so the arm's motors have the same positions at any tilt.
     ///
     /// # Arguments
-    /// * `near` – positions of all axes that the robot is at
+    /// * `near` – present positions of all axes
     ///
     /// # Errors
-    /// Those of [`Cell::reach`] for the place where the wafer rests.
+    /// Those of [`Cell::reach`] for the resting position.
     ///
     /// # Panics
-    /// If the cell has no such station.
+    /// The cell has no such station.
     pub fn waypoints(
         &self,
         effector: EffectorId,
@@ -140,23 +140,24 @@ impl Cell {
     ) -> Result<Waypoints, Unreachable> {
         let station = &self.stations[slot.station];
         let axis = self.turning_axis(effector, slot, near)?;
-        let way = |axes: [Vector3<f64>; 3]| {
+        let waypoints = |axes: [Vector3<f64>; 3]| {
             station.waypoints(slot.slot, axes.map(|axis| [axis.x, axis.y]))
         };
-        let Waypoints { retracted_below, retracted_above, .. } = way([axis; 3]);
-        // Who cannot come to a retracted place learns that where it is asked for.
-        let retracted =
-            |place: &WaferTarget| self.crossing((effector, slot), place, near).unwrap_or(axis);
-        Ok(way([axis, retracted(&retracted_below), retracted(&retracted_above)]))
+        let Waypoints { retracted_below, retracted_above, .. } = waypoints([axis; 3]);
+        // A retracted pose that is out of reach is reported where it is used.
+        let retracted = |place: &WaferTarget| {
+            self.axis_crossing_at(effector, slot, place, near).unwrap_or(axis)
+        };
+        Ok(waypoints([axis, retracted(&retracted_below), retracted(&retracted_above)]))
     }
 
-    /// Where the axis that the arm turns about crosses the plane of a slot as the wafer rests there, in the base frame [m].
+    /// Intersection of the axis that the arm turns about with the plane of a slot, the wafer resting there, in the base frame [m].
     ///
     /// # Errors
     /// As [`Cell::waypoints`].
     ///
     /// # Panics
-    /// If the cell has no such station.
+    /// The cell has no such station.
     pub fn turning_axis(
         &self,
         effector: EffectorId,
@@ -164,13 +165,14 @@ impl Cell {
         near: &[f64],
     ) -> Result<Vector3<f64>, Unreachable> {
         let resting = self.stations[slot.station].waypoints(slot.slot, [[0.0; 2]; 3]).resting;
-        self.crossing((effector, slot), &resting, near)
+        self.axis_crossing_at(effector, slot, &resting, near)
     }
 
-    /// Where that axis crosses the plane of a slot, the platform leaning as it does with the loaded wafer at a target.
-    fn crossing(
+    /// Intersection of that axis with the plane of a slot, the platform tilted for the loaded wafer at a target.
+    fn axis_crossing_at(
         &self,
-        (effector, slot): (EffectorId, SlotId),
+        effector: EffectorId,
+        slot: SlotId,
         target: &WaferTarget,
         near: &[f64],
     ) -> Result<Vector3<f64>, Unreachable> {
@@ -211,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn all_places_lie_in_the_planes_of_the_slot() {
+    fn waypoints_lie_in_planes_parallel_to_the_slot() {
         for approach in [Approach::Radial, Approach::Line] {
             let station = station(approach, 0.4);
             let frame = station.slot_frame(7);
@@ -233,7 +235,7 @@ mod tests {
                 assert!((height(target) - expected).abs() < 1e-15, "{approach:?} {target:?}");
             }
             assert!((height(&way.retracted_above) - 0.003).abs() < 1e-15);
-            // Straight below the way in the slot's plane, and as far from the axis as asked for.
+            // Vertically below the line in the slot's plane, and at the distance from the axis that was asked for.
             let out = way.retracted_below.center - way.below.center;
             let retracted = way.resting.center + out - Vector3::new(axis[0], axis[1], 0.0);
             let normal = frame.rotation * Vector3::z();
@@ -245,11 +247,11 @@ mod tests {
     }
 
     #[test]
-    fn the_way_in_is_radial_or_along_the_station() {
+    fn approach_is_radial_or_along_the_station() {
         let radial = station(Approach::Radial, 0.2);
         let way = radial.waypoints(1, [[0.0; 2]; 3]);
         let (near, far) = (way.retracted_below.center.xy(), way.below.center.xy());
-        // Both on a line through the axis but for the little that the plane of passing lies aside.
+        // Both on a line through the axis but for the small offset of the entering plane.
         assert!((near.x * far.y - near.y * far.x).abs() < 1e-4);
         assert_eq!(way.resting.heading, None);
         let line = station(Approach::Line, 0.45);
@@ -265,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn a_way_that_passes_the_axis_ends_where_it_is_nearest() {
+    fn approach_past_the_axis_retracts_to_its_nearest_point() {
         let station = station(Approach::Line, 0.01);
         let way = station.waypoints(1, [[0.0; 2]; 3]);
         let inward = station.base_from_station.rotation * Vector3::y();

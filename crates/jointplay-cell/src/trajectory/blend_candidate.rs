@@ -7,7 +7,7 @@ use super::blend::Blend;
 use super::limits::scaled_axis_limits;
 use super::profile::AxisState;
 use super::segment::Segment;
-use crate::geometry::{Placed, Solid, outside};
+use crate::geometry::{Collider, PlacedCollider, signed_distance};
 use crate::program::{Phase, Step};
 use crate::robot::{ArmChain, AxesMotion, KinematicLimits, Positions, RODS};
 use crate::workcell::Cell;
@@ -33,7 +33,7 @@ const SLOWDOWN_FACTORS: [f64; 5] = [1.0, 1.01, 1.03, 1.08, 1.2];
 pub(super) struct BlendConditions<'a> {
     pub(super) cell: &'a Cell,
     /// Zones in which the centres of wafers have to stay while the robot turns.
-    pub(super) safe_zones: &'a [Solid],
+    pub(super) safe_zones: &'a [Collider],
 }
 
 /// Two successive segments that may overlap.
@@ -309,14 +309,14 @@ impl BlendSample {
         if candidate.steps[owner].phase != Phase::Turn {
             return false;
         }
-        let distance = |zone: &Solid, chain: &ArmChain, motion: usize| {
+        let distance = |zone: &Collider, chain: &ArmChain, motion: usize| {
             let loaded = candidate.steps[0].loaded.contains(&chain.effector);
             let cell = candidate.conditions.cell;
             let wafer = cell.wafer_pose_by(chain, &self.rates[motion][0], loaded).ok()?;
-            let placed = Placed { solid: zone, base_from_carrier: &Pose::identity() };
-            Some(outside(placed, &wafer.translation.vector))
+            let placed = PlacedCollider { collider: zone, base_from_parent: &Pose::identity() };
+            Some(signed_distance(placed, &wafer.translation.vector))
         };
-        let leaves = |zone: &Solid| {
+        let leaves = |zone: &Collider| {
             candidate.chains.iter().any(|chain| {
                 let superposed = distance(zone, chain, SUPERPOSED);
                 superposed.is_some_and(|distance| distance > 0.0)

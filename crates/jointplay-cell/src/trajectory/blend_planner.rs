@@ -8,8 +8,10 @@ use super::blend::Blend;
 use super::blend_candidate::{BlendCandidate, BlendConditions};
 use super::segment::Segment;
 use super::segment_key::segment_key;
-use crate::geometry::{Solid, Solids};
-use crate::incremental::{Interrupted, Kept, Key, Run, anew, extend};
+use crate::geometry::{Collider, ColliderCache};
+use crate::incremental::{
+    Execution, Fingerprint, GenerationalCache, Interrupted, Unique, compute_missing,
+};
 use crate::program::Step;
 use crate::workcell::{Cell, Zone, ZoneRule};
 
@@ -17,19 +19,19 @@ use crate::workcell::{Cell, Zone, ZoneRule};
 #[derive(Default)]
 pub(super) struct BlendPlanner {
     /// Factors of time by which both segments at a corner are slowed.
-    slowdowns: Kept<f64>,
-    slowed: Kept<Segment>,
-    blends: Kept<Option<Blend>>,
-    solids: Solids,
+    slowdowns: GenerationalCache<f64>,
+    slowed: GenerationalCache<Unique<Segment>>,
+    blends: GenerationalCache<Option<Blend>>,
+    solids: ColliderCache,
     /// Zones in which the centres of wafers have to stay while the robot turns.
-    safe_zones: Vec<Solid>,
+    safe_zones: Vec<Collider>,
 }
 
-/// Steps with their segments, and the factors of time by which the segments were slowed.
+/// SegmentChecks with their segments, and the factors of time by which the segments were slowed.
 #[derive(Clone, Copy)]
 pub(super) struct SlowedSegments<'a> {
     pub(super) steps: &'a [Step],
-    pub(super) segments: &'a [Arc<Segment>],
+    pub(super) segments: &'a [Arc<Unique<Segment>>],
     pub(super) factors: &'a [f64],
 }
 
@@ -56,11 +58,11 @@ impl<'a> SlowedSegments<'a> {
     }
 
     /// Fingerprint of what the blend of a step with the next depends on.
-    fn key(self, first: usize) -> Key {
-        let mut key = Key::new();
+    fn key(self, first: usize) -> Fingerprint {
+        let mut key = Fingerprint::default();
         for index in [first, first + 1] {
-            key.extend(segment_key(&self.steps[index]));
-            extend(&mut key, &[self.factors[index], self.steps[index].blend]);
+            key.add(&segment_key(&self.steps[index]));
+            key.add(&self.factors[index]).add(&self.steps[index].blend);
         }
         key
     }
@@ -71,10 +73,10 @@ impl BlendPlanner {
     ///
     /// # Arguments
     /// * `shared` – fingerprint of what all segments depend on
-    pub(super) fn begin(&mut self, cell: &Cell, shared: &str) {
+    pub(super) fn begin(&mut self, cell: &Cell, shared: &Fingerprint) {
         self.slowed.begin(shared);
         let zones = || cell.zones.iter().filter(|zone| zone.rule == ZoneRule::Safe);
-        let shared = format!("{shared} {:?}", zones().collect::<Vec<_>>());
+        let shared = shared.clone().with(&zones().collect::<Vec<_>>());
         self.slowdowns.begin(&shared);
         self.blends.begin(&shared);
         self.solids.begin();
@@ -95,8 +97,8 @@ impl BlendPlanner {
         &mut self,
         cell: &Cell,
         steps: &[Step],
-        segments: &mut [Arc<Segment>],
-        run: Run<'_>,
+        segments: &mut [Arc<Unique<Segment>>],
+        execution: Execution<'_>,
     ) -> Result<Vec<f64>, Interrupted> {
         let conditions = BlendConditions { cell, safe_zones: &self.safe_zones };
         let at_full_speed = vec![1.0_f64; steps.len()];
@@ -104,28 +106,28 @@ impl BlendPlanner {
         let corners: Vec<usize> = (0..steps.len().saturating_sub(1))
             .filter(|&first| original.candidate(conditions, first).is_some())
             .collect();
-        let keys = |of: SlowedSegments<'_>| -> Vec<(usize, Key)> {
+        let keys = |of: SlowedSegments<'_>| -> Vec<(usize, Fingerprint)> {
             corners.iter().map(|&first| (first, of.key(first))).collect()
         };
         let original_keys = keys(original);
-        compute_missing(&mut self.slowdowns, &original_keys, run, |first| {
+        compute_missing_corners(&mut self.slowdowns, &original_keys, execution, |first| {
             original.candidate(conditions, first).map_or(1.0, |one| one.best_slowdown())
         })?;
         let mut factors = at_full_speed.clone();
         for (first, key) in &original_keys {
-            let Ok(factor) = self.slowdowns.get::<Infallible>(key.clone(), || Ok(1.0));
+            let Ok(factor) = self.slowdowns.get_or_compute::<Infallible>(key.clone(), || Ok(1.0));
             // A segment has two corners: the larger factor serves both.
             for factor_of in &mut factors[*first..first + 2] {
                 *factor_of = factor_of.max(*factor);
             }
         }
-        let slowed: Vec<Arc<Segment>> = (0..steps.len())
+        let slowed: Vec<Arc<Unique<Segment>>> = (0..steps.len())
             .map(|k| slow_segment(&mut self.slowed, &steps[k], &segments[k], factors[k]))
             .collect();
         let slow = SlowedSegments { steps, segments: &slowed, factors: &factors };
         for (of, keys) in [(original, original_keys), (slow, keys(slow))] {
             let blend = |first| of.candidate(conditions, first).and_then(|one| one.blend());
-            compute_missing(&mut self.blends, &keys, run, blend)?;
+            compute_missing_corners(&mut self.blends, &keys, execution, blend)?;
         }
         // Factors are chosen for each corner alone; whether a run of blended steps gains by all of them together is decided from rest to rest.
         let mut chosen = vec![1.0; steps.len()];
@@ -168,37 +170,41 @@ impl BlendPlanner {
     ) -> Option<Blend> {
         let conditions = BlendConditions { cell, safe_zones: &self.safe_zones };
         let candidate = slowed.candidate(conditions, first)?;
-        let Ok(blend) = self.blends.get::<Infallible>(slowed.key(first), || Ok(candidate.blend()));
+        let Ok(blend) =
+            self.blends.get_or_compute::<Infallible>(slowed.key(first), || Ok(candidate.blend()));
         *blend
     }
 }
 
 /// A segment slowed by a factor of time.
 fn slow_segment(
-    cache: &mut Kept<Segment>,
+    cache: &mut GenerationalCache<Unique<Segment>>,
     step: &Step,
-    segment: &Arc<Segment>,
+    segment: &Arc<Unique<Segment>>,
     factor: f64,
-) -> Arc<Segment> {
+) -> Arc<Unique<Segment>> {
     if factor == 1.0 {
         return Arc::clone(segment);
     }
     let mut key = segment_key(step);
-    extend(&mut key, &[factor]);
-    let Ok(slowed) = cache.get::<Infallible>(key, || Ok(segment.slowed(factor)));
+    key.add(&factor);
+    let Ok(slowed) =
+        cache.get_or_compute::<Infallible>(key, || Ok(Unique::new(segment.slowed(factor))));
     slowed
 }
 
 /// Computes the results of corners that are not in the cache.
-fn compute_missing<T: Send + Sync>(
-    cache: &mut Kept<T>,
-    corners: &[(usize, Key)],
-    run: Run<'_>,
+fn compute_missing_corners<T: Send + Sync>(
+    cache: &mut GenerationalCache<T>,
+    corners: &[(usize, Fingerprint)],
+    execution: Execution<'_>,
     compute: impl Fn(usize) -> T + Sync,
 ) -> Result<(), Interrupted> {
-    let missing = corners.iter().filter(|(_, key)| !cache.knows(key));
-    for (key, computed) in anew(missing.map(|(first, key)| (*first, key)), run, compute)? {
-        let Ok(_) = cache.get::<Infallible>(key, || Ok(computed));
+    let missing = corners.iter().filter(|(_, key)| !cache.contains(key));
+    for (key, computed) in
+        compute_missing(missing.map(|(first, key)| (*first, key)), execution, compute)?
+    {
+        let Ok(_) = cache.get_or_compute::<Infallible>(key, || Ok(computed));
     }
     Ok(())
 }

@@ -23,7 +23,7 @@ impl AxisSampler {
     /// # Arguments
     /// * `times` – since the start of the step, in growing order [s]
     pub(crate) fn sample_step(&mut self, trajectory: &Trajectory, index: usize, times: &[f64]) {
-        let (step, segment) = (&trajectory.steps[index], &*trajectory.segments[index]);
+        let (step, segment) = (&trajectory.steps[index], &**trajectory.segments[index]);
         self.moving = trajectory.moving_axes(index);
         if self.states.len() < self.moving.len() {
             self.states.resize_with(self.moving.len(), Vec::new);

@@ -14,7 +14,10 @@ use super::segment_key::{moves, segment_key, shared_key};
 use super::synchronized::synchronized_profile;
 use super::time_parameterization::TimeParameterization;
 use super::trajectory::Trajectory;
-use crate::incremental::{CacheStats, Interrupted, Kept, Key, Run, anew, whole};
+use crate::incremental::{
+    CacheStats, Execution, Fingerprint, GenerationalCache, Interrupted, Unique, compute_missing,
+    uninterrupted,
+};
 use crate::program::{Path, Step};
 use crate::robot::{ArmChain, AxisKind, EffectorId, KinematicLimits, RODS};
 use crate::workcell::Cell;
@@ -31,13 +34,18 @@ pub fn plan_trajectory(
     steps: Vec<Step>,
     options: &TrajectoryOptions,
 ) -> Result<Trajectory, TrajectoryError> {
-    whole(SegmentCache::default().plan_trajectory(cell, steps, options, Run::one_by_one()))
+    uninterrupted(SegmentCache::default().plan_trajectory(
+        cell,
+        steps,
+        options,
+        Execution::unobserved(),
+    ))
 }
 
 /// Segments and blends of the last trajectory, by what they depend on.
 #[derive(Default)]
 pub(crate) struct SegmentCache {
-    segments: Kept<Segment>,
+    segments: GenerationalCache<Unique<Segment>>,
     blends: BlendPlanner,
 }
 
@@ -52,11 +60,15 @@ struct Errors<'a> {
 
 impl Errors<'_> {
     /// The segment of a step; the error is recorded, and a dwell without duration takes its place.
-    fn or_empty(&mut self, step: usize, planned: Planned<Arc<Segment>>) -> Arc<Segment> {
+    fn or_empty(
+        &mut self,
+        step: usize,
+        planned: Planned<Arc<Unique<Segment>>>,
+    ) -> Arc<Unique<Segment>> {
         planned.unwrap_or_else(|kind| {
             let Step { instruction, place, .. } = self.steps[step];
             self.found.push(StepError { step, instruction, place, kind });
-            Arc::new(Segment::Dwell { duration: 0.0 })
+            Arc::new(Unique::new(Segment::Dwell { duration: 0.0 }))
         })
     }
 }
@@ -74,15 +86,15 @@ impl SegmentCache {
         cell: &Cell,
         steps: Vec<Step>,
         options: &TrajectoryOptions,
-        run: Run<'_>,
+        execution: Execution<'_>,
     ) -> Result<Result<Trajectory, TrajectoryError>, Interrupted> {
         let shared = shared_key(cell, options);
         self.segments.begin(&shared);
         self.blends.begin(cell, &shared);
         let mut errors = Errors { steps: &steps, found: Vec::new() };
-        let mut segments = self.segments_of(cell, options, &mut errors, run)?;
-        let factors = self.blends.slow(cell, &steps, &mut segments, run)?;
-        let clock = self.clock(cell, &mut segments, &factors, &mut errors, run)?;
+        let mut segments = self.segments_of(cell, options, &mut errors, execution)?;
+        let factors = self.blends.slow(cell, &steps, &mut segments, execution)?;
+        let clock = self.clock(cell, &mut segments, &factors, &mut errors, execution)?;
         self.segments.end();
         self.blends.end();
         let mut found = errors.found;
@@ -101,16 +113,18 @@ impl SegmentCache {
         cell: &Cell,
         options: &TrajectoryOptions,
         errors: &mut Errors<'_>,
-        run: Run<'_>,
-    ) -> Result<Vec<Arc<Segment>>, Interrupted> {
+        execution: Execution<'_>,
+    ) -> Result<Vec<Arc<Unique<Segment>>>, Interrupted> {
         let steps = errors.steps;
-        let keys: Vec<(usize, Key)> = (0..steps.len())
+        let keys: Vec<(usize, Fingerprint)> = (0..steps.len())
             .filter(|&index| moves(&steps[index]) && invalid(cell, steps, index).is_none())
             .map(|index| (index, segment_key(&steps[index])))
             .collect();
         let missing = keys.iter().map(|(index, key)| (*index, key));
-        let missing = missing.filter(|(_, key)| !self.segments.knows(key));
-        let mut computed = anew(missing, run, |index| plan_segment(cell, &steps[index], options))?;
+        let missing = missing.filter(|(_, key)| !self.segments.contains(key));
+        let mut computed = compute_missing(missing, execution, |index| {
+            plan_segment(cell, &steps[index], options)
+        })?;
         let mut segments = Vec::with_capacity(steps.len());
         for (index, step) in steps.iter().enumerate() {
             let planned = match invalid(cell, steps, index) {
@@ -121,7 +135,7 @@ impl SegmentCache {
                 None => match step.path {
                     Path::Dwell(duration) => self.dwell(duration, step),
                     // The duration is known once all steps before are on the clock.
-                    _ => Ok(Arc::new(Segment::Dwell { duration: 0.0 })),
+                    _ => Ok(Arc::new(Unique::new(Segment::Dwell { duration: 0.0 }))),
                 },
             };
             segments.push(errors.or_empty(index, planned));
@@ -133,28 +147,29 @@ impl SegmentCache {
     fn moving_segment(
         &mut self,
         step: &Step,
-        computed: &mut BTreeMap<Key, Planned<Segment>>,
+        computed: &mut BTreeMap<Fingerprint, Planned<Segment>>,
         plan: impl FnOnce() -> Planned<Segment>,
-    ) -> Planned<Arc<Segment>> {
+    ) -> Planned<Arc<Unique<Segment>>> {
         let key = segment_key(step);
         // Errors are not cached: a second step like this one plans again and reports its own.
         let found = computed.remove(&key);
-        self.segments.get(key, || found.unwrap_or_else(plan))
+        self.segments.get_or_compute(key, || found.unwrap_or_else(plan).map(Unique::new))
     }
 
     /// A dwell, which depends on its duration alone.
-    fn dwell(&mut self, duration: f64, step: &Step) -> Planned<Arc<Segment>> {
-        self.segments.get(vec![duration.to_bits()], || plan_dwell(duration, step))
+    fn dwell(&mut self, duration: f64, step: &Step) -> Planned<Arc<Unique<Segment>>> {
+        let inputs = Fingerprint::default().with(&duration);
+        self.segments.get_or_compute(inputs, || plan_dwell(duration, step).map(Unique::new))
     }
 
     /// Puts all segments on one clock: blends neighbours, and determines the waits for processes.
     fn clock(
         &mut self,
         cell: &Cell,
-        segments: &mut [Arc<Segment>],
+        segments: &mut [Arc<Unique<Segment>>],
         factors: &[f64],
         errors: &mut Errors<'_>,
-        run: Run<'_>,
+        execution: Execution<'_>,
     ) -> Result<Clock, Interrupted> {
         let steps = errors.steps;
         let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
@@ -162,7 +177,7 @@ impl SegmentCache {
         let (mut now, mut is_over) = (0.0, false);
         times.push(now);
         for (index, step) in steps.iter().enumerate() {
-            run.poll()?;
+            execution.check_interruption()?;
             if let Path::ProcessDwell { since, seconds } = step.path {
                 let planned = if since < index {
                     // Summed over the steps since the wafer was placed, not as a difference of times: the same steps make the same wait wherever they are in a program, to the bit.
@@ -201,8 +216,8 @@ impl SegmentCache {
     }
 
     /// Cache statistics of the segments in the last trajectory.
-    pub(crate) fn reuse(&self) -> CacheStats {
-        self.segments.reuse()
+    pub(crate) fn stats(&self) -> CacheStats {
+        self.segments.stats()
     }
 }
 

@@ -7,6 +7,7 @@ use super::profile::JerkLimitedProfile;
 use super::segment::Segment;
 use super::spline::Spline;
 use super::trajectory::Trajectory;
+use crate::incremental::Unique;
 use crate::program::Step;
 
 /// Mean duration of a straight path of all axes for each unit of its longest displacement [s/m or s/rad].
@@ -30,5 +31,10 @@ pub(crate) fn straight(step: Step) -> Trajectory {
         Segment::Line { path: Arc::new(path), parameter }
     };
     let times = vec![0.0, segment.duration()];
-    Trajectory { steps: vec![step], times, segments: vec![Arc::new(segment)], blends: vec![None] }
+    Trajectory {
+        steps: vec![step],
+        times,
+        segments: vec![Arc::new(Unique::new(segment))],
+        blends: vec![None],
+    }
 }

@@ -8,7 +8,7 @@ use super::blend::Blend;
 use super::profile::hash_numbers;
 use super::sample::{Sample, SampleTimes};
 use super::segment::Segment;
-use crate::incremental::{Key, extend};
+use crate::incremental::{Fingerprint, Unique};
 use crate::program::Step;
 
 /// Discontinuities of the jerk closer to each other than this are one: they differ by round-off [s].
@@ -22,7 +22,7 @@ pub struct Trajectory {
     /// Start time of each step, and the end time of the last; where a step is blended with the next, the middle of their overlap [s].
     pub times: Vec<f64>,
     /// Motion of all axes in each step.
-    pub(super) segments: Vec<Arc<Segment>>,
+    pub(super) segments: Vec<Arc<Unique<Segment>>>,
     /// Blend of each step with the next.
     pub(super) blends: Vec<Option<Blend>>,
 }
@@ -77,7 +77,7 @@ impl Trajectory {
     /// Whether no axis moves in a step.
     #[must_use]
     pub fn is_dwell(&self, step: usize) -> bool {
-        matches!(*self.segments[step], Segment::Dwell { .. })
+        matches!(**self.segments[step], Segment::Dwell { .. })
     }
 
     /// Whether a step takes time; waiting for a station whose process is over takes none.
@@ -102,7 +102,7 @@ impl Trajectory {
     /// Deviation of a step from its Cartesian line; `None` for steps that are not lines.
     #[must_use]
     pub fn line_deviation(&self, step: usize) -> Option<LineDeviation> {
-        match &*self.segments[step] {
+        match &**self.segments[step] {
             Segment::Line { path, .. } => Some(LineDeviation {
                 length: path.length,
                 distance: path.deviation,
@@ -115,7 +115,7 @@ impl Trajectory {
     /// Axis that determines the duration of a point-to-point step; `None` where no axis moves, and for lines, whose axes are coupled.
     #[must_use]
     pub fn limiting_axis(&self, step: usize) -> Option<usize> {
-        match &*self.segments[step] {
+        match &**self.segments[step] {
             Segment::PointToPoint(profile) => profile.limiting_axis,
             _ => None,
         }
@@ -227,9 +227,9 @@ impl Trajectory {
     /// A hash depends on the step and on the neighbours that overlap with it, and not on when the step starts.
     #[must_use]
     pub fn fingerprints(&self) -> Vec<u64> {
-        let mut known: BTreeMap<*const Segment, u64> = BTreeMap::new();
-        let mut segment_hash = |segment: &Arc<Segment>| {
-            *known.entry(Arc::as_ptr(segment)).or_insert_with(|| {
+        let mut known: BTreeMap<u64, u64> = BTreeMap::new();
+        let mut segment_hash = |segment: &Unique<Segment>| {
+            *known.entry(segment.identity()).or_insert_with(|| {
                 let mut hasher = DefaultHasher::new();
                 segment.hash(&mut hasher);
                 hasher.finish()
@@ -255,32 +255,22 @@ impl Trajectory {
     }
 
     /// Segment of a step, then those of the previous and the next step where they overlap with it, each with half of the overlap [s].
-    fn overlapping_segments(&self, step: usize) -> [(Option<&Arc<Segment>>, f64); 3] {
+    fn overlapping_segments(&self, step: usize) -> [(Option<&Unique<Segment>>, f64); 3] {
         let HalfOverlaps { previous, next } = self.half_overlaps(step);
         [
-            (Some(&self.segments[step]), 0.0),
-            (if previous > 0.0 { Some(&self.segments[step - 1]) } else { None }, previous),
-            (if next > 0.0 { Some(&self.segments[step + 1]) } else { None }, next),
+            (Some(&*self.segments[step]), 0.0),
+            (if previous > 0.0 { Some(&*self.segments[step - 1]) } else { None }, previous),
+            (if next > 0.0 { Some(&*self.segments[step + 1]) } else { None }, next),
         ]
     }
 
     /// Fingerprint of the motion of all axes in a step.
-    ///
-    /// Segments enter by address: whoever stores the fingerprint also stores [`Self::segments_of`], so that no other segment gets one of these addresses.
-    pub(crate) fn key(&self, index: usize) -> Key {
-        let step = &self.steps[index];
-        let mut key = Key::new();
+    pub(crate) fn step_fingerprint(&self, index: usize) -> Fingerprint {
+        let mut fingerprint = Fingerprint::default();
         for (segment, overlap) in self.overlapping_segments(index) {
-            key.push(segment.map_or(0, |segment| Arc::as_ptr(segment) as u64));
-            key.push(overlap.to_bits());
+            fingerprint.add(&segment).add(&overlap);
         }
-        extend(&mut key, &step.from);
-        extend(&mut key, &step.to);
-        key
-    }
-
-    /// Segments that [`Self::key`] depends on.
-    pub(crate) fn segments_of(&self, step: usize) -> [Option<Arc<Segment>>; 3] {
-        self.overlapping_segments(step).map(|(segment, _)| segment.map(Arc::clone))
+        fingerprint.add(&self.steps[index].from).add(&self.steps[index].to);
+        fingerprint
     }
 }

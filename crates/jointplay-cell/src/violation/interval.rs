@@ -1,15 +1,27 @@
-//! What is broken in one step, sample by sample, merged into stretches of time.
+//! Violations of one segment, merged from sample to sample into intervals of time.
 
 use super::kind::{Kind, Unit};
 
-/// What something is about, so that it is known again at the next sample: kind, and indices of what takes part.
-pub(crate) type About = (Kind, usize, usize);
+/// What a violation concerns, to recognize it at the next sample: a kind, and indices of the parts concerned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Subject {
+    pub(crate) kind: Kind,
+    pub(crate) first: usize,
+    pub(crate) second: usize,
+}
 
-/// One thing that is broken at one time.
+impl Subject {
+    /// A violation of the robot as a whole.
+    pub(crate) fn of(kind: Kind) -> Self {
+        Self { kind, first: 0, second: 0 }
+    }
+}
+
+/// Violation at one sample.
 #[derive(Debug, Clone)]
-pub(crate) struct Hit {
-    pub(crate) about: About,
-    /// What it is called: of two bodies that come too near and then touch, the worse of the two.
+pub(crate) struct SampleViolation {
+    pub(crate) subject: Subject,
+    /// Kind that is reported: of a clearance violation that becomes a contact, the worse of the two.
     pub(crate) kind: Kind,
     /// Larger is worse, whatever the kind.
     pub(crate) severity: f64,
@@ -18,79 +30,93 @@ pub(crate) struct Hit {
     pub(crate) unit: Unit,
 }
 
-/// One thing that is broken without a break.
+/// Violation over an interval of time without interruption.
 #[derive(Debug, Clone)]
-pub(crate) struct Stretch {
-    /// The worst of it.
-    pub(crate) hit: Hit,
-    /// When that is, since the start of the step [s].
-    pub(crate) worst: f64,
-    /// First and last time at which it is broken, since the start of the step [s].
+pub(crate) struct ViolationInterval {
+    /// The worst sample.
+    pub(crate) worst: SampleViolation,
+    /// Time of the worst sample since the start of the segment [s].
+    pub(crate) worst_time: f64,
+    /// Start of the interval since the start of the segment [s].
     pub(crate) start: f64,
+    /// End of the interval since the start of the segment [s].
     pub(crate) end: f64,
-    /// Numbers of the samples at which, or before which, that is.
+    /// First sample at which, or before which, the violation occurs.
     pub(crate) first: usize,
+    /// Last sample at which, or before which, the violation occurs.
     pub(crate) last: usize,
     pub(crate) detail: String,
 }
 
-/// When something was found: since the start of the step [s], and at or before which of its samples.
+/// Time of a finding since the start of the segment [s], and the sample at or before which it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct When {
+pub(crate) struct SampleTime {
     pub(crate) time: f64,
     pub(crate) sample: usize,
 }
 
-/// All that is broken in a step so far.
+/// Merges violations at successive samples into intervals.
 #[derive(Debug, Default)]
-pub(crate) struct Found(Vec<Stretch>);
+pub(crate) struct IntervalMerger(Vec<ViolationInterval>);
 
-impl Found {
-    /// What was found so far.
-    pub(crate) fn of(stretches: Vec<Stretch>) -> Self {
-        Self(stretches)
+impl IntervalMerger {
+    /// A merger that continues intervals found before.
+    pub(crate) fn from_intervals(intervals: Vec<ViolationInterval>) -> Self {
+        Self(intervals)
     }
 
-    /// Adds what is broken, to what was broken at the sample before where that is the same; times of one thing grow.
-    pub(crate) fn add(&mut self, when: When, hit: Hit, detail: impl FnOnce() -> String) {
-        let When { time, sample } = when;
-        // The last of its kind: nothing is found of it before that any more.
-        let open = self.0.iter_mut().rev().find(|open| open.hit.about == hit.about);
+    /// Adds a violation; it extends the interval of its subject if that reaches to the sample before. The times of one subject must not decrease.
+    pub(crate) fn add(
+        &mut self,
+        at: SampleTime,
+        violation: SampleViolation,
+        detail: impl FnOnce() -> String,
+    ) {
+        let SampleTime { time, sample } = at;
+        // The last interval of the subject: earlier ones are closed.
+        let open = self.0.iter_mut().rev().find(|open| open.worst.subject == violation.subject);
         if let Some(open) = open.filter(|open| open.last + 1 >= sample) {
             (open.end, open.last) = (time, sample);
-            if hit.severity > open.hit.severity {
-                (open.hit, open.worst) = (hit, time);
+            if violation.severity > open.worst.severity {
+                (open.worst, open.worst_time) = (violation, time);
             }
             return;
         }
-        let (first, last) = (sample, sample);
-        let (worst, start, end) = (time, time, time);
-        self.0.push(Stretch { hit, worst, start, end, first, last, detail: detail() });
+        self.0.push(ViolationInterval {
+            worst: violation,
+            worst_time: time,
+            start: time,
+            end: time,
+            first: sample,
+            last: sample,
+            detail: detail(),
+        });
     }
 
-    /// Adds what was found in the next window, whose first sample is the last of the window before.
+    /// Adds the intervals of the next window, whose first sample is the last of the window before.
     ///
     /// # Arguments
-    /// * `first` – number of that sample in the step
-    pub(crate) fn join(&mut self, next: Vec<Stretch>, first: usize) {
-        for mut stretch in next {
-            (stretch.first, stretch.last) = (stretch.first + first, stretch.last + first);
-            let open = self.0.iter_mut().rev().find(|open| open.hit.about == stretch.hit.about);
-            match open.filter(|open| open.last + 1 >= stretch.first) {
+    /// * `first` – number of that sample in the segment
+    pub(crate) fn join(&mut self, next: Vec<ViolationInterval>, first: usize) {
+        for mut interval in next {
+            (interval.first, interval.last) = (interval.first + first, interval.last + first);
+            let subject = interval.worst.subject;
+            let open = self.0.iter_mut().rev().find(|open| open.worst.subject == subject);
+            match open.filter(|open| open.last + 1 >= interval.first) {
                 Some(open) => {
-                    (open.end, open.last) = (stretch.end, stretch.last);
-                    if stretch.hit.severity > open.hit.severity {
-                        (open.hit, open.worst) = (stretch.hit, stretch.worst);
+                    (open.end, open.last) = (interval.end, interval.last);
+                    if interval.worst.severity > open.worst.severity {
+                        (open.worst, open.worst_time) = (interval.worst, interval.worst_time);
                     }
                 }
-                None => self.0.push(stretch),
+                None => self.0.push(interval),
             }
         }
     }
 
-    /// All of it, what began first at the front.
-    pub(crate) fn finished(mut self) -> Vec<Stretch> {
-        self.0.sort_by_key(|stretch| stretch.first);
+    /// All intervals in the order of their first samples.
+    pub(crate) fn into_intervals(mut self) -> Vec<ViolationInterval> {
+        self.0.sort_by_key(|interval| interval.first);
         self.0
     }
 }

@@ -2,49 +2,49 @@
 
 use std::fmt;
 
-/// What a motion may break.
+/// Kinds of violations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Kind {
-    /// An axis is beyond its least or largest position.
+    /// The position of an axis is out of its range.
     Position,
-    /// An axis is too fast.
+    /// The velocity of an axis exceeds its limit.
     Velocity,
-    /// An axis accelerates too much.
+    /// The acceleration of an axis exceeds its limit.
     Acceleration,
-    /// The acceleration of an axis changes too fast.
+    /// The jerk of an axis exceeds its limit.
     Jerk,
-    /// The platform leans too far.
+    /// The tilt of the platform exceeds its limit.
     Tilt,
-    /// The virtual joints move further than the mechanism has play for.
+    /// The displacement of the virtual joints exceeds the play budget.
     Play,
-    /// The platform cannot be placed over its rods.
+    /// The pose of the platform is unknown.
     Platform,
-    /// Nothing is known of how the arm droops there.
+    /// The droop of an arm is unknown at this reach.
     Droop,
-    /// A wafer slips on its effector.
+    /// A held wafer slips.
     Slip,
-    /// Two bodies touch.
+    /// Two collision objects touch or penetrate.
     Collision,
-    /// Two bodies come too near.
+    /// Two collision objects violate their clearance.
     Clearance,
-    /// A wafer, or what carries one, comes too near to the wafers of a station it reaches into.
+    /// An end effector or its wafer violates the slot clearance of a station.
     SlotClearance,
-    /// A body is where none may be.
+    /// A collision object is in a keep-out zone.
     KeepOut,
-    /// A wafer's centre leaves the zone it has to stay in while the robot turns.
+    /// The centre of an end effector leaves a safe zone while the robot turns.
     SafeZone,
 }
 
-/// What a number counts in.
+/// Quantity of the value and limit of a violation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unit {
-    /// Metres, or a derivative of them by time.
+    /// Length, or one of its derivatives by time.
     Length,
-    /// Radians, or a derivative of them by time.
+    /// Angle, or one of its derivatives by time.
     Angle,
-    /// Accelerations [m/s²].
+    /// Specific force [m/s²].
     Acceleration,
-    /// Nothing: the number says no more than that something is broken.
+    /// No value.
     None,
 }
 

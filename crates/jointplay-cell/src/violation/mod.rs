@@ -1,9 +1,11 @@
-//! Violations: their kinds, their merging from sample to sample, and how a report lists them.
+//! Violations: their kinds, their merging over time, and their entry in a report.
 
 mod interval;
 mod kind;
 mod report_entry;
 
-pub(crate) use interval::{About, Found, Hit, Stretch, When};
+pub(crate) use interval::{
+    IntervalMerger, SampleTime, SampleViolation, Subject, ViolationInterval,
+};
 pub use kind::{Kind, Unit};
 pub use report_entry::Violation;

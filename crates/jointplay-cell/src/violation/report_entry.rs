@@ -5,39 +5,39 @@ use crate::EntityId;
 use crate::program::{Phase, Place};
 use crate::workcell::Cell;
 
-/// A stretch of time in which one thing is broken without a break, within one instruction.
+/// Violation of one limit over an interval of time, within one instruction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Violation {
-    /// What is broken.
+    /// Kind of the violation.
     pub kind: Kind,
     /// Entities concerned: an axis, an effector, an effector and a zone, or two collision objects; empty for the platform.
     pub entities: Vec<EntityId>,
-    /// Index of the instruction in the order of running.
+    /// Index of the instruction in the order of execution.
     pub instruction: usize,
-    /// Where that is written.
+    /// Place of the instruction in the program text.
     pub place: Place,
     /// Index of the step at the worst time.
     pub step: usize,
-    /// What part of the instruction that step is.
+    /// Phase of that step.
     pub phase: Phase,
-    /// First time at which it is broken [s].
+    /// Start of the interval [s].
     pub start: f64,
-    /// Last time at which it is broken [s].
+    /// End of the interval [s].
     pub end: f64,
-    /// When it is worst [s].
+    /// Time of the worst value [s].
     pub worst_time: f64,
-    /// The worst value, in the unit of `unit`; a distance below zero is a depth.
+    /// Worst value in SI units; a negative distance is a penetration depth.
     pub worst: f64,
-    /// What is allowed, in the unit of `unit`.
+    /// Limit in SI units.
     pub limit: f64,
-    /// What `worst` and `limit` count in.
+    /// Quantity of `worst` and `limit`.
     pub unit: Unit,
-    /// Further facts, where there are some.
+    /// Reason, where a pose is unknown.
     pub detail: String,
 }
 
 impl Violation {
-    /// Unit of `worst` and `limit` in SI, empty where they count nothing.
+    /// Symbol of the SI unit of `worst` and `limit`; empty where they have no value.
     #[must_use]
     pub fn symbol(&self) -> &'static str {
         match (self.unit, self.kind) {
@@ -70,31 +70,31 @@ impl Violation {
         match self.kind {
             Kind::Position => {
                 format!(
-                    "axis {} comes to {worst:.6} {unit}, beyond its limit of {limit:.6} {unit}",
+                    "axis {} reaches {worst:.6} {unit}, its limit is {limit:.6} {unit}",
                     name(0)
                 )
             }
             Kind::Velocity => {
                 format!(
-                    "axis {} runs at {worst:.4} {unit}, its limit is {limit:.4} {unit}",
+                    "axis {} moves at {worst:.4} {unit}, its limit is {limit:.4} {unit}",
                     name(0)
                 )
             }
             Kind::Acceleration => format!(
-                "axis {} accelerates by {worst:.4} {unit}, its limit is {limit:.4} {unit}",
+                "axis {} accelerates at {worst:.4} {unit}, its limit is {limit:.4} {unit}",
                 name(0)
             ),
             Kind::Jerk => {
                 format!(
-                    "axis {} jerks by {worst:.3} {unit}, its limit is {limit:.3} {unit}",
+                    "axis {} has a jerk of {worst:.3} {unit}, its limit is {limit:.3} {unit}",
                     name(0)
                 )
             }
             Kind::Tilt => {
-                format!("the platform leans by {worst:.6} rad, its limit is {limit:.6} rad")
+                format!("the platform tilts by {worst:.6} rad, its limit is {limit:.6} rad")
             }
             Kind::Play => format!(
-                "the virtual joints move by {worst:.3e} m, the play budget is {limit:.3e} m"
+                "the virtual joints are displaced by {worst:.3e} m, the play budget is {limit:.3e} m"
             ),
             Kind::Platform | Kind::Droop => self.detail.clone(),
             Kind::Slip if worst.is_infinite() => {
@@ -109,7 +109,7 @@ impl Violation {
             }
             Kind::Collision => format!("{} and {} touch", name(0), name(1)),
             Kind::Clearance => {
-                let [worst, limit] = told_apart(worst, limit);
+                let [worst, limit] = distinguishable(worst, limit);
                 format!(
                     "{} comes within {worst} m of {}, {limit} m are asked for",
                     name(0),
@@ -117,7 +117,7 @@ impl Violation {
                 )
             }
             Kind::SlotClearance => {
-                let [worst, limit] = told_apart(worst, limit);
+                let [worst, limit] = distinguishable(worst, limit);
                 format!(
                     "{} comes within {worst} m of {}, the slots ask for {limit} m",
                     name(0),
@@ -137,8 +137,8 @@ impl Violation {
     }
 }
 
-/// Two lengths in m with six decimals, or with as many more as they need to differ.
-fn told_apart(one: f64, other: f64) -> [String; 2] {
+/// Two lengths with six decimals, or with as many as they need to differ [m].
+fn distinguishable(one: f64, other: f64) -> [String; 2] {
     let with = |decimals: usize| [one, other].map(|length| format!("{length:.decimals$}"));
     (6..12).map(with).find(|[one, other]| one != other).unwrap_or_else(|| with(12))
 }

@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cantilever_obeys_its_differential_equation() {
+    fn cantilever_satisfies_its_differential_equation() {
         // E I w'''' = q, with w = w' = 0 at the joint, no moment and the load at the tip, integrated from the tip.
         let (stiffness, mass_per_length, load, gravity, l) = (900.0, 2.5, 0.13, 9.81, 0.7);
         let droop = Droop::Cantilever { stiffness, mass_per_length };
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn no_droop_exceeds_its_bounds() {
+    fn droop_bounds_are_upper_bounds() {
         let up_and_down = vec![row(0.1, 0.0), row(0.3, 4e-3), row(0.4, -2e-3), row(0.7, 1e-3)];
         let mut weak = up_and_down.clone();
         weak[2].load = 0.05;
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn tables_are_linear_between_their_rows_and_end_where_they_end() {
+    fn droop_table_is_interpolated_and_not_extrapolated() {
         let droop = Droop::Table { rows: vec![row(0.2, 1e-4), row(0.4, 3e-4), row(0.5, 7e-4)] };
         let drop = |reach, load| droop.at(reach, load, 9.81).unwrap().drop;
         assert!((drop(0.2, 0.0) - 1e-4).abs() < 1e-18);

@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn pushed_straight_turned_on_the_spot_and_tilted() {
+    fn friction_of_translation_rotation_and_slope_has_closed_forms() {
         for (support, lever) in SUPPORTS.iter().zip(LEVERS) {
             let grip =
                 |wrench: &RequiredWrench| friction_check(wrench, &wafer(), support, FRICTION);
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn away_from_the_axis_both_add_up() {
+    fn friction_of_translation_and_rotation_adds_up() {
         // Round an axis 0.5 m away: r (α, ω²) for the middle, and R²/2 α about it.
         let (out, velocity, acceleration): (f64, f64, f64) = (0.5, 1.4, 3.0);
         let round = FrameMotion {
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wafer_that_precesses_has_the_moment_of_its_spin() {
+    fn precessing_wafer_needs_the_gyroscopic_moment() {
         // ω = ω₁ e₃ + ω₂ n with the spin ω₂ and the lean fixed: the angular momentum H turns with ω₁, Ḣ = ω₁ e₃ × H.
         let (around, spin, lean) = (2.0, -5.0, 0.4);
         let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), lean);
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wafer_that_is_thrown_or_tipped_is_not_held() {
+    fn lifted_or_tipped_wafer_has_no_friction_margin() {
         for support in &SUPPORTS {
             let grip = |wrench: &RequiredWrench| friction_check(wrench, &wafer(), support, 1e9);
             let mut thrown = level(Vector2::zeros(), 0.0);
@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_held_does_not_slide_and_what_is_pushed_twice_as_much_does() {
+    fn friction_condition_is_sufficient_and_within_a_factor_of_two() {
         let mut state = 7_u64;
         let mut random = move || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);

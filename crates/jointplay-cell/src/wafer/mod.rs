@@ -14,6 +14,7 @@ mod acceleration;
 mod compensation;
 mod deflection;
 mod droop;
+mod fingerprint;
 mod friction;
 mod model;
 mod plate;

@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn on_its_edge_the_closed_form() {
+    fn sag_on_the_edge_has_the_closed_form() {
         for poisson in [0.0_f64, 0.17, 0.28, 0.4] {
             let found = sag(&unit(poisson), &Support::Edge, 1.0).unwrap();
             near(-found.center, (5.0 + poisson) / (64.0 * (1.0 + poisson)), 1e-15);
@@ -328,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn on_points_of_the_edge_the_printed_values() {
+    fn sag_on_edge_points_has_published_values() {
         // Printed for ν = 0.25: three points 0.0362 P a²/D with P = π q a²; two points 0.269 q a⁴/D at the centre and 0.371 q a⁴/D at the free end of the diameter across.
         let three = sag(&unit(0.25), &Support::ThreePoints { radius: 1.0 }, 1.0).unwrap();
         near(-three.center / std::f64::consts::PI, 0.0362, 5e-5);
@@ -338,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn the_plate_touches_its_supports_and_is_balanced() {
+    fn plate_touches_its_supports_in_equilibrium() {
         for half in [0.3, 0.5, 0.75, 0.9, 0.97] {
             let reactions = rails(0.28, half).unwrap();
             near(reactions.iter().map(|(_, share)| share).sum(), 1.0, 1e-9);
@@ -358,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn a_free_edge_is_free_of_moment_and_force() {
+    fn free_edge_has_no_moment_and_force() {
         // Of one wave of one orbit: w'' + ν (w' − m² w) and (Δw)' − (1 − ν) m² (w' − w), by differences at the edge.
         let (poisson, h) = (0.28, 1e-3);
         let orbit = Orbit { radius: 0.6, angle: 0.0, symmetry: 3 };
@@ -398,7 +398,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_shearing_force_jumps_where_points_push() {
+    fn only_the_shear_force_is_discontinuous_at_supports() {
         let b = 0.6;
         let orbit = Orbit { radius: b, angle: 0.0, symmetry: 3 };
         for k in 0..4 {
@@ -414,7 +414,7 @@ mod tests {
     }
 
     #[test]
-    fn the_best_circle_of_three_points_hangs_least() {
+    fn best_support_circle_minimizes_the_sag() {
         let depth = |radius| {
             let found = sag(&unit(0.28), &Support::ThreePoints { radius }, 1.0).unwrap();
             found.highest - found.lowest
@@ -425,7 +425,7 @@ mod tests {
     }
 
     #[test]
-    fn what_carries_no_wafer_is_refused() {
+    fn invalid_supports_are_rejected() {
         let refused = |support| sag(&unit(0.28), &support, 1.0).unwrap_err();
         for radius in [0.0, -1.0, 1.01, f64::NAN] {
             let error = refused(Support::ThreePoints { radius });

@@ -1,4 +1,4 @@
-//! Robots of every kind that the inverse tells apart, and a cell around one.
+//! Robots of every kind that the inverse kinematics distinguishes, and a cell around one.
 
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
@@ -42,7 +42,7 @@ pub(crate) fn arm(name: &str, joints: Vec<ArmJoint>, wafer: [f64; 3]) -> Arm {
     }
 }
 
-/// The paper's robot on a base that is not even, with arms and their motors.
+/// The paper's robot on an uneven base, with arms and their motors.
 pub(crate) fn robot(motors: Vec<Axis>, arms: Vec<Arm>) -> HybridRobot {
     let paper = Gpr::paper();
     let mut limbs: [Limb; 3] = paper.limbs();
@@ -60,7 +60,7 @@ pub(crate) fn robot(motors: Vec<Axis>, arms: Vec<Arm>) -> HybridRobot {
 
 const WIDE: f64 = 2.9;
 
-/// A kind of robot by number, and how many kinds there are.
+/// A kind of robot by its number, and the number of kinds.
 pub(crate) const KINDS: usize = 11;
 
 pub(crate) fn kind(number: usize, lengths: [f64; 3]) -> HybridRobot {
@@ -79,20 +79,20 @@ pub(crate) fn kind(number: usize, lengths: [f64; 3]) -> HybridRobot {
     match number {
         // 1 : −2 : 1, the wafer straight ahead.
         0 => robot(vec![t(), turn("R")], vec![arm("A", belt(3, 4, a), [w, 0.0, 0.005])]),
-        // The same, the wafer aside and the effector bent back.
+        // The same arm, its wafer offset and its effector reversed.
         1 => robot(vec![t(), turn("R")], vec![arm("A", belt(3, 4, a), [-w, 0.03, 0.0])]),
-        // Two such arms on one T.
+        // Two such arms on one T axis.
         2 => robot(
             vec![t(), turn("R1"), turn("R2")],
             vec![arm("A", belt(3, 4, a), [w, 0.0, 0.0]), arm("B", belt(3, 5, b), [w, 0.01, 0.03])],
         ),
-        // A slide.
+        // A prismatic joint.
         3 => {
             let joints =
                 vec![joint(Rotary, 0.2, &[(3, 1.0)], 0.05), joint(Linear, 0.05, &[(4, 1.0)], 0.0)];
             robot(vec![t(), slide("R")], vec![arm("A", joints, [w, 0.04, 0.0])])
         }
-        // Two links whose heading follows, with belts that make it a lattice of half turns.
+        // Two links whose heading follows, with belts that make the revolutions a lattice of half revolutions.
         4 => {
             let joints = vec![
                 joint(Rotary, 0.3, &[(3, 1.0), (4, 1.0)], a),
@@ -122,7 +122,7 @@ pub(crate) fn kind(number: usize, lengths: [f64; 3]) -> HybridRobot {
             joints[2].length = 0.04;
             robot(vec![t(), turn("R"), turn("W")], vec![arm("A", joints, [w, 0.0, 0.0])])
         }
-        // A slide with a wrist.
+        // A prismatic joint with a wrist.
         8 => {
             let joints = vec![
                 joint(Rotary, 0.2, &[(3, 1.0)], 0.05),
@@ -144,7 +144,7 @@ pub(crate) fn kind(number: usize, lengths: [f64; 3]) -> HybridRobot {
                 vec![arm("A", joints, [w, 0.0, 0.0])],
             )
         }
-        // No closed form: a slide before a turning link on a turning one.
+        // No closed form: a prismatic joint before a rotating link on a rotating link.
         _ => {
             let joints = vec![
                 joint(Linear, 0.0, &[(3, 1.0)], 0.0),

@@ -173,7 +173,7 @@ fn leveling_a_station_by_the_advised_angle_is_enough_and_less_is_not() {
         assert!(by > pitch - 1.5 + 0.02, "{by}: {}", run.stderr);
         // It is leveled enough: what may be left is collisions, not the tilt.
         let leveled = checked(pitch - by);
-        assert!(!leveled.stderr.contains("would have to lean"), "{by}: {}", leveled.stderr);
+        assert!(!leveled.stderr.contains("would have to tilt"), "{by}: {}", leveled.stderr);
         let short = checked(pitch - 0.98 * by);
         assert!(short.stderr.contains("by at least"), "{by}: {}", short.stderr);
     }

@@ -16,13 +16,13 @@ impl<'a> Column<'a> {
     /// `len` numbers, each `stride` after the last; a stride of 0 takes the first for all.
     ///
     /// # Errors
-    /// [`Error::WrongLength`] if the slice ends before the last of them.
+    /// [`Error::LengthMismatch`] if the slice ends before the last of them.
     pub fn strided(values: &'a [f64], stride: usize, len: usize) -> Result<Self, Error> {
         let needed =
             len.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(1));
         match needed {
             Some(needed) if needed <= values.len() => Ok(Self { values, stride, len }),
-            _ => Err(Error::WrongLength {
+            _ => Err(Error::LengthMismatch {
                 what: "a column",
                 found: values.len(),
                 expected: needed.unwrap_or(usize::MAX),
@@ -75,7 +75,7 @@ impl<'a> Column<'a> {
     /// Some of the numbers.
     ///
     /// # Panics
-    /// If the range goes beyond the end.
+    /// If the range exceeds the column.
     #[must_use]
     pub fn part(&self, range: Range<usize>) -> Self {
         assert!(
@@ -101,7 +101,7 @@ pub(super) fn same_lengths(
 ) -> Result<(), Error> {
     for (what, found) in found {
         if found != expected {
-            return Err(Error::WrongLength { what, found, expected });
+            return Err(Error::LengthMismatch { what, found, expected });
         }
     }
     Ok(())
@@ -139,7 +139,10 @@ mod tests {
     fn slices_that_end_too_early() {
         for (stride, len) in [(3, 3), (0, 1), (usize::MAX, 3)] {
             let values: &[f64] = if stride == 0 { &[] } else { &[1.0; 5] };
-            assert!(matches!(Column::strided(values, stride, len), Err(Error::WrongLength { .. })));
+            assert!(matches!(
+                Column::strided(values, stride, len),
+                Err(Error::LengthMismatch { .. })
+            ));
         }
     }
 }

@@ -18,7 +18,7 @@ use crate::sensitivity::sensitivity;
 use crate::virtualization::{BuiltIn, SolveOptions, Solver, Virtualization, signed_area};
 
 impl Gpr {
-    /// Where the platform is for each of many rods; see [`Self::forward`].
+    /// Platform poses for many sets of rods; see [`Self::forward`].
     ///
     /// # Arguments
     /// * `rods` – three columns of n: q_1, q_2, q_3 [m]
@@ -26,7 +26,7 @@ impl Gpr {
     /// * `wanted` – what is asked for, each with a column of n that is written, in the unit of the quantity
     ///
     /// # Errors
-    /// [`Error::WrongLength`] for columns of different lengths, [`Error::NoSuchQuantity`], [`Error::VirtualJointCount`], [`Error::OutOfRange`] for the metric.
+    /// [`Error::LengthMismatch`] for columns of different lengths, [`Error::NoSuchQuantity`], [`Error::VirtualJointCount`], [`Error::OutOfRange`] for the metric.
     /// Poses without an answer, or beyond the limits of a robot that checks them, are NaN and have their status.
     ///
     /// # Numerics
@@ -66,7 +66,7 @@ impl Gpr {
     }
 }
 
-/// What one call has to do.
+/// The work of one call.
 struct Work<'a, 'b> {
     gpr: &'a Gpr,
     rods: [Column<'a>; 3],
@@ -127,21 +127,21 @@ struct Within {
     rod_min: f64,
     rod_max: f64,
     /// Square of the largest horizontal part of the plane's normal, of the length of twice the triangle's area in the base [m⁴].
-    lean_squared: f64,
+    horizontal_squared: f64,
 }
 
 impl Within {
     fn of(gpr: &Gpr) -> Self {
         let Limits { rod_min, rod_max, .. } = *gpr.limits();
-        let lean = signed_area(gpr.base_points()) * gpr.steepest();
-        Self { rod_min, rod_max, lean_squared: lean * lean }
+        let horizontal = signed_area(gpr.base_points()) * gpr.steepest();
+        Self { rod_min, rod_max, horizontal_squared: horizontal * horizontal }
     }
 
     #[inline(always)]
     fn holds<S: Simd>(&self, robot: &Robot, rods: &Three<S>, balls: &Balls<S>) -> Mask<S> {
-        let lean = Plane::new(robot, balls).lean_squared();
-        let (least, most) = (lean.like(self.rod_min), lean.like(self.rod_max));
-        let mut within = lean.at_most(lean.like(self.lean_squared));
+        let horizontal = Plane::new(robot, balls).horizontal_squared();
+        let (least, most) = (horizontal.like(self.rod_min), horizontal.like(self.rod_max));
+        let mut within = horizontal.at_most(horizontal.like(self.horizontal_squared));
         for rod in rods {
             within = within & least.at_most(*rod) & rod.at_most(most);
         }
@@ -208,7 +208,7 @@ fn solved<S: Simd, M: Model>(robot: &Robot, options: &SolveOptions, balls: &Ball
     solve::least_norm::<S, M>(robot, balls, options.relative_threshold, options.max_iterations)
 }
 
-/// Which groups of quantities are asked for: what nobody asks for is not computed.
+/// Groups of quantities that are requested; no others are computed.
 struct Needs {
     sides: bool,
     displacement: bool,
@@ -240,7 +240,7 @@ impl Needs {
 /// Places for the values of all quantities.
 const PLACES: usize = 25;
 
-/// Where the value of a quantity stands among those of a block.
+/// Index of the value of a quantity among those of a block.
 #[inline]
 fn place(quantity: Quantity) -> usize {
     match quantity {
@@ -259,7 +259,7 @@ fn place(quantity: Quantity) -> usize {
     }
 }
 
-/// Writes the values that are needed, each what [`value`] is for one pose; says where they can be relied on.
+/// Writes the values that are needed, each what [`value`] is for one pose; returns the lanes whose values are valid.
 #[inline(always)]
 fn fill<S: Simd, M: Model>(
     values: &mut [Lanes<S>; PLACES],
@@ -320,19 +320,24 @@ fn fill<S: Simd, M: Model>(
 fn residual<S: Simd>(balls: &Balls<S>, found: &Found<S>) -> Lanes<S> {
     let ([m_1, m_2, m_3], [l_1, l_2, l_3]) = (found.missing, balls.squares);
     // The largest of three fractions, with one division.
-    let most = larger((m_1.squared(), l_1), (m_2.squared(), l_2));
-    let (most, square) = larger(most, (m_3.squared(), l_3));
-    (most / square).sqrt() * 0.5
+    let fraction = |missing: Lanes<S>, square| Fraction { above: missing.squared(), below: square };
+    let most = larger(fraction(m_1, l_1), fraction(m_2, l_2));
+    let most = larger(most, fraction(m_3, l_3));
+    (most.above / most.below).sqrt() * 0.5
 }
 
-/// The larger of two fractions with positive denominators.
+/// A fraction with a positive denominator, not yet divided.
+#[derive(Clone, Copy)]
+struct Fraction<S: Simd> {
+    above: Lanes<S>,
+    below: Lanes<S>,
+}
+
+/// The larger of two fractions.
 #[inline(always)]
-fn larger<S: Simd>(
-    (a, below_a): (Lanes<S>, Lanes<S>),
-    (b, below_b): (Lanes<S>, Lanes<S>),
-) -> (Lanes<S>, Lanes<S>) {
-    let more = (a * below_b).below(b * below_a);
-    (more.select(b, a), more.select(below_b, below_a))
+fn larger<S: Simd>(a: Fraction<S>, b: Fraction<S>) -> Fraction<S> {
+    let more = (a.above * b.below).below(b.above * a.below);
+    Fraction { above: more.select(b.above, a.above), below: more.select(b.below, a.below) }
 }
 
 #[inline(always)]
@@ -433,7 +438,7 @@ mod tests {
 
     /// Programs that run elsewhere take other registers than those that the laws were tested with.
     #[test]
-    fn every_kind_of_registers_says_the_same() {
+    fn all_register_widths_give_equal_results() {
         let rods = rods();
         for solver in [Solver::Newton, Solver::LeastNorm] {
             let options = SolveOptions { solver, ..SolveOptions::default() };

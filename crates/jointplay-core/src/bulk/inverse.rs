@@ -22,7 +22,7 @@ impl Gpr {
     /// * `rods` – three columns of n, written: q_1, q_2, q_3 [m]
     ///
     /// # Errors
-    /// [`Error::WrongLength`] for columns of different lengths. Poses without rods, or beyond the limits of a robot that checks them, are NaN and have their status.
+    /// [`Error::LengthMismatch`] for columns of different lengths. Poses without rods, or beyond the limits of a robot that checks them, are NaN and have their status.
     ///
     /// # Numerics
     /// Does not allocate. Equal to [`Self::inverse`] to 10⁻¹² of the rod and the base.

@@ -9,7 +9,7 @@ use super::Column;
 /// One number of each pose in a block, in two registers: sixteen with AVX-512, eight with AVX2, four with NEON, else two.
 ///
 /// Two, since each step of a kernel waits for the one before, and while one register waits the other works.
-/// Arithmetic is lane by lane, so that no pose knows of its neighbours.
+/// Arithmetic is lane by lane, so that poses are independent of each other.
 /// In memory they begin where a line of the cache begins: a register that lies across two lines takes both.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
@@ -18,7 +18,7 @@ pub(super) struct Lanes<S: Simd> {
     value: [S::f64s; 2],
 }
 
-/// A yes or no for each pose in a block.
+/// A Boolean for each pose in a block.
 #[derive(Clone, Copy)]
 pub(super) struct Mask<S: Simd> {
     simd: S,
@@ -66,7 +66,7 @@ impl<S: Simd> Lanes<S> {
         Self { simd, value: [whole[0], whole[1]] }
     }
 
-    /// Writes the lanes to a column from `first` on, as far as it goes.
+    /// Writes the lanes to a column from `first` on, up to its end.
     #[inline(always)]
     pub(super) fn store(&self, column: &mut [f64], first: usize) {
         if first + Self::COUNT <= column.len() {
@@ -80,7 +80,7 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
-    /// The numbers of all lanes; those that the machine has not are zero.
+    /// The numbers of all lanes; those that the machine does not have are zero.
     #[inline(always)]
     pub(super) fn numbers(self) -> [f64; MOST] {
         let mut numbers = [0.0; MOST];
@@ -89,7 +89,7 @@ impl<S: Simd> Lanes<S> {
         numbers
     }
 
-    /// A scalar function of each lane, for what is rare.
+    /// A scalar function of each lane, for rare cases.
     #[inline(always)]
     pub(super) fn each(self, function: impl Fn(f64) -> f64) -> Self {
         let mut numbers = self.numbers();
@@ -153,7 +153,7 @@ impl<S: Simd> Lanes<S> {
         Self { value: [self.simd.min_f64s(a, c), self.simd.min_f64s(b, d)], ..self }
     }
 
-    /// Where `self ≤ other`; nowhere beside what is not a number.
+    /// Where `self ≤ other`; false where either is not a number.
     #[inline(always)]
     pub(super) fn at_most(self, other: Self) -> Mask<S> {
         let ([a, b], [c, d], simd) = (self.value, other.value, self.simd);
@@ -161,7 +161,7 @@ impl<S: Simd> Lanes<S> {
         Mask { simd, value }
     }
 
-    /// Where `self < other`; nowhere beside what is not a number.
+    /// Where `self < other`; false where either is not a number.
     #[inline(always)]
     pub(super) fn below(self, other: Self) -> Mask<S> {
         let ([a, b], [c, d], simd) = (self.value, other.value, self.simd);
@@ -181,7 +181,7 @@ impl<S: Simd> Lanes<S> {
 }
 
 impl<S: Simd> Mask<S> {
-    /// `yes` where the mask says so, `no` elsewhere.
+    /// `yes` where the mask is true, `no` elsewhere.
     #[inline(always)]
     pub(super) fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
         let ([a, b], [c, d], [e, f]) = (self.value, yes.value, no.value);
@@ -189,20 +189,20 @@ impl<S: Simd> Mask<S> {
         Lanes { simd, value: [simd.select_f64s(a, c, e), simd.select_f64s(b, d, f)] }
     }
 
-    /// Whether it says yes everywhere.
+    /// Whether all lanes are true.
     #[inline(always)]
     pub(super) fn all(self) -> bool {
         !(!self).any()
     }
 
-    /// Whether it says yes anywhere.
+    /// Whether any lane is true.
     #[inline(always)]
     pub(super) fn any(self) -> bool {
         let [a, b] = self.value;
         self.simd.first_true_m64s(self.simd.or_m64s(a, b)) < S::F64_LANES
     }
 
-    /// What it says of each lane; no for lanes that the machine has not.
+    /// The value of each lane; false for lanes that the machine does not have.
     #[inline(always)]
     pub(super) fn answers(self) -> [bool; MOST] {
         let (one, zero) = (Lanes::splat(self.simd, 1.0), Lanes::splat(self.simd, 0.0));

@@ -14,7 +14,7 @@ impl Gpr {
     /// * `broken` – four columns of n, written: whether rod 1, rod 2, rod 3 and the tilt are beyond their limits
     ///
     /// # Errors
-    /// [`Error::WrongLength`] for columns of different lengths.
+    /// [`Error::LengthMismatch`] for columns of different lengths.
     ///
     /// # Numerics
     /// Does not allocate.

@@ -4,14 +4,14 @@
 //! | --- | --- |
 //! | find the rods of many tilts | [`Gpr::inverse_many`](crate::gpr::Gpr::inverse_many) |
 //! | find the poses of many rods | [`Gpr::forward_many`](crate::gpr::Gpr::forward_many) |
-//! | hand numbers in: contiguous, every n-th, or one for all | [`Column`] |
-//! | say what is wanted | [`Quantity`] |
-//! | know which limits many poses break | [`Gpr::broken_limits_many`](crate::gpr::Gpr::broken_limits_many) |
-//! | know which poses have no answer, and why | [`Status`], [`StatusCounts`] |
-//! | do some at a time | [`parts`] |
+//! | pass numbers: contiguous, every n-th, or one for all | [`Column`] |
+//! | choose the quantities to compute | [`Quantity`] |
+//! | find the limits that many poses exceed | [`Gpr::broken_limits_many`](crate::gpr::Gpr::broken_limits_many) |
+//! | find the poses without a solution, and the reasons | [`Status`], [`StatusCounts`] |
+//! | split the work | [`parts`] |
 //!
-//! Each pose is what [`Gpr::forward`](crate::gpr::Gpr::forward) says of it to 10⁻¹² of the platform's size, and does not depend on the poses beside it.
-//! A pose without an answer, or beyond the limits of a robot that checks them, is NaN in every column of numbers and has its reason in the column of statuses; the others go on.
+//! Each pose equals that of [`Gpr::forward`](crate::gpr::Gpr::forward) to 10⁻¹² of the platform's size, and is independent of the other poses.
+//! A pose without a solution, or beyond the limits of a robot that checks them, is NaN in every column of numbers, and the column of statuses holds its reason; the other poses are computed.
 //!
 //! ```
 //! use jointplay_core::bulk::{Column, Quantity, Status};

@@ -7,8 +7,8 @@ pub type Part<'a> = ([Column<'a>; 3], &'a mut [Status], Vec<&'a mut [f64]>);
 
 /// The poses in parts of at most `most`, one after another.
 ///
-/// A pose does not depend on those beside it, so that the parts together are the whole to the bit.
-/// Columns whose lengths do not agree stay one part, whose work tells so.
+/// Poses are independent of each other, so that the parts together equal the whole to the bit.
+/// Columns of different lengths stay one part, whose computation reports the error.
 ///
 /// # Arguments
 /// * `given` – (3) columns of n numbers that are read

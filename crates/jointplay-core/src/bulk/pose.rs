@@ -1,4 +1,4 @@
-//! Where the platforms of many poses are, once their sockets are known.
+//! Platform poses of many poses, from their sockets.
 
 use pulp::Simd;
 
@@ -31,7 +31,7 @@ impl<S: Simd> Plane<S> {
 
     /// Square of the horizontal part of the normal times twice the area [m⁴].
     #[inline(always)]
-    pub(super) fn lean_squared(&self) -> Lanes<S> {
+    pub(super) fn horizontal_squared(&self) -> Lanes<S> {
         let [x, y, _] = self.across;
         x.times_plus(x, y * y)
     }
@@ -56,17 +56,17 @@ impl<S: Simd> PlatformPoses<S> {
         let area = plane.area;
         // With n the normal: 1/(area (area + z)) gives both n and n/(1 + n_z) in one division.
         let both = ((area + z) * area).inverse();
-        let (per_area, per_lean) = ((area + z) * both, area * both);
+        let (per_area, per_slope) = ((area + z) * both, area * both);
         let normal = [x * per_area, y * per_area, z * per_area];
-        // e_p1 and e_p2 of a platform that leans without turning are e_1 − lean_x (n + e_3) and e_2 − lean_y (n + e_3).
-        let lean = [x * per_lean, y * per_lean];
+        // e_p1 and e_p2 of a platform that tilts without a twist are e_1 − slope_x (n + e_3) and e_2 − slope_y (n + e_3).
+        let slope = [x * per_slope, y * per_slope];
         let (mut cosine, mut sine) = (x.like(0.0), x.like(0.0));
         for k in 0..3 {
             let rise = balls.rises[k];
             let [base_x, base_y] = robot.base_edges[k];
             // The edge between the balls, in axes of the plane.
-            let onto_x = lean[0].times_from(rise, x.like(base_x));
-            let onto_y = lean[1].times_from(rise, x.like(base_y));
+            let onto_x = slope[0].times_from(rise, x.like(base_x));
+            let onto_y = slope[1].times_from(rise, x.like(base_y));
             let [from_x, from_y] = shape.edges[k];
             cosine = from_x.times_plus(onto_x, from_y.times_plus(onto_y, cosine));
             sine = from_y.times_from(onto_x, from_x.times_plus(onto_y, sine));
@@ -87,26 +87,26 @@ impl<S: Simd> PlatformPoses<S> {
             sine.times_from(center[1], cosine * center[0]),
             sine.times_plus(center[0], cosine * center[1]),
         ];
-        let along_lean = lean[0].times_plus(turned[0], lean[1] * turned[1]);
+        let along_slope = slope[0].times_plus(turned[0], slope[1] * turned[1]);
         let rise = normal[0].times_plus(turned[0], normal[1] * turned[1]);
         let origin = [
-            normal[0].times_plus(along_lean, x.like(robot.base_center[0]) - turned[0]),
-            normal[1].times_plus(along_lean, x.like(robot.base_center[1]) - turned[1]),
+            normal[0].times_plus(along_slope, x.like(robot.base_center[0]) - turned[0]),
+            normal[1].times_plus(along_slope, x.like(robot.base_center[1]) - turned[1]),
             balls.mean + rise,
         ];
         Self { origin, normal, turn: [cosine, sine] }
     }
 
-    /// Azimuth toward which the platform leans [rad].
+    /// Azimuth toward which the platform tilts [rad].
     #[inline(always)]
     pub(super) fn yaw(&self) -> Lanes<S> {
         let [x, y, _] = self.normal;
-        // No lean at all has no azimuth, and no sign of a zero.
+        // A level platform has no azimuth, and no sign of a zero.
         let level = (x.abs() + y.abs()).at_most(x.like(0.0));
         level.select(x.like(0.0), angle_of(y, x))
     }
 
-    /// How far it leans [rad].
+    /// Tilt angle [rad].
     #[inline(always)]
     pub(super) fn pitch(&self) -> Lanes<S> {
         let [x, y, z] = self.normal;
@@ -120,7 +120,7 @@ impl<S: Simd> PlatformPoses<S> {
         angle_of(sine, cosine)
     }
 
-    /// Where the platform plane crosses the base axis [m].
+    /// Axis height: height at which the platform plane crosses the base axis [m].
     #[inline(always)]
     pub(super) fn axis_height(&self) -> Lanes<S> {
         let ([x, y, z], [o_x, o_y, o_z]) = (self.normal, self.origin);

@@ -1,4 +1,4 @@
-//! What can be asked of many poses.
+//! Quantities of many poses.
 
 use crate::Error;
 use crate::virtualization::Virtualization;
@@ -16,15 +16,15 @@ pub enum Quantity {
     Origin(usize),
     /// e_b1, e_b2 or e_b3 coordinate of the platform normal.
     Normal(usize),
-    /// Azimuth toward which the platform leans, from −π to π [rad].
+    /// Azimuth toward which the platform tilts, from −π to π [rad].
     Yaw,
-    /// How far it leans, from 0 to π [rad].
+    /// Tilt angle, from 0 to π [rad].
     Pitch,
     /// Turn about the platform normal beyond the shortest rotation to it [rad].
     Twist,
-    /// Where the platform plane crosses the base axis [m].
+    /// Axis height: height at which the platform plane crosses the base axis [m].
     AxisHeight,
-    /// How far the virtual joints are from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) [m].
+    /// Displacement of the virtual joints from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) [m].
     Displacement,
     /// Singular values of ∂X/∂P in the metric, the largest first, as [`sensitivity`](crate::sensitivity::sensitivity) finds them.
     Sensitivity(usize),

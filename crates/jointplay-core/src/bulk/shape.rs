@@ -52,7 +52,7 @@ models! {
     Planar: true, false, true, false;
 }
 
-/// What all poses of a robot under a virtualization share.
+/// Data of a robot under a virtualization that all poses share.
 pub(super) struct Robot {
     /// B_j − B_i in the base plane [m].
     pub(super) base_edges: [[f64; 2]; 3],
@@ -74,7 +74,7 @@ pub(super) struct Robot {
     start_squares: [f64; 3],
     /// The first step from nominal: joints by sides, per change of a squared side.
     first_step: [[f64; 3]; 6],
-    /// How easily `b` gives way beside `a`: 1/ρ², or 1.
+    /// Compliance of `b` relative to `a`: 1/ρ², or 1.
     pub(super) compliance: f64,
     /// 4 · relative threshold².
     threshold: f64,
@@ -165,7 +165,7 @@ impl<S: Simd> Balls<S> {
         Self { mean: (q_1 + q_2 + q_3) * (1.0 / 3.0), rises, squares }
     }
 
-    /// What each squared side has to gain on the nominal sockets [m²].
+    /// Difference of each squared side from that of the nominal sockets [m²].
     #[inline(always)]
     pub(super) fn missing_at_start(&self, robot: &Robot) -> Three<S> {
         let mut missing = self.squares;
@@ -175,7 +175,7 @@ impl<S: Simd> Balls<S> {
         missing
     }
 
-    /// Where what is missing from all squared sides is within the threshold.
+    /// Lanes where the difference of all squared sides is within the threshold.
     #[inline(always)]
     pub(super) fn met(&self, robot: &Robot, missing: &Three<S>) -> Mask<S> {
         // |L − l| ≤ ε max L, squared and with (L + l)² = 4 L², for which no root is needed.
@@ -205,9 +205,9 @@ pub(super) struct Shape<S: Simd> {
 /// How the sides of the triangle answer to the virtual joints.
 #[derive(Clone, Copy)]
 pub(super) struct Response<S: Simd> {
-    /// What `a` and `b` of limb k do to the edge that leaves socket k.
+    /// Effect of `a` and `b` of limb k on the edge that leaves socket k.
     pub(super) leaving: Vectors<S>,
-    /// What they do to the edge that arrives there.
+    /// Effect of `a` and `b` of limb k on the edge that arrives at socket k.
     pub(super) arriving: Vectors<S>,
 }
 
@@ -283,7 +283,7 @@ impl<S: Simd> Shape<S> {
         }
     }
 
-    /// What each squared side has to gain on this triangle [m²].
+    /// Difference of each squared side from that of this triangle [m²].
     #[inline(always)]
     pub(super) fn missing(&self, balls: &Balls<S>) -> Three<S> {
         let mut missing = balls.squares;

@@ -27,7 +27,7 @@ pub(super) fn sensitivity<S: Simd, M: Model>(
 ) -> (Three<S>, Mask<S>) {
     let [l_1, l_2, l_3] = balls.squares;
     let zero = l_1.like(0.0);
-    // A Aᵀ in units of E: twice the squared edges, and less the products of neighbours, which the third edge tells.
+    // A Aᵀ in units of E: twice the squared edges, and less the products of neighbours, which follow from the third edge.
     let diagonal = [l_1 + l_1, l_2 + l_2, l_3 + l_3];
     let product = |opposite: Lanes<S>, a: Lanes<S>, b: Lanes<S>| (a + b - opposite) * 0.5;
     let (b_01, b_12, b_20) =
@@ -90,7 +90,7 @@ fn dot<S: Simd>(a: &[Lanes<S>; 6], b: &[Lanes<S>; 6]) -> Lanes<S> {
     sum
 }
 
-/// Makes two columns orthogonal; says where they were so already, and leaves those as they are.
+/// Makes two columns orthogonal; returns where they already were, and leaves those unchanged.
 #[inline(always)]
 fn rotate<S: Simd>(columns: &mut [[Lanes<S>; 6]; 3], p: usize, q: usize) -> Mask<S> {
     let (pp, qq) = (dot(&columns[p], &columns[p]), dot(&columns[q], &columns[q]));

@@ -1,6 +1,6 @@
 //! From the sides of many triangles of balls to the virtual joints.
 //!
-//! What [`solve`](crate::virtualization::solve) does for one pose, step by step alike; what does not end within a few steps is left to it.
+//! What [`solve`](crate::virtualization::solve) does for one pose, with the same steps; poses that do not converge within a few steps are left to it.
 
 use pulp::Simd;
 
@@ -57,7 +57,7 @@ pub(super) fn newton<S: Simd, M: Model>(robot: &Robot, balls: &Balls<S>, most: u
 
 /// The least displacement near nominal, see [`Solver::LeastNorm`](crate::virtualization::Solver::LeastNorm).
 ///
-/// Only as long as the full way does not overshoot, which takes displacements of millimetres.
+/// Only where full steps do not overshoot; displacements of millimetres do.
 #[inline(always)]
 pub(super) fn least_norm<S: Simd, M: Model>(
     robot: &Robot,
@@ -251,14 +251,14 @@ fn step<S: Simd, M: Model>(
 #[inline(always)]
 fn normal_matrix<S: Simd, M: Model>(robot: &Robot, response: &Response<S>) -> [Lanes<S>; 6] {
     let zero = response.leaving[0][0].like(0.0);
-    let (mut diagonal, mut beside) = ([zero; 3], [zero; 3]);
+    let (mut diagonal, mut off_diagonal) = ([zero; 3], [zero; 3]);
     for k in 0..3 {
         let before = (k + 2) % 3;
         let ([l_a, l_b], [r_a, r_b]) = (response.leaving[k], response.arriving[k]);
         diagonal[k] = l_a.times_plus(l_a, diagonal[k]);
         diagonal[before] = r_a.times_plus(r_a, diagonal[before]);
         // Entry (k − 1, k).
-        beside[before] = -(l_a * r_a);
+        off_diagonal[before] = -(l_a * r_a);
         if M::ACROSS {
             let (l_c, r_c) = if M::TURNS {
                 (l_b * robot.compliance, r_b * robot.compliance)
@@ -267,8 +267,8 @@ fn normal_matrix<S: Simd, M: Model>(robot: &Robot, response: &Response<S>) -> [L
             };
             diagonal[k] = l_c.times_plus(l_b, diagonal[k]);
             diagonal[before] = r_c.times_plus(r_b, diagonal[before]);
-            beside[before] = l_c.times_from(r_b, beside[before]);
+            off_diagonal[before] = l_c.times_from(r_b, off_diagonal[before]);
         }
     }
-    [diagonal[0], diagonal[1], diagonal[2], beside[0], beside[1], beside[2]]
+    [diagonal[0], diagonal[1], diagonal[2], off_diagonal[0], off_diagonal[1], off_diagonal[2]]
 }

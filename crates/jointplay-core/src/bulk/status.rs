@@ -1,13 +1,13 @@
-//! What became of each pose.
+//! Status of each pose.
 
 use crate::Error;
 use crate::linalg::LinalgError;
 
-/// Whether a pose has an answer, and if not, why.
+/// Whether a pose is solved, or the reason why not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum Status {
-    /// It has.
+    /// The pose is solved.
     #[default]
     Solved = 0,
     /// A number given is NaN or infinite.
@@ -39,7 +39,7 @@ impl Status {
         Self::BeyondClearance,
     ];
 
-    /// The words that people read.
+    /// The status in words, as shown to users.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -54,7 +54,7 @@ impl Status {
         }
     }
 
-    /// The status of a pose that fails this way; `None` for errors that concern all poses alike.
+    /// The status of a pose that fails with an error; `None` for errors that concern all poses alike.
     #[must_use]
     pub fn of(error: &Error) -> Option<Self> {
         Some(match error {
@@ -74,7 +74,7 @@ impl Status {
     }
 }
 
-/// How many poses ended in which way.
+/// Number of poses by status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct StatusCounts {
     counts: [usize; Status::ALL.len()],
@@ -99,7 +99,7 @@ impl StatusCounts {
         tally
     }
 
-    /// How many poses ended this way.
+    /// Number of poses with this status.
     #[must_use]
     pub fn count(&self, status: Status) -> usize {
         self.counts[status as usize]

@@ -1,7 +1,7 @@
 //! Sines, cosines and arc tangents of many angles at a time.
 
 // The coefficients are those of the sources, to the last digit printed there.
-#![expect(clippy::excessive_precision, reason = "coefficients stand as their sources print them")]
+#![expect(clippy::excessive_precision, reason = "coefficients are as their sources print them")]
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -70,7 +70,7 @@ fn within_an_eighth<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let square = angle.squared();
     let sine = (square * angle).times_plus(polynomial(square, &SINE), angle);
     let quartic = square.squared() * polynomial(square, &COSINE);
-    // One less half the square, with the round-off of the subtraction put back.
+    // One minus half the square, with the round-off of the subtraction put back.
     let half = square * 0.5;
     let most = half.like(1.0) - half;
     let cosine = most + (((half.like(1.0) - most) - half) + quartic);

@@ -1,9 +1,13 @@
-//! Constraint systems Φ(P, X) = 0: what every analysis speaks to.
+//! Constraint systems Φ(P, X) = 0: the interface of every analysis.
 
+mod newton;
+mod scaled_system;
 mod scaling;
 mod system;
 mod tolerance;
 
+pub(crate) use newton::{Gain, NewtonLimits, backtrack, newton_at_rank};
+pub(crate) use scaled_system::ScaledSystem;
 pub use scaling::Dimension;
 pub(crate) use scaling::{scaled_jacobian, scaled_residual, units};
 pub use system::{Configuration, System};

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// What kind of quantity a coordinate or a constraint is.
+/// Physical dimension of a coordinate or a constraint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// A length [m].
@@ -14,7 +14,7 @@ pub enum Dimension {
 }
 
 impl Dimension {
-    /// What one unit of the scaled, dimensionless quantity is in SI.
+    /// One unit of the scaled, dimensionless quantity, in SI.
     #[must_use]
     pub fn unit(self, characteristic_length: f64) -> f64 {
         match self {

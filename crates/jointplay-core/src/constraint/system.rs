@@ -1,11 +1,11 @@
-//! The one interface between mechanisms and analyses.
+//! The interface between mechanisms and analyses.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::{Dimension, scaled_residual, units};
 use crate::Error;
 
-/// Where a constraint system is.
+/// A configuration of a constraint system.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
     /// (n) coordinates P of the links and joints, in SI.
@@ -22,13 +22,13 @@ pub struct Configuration {
 /// # Source
 /// [Virtualization], eq. (1) and (2)
 pub trait System {
-    /// (c) what kind of quantity each constraint is, which also says how many there are.
+    /// (c) physical dimension of each constraint; their number is the length.
     fn constraint_dimensions(&self) -> Vec<Dimension>;
 
-    /// (n) what kind of quantity each coordinate is.
+    /// (n) physical dimension of each coordinate.
     fn coordinate_dimensions(&self) -> Vec<Dimension>;
 
-    /// (M) what kind of quantity each virtual joint is.
+    /// (M) physical dimension of each virtual joint.
     fn virtual_joint_dimensions(&self) -> Vec<Dimension>;
 
     /// A length typical of the mechanism, by which lengths and angles are made comparable [m].
@@ -51,9 +51,9 @@ pub trait System {
         f64::EPSILON
     }
 
-    /// How far a configuration is from satisfying the constraints: the largest entry of Φ, in radians and characteristic lengths.
+    /// Violation of the constraints at a configuration: the largest entry of Φ, in radians and characteristic lengths.
     ///
-    /// A system whose constraints are combinations of others may say how far those are missed.
+    /// A system whose constraints are combinations of others may return the violation of those.
     fn mismatch(&self, at: &Configuration) -> f64 {
         let rows = units(&self.constraint_dimensions(), self.characteristic_length());
         scaled_residual(&self.residual(at), &rows).amax()
@@ -62,7 +62,7 @@ pub trait System {
     /// Whether a configuration has as many numbers as this system needs, all finite.
     ///
     /// # Errors
-    /// [`Error::WrongLength`], [`Error::NotFinite`].
+    /// [`Error::LengthMismatch`], [`Error::NotFinite`].
     fn check(&self, at: &Configuration) -> Result<(), Error> {
         let parts = [
             ("the coordinate vector", &at.coordinates, self.coordinate_dimensions().len()),
@@ -70,7 +70,7 @@ pub trait System {
         ];
         for (what, vector, expected) in parts {
             if vector.len() != expected {
-                return Err(Error::WrongLength { what, found: vector.len(), expected });
+                return Err(Error::LengthMismatch { what, found: vector.len(), expected });
             }
             if let Some(&value) = vector.iter().find(|value| !value.is_finite()) {
                 return Err(Error::NotFinite { what, value });

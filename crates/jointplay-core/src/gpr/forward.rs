@@ -1,4 +1,4 @@
-//! From the rods to where the platform is.
+//! Forward kinematics: from the rods to the pose of the platform.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -10,7 +10,7 @@ use crate::virtualization::{
     Sides, Solution, SolveOptions, VirtualJoints, Virtualization, signed_area, solve,
 };
 
-/// A pose of the platform, with everything that led to it.
+/// A pose of the platform, with the rods, sides and virtual joints that determine it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlatformPose {
     /// Rod lengths q_1, q_2, q_3 [m].
@@ -24,7 +24,7 @@ pub struct PlatformPose {
 }
 
 impl Gpr {
-    /// Where the platform is for given rods.
+    /// Forward kinematics: pose of the platform for given rods.
     ///
     /// ```text
     ///    q  →  P_k = B_k + q_k e_b3  →  L_ij = |P_j − P_i|  →  X  →  the pose that carries p_k(X) onto P_k
@@ -68,9 +68,9 @@ impl Gpr {
         let limits = self.limits();
         let balls = self.ball_centers(rods);
         let normal = (balls[1] - balls[0]).cross(&(balls[2] - balls[0]));
-        let lean = normal.z * self.steepest();
+        let horizontal = normal.z * self.steepest();
         rods.iter().all(|length| (limits.rod_min..=limits.rod_max).contains(length))
-            && normal.x * normal.x + normal.y * normal.y <= lean * lean
+            && normal.x * normal.x + normal.y * normal.y <= horizontal * horizontal
     }
 
     /// The pose of [`Self::forward`], limits not checked.
@@ -108,7 +108,7 @@ impl Gpr {
         Tilt::from_normal(&(normal * normal.z.signum()))
     }
 
-    /// Where the plane through the ball centres crosses the base axis [m].
+    /// Height at which the plane through the ball centres crosses the base axis [m].
     ///
     /// # Arguments
     /// * `rods` – (3) lengths q_k [m]
@@ -119,7 +119,7 @@ impl Gpr {
         AxisHeight(normal.dot(&balls[0]) / normal.z)
     }
 
-    /// How far the virtual joints of a pose are from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) [m].
+    /// Displacement of the virtual joints of a pose from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) [m].
     #[must_use]
     pub fn displacement<V: Virtualization + ?Sized>(
         &self,
@@ -151,7 +151,7 @@ impl PlatformPose {
         Tilt::from_normal(&self.normal())
     }
 
-    /// How far the platform is turned about its own normal, beyond the shortest rotation to it [rad].
+    /// Twist: rotation of the platform about its own normal, beyond the shortest rotation to it [rad].
     ///
     /// ```text
     ///    R  =  Rz(γ) Ry(α) Rz(−γ) Rz(τ)
@@ -163,14 +163,14 @@ impl PlatformPose {
         (r[(1, 0)] - r[(0, 1)]).atan2(r[(0, 0)] + r[(1, 1)])
     }
 
-    /// Where the platform plane crosses the base axis [m].
+    /// Height at which the platform plane crosses the base axis [m].
     #[must_use]
     pub fn axis_height(&self) -> AxisHeight {
         let (normal, origin) = (self.normal(), self.base_from_platform.translation.vector);
         AxisHeight(origin.z + (normal.x * origin.x + normal.y * origin.y) / normal.z)
     }
 
-    /// How far O_p stands off the base axis: its e_b1 and e_b2 coordinates [m].
+    /// Offset of O_p from the base axis: its e_b1 and e_b2 coordinates [m].
     #[must_use]
     pub fn center_shift(&self) -> Vector2<f64> {
         self.base_from_platform.translation.vector.xy()
@@ -203,9 +203,9 @@ mod tests {
             .forward([0.5; 3], &Planar, &SolveOptions::default())
             .unwrap();
         for (yaw, pitch, twist) in [(0.3, 0.4, 0.1), (2.0, 1.0, -3.0), (-1.0, 0.02, 1e-9)] {
-            let lean = tilted_by(yaw, pitch);
+            let tilted = tilted_by(yaw, pitch);
             pose.base_from_platform.rotation =
-                lean * Rotation3::from_axis_angle(&Vector3::z_axis(), twist);
+                tilted * Rotation3::from_axis_angle(&Vector3::z_axis(), twist);
             assert!((pose.twist_about_normal() - twist).abs() < 1e-15);
         }
     }

@@ -1,4 +1,4 @@
-//! What the robot is: its dimensions and limits, which never change while it is computed with.
+//! The robot: its dimensions and limits, which are constant.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -20,7 +20,7 @@ pub struct Limb {
 }
 
 impl Limb {
-    /// A limb whose rod stands under its nominal socket when the platform is level.
+    /// A limb whose rod is below its nominal socket when the platform is level.
     #[must_use]
     pub fn under_socket(socket_radius: f64, socket_angle: f64) -> Self {
         let (sin, cos) = socket_angle.sin_cos();

@@ -14,7 +14,7 @@ impl Gpr {
     /// ```text
     ///    q_k  =  z − (n_x B_kx + n_y B_ky) / n_z
     /// ```
-    /// Exact, and the same for every virtualization: three ball centres fix the plane, whatever gives way within it.
+    /// Exact, and the same for every virtualization: three ball centres fix the plane, whatever moves within it.
     ///
     /// # Errors
     /// [`Error::NotFinite`], [`Error::TooLong`] for a height beyond 10⁵⁰ m, [`Error::PitchTooLarge`] at ±90° and beyond.

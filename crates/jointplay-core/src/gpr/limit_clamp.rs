@@ -1,12 +1,12 @@
-//! How far a way stays within the limits.
+//! Clamping of straight rod motions to the limits.
 
 use super::Gpr;
 
 impl Gpr {
-    /// The last rods within the limits on the straight way from some rods to others [m].
+    /// Rods clamped to the limits: the last ones within the limits on the straight motion between two sets of rods [m].
     ///
     /// Rods within the limits make up a convex set: each between two lengths, and the horizontal part of the normal, linear in the rods, within a circle.
-    /// So a straight way leaves it once, at a rod's limit or at the root of a quadratic equation.
+    /// So a straight motion leaves it once, at a rod's limit or at the root of a quadratic equation.
     ///
     /// # Arguments
     /// * `from` – (3) rods within the limits [m]; from elsewhere, as toward what is no number, nothing moves
@@ -54,7 +54,7 @@ mod tests {
     use crate::gpr::{AxisHeight, BrokenLimit};
     use crate::spatial::Tilt;
 
-    /// Goes a way, and looks at its end from both sides.
+    /// Clamps a motion, and checks both sides of its end.
     #[track_caller]
     fn check(from: [f64; 3], to: [f64; 3], limbs: &[usize], tilted: bool) {
         let gpr = Gpr::paper().without_limit_checks();
@@ -72,7 +72,7 @@ mod tests {
             })
             .collect();
         assert_eq!((rods.as_slice(), found.len() > rods.len()), (limbs, tilted), "{beyond:?}");
-        // It is on the way.
+        // The result is on the straight motion.
         let along = |k: usize| {
             (last[k] - from[k]) * (to[0] - from[0]) - (last[0] - from[0]) * (to[k] - from[k])
         };
@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn ways_end_at_the_first_limit() {
+    fn motions_end_at_the_first_limit() {
         let gpr = Gpr::paper().without_limit_checks();
         let level = [0.5; 3];
         check(level, [0.52, 0.5, 0.5], &[], true);
@@ -89,7 +89,7 @@ mod tests {
         check([0.753, 0.752, 0.752], [0.756, 0.754, 0.754], &[1], false);
         let most = gpr.limits().tilt_max;
         let at = |yaw, pitch| gpr.inverse(Tilt { yaw, pitch }, AxisHeight(0.5)).unwrap();
-        // From the limit outward nothing moves; along it only as far as a chord goes.
+        // From the limit outward nothing moves; along it only up to the end of a chord.
         let (start, end) = (at(0.3, most), at(0.3, 2.0 * most));
         let last = gpr.clamp_to_limits(&start, &end);
         assert!(last.iter().zip(start).all(|(last, start)| (last - start).abs() < 1e-12));
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_within_is_reached_and_what_is_without_stays() {
+    fn rods_within_the_limits_are_reached_and_motions_from_outside_do_not_start() {
         let gpr = Gpr::paper().without_limit_checks();
         let (level, near) = ([0.5; 3], [0.5005, 0.4995, 0.5]);
         assert_eq!(gpr.clamp_to_limits(&level, &near), near);

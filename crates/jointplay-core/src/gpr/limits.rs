@@ -1,4 +1,4 @@
-//! How far the robot may go.
+//! Limits of rods and tilt.
 
 use crate::spatial::Tilt;
 
@@ -27,11 +27,11 @@ pub enum BrokenLimit {
         /// Longest allowed [m].
         max: f64,
     },
-    /// The platform leans too far.
+    /// The tilt is too large.
     Tilt {
-        /// How far it leans [rad].
+        /// Tilt found [rad].
         pitch: f64,
-        /// How far it may [rad].
+        /// Largest tilt allowed [rad].
         max: f64,
     },
 }
@@ -157,7 +157,7 @@ mod tests {
         check([0.246, 0.754, 0.5], -0.03, &[], false);
         check([0.246_f64.next_down(), 0.754_f64.next_up(), 0.5], 0.03_f64.next_up(), &[], false);
         check([0.246 - 1e-11, 0.754 + 1e-11, 0.5], 0.03 + 1e-11, &[1, 2], true);
-        // What is no number keeps no limit.
+        // NaN and infinity exceed every limit.
         check([f64::NAN, f64::INFINITY, f64::NEG_INFINITY], f64::NAN, &[1, 2, 3], true);
     }
 }

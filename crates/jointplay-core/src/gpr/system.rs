@@ -159,12 +159,12 @@ impl<V: Virtualization + ?Sized> System for GprSystem<'_, V> {
 }
 
 impl<V: Virtualization + ?Sized> GprSystem<'_, V> {
-    /// The configuration half way between two, whose derivatives are those of the chord between them.
+    /// The configuration midway between two others, whose derivatives are those of the chord between them.
     ///
     /// The side constraints are squares, so that their derivative here times the step is exactly their change over the step.
     ///
     /// # Errors
-    /// [`Error::WrongLength`], [`Error::NotFinite`].
+    /// [`Error::LengthMismatch`], [`Error::NotFinite`].
     pub fn midpoint(
         &self,
         from: &Configuration,
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_lengths_and_no_numbers() {
+    fn length_mismatches_and_non_finite_numbers_are_refused() {
         check(
             |at| at.coordinates = DVector::zeros(11),
             "the coordinate vector has 11 entries, but 12 are needed",
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_of_the_wrong_length_has_no_bounds() {
+    fn motion_with_a_length_mismatch_has_no_bounds() {
         let gpr = Gpr::paper().without_limit_checks();
         let system = gpr.system(&Polar);
         let pose = gpr.forward([0.5; 3], &Polar, &SolveOptions::default()).unwrap();

@@ -1,4 +1,4 @@
-//! How much play a tilt takes, and what first order says of it.
+//! Play that a tilt requires, and its first-order bounds.
 
 use nalgebra::DVector;
 
@@ -10,11 +10,11 @@ use crate::sensitivity::{Bounds, Sensitivity, sensitivity};
 use crate::spatial::Tilt;
 use crate::virtualization::{SolveOptions, Virtualization};
 
-/// The virtual displacement of a finite motion beside its first-order bounds.
+/// The virtual displacement of a finite motion, and its first-order bounds.
 ///
 /// Displacements are norms in the metric: √(Σ linear² + ρ² Σ angular²).
 /// The bounds depend on where the derivatives are taken.
-/// At the level start they are zero, since a tilt lies in the null space there; at the end they are about twice the truth, since the displacement grows with the square of the tilt; half way they belong to the chord.
+/// At the level start they are zero, since a tilt lies in the null space there; at the end they are about twice the true displacement, since the displacement grows with the square of the tilt; midway they are those of the chord.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TiltPlay {
     /// The pose that the motion starts from: level.
@@ -27,7 +27,7 @@ pub struct TiltPlay {
     pub motion: f64,
     /// Bounds with derivatives at the start.
     pub at_start: EvaluatedBounds,
-    /// Bounds with derivatives half way.
+    /// Bounds with derivatives midway.
     pub at_midpoint: EvaluatedBounds,
     /// Bounds with derivatives at the end.
     pub at_end: EvaluatedBounds,
@@ -37,7 +37,7 @@ pub struct TiltPlay {
     pub side_shares: Option<Vec<f64>>,
 }
 
-/// First-order bounds, and whether the true displacement keeps them.
+/// First-order bounds, and whether the true displacement satisfies them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvaluatedBounds {
     /// ∂X/∂P where the bounds were taken.
@@ -52,7 +52,7 @@ pub struct EvaluatedBounds {
 const SLACK: f64 = 1e-3;
 
 impl Gpr {
-    /// How far the virtual joints move from level to a tilt at the same axis height, beside the first-order bounds.
+    /// Displacement of the virtual joints from level to a tilt at the same axis height, with the first-order bounds.
     ///
     /// # Errors
     /// As [`Self::inverse`] and [`Self::forward`].
@@ -71,7 +71,7 @@ impl Gpr {
         self.play_between(start, end, virtualization)
     }
 
-    /// How far the virtual joints move between two poses, beside the first-order bounds.
+    /// Displacement of the virtual joints between two poses, with the first-order bounds.
     ///
     /// # Errors
     /// [`Error::NotFinite`].

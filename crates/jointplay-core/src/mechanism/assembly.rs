@@ -39,7 +39,7 @@ pub fn guess(mechanism: &Mechanism) -> DVector<f64> {
 
 /// Closes the loops near a guess, with some coordinates held.
 ///
-/// Where that fails, other starts are tried, to tell a bad guess from links that do not fit.
+/// Where that fails, other starts are tried, to distinguish a bad guess from links that do not fit.
 ///
 /// # Arguments
 /// * `start` – (f + M) coordinates [m, rad], see [`guess`]
@@ -47,7 +47,7 @@ pub fn guess(mechanism: &Mechanism) -> DVector<f64> {
 /// * `starts` – how many other starts to try where the guess fails
 ///
 /// # Errors
-/// [`Error::NotAssembled`] with the best closure and the branches found; [`Error::WrongLength`], [`Error::NotFinite`].
+/// [`Error::NotAssembled`] with the best closure and the branches found; [`Error::LengthMismatch`], [`Error::NotFinite`].
 ///
 /// # Numerics
 /// Deterministic: the other starts are the same at every call.
@@ -103,7 +103,7 @@ pub fn assemble(
 /// As [`assemble`].
 ///
 /// # Errors
-/// [`Error::WrongLength`], [`Error::NotFinite`].
+/// [`Error::LengthMismatch`], [`Error::NotFinite`].
 pub fn branches(
     mechanism: &Mechanism,
     start: &DVector<f64>,

@@ -148,7 +148,7 @@ impl MechanismMobility {
 
 /// Finite mobility of a mechanism at its home configuration, block by block, and the branches that meet there.
 ///
-/// Mobilities and their bounds add; the branches of the mechanism are combinations of branches of its blocks, so that their dimensions add as well.
+/// Mobilities and their bounds add; the branches of the mechanism are combinations of branches of its blocks, and their dimensions add.
 ///
 /// # Arguments
 /// * `system` – at its home, closed or taken as closed

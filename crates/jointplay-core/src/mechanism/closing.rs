@@ -1,4 +1,4 @@
-//! Closing loops from near by.
+//! Closing loops from a configuration nearby.
 
 use nalgebra::DVector;
 
@@ -22,7 +22,7 @@ const LEAST_DAMPING: f64 = 1e-14;
 
 /// Corrects the free coordinates until all loops are closed, by damped Gauss–Newton steps of least norm.
 ///
-/// Neither redundant constraints nor singular configurations stop it: directions that constraints leave open are not moved in.
+/// Neither redundant constraints nor singular configurations stop it: no step is taken along directions that the constraints leave open.
 ///
 /// # Arguments
 /// * `start` – where to begin; its reference point and lengths are used throughout
@@ -78,7 +78,7 @@ pub fn close(
                 }
             }
         }
-        // What lowers the residual by next to nothing has come to round-off or to the bottom of a valley.
+        // A step that hardly lowers the residual is at round-off or at a local minimum.
         if !accepted || (residual.norm() > 0.999 * before && iterations > 20) {
             break;
         }

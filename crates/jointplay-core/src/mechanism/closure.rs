@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use crate::constraint::CLOSURE_TOLERANCE;
 
-/// Loops closed, or as nearly as they could be.
+/// A configuration with its loops closed, or as nearly closed as possible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Closure {
     /// (f + M) coordinates of joints, then virtual joints [m, rad].

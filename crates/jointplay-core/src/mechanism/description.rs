@@ -1,11 +1,11 @@
-//! What the user says a mechanism is.
+//! Description of a mechanism by the user.
 
 use nalgebra::{Unit, Vector3};
 
 use super::JointKind;
 use crate::spatial::Pose;
 
-/// Most links of a mechanism, so that a wrong file ends in a message and not in hours of work.
+/// Most links of a mechanism, so that an erroneous file is refused instead of computed for hours.
 pub const MAX_LINKS: usize = 10_000;
 
 /// Free travel or stiffness of a joint in the directions that it should hold still.
@@ -26,7 +26,7 @@ pub struct LinearAndAngular {
 pub struct Joint {
     /// Name, unique among the joints.
     pub name: String,
-    /// Which motions it allows.
+    /// Kind: the motions that it allows.
     pub kind: JointKind,
     /// Indices of its links; positive coordinates move the second against the first.
     pub links: [usize; 2],
@@ -34,7 +34,7 @@ pub struct Joint {
     pub frames: [Pose; 2],
     /// Whether a motor drives it.
     pub actuated: bool,
-    /// Where the search for a closed configuration starts, a number for each freedom [m, rad]; empty for zeros.
+    /// Start of the search for a closed configuration, a number for each freedom [m, rad]; empty for zeros.
     pub guess: Vec<f64>,
     /// Least and greatest value of each freedom [m, rad]; empty where there are none.
     pub limits: Vec<[f64; 2]>,
@@ -51,17 +51,17 @@ pub struct VirtualJoint {
     pub name: String,
     /// Index of the joint that has it.
     pub joint: usize,
-    /// Which of the joint's two links carries it.
+    /// The link of the joint that carries it.
     pub carrier: Carrier,
     /// Its motion, in the frame of the link that carries it.
     pub motion: VirtualMotion,
-    /// How far it can go either way [m or rad]; `None` where not known.
+    /// Largest displacement in either direction [m or rad]; `None` where not known.
     pub clearance: Option<f64>,
     /// Stiffness [N/m or N m/rad] that weighs it in place of the characteristic length; `None` where not known.
     pub stiffness: Option<f64>,
 }
 
-/// Which of a joint's links a virtual joint moves with.
+/// The link of a joint that a virtual joint moves with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Carrier {
     /// The first link of the joint.
@@ -96,7 +96,7 @@ pub struct Mechanism {
     characteristic_length: Option<f64>,
 }
 
-/// Why links and joints make no mechanism.
+/// Why links and joints do not form a mechanism.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MechanismError {
@@ -135,7 +135,7 @@ pub enum MechanismError {
         /// The link.
         link: String,
     },
-    /// A link without a way to the base.
+    /// A link that is not connected to the base.
     #[error("link {link:?} is not connected to the base {base:?} by any joints")]
     Dangling {
         /// The link.
@@ -167,7 +167,7 @@ pub enum MechanismError {
     #[error(
         "{what} of {name:?} has {found} entries, but {expected} are needed, one for each freedom"
     )]
-    WrongCount {
+    CountMismatch {
         /// Which list.
         what: &'static str,
         /// Of which joint.
@@ -383,7 +383,7 @@ fn check_joint(joint: &Joint) -> Result<(), MechanismError> {
     for (what, found) in [("the guess", joint.guess.len()), ("the limits", joint.limits.len())] {
         if found != 0 && found != freedoms {
             let name = name.clone();
-            return Err(MechanismError::WrongCount { what, name, found, expected: freedoms });
+            return Err(MechanismError::CountMismatch { what, name, found, expected: freedoms });
         }
     }
     if let Some(&[min, max]) = joint.limits.iter().find(|[min, max]| min >= max) {

@@ -1,4 +1,4 @@
-//! What a mobility means: which joints take part in a redundancy, how a link moves, what class of mechanism it is.
+//! Evidence of mobility: joints that carry a self-stress, motion of a link, class of the mechanism.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -10,20 +10,20 @@ use crate::mobility::{FiniteMobility, InstantaneousMobility};
 /// Wrenches and twists below this share of the largest count as zero.
 const NOTHING: f64 = 1e-9;
 
-/// What class of mechanism a configuration belongs to.
+/// Class of a mechanism by its mobility at a configuration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MobilityClass {
-    /// Nothing moves, not even to first order, and no constraint is redundant.
+    /// No mobility, finite or instantaneous, and no redundant constraint.
     Rigid,
-    /// Nothing moves, and some constraints are carried twice.
+    /// No mobility, and some constraints are redundant.
     OverconstrainedRigid,
-    /// More moves to first order than for real.
+    /// Infinitesimally mobile: instantaneous mobility exceeds finite mobility.
     InfinitesimallyMobile,
-    /// Moves, all constraints independent.
+    /// Movable, all constraints independent.
     Movable,
-    /// Moves for real although constraints are redundant.
+    /// Movable although some constraints are redundant.
     OverconstrainedMovable,
-    /// Branches of different freedom meet here, so that the mechanism can change how many it has.
+    /// Branches of different freedom meet here, so that the mechanism can change its mobility.
     Kinematotropic,
     /// The bounds of the finite mobility differ: some motion is neither found nor excluded.
     Undecided,
@@ -40,7 +40,7 @@ impl MobilityClass {
         )
     }
 
-    /// The class that follows from finite mobility, mobility to first order, and redundancy.
+    /// The class that follows from finite mobility, instantaneous mobility, and redundancy.
     #[must_use]
     pub fn from_mobilities(finite: Option<usize>, instantaneous: usize, redundancy: usize) -> Self {
         match (finite, redundancy) {
@@ -65,7 +65,9 @@ impl MobilityClass {
         match self {
             Self::Rigid => "rigid",
             Self::OverconstrainedRigid => "overconstrained and rigid",
-            Self::InfinitesimallyMobile => "shaky: some motions are only instantaneous",
+            Self::InfinitesimallyMobile => {
+                "infinitesimally mobile: some motions are only instantaneous"
+            }
             Self::Movable => "movable",
             Self::OverconstrainedMovable => "overconstrained and movable",
             Self::Kinematotropic => {
@@ -76,13 +78,30 @@ impl MobilityClass {
     }
 }
 
-/// A wrench that the mechanism carries in itself, unseen from outside.
+/// A wrench that the mechanism carries in itself, without an external load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfStress {
-    /// The joints that carry it: index, moment, and force times the characteristic length, in the base frame about [`MechanismSystem::reference`]; the largest entry of all is ±1.
-    pub wrenches: Vec<(usize, Vector3<f64>, Vector3<f64>)>,
-    /// What it is in the joint that carries most of it, in words: "moment about x", "force along y".
+    /// The joints that carry it, with their wrenches; the largest entry of all is ±1.
+    pub wrenches: Vec<JointWrench>,
+    /// Description of its largest wrench: "moment about x", "force along y".
     pub words: String,
+}
+
+/// Wrench that a joint carries in a self-stress, in the base frame about [`MechanismSystem::reference`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointWrench {
+    /// Index of the joint.
+    pub joint: usize,
+    /// Moment.
+    pub moment: Vector3<f64>,
+    /// Force times the characteristic length.
+    pub force: Vector3<f64>,
+}
+
+impl JointWrench {
+    fn largest(&self) -> f64 {
+        self.moment.amax().max(self.force.amax())
+    }
 }
 
 /// Self-stresses of as few joints as elimination finds, with the joints that take part.
@@ -108,17 +127,16 @@ pub fn self_stresses(
     }
     let mut stresses = Vec::with_capacity(first.redundancy);
     for column in eliminated(all).column_iter() {
-        let wrenches: Vec<(usize, Vector3<f64>, Vector3<f64>)> = (0..joints)
-            .map(|j| {
-                let part = |from: usize| column.fixed_rows::<3>(6 * j + from).into_owned();
-                (j, part(0), part(3))
+        let wrenches: Vec<JointWrench> = (0..joints)
+            .map(|joint| {
+                let part = |from: usize| column.fixed_rows::<3>(6 * joint + from).into_owned();
+                JointWrench { joint, moment: part(0), force: part(3) }
             })
-            .filter(|(_, moment, force)| moment.amax().max(force.amax()) > NOTHING)
+            .filter(|wrench| wrench.largest() > NOTHING)
             .collect();
-        let main = wrenches
-            .iter()
-            .max_by(|a, b| (a.1.amax().max(a.2.amax())).total_cmp(&b.1.amax().max(b.2.amax())));
-        let words = main.map_or_else(String::new, |(_, moment, force)| wrench_words(moment, force));
+        let main = wrenches.iter().max_by(|a, b| a.largest().total_cmp(&b.largest()));
+        let words =
+            main.map_or_else(String::new, |wrench| wrench_words(&wrench.moment, &wrench.force));
         stresses.push(SelfStress { wrenches, words });
     }
     Ok(stresses)
@@ -177,7 +195,7 @@ fn direction_words(direction: &Vector3<f64>) -> String {
     }
 }
 
-/// How a link moves to first order.
+/// Instantaneous motion of a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkMotion {
     /// Dimension of its twists.
@@ -186,8 +204,17 @@ pub struct LinkMotion {
     pub translations: usize,
     /// (6, dimension) orthonormal twists (angular, linear over the characteristic length) at the reference point, in the base frame.
     pub twists: DMatrix<f64>,
-    /// For one freedom: the pitch [m/rad] and a point of the axis [m]; `None` for a translation or several freedoms.
-    pub screw: Option<(f64, Vector3<f64>)>,
+    /// Screw of a single freedom; `None` for a translation or several freedoms.
+    pub screw: Option<ScrewAxis>,
+}
+
+/// Axis of the screw motion of a link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScrewAxis {
+    /// Pitch [m/rad].
+    pub pitch: f64,
+    /// A point of the axis, in the base frame [m].
+    pub point: Vector3<f64>,
 }
 
 /// The instantaneous motions of a link: dimension, translations among them, the screw of a single freedom.
@@ -227,7 +254,8 @@ pub fn link_motion(
         let angular = twists.fixed_view::<3, 1>(0, 0).into_owned();
         let linear = twists.fixed_view::<3, 1>(3, 0) * length;
         let square = angular.norm_squared();
-        (angular.dot(&linear) / square, system.reference() + angular.cross(&linear) / square)
+        let pitch = angular.dot(&linear) / square;
+        ScrewAxis { pitch, point: system.reference() + angular.cross(&linear) / square }
     });
     Ok(LinkMotion { dimension, translations: dimension - turns, twists, screw })
 }

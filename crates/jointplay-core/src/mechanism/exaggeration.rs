@@ -1,4 +1,4 @@
-//! Play shown larger than it is.
+//! Exaggerated play, for pictures.
 
 use nalgebra::DVector;
 
@@ -8,13 +8,13 @@ use crate::Error;
 use crate::error::finite;
 use crate::spatial::Pose;
 
-/// A configuration with its play shown larger by a factor: for pictures, and no configuration of the mechanism.
+/// A configuration with its play exaggerated by a factor: for pictures, not a configuration of the mechanism.
 ///
 /// All joints are where they truly are, and so are the links, but each link ends short of a joint in which it has play, or beyond it, by the factor times what is true.
 /// Rigid links that are apart in one joint by more than they are cannot meet in the others, so that links are shown stretched, which none is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExaggeratedPlay {
-    /// By how much the play is shown larger; 1 is the truth.
+    /// Factor by which the play is exaggerated; 1 shows the true play.
     pub factor: f64,
     /// For each joint the frame in which it moves, as its first and as its second link carry it through its virtual joints, in the base frame: the truth.
     pub joints: Vec<[Pose; 2]>,
@@ -22,7 +22,7 @@ pub struct ExaggeratedPlay {
     pub seats: Vec<[Pose; 2]>,
 }
 
-/// Shows the play of a relieved configuration larger by a factor.
+/// Exaggerates the play of a relieved configuration by a factor.
 ///
 /// ```text
 ///    seat  =  joint · (V(k X) F)⁻¹ F        F: frame in the link, V(X): its virtual joints, k: factor
@@ -33,7 +33,7 @@ pub struct ExaggeratedPlay {
 /// * `coordinates` – (f + M) of a relieved configuration [m, rad]
 ///
 /// # Errors
-/// [`Error::WrongLength`], [`Error::NotFinite`].
+/// [`Error::LengthMismatch`], [`Error::NotFinite`].
 ///
 /// # Source
 /// own derivation, `docs/explanation/mechanisms.md`

@@ -1,4 +1,4 @@
-//! What follows from a description: spanning tree, loops, link poses, screws.
+//! Kinematics of a mechanism: spanning tree, loops, link poses, screws.
 
 use nalgebra::{DVector, Matrix3, Rotation3, Translation3, Vector3};
 
@@ -139,7 +139,7 @@ impl<'a> Kinematics<'a> {
         first..first + self.mechanism.joints()[joint].kind.freedoms()
     }
 
-    /// What kind of quantity each coordinate is: joints, then virtual joints.
+    /// Physical dimension of each coordinate: joints, then virtual joints.
     #[must_use]
     pub fn dimensions(&self) -> &[Dimension] {
         &self.dimensions
@@ -185,7 +185,7 @@ impl<'a> Kinematics<'a> {
     /// Pose of each link in the base frame at some coordinates.
     ///
     /// # Errors
-    /// [`Error::WrongLength`], [`Error::NotFinite`].
+    /// [`Error::LengthMismatch`], [`Error::NotFinite`].
     pub fn link_poses(&self, coordinates: &DVector<f64>) -> Result<Vec<Pose>, Error> {
         check_coordinates(coordinates, self.dimensions.len())?;
         let zero = DVector::zeros(coordinates.len());
@@ -243,7 +243,7 @@ impl<'a> Kinematics<'a> {
         KinematicState { links, screws, mismatches, rates }
     }
 
-    /// Goes through a joint from its first link's pose; returns the pose that it gives its second link.
+    /// Evaluates the elementary motions of a joint from the pose of its first link; returns the pose of its second link.
     ///
     /// `see` gets each element with the poses before and behind it.
     pub(super) fn through_elements(
@@ -419,7 +419,7 @@ fn ball(coordinates: &DVector<f64>, first: usize) -> Rotation3<f64> {
     Rotation3::new(coordinates.fixed_rows::<3>(first).into_owned())
 }
 
-/// The rotation with the quaternion (1, p/2), normalised: turns by |p| to first order, and needs no trigonometry.
+/// The rotation with the quaternion (1, p/2), normalised: its angle is |p| up to third order, and it needs no trigonometry.
 pub(super) fn cayley(p: &Vector3<f64>) -> Rotation3<f64> {
     let u = p * 0.5;
     let cross = u.cross_matrix();
@@ -444,7 +444,7 @@ pub(crate) fn scaled(a: &Twist, factor: f64) -> Twist {
     (a.0 * factor, a.1 * factor)
 }
 
-/// Lie bracket: how one twist changes as another carries it.
+/// Lie bracket: rate of change of one twist as another moves it.
 pub(crate) fn bracket(a: &Twist, b: &Twist) -> Twist {
     (a.0.cross(&b.0), a.0.cross(&b.1) + a.1.cross(&b.0))
 }
@@ -460,7 +460,7 @@ pub(crate) fn carried(by: &Pose, twist: &Twist, reference: &Vector3<f64>) -> Twi
 pub(super) fn check_coordinates(coordinates: &DVector<f64>, expected: usize) -> Result<(), Error> {
     let what = "the coordinate vector";
     if coordinates.len() != expected {
-        return Err(Error::WrongLength { what, found: coordinates.len(), expected });
+        return Err(Error::LengthMismatch { what, found: coordinates.len(), expected });
     }
     coordinates.iter().try_for_each(|&value| crate::error::finite(what, value).map(|_| ()))
 }

@@ -34,7 +34,9 @@ pub use description::{
     Carrier, Joint, LinearAndAngular, MAX_LINKS, Mechanism, MechanismError, VirtualJoint,
     VirtualMotion,
 };
-pub use evidence::{LinkMotion, MobilityClass, SelfStress, link_motion, self_stresses};
+pub use evidence::{
+    JointWrench, LinkMotion, MobilityClass, ScrewAxis, SelfStress, link_motion, self_stresses,
+};
 pub use exaggeration::{ExaggeratedPlay, exaggerate_play};
 pub use joint::JointKind;
 pub use kinematics::Kinematics;

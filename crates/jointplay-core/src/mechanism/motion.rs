@@ -18,21 +18,21 @@ const LARGEST_CORRECTION: f64 = 0.2;
 const SHORT: f64 = 1e-9;
 /// The longest step of all coordinates together, in radians and characteristic lengths.
 const LONGEST_STEP: f64 = 0.5;
-/// The shortest step, as a share of the whole way: what cannot go so far is locked.
+/// The shortest step, as a share of the whole path: drives that cannot move so far are locked.
 const SHORTEST_STEP: f64 = 1e-7;
-/// Singular values up to this share of the largest are left out of a step.
+/// Singular values up to this share of the largest are not used for a step.
 pub(super) const STEP_THRESHOLD: f64 = 1e-9;
 /// A singular configuration is looked for no closer than to this least singular value, as a share of the largest.
 const FOUND: f64 = 1e-3 * SINGULAR;
 /// A motion that stops with a least singular value below this share of that of regular configurations is at a dead point.
 pub(super) const DEAD: f64 = 1e-2;
-/// A turning point this near, as a share of the whole way, is what stops a step.
+/// Distance of a turning point that stops a step, as a share of the whole path.
 const AT_ONCE: f64 = 1e-4;
 /// First steps off a singular start, in radians and characteristic lengths of the drives, the longest first.
 const FIRST_STEPS: [f64; 3] = [1e-3, 1e-4, 1e-5];
 /// Corrections of a first step, which starts where the constraints are singular.
 const MAX_FIRST_CORRECTIONS: usize = 100;
-/// A branch is reached from a singular start if a quarter of a step leads to no more than this share of the way: half where the way goes by the root of the step, a quarter where by the step.
+/// A branch is reached from a singular start if a quarter of a step leads to no more than this share of the displacement: half where the displacement grows with the root of the step, a quarter where it is proportional to it.
 const NEARER: f64 = 0.75;
 
 /// A joint coordinate driven from where it is to a value.
@@ -40,37 +40,37 @@ const NEARER: f64 = 0.75;
 pub struct Drive {
     /// Index of the coordinate.
     pub coordinate: usize,
-    /// Where it goes [m or rad].
+    /// Target value [m or rad].
     pub to: f64,
 }
 
-/// A configuration on the way.
+/// A configuration on the path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Waypoint {
-    /// How much of the way is done, 0 to 1.
+    /// Share of the path that is done, 0 to 1.
     pub share: f64,
     /// (f + M) coordinates [m, rad].
     pub coordinates: DVector<f64>,
     /// Largest mismatch, in radians and characteristic lengths.
     pub residual: f64,
-    /// Freedoms to first order with the drives held.
+    /// Instantaneous mobility with the drives held.
     pub free_mobility: usize,
-    /// The least singular value that the start has, as a share of the largest: goes to zero at a singular configuration.
+    /// The least singular value that the start has, as a share of the largest: tends to zero at a singular configuration.
     pub least_singular_value: f64,
 }
 
-/// A configuration on the way where constraints become dependent.
+/// A configuration on the path where constraints become dependent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SingularConfiguration {
-    /// How much of the way is done there, 0 to 1.
+    /// Share of the path that is done there, 0 to 1.
     pub share: f64,
     /// (f + M) coordinates [m, rad].
     pub coordinates: DVector<f64>,
-    /// Freedoms to first order there, drives free.
+    /// Instantaneous mobility there, drives free.
     pub instantaneous_mobility: usize,
     /// The least singular value found there, as a share of the largest.
     pub least_singular_value: f64,
-    /// How many branches of the motion meet there: 1 where the drives come to a stop and none cross, `None` where second order does not tell.
+    /// How many branches of the motion meet there: 1 where the drives stop and no branches cross, `None` where second order does not decide.
     pub branches: Option<usize>,
 }
 
@@ -81,21 +81,21 @@ pub enum Stop {
     Locked,
     /// The start is singular, and no branch was found that leads on from it.
     SingularStart {
-        /// Motions there to first order with the drives held.
+        /// Instantaneous mobility there with the drives held.
         free_mobility: usize,
     },
     /// The loops do not stay closed: the drives pull against each other or against redundant constraints.
     Incompatible,
 }
 
-/// A motion, as far as it went.
+/// A motion up to its end, or to where it stopped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrivenMotion {
     /// One configuration for each step asked for, the start first.
     pub waypoints: Vec<Waypoint>,
-    /// Singular configurations on the way.
+    /// Singular configurations on the path.
     pub singular: Vec<SingularConfiguration>,
-    /// Why it stopped, if it did not come to the end.
+    /// Why it stopped before its end; `None` if it did not.
     pub stopped: Option<Stop>,
     /// Steps done, the shortened ones among them.
     pub steps: usize,
@@ -105,7 +105,7 @@ pub struct DrivenMotion {
 ///
 /// # Arguments
 /// * `start` – at a closed configuration
-/// * `drives` – where to; all arrive together
+/// * `drives` – target values; all are reached at the same time
 /// * `free` – the coordinates that follow
 /// * `count` – number of steps to report
 ///
@@ -115,8 +115,8 @@ pub struct DrivenMotion {
 ///
 /// # Numerics
 /// Tangent step of least norm, then corrections; a step is halved until its correction is small against it, so that the motion stays on its branch.
-/// A singular configuration on the way is passed along the tangent before it.
-/// Off a singular start a small step is tried, from the tangent and from random motions to first order; where several branches lead on, the first found is taken.
+/// A singular configuration on the path is passed along the tangent before it.
+/// Off a singular start a small step is tried, from the tangent and from random instantaneous motions; of several branches that continue, the first found is taken.
 pub fn drive(
     start: &MechanismSystem<'_>,
     drives: &[Drive],
@@ -126,7 +126,7 @@ pub fn drive(
     drive_with_progress(start, drives, free, count, &mut |_| {})
 }
 
-/// As [`drive`], and tells `progress` the number of steps done after each.
+/// As [`drive`], and calls `progress` with the number of steps done after each.
 ///
 /// # Errors
 /// Those of [`drive`].
@@ -153,7 +153,7 @@ pub fn drive_with_progress(
     };
     let mut trail = vec![here.clone()];
     #[expect(clippy::cast_precision_loss, reason = "counts of steps")]
-    'way: for k in 1..=count {
+    'path: for k in 1..=count {
         let target = k as f64 / count as f64;
         let mut step = target - here.share;
         while here.share < target {
@@ -176,7 +176,7 @@ pub fn drive_with_progress(
                 if there.is_none() {
                     motion.stopped =
                         Some(run.stop(&mut here, &trail, regular_rank, &mut motion)?);
-                    break 'way;
+                    break 'path;
                 }
             }
             let Some(there) = there else {
@@ -219,7 +219,7 @@ pub(super) fn on_branch(correction: f64, size: f64) -> bool {
     correction <= LARGEST_CORRECTION * size.max(SHORT)
 }
 
-/// A drive: what goes where, and what follows.
+/// A drive: target values of the driven coordinates, and the coordinates that follow.
 pub(super) struct DriveProblem<'a> {
     system: &'a MechanismSystem<'a>,
     drives: &'a [Drive],
@@ -274,7 +274,7 @@ impl<'a> DriveProblem<'a> {
         }
     }
 
-    /// The next configuration on the branch, if a step to this share of the way stays on it.
+    /// The next configuration on the branch, if a step to this share of the path stays on it.
     ///
     /// # Arguments
     /// * `tangent_at` – where the direction of the step is taken
@@ -303,7 +303,7 @@ impl<'a> DriveProblem<'a> {
         by.component_div(&self.columns).norm()
     }
 
-    /// What the drives do from here to a share of the way.
+    /// Displacement of the drives from here to a share of the path.
     fn driven(&self, here: &Waypoint, share: f64) -> DVector<f64> {
         let mut by = DVector::zeros(here.coordinates.len());
         for (drive, from) in self.drives.iter().zip(&self.from) {
@@ -313,7 +313,7 @@ impl<'a> DriveProblem<'a> {
         by
     }
 
-    /// The drives' step with what follows to first order at another configuration.
+    /// The step of the drives with the tangent motion of the other coordinates at another configuration.
     fn predicted(
         &self,
         here: &Waypoint,
@@ -354,7 +354,7 @@ impl<'a> DriveProblem<'a> {
                 };
                 let reach = |share: f64| -> Result<Option<(Closure, f64)>, Error> {
                     let mut by = self.predicted(start, start, share)?;
-                    // Where the motion starts by the root of the drives' step, so far has it to be looked for.
+                    // Where the motion grows with the root of the drives' step, it has to be searched for at that distance.
                     let size = (share * whole).sqrt();
                     for (&k, value) in self.free.iter().zip((&motions * &direction).iter()) {
                         by[k] += value * size * self.columns[k];
@@ -393,8 +393,8 @@ impl<'a> DriveProblem<'a> {
             }
         }
         let whole = self.size(&self.driven(&trail[0], 1.0));
-        let way = DrivenCurve::new(&at, self.free, Some(self.way()));
-        if let Some((coordinates, beyond)) = way.turning_point(regular_rank)?
+        let curve = DrivenCurve::new(&at, self.free, Some(self.direction()));
+        if let Some((coordinates, beyond)) = curve.turning_point(regular_rank)?
             && beyond <= AT_ONCE * whole
         {
             let there = self.system.at(coordinates)?;
@@ -414,14 +414,14 @@ impl<'a> DriveProblem<'a> {
         Ok(if dead { Stop::Locked } else { Stop::Incompatible })
     }
 
-    /// (f + M) the drives' way, of length one in radians and characteristic lengths.
-    fn way(&self) -> DVector<f64> {
-        let mut way = DVector::zeros(self.columns.len());
+    /// (f + M) direction of the drives, of unit length in radians and characteristic lengths.
+    fn direction(&self) -> DVector<f64> {
+        let mut direction = DVector::zeros(self.columns.len());
         for (drive, from) in self.drives.iter().zip(&self.from) {
-            way[drive.coordinate] = drive.to - from;
+            direction[drive.coordinate] = drive.to - from;
         }
-        let length = self.size(&way);
-        way / length
+        let length = self.size(&direction);
+        direction / length
     }
 
     /// A configuration that is singular, with what meets there.
@@ -431,13 +431,13 @@ impl<'a> DriveProblem<'a> {
         regular_rank: usize,
     ) -> Result<SingularConfiguration, Error> {
         let at = self.system.at(there.coordinates.clone())?;
-        let on_way = DrivenCurve::new(&at, self.free, Some(self.way()));
+        let curve = DrivenCurve::new(&at, self.free, Some(self.direction()));
         Ok(SingularConfiguration {
             share: there.share,
             coordinates: there.coordinates.clone(),
             instantaneous_mobility: instantaneous_mobility(&at, &at.at_home(), SINGULAR)?.mobility,
             least_singular_value: there.least_singular_value,
-            branches: on_way.branches(regular_rank)?,
+            branches: curve.branches(regular_rank)?,
         })
     }
 

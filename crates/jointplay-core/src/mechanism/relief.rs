@@ -1,4 +1,4 @@
-//! What virtual joints do when some joints are commanded.
+//! Displacements of the virtual joints for commanded joints.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -33,7 +33,7 @@ pub enum ReliefSolver {
     Newton,
 }
 
-/// Virtual joints that let the commanded joints be where they are.
+/// Displacements of the virtual joints that make the commanded positions possible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relief {
     /// (f + M) coordinates: commanded, passive, virtual [m, rad].
@@ -66,10 +66,10 @@ pub fn virtual_weights(system: &MechanismSystem<'_>) -> DVector<f64> {
     }
 }
 
-/// Which joint coordinates are commanded, and how far the commands leave the other joints undetermined.
+/// Commanded joint coordinates, and the freedoms that the commands leave undetermined.
 ///
 /// With the commanded joints held, the rigid mechanism may still have finite motions: a common heave, or a rod that spins between two balls.
-/// Commands say nothing about them, so that they are not used to save displacement of virtual joints; the joints stay as near home as closed loops allow.
+/// Commands do not determine them, so that they are not used to save displacement of virtual joints; the joints stay as near home as closed loops allow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommandedJoints {
     /// (f) closed coordinates, virtual joints at rest [m, rad].
@@ -142,8 +142,8 @@ fn passive(joints: usize, commanded: &[usize]) -> Vec<usize> {
 ///
 /// # Numerics
 /// The passive joints are eliminated at each step; what is left is a least-norm problem in the virtual joints alone.
-/// Undetermined motions of the passive joints are left out of this elimination, and take them as near home as closed loops allow.
-/// Joint limits are not looked at: see [`super::Mechanism::beyond_limits`].
+/// Undetermined motions of the passive joints are excluded from this elimination, and bring the joints as near home as closed loops allow.
+/// Joint limits are not checked: see [`super::Mechanism::beyond_limits`].
 pub fn relieve(
     start: &MechanismSystem<'_>,
     commanded: &CommandedJoints,
@@ -205,7 +205,7 @@ fn relieved_from(
             ReliefSolver::Newton => -decomposition.solve(&(&open * &residual), relieving_rank),
         };
         let mut follow = -passive_part.solve(&(&residual + &j_x * &step), rank);
-        // What the commands do not determine goes home.
+        // Undetermined motions return home.
         let idle = passive_part.null_space(rank);
         let mut homeward = 0.0;
         if commanded.undetermined > 0 && idle.ncols() == commanded.undetermined {
@@ -253,9 +253,9 @@ fn off_home(
     DVector::from_iterator(passive.len(), passive.iter().map(|&k| away[k]))
 }
 
-/// What passive joints leave open, and what virtual joints can do about it.
+/// Mismatch that the passive joints leave open, and the effect of the virtual joints on it.
 pub(super) struct Reduced {
-    /// (open, M) what virtual joints in their metric do to what is left open.
+    /// (open, M) effect of the virtual joints, in their metric, on the open mismatch.
     pub(super) relieving: DMatrix<f64>,
     /// (open, c) the combinations of constraints that no passive joint can change.
     open: DMatrix<f64>,

@@ -1,4 +1,4 @@
-//! Driving joints along a path while virtual joints give way.
+//! Driving joints along a path with displaced virtual joints.
 
 use nalgebra::DVector;
 
@@ -10,14 +10,14 @@ use super::{
 use crate::Error;
 use crate::constraint::System;
 
-/// Drives joint coordinates along a straight line with the virtual joints giving way as little as they can.
+/// Drives joint coordinates along a straight line with the least displacements of the virtual joints.
 ///
 /// # Arguments
 /// * `home` – closed, virtual joints at rest: joints that the drives do not determine stay near it
 /// * `start` – where the drives begin
 /// * `free` – joint coordinates that follow; all other joint coordinates are commanded
 /// * `count` – number of steps to report
-/// * `progress` – told the number of steps done after each
+/// * `progress` – called with the number of steps done after each
 ///
 /// # Errors
 /// [`Error::NotRelieved`] or [`Error::NotLeast`] if not even the start can be relieved; those of [`CommandedJoints::new`].

@@ -1,11 +1,11 @@
-//! Singular configurations of a drive: where it turns back, and how many branches meet.
+//! Singular configurations of a drive: turning points, and branches that meet.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::MechanismSystem;
 use crate::Error;
 use crate::constraint::{
-    Configuration, Dimension, System, scaled_jacobian, scaled_residual, units,
+    Configuration, Dimension, NewtonLimits, ScaledSystem, System, newton_at_rank, units,
 };
 use crate::linalg::svd;
 use crate::mobility::{instantaneous_mobility, quadrics};
@@ -16,7 +16,7 @@ pub(super) const SINGULAR: f64 = 1e-6;
 const CROSSING: f64 = 10.0 * SINGULAR;
 /// Entries of quadrics up to this share of the largest count as zero: singular configurations are found to [`SINGULAR`], and their null spaces with them.
 const QUADRIC_THRESHOLD: f64 = 1e-4;
-/// How far a branch is followed to see that it is one, in radians and characteristic lengths.
+/// Distance for which a branch is followed to confirm it, in radians and characteristic lengths.
 const RADIUS: f64 = 1e-2;
 /// A branch leaves its tangent by no more than this share of [`RADIUS`].
 const BENT: f64 = 0.1;
@@ -28,31 +28,31 @@ const MAX_CORRECTIONS: usize = 20;
 const FIRST_STEP: f64 = 1e-4;
 const FARTHEST: f64 = 0.3;
 
-/// A displacement to the curve, and an orthonormal basis of the directions in which it goes on.
+/// A displacement to the curve, and an orthonormal basis of its tangent directions.
 type OnCurve = (DVector<f64>, DMatrix<f64>);
 
-/// A mechanism on a drive's way: the coordinates that follow, and how far the drives have gone.
+/// The curve of configurations of a drive: the coordinates that follow, and the displacement of the drives.
 ///
-/// The last coordinate is the way of the drives in units of their scaled length; without a way, the drives are held.
+/// The last coordinate is the displacement of the drives in units of their scaled length; without a direction, the drives are held.
 pub(super) struct DrivenCurve<'a> {
     system: &'a MechanismSystem<'a>,
     free: &'a [usize],
-    /// (f + M) what the drives do on a way of length one.
-    way: Option<DVector<f64>>,
+    /// (f + M) displacement of the drives for a unit of the last coordinate.
+    direction: Option<DVector<f64>>,
 }
 
 impl<'a> DrivenCurve<'a> {
     pub(super) fn new(
         system: &'a MechanismSystem<'a>,
         free: &'a [usize],
-        way: Option<DVector<f64>>,
+        direction: Option<DVector<f64>>,
     ) -> Self {
-        Self { system, free, way }
+        Self { system, free, direction }
     }
 
     /// The configuration that nothing is displaced from.
     pub(super) fn here(&self) -> Configuration {
-        let count = self.free.len() + usize::from(self.way.is_some());
+        let count = self.free.len() + usize::from(self.direction.is_some());
         Configuration { coordinates: DVector::zeros(count), ..self.system.at_home() }
     }
 
@@ -61,9 +61,9 @@ impl<'a> DrivenCurve<'a> {
         for (value, &k) in at.coordinates.iter().zip(self.free) {
             full.coordinates[k] = *value;
         }
-        if let Some(way) = &self.way {
+        if let Some(direction) = &self.direction {
             let count = full.coordinates.len();
-            full.coordinates += way.rows(0, count) * at.coordinates[self.free.len()];
+            full.coordinates += direction.rows(0, count) * at.coordinates[self.free.len()];
         }
         full
     }
@@ -82,52 +82,40 @@ impl<'a> DrivenCurve<'a> {
         self.system.kinematics().moved(self.system.home(), &all)
     }
 
-    fn scaled(&self, by: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
-        let length = self.characteristic_length();
-        let rows = units(&self.constraint_dimensions(), length);
-        let columns = units(&self.coordinate_dimensions(), length);
-        let at = self.displaced(by);
-        (
-            scaled_residual(&self.residual(&at), &rows),
-            scaled_jacobian(&self.constraint_jacobian(&at), &rows, &columns),
-        )
+    /// The point of the curve nearest a displacement, with the tangent directions of the curve there.
+    fn on_curve(&self, by: DVector<f64>, rank: usize) -> Result<Option<OnCurve>, Error> {
+        let scaled = ScaledSystem::new(self, self.characteristic_length());
+        let found = newton_at_rank(
+            &scaled,
+            &self.here(),
+            by,
+            &NewtonLimits { rank, corrections: MAX_CORRECTIONS },
+            |at| scaled.residual(at),
+            |_| ON_CURVE,
+            |by| by.norm().is_finite(),
+        )?;
+        Ok(found.map(|(by, decomposition)| (by, decomposition.null_space(rank))))
     }
 
-    /// The point of the curve nearest a displacement, with the directions in which the curve goes on there.
-    fn on_curve(&self, mut by: DVector<f64>, rank: usize) -> Result<Option<OnCurve>, Error> {
-        for _ in 0..MAX_CORRECTIONS {
-            let (residual, jacobian) = self.scaled(&by);
-            let decomposition = svd(&jacobian)?;
-            if residual.amax() <= ON_CURVE {
-                return Ok(Some((by, decomposition.null_space(rank))));
-            }
-            by -= decomposition.solve(&residual, rank);
-            if !by.norm().is_finite() {
-                break;
-            }
-        }
-        Ok(None)
-    }
-
-    /// Where the drives come to a stop beyond here and would turn back: (f + M) coordinates, and how far the drives go until there in units of the way.
+    /// Turning point beyond here, where the drives stop and would reverse: (f + M) coordinates, and the displacement of the drives up to there in units of the last coordinate.
     ///
-    /// The curve of configurations is followed by its arc, on which a turning point is nothing special, until its tangent has no part along the way.
+    /// The curve of configurations is followed by its arc, on which a turning point is nothing special, until its tangent has no component along the drives.
     pub(super) fn turning_point(&self, rank: usize) -> Result<Option<(DVector<f64>, f64)>, Error> {
         let along = self.free.len();
         let start = DVector::zeros(along + 1);
         let Some((mut here, tangents)) = self.on_curve(start, rank)? else { return Ok(None) };
-        let go = |tangents: &DMatrix<f64>, before: &DVector<f64>| {
+        let projected = |tangents: &DMatrix<f64>, before: &DVector<f64>| {
             (tangents * (tangents.transpose() * before)).try_normalize(f64::MIN_POSITIVE)
         };
-        let way = DVector::from_fn(along + 1, |k, _| if k == along { 1.0 } else { 0.0 });
-        let Some(mut tangent) = go(&tangents, &way) else { return Ok(None) };
+        let drives = DVector::from_fn(along + 1, |k, _| if k == along { 1.0 } else { 0.0 });
+        let Some(mut tangent) = projected(&tangents, &drives) else { return Ok(None) };
         let mut step = FIRST_STEP;
         let mut beyond = None;
         while step < FARTHEST {
             let Some((there, tangents)) = self.on_curve(&here + &tangent * step, rank)? else {
                 return Ok(None);
             };
-            let Some(next) = go(&tangents, &tangent) else { return Ok(None) };
+            let Some(next) = projected(&tangents, &tangent) else { return Ok(None) };
             if next[along] <= 0.0 {
                 beyond = Some(next[along]);
                 break;
@@ -136,7 +124,7 @@ impl<'a> DrivenCurve<'a> {
             step *= 1.5;
         }
         let Some(mut high_value) = beyond else { return Ok(None) };
-        // The part along the way changes sign within the step: regula falsi, the end that stays being halved.
+        // The component along the drives changes sign within the step: regula falsi, the end that stays being halved.
         let (mut low, mut high, mut low_value) = (0.0, step, tangent[along]);
         let (mut found, mut stayed) = (here.clone(), 0);
         for _ in 0..60 {
@@ -144,7 +132,7 @@ impl<'a> DrivenCurve<'a> {
             let Some((there, tangents)) = self.on_curve(&here + &tangent * at, rank)? else {
                 return Ok(None);
             };
-            let Some(next) = go(&tangents, &tangent) else { return Ok(None) };
+            let Some(next) = projected(&tangents, &tangent) else { return Ok(None) };
             let value = next[along];
             found = there;
             if value.abs() < 1e-14 || high - low < 1e-15 {
@@ -163,7 +151,7 @@ impl<'a> DrivenCurve<'a> {
         Ok(Some((self.coordinates(&found), found[along])))
     }
 
-    /// How many branches of the motion meet here: 1 where none cross, `None` where second order does not tell.
+    /// How many branches of the motion meet here: 1 where none cross, `None` where second order does not decide.
     ///
     /// # Arguments
     /// * `rank` – of the constraints at configurations nearby
@@ -182,7 +170,7 @@ impl<'a> DrivenCurve<'a> {
         let stacked = svd(&stacked)?;
         let cut = QUADRIC_THRESHOLD * largest;
         let stopped = stacked.singular_values.iter().filter(|&&value| value > cut).count();
-        // Motions on which no quadric depends, such as idle freedoms, go on along every branch.
+        // Motions on which no quadric depends, such as idle freedoms, continue along every branch.
         if largest <= QUADRIC_THRESHOLD || stopped != 2 {
             return Ok(None);
         }
@@ -244,8 +232,8 @@ impl System for DrivenCurve<'_> {
 
     fn coordinate_dimensions(&self) -> Vec<Dimension> {
         let all = self.system.coordinate_dimensions();
-        let way = self.way.iter().map(|_| Dimension::Angle);
-        self.free.iter().map(|&k| all[k]).chain(way).collect()
+        let drives = self.direction.iter().map(|_| Dimension::Angle);
+        self.free.iter().map(|&k| all[k]).chain(drives).collect()
     }
 
     fn virtual_joint_dimensions(&self) -> Vec<Dimension> {
@@ -269,8 +257,8 @@ impl System for DrivenCurve<'_> {
         let count = self.free.len();
         let mut jacobian =
             all.select_columns(self.free).resize_horizontally(at.coordinates.len(), 0.0);
-        if let Some(way) = &self.way {
-            jacobian.set_column(count, &(&all * way.rows(0, all.ncols())));
+        if let Some(direction) = &self.direction {
+            jacobian.set_column(count, &(&all * direction.rows(0, all.ncols())));
         }
         jacobian
     }

@@ -1,4 +1,4 @@
-//! Where a mechanism would have to have play.
+//! Suggestion of joints that need play.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,7 +11,7 @@ use super::{
 use crate::Error;
 use crate::linalg::svd;
 
-/// Sets of virtual joints looked at before the search is cut short.
+/// Sets of virtual joints compared before the search is cut short.
 const MAX_SETS: usize = 50_000;
 /// Sets of one size tried with the whole kinematics, best first by the linear estimate.
 const MAX_TRIED: usize = 40;
@@ -31,20 +31,20 @@ pub struct Suggestion {
     pub symmetric: bool,
     /// The largest displacement over the commands, in the metric [m].
     pub size: f64,
-    /// (M) how far each virtual joint goes at most over the commands [m or rad].
+    /// (M) largest displacement of each virtual joint over the commands [m or rad].
     pub largest: Vec<f64>,
-    /// Where the mechanism is for each command: (f) coordinates of the joints [m, rad].
+    /// Configuration for each command: (f) coordinates of the joints [m, rad].
     pub configurations: Vec<DVector<f64>>,
     /// Joint coordinates that are beyond their limits for one of the commands.
     pub beyond_limits: Vec<BeyondLimits>,
 }
 
-/// What a search for virtual joints found.
+/// Result of a search for virtual joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Suggestions {
     /// Whether any play is needed at all: `false` where the links alone allow every command.
     pub needed: bool,
-    /// Where the rigid links are for each command, if no play is needed: (f) coordinates [m, rad].
+    /// Configuration of the rigid links for each command, if no play is needed: (f) coordinates [m, rad].
     pub without_play: Vec<DVector<f64>>,
     /// Joint coordinates that are beyond their limits there.
     pub beyond_limits: Vec<BeyondLimits>,
@@ -91,7 +91,7 @@ pub fn suggest(
     super::kinematics::check_coordinates(home, f)?;
     if let Some(found) = commands.iter().find(|command| command.len() != commanded.len()) {
         let (found, expected) = (found.len(), commanded.len());
-        return Err(Error::WrongLength { what: "a command", found, expected });
+        return Err(Error::LengthMismatch { what: "a command", found, expected });
     }
     let bare = with(mechanism, &[]);
     let at_home = MechanismSystem::new(&bare, home.clone())?;
@@ -118,10 +118,12 @@ pub fn suggest(
         let found = relieve(&system, &commanded, ReliefSolver::LeastNorm)?;
         let y = found.virtual_joints.clone();
         let Reduced { relieving, roots, .. } = reduced(&system.at(found.coordinates)?, &commanded)?;
-        needs.push((&relieving * y.component_mul(&roots), relieving));
+        needs.push(Need { open: &relieving * y.component_mul(&roots), relieving });
     }
     let useful: Vec<usize> = (0..all.len())
-        .filter(|&k| needs.iter().any(|(_, a)| a.column(k).amax() > NO_EFFECT * a.amax()))
+        .filter(|&k| {
+            needs.iter().any(|Need { relieving: a, .. }| a.column(k).amax() > NO_EFFECT * a.amax())
+        })
         .collect();
     let (sets, cut_short) = sets(&candidates, &useful, &needs);
     let compared = sets.len();
@@ -176,7 +178,7 @@ pub fn suggest(
     })
 }
 
-/// Where the rigid links are for each command, if they allow all of them.
+/// Configurations of the rigid links for the commands, if they allow all of them.
 fn possible_without_play(
     home: &MechanismSystem<'_>,
     commanded: &CommandedJoints,
@@ -218,6 +220,14 @@ fn is_symmetric(members: &[usize], images: &[Vec<Option<usize>>]) -> bool {
         })
 }
 
+/// What a command requires of the virtual joints.
+struct Need {
+    /// (open) mismatch that no passive joint can close.
+    open: DVector<f64>,
+    /// (open, M) effect of the virtual joints on it.
+    relieving: DMatrix<f64>,
+}
+
 struct Set {
     members: Vec<usize>,
     symmetric: bool,
@@ -230,7 +240,7 @@ fn with(mechanism: &Mechanism, virtual_joints: &[VirtualJoint]) -> Mechanism {
         .expect("candidates have names and joints of their own")
 }
 
-/// What a set takes over all commands, if it makes all of them possible.
+/// Displacements of a set over all commands, if it makes all of them possible.
 fn tried(
     mechanism: &Mechanism,
     commanded: &CommandedJoints,
@@ -268,11 +278,7 @@ fn tried(
 }
 
 /// Symmetric sets and their pairs, then sets of single candidates up to as many as there are directions to relieve.
-fn sets(
-    candidates: &[Candidate],
-    useful: &[usize],
-    needs: &[(DVector<f64>, DMatrix<f64>)],
-) -> (Vec<Set>, bool) {
+fn sets(candidates: &[Candidate], useful: &[usize], needs: &[Need]) -> (Vec<Set>, bool) {
     let orbits: std::collections::BTreeSet<usize> =
         useful.iter().map(|&k| candidates[k].orbit).collect();
     let members = |orbit: usize| {
@@ -289,7 +295,7 @@ fn sets(
             sets.push(Set { members: [members(a), members(b)].concat(), symmetric: true });
         }
     }
-    let directions = needs.first().map_or(0, |(_, relieving)| relieving.nrows());
+    let directions = needs.first().map_or(0, |need| need.relieving.nrows());
     let mut chosen: Vec<usize> = Vec::new();
     let mut cut_short = false;
     for size in 1..=directions.min(useful.len()) {
@@ -307,7 +313,7 @@ fn sets(
     (sets, cut_short)
 }
 
-/// All ways to pick `size` of `count`; ends when `visit` says so.
+/// All combinations of `size` of `count`; ends when `visit` returns `false`.
 fn combinations(
     count: usize,
     size: usize,
@@ -330,16 +336,13 @@ fn combinations(
 }
 
 /// Largest linear least-norm displacement over the commands, if the set spans what they ask.
-fn estimate(
-    needs: &[(DVector<f64>, DMatrix<f64>)],
-    members: &[usize],
-) -> Result<Option<f64>, Error> {
+fn estimate(needs: &[Need], members: &[usize]) -> Result<Option<f64>, Error> {
     let mut size = 0.0_f64;
-    for (need, relieving) in needs {
+    for Need { open, relieving } in needs {
         let part = relieving.select_columns(members);
         let decomposition = svd(&part)?;
-        let y = decomposition.solve(need, decomposition.rank(1e-6));
-        if (&part * &y - need).norm() > LEFT_OPEN * need.norm() {
+        let y = decomposition.solve(open, decomposition.rank(1e-6));
+        if (&part * &y - open).norm() > LEFT_OPEN * open.norm() {
             return Ok(None);
         }
         size = size.max(y.norm());

@@ -45,7 +45,7 @@ impl<'a> MechanismSystem<'a> {
     /// * `home` – (f + M) coordinates of the joints, then of the virtual joints [m, rad]
     ///
     /// # Errors
-    /// [`Error::WrongLength`], [`Error::NotFinite`], [`Error::TooLarge`] beyond [`MAX_DENSE`].
+    /// [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::TooLarge`] beyond [`MAX_DENSE`].
     pub fn new(mechanism: &'a Mechanism, home: DVector<f64>) -> Result<Self, Error> {
         if let Some((what, found)) = too_large(mechanism) {
             return Err(Error::TooLarge { what, found, allowed: MAX_DENSE });
@@ -320,7 +320,7 @@ impl System for MechanismSystem<'_> {
     }
 }
 
-/// What a mechanism has too much of for dense algebra, and how many.
+/// The quantity by which a mechanism is too large for dense algebra, and its value.
 fn too_large(mechanism: &Mechanism) -> Option<(&'static str, usize)> {
     let sizes = [
         ("coordinates", mechanism.joint_freedoms() + mechanism.virtual_joints().len()),

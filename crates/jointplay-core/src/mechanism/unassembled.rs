@@ -2,7 +2,7 @@
 
 use super::closure::Closure;
 
-/// A mismatch up to this one may be the rounding of dimensions, and is told so.
+/// A mismatch up to this one may be the rounding of dimensions, and the message states so.
 const NEARLY_CLOSED: f64 = 1e-3;
 
 /// Loops that could not be closed from the guess.
@@ -15,7 +15,7 @@ pub struct Unassembled {
     pub near_guess: Closure,
     /// Mismatch of each loop there, in radians and characteristic lengths, by the name of the joint that closes it; largest first.
     pub loops: Vec<(String, f64)>,
-    /// Closed configurations found from other starts: where there are any, it was the guess that failed.
+    /// Closed configurations found from other starts; where there are any, the guess was the cause.
     pub branches: Vec<Closure>,
     /// Number of other starts tried.
     pub starts: usize,
@@ -34,7 +34,7 @@ impl Unassembled {
     /// * `tolerance` – largest accepted mismatch, in radians and characteristic lengths
     #[must_use]
     pub fn within(&self, tolerance: f64) -> Option<&Closure> {
-        // Where other starts close exactly it was the guess that failed, and they may be far from what was meant.
+        // Where other starts close exactly, the guess was the cause, and the closures may be far from the intended one.
         let other = self.branches.is_empty().then_some(&self.best);
         let near_guess = (!self.near_guess_drifts).then_some(&self.near_guess);
         let closures = [near_guess, other.filter(|_| !self.best_drifts)];

@@ -2,7 +2,7 @@
 
 use super::finite::FiniteMobility;
 use super::nearby::find_nearby;
-use super::search::Search;
+use super::tracking::ConfigurationTracker;
 use crate::Error;
 use crate::constraint::{Configuration, System};
 
@@ -35,8 +35,8 @@ pub fn branch_dimensions<S: System + ?Sized>(
     if mobility == 0 {
         return Ok(Vec::new());
     }
-    let search = Search::new(system, at, first.characteristic_length);
-    let mut all = find_nearby(&search, at, first, second, usize::MAX)?;
+    let tracker = ConfigurationTracker::new(system, at, first.characteristic_length);
+    let mut all = find_nearby(&tracker, at, first, second, usize::MAX)?;
     all.add(mobility);
     all.dimensions.retain(|&dimension| dimension <= mobility);
     Ok(all.dimensions)

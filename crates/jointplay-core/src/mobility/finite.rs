@@ -1,19 +1,19 @@
-//! Mobility for real: in how many directions the mechanism can go a finite way.
+//! Finite mobility: dimension of the set of configurations around a given one.
 
 use super::nearby::{NearbyConfigurations, find_nearby};
-use super::search::{Continuation, KEPT_RADIUS, Search};
 use super::second_order::{SecondOrder, second_order};
+use super::tracking::{ConfigurationTracker, Continuation, KEPT_RADIUS};
 use super::{InstantaneousMobility, instantaneous_mobility};
 use crate::Error;
 use crate::constraint::{ACCEPTED_RESIDUAL, Configuration, System, scaled_residual, units};
 
 /// Dimension of the set of configurations near one, between two bounds of different origin.
 ///
-/// The upper bound is proved from first and second derivatives, to the rank threshold; the lower bound is what neighbouring configurations that were really found span.
+/// The upper bound is proved from first and second derivatives, to the rank threshold; the lower bound is the dimension spanned by configurations that were found nearby.
 /// Where they meet, the dimension is decided.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FiniteMobility {
-    /// The dimension, or `None` where the bounds do not meet: an honest "undecided".
+    /// The dimension, or `None` where the bounds do not meet: undecided.
     pub mobility: Option<usize>,
     /// Dimension of the configurations found nearby.
     pub lower_bound: usize,
@@ -21,7 +21,7 @@ pub struct FiniteMobility {
     pub upper_bound: usize,
     /// The first-order analysis.
     pub instantaneous: InstantaneousMobility,
-    /// The second-order analysis; `None` where it is not needed: all constraints are independent, or every motion to first order was seen to lead on.
+    /// The second-order analysis; `None` where it is not needed: all constraints are independent, or every instantaneous motion was found to be finite.
     pub second_order: Option<SecondOrder>,
     /// The search for configurations nearby; `None` where first order decides.
     pub nearby: Option<NearbyConfigurations>,
@@ -30,7 +30,7 @@ pub struct FiniteMobility {
 /// Finite mobility of the mechanism with its virtual joints held.
 ///
 /// 1. Where all constraints are independent, the implicit function theorem makes every first-order motion finite.
-/// 2. Where every motion allowed to first order, in random directions, leads on a good way, all are finite.
+/// 2. Where every instantaneous motion, in random directions, can be followed for a finite distance, all are finite.
 /// 3. Otherwise a motion v is the start of a finite one only if sᵀ Φ''[v, v] = 0 for every self-stress s: these quadrics bound the dimension from above.
 /// 4. Where a direction of step 2 breaks a constraint, at whatever order, the motions have one dimension less at least: a single one is stopped.
 /// 5. Configurations near the given one are searched for from many directions; the dimension of what is found is the lower bound.
@@ -72,18 +72,18 @@ pub fn finite_mobility<S: System + ?Sized>(
     if instantaneous.redundancy == 0 || instantaneous.mobility == 0 {
         return Ok(by_first_order(instantaneous, None));
     }
-    let search = Search::new(system, at, instantaneous.characteristic_length);
+    let tracker = ConfigurationTracker::new(system, at, instantaneous.characteristic_length);
     let all_finite = |tried, mobility| {
         Some(NearbyConfigurations { tried, found: tried, dimensions: vec![mobility] })
     };
     let mobility = instantaneous.mobility;
-    let room = match search.followed(at, &instantaneous, &instantaneous.null_space, KEPT_RADIUS) {
+    let room = match tracker.followed(at, &instantaneous, &instantaneous.null_space, KEPT_RADIUS) {
         Continuation::Finite(tried) => {
             return Ok(by_first_order(instantaneous, all_finite(tried, mobility)));
         }
         Continuation::Obstructed => mobility - 1,
         Continuation::Unresolved => {
-            match search.continued(at, &instantaneous, instantaneous.threshold)? {
+            match tracker.continued(at, &instantaneous, instantaneous.threshold)? {
                 Some(tried) => {
                     return Ok(by_first_order(instantaneous, all_finite(tried, mobility)));
                 }
@@ -93,7 +93,7 @@ pub fn finite_mobility<S: System + ?Sized>(
     };
     let second_order = second_order(system, at, &instantaneous)?;
     let upper_bound = second_order.upper_bound.min(room);
-    let mut nearby = find_nearby(&search, at, &instantaneous, &second_order, upper_bound)?;
+    let mut nearby = find_nearby(&tracker, at, &instantaneous, &second_order, upper_bound)?;
     nearby.dimensions.retain(|&dimension| dimension <= upper_bound);
     let lower_bound = nearby.dimension();
     Ok(FiniteMobility {

@@ -1,4 +1,4 @@
-//! Mobility to first order, with redundancy and self-stress.
+//! Instantaneous mobility, with redundancy and self-stress.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -9,13 +9,13 @@ use crate::linalg::{Svd, svd};
 /// Singular values up to this share of the largest count as zero.
 ///
 /// Forming a scaled Jacobian costs a few units of round-off, 10⁻¹⁵; two decades above that no noise is taken for a constraint.
-/// On a wafer robot it tells rods apart that differ by a picometre.
+/// On a wafer robot it distinguishes rods that differ by a picometre.
 pub const RANK_THRESHOLD: f64 = 1e-13;
 
-/// Singular values up to this many times [`System::round_off`] count as zero: dimensions that are rounded so far cannot tell them from zero.
+/// Singular values up to this many times [`System::round_off`] count as zero: they are within the rounding of the dimensions.
 const RANK_ROUND_OFF: f64 = 16.0;
 
-/// Motions that the constraints allow to first order, with the evidence.
+/// Motions in the null space of the constraint Jacobian, with the evidence.
 ///
 /// ```text
 ///      J   ·  N   =  0        Sᵀ  ·  J  =  0        J: scaled constraint Jacobian, r = rank
@@ -24,11 +24,11 @@ const RANK_ROUND_OFF: f64 = 16.0;
 /// J is dimensionless: lengths are measured in `characteristic_length`, so that rank and singular values do not depend on the unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InstantaneousMobility {
-    /// n − rank: dimension of the motions that all constraints allow to first order.
+    /// n − rank: dimension of the null space of J.
     pub mobility: usize,
     /// Number of independent constraints.
     pub rank: usize,
-    /// c − rank: constraints that say nothing new.
+    /// c − rank: number of redundant constraints.
     pub redundancy: usize,
     /// Singular values of J, largest first.
     pub singular_values: DVector<f64>,
@@ -45,27 +45,27 @@ pub struct InstantaneousMobility {
 }
 
 impl InstantaneousMobility {
-    /// The smallest singular value that counts, if any does.
+    /// The smallest singular value above the threshold, if there is one.
     #[must_use]
     pub fn smallest_nonzero(&self) -> Option<f64> {
         self.rank.checked_sub(1).map(|last| self.singular_values[last])
     }
 
-    /// The largest singular value that counts as zero, if any does.
+    /// The largest singular value at or below the threshold, if there is one.
     #[must_use]
     pub fn largest_zero(&self) -> Option<f64> {
         self.singular_values.get(self.rank).copied()
     }
 }
 
-/// Mobility to first order of the mechanism with its virtual joints held.
+/// Instantaneous mobility of the mechanism with its virtual joints held.
 ///
 /// # Arguments
 /// * `at` – configuration; only ∂Φ/∂P is used
 /// * `relative_threshold` – [`RANK_THRESHOLD`], or another share of the largest singular value
 ///
 /// # Errors
-/// [`Error::WrongLength`], [`Error::NotFinite`].
+/// [`Error::LengthMismatch`], [`Error::NotFinite`].
 ///
 /// # Numerics
 /// One singular value decomposition, O(c n²).
@@ -86,7 +86,7 @@ pub fn instantaneous_mobility<S: System + ?Sized>(
     analyse(&jacobian, length, relative_threshold, system.round_off())
 }
 
-/// Mobility to first order with the virtual joints free: of [∂Φ/∂P ∂Φ/∂X].
+/// Instantaneous mobility with the virtual joints free: of [∂Φ/∂P ∂Φ/∂X].
 ///
 /// # Errors
 /// As [`instantaneous_mobility`].

@@ -1,16 +1,16 @@
-//! What can move: by counting, to first order, and for real.
+//! Mobility: Kutzbach, instantaneous and finite.
 //!
-//! | question | function |
+//! | quantity | function |
 //! | --- | --- |
-//! | what does a count of links and joints give? | [`kutzbach_mobility`] |
-//! | which motions do the constraints allow to first order? | [`instantaneous_mobility`] |
-//! | …with the virtual joints free as well? | [`augmented_mobility`] |
-//! | in how many directions can it really go? | [`finite_mobility`] |
-//! | …and do branches of other dimensions meet there? | [`branch_dimensions`] |
-//! | …if its dimensions are true only to a tolerance? | [`near_mobility`] |
-//! | …and would a small tolerance make a difference? | [`near_miss`] |
+//! | Kutzbach mobility, from the number of links and joints | [`kutzbach_mobility`] |
+//! | instantaneous mobility, from the constraint Jacobian | [`instantaneous_mobility`] |
+//! | instantaneous mobility with the virtual joints free | [`augmented_mobility`] |
+//! | finite mobility | [`finite_mobility`] |
+//! | dimensions of the branches that meet | [`branch_dimensions`] |
+//! | near mobility, if dimensions are true only to a tolerance | [`near_mobility`] |
+//! | near misses: whether a small tolerance makes a difference | [`near_miss`] |
 //!
-//! The answers differ at a singular configuration, and that difference is the subject of this library: none is ever reported as another.
+//! They differ at a singular configuration, and that difference is the subject of this library: none is ever reported as another.
 
 mod branches;
 mod finite;
@@ -18,8 +18,8 @@ mod instantaneous;
 mod kutzbach;
 mod near;
 mod nearby;
-mod search;
 mod second_order;
+mod tracking;
 
 pub use branches::branch_dimensions;
 pub use finite::{FiniteMobility, finite_mobility};

@@ -1,4 +1,4 @@
-//! Near misses: what would move if dimensions were true only to a tolerance.
+//! Near mobility: motions that are possible if dimensions are true only to a tolerance.
 
 use std::ops::RangeInclusive;
 
@@ -6,29 +6,27 @@ use nalgebra::{DMatrix, DVector};
 
 use super::FiniteMobility;
 use crate::Error;
-use crate::constraint::{
-    Configuration, Dimension, System, scaled_jacobian, scaled_residual, units,
-};
+use crate::constraint::{Configuration, Dimension, ScaledSystem, System, backtrack};
 use crate::linalg::svd;
 use crate::random::Random;
 
 /// Tolerances that are taken: round-off of closures along a motion stays below the least, and dimensions off by more than a hundredth describe another mechanism.
 pub const TOLERANCES: RangeInclusive<f64> = 1e-11..=1e-2;
-/// How far a motion is followed, in radians and characteristic lengths.
+/// Distance for which a motion is followed, in radians and characteristic lengths.
 const RADIUS: f64 = 0.3;
 /// Steps out to there.
 const STEPS: u32 = 10;
-/// Directions with singular values up to this are followed: to first order, a motion with a larger one leaves the band of the largest tolerance within [`RADIUS`].
+/// Directions with singular values up to this are followed: in linear approximation, a motion with a larger one leaves the band of the largest tolerance within [`RADIUS`].
 ///
-/// A motion with singular value σ misses by σ t after a way t, which is a hundredth at 0.3 for σ = 0.03; one whose residual turns on the way may start a little steeper.
+/// A motion with singular value σ misses by σ t after a distance t, which is a hundredth at 0.3 for σ = 0.03; one whose residual changes direction may start with a larger value.
 const CANDIDATES: f64 = 0.1;
-/// Singular values up to this belong to motions that are tried together first: those of exact dimensions.
+/// Singular values up to this belong to motions that are tried first, all together: those of exact dimensions.
 const EXACT: f64 = 1e-9;
 /// Random subspaces of the candidates that are followed for each number of motions.
 const MIXTURES: usize = 2;
-/// A subspace that needs no more than this many times what first order asks of the best one is taken without a look at others.
+/// A subspace that needs no more than this many times what first order asks of the best one is taken without trying others.
 const NEAR_LEAST: f64 = 3.0;
-/// How often a subspace is turned to where its motions lead.
+/// How often a subspace is rotated to the ends of its motions.
 const REFINED: usize = 2;
 /// Directions that mix those of a subspace: motions on two branches are possible one by one, but not mixed.
 const MIXED: usize = 2;
@@ -42,7 +40,7 @@ const LEAST_DAMPING: f64 = 1e-12;
 const MAX_HALVINGS: usize = 6;
 /// A correction that leaves more than this share of the residual is the last.
 const STALLED: f64 = 0.99;
-/// Where configurations on a branch are looked for, if branches may cross at the given one.
+/// Distance at which configurations on a branch are searched for, if branches may cross at the given one.
 const BRANCH_RADIUS: f64 = 0.1;
 /// Nearer than this share of it is the given configuration found again.
 const SAME_POINT: f64 = 0.3;
@@ -50,17 +48,17 @@ const SAME_POINT: f64 = 0.3;
 const BRANCHES: usize = 3;
 /// A near miss is worth a hint up to this tolerance: about the digits that dimensions are printed with.
 const HINTED: f64 = 1e-4;
-/// Near misses are looked for unasked up to this many coordinates.
-const UNASKED: usize = 64;
+/// Near misses are searched for by default up to this many coordinates.
+const DEFAULT_SEARCH_COORDINATES: usize = 64;
 
-/// Motions that are kept within a tolerance, and how much of it they need.
+/// Motions that are possible within a tolerance, and the tolerance that they need.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NearMobility {
-    /// In how many directions the mechanism goes a finite way with no constraint broken by more than the tolerance.
+    /// Dimension of the finite motions that violate no constraint by more than the tolerance.
     pub mobility: usize,
-    /// The largest mismatch on these ways: the tolerance that they need, in radians and characteristic lengths.
+    /// The largest mismatch along these motions: the tolerance that they need, in radians and characteristic lengths.
     pub needed: f64,
-    /// About what one more motion would need, in radians and characteristic lengths; `None` where none of the candidates comes near.
+    /// Approximate tolerance that one more motion would need, in radians and characteristic lengths; `None` where none of the candidates comes near.
     pub next: Option<f64>,
     /// The tolerance, in radians and characteristic lengths.
     pub tolerance: f64,
@@ -68,17 +66,17 @@ pub struct NearMobility {
 
 /// Mobility of the mechanism, with its virtual joints held, if its dimensions are true only to a tolerance.
 ///
-/// A motion counts if it can be followed for 0.3 (in radians and characteristic lengths) and the residual of the best fit stays within the tolerance all the way.
+/// A motion is included if it can be followed for 0.3 (in radians and characteristic lengths) and the residual of the best fit stays within the tolerance throughout.
 ///
 /// # Arguments
 /// * `at` – a configuration that satisfies the constraints to the tolerance
 /// * `tolerance` – within [`TOLERANCES`], in radians and characteristic lengths; compared with [`System::mismatch`]
 ///
 /// # Errors
-/// [`Error::Tolerance`], [`Error::NotClosed`] if the residual at `at` exceeds the tolerance, [`Error::WrongLength`], [`Error::NotFinite`].
+/// [`Error::Tolerance`], [`Error::NotClosed`] if the residual at `at` exceeds the tolerance, [`Error::LengthMismatch`], [`Error::NotFinite`].
 ///
 /// # Numerics
-/// What each number of motions needs does not depend on the tolerance, see [`near_tolerances`]; the mobility is how many of these numbers are within it.
+/// The tolerance for each number of motions does not depend on the tolerance, see [`near_tolerances`]; the mobility is how many of these numbers are within it.
 ///
 /// # Source
 /// own derivation, `docs/explanation/mechanisms.md`
@@ -109,30 +107,25 @@ pub fn near_mobility<S: System + ?Sized>(
 /// The tolerance that one motion needs, that two need together, and so on, as far as it is within [`TOLERANCES`]; in radians and characteristic lengths, never decreasing.
 ///
 /// # Errors
-/// [`Error::WrongLength`], [`Error::NotFinite`].
+/// [`Error::LengthMismatch`], [`Error::NotFinite`].
 ///
 /// # Numerics
 /// Singular vectors of the scaled Jacobian with values up to 0.1 make candidates.
-/// Vectors of nearly equal values are arbitrary mixtures, so that for each number of motions several subspaces of the candidates are followed, each turned to where its motions lead; the least tolerance counts.
-/// Each way holds its direction among those of the subspace and fits all other coordinates by Gauss–Newton steps with damping in proportion to the residual: singular values below what the loops miss move nothing.
+/// Vectors of nearly equal values are arbitrary mixtures, so that for each number of motions several subspaces of the candidates are followed, each rotated to the ends of its motions; the least tolerance counts.
+/// Each followed motion holds its direction among those of the subspace and fits all other coordinates by Gauss–Newton steps with damping in proportion to the residual: singular values below the mismatch have no effect.
 /// The same is done at configurations found a tenth away, since branches may cross at the given one; all random directions are the same at every call.
 pub fn near_tolerances<S: System + ?Sized>(
     system: &S,
     at: &Configuration,
 ) -> Result<Vec<f64>, Error> {
     system.check(at)?;
-    let length = system.characteristic_length();
-    let follower = Follower {
-        system,
-        rows: units(&system.constraint_dimensions(), length),
-        columns: units(&system.coordinate_dimensions(), length),
-    };
+    let follower = Follower { scaled: ScaledSystem::new(system, system.characteristic_length()) };
     let residual = system.mismatch(at);
     let (candidates, values) = follower.candidates(at)?;
     let exact = values.iter().filter(|&&value| value <= EXACT).count();
     let mut all = Vec::new();
     let first = Start { at: at.clone(), candidates };
-    // What moves for real moves within any tolerance, all of it together.
+    // Finite motions are possible within any tolerance, all of them together.
     if exact > 0 {
         let needed = follower.followed(&first.at, &first.least(exact))?;
         if needed <= *TOLERANCES.start() {
@@ -177,7 +170,7 @@ pub fn near_tolerances<S: System + ?Sized>(
     Ok(all)
 }
 
-/// Where motions start, and the directions among which they are looked for.
+/// Start of motions, and the candidate directions.
 struct Start {
     at: Configuration,
     /// (n, candidates) orthonormal directions with small singular values, those of the largest first.
@@ -222,30 +215,13 @@ impl Start {
 
 /// Follows motions in dimensionless coordinates.
 struct Follower<'a, S: ?Sized> {
-    system: &'a S,
-    rows: DVector<f64>,
-    columns: DVector<f64>,
+    scaled: ScaledSystem<'a, S>,
 }
 
 impl<S: System + ?Sized> Follower<'_, S> {
-    fn residual(&self, at: &Configuration) -> DVector<f64> {
-        scaled_residual(&self.system.residual(at), &self.rows)
-    }
-
-    fn jacobian(&self, at: &Configuration) -> DMatrix<f64> {
-        scaled_jacobian(&self.system.constraint_jacobian(at), &self.rows, &self.columns)
-    }
-
-    fn moved(&self, from: &Configuration, displacement: &DVector<f64>) -> Configuration {
-        Configuration {
-            coordinates: &from.coordinates + displacement.component_mul(&self.columns),
-            virtual_joints: from.virtual_joints.clone(),
-        }
-    }
-
     /// (n, candidates) orthonormal directions with small singular values, those of the largest first, and these values, the least first.
     fn candidates(&self, at: &Configuration) -> Result<(DMatrix<f64>, Vec<f64>), Error> {
-        let found = svd(&self.jacobian(at))?;
+        let found = self.scaled.decomposed(at)?;
         let values = &found.singular_values;
         let counted = values.iter().filter(|&&value| value > CANDIDATES).count();
         let n = found.v.ncols();
@@ -253,7 +229,7 @@ impl<S: System + ?Sized> Follower<'_, S> {
         Ok((found.null_space(counted), least))
     }
 
-    /// A subspace turned to where motions along its directions lead, so that a motion of 0.3 in it is one of 0.3.
+    /// A subspace rotated to the ends of motions along its directions, so that a motion of 0.3 in it has length 0.3.
     fn turned(&self, start: &Start, mut basis: DMatrix<f64>) -> Result<DMatrix<f64>, Error> {
         if basis.ncols() == start.candidates.ncols() {
             return Ok(basis);
@@ -262,7 +238,7 @@ impl<S: System + ?Sized> Follower<'_, S> {
             let fitted = complement(&basis)?;
             let mut ends = Vec::with_capacity(basis.ncols());
             for direction in basis.column_iter() {
-                let (_, end) = self.way(&start.at, &direction.into_owned(), &fitted)?;
+                let (_, end) = self.follow(&start.at, &direction.into_owned(), &fitted)?;
                 ends.push(&start.candidates * start.candidates.tr_mul(&end));
             }
             let next = DMatrix::from_columns(&ends).qr().q();
@@ -273,10 +249,10 @@ impl<S: System + ?Sized> Follower<'_, S> {
         Ok(basis)
     }
 
-    /// The largest residual on the ways along some directions and mixtures of them.
+    /// The largest residual along some directions and mixtures of them.
     fn followed(&self, from: &Configuration, directions: &DMatrix<f64>) -> Result<f64, Error> {
         let count = directions.ncols();
-        let mut largest = self.system.mismatch(from);
+        let mut largest = self.scaled.system().mismatch(from);
         let fitted = complement(directions)?;
         let mut random = Random(3);
         let mixed = if count > 1 { MIXED } else { 0 };
@@ -286,10 +262,10 @@ impl<S: System + ?Sized> Follower<'_, S> {
             } else {
                 directions * DVector::from_fn(count, |_, _| random.next()).normalize()
             };
-            // One sense is enough: a motion may start at the end of its range. Where the first breaks nothing, the other cannot do better.
-            let (mut size, _) = self.way(from, &direction, &fitted)?;
+            // One sense is enough: a motion may start at the end of its range. Where the first violates no constraint, the other cannot do better.
+            let (mut size, _) = self.follow(from, &direction, &fitted)?;
             if size > *TOLERANCES.start() {
-                size = size.min(self.way(from, &-direction, &fitted)?.0);
+                size = size.min(self.follow(from, &-direction, &fitted)?.0);
             }
             largest = largest.max(size);
             if largest > *TOLERANCES.end() {
@@ -299,8 +275,8 @@ impl<S: System + ?Sized> Follower<'_, S> {
         Ok(largest)
     }
 
-    /// The largest residual on the way in one direction, and the displacement at its end.
-    fn way(
+    /// The largest residual along one direction, and the displacement at its end.
+    fn follow(
         &self,
         from: &Configuration,
         direction: &DVector<f64>,
@@ -311,7 +287,7 @@ impl<S: System + ?Sized> Follower<'_, S> {
         let mut here = DVector::zeros(direction.len());
         let mut last = stride.clone();
         for _ in 0..STEPS {
-            // The step before shows where the fitted coordinates go.
+            // The previous step predicts the fitted coordinates.
             let (there, size) = self.fit(from, &here + &last, fitted)?;
             largest = largest.max(size);
             if largest > *TOLERANCES.end() {
@@ -331,34 +307,32 @@ impl<S: System + ?Sized> Follower<'_, S> {
         mut displacement: DVector<f64>,
         fitted: &DMatrix<f64>,
     ) -> Result<(DVector<f64>, f64), Error> {
-        let mut at = self.moved(from, &displacement);
-        let mut residual = self.residual(&at);
+        let mut at = self.scaled.displaced(from, &displacement);
+        let mut residual = self.scaled.residual(&at);
         for _ in 0..MAX_CORRECTIONS {
-            let round_off = f64::EPSILON * at.coordinates.component_div(&self.columns).amax();
+            let round_off = self.scaled.coordinate_round_off(&at);
             if residual.amax() <= round_off.max(f64::EPSILON) {
                 break;
             }
-            let decomposition = svd(&(self.jacobian(&at) * fitted))?;
+            let decomposition = svd(&(self.scaled.jacobian(&at) * fitted))?;
             let before = residual.norm();
             let damping = before.max(LEAST_DAMPING);
             let mut step = -(fitted * decomposition.solve_damped(&residual, damping));
             step *= (LONGEST_CORRECTION / step.norm()).min(1.0);
-            let mut gained = false;
-            for _ in 0..MAX_HALVINGS {
-                let there = &displacement + &step;
-                let moved = self.moved(from, &there);
-                let reached = self.residual(&moved);
-                if reached.norm() < before {
-                    (displacement, at, residual, gained) = (there, moved, reached, true);
-                    break;
-                }
-                step *= 0.5;
-            }
-            if !gained || residual.norm() > STALLED * before {
+            let gain = backtrack(MAX_HALVINGS, before, |share| {
+                let there = &displacement + &step * share;
+                let moved = self.scaled.displaced(from, &there);
+                let reached = self.scaled.residual(&moved);
+                let size = reached.norm();
+                ((there, moved, reached), size)
+            });
+            let Some(gain) = gain else { break };
+            (displacement, at, residual) = gain.there;
+            if gain.residual > STALLED * before {
                 break;
             }
         }
-        Ok((displacement, self.system.mismatch(&at)))
+        Ok((displacement, self.scaled.system().mismatch(&at)))
     }
 
     /// Starts off the given one that satisfy the constraints to the largest tolerance.
@@ -373,7 +347,7 @@ impl<S: System + ?Sized> Follower<'_, S> {
             let (displacement, size) = self.fit(&start.at, by, &all)?;
             let far = displacement.norm() / BRANCH_RADIUS;
             if size <= *TOLERANCES.end() && far > SAME_POINT && found.len() < BRANCHES {
-                let at = self.moved(&start.at, &displacement);
+                let at = self.scaled.displaced(&start.at, &displacement);
                 let (candidates, _) = self.candidates(&at)?;
                 found.push(Start { at, candidates });
             }
@@ -388,7 +362,7 @@ fn complement(directions: &DMatrix<f64>) -> Result<DMatrix<f64>, Error> {
     Ok(svd(&directions.transpose())?.v.columns(count, n - count).into_owned())
 }
 
-/// What a tolerance of the dimensions would change.
+/// Effect of a tolerance of the dimensions on the mobility.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NearMiss {
     /// More motions than for exact dimensions, within a small tolerance.
@@ -397,14 +371,14 @@ pub enum NearMiss {
         mobility: usize,
         /// The tolerance that this mobility needs, in radians and characteristic lengths.
         needed: f64,
-        /// A tolerance to ask [`near_mobility`] with: `needed`, rounded up.
+        /// A tolerance to pass to [`near_mobility`]: `needed`, rounded up.
         tolerance: f64,
     },
-    /// Not looked for, since the mechanism has too many coordinates.
+    /// Not searched for, since the mechanism has too many coordinates.
     NotSearched {
         /// How many it has.
         coordinates: usize,
-        /// Up to how many they are looked for.
+        /// Largest number of coordinates that is searched.
         most: usize,
     },
 }
@@ -422,18 +396,18 @@ pub fn near_miss<S: System + ?Sized>(
     finite: &FiniteMobility,
 ) -> Result<Option<NearMiss>, Error> {
     let first = &finite.instantaneous;
-    // A motion that a small tolerance allows is one to first order, or nearly one.
+    // A motion that a small tolerance allows is instantaneous, or nearly so.
     let small = first.smallest_nonzero().is_some_and(|least| least <= 10.0 * HINTED);
     if !small && finite.mobility == Some(first.mobility) {
         return Ok(None);
     }
     let coordinates = first.null_space.nrows();
-    if coordinates > UNASKED {
-        return Ok(Some(NearMiss::NotSearched { coordinates, most: UNASKED }));
+    if coordinates > DEFAULT_SEARCH_COORDINATES {
+        return Ok(Some(NearMiss::NotSearched { coordinates, most: DEFAULT_SEARCH_COORDINATES }));
     }
     let all = near_tolerances(system, at)?;
     let mobility = all.iter().filter(|&&needed| needed <= HINTED).count();
-    // What is undecided is no near miss.
+    // An undecided mobility is no near miss.
     if mobility <= finite.mobility.unwrap_or(finite.upper_bound) {
         return Ok(None);
     }
@@ -446,7 +420,7 @@ pub fn near_miss<S: System + ?Sized>(
 
 /// A system with its loops taken as closed where they are: Φ less its value at one configuration.
 ///
-/// This is the mechanism put together by force, where dimensions do not let it close by itself; every analysis of closed configurations applies to it.
+/// This is the mechanism assembled by force, where its dimensions do not allow it to close; every analysis of closed configurations applies to it.
 #[derive(Debug, Clone)]
 pub struct ForcedClosure<'a, S: ?Sized> {
     system: &'a S,
@@ -565,7 +539,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_refused() {
+    fn open_configurations_and_invalid_tolerances_are_refused() {
         let refused = |gap, tolerance| near_mobility(&TwoCircles { gap }, &at(1.0, 0.0), tolerance);
         assert_eq!(refused(1e-4, 1e-5), Err(Error::NotClosed { residual: 1e-4, allowed: 1e-5 }));
         for tolerance in [0.0, -1e-3, 0.1, f64::NAN, f64::INFINITY] {
@@ -575,11 +549,11 @@ mod tests {
         assert!(matches!(nowhere, Err(Error::NotFinite { .. })));
     }
 
-    /// Four hinges in a plane, one of which leans out of it; closed where all coordinates are zero.
-    fn four_bar(lean: f64) -> Mechanism {
+    /// Four hinges in a plane, one of which tilts out of it; closed where all coordinates are zero.
+    fn four_bar(tilt: f64) -> Mechanism {
         let points = [[0.0, 0.0], [0.5, 0.9], [2.6, 1.5], [3.0, 0.0]];
         let joints = points.iter().enumerate().map(|(k, &[x, y])| {
-            let turn = Rotation3::new(Vector3::new(if k == 1 { lean } else { 0.0 }, 0.0, 0.0));
+            let turn = Rotation3::new(Vector3::new(if k == 1 { tilt } else { 0.0 }, 0.0, 0.0));
             Joint {
                 name: format!("j{k}"),
                 kind: JointKind::Revolute,
@@ -597,29 +571,29 @@ mod tests {
     }
 
     #[test]
-    fn four_bar_with_a_leaning_hinge() {
-        for lean in [1e-3, 1e-4, 1e-5, 1e-6, 1e-7] {
-            let mechanism = four_bar(lean);
+    fn four_bar_with_a_tilted_hinge() {
+        for tilt in [1e-3, 1e-4, 1e-5, 1e-6, 1e-7] {
+            let mechanism = four_bar(tilt);
             let system = MechanismSystem::new(&mechanism, DVector::zeros(4)).unwrap();
             let home = system.at_home();
             let finite = finite_mobility(&system, &home, RANK_THRESHOLD).unwrap();
-            assert_eq!(finite.mobility, Some(0), "{lean}");
+            assert_eq!(finite.mobility, Some(0), "{tilt}");
 
-            let near = near_mobility(&system, &home, lean).unwrap();
+            let near = near_mobility(&system, &home, tilt).unwrap();
             assert_eq!(near.mobility, 1, "{near:?}");
-            assert!((0.05 * lean..0.5 * lean).contains(&near.needed), "{near:?}");
+            assert!((0.05 * tilt..0.5 * tilt).contains(&near.needed), "{near:?}");
 
-            // Too little of a tolerance: how much it takes is told.
+            // With too small a tolerance, the result states the tolerance needed.
             let less = near_mobility(&system, &home, 0.5 * near.needed).unwrap();
             assert_eq!(less.mobility, 0);
             assert!(less.next.is_some_and(|next| (next / near.needed - 1.0).abs() < 0.1));
 
             match near_miss(&system, &home, &finite).unwrap() {
-                None => assert!(near.needed > HINTED, "{lean} {near:?}"),
+                None => assert!(near.needed > HINTED, "{tilt} {near:?}"),
                 Some(NearMiss::Found { mobility, needed, tolerance }) => {
                     assert_eq!((mobility, needed), (1, near.needed));
                     let found = near_mobility(&system, &home, tolerance).unwrap();
-                    assert_eq!(found.mobility, 1, "{lean} {tolerance:e}");
+                    assert_eq!(found.mobility, 1, "{tilt} {tolerance:e}");
                 }
                 other => panic!("{other:?}"),
             }

@@ -3,24 +3,24 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::instantaneous::{InstantaneousMobility, instantaneous_mobility};
-use super::search::{Continuation, KEPT_RADIUS, Search, random_direction};
 use super::second_order::{SecondOrder, common_zero_near, second_order};
+use super::tracking::{ConfigurationTracker, Continuation, KEPT_RADIUS, random_direction};
 use crate::Error;
 use crate::constraint::{Configuration, System};
 use crate::linalg::svd;
 use crate::random::Random;
 
-/// Distance from the given configuration at which branches are looked for, in radians and characteristic lengths.
+/// Distance from the given configuration at which branches are searched for, in radians and characteristic lengths.
 const RADIUS: f64 = 1e-2;
 /// Distance at which their dimension is proven: far enough out that a motion stopped at an order below 14 has ended.
 const OUTER_RADIUS: f64 = 0.1;
 /// Distance nearer to which a branch has to be found again, so that it leads to the given configuration.
 const INNER_RADIUS: f64 = 1e-3;
-/// How far all directions of a branch are followed from the configuration where its dimension is proven.
+/// Distance for which all directions of a branch are followed from the configuration where its dimension is proven.
 const PROOF_RADIUS: f64 = 0.1;
 /// Singular values there below this share of the largest count as zero: where a constraint touches, a configuration is known to 10⁻⁷ only.
 const NEIGHBOUR_RANK_THRESHOLD: f64 = 1e-6;
-/// Displacements longer than this many times the distance asked for are not looked at.
+/// Displacements longer than this multiple of the distance are discarded.
 const FARTHEST: f64 = 3.0;
 /// Singular values of displacements below this share of the distance asked for are no motion: one stopped at order p leads to 10^(−14/p), half of the distance only from order 14 on.
 const CONTINUED_SHARE: f64 = 0.5;
@@ -57,12 +57,12 @@ impl NearbyConfigurations {
     }
 }
 
-/// Looks for branches until one of dimension `enough` is found.
+/// Searches for branches until one of dimension `enough` is found.
 ///
 /// Starts are random motions of first order, and zeros of the second-order conditions near them.
 /// A branch counts if it is found at three distances from the given configuration, and if its dimension is proven at the farthest of them.
 pub(super) fn find_nearby<S: System + ?Sized>(
-    search: &Search<'_, S>,
+    tracker: &ConfigurationTracker<'_, S>,
     at: &Configuration,
     first: &InstantaneousMobility,
     second: &SecondOrder,
@@ -72,11 +72,11 @@ pub(super) fn find_nearby<S: System + ?Sized>(
     // Where second order stops all other motions, the ones that it leaves free may all be finite.
     if second.definite && second.free > 0 {
         let free = &first.null_space * &second.free_motions;
-        let kept = match search.followed(at, first, &free, KEPT_RADIUS) {
+        let kept = match tracker.followed(at, first, &free, KEPT_RADIUS) {
             Continuation::Finite(_) => true,
-            // The motions may bend into the ones that are stopped.
+            // The motions may curve into the ones that are stopped.
             Continuation::Obstructed | Continuation::Unresolved => {
-                all_lead(search, at, &free, KEPT_RADIUS)?
+                all_lead(tracker, at, &free, KEPT_RADIUS)?
             }
         };
         if kept {
@@ -101,9 +101,9 @@ pub(super) fn find_nearby<S: System + ?Sized>(
             };
             let Some(direction) = direction else { continue };
             let start = &first.null_space * direction;
-            let Some(branch) = search.at_distance(at, &start, RADIUS)? else { continue };
+            let Some(branch) = tracker.at_distance(at, &start, RADIUS)? else { continue };
             reached = true;
-            if let Some(dimension) = dimension_of_branch(search, at, &branch)? {
+            if let Some(dimension) = dimension_of_branch(tracker, at, &branch)? {
                 let before = found.dimensions.len();
                 found.add(dimension);
                 nothing_new = if found.dimensions.len() > before { 0 } else { nothing_new + 1 };
@@ -117,64 +117,66 @@ pub(super) fn find_nearby<S: System + ?Sized>(
 
 /// Dimension of the branch that a displacement leads to, if it can be proven.
 fn dimension_of_branch<S: System + ?Sized>(
-    search: &Search<'_, S>,
+    tracker: &ConfigurationTracker<'_, S>,
     at: &Configuration,
     displacement: &DVector<f64>,
 ) -> Result<Option<usize>, Error> {
-    let Some(outer) = search.at_distance(at, displacement, OUTER_RADIUS)? else { return Ok(None) };
-    let Some(dimension) = proven_dimension(search, &search.moved(at, &outer), &outer)? else {
+    let Some(outer) = tracker.at_distance(at, displacement, OUTER_RADIUS)? else { return Ok(None) };
+    let Some(dimension) = proven_dimension(tracker, &tracker.moved(at, &outer), &outer)? else {
         return Ok(None);
     };
-    Ok(search.at_distance(at, displacement, INNER_RADIUS)?.map(|_| dimension))
+    Ok(tracker.at_distance(at, displacement, INNER_RADIUS)?.map(|_| dimension))
 }
 
 /// Dimension of the configurations about one off the given, if it can be proven there: all constraints are independent, or every motion of first order is finite, or every one that second order leaves free is.
 fn proven_dimension<S: System + ?Sized>(
-    search: &Search<'_, S>,
+    tracker: &ConfigurationTracker<'_, S>,
     there: &Configuration,
     outward: &DVector<f64>,
 ) -> Result<Option<usize>, Error> {
-    let first = instantaneous_mobility(search.system(), there, NEIGHBOUR_RANK_THRESHOLD)?;
+    let first = instantaneous_mobility(tracker.system(), there, NEIGHBOUR_RANK_THRESHOLD)?;
     if first.mobility == 0 {
         return Ok(None);
     }
     if first.redundancy == 0 {
         return Ok(Some(first.mobility));
     }
-    let followed = |motions: &DMatrix<f64>| search.followed(there, &first, motions, PROOF_RADIUS);
+    let followed = |motions: &DMatrix<f64>| tracker.followed(there, &first, motions, PROOF_RADIUS);
     let broken = match followed(&first.null_space) {
         Continuation::Finite(_) => return Ok(Some(first.mobility)),
         Continuation::Obstructed => true,
-        Continuation::Unresolved if search.continued(there, &first, first.threshold)?.is_some() => {
+        Continuation::Unresolved
+            if tracker.continued(there, &first, first.threshold)?.is_some() =>
+        {
             return Ok(Some(first.mobility));
         }
         Continuation::Unresolved => false,
     };
-    let second = second_order(search.system(), there, &first)?;
+    let second = second_order(tracker.system(), there, &first)?;
     if second.definite && second.free > 0 {
         let free = &first.null_space * &second.free_motions;
         if let Continuation::Finite(_) = followed(&free) {
             return Ok(Some(second.free));
         }
-        if all_lead(search, there, &free, PROOF_RADIUS)? {
+        if all_lead(tracker, there, &free, PROOF_RADIUS)? {
             return Ok(Some(second.free));
         }
     }
     // A direction that breaks leaves one dimension less at most; motions of as many dimensions prove it.
     let upper_bound = second.upper_bound.min(first.mobility - usize::from(broken));
-    let dimension = spanned(search, there, outward, &first)?;
+    let dimension = spanned(tracker, there, outward, &first)?;
     Ok((dimension > 0 && dimension == upper_bound).then_some(dimension))
 }
 
-/// Dimension of the motions that lead on from a configuration: that of the displacements on which random motions of first order end, if mixtures of these displacements lead on as well; 0 otherwise.
+/// Dimension of the finite motions from a configuration: that of the displacements at the ends of random instantaneous motions, if mixtures of these displacements are finite motions too; 0 otherwise.
 fn spanned<S: System + ?Sized>(
-    search: &Search<'_, S>,
+    tracker: &ConfigurationTracker<'_, S>,
     there: &Configuration,
     outward: &DVector<f64>,
     first: &InstantaneousMobility,
 ) -> Result<usize, Error> {
     let led = |direction: &DVector<f64>| {
-        search.corrected(there, direction * PROOF_RADIUS, FARTHEST * PROOF_RADIUS)
+        tracker.corrected(there, direction * PROOF_RADIUS, FARTHEST * PROOF_RADIUS)
     };
     let mut random = Random(8);
     let mixed = DMatrix::from_fn(first.mobility, first.mobility, |_, _| random.next());
@@ -183,7 +185,7 @@ fn spanned<S: System + ?Sized>(
     for mut end in ends.column_iter_mut() {
         let direction = &end * 1.0_f64.copysign(end.dot(outward));
         match led(&direction)? {
-            // What turns back has come to the end of its range.
+            // A motion that reverses is at the end of its range.
             Some(found) if found.dot(&direction) > 0.0 => end.copy_from(&(found / PROOF_RADIUS)),
             _ => end.fill(0.0),
         }
@@ -194,12 +196,12 @@ fn spanned<S: System + ?Sized>(
     for mut direction in directions.column_iter_mut() {
         direction *= 1.0_f64.copysign(direction.dot(outward));
     }
-    Ok(if all_lead(search, there, &directions, PROOF_RADIUS)? { dimension } else { 0 })
+    Ok(if all_lead(tracker, there, &directions, PROOF_RADIUS)? { dimension } else { 0 })
 }
 
 /// Whether random mixtures of orthonormal directions lead to configurations at some distance, each in about its own direction.
 fn all_lead<S: System + ?Sized>(
-    search: &Search<'_, S>,
+    tracker: &ConfigurationTracker<'_, S>,
     from: &Configuration,
     directions: &DMatrix<f64>,
     radius: f64,
@@ -207,7 +209,7 @@ fn all_lead<S: System + ?Sized>(
     let mut random = Random(9);
     for _ in 0..directions.ncols() + 2 {
         let direction = directions * random_direction(&mut random, directions.ncols());
-        let end = search.corrected(from, &direction * radius, FARTHEST * radius)?;
+        let end = tracker.corrected(from, &direction * radius, FARTHEST * radius)?;
         let cosine = end.map_or(0.0, |end| end.dot(&direction) / end.norm());
         if cosine.is_nan() || cosine < STRAIGHT {
             return Ok(false);

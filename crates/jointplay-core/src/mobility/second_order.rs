@@ -1,4 +1,4 @@
-//! Which first-order motions survive the second order.
+//! Second-order conditions on instantaneous motions.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -21,7 +21,7 @@ const ZERO_STARTS: usize = 3;
 const ZERO_STEPS: usize = 20;
 const LEAST_LEFT: f64 = 0.1;
 
-/// What the second derivatives say of the motions allowed to first order.
+/// Second-order conditions on the instantaneous motions.
 ///
 /// Each self-stress s gives a quadric Q_s(a) = sᵀ Φ''[N a, N a] on the coordinates a of the null space; a finite motion has to start where all are zero.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,12 +43,15 @@ pub(super) fn second_order<S: System + ?Sized>(
     at: &Configuration,
     first: &InstantaneousMobility,
 ) -> Result<SecondOrder, Error> {
-    SecondOrder::of(quadrics(system, at, first), first.mobility)
+    SecondOrder::from_quadrics(quadrics(system, at, first), first.mobility)
 }
 
 impl SecondOrder {
-    /// What follows from the quadrics of some motions.
-    pub(crate) fn of(quadrics: Vec<DMatrix<f64>>, mobility: usize) -> Result<Self, Error> {
+    /// The conditions that follow from the quadrics of some motions.
+    pub(crate) fn from_quadrics(
+        quadrics: Vec<DMatrix<f64>>,
+        mobility: usize,
+    ) -> Result<Self, Error> {
         let largest = quadrics.iter().map(DMatrix::amax).fold(0.0, f64::max);
         let stacked = DMatrix::from_fn(mobility * quadrics.len(), mobility, |row, column| {
             quadrics[row / mobility][(row % mobility, column)]
@@ -61,7 +64,7 @@ impl SecondOrder {
         let directions = decomposition.v.columns(0, stopped);
         let restricted: Vec<DMatrix<f64>> =
             quadrics.iter().map(|quadric| directions.transpose() * quadric * directions).collect();
-        // Where all vanish, no combination is positive: seen in a few steps, the other in hundreds.
+        // Where all vanish, no combination is positive: this takes a few steps to find, the other hundreds.
         let definite = stopped > 0
             && !have_common_zero(&restricted, cut)?
             && has_definite_combination(&restricted, cut);

@@ -1,10 +1,10 @@
-//! Where a body is and how it is turned.
+//! Position and orientation of a body.
 
 use nalgebra::{
     IsometryMatrix3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3,
 };
 
-/// A rigid transform, named by where it goes and where it comes from: `base_from_platform`.
+/// A rigid transform, named by its target frame and its source frame: `base_from_platform`.
 ///
 /// `base_from_platform * point_in_platform` is the point in the base frame [m].
 pub type Pose = IsometryMatrix3<f64>;
@@ -75,8 +75,8 @@ pub fn fit_in_plane(
     let from_center =
         (points_in_platform[0] + points_in_platform[1] + points_in_platform[2]) * THIRD;
     let onto_center = (targets_in_base[0] + targets_in_base[1] + targets_in_base[2]) * THIRD;
-    let lean = tilt_rotation(normal);
-    let (e_1, e_2) = (lean.matrix().column(0), lean.matrix().column(1));
+    let tilted = tilt_rotation(normal);
+    let (e_1, e_2) = (tilted.matrix().column(0), tilted.matrix().column(1));
     let (mut cosine, mut sine) = (0.0, 0.0);
     for k in 0..3 {
         let from = points_in_platform[k] - from_center;

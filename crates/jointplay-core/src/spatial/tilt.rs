@@ -1,19 +1,19 @@
-//! The direction in which a platform leans, and how far.
+//! Tilt of a platform: direction and angle.
 
 use nalgebra::Vector3;
 
-/// A tilt: toward which azimuth the platform leans, and how far.
+/// A tilt: azimuth of the direction toward which the platform tilts, and angle.
 ///
 /// ```text
 ///    n = (sin α cos γ, sin α sin γ, cos α)      γ: yaw, α: pitch, n: platform normal in the base frame
 /// ```
-/// A negative pitch leans the opposite way: `(γ, −α)` and `(γ + π, α)` are one tilt.
+/// A negative pitch tilts in the opposite direction: `(γ, −α)` and `(γ + π, α)` are one tilt.
 ///
 /// # Source
 /// [Virtualization], VI.A
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tilt {
-    /// Azimuth γ toward which the platform leans, from e_b1 toward e_b2 [rad].
+    /// Azimuth γ toward which the platform tilts, from e_b1 toward e_b2 [rad].
     pub yaw: f64,
     /// Angle α between the platform normal and e_b3 [rad].
     pub pitch: f64,
@@ -37,9 +37,9 @@ impl Tilt {
     /// Full precision for small tilts, where an arc cosine would lose half the digits.
     #[must_use]
     pub fn from_normal(normal: &Vector3<f64>) -> Self {
-        let lean = normal.x.hypot(normal.y);
-        let yaw = if lean == 0.0 { 0.0 } else { normal.y.atan2(normal.x) };
-        Self { yaw, pitch: lean.atan2(normal.z) }
+        let horizontal = normal.x.hypot(normal.y);
+        let yaw = if horizontal == 0.0 { 0.0 } else { normal.y.atan2(normal.x) };
+        Self { yaw, pitch: horizontal.atan2(normal.z) }
     }
 
     /// The same tilt as one rotation vector in the base plane: angles about e_b1 and about e_b2 [rad].
@@ -47,7 +47,7 @@ impl Tilt {
     /// ```text
     ///    (θ_x, θ_y) = α (−sin γ, cos γ)
     /// ```
-    /// This is how machine controllers speak of tilt; to leading order the two are independent turns.
+    /// Machine controllers describe tilt like this; to leading order the two are independent turns.
     #[must_use]
     pub fn about_x_and_y(self) -> (f64, f64) {
         let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
@@ -101,7 +101,7 @@ mod tests {
     fn signs_of_the_axes() {
         assert_eq!(Tilt::LEVEL.normal(), Vector3::z());
         assert_eq!(Tilt::from_normal(&Vector3::z()), Tilt::LEVEL);
-        // Leaning toward e_b1 is a turn about e_b2; leaning toward e_b2 a turn about −e_b1.
+        // A tilt toward e_b1 is a rotation about e_b2; a tilt toward e_b2 one about −e_b1.
         let toward_x = Tilt { yaw: 0.0, pitch: 0.1 };
         assert!(toward_x.normal().x > 0.0 && toward_x.normal().y == 0.0);
         assert_eq!(toward_x.about_x_and_y(), (0.0, 0.1));

@@ -3,7 +3,7 @@
 use super::platform::{Platform, Sides, Sockets};
 use super::virtual_joint::VirtualJoint;
 
-/// The virtualizations that [`bulk`](crate::bulk) knows; each is the type of the same name.
+/// The virtualizations of this crate, which [`bulk`](crate::bulk) computes many poses at a time; each is the type of the same name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BuiltIn {
     /// [`Radial`](super::Radial).
@@ -16,11 +16,11 @@ pub enum BuiltIn {
     Planar,
 }
 
-/// A way to let the sockets move in the platform plane.
+/// A model of the motion of the sockets in the platform plane.
 ///
 /// All vectors are in the platform frame; `x` always has as many entries as [`joints`](Self::joints).
 pub trait Virtualization {
-    /// The name that people use, in lower case.
+    /// Name shown to users, in lower case.
     fn name(&self) -> &str;
 
     /// The virtual joints, in the order of X; from 3 to [`MAX_VIRTUAL_JOINTS`](super::MAX_VIRTUAL_JOINTS) of them.
@@ -35,12 +35,12 @@ pub trait Virtualization {
     /// Writes ∂p/∂X: for each virtual joint, the velocities of the three sockets ([m/m], [m/rad]).
     fn socket_velocities(&self, platform: &Platform, x: &[f64], velocities: &mut [Sockets]);
 
-    /// The kernel that computes many poses of this virtualization at a time; `None`, as for one of your own, computes them one by one.
+    /// The built-in virtualization with the same equations, whose poses [`bulk`](crate::bulk) computes many at a time; `None`, the default, computes them one by one.
     fn as_built_in(&self) -> Option<BuiltIn> {
         None
     }
 
-    /// Writes the exact X of least displacement for these sides and says `true`, where a closed form exists.
+    /// Writes the exact X of least displacement for these sides and returns `true`, where a closed form exists.
     ///
     /// # Arguments
     /// * `sides` – L_12, L_23, L_31, all positive and forming a triangle [m]

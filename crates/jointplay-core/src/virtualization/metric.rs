@@ -15,7 +15,7 @@ use crate::error::finite;
 /// Own choice; that the paper's numbers in mm and rad are ρ = 1 mm is shown in `docs/explanation/errata.md`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Metric {
-    /// ρ = 1 mm: what [Virtualization] does, without saying so, by adding mm² to rad².
+    /// ρ = 1 mm: the implicit metric of [Virtualization], which adds mm² to rad².
     #[default]
     Paper,
     /// ρ = the mean socket radius: an angle counts as the arc that the socket runs through.
@@ -36,7 +36,7 @@ impl Metric {
             Self::PlatformRadius => Ok(platform.mean_radius()),
             Self::Length(length) => {
                 let what = "characteristic length";
-                // Beyond these, angles or lengths vanish beside each other in round-off.
+                // Beyond these, angles or lengths vanish in the round-off of the other.
                 let (min, max) = (1e-12, 1e12);
                 if (min..=max).contains(&finite("the characteristic length", length)?) {
                     Ok(length)
@@ -49,7 +49,7 @@ impl Metric {
 }
 
 impl VirtualJointKind {
-    /// What a unit of this motion measures in the metric: 1 for a slide, ρ for a turn.
+    /// Length of a unit of this coordinate in the metric: 1 for a slide, ρ for a turn.
     #[must_use]
     #[inline]
     pub fn weight(self, characteristic_length: f64) -> f64 {

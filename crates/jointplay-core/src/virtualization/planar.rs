@@ -6,7 +6,7 @@ use super::{BuiltIn, Platform, Sides, Sockets, VirtualJoint, VirtualJointKind, V
 
 /// Sockets displaced by (u_k, v_k) in the platform plane: p_k = r_k u(β_k) + (u_k, v_k).
 ///
-/// All unknowns are lengths, so that the metric has no say; no direction is preferred and no point is singular.
+/// All unknowns are lengths, so that the metric has no effect; no direction is preferred and no point is singular.
 /// Least displacement places the platform by the centroids and the in-plane turn of the Procrustes fit, for any geometry in closed form.
 ///
 /// # Source

@@ -1,4 +1,4 @@
-//! The platform as built: where its sockets are before anything gives way.
+//! The platform as built: its nominal sockets.
 
 use nalgebra::Vector2;
 
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_platform() {
+    fn invalid_platforms_are_refused() {
         check(
             [0.1, f64::NAN, 0.1],
             ANGLES,

@@ -4,7 +4,7 @@ use super::{BuiltIn, Platform, Sides, Sockets, VirtualJoint, VirtualJointKind, V
 
 /// Sockets that slide along their radii: p_k = l_k u(β_k).
 ///
-/// Three unknowns for three sides, so that the metric has no say.
+/// Three unknowns for three sides, so that the metric has no effect.
 /// With sockets 120° apart O_p is the Fermat point of the ball centres, the point from which all sides are seen under 120°.
 ///
 /// # Source

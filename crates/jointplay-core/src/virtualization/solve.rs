@@ -13,7 +13,7 @@ use crate::linalg::least_norm_of_three;
 /// How the displacements are found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolveOptions {
-    /// Which solution, and how.
+    /// Choice among the solutions, and method.
     pub solver: Solver,
     /// How angles weigh against lengths.
     pub metric: Metric,
@@ -43,7 +43,7 @@ impl Default for SolveOptions {
 pub struct Solution {
     /// X, in the order of the virtualization's joints ([m], [rad]).
     pub virtual_joints: VirtualJoints,
-    /// What was used: differs from the solver asked for where a closed form does not exist.
+    /// Solver used: differs from the one requested where a closed form does not exist.
     pub solver: Solver,
     /// ρ of the metric [m].
     pub characteristic_length: f64,
@@ -59,7 +59,7 @@ pub struct Solution {
 ///    newton:      X ← X   −  J† F
 ///    least norm:  X ← X_0 +  J† (J (X − X_0) − F)        J = ∂F/∂X,  J† = W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹,  W: the metric
 /// ```
-/// Newton is the paper's X ← X + ∂X/∂L (L − L(X)) with ∂F/∂L = −2 diag(L) taken half way between L(X) and L, which makes it exact for the squares in F.
+/// Newton is the paper's X ← X + ∂X/∂L (L − L(X)) with ∂F/∂L = −2 diag(L) taken midway between L(X) and L, which makes it exact for the squares in F.
 /// A start at the last pose instead would make the answer depend on the path.
 ///
 /// # Arguments
@@ -70,7 +70,7 @@ pub struct Solution {
 ///
 /// # Numerics
 /// Does not allocate. Newton ends where the sides agree, least norm where also the step is at the threshold.
-/// Least norm goes only a share of the way to the least displacement, halved each time that a step turns back on the last one: the full way overshoots where angles cost little and displacements are large.
+/// Least norm takes only a share of the step to the least displacement, halved each time that a step reverses the last one: the full step overshoots where angles cost little and displacements are large.
 ///
 /// # Source
 /// newton: [Virtualization], eq. (6)–(8); least norm: Gauss–Newton on the displacement, own derivation, `docs/explanation/kinematics.md`
@@ -149,7 +149,7 @@ fn iterate<V: Virtualization + ?Sized>(
                 [0, 1, 2].map(|k| edges[k].dot(&(velocity[(k + 1) % 3] - velocity[k]))),
             );
         }
-        // Whatever `pull` is, the step meets the sides to first order; it goes that share of the way to the least displacement that does.
+        // Whatever `pull` is, the step meets the linearized sides; it covers that share of the distance to the least displacement.
         let mut target = Vector3::from([0, 1, 2].map(|k| gaps[k] * (sides[k] + lengths[k])));
         if pull > 0.0 {
             for ((column, now), start) in columns.iter().zip(x.iter()).zip(nominal.iter()) {
@@ -166,7 +166,7 @@ fn iterate<V: Virtualization + ?Sized>(
             squared += *change * *change / compliance[m];
             x[m] += *change;
         }
-        // A step back over most of the last one: the full way overshoots.
+        // A step back over most of the last one: the full step overshoots.
         if along < -0.5 * last_squared {
             pull *= 0.5;
         }
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn giving_up_leaves_the_best_iterate() {
+    fn unconverged_solve_returns_the_best_iterate() {
         let (platform, sides) = (*Gpr::paper().platform(), sides_at(0.1));
         let start = largest(&side_gaps(&sides, &sides_of(platform.sockets())));
         for model in built_in() {
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn the_message_says_what_was_asked_for() {
+    fn error_message_names_the_requested_solver() {
         let options =
             SolveOptions { solver: Solver::Newton, max_iterations: 1, ..SolveOptions::default() };
         let found = check(&Polar, sides_at(0.1), &options);
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn sides_that_are_no_triangle() {
+    fn sides_without_a_triangle_do_not_converge() {
         for sides in [[0.1, 0.1, 0.3], [0.1, -0.1, 0.1], [0.1, 0.1, f64::NAN]] {
             for model in built_in() {
                 for solver in SOLVERS {
@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn a_model_of_no_numbers_gives_no_answer() {
+    fn models_with_non_finite_sockets_do_not_converge() {
         for closed_form in [false, true] {
             for solver in SOLVERS {
                 let options = SolveOptions { solver, ..SolveOptions::default() };
@@ -339,7 +339,7 @@ mod tests {
         }
     }
 
-    /// One rod stands 1.26 mm and another 1.39 mm beside its socket; with 1 mm to a radian the full way to the least displacement overshoots for ever.
+    /// One rod is 1.26 mm and another 1.39 mm off its socket; with 1 mm to a radian the full step to the least displacement overshoots for ever.
     #[test]
     fn least_displacements_that_overshoot_are_found() {
         let third = 120_f64.to_radians();
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn the_solver_used_is_told() {
+    fn solution_names_the_solver_used() {
         let (gpr, sides) = (Gpr::paper().without_limit_checks(), sides_at(0.02));
         let used = |model: &dyn Virtualization| {
             solve(model, gpr.platform(), &sides, &SolveOptions::default()).unwrap().solver

@@ -1,13 +1,13 @@
-//! Which solution of the side equations is taken.
+//! Choice among the solutions of the side equations.
 
-/// Which displacements, of all that produce the sides, are taken.
+/// Choice among the displacements that produce the sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
     /// The paper's iteration from the nominal X: a solution near, not at, the least displacement; two or three steps.
     Newton,
     /// The least displacement in the metric near the nominal X, by iteration; a few steps more.
     ///
-    /// Where sockets have to move by millimetres, another displacement far away may be smaller still.
+    /// For socket displacements of millimetres, a distant solution may have a smaller displacement.
     LeastNorm,
     /// The least displacement of all in closed form; where the virtualization has none, [`Self::LeastNorm`].
     #[default]

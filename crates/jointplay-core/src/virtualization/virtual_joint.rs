@@ -1,4 +1,4 @@
-//! What a virtual joint is, and a handful of their displacements.
+//! Virtual joints, and their displacements.
 
 use std::ops::{Deref, DerefMut};
 

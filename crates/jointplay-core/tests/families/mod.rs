@@ -1,6 +1,6 @@
 //! Mechanisms of any number of loops, for tests and benchmarks.
 #![allow(dead_code, reason = "no test uses all of it")]
-#![allow(clippy::unwrap_used, reason = "a test says what it expects")]
+#![allow(clippy::unwrap_used, reason = "a test may fail at any line")]
 #![allow(clippy::cast_precision_loss, reason = "counts of stages")]
 
 use jointplay_core::mechanism::{Joint, JointKind, LinearAndAngular, Mechanism};

@@ -1,6 +1,6 @@
 //! The robot described link by link, for tests and benchmarks.
 #![allow(dead_code, reason = "no test uses all of it")]
-#![allow(clippy::unwrap_used, reason = "a test says what it expects")]
+#![allow(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use jointplay_core::mechanism::{
     Carrier, Joint, JointKind, LinearAndAngular, Mechanism, VirtualJoint, VirtualMotion,
@@ -21,7 +21,7 @@ pub(crate) fn gpr(virtual_joints: impl Fn(usize, Vector3<f64>) -> Vec<VirtualMot
         let ball = Vector3::new(RADIUS * angle.cos(), RADIUS * angle.sin(), 0.0);
         let mut rod =
             joint(&format!("q{k}"), JointKind::Prismatic, [0, k + 1], ball.into(), [0.0, 0.0, 1.0]);
-        // Rods are as long as their coordinate says.
+        // The length of a rod is its coordinate.
         rod.frames[1] = rod.frames[0];
         rod.actuated = true;
         joints.push(rod);

@@ -14,8 +14,9 @@ use super::mesh;
 use super::pose::{lean, points};
 use super::problem::Fault;
 use super::solid::is_solid;
-use super::tree::{Entry, Span, Table};
+use super::tree::{AllowedRange, Entry, Table};
 use super::unique::unique;
+use crate::file_problem::FileProblem;
 use crate::units::m_from_mm;
 
 /// Most bodies, and most zones: their pairs are what is checked.
@@ -80,7 +81,7 @@ fn few<'r, 'a>(top: &Table<'r, 'a>, key: &'static str) -> Vec<Table<'r, 'a>> {
     let mut tables = top.tables(key);
     if tables.len() > MOST_BODIES {
         let (found, needed) = (tables.len(), format!("at most {MOST_BODIES}"));
-        tables[MOST_BODIES].wrong(Fault::Count { key: key.to_owned(), found, needed });
+        tables[MOST_BODIES].report(FileProblem::Count { key: key.to_owned(), found, needed });
         tables.truncate(MOST_BODIES);
     }
     tables
@@ -103,7 +104,7 @@ pub(super) fn pairs(top: &Table, bodies: &[Body]) -> Vec<[usize; 2]> {
         let list = pair.list(reader)?;
         let [one, other] = list.as_slice() else {
             let (key, found, needed) = ("may_touch".to_owned(), list.len(), "2 bodies".to_owned());
-            pair.wrong(reader, Fault::Count { key, found, needed });
+            pair.report(reader, FileProblem::Count { key, found, needed });
             return None;
         };
         Some([index(one)?, index(other)?])
@@ -141,7 +142,7 @@ fn carrier(
         (None, Some(arm), Some(link)) => (arm, link),
         _ => {
             let needed = "\"world\", \"platform\", { station = … } or { arm = …, link = … }";
-            entry.misfit(reader, needed);
+            entry.type_error(reader, needed);
             return None;
         }
     };
@@ -167,7 +168,7 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     let kinds = ["box", "cylinder", "capsule", "convex", "mesh"];
     let found: Vec<Entry> = kinds.into_iter().filter_map(|kind| table.entry(kind)).collect();
     let [entry] = found.as_slice() else {
-        table.wrong(Fault::Unfit(format!(
+        table.report(Fault::Unfit(format!(
             "{} needs one shape out of {}; found {}",
             table.whose,
             kinds.map(|kind| format!("`{kind}`")).join(", "),
@@ -182,18 +183,18 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     let shape = match entry.key {
         "box" => inner
             .needed("size_mm")
-            .and_then(|size| size.numbers::<3>(reader, Span::Positive))
+            .and_then(|size| size.numbers::<3, _>(reader, AllowedRange::Positive))
             .map(|size| Shape::Box { half: size.map(|side| m_from_mm(side) / 2.0) }),
         "cylinder" => {
-            let radius = inner.length("radius_mm", Span::Positive);
-            let height = inner.length("height_mm", Span::Positive);
+            let radius = inner.length("radius_mm", AllowedRange::Positive);
+            let height = inner.length("height_mm", AllowedRange::Positive);
             radius
                 .zip(height)
                 .map(|(radius, height)| Shape::Cylinder { radius, half_height: height / 2.0 })
         }
         "capsule" => {
             let (from, to) = (inner.point("from_mm"), inner.point("to_mm"));
-            let radius = inner.length("radius_mm", Span::Positive);
+            let radius = inner.length("radius_mm", AllowedRange::Positive);
             from.zip(to).zip(radius).map(|((from, to), radius)| Shape::Capsule {
                 ends: [from.into(), to.into()],
                 radius,
@@ -203,7 +204,7 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
             let points = points(&entry, reader)?;
             if !is_solid(&points) {
                 let why = "a convex body needs 4 points or more that do not lie in one plane";
-                entry.wrong(reader, Fault::Unfit(why.to_owned()));
+                entry.report(reader, Fault::Unfit(why.to_owned()));
                 return None;
             }
             Some(Shape::Convex { points: points.into_iter().map(Into::into).collect() })

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value};
 
 use super::problem::{Fault, Problem};
+use crate::file_problem::FileProblem;
 use crate::place::{Error, Form, nearest};
 use crate::units::{deg, mm, shift};
 
@@ -62,7 +63,7 @@ pub fn set_station(text: &str, name: &str, changes: &[Change]) -> Result<String,
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
         let message = error.message().replace('\n', " ");
         let span = error.span().unwrap_or(0..0);
-        Error::at(text, span, Fault::Form(Form::Malformed { message }))
+        Error::at(text, span, FileProblem::from(Form::Malformed { message }).into())
     })?;
     let mut table = station(&mut document, name).map_err(|fault| Error::at(text, 0..0, fault))?;
     for change in changes {
@@ -85,7 +86,7 @@ pub fn note_station(text: &str, name: &str, touching: &[[String; 2]]) -> Result<
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
         let message = error.message().replace('\n', " ");
         let span = error.span().unwrap_or(0..0);
-        Error::at(text, span, Fault::Form(Form::Malformed { message }))
+        Error::at(text, span, FileProblem::from(Form::Malformed { message }).into())
     })?;
     // That there is such a station, as for its values.
     station(&mut document, name).map_err(|fault| Error::at(text, 0..0, fault))?;
@@ -246,17 +247,20 @@ fn station<'d>(document: &'d mut DocumentMut, name: &str) -> Result<Station<'d>,
             .collect(),
         _ => {
             let whose = "a cell whose stations can be changed".to_owned();
-            return Err(Fault::Missing { whose, key: "[[station]]".to_owned() });
+            return Err(FileProblem::MissingKey { whose, key: "[[station]]".to_owned() }.into());
         }
     };
     let names: Vec<String> =
         stations.iter().filter_map(|station| station.name().map(str::to_owned)).collect();
     let mut stations = stations.into_iter();
-    stations.find(|station| station.name() == Some(name)).ok_or_else(|| Fault::Unknown {
-        what: "station".to_owned(),
-        found: name.to_owned(),
-        nearest: nearest(name, names.iter().map(String::as_str)),
-        known: names,
+    stations.find(|station| station.name() == Some(name)).ok_or_else(|| {
+        let problem = FileProblem::Unknown {
+            what: "station".to_owned(),
+            found: name.to_owned(),
+            nearest: nearest(name, names.iter().map(String::as_str)),
+            known: names,
+        };
+        problem.into()
     })
 }
 

@@ -36,7 +36,7 @@ pub(super) fn named_effectors(
         };
         if let Some(first) = seen.insert(name.to_owned(), reader.line(entry.span())) {
             let (what, found) = ("effector".to_owned(), name.to_owned());
-            entry.wrong(reader, Fault::Twice { what, found, first });
+            entry.report(reader, Fault::Twice { what, found, first });
         }
         Some(*id)
     };

@@ -5,6 +5,7 @@ use jointplay_cell::jog::Stopped;
 use jointplay_cell::robot::{
     Axis, AxisKind, Branch, BranchSelection, HybridRobot, Inverse, LimitViolation, OutOfReach,
 };
+use jointplay_cell::station::teach::TeachError;
 use jointplay_cell::wafer::{DroopError, RejectedBranch, SagError, Unreachable};
 use jointplay_cell::workcell::Cell;
 
@@ -180,6 +181,30 @@ pub fn explain_unreachable_pose(robot: &HybridRobot, error: &Unreachable) -> Str
         Unreachable::NotConverged { residual, iterations } => format!(
             "the droop compensation did not converge: a residual of {:.3e} mm is left after {iterations} iterations",
             mm(*residual)
+        ),
+        other => other.to_string(),
+    }
+}
+
+/// Why taught points give no frame, and what to do.
+#[must_use]
+pub fn explain_teach(error: &TeachError) -> String {
+    match error {
+        TeachError::Noise { found } => {
+            format!("the noise of taught points is {:.3} µm, but has to be positive", found * 1e6)
+        }
+        TeachError::Collinear { spread, min } => format!(
+            "the taught points lie within {:.1} µm of one line, which leaves the tilt about it undetermined: teach a point at least {:.1} mm from it",
+            spread * 1e6,
+            mm(*min)
+        ),
+        TeachError::Upright { tilt } => format!(
+            "the plane of the taught points is upright: its normal is {:.3}° from vertical",
+            deg(*tilt)
+        ),
+        TeachError::NotAbove { rise } => format!(
+            "the last slot was taught {} mm above the first; it has to be above it, by the slots between them",
+            mm(*rise)
         ),
         other => other.to_string(),
     }

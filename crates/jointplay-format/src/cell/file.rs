@@ -8,9 +8,10 @@ use jointplay_cell::workcell::Cell;
 use super::effectors::{Effectors, effectors, named_effectors};
 use super::files::{Files, read_named_file};
 use super::problem::{Fault, Problem};
-use super::tree::{Entry, Reader, Span, Table};
+use super::tree::{AllowedRange, Entry, Reader, Table};
 use super::{bodies, robot, stations};
 use crate::catalogue;
+use crate::file_problem::FileProblem;
 use crate::number::number;
 use crate::place::Error;
 
@@ -38,8 +39,8 @@ const MATERIALS: [(&str, [f64; 3]); 2] =
 /// All that is wrong, each with its place: TOML that is malformed, keys that are missing, unknown or of the wrong kind, names that are not known, files that cannot be had or read, and what does not fit together.
 pub fn read(text: &str, files: &mut Files) -> Result<Cell, Vec<Problem>> {
     if text.len() > MAX_BYTES {
-        let fault = Fault::TooLong { found: text.len(), allowed: MAX_BYTES };
-        return Err(vec![Error::at("", 0..0, fault)]);
+        let fault = FileProblem::TooLong { found: text.len(), allowed: MAX_BYTES };
+        return Err(vec![Error::at("", 0..0, fault.into())]);
     }
     let reader = Reader::new(text);
     let document = reader.parse();
@@ -142,7 +143,7 @@ fn lines(top: &Table, key: &'static str) -> Vec<String> {
 fn read_robot(named: &Entry, reader: &Reader, files: &mut Files) -> Option<HybridRobot> {
     let name = named.line(reader)?;
     let cannot = |why: String| {
-        named.wrong(reader, Fault::File { name: name.to_owned(), why });
+        named.report(reader, Fault::File { name: name.to_owned(), why });
         None
     };
     let known = || robot::names_for_programs().map(str::to_owned).collect::<Vec<_>>();
@@ -151,7 +152,7 @@ fn read_robot(named: &Entry, reader: &Reader, files: &mut Files) -> Option<Hybri
         Some(_) => {
             let names = known().join(", ");
             let why = format!("{name:?} is a mechanism without arms; robots with arms: {names}");
-            named.wrong(reader, Fault::Unfit(why));
+            named.report(reader, Fault::Unfit(why));
             return None;
         }
         None if !name.ends_with(".toml") => {
@@ -172,7 +173,7 @@ fn read_robot(named: &Entry, reader: &Reader, files: &mut Files) -> Option<Hybri
             let mut problems = problems.into_iter();
             if let Some(inner) = problems.next() {
                 let (inner, others) = (Box::new(inner), problems.collect());
-                named.wrong(reader, Fault::Within { name: name.to_owned(), inner, others });
+                named.report(reader, Fault::Within { name: name.to_owned(), inner, others });
             }
             None
         }
@@ -181,8 +182,8 @@ fn read_robot(named: &Entry, reader: &Reader, files: &mut Files) -> Option<Hybri
 
 fn wafer(table: &Table) -> Option<Wafer> {
     let reader = table.reader;
-    let diameter = table.length("diameter_mm", Span::Positive);
-    let thickness = table.length("thickness_mm", Span::Positive);
+    let diameter = table.length("diameter_mm", AllowedRange::Positive);
+    let thickness = table.length("thickness_mm", AllowedRange::Positive);
     let material = table.needed("material").and_then(|entry| {
         if entry.is_text() {
             let known = MATERIALS.map(|(name, values)| (name, (name, values)));
@@ -191,9 +192,9 @@ fn wafer(table: &Table) -> Option<Wafer> {
         }
         let table = entry.table(reader, "a material")?;
         let name = table.needed("name").and_then(|name| name.line(reader));
-        let young = table.number("young_gpa", Span::Positive);
-        let poisson = table.number("poisson", Span::Within(-0.99, 0.49));
-        let density = table.number("density_kg_m3", Span::Positive);
+        let young = table.number("young_gpa", AllowedRange::Positive);
+        let poisson = table.number("poisson", AllowedRange::Within(-0.99, 0.49));
+        let density = table.number("density_kg_m3", AllowedRange::Positive);
         table.finish();
         Some(material(name?, [young?, poisson?, density?]))
     });
@@ -205,7 +206,7 @@ fn wafer(table: &Table) -> Option<Wafer> {
             number(crate::units::mm(thickness)),
             number(crate::units::mm(diameter))
         );
-        table.wrong_at("thickness_mm", Fault::Unfit(why));
+        table.report_at("thickness_mm", Fault::Unfit(why));
     }
     Some(Wafer { diameter, thickness, material: material? })
 }
@@ -217,11 +218,11 @@ fn material(name: &str, [young, poisson, density]: [f64; 3]) -> Material {
 
 fn budgets(table: &Table) -> Option<[f64; 5]> {
     let micro = |key, span| table.number(key, span).map(|value| crate::units::shift(value, -6));
-    let play = micro("play_um", Span::Positive);
-    let clearance = table.length("clearance_mm", Span::NotNegative);
-    let slot_clearance = table.length("slot_clearance_mm", Span::NotNegative);
-    let plane = micro("plane_urad", Span::Positive);
-    let gravity = table.number_or("gravity_m_s2", Span::NotNegative, GRAVITY);
+    let play = micro("play_um", AllowedRange::Positive);
+    let clearance = table.length("clearance_mm", AllowedRange::NotNegative);
+    let slot_clearance = table.length("slot_clearance_mm", AllowedRange::NotNegative);
+    let plane = micro("plane_urad", AllowedRange::Positive);
+    let gravity = table.number_or("gravity_m_s2", AllowedRange::NotNegative, GRAVITY);
     table.finish();
     Some([play?, clearance?, slot_clearance?, plane?, gravity])
 }

@@ -33,12 +33,12 @@ pub(super) fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     let (is_mm, convex) = (unit?, convex?);
     let mesh = read_named_file(name, files).and_then(|bytes| parse(name, &bytes));
     let mesh =
-        mesh.map_err(|why| file.wrong(reader, Fault::File { name: name.to_owned(), why })).ok()?;
+        mesh.map_err(|why| file.report(reader, Fault::File { name: name.to_owned(), why })).ok()?;
     let length = |value: f32| if is_mm { m_from_mm(f64::from(value)) } else { f64::from(value) };
     let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex.map(length)).collect();
     if convex && !is_solid(&vertices.iter().map(|&vertex| vertex.into()).collect::<Vec<_>>()) {
         let why = "its points lie in one plane, and make no convex body".to_owned();
-        file.wrong(reader, Fault::File { name: name.to_owned(), why });
+        file.report(reader, Fault::File { name: name.to_owned(), why });
         return None;
     }
     Some(if convex {

@@ -2,14 +2,14 @@
 
 use nalgebra::Vector3;
 
-use super::tree::{Entry, Reader, Span, Table};
+use super::tree::{AllowedRange, Entry, Reader, Table};
 
 /// The pose of `position_mm`, `yaw_deg` and `tilt`; the position may be left out only where there is a default.
 pub(super) fn lean(table: &Table) -> (f64, Option<jointplay_core::spatial::Tilt>) {
-    let yaw = table.number_or("yaw_deg", Span::Within(-360.0, 360.0), 0.0).to_radians();
+    let yaw = table.number_or("yaw_deg", AllowedRange::Within(-360.0, 360.0), 0.0).to_radians();
     let tilt = table.table("tilt", "a tilt").map(|tilt| {
-        let toward = tilt.number("yaw_deg", Span::Within(-360.0, 360.0));
-        let pitch = tilt.number("pitch_deg", Span::Within(-89.0, 89.0));
+        let toward = tilt.number("yaw_deg", AllowedRange::Within(-360.0, 360.0));
+        let pitch = tilt.number("pitch_deg", AllowedRange::Within(-89.0, 89.0));
         tilt.finish();
         jointplay_core::spatial::Tilt {
             yaw: toward.unwrap_or(0.0).to_radians(),

@@ -10,10 +10,12 @@ use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::Vector3;
 
 use super::effectors::{Effectors, named_effectors};
+use super::explain::explain_teach;
 use super::pose::{lean, points};
 use super::problem::Fault;
-use super::tree::{Reader, Span, Table};
+use super::tree::{AllowedRange, Reader, Table};
 use super::unique::unique;
+use crate::file_problem::FileProblem;
 use crate::number::number;
 use crate::units::{deg, m_from_mm, mm, shift, um};
 
@@ -61,10 +63,11 @@ fn station(
 ) -> Option<(Station, Vec<usize>)> {
     let reader = table.reader;
     let slots = table.entry("slots").map_or(Some(1), |slots| slots.count(reader, 1, MOST_SLOTS));
-    let pitch = table.entry("pitch_mm").and_then(|pitch| pitch.number(reader, Span::Positive));
+    let pitch =
+        table.entry("pitch_mm").and_then(|pitch| pitch.number(reader, AllowedRange::Positive));
     let placed = place(table, slots.unwrap_or(1), pitch.map(m_from_mm));
     let offset = table.entry("offset_mm").and_then(|offset| offset.point(reader));
-    let retract_reach = table.length("retract_mm", Span::NotNegative);
+    let retract_reach = table.length("retract_mm", AllowedRange::NotNegative);
     let via = table.entry("via_mm").and_then(|via| points(&via, reader)).unwrap_or_default();
     let approach = table.entry("approach").map_or(Some(Approach::Radial), |approach| {
         let known = [("radial", Approach::Radial), ("line", Approach::Line)];
@@ -77,14 +80,14 @@ fn station(
             let may = named_effectors(&named, reader, known);
             if named.list_is_empty() {
                 let (key, needed) = ("effectors".to_owned(), "1 or more".to_owned());
-                named.wrong(reader, Fault::Count { key, found: 0, needed });
+                named.report(reader, FileProblem::Count { key, found: 0, needed });
             }
             may
         }
         _ => all,
     };
     let stroke = stroke(table);
-    let process_time = table.number_or("process_s", Span::NotNegative, 0.0);
+    let process_time = table.number_or("process_s", AllowedRange::NotNegative, 0.0);
     let wafers = wafers(table, slots.unwrap_or(1));
     let (base_from_station, origin, pitch) = placed?;
     let station = Station {
@@ -113,9 +116,9 @@ fn stroke(table: &Table) -> Option<Stroke> {
         table.entry("stroke").is_none().then(|| table.missing("stroke"));
         return None;
     };
-    let below = stroke.length("below_mm", Span::Positive);
-    let above = stroke.length("above_mm", Span::Positive);
-    let speed = stroke.length("speed_mm_s", Span::Positive);
+    let below = stroke.length("below_mm", AllowedRange::Positive);
+    let above = stroke.length("above_mm", AllowedRange::Positive);
+    let speed = stroke.length("speed_mm_s", AllowedRange::Positive);
     stroke.finish();
     Some(Stroke { below: below?, above: above?, speed: speed? })
 }
@@ -132,7 +135,7 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
             .filter_map(|(key, is_there)| is_there.then_some(key))
             .collect();
     if let [one, other, ..] = ways.as_slice() {
-        table.wrong(Fault::Unfit(format!(
+        table.report(Fault::Unfit(format!(
             "{} has both `{one}` and `{other}`, but its tilt can come from one of them only",
             table.whose
         )));
@@ -150,13 +153,13 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
         drift.finish();
         if let Some(entry) = table.entry("position_mm") {
             let why = "`position_mm` does not belong beside `drift`, whose `first_mm` says where the station is";
-            entry.wrong(reader, Fault::Unfit(why.to_owned()));
+            entry.report(reader, Fault::Unfit(why.to_owned()));
         }
         let found = teach::drift(first?, last?, slots)
-            .map_err(|error| drift.wrong(Fault::Unfit(error.to_string())))
+            .map_err(|error| drift.report(Fault::Unfit(explain_teach(&error))))
             .ok()?;
         if let Some(pitch) = pitch.filter(|pitch| (found.pitch / pitch - 1.0).abs() > PITCH_SHARE) {
-            drift.wrong(Fault::Unfit(format!(
+            drift.report(Fault::Unfit(format!(
                 "first and last slot were taught {} mm apart, slot by slot {:.4} mm, but `pitch_mm` is {}",
                 mm((found.pitch * (slots as f64 - 1.0) * 1e9).round() / 1e9),
                 found.pitch * 1e3,
@@ -168,16 +171,18 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
     }
     let position = table.point("position_mm");
     if let Some(taught) = taught {
-        let threshold = taught.number_or("threshold_um", Span::Positive, TAUGHT_THRESHOLD_UM);
+        let threshold =
+            taught.number_or("threshold_um", AllowedRange::Positive, TAUGHT_THRESHOLD_UM);
         let threshold = shift(threshold, -6);
-        let noise = taught.entry("noise_um").and_then(|noise| noise.number(reader, Span::Positive));
+        let noise =
+            taught.entry("noise_um").and_then(|noise| noise.number(reader, AllowedRange::Positive));
         let points = taught.needed("points_mm").map(|entry| points(&entry, reader));
         taught.finish();
         let fit = teach::fit_plane(&points??, threshold, noise.map(|noise| shift(noise, -6)))
-            .map_err(|error| taught.wrong(Fault::Unfit(error.to_string())))
+            .map_err(|error| taught.report(Fault::Unfit(explain_teach(&error))))
             .ok()?;
         if fit.verdict == Verdict::Scattered {
-            taught.wrong(Fault::Unfit(scattered(&fit)));
+            taught.report(Fault::Unfit(scattered(&fit)));
         }
         return Some((fit.frame(&position?, yaw), Origin::Taught(fit), nominal_pitch()?));
     }
@@ -225,7 +230,7 @@ fn check_tilt(table: &Table, station: &Station, tilt_max: f64, bare: Option<&Cel
     } else {
         String::new()
     };
-    table.reader.wrong(span, Fault::Unfit(format!(
+    table.reader.report(span, Fault::Unfit(format!(
         "{} tilts {pitch:.3}° toward {yaw:.1}°, but the robot tilts by at most {:.3}°: level the station by at least {by:.3}°{arms}",
         table.whose,
         deg(tilt_max),
@@ -236,7 +241,7 @@ fn check_reach(table: &Table, station: &Station) {
     let center = station.slot_frame(1).translation.vector;
     let reach = center.x.hypot(center.y);
     if station.retract_reach >= reach {
-        table.wrong_at(
+        table.report_at(
             "retract_mm",
             Fault::Unfit(format!(
                 "`retract_mm` is {}, but the wafer of {} is only {:.3} mm from the robot's axis",
@@ -264,7 +269,7 @@ fn wafers(table: &Table, slots: usize) -> Vec<usize> {
     found.sort_unstable();
     if let Some(pair) = found.windows(2).find(|pair| pair[0] == pair[1]) {
         let why = format!("slot {} is listed twice, but holds one wafer", pair[0]);
-        entry.wrong(reader, Fault::Unfit(why));
+        entry.report(reader, Fault::Unfit(why));
     }
     found
 }

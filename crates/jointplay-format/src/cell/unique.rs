@@ -12,7 +12,7 @@ pub(super) fn unique(table: &Table, what: &str, name: &str, names: &mut BTreeMap
     let line = table.reader.line(span.clone());
     if let Some(&first) = names.get(name) {
         let (what, found) = (what.to_owned(), name.to_owned());
-        table.reader.wrong(span, Fault::Twice { what, found, first });
+        table.reader.report(span, Fault::Twice { what, found, first });
     } else {
         names.insert(name.to_owned(), line);
     }

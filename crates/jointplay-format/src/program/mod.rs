@@ -12,7 +12,7 @@
 //! | to… | use |
 //! | --- | --- |
 //! | read a program | [`parse`] |
-//! | read what can be read of one | [`parse_what_can_be`] |
+//! | read what can be read of one | [`parse_recovering`] |
 //! | lay its text out | [`format`](fn@format) |
 //! | write one that is no text yet | [`write`](fn@write) |
 //! | show where in the text something is wrong with it in its cell | [`explain`](fn@explain) |
@@ -28,8 +28,9 @@ mod write;
 
 pub use explain::{Explained, explain};
 pub use layout::format;
-pub use parser::{MAX_BYTES, MAX_DEPTH, parse, parse_what_can_be};
+pub use parser::{MAX_BYTES, MAX_DEPTH, parse, parse_recovering};
 pub use problem::{Error, Problem};
+pub use words::keywords;
 pub use write::write;
 
 /// The program of the cell that comes along: a lot of 25 wafers, processed, and brought back.

@@ -38,7 +38,7 @@ const MOST_PASSES: i64 = 1_000_000_000_000_000;
 /// # Errors
 /// All that is wrong, one problem a line, in the order of the text.
 pub fn parse(text: &str) -> Result<Program, Vec<Error>> {
-    let (program, errors) = parse_what_can_be(text);
+    let (program, errors) = parse_recovering(text);
     if errors.is_empty() { Ok(program) } else { Err(errors) }
 }
 
@@ -46,7 +46,7 @@ pub fn parse(text: &str) -> Result<Program, Vec<Error>> {
 ///
 /// Blocks whose first line cannot be read are left out as a whole.
 #[must_use]
-pub fn parse_what_can_be(text: &str) -> (Program, Vec<Error>) {
+pub fn parse_recovering(text: &str) -> (Program, Vec<Error>) {
     if text.len() > MAX_BYTES {
         let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };
         return (Program::default(), vec![Error::at(text, 0..0, problem)]);

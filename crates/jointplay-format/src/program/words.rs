@@ -12,6 +12,11 @@ const PARTICLES: [&str; 9] = ["LINE", "SLOT", "WITH", "TO", "BY", "TOWARD", "LEV
 /// Axes of the base frame, where a line says how far.
 pub(super) const DIRECTIONS: [&str; 3] = ["X", "Y", "Z"];
 
+/// Reserved words of the program language, in upper case: first those that start a line.
+pub fn keywords() -> impl Iterator<Item = &'static str> {
+    COMMANDS.into_iter().chain(PARTICLES)
+}
+
 /// The word of the language that this is, whatever its case.
 pub(super) fn reserved(word: &str) -> Option<&'static str> {
     COMMANDS.iter().chain(&PARTICLES).find(|known| known.eq_ignore_ascii_case(word)).copied()

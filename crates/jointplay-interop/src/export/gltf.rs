@@ -15,8 +15,8 @@ use self::document::Document;
 use self::numbers::single;
 use self::parts::{Parts, slot_name};
 use super::error::Error;
-use super::recording::Recording;
-use super::scene::{Lying, Scene, Track};
+use super::motion_export::MotionExport;
+use super::scene::{RestingWafer, Scene, Track};
 use jointplay_format::units::um;
 
 /// The cell with its motion as binary glTF: rods, platform, links, wafers, stations, bodies and zones; one animation, as long as the motion.
@@ -32,8 +32,8 @@ use jointplay_format::units::um;
 ///
 /// # Numerics
 /// Numbers are single precision, as glTF has them; keys that follow from their neighbours are left out.
-pub fn gltf(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
-    let scene = Scene::of(recording, rate, true)?;
+pub fn gltf(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<u8>, Error> {
+    let scene = Scene::of(motion_export, rate, true)?;
     let mut document = Document::default();
     let mut parts = Parts::default();
     // The first node is the base, whose children are known at the end.
@@ -44,12 +44,12 @@ pub fn gltf(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
         let node = document.nodes.len();
         nodes.push(node);
         children[track.parent.map_or(0, |parent| parent + 1)].push(node);
-        document.nodes.push(standing(track, recording.cell));
-        let shown = parts.of_track(&mut document, recording.cell, track.of);
+        document.nodes.push(standing(track, motion_export.cell));
+        let shown = parts.of_track(&mut document, motion_export.cell, track.of);
         children[k + 1].extend(shown);
         document.animate(node, track, &scene.times);
     }
-    children[0].extend(parts.of_world(&mut document, recording.cell));
+    children[0].extend(parts.of_world(&mut document, motion_export.cell));
     let half = std::f64::consts::FRAC_1_SQRT_2;
     document.nodes[0] = json!({ "name": "base", "rotation": [-half, 0.0, 0.0, half] });
     for (node, children) in std::iter::once(0).chain(nodes).zip(children) {
@@ -57,7 +57,7 @@ pub fn gltf(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
             document.nodes[node]["children"] = json!(children);
         }
     }
-    file_of(document, recording)
+    file_of(document, motion_export)
 }
 
 /// A node that stands where its track begins; that of a wafer tells in which slots it lies, as their nodes are called.
@@ -67,23 +67,23 @@ fn standing(track: &Track, cell: &Cell) -> Value {
         node["translation"] = json!(place.map(single));
         node["rotation"] = json!(turn.map(single));
     }
-    let told = |&Lying { slot: SlotId { station, slot }, from, to }: &Lying| {
+    let told = |&RestingWafer { slot: SlotId { station, slot }, from, to }: &RestingWafer| {
         let name = slot_name(&cell.stations[station], slot);
         json!({ "slot": name, "from_s": from, "to_s": to })
     };
-    if !track.lies.is_empty() {
-        node["extras"] = json!({ "lies": track.lies.iter().map(told).collect::<Vec<_>>() });
+    if !track.rests.is_empty() {
+        node["extras"] = json!({ "lies": track.rests.iter().map(told).collect::<Vec<_>>() });
     }
     node
 }
 
 /// Each handover of a wafer with its time, and the distance by which the effector jumps then, as its arm takes the weight or gives it up.
-fn hand_overs(recording: &Recording<'_>) -> Vec<Value> {
-    let Recording { cell, motion, .. } = *recording;
+fn hand_overs(motion_export: &MotionExport<'_>) -> Vec<Value> {
+    let MotionExport { cell, motion, .. } = *motion_export;
     let told = |one: &HandoverDeflection| {
         json!({
             "time_s": motion.times[one.step + 1],
-            "effector": recording.effector_name(one.effector),
+            "effector": motion_export.effector_name(one.effector),
             "slot": slot_name(&cell.stations[one.slot.station], one.slot.slot),
             "jump_um": um(one.jump),
         })
@@ -92,18 +92,18 @@ fn hand_overs(recording: &Recording<'_>) -> Vec<Value> {
 }
 
 /// The file: a header, the description, the numbers.
-fn file_of(document: Document, recording: &Recording<'_>) -> Result<Vec<u8>, Error> {
+fn file_of(document: Document, motion_export: &MotionExport<'_>) -> Result<Vec<u8>, Error> {
     let mut told = Map::new();
-    told.insert("duration_s".to_owned(), json!(recording.motion.duration()));
-    if let Some(warning) = recording.warning() {
-        let all = recording
-            .flaws
+    told.insert("duration_s".to_owned(), json!(motion_export.motion.duration()));
+    if let Some(warning) = motion_export.warning() {
+        let all = motion_export
+            .violation_notes
             .iter()
-            .map(|flaw| json!({ "from_s": flaw.from, "to_s": flaw.to, "message": flaw.message }));
+            .map(|violation_note| json!({ "from_s": violation_note.from, "to_s": violation_note.to, "message": violation_note.message }));
         told.insert("warning".to_owned(), json!(warning));
         told.insert("violations".to_owned(), all.collect());
     }
-    let handovers = hand_overs(recording);
+    let handovers = hand_overs(motion_export);
     if !handovers.is_empty() {
         told.insert("hand_overs".to_owned(), json!(handovers));
     }
@@ -115,7 +115,7 @@ fn file_of(document: Document, recording: &Recording<'_>) -> Result<Vec<u8>, Err
             "extras": told,
         },
         "scene": 0,
-        "scenes": [{ "name": recording.cell.name, "nodes": [0] }],
+        "scenes": [{ "name": motion_export.cell.name, "nodes": [0] }],
         "nodes": document.nodes,
         "meshes": document.meshes,
         "materials": document.materials.iter().map(|one| one.describe()).collect::<Vec<_>>(),
@@ -124,7 +124,11 @@ fn file_of(document: Document, recording: &Recording<'_>) -> Result<Vec<u8>, Err
         "accessors": accessors,
     });
     if !document.channels.is_empty() {
-        let name = if recording.flaws.is_empty() { "program" } else { "program, NOT SAFE TO RUN" };
+        let name = if motion_export.violation_notes.is_empty() {
+            "program"
+        } else {
+            "program, NOT SAFE TO RUN"
+        };
         root["animations"] =
             json!([{ "name": name, "channels": document.channels, "samplers": document.samplers }]);
     }

@@ -19,7 +19,7 @@ use jointplay_cell::trajectory::Sample;
 
 use self::cdr::Cdr;
 use super::error::Error;
-use super::recording::Recording;
+use super::motion_export::MotionExport;
 use super::scene::{Scene, is_key};
 
 /// Definitions of the messages, each with those that it consists of.
@@ -77,9 +77,9 @@ struct File {
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::TooManyPoses`], [`Error::Placing`], [`Error::Mcap`]
-pub fn write(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
-    let scene = Scene::of(recording, rate, false)?;
-    let samples: Vec<Sample> = recording.motion.samples(rate).collect();
+pub fn write(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<u8>, Error> {
+    let scene = Scene::of(motion_export, rate, false)?;
+    let samples: Vec<Sample> = motion_export.motion.samples(rate).collect();
     let options = WriteOptions::new()
         .compression(None)
         .profile("ros2")
@@ -118,34 +118,36 @@ pub fn write(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
     )?;
     let program = file.topic("/program", "std_msgs/msg/String", STRING, &[])?;
     let violations = file.topic("/violations", "std_msgs/msg/String", STRING, &[])?;
-    file.about(recording)?;
+    file.about(motion_export)?;
 
-    let motion = recording.motion;
+    let motion = motion_export.motion;
     let names: Vec<&str> =
-        recording.cell.robot.axes.iter().map(|axis| axis.name.as_str()).collect();
-    let mut flaws: Vec<_> = recording.flaws.iter().collect();
-    flaws.sort_by(|a, b| a.from.total_cmp(&b.from));
-    let mut flaws = flaws.into_iter().peekable();
+        motion_export.cell.robot.axes.iter().map(|axis| axis.name.as_str()).collect();
+    let mut violation_notes: Vec<_> = motion_export.violation_notes.iter().collect();
+    violation_notes.sort_by(|a, b| a.from.total_cmp(&b.from));
+    let mut violation_notes = violation_notes.into_iter().peekable();
     let mut step = 0;
     for (k, sample) in samples.iter().enumerate() {
         while step < motion.steps.len() && motion.times[step] <= sample.time {
             let start = motion.times[step];
             let before = step.checked_sub(1).map(|before| motion.steps[before].instruction);
             if before != Some(motion.steps[step].instruction) {
-                file.push(program, start, text(recording.line(step)))?;
+                file.push(program, start, text(motion_export.line(step)))?;
             }
             let of_step = [start, motion.times[step + 1]];
             if motion.has_duration(step) {
                 file.push(
                     trajectory,
                     start,
-                    joint_trajectory(recording, &names, of_step, &samples[k..]),
+                    joint_trajectory(motion_export, &names, of_step, &samples[k..]),
                 )?;
             }
             step += 1;
         }
-        while let Some(flaw) = flaws.next_if(|flaw| flaw.from <= sample.time) {
-            file.push(violations, flaw.from, text(&flaw.message))?;
+        while let Some(violation_note) =
+            violation_notes.next_if(|violation_note| violation_note.from <= sample.time)
+        {
+            file.push(violations, violation_note.from, text(&violation_note.message))?;
         }
         file.push(states, sample.time, joint_state(&names, sample))?;
         file.push(tf, sample.time, transforms(&scene, k))?;
@@ -170,12 +172,12 @@ impl File {
     }
 
     /// What the file is of.
-    fn about(&mut self, recording: &Recording<'_>) -> Result<(), Error> {
+    fn about(&mut self, motion_export: &MotionExport<'_>) -> Result<(), Error> {
         let mut metadata = BTreeMap::from([
-            ("cell".to_owned(), recording.cell.name.clone()),
-            ("duration_s".to_owned(), recording.motion.duration().to_string()),
+            ("cell".to_owned(), motion_export.cell.name.clone()),
+            ("duration_s".to_owned(), motion_export.motion.duration().to_string()),
         ]);
-        if let Some(warning) = recording.warning() {
+        if let Some(warning) = motion_export.warning() {
             metadata.insert("warning".to_owned(), warning);
         }
         Ok(self.writer.write_metadata(&Metadata { name: "jointplay".to_owned(), metadata })?)
@@ -209,14 +211,14 @@ fn joint_state(names: &[&str], sample: &Sample) -> Vec<u8> {
 
 /// The samples within a step, its exact ends among them.
 fn joint_trajectory(
-    recording: &Recording<'_>,
+    motion_export: &MotionExport<'_>,
     names: &[&str],
     [start, end]: [f64; 2],
     from_here: &[Sample],
 ) -> Vec<u8> {
     let within =
         from_here.iter().skip_while(|one| one.time <= start).take_while(|one| one.time < end);
-    let ends = [recording.motion.sample_at(start), recording.motion.sample_at(end)];
+    let ends = [motion_export.motion.sample_at(start), motion_export.motion.sample_at(end)];
     let points: Vec<&Sample> =
         std::iter::once(&ends[0]).chain(within).chain(std::iter::once(&ends[1])).collect();
     let mut message = Cdr::new();

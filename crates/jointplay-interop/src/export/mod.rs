@@ -15,23 +15,22 @@
 mod channel;
 pub mod dialect;
 mod error;
-mod flaw;
 mod gltf;
 #[cfg(feature = "mcap")]
 pub mod mcap;
-mod peaks;
-mod recording;
+mod motion_export;
 mod samples;
 mod scene;
 mod segment;
 mod solidworks;
 mod timeline;
+mod violation_note;
 
 pub use error::Error;
-pub use flaw::{Flaw, flaws};
 pub use gltf::gltf;
-pub use recording::{MOST_SAMPLES, Recording};
+pub use motion_export::{MOST_SAMPLES, MotionExport};
 pub use samples::{samples, samples_in_parts, samples_with_peaks, samples_within, tracks};
 pub use scene::{Frame, frames};
 pub use solidworks::{MACRO, loader, motor, motors, solidworks, solidworks_names};
 pub use timeline::{Envelope, HeldAt, Timeline, Window, wafers_at_start};
+pub use violation_note::{ViolationNote, violation_notes};

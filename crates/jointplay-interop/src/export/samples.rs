@@ -4,8 +4,7 @@ use jointplay_cell::robot::{AxisKind, ChainPose, EffectorId};
 use jointplay_cell::trajectory::Sample;
 
 use super::error::Error;
-use super::peaks;
-use super::recording::Recording;
+use super::motion_export::MotionExport;
 use jointplay_format::units::{deg, mm};
 use jointplay_report::table::{Column, Values};
 
@@ -16,9 +15,9 @@ use jointplay_report::table::{Column, Values};
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Placing`]
-pub fn samples(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Error> {
-    recording.check_rate(rate)?;
-    table(recording, recording.motion.samples(rate))
+pub fn samples(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<Column>, Error> {
+    motion_export.check_rate(rate)?;
+    table(motion_export, motion_export.motion.samples(rate))
 }
 
 /// Rows of a table that are held at a time.
@@ -33,14 +32,14 @@ const PART: usize = 1 << 16;
 /// # Errors
 /// As [`samples`], and those of `take`.
 pub fn samples_in_parts<E: From<Error>>(
-    recording: &Recording<'_>,
+    motion_export: &MotionExport<'_>,
     rate: f64,
     mut take: impl FnMut(&[Column]) -> Result<(), E>,
 ) -> Result<(), E> {
-    recording.check_rate(rate)?;
-    let mut samples = recording.motion.samples(rate).peekable();
+    motion_export.check_rate(rate)?;
+    let mut samples = motion_export.motion.samples(rate).peekable();
     while samples.peek().is_some() {
-        take(&table(recording, samples.by_ref().take(PART))?)?;
+        take(&table(motion_export, samples.by_ref().take(PART))?)?;
     }
     Ok(())
 }
@@ -52,10 +51,13 @@ pub fn samples_in_parts<E: From<Error>>(
 ///
 /// # Errors
 /// As [`samples`].
-pub fn samples_with_peaks(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Error> {
-    recording.check_rate(rate)?;
-    let times = peaks::times(recording, rate, [0.0, recording.motion.duration()]);
-    table(recording, times.into_iter().map(|time| recording.motion.sample_at(time)))
+pub fn samples_with_peaks(
+    motion_export: &MotionExport<'_>,
+    rate: f64,
+) -> Result<Vec<Column>, Error> {
+    motion_export.check_rate(rate)?;
+    let times = peak_times(motion_export, rate, [0.0, motion_export.motion.duration()]);
+    table(motion_export, times.into_iter().map(|time| motion_export.motion.sample_at(time)))
 }
 
 /// [`samples`], or [`samples_with_peaks`], of a stretch of time.
@@ -68,26 +70,32 @@ pub fn samples_with_peaks(recording: &Recording<'_>, rate: f64) -> Result<Vec<Co
 /// # Errors
 /// As [`samples`].
 pub fn samples_within(
-    recording: &Recording<'_>,
+    motion_export: &MotionExport<'_>,
     rate: f64,
     peaks: bool,
     [from, to]: [f64; 2],
 ) -> Result<Vec<Column>, Error> {
-    recording.check_rate(rate)?;
-    let motion = recording.motion;
+    motion_export.check_rate(rate)?;
+    let motion = motion_export.motion;
     if peaks {
-        let times = peaks::times(recording, rate, [from, to]);
-        return table(recording, times.into_iter().map(|time| motion.sample_at(time)));
+        let times = peak_times(motion_export, rate, [from, to]);
+        return table(motion_export, times.into_iter().map(|time| motion.sample_at(time)));
     }
     let times = motion.sample_times(rate).iter().filter(|time| (from..=to).contains(time));
-    table(recording, times.map(|time| motion.sample_at(time)))
+    table(motion_export, times.map(|time| motion.sample_at(time)))
+}
+
+/// Sample times between which velocities and accelerations are straight lines, within a share of the limits without a wafer [s].
+fn peak_times(motion_export: &MotionExport<'_>, rate: f64, interval: [f64; 2]) -> Vec<f64> {
+    let limits = motion_export.cell.robot.axes.iter().map(|axis| &axis.empty);
+    motion_export.motion.peak_times(rate, interval, limits)
 }
 
 fn table(
-    recording: &Recording<'_>,
+    motion_export: &MotionExport<'_>,
     samples: impl Iterator<Item = Sample>,
 ) -> Result<Vec<Column>, Error> {
-    let Recording { cell, motion, flaws, .. } = *recording;
+    let MotionExport { cell, motion, violation_notes, .. } = *motion_export;
     let axes = &cell.robot.axes;
     let effectors: Vec<_> = cell.robot.effectors().collect();
     let mut time = Vec::new();
@@ -96,14 +104,20 @@ fn table(
     let mut states: Vec<[Vec<f64>; 3]> = vec![Default::default(); axes.len()];
     let mut centers: Vec<[Vec<f64>; 3]> = vec![Default::default(); effectors.len()];
     for sample in samples {
-        let pose =
-            placed(recording, sample.time, &sample.positions, loaded(recording, sample.step))?;
+        let pose = placed(
+            motion_export,
+            sample.time,
+            &sample.positions,
+            loaded(motion_export, sample.step),
+        )?;
         time.push(sample.time);
         let count = |value: usize| u32::try_from(value).unwrap_or(u32::MAX);
         line.push(count(motion.steps.get(sample.step).map_or(0, |step| step.place.line)));
         step.push(count(sample.step + 1));
-        let here = |flaw: &&super::flaw::Flaw| flaw.from <= sample.time && sample.time <= flaw.to;
-        violations.push(count(flaws.iter().filter(here).count()));
+        let here = |violation_note: &&super::violation_note::ViolationNote| {
+            violation_note.from <= sample.time && sample.time <= violation_note.to
+        };
+        violations.push(count(violation_notes.iter().filter(here).count()));
         let told = [&sample.positions, &sample.velocities, &sample.accelerations];
         for (axis, columns) in states.iter_mut().enumerate() {
             let unit: fn(f64) -> f64 = if turns(axes[axis].kind) { deg } else { mm };
@@ -131,10 +145,10 @@ fn table(
     }
     for (&id, center) in effectors.iter().zip(centers) {
         for (axis, values) in ["x", "y", "z"].iter().zip(center) {
-            columns.push(real(format!("{}_{axis}_mm", recording.effector_name(id)), values));
+            columns.push(real(format!("{}_{axis}_mm", motion_export.effector_name(id)), values));
         }
     }
-    if !flaws.is_empty() {
+    if !violation_notes.is_empty() {
         columns.push(count("violations", violations));
     }
     Ok(columns)
@@ -147,13 +161,17 @@ fn table(
 ///
 /// # Errors
 /// As [`samples`].
-pub fn tracks(recording: &Recording<'_>, rate: f64) -> Result<Vec<Vec<[f64; 2]>>, Error> {
-    recording.check_rate(rate)?;
-    let effectors: Vec<_> = recording.cell.robot.effectors().collect();
+pub fn tracks(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<Vec<[f64; 2]>>, Error> {
+    motion_export.check_rate(rate)?;
+    let effectors: Vec<_> = motion_export.cell.robot.effectors().collect();
     let mut tracks = vec![Vec::new(); effectors.len()];
-    for sample in recording.motion.samples(rate) {
-        let pose =
-            placed(recording, sample.time, &sample.positions, loaded(recording, sample.step))?;
+    for sample in motion_export.motion.samples(rate) {
+        let pose = placed(
+            motion_export,
+            sample.time,
+            &sample.positions,
+            loaded(motion_export, sample.step),
+        )?;
         for (track, id) in tracks.iter_mut().zip(&effectors) {
             let center = pose.base_from_wafer[id.arm][id.effector].translation.vector;
             track.push([center.x, center.y]);
@@ -164,18 +182,18 @@ pub fn tracks(recording: &Recording<'_>, rate: f64) -> Result<Vec<Vec<[f64; 2]>>
 
 /// Where everything is at positions of all axes, arms drooping.
 pub(super) fn placed(
-    recording: &Recording<'_>,
+    motion_export: &MotionExport<'_>,
     time: f64,
     positions: &[f64],
     loaded: &[EffectorId],
 ) -> Result<ChainPose, Error> {
     let failed = |source| Error::Placing { time, source: Box::new(source) };
-    recording.cell.drooping(positions, loaded).map_err(failed)
+    motion_export.cell.forward_with_deflection(positions, loaded).map_err(failed)
 }
 
 /// Who carries a wafer in a step.
-pub(super) fn loaded<'a>(recording: &Recording<'a>, step: usize) -> &'a [EffectorId] {
-    recording.motion.steps.get(step).map_or(&[], |step| &step.loaded)
+pub(super) fn loaded<'a>(motion_export: &MotionExport<'a>, step: usize) -> &'a [EffectorId] {
+    motion_export.motion.steps.get(step).map_or(&[], |step| &step.loaded)
 }
 
 pub(super) fn turns(kind: AxisKind) -> bool {

@@ -9,7 +9,7 @@ use jointplay_core::spatial::Pose;
 use nalgebra::{SVector, UnitQuaternion, Vector4};
 
 use super::error::Error;
-use super::recording::Recording;
+use super::motion_export::MotionExport;
 use super::samples::{loaded, placed};
 
 /// How much before and after a sample it is looked where things are, to find how fast they go [s].
@@ -32,7 +32,7 @@ pub(super) struct Track {
     /// How fast both change, at each time; empty where that is not asked for.
     pub(super) rates: Vec<Rate>,
     /// Of a wafer: in which slots it lies, and when.
-    pub(super) lies: Vec<Lying>,
+    pub(super) rests: Vec<RestingWafer>,
 }
 
 /// How fast a frame goes in its parent.
@@ -46,7 +46,7 @@ pub(super) struct Rate {
 
 /// A wafer lying in a slot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Lying {
+pub(super) struct RestingWafer {
     pub(super) slot: SlotId,
     /// From when on, and until when [s].
     pub(super) from: f64,
@@ -78,7 +78,7 @@ pub(super) struct Scene {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Held {
     /// Lying somewhere, in the base frame.
-    Lying(Pose),
+    InSlot(Pose),
     /// On an effector, in its wafer frame.
     On(EffectorId, Pose),
 }
@@ -86,14 +86,14 @@ pub(super) enum Held {
 pub(super) struct Wafer {
     name: String,
     pub(super) held: Held,
-    lies: Vec<Lying>,
+    rests: Vec<RestingWafer>,
 }
 
 impl Wafer {
     /// Where it is, the robot being posed like this.
     fn place(&self, pose: &ChainPose) -> Pose {
         match self.held {
-            Held::Lying(at) => at,
+            Held::InSlot(at) => at,
             Held::On(id, at) => pose.base_from_wafer[id.arm][id.effector] * at,
         }
     }
@@ -105,26 +105,26 @@ impl Scene {
     /// # Arguments
     /// * `with_rates` – whether it is told how fast they go
     pub(super) fn of(
-        recording: &Recording<'_>,
+        motion_export: &MotionExport<'_>,
         rate: f64,
         with_rates: bool,
     ) -> Result<Self, Error> {
-        recording.check_rate(rate)?;
-        let Recording { cell, motion, .. } = *recording;
+        motion_export.check_rate(rate)?;
+        let MotionExport { cell, motion, .. } = *motion_export;
         let mut scene = Self { times: Vec::new(), tracks: tracks(cell) };
-        let mut wafers = Wafers::new(recording);
+        let mut wafers = Wafers::new(motion_export);
         scene.tracks.extend(wafers.tracks());
         let found = motion.duration() * rate * scene.tracks.len() as f64;
         if found > MOST_POSES {
             return Err(Error::TooManyPoses { found, allowed: MOST_POSES });
         }
         for sample in motion.samples(rate) {
-            wafers.until(recording, sample.time)?;
-            let carried = loaded(recording, sample.step);
+            wafers.until(motion_export, sample.time)?;
+            let carried = loaded(motion_export, sample.step);
             let pose = |moment: f64| {
                 let gone = sample.positions.iter().zip(&sample.velocities);
                 let positions: Vec<f64> = gone.map(|(at, speed)| at + moment * speed).collect();
-                placed(recording, sample.time, &positions, carried)
+                placed(motion_export, sample.time, &positions, carried)
             };
             let now = pose(0.0)?;
             scene.times.push(sample.time);
@@ -146,7 +146,7 @@ impl Scene {
         }
         for track in &mut scene.tracks {
             if let Part::Wafer(k) = track.of {
-                track.lies = std::mem::take(&mut wafers.all[k].lies);
+                track.rests = std::mem::take(&mut wafers.all[k].rests);
             }
         }
         Ok(scene)
@@ -157,7 +157,7 @@ impl Track {
     fn new(name: &str, of: Part, parent: Option<usize>) -> Self {
         let name = name.to_owned();
         let (places, turns, rates) = (Vec::new(), Vec::new(), Vec::new());
-        Self { name, of, parent, places, turns, rates, lies: Vec::new() }
+        Self { name, of, parent, places, turns, rates, rests: Vec::new() }
     }
 
     /// Where it is in its parent, the robot being posed like this.
@@ -253,17 +253,17 @@ pub(super) struct Wafers {
 
 impl Wafers {
     /// Where they are at the start.
-    pub(super) fn new(recording: &Recording<'_>) -> Self {
-        let (cell, to) = (recording.cell, recording.motion.duration());
+    pub(super) fn new(motion_export: &MotionExport<'_>) -> Self {
+        let (cell, to) = (motion_export.cell, motion_export.motion.duration());
         let in_slots = cell.occupied.iter().map(|&slot| {
             let station = &cell.stations[slot.station];
             let name = cell.entity_name(EntityId::Wafer(slot));
-            let held = Held::Lying(station.slot_frame(slot.slot));
-            Wafer { name, held, lies: vec![Lying { slot, from: 0.0, to }] }
+            let held = Held::InSlot(station.slot_frame(slot.slot));
+            Wafer { name, held, rests: vec![RestingWafer { slot, from: 0.0, to }] }
         });
         let carried = cell.carried.iter().map(|&id| {
             let name = cell.entity_name(EntityId::HeldWafer(id));
-            Wafer { name, held: Held::On(id, Pose::identity()), lies: Vec::new() }
+            Wafer { name, held: Held::On(id, Pose::identity()), rests: Vec::new() }
         });
         let in_slot = cell.occupied.iter().copied().enumerate().map(|(k, slot)| (slot, k));
         Self { all: in_slots.chain(carried).collect(), in_slot: in_slot.collect(), step: 0 }
@@ -276,10 +276,10 @@ impl Wafers {
     }
 
     /// Hands over what is handed over until a time [s].
-    fn until(&mut self, recording: &Recording<'_>, time: f64) -> Result<(), Error> {
-        let motion = recording.motion;
+    fn until(&mut self, motion_export: &MotionExport<'_>, time: f64) -> Result<(), Error> {
+        let motion = motion_export.motion;
         while self.step < motion.steps.len() && motion.times[self.step + 1] <= time {
-            self.next_step(recording)?;
+            self.next_step(motion_export)?;
         }
         Ok(())
     }
@@ -287,15 +287,15 @@ impl Wafers {
     /// Hands over what is handed over at the end of the next step: index of that wafer and its new slot, which is `None` for an effector.
     pub(super) fn next_step(
         &mut self,
-        recording: &Recording<'_>,
+        motion_export: &MotionExport<'_>,
     ) -> Result<Option<(usize, Option<SlotId>)>, Error> {
-        let (motion, step) = (recording.motion, self.step);
+        let (motion, step) = (motion_export.motion, self.step);
         self.step += 1;
         let Some(handover) = motion.steps[step].handover else { return Ok(None) };
         let time = motion.times[step + 1];
         let at = motion.sample_at(time);
         // Up to then the arm droops as in the step that ends.
-        let pose = placed(recording, time, &at.positions, loaded(recording, step))?;
+        let pose = placed(motion_export, time, &at.positions, loaded(motion_export, step))?;
         Ok(self.hand_over(handover, &pose, [time, motion.duration()]))
     }
 
@@ -312,10 +312,10 @@ impl Wafers {
             Handover::Picked(id, slot) => {
                 let found = in_slot.iter().position(|&(one, _)| one == slot)?;
                 let (_, k) = in_slot.remove(found);
-                if let Held::Lying(at) = wafers[k].held {
+                if let Held::InSlot(at) = wafers[k].held {
                     wafers[k].held = Held::On(id, effector(id).inverse() * at);
                 }
-                if let Some(lying) = wafers[k].lies.last_mut() {
+                if let Some(lying) = wafers[k].rests.last_mut() {
                     lying.to = time;
                 }
                 Some((k, None))
@@ -324,8 +324,8 @@ impl Wafers {
                 let on = |wafer: &Wafer| matches!(wafer.held, Held::On(with, _) if with == id);
                 let k = wafers.iter().position(on)?;
                 if let Held::On(_, at) = wafers[k].held {
-                    wafers[k].held = Held::Lying(effector(id) * at);
-                    wafers[k].lies.push(Lying { slot, from: time, to: end });
+                    wafers[k].held = Held::InSlot(effector(id) * at);
+                    wafers[k].rests.push(RestingWafer { slot, from: time, to: end });
                     in_slot.push((slot, k));
                 }
                 Some((k, Some(slot)))
@@ -354,22 +354,22 @@ pub struct Frame {
 /// # Errors
 /// [`Error::Placing`]
 pub fn frames(
-    recording: &Recording<'_>,
+    motion_export: &MotionExport<'_>,
     time: f64,
     positions: &[f64],
 ) -> Result<(Vec<Frame>, Vec<EffectorId>), Error> {
-    let mut wafers = Wafers::new(recording);
-    wafers.until(recording, time)?;
+    let mut wafers = Wafers::new(motion_export);
+    wafers.until(motion_export, time)?;
     let carried = wafers.all.iter().filter_map(|wafer| match wafer.held {
         Held::On(id, _) => Some(id),
-        Held::Lying(_) => None,
+        Held::InSlot(_) => None,
     });
     let carried: Vec<EffectorId> = carried.collect();
-    let pose = placed(recording, time, positions, &carried)?;
+    let pose = placed(motion_export, time, positions, &carried)?;
     let frame = |mut track: Track| {
-        track.push(&track.pose(recording.cell, &wafers.all, &pose));
+        track.push(&track.pose(motion_export.cell, &wafers.all, &pose));
         Frame { place: track.places[0], turn: track.turns[0], name: track.name }
     };
-    let tracks = tracks(recording.cell).into_iter().chain(wafers.tracks());
+    let tracks = tracks(motion_export.cell).into_iter().chain(wafers.tracks());
     Ok((tracks.map(frame).collect(), carried))
 }

@@ -5,7 +5,7 @@ use nalgebra::UnitQuaternion;
 
 use super::channel::{Channel, State, channels};
 use super::error::Error;
-use super::recording::Recording;
+use super::motion_export::MotionExport;
 use super::samples::{loaded, placed};
 use super::scene::rounded;
 
@@ -27,13 +27,13 @@ pub(super) struct Segment {
 }
 
 impl Segment {
-    pub(super) fn new(recording: &Recording<'_>, step: usize) -> Result<Self, Error> {
-        let Recording { cell, motion, .. } = *recording;
+    pub(super) fn new(motion_export: &MotionExport<'_>, step: usize) -> Result<Self, Error> {
+        let MotionExport { cell, motion, .. } = *motion_export;
         let axes = cell.robot.axes.len();
-        let carried = loaded(recording, step);
+        let carried = loaded(motion_export, step);
         let start = motion.times[step];
         let numbers = |since: f64, positions: &[f64]| {
-            let pose = placed(recording, start + since, positions, carried)?;
+            let pose = placed(motion_export, start + since, positions, carried)?;
             let failed = |source| Error::Placing { time: start + since, source: Box::new(source) };
             let rigid = cell.robot.forward(positions).map_err(failed)?;
             let mut numbers = Vec::new();

@@ -7,7 +7,7 @@ use jointplay_cell::trajectory::Sample;
 use jointplay_cell::workcell::Cell;
 
 use super::error::Error;
-use super::recording::Recording;
+use super::motion_export::MotionExport;
 use super::samples::turns;
 use jointplay_format::units::{deg, mm};
 
@@ -25,22 +25,25 @@ const MARK: &str = "NOT-SAFE-";
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`]
-pub fn solidworks(recording: &Recording<'_>, rate: f64) -> Result<Vec<(String, String)>, Error> {
-    let motors = motors(recording).into_iter().enumerate();
+pub fn solidworks(
+    motion_export: &MotionExport<'_>,
+    rate: f64,
+) -> Result<Vec<(String, String)>, Error> {
+    let motors = motors(motion_export).into_iter().enumerate();
     let text = |(axis, name): (usize, String)| {
         let mut bytes = Vec::new();
-        motor(recording, rate, axis, &mut bytes)?.expect("writing into memory does not fail");
+        motor(motion_export, rate, axis, &mut bytes)?.expect("writing into memory does not fail");
         Ok((name, String::from_utf8(bytes).expect("numbers are UTF-8")))
     };
     let mut files = motors.map(text).collect::<Result<Vec<_>, Error>>()?;
-    files.push(loader(recording));
+    files.push(loader(motion_export));
     Ok(files)
 }
 
 /// Names of the motors' files, in the order of the axes.
 #[must_use]
-pub fn motors(recording: &Recording<'_>) -> Vec<String> {
-    let mut names = names(recording.cell, mark(recording));
+pub fn motors(motion_export: &MotionExport<'_>) -> Vec<String> {
+    let mut names = names(motion_export.cell, mark(motion_export));
     names.pop();
     names
 }
@@ -57,21 +60,22 @@ pub fn motors(recording: &Recording<'_>) -> Vec<String> {
 /// # Panics
 /// If the robot has no such axis.
 pub fn motor(
-    recording: &Recording<'_>,
+    motion_export: &MotionExport<'_>,
     rate: f64,
     axis: usize,
     writer: &mut dyn std::io::Write,
 ) -> Result<std::io::Result<()>, Error> {
-    recording.check_rate(rate)?;
-    let unit: fn(f64) -> f64 = if turns(recording.cell.robot.axes[axis].kind) { deg } else { mm };
+    motion_export.check_rate(rate)?;
+    let unit: fn(f64) -> f64 =
+        if turns(motion_export.cell.robot.axes[axis].kind) { deg } else { mm };
     // Every digit: the end of the last line is the end of the motion.
-    let mut samples = recording.motion.samples(rate);
+    let mut samples = motion_export.motion.samples(rate);
     let line = |at: Sample| writeln!(writer, "{},{}", at.time, unit(at.positions[axis]));
     Ok(samples.try_for_each(line))
 }
 
-fn mark(recording: &Recording<'_>) -> &'static str {
-    if recording.flaws.is_empty() { "" } else { MARK }
+fn mark(motion_export: &MotionExport<'_>) -> &'static str {
+    if motion_export.violation_notes.is_empty() { "" } else { MARK }
 }
 
 /// Names of all files that [`solidworks`] may make for a cell, of sound motions and of others.
@@ -102,12 +106,12 @@ fn quoted(text: &str) -> String {
 
 /// Name and text of the macro.
 #[must_use]
-pub fn loader(recording: &Recording<'_>) -> (String, String) {
+pub fn loader(motion_export: &MotionExport<'_>) -> (String, String) {
     let mut loads = String::new();
-    for (axis, file) in recording.cell.robot.axes.iter().zip(&motors(recording)) {
+    for (axis, file) in motion_export.cell.robot.axes.iter().zip(&motors(motion_export)) {
         let _ = writeln!(loads, "    Load {}, folder & {}", quoted(&axis.name), quoted(file));
     }
-    let warning = recording.warning().map_or_else(String::new, |warning| {
+    let warning = motion_export.warning().map_or_else(String::new, |warning| {
         let shown = quoted(&warning);
         let comment: String = warning.split_whitespace().collect::<Vec<_>>().join(" ");
         format!("    ' {comment}\n    MsgBox {shown}, vbExclamation\n")
@@ -161,8 +165,8 @@ Private Sub Load(name As String, file As String)
     missing = missing & " " & name
 End Sub
 "#,
-        duration = recording.motion.duration(),
+        duration = motion_export.motion.duration(),
     );
     // As the editor of Visual Basic writes them.
-    (format!("{}{MACRO}", mark(recording)), text.replace('\n', "\r\n"))
+    (format!("{}{MACRO}", mark(motion_export)), text.replace('\n', "\r\n"))
 }

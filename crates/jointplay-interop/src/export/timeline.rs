@@ -20,7 +20,7 @@ use self::envelope::of_step;
 use self::phase::phase;
 use self::relative_time::since;
 use super::error::Error;
-use super::recording::Recording;
+use super::motion_export::MotionExport;
 use super::scene::Wafers;
 use super::segment::Segment;
 use jointplay_report::ViolationReport;
@@ -91,12 +91,12 @@ impl Timeline {
     /// # Errors
     /// [`Error::Placing`]
     pub fn new(
-        recording: &Recording<'_>,
+        motion_export: &MotionExport<'_>,
         violations: &[ViolationReport],
         previous: Option<&Self>,
     ) -> Result<Self, Error> {
-        let motion = recording.motion;
-        let changes = changes(recording)?;
+        let motion = motion_export.motion;
+        let changes = changes(motion_export)?;
         let motions = motion.fingerprints();
         let marks: Vec<u64> =
             (0..motion.steps.len()).map(|k| mark(motion, motions[k], k)).collect();
@@ -106,7 +106,7 @@ impl Timeline {
         let most = STEPS.max(motion.steps.len() / MOST_WINDOWS);
         let known = previous.map(|previous| (previous.marks.as_slice(), previous.edges()));
         let edges = cut::edges(&marks, &starts, most, known);
-        let shared = shared(recording.cell);
+        let shared = shared(motion_export.cell);
         let segments = previous.map_or_else(Arc::default, |one| Arc::clone(&one.segments));
         let mut timeline = Self { windows: Vec::new(), marks, motions, changes, shared, segments };
         let mut moved = BTreeMap::new();
@@ -126,13 +126,18 @@ impl Timeline {
     }
 
     /// A step as channels.
-    fn segment(&self, recording: &Recording<'_>, step: usize) -> Result<Arc<Segment>, Error> {
+    fn segment(
+        &self,
+        motion_export: &MotionExport<'_>,
+        step: usize,
+    ) -> Result<Arc<Segment>, Error> {
         let known = || self.segments.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = (self.shared, self.motions[step], recording.motion.steps[step].loaded.clone());
+        let key =
+            (self.shared, self.motions[step], motion_export.motion.steps[step].loaded.clone());
         if let Some(segment) = known().get(&key) {
             return Ok(Arc::clone(segment));
         }
-        let made = Arc::new(Segment::new(recording, step)?);
+        let made = Arc::new(Segment::new(motion_export, step)?);
         let mut known = known();
         if known.len() >= MOST_SEGMENTS {
             known.clear();
@@ -215,8 +220,12 @@ impl Timeline {
 
     /// Least and largest values of all axes in some windows, by index; those that are not there are left out.
     #[must_use]
-    pub fn envelopes(&self, recording: &Recording<'_>, windows: &[usize]) -> Vec<Vec<Envelope>> {
-        let Recording { cell, motion, .. } = *recording;
+    pub fn envelopes(
+        &self,
+        motion_export: &MotionExport<'_>,
+        windows: &[usize],
+    ) -> Vec<Vec<Envelope>> {
+        let MotionExport { cell, motion, .. } = *motion_export;
         let axes = cell.robot.axes.len();
         let mut known: BTreeMap<u64, Vec<Envelope>> = BTreeMap::new();
         let of_window = |window: &Window| {
@@ -233,11 +242,11 @@ impl Timeline {
 }
 
 /// All wafers that change hands.
-fn changes(recording: &Recording<'_>) -> Result<Vec<Change>, Error> {
-    let mut wafers = Wafers::new(recording);
+fn changes(motion_export: &MotionExport<'_>) -> Result<Vec<Change>, Error> {
+    let mut wafers = Wafers::new(motion_export);
     let mut changes = Vec::new();
-    for step in 0..recording.motion.steps.len() {
-        if let Some((wafer, slot)) = wafers.next_step(recording)? {
+    for step in 0..motion_export.motion.steps.len() {
+        if let Some((wafer, slot)) = wafers.next_step(motion_export)? {
             let to = HeldAt::new(&wafers.all[wafer].held, slot);
             changes.push(Change { step, wafer, to });
         }

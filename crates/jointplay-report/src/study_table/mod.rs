@@ -5,7 +5,6 @@
 //! | write the table | [`Table`] |
 //! | save the progress of a run | [`Marker`] |
 
-mod error;
 mod kind;
 mod marker;
 #[cfg(feature = "parquet")]
@@ -13,7 +12,6 @@ mod parquet;
 mod table;
 mod value;
 
-pub use error::TableError;
 pub use kind::TableKind;
 pub use marker::{Marker, MarkerError};
 pub use table::{Encoded, Index, Table};

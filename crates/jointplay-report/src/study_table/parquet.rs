@@ -13,8 +13,8 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPrope
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{ColumnPath, Type as Schematic, TypePtr};
 
-use super::error::TableError;
 use super::value::value_in_table;
+use crate::table_error::TableError;
 use jointplay_format::study::{Column, Source};
 
 /// What a file begins and ends with.
@@ -31,12 +31,6 @@ pub(super) struct Schema {
     properties: WriterPropertiesPtr,
     /// What an empty file says.
     empty: ParquetMetaData,
-}
-
-impl From<ParquetError> for TableError {
-    fn from(error: ParquetError) -> Self {
-        Self::Parquet(error.to_string())
-    }
 }
 
 impl Schema {
@@ -127,8 +121,7 @@ fn write(
     column: &Column,
     blocks: &[Block],
 ) -> Result<(), TableError> {
-    let missing = || TableError::Parquet(format!("there is no column {}", column.name));
-    let mut target = group.next_column()?.ok_or_else(missing)?;
+    let mut target = group.next_column()?.ok_or(TableError::Encoding)?;
     for block in blocks {
         match column.source {
             Source::Sample | Source::Draw => {
@@ -156,21 +149,20 @@ fn write(
 
 /// What the end of a file says of its chunks.
 pub(super) fn groups(foot: &[u8]) -> Result<Vec<Group>, TableError> {
-    let broken = || TableError::Parquet("this is not the end of a Parquet file".to_owned());
-    let (told, tail) = foot.split_last_chunk::<TAIL>().ok_or_else(broken)?;
+    let broken = || TableError::Footer;
+    let (metadata, tail) = foot.split_last_chunk::<TAIL>().ok_or_else(broken)?;
     let (length, magic) = tail.split_at(4);
     let length = u32::from_le_bytes(length.try_into().map_err(|_| broken())?);
     let length = usize::try_from(length).map_err(|_| broken())?;
-    let start = told.len().checked_sub(length).filter(|_| magic == MAGIC).ok_or_else(broken)?;
-    let file = ParquetMetaDataReader::decode_metadata(&told[start..])?;
+    let start = metadata.len().checked_sub(length).filter(|_| magic == MAGIC).ok_or_else(broken)?;
+    let file = ParquetMetaDataReader::decode_metadata(&metadata[start..]).map_err(|_| broken())?;
     // Where they are, but as they were written: reading numbers them.
     file.row_groups().iter().map(|group| placed(group, MAGIC.len() as u64)).collect()
 }
 
 /// A chunk that stands from byte `at` of the file on.
 pub(super) fn placed(group: &Group, at: u64) -> Result<Group, TableError> {
-    let by = i64::try_from(at).map_err(|error| TableError::Parquet(error.to_string()))?
-        - MAGIC.len() as i64;
+    let by = i64::try_from(at).map_err(|_| TableError::Encoding)? - MAGIC.len() as i64;
     let columns = group
         .columns()
         .iter()

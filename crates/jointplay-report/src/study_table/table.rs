@@ -3,9 +3,9 @@
 use jointplay_study::plan::Block;
 use rayon::prelude::*;
 
-use super::error::TableError;
 use super::kind::TableKind;
 use super::value::value_in_table;
+use crate::table_error::TableError;
 use jointplay_format::study::{Column, Source};
 
 /// A chunk on its way into a file.
@@ -41,7 +41,7 @@ impl Table {
     /// A table of these columns.
     ///
     /// # Errors
-    /// [`TableError::WithoutParquet`], [`TableError::Parquet`].
+    /// [`TableError::WithoutParquet`], [`TableError::Encoding`].
     pub fn new(kind: TableKind, columns: Vec<Column>) -> Result<Self, TableError> {
         let kind = match kind {
             TableKind::Csv => Kind::Csv,
@@ -69,7 +69,7 @@ impl Table {
     /// A chunk as it will stand in the file.
     ///
     /// # Errors
-    /// [`TableError::Parquet`].
+    /// [`TableError::Encoding`].
     pub fn encode(&self, blocks: &[Block]) -> Result<Encoded, TableError> {
         match &self.kind {
             Kind::Csv => {
@@ -92,7 +92,7 @@ impl Table {
     /// Notes that a chunk stands in the file from byte `at` on.
     ///
     /// # Errors
-    /// [`TableError::Parquet`].
+    /// [`TableError::Encoding`].
     #[cfg_attr(
         not(feature = "parquet"),
         expect(unused_variables, reason = "only Parquet keeps an index")
@@ -108,7 +108,7 @@ impl Table {
     /// What stands after the last chunk.
     ///
     /// # Errors
-    /// [`TableError::Parquet`].
+    /// [`TableError::Encoding`].
     #[cfg_attr(
         not(feature = "parquet"),
         expect(unused_variables, reason = "only Parquet keeps an index")
@@ -121,10 +121,10 @@ impl Table {
         }
     }
 
-    /// Reads back what [`Self::foot`] gave.
+    /// Reads back the result of [`Self::foot`].
     ///
     /// # Errors
-    /// [`TableError::Parquet`] for anything else.
+    /// [`TableError::Footer`] for anything else.
     #[cfg_attr(
         not(feature = "parquet"),
         expect(unused_variables, reason = "only Parquet keeps an index")

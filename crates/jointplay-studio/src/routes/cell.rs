@@ -10,16 +10,16 @@ use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::cell::{CellDocument, SaveRequest};
 
-/// The cell and its program, as their files have them
+/// The texts of cell file and program file, read from disk
 #[utoipa::path(
     get,
     path = "/api/v1/cell",
     operation_id = "cell",
     responses(
-        (status = 200, description = "The texts", body = CellDocument),
-        (status = 404, description = "The studio shows no cell", body = Problem, content_type = "application/problem+json"),
+        (status = 200, description = "The texts of both files", body = CellDocument),
+        (status = 404, description = "The server has no cell", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "The files cannot be read", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn cell_files(
@@ -30,19 +30,19 @@ pub(crate) async fn cell_files(
     state.work.run(read).await.map(|files| Json(CellDocument::new(files)))
 }
 
-/// Keeps both texts in the files that they came from
+/// Save both texts
 ///
-/// Both files are written whole, or neither is; what is wrong with the texts does not matter.
-/// With the version that they replace, they are not kept where the files have changed on the disk since.
+/// Both files are written completely, or neither. Errors in the texts do not matter.
+/// With `replaces`, the texts are saved only if the files on disk still have this version.
 #[utoipa::path(
     put,
     path = "/api/v1/cell",
     operation_id = "save_cell",
     request_body = SaveRequest,
     responses(
-        (status = 200, description = "The texts, as they are kept now", body = CellDocument),
-        (status = 409, description = "They cannot be kept; where the files have changed on the disk, `field` is `replaces`", body = Problem, content_type = "application/problem+json"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = 200, description = "The saved texts", body = CellDocument),
+        (status = 409, description = "The files cannot be saved; if they have changed on disk, `field` is `replaces`", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn save_cell(

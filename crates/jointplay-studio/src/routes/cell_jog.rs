@@ -1,16 +1,18 @@
-//! `/api/v1/cell/jog`: the robot of the cell, moved by hand.
+//! `/api/v1/cell/jog`: jogging of the robot of the cell.
 
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 use jointplay::cell::Stop;
-use jointplay::cell::check::{CheckOptions, Moment, Straight, advance_until_contact, check_pose};
+use jointplay::cell::check::{
+    CheckOptions, ContactFreePath, PoseContext, advance_until_contact, check_pose,
+};
 use jointplay::cell::jog::{JogOutcome, Stopped};
 use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
 use jointplay::cell::wafer::Unreachable;
 use jointplay::gpr::AxisHeight;
-use jointplay::interop::export::{Recording, frames};
+use jointplay::interop::export::{MotionExport, frames};
 
 use super::lookup::{
     cell_error, interrupted, named_effector, named_slot, robot_motion, unknown_key,
@@ -24,21 +26,21 @@ use crate::wire::cell_jogged::{
 };
 use crate::wire::cell_pose::PoseCheckDocument;
 
-/// The robot of the cell moved by hand: as far as its limits let it go, what stops it there, and where everything is then
+/// Jog the robot of the cell up to its limits, with the reasons of a stop and the resulting state
 ///
-/// By axes, by the platform, or by a wafer: in the base frame, or as seen from a slot. The arm's droop is made up for, as programs do.
-/// The answer carries the minimum distances and violations of the pose found; `stop_at_contact` stops the robot before two bodies touch.
-/// Where a wafer cannot come to the place asked for, the robot goes as far on the way as it comes, and `stopped` says why.
+/// The target is given by the axes, by the platform, or by a wafer in the base frame or relative to a slot. The droop of the arm is compensated as in programs.
+/// The response contains the minimum distances and violations of the resulting pose. With `stop_at_contact`, the robot stops before two bodies touch.
+/// If a wafer cannot reach its target, the robot moves as far as possible along the path, and `stopped` gives the reasons.
 #[utoipa::path(
     post,
     path = "/api/v1/cell/jog",
     operation_id = "jog",
     request_body = JogRequest,
     responses(
-        (status = 200, description = "Where the robot has come to", body = JogDocument),
-        (status = 409, description = "There is no robot to move", body = Problem, content_type = "application/problem+json"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = 200, description = "The state of the robot", body = JogDocument),
+        (status = 409, description = "The cell has no valid robot", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn jog(
@@ -46,11 +48,11 @@ pub(crate) async fn jog(
     Body(mut request): Body<JogRequest>,
 ) -> Result<Json<JogDocument>, Problem> {
     let session = state.session()?;
-    let known = request.plan.take().map(|key| session.kept_plan(&key).ok_or_else(unknown_key));
-    let known = known.transpose()?;
+    let kept = request.plan.take().map(|key| session.kept_plan(&key).ok_or_else(unknown_key));
+    let kept = kept.transpose()?;
     let (cell, program) = session.texts(request.cell.take(), request.program.take());
     let moved = move |stop: Stop<'_>| {
-        let plan = match known {
+        let plan = match kept {
             Some(plan) => plan,
             None => session.plan(cell, program, stop).map_err(interrupted)?,
         };
@@ -60,22 +62,23 @@ pub(crate) async fn jog(
     state.work.run_while_awaited(moved).await
 }
 
-fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, Problem> {
-    let cell = recording.cell;
-    let time = request.time_s.clamp(0.0, recording.motion.duration());
+fn moved(motion_export: &MotionExport<'_>, request: JogRequest) -> Result<JogDocument, Problem> {
+    let cell = motion_export.cell;
+    let time = request.time_s.clamp(0.0, motion_export.motion.duration());
     let from = match request.from {
         Some(given) => positions(cell, given, "from")?,
-        None => recording.motion.sample_at(time).positions,
+        None => motion_export.motion.sample_at(time).positions,
     };
     let id = named_effector(cell, request.effector.as_deref(), "effector")?;
     let fields = ["seen_from.station", "seen_from.slot"];
     let slot = request.seen_from.map(|slot| named_slot(cell, &slot, fields)).transpose()?;
-    let placing = |error: jointplay::interop::export::Error| {
+    let export_error = |error: jointplay::interop::export::Error| {
         Problem::request(StatusCode::CONFLICT, error.to_string())
     };
-    let (_, carried) = frames(recording, time, &from).map_err(placing)?;
-    let loaded = carried.contains(&id);
-    let moment = Moment { motion: recording.motion, time, reaches: slot.map(|slot| (id, slot)) };
+    let (_, loaded_effectors) = frames(motion_export, time, &from).map_err(export_error)?;
+    let loaded = loaded_effectors.contains(&id);
+    let moment =
+        PoseContext { motion: motion_export.motion, time, reaches: slot.map(|slot| (id, slot)) };
     let start = from.clone();
     let mut jogged = match request.to.map(|to| to.read(cell)).transpose()? {
         None => JogOutcome { positions: from, stopped: None },
@@ -86,29 +89,29 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
         Some(JogTarget::World(mut target)) => {
             let free = cell.robot.heading_is_free(id).map_err(cell_error)?;
             target.heading = target.heading.filter(|_| free);
-            or_stay(&from, cell.jog_wafer(&from, id, loaded, &target))
+            or_start(&from, cell.jog_wafer(&from, id, loaded, &target))
         }
         Some(JogTarget::Slot(to)) => {
             let slot = slot.ok_or_else(|| {
-                Problem::field("seen_from", "a place as seen from a slot needs the slot")
+                Problem::field("seen_from", "a position relative to a slot requires `seen_from`")
             })?;
-            or_stay(&from, cell.jog_slot_relative(&from, id, loaded, slot, &to))
+            or_start(&from, cell.jog_slot_relative(&from, id, loaded, slot, &to))
         }
     };
     if request.stop_at_contact {
-        let ways = [&start[..], &jogged.positions];
-        let Straight { positions, touching, .. } =
-            advance_until_contact(cell, &moment, ways, &CheckOptions::default())
+        let line = [&start[..], &jogged.positions];
+        let ContactFreePath { positions, touching, .. } =
+            advance_until_contact(cell, &moment, line, &CheckOptions::default())
                 .map_err(cell_error)?;
         if let Some(pair) = touching {
             jogged = JogOutcome { positions, stopped: Some(Stopped::Contact(pair)) };
         }
     }
-    document(recording, (&moment, id, slot), &carried, &jogged, placing)
+    document(motion_export, (&moment, id, slot), &loaded_effectors, &jogged, export_error)
 }
 
-/// Where nothing can be computed, the robot stays.
-fn or_stay(from: &[f64], jogged: Result<JogOutcome, Unreachable>) -> JogOutcome {
+/// The result of a jog, or the start positions if there is no solution.
+fn or_start(from: &[f64], jogged: Result<JogOutcome, Unreachable>) -> JogOutcome {
     jogged.unwrap_or_else(|why| JogOutcome {
         positions: from.to_vec(),
         stopped: Some(Stopped::Place(why)),
@@ -116,16 +119,16 @@ fn or_stay(from: &[f64], jogged: Result<JogOutcome, Unreachable>) -> JogOutcome 
 }
 
 fn document(
-    recording: &Recording<'_>,
-    (moment, id, slot): (&Moment<'_>, EffectorId, Option<SlotId>),
-    carried: &[EffectorId],
+    motion_export: &MotionExport<'_>,
+    (moment, id, slot): (&PoseContext<'_>, EffectorId, Option<SlotId>),
+    loaded_effectors: &[EffectorId],
     jogged: &JogOutcome,
-    placing: impl Fn(jointplay::interop::export::Error) -> Problem,
+    export_error: impl Fn(jointplay::interop::export::Error) -> Problem,
 ) -> Result<JogDocument, Problem> {
-    let (cell, at) = (recording.cell, jogged.positions.as_slice());
-    let loaded = carried.contains(&id);
+    let (cell, at) = (motion_export.cell, jogged.positions.as_slice());
+    let loaded = loaded_effectors.contains(&id);
     let effectors = cell.robot.effectors().map(|one| {
-        let loaded = carried.contains(&one);
+        let loaded = loaded_effectors.contains(&one);
         let pose = cell.wafer_pose_or_rigid(one, at, loaded).map_err(cell_error)?;
         let free = cell.robot.heading_is_free(one).map_err(cell_error)?;
         Ok(effector(cell, one, &pose, loaded, free))
@@ -135,15 +138,19 @@ fn document(
     let seen =
         slot.map(|slot| from_slot(cell, slot, &cell.slot_relative_pose(&pose, id, slot), &pose));
     let rigid = cell.robot.effector_pose(at, id).map_err(cell_error)?;
-    let ways = cell.robot.inverse(id, &WaferTarget::of(&rigid), at).map_err(cell_error)?;
-    let (frames, _) = frames(recording, moment.time, at).map_err(placing)?;
+    let solutions = cell.robot.inverse(id, &WaferTarget::of(&rigid), at).map_err(cell_error)?;
+    let (frames, _) = frames(motion_export, moment.time, at).map_err(export_error)?;
     let report = check_pose(cell, moment, at, &CheckOptions::default()).map_err(cell_error)?;
     Ok(JogDocument {
         axes: axes(cell, at),
         platform: platform(cell, at),
         effectors,
         from_slot: seen,
-        branches: ways.branches.iter().map(|branch| BranchDocument::new(cell, branch)).collect(),
+        branches: solutions
+            .branches
+            .iter()
+            .map(|branch| BranchDocument::new(cell, branch))
+            .collect(),
         stopped: jogged.stopped.as_ref().map(|stopped| StoppedDocument::new(cell, stopped)),
         frames: frames.into_iter().map(Into::into).collect(),
         check: PoseCheckDocument::new(cell, &report),

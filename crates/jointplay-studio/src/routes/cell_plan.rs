@@ -10,14 +10,16 @@ use crate::body::Body;
 use crate::plan::Plan;
 use crate::problem::Problem;
 use crate::state::AppState;
-use crate::wire::cell::{PlanDocument, PlanRequest, WindowDocument, broken, short};
+use crate::wire::cell::{
+    PlanDocument, PlanRequest, WindowDocument, truncated, violation_intervals,
+};
 use crate::wire::cell_chain::ChainDocument;
 use crate::wire::cell_parts::{RobotParts, bodies, stations, wafers, zones};
 
-/// What a program comes to in a cell: its motion in windows, its report, and all that is wrong
+/// Plan a program in a cell: the motion in windows, the report, and all errors
 ///
-/// A text that is wrong is no error of the request: `problems` says what and where, all of it at once.
-/// Closing the connection ends the planning.
+/// Errors in the texts are not errors of the request: `diagnostics` lists all of them with their positions.
+/// Closing the connection stops the planning.
 #[utoipa::path(
     post,
     path = "/api/v1/cell/plan",
@@ -25,9 +27,9 @@ use crate::wire::cell_parts::{RobotParts, bodies, stations, wafers, zones};
     request_body = PlanRequest,
     responses(
         (status = 200, description = "The plan", body = PlanDocument),
-        (status = 409, description = "The plan of `since` is not remembered: send whole texts", body = Problem, content_type = "application/problem+json"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "The server no longer has the plan of `since`: send the complete texts", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn plan(
@@ -38,7 +40,10 @@ pub(crate) async fn plan(
     let (cell, program) = match since {
         Some(since) => {
             let known = session.kept_plan(&since.plan).ok_or_else(|| {
-                Problem::outdated("since", "this plan is not remembered: send whole texts")
+                Problem::outdated(
+                    "since",
+                    "the server no longer has this plan: send the complete texts",
+                )
             })?;
             let changed = since.texts(known.texts())?;
             (cell.unwrap_or(changed.0), program.unwrap_or(changed.1))
@@ -64,11 +69,11 @@ fn document(plan: &Plan) -> PlanDocument {
     };
     PlanDocument {
         key: plan.key.clone(),
-        problems: plan.problems.clone(),
-        report: report.map(short),
+        diagnostics: plan.diagnostics.clone(),
+        report: report.map(truncated),
         instructions: report.map_or(0, |report| report.instructions.len()),
         violations: report.map_or(0, |report| report.violations.len()),
-        broken_s: report.map(broken).unwrap_or_default(),
+        violations_s: report.map(violation_intervals).unwrap_or_default(),
         windows: plan.timeline.iter().flat_map(|all| &all.windows).map(window).collect(),
         scene: plan.scene.as_ref().map(|scene| scene.key.clone()),
         stations: cell.map(stations).unwrap_or_default(),

@@ -20,13 +20,13 @@ use crate::state::AppState;
 use crate::wire::Binary;
 use crate::wire::cell::SamplesRequest;
 
-/// Most rows of samples in one answer.
-const ROWS: f64 = 100_000.0;
+/// Maximum number of samples in a response.
+const MAX_SAMPLES: f64 = 100_000.0;
 
-/// The motion sample by sample, as an Arrow stream
+/// The motion at a sampling rate, as an Arrow stream
 ///
-/// Time, line of the program, step; position, speed and acceleration of each axis and the wafer centre of each effector, in mm and degrees, as `jointplay cell run` writes them.
-/// Longer motions are asked for in stretches of time.
+/// Columns: time, program line, step; position, velocity and acceleration of each axis, and the wafer centre of each effector, in mm and degrees, as in the output of `jointplay cell run`.
+/// Request long motions in several time ranges.
 #[utoipa::path(
     post,
     path = "/api/v1/cell/samples",
@@ -34,9 +34,9 @@ const ROWS: f64 = 100_000.0;
     request_body = SamplesRequest,
     responses(
         (status = 200, description = "The samples", body = Binary, content_type = "application/vnd.apache.arrow.stream"),
-        (status = 409, description = "Nothing moves", body = Problem, content_type = "application/problem+json"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "There is no motion", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn samples(
@@ -46,23 +46,23 @@ pub(crate) async fn samples(
     let (session, rate, peaks) = (state.session()?, request.rate()?, request.peaks);
     let (from, to) = (request.from_s.unwrap_or(0.0), request.to_s.unwrap_or(f64::INFINITY));
     let (cell, program) = session.texts(request.cell, request.program);
-    let told = move |stop: Stop<'_>| {
+    let sampled = move |stop: Stop<'_>| {
         let plan = session.plan(cell, program, stop).map_err(interrupted)?;
         let refused = |why: String| Problem::request(StatusCode::CONFLICT, why);
-        let recording = plan.recording().ok_or_else(|| refused(no_motion(&plan)))?;
-        let stretch = [from.max(0.0), to.min(recording.motion.duration())];
-        let rows = (stretch[1] - stretch[0]) * rate;
-        if rows.is_nan() || rows > ROWS {
+        let motion_export = plan.motion_export().ok_or_else(|| refused(no_motion(&plan)))?;
+        let range = [from.max(0.0), to.min(motion_export.motion.duration())];
+        let rows = (range[1] - range[0]) * rate;
+        if rows.is_nan() || rows > MAX_SAMPLES {
             let detail = format!(
-                "{rows:.0} samples are more than the {ROWS:.0} of one answer: ask for a shorter stretch by from_s and to_s, or for fewer a second by rate_hz"
+                "{rows:.0} samples were requested, at most {MAX_SAMPLES:.0} are allowed: request a shorter range with from_s and to_s, or a lower rate with rate_hz"
             );
             return Err(Problem::field("to_s", detail));
         }
-        let columns = export::samples_within(&recording, rate, peaks, stretch);
+        let columns = export::samples_within(&motion_export, rate, peaks, range);
         let columns = columns.map_err(|error| refused(error.to_string()))?;
         arrow(columns).map_err(|error| Problem::broken(&error.to_string()))
     };
-    let stream = state.work.run_while_awaited(told).await?;
+    let stream = state.work.run_while_awaited(sampled).await?;
     Ok(([(header::CONTENT_TYPE, "application/vnd.apache.arrow.stream")], stream).into_response())
 }
 

@@ -3,7 +3,7 @@
 use axum::Json;
 use axum::extract::State;
 use jointplay::cell::Stop;
-use jointplay::cell::check::{CheckOptions, Moment, check_pose};
+use jointplay::cell::check::{CheckOptions, PoseContext, check_pose};
 use jointplay::format::cell;
 
 use super::lookup::{cell_error, interrupted, named_effector, named_slot, robot_motion};
@@ -15,20 +15,20 @@ use crate::wire::cell::{CellText, StationRequest, TaughtByFields};
 use crate::wire::cell_jog::{SlotFields, positions};
 use crate::wire::cell_pose::touching;
 
-/// The text of the cell with new values of one station
+/// Change the values of a station in the text of the cell file
 ///
-/// Comments and all else stay as they are; nothing is kept until both texts are `PUT`.
-/// With `taught_by`, the pose of the robot is checked in the cell as it was: where bodies touch, the station is taught only with `confirm_contact`, and a comment before the station says so.
+/// Comments and all other values are preserved. Nothing is saved before both texts are `PUT`.
+/// With `taught_by`, the pose of the robot is checked in the unchanged cell. A pose in contact requires `confirm_contact`; a comment at the station then records the contact.
 #[utoipa::path(
     post,
     path = "/api/v1/cell/station",
     operation_id = "station",
     request_body = StationRequest,
     responses(
-        (status = 200, description = "The text", body = CellText),
-        (status = 409, description = "The pose is in contact, and that is not confirmed: `field` is `taught_by.confirm_contact`; or there is no robot to check", body = Problem, content_type = "application/problem+json"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = 200, description = "The text of the cell file", body = CellText),
+        (status = 409, description = "The pose is in contact and not confirmed: `field` is `taught_by.confirm_contact`; or the cell has no valid robot", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn station(
@@ -50,23 +50,26 @@ pub(crate) async fn station(
             touching = contacts(&plan, &station, by)?;
             changed = cell::note_station(&changed, &station, &touching).map_err(wrong)?;
         }
-        let touching = touching.iter().map(|pair| pair.to_vec()).collect();
-        Ok(Json(CellText { cell: changed, touching }))
+        let contacts = touching.iter().map(|pair| pair.to_vec()).collect();
+        Ok(Json(CellText { cell: changed, contacts }))
     };
     state.work.run_while_awaited(set).await
 }
 
-/// What touches in the pose that a station is taught by, if that is confirmed.
+/// The pairs in contact in the pose by which a station is taught.
+///
+/// # Errors
+/// A contact that is not confirmed.
 fn contacts(plan: &Plan, station: &str, by: TaughtByFields) -> Result<Vec<[String; 2]>, Problem> {
     let mut still = None;
-    let recording = robot_motion(plan, &mut still)?;
-    let cell = recording.cell;
+    let motion_export = robot_motion(plan, &mut still)?;
+    let cell = motion_export.cell;
     let id = named_effector(cell, by.effector.as_deref(), "taught_by.effector")?;
     let asked = SlotFields { station: station.to_owned(), slot: by.slot };
     let slot = named_slot(cell, &asked, ["station", "taught_by.slot"])?;
     let at = positions(cell, by.positions, "taught_by.positions")?;
-    let time = by.time_s.clamp(0.0, recording.motion.duration());
-    let moment = Moment { motion: recording.motion, time, reaches: Some((id, slot)) };
+    let time = by.time_s.clamp(0.0, motion_export.motion.duration());
+    let moment = PoseContext { motion: motion_export.motion, time, reaches: Some((id, slot)) };
     let report = check_pose(cell, &moment, &at, &CheckOptions::default()).map_err(cell_error)?;
     let touching: Vec<[String; 2]> =
         touching(&report).into_iter().map(|pair| pair.map(|one| cell.entity_name(one))).collect();
@@ -76,7 +79,7 @@ fn contacts(plan: &Plan, station: &str, by: TaughtByFields) -> Result<Vec<[Strin
     let pairs: Vec<String> =
         touching.iter().map(|[one, other]| format!("{one} and {other}")).collect();
     let detail = format!(
-        "in this pose there is contact between {}; move the robot out of it, or confirm that {station} is taught in contact",
+        "there is contact between {} in this pose; move the robot away, or confirm that {station} is taught in contact",
         pairs.join("; ")
     );
     Err(Problem::outdated("taught_by.confirm_contact", detail))

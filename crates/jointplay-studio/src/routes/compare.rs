@@ -1,4 +1,4 @@
-//! `POST /api/v1/compare`: what `jointplay compare --format json` answers.
+//! `POST /api/v1/compare`: the result of `jointplay compare --format json`.
 
 use axum::Json;
 use axum::extract::State;
@@ -7,14 +7,14 @@ use jointplay::report::{self, CompareReport};
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::built_in;
 
-use super::allowed;
+use super::check_limits;
 use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
-use crate::wire::question::{CompareRequest, MOST_PITCHES};
+use crate::wire::question::{CompareRequest, MAX_PITCHES};
 use crate::wire::{angle, length, pitch};
 
-/// What every model says of a range of tilts, side by side
+/// The results of all models over a range of tilts
 ///
 /// The same document as `jointplay compare --format json`, in mm and degrees.
 #[utoipa::path(
@@ -24,9 +24,9 @@ use crate::wire::{angle, length, pitch};
     request_body = CompareRequest,
     responses(
         (status = 200, description = "The comparison", body = CompareReport),
-        (status = 409, description = "The answer is no: beyond a limit, or unsolved", body = Problem, content_type = "application/problem+json"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "The pose is beyond a limit, or there is no solution", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn compare(
@@ -43,20 +43,19 @@ fn compute(gpr: &Gpr, request: CompareRequest) -> Result<CompareReport, Problem>
     let height = request.axis_height_m.unwrap_or(gpr.working_height());
     let height = AxisHeight(length(height, "axis_height_m")?);
     let pitches = request.pitches_rad;
-    if !(1..=MOST_PITCHES).contains(&pitches.len()) {
-        let detail =
-            format!("{} pitches are given, from 1 to {MOST_PITCHES} may be", pitches.len());
+    if !(1..=MAX_PITCHES).contains(&pitches.len()) {
+        let detail = format!("{} pitches are given, 1 to {MAX_PITCHES} are allowed", pitches.len());
         return Err(Problem::field("pitches_rad", detail));
     }
     for (k, &found) in pitches.iter().enumerate() {
         pitch(found, &format!("pitches_rad[{k}]"))?;
     }
     let mut broken = Vec::new();
-    // The ends of the range break whatever any of its tilts does at this azimuth and height.
+    // The ends of the range violate all limits that any tilt of the range violates.
     let ends = [pitches.iter().copied().reduce(f64::min), pitches.iter().copied().reduce(f64::max)];
     for pitch in ends.into_iter().flatten() {
         let tilt = Tilt { yaw, pitch };
-        for limit in allowed(gpr, &gpr.inverse(tilt, height)?, tilt, request.ignore_limits)? {
+        for limit in check_limits(gpr, &gpr.inverse(tilt, height)?, tilt, request.ignore_limits)? {
             if !broken.contains(&limit) {
                 broken.push(limit);
             }

@@ -1,18 +1,18 @@
-//! `POST /api/v1/forward`: what `jointplay forward --format json` answers.
+//! `POST /api/v1/forward`: the result of `jointplay forward --format json`.
 
 use axum::Json;
 use axum::extract::State;
 use jointplay::gpr::Gpr;
 use jointplay::report::{self, ForwardReport};
 
-use super::allowed;
+use super::check_limits;
 use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::question::ForwardRequest;
 use crate::wire::rods;
 
-/// Where the platform is for given rods
+/// The pose of the platform for given rod lengths
 ///
 /// The same document as `jointplay forward --format json`, in mm and degrees.
 #[utoipa::path(
@@ -22,9 +22,9 @@ use crate::wire::rods;
     request_body = ForwardRequest,
     responses(
         (status = 200, description = "The pose", body = ForwardReport),
-        (status = 409, description = "The answer is no: beyond a limit, or unsolved", body = Problem, content_type = "application/problem+json"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "The pose is beyond a limit, or there is no solution", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn forward(
@@ -38,7 +38,7 @@ pub(crate) async fn forward(
 fn compute(gpr: &Gpr, request: ForwardRequest) -> Result<ForwardReport, Problem> {
     let rods = rods(request.rods_m.0, "rods_m")?;
     let (model, options) = (request.model.model(), request.model.options("model")?);
-    let broken = allowed(gpr, &rods, gpr.plane_tilt(&rods), request.ignore_limits)?;
+    let broken = check_limits(gpr, &rods, gpr.plane_tilt(&rods), request.ignore_limits)?;
     let pose = gpr.forward(rods, model, &options)?;
     Ok(report::forward(&pose, model, &broken))
 }

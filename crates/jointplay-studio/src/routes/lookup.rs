@@ -7,52 +7,52 @@ use jointplay::cell::trajectory::Trajectory;
 use jointplay::cell::workcell::Cell;
 use jointplay::cell::{CellError, Interrupted};
 use jointplay::format::cell::explain;
-use jointplay::interop::export::Recording;
+use jointplay::interop::export::MotionExport;
 
-use crate::plan::{Plan, standing};
+use crate::plan::{Plan, rest_at_home};
 use crate::problem::Problem;
 use crate::wire::cell_jog::SlotFields;
 
 pub(super) fn interrupted(_: Interrupted) -> Problem {
-    let detail = "the computation was stopped: the client is gone, or the server ends";
+    let detail = "the computation was cancelled: the client has disconnected, or the server is shutting down";
     Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail)
 }
 
 pub(super) fn no_motion(plan: &Plan) -> String {
-    match plan.problems.first() {
-        Some(first) => format!("there is nothing to show: line {}: {}", first.line, first.message),
-        None => "there is nothing to show".to_owned(),
+    match plan.diagnostics.first() {
+        Some(first) => format!("the plan has no motion: line {}: {}", first.line, first.message),
+        None => "the plan has no motion".to_owned(),
     }
 }
 
-/// A plan, a window or a picture of that key is not remembered.
+/// The problem of an unknown key of a plan, window or scene.
 pub(super) fn unknown_key() -> Problem {
-    let detail = "nothing of this key is remembered: plan the texts again, which names new ones";
+    let detail = "unknown key: the server keeps the last plans only; plan the texts again";
     Problem::request(StatusCode::NOT_FOUND, detail)
 }
 
-/// The motion of a plan; where it has none, the robot at home.
+/// The motion of a plan; for a plan without a motion, the robot at home.
 ///
 /// # Errors
-/// There is no robot.
+/// A cell without a valid robot.
 pub(super) fn robot_motion<'p>(
     plan: &'p Plan,
     still: &'p mut Option<Trajectory>,
-) -> Result<Recording<'p>, Problem> {
+) -> Result<MotionExport<'p>, Problem> {
     let refused = || Problem::request(StatusCode::CONFLICT, no_motion(plan));
-    if let Some(recording) = plan.recording() {
-        return Ok(recording);
+    if let Some(motion_export) = plan.motion_export() {
+        return Ok(motion_export);
     }
     let cell = plan.cell.as_ref().ok_or_else(refused)?;
-    let motion = still.insert(standing(cell).ok_or_else(refused)?);
-    Ok(Recording { cell, motion, program: "", flaws: &[] })
+    let motion = still.insert(rest_at_home(cell).ok_or_else(refused)?);
+    Ok(MotionExport { cell, motion, program: "", violation_notes: &[] })
 }
 
 pub(super) fn cell_error(error: CellError) -> Problem {
     Problem::request(StatusCode::CONFLICT, explain::explain(&error))
 }
 
-/// The effector of a name; the first without one.
+/// The effector with a name; the first one without a name.
 pub(super) fn named_effector(
     cell: &Cell,
     name: Option<&str>,
@@ -64,7 +64,7 @@ pub(super) fn named_effector(
     found.ok_or_else(|| {
         let known: Vec<&str> = cell.robot.effectors().map(name_of).collect();
         let detail =
-            format!("there is no effector {:?}; known: {}", name.unwrap_or(""), known.join(", "));
+            format!("unknown effector {:?}; known: {}", name.unwrap_or(""), known.join(", "));
         Problem::field(field, detail)
     })
 }
@@ -77,13 +77,13 @@ pub(super) fn named_slot(
     let SlotFields { station: name, slot } = asked;
     let Some(station) = cell.stations.iter().position(|station| station.name == *name) else {
         let known: Vec<&str> = cell.stations.iter().map(|one| one.name.as_str()).collect();
-        let detail = format!("there is no station {name:?}; known: {}", known.join(", "));
+        let detail = format!("unknown station {name:?}; known: {}", known.join(", "));
         return Err(Problem::field(of_station, detail));
     };
     if cell.stations[station].has_slot(*slot) {
         return Ok(SlotId { station, slot: *slot });
     }
     let most = cell.stations[station].slots;
-    let detail = format!("{name} has slots 1 to {most}, but no slot {slot}");
+    let detail = format!("{name} has no slot {slot}; its slots are 1 to {most}");
     Err(Problem::field(of_slot, detail))
 }

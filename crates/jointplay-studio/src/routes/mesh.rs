@@ -18,8 +18,8 @@ use crate::wire::Binary;
     path = "/api/v1/meshes/base",
     operation_id = "base_mesh",
     responses(
-        (status = 200, description = "The shape", body = Binary, content_type = "application/octet-stream"),
-        (status = 404, description = "The robot file names none, or it is gone", body = Problem, content_type = "application/problem+json"),
+        (status = 200, description = "The mesh", body = Binary, content_type = "application/octet-stream"),
+        (status = 404, description = "The robot file names no mesh, or the file is missing", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn base_mesh(State(state): State<AppState>) -> Result<Response, Problem> {
@@ -34,8 +34,8 @@ pub(crate) async fn base_mesh(State(state): State<AppState>) -> Result<Response,
     path = "/api/v1/meshes/platform",
     operation_id = "platform_mesh",
     responses(
-        (status = 200, description = "The shape", body = Binary, content_type = "application/octet-stream"),
-        (status = 404, description = "The robot file names none, or it is gone", body = Problem, content_type = "application/problem+json"),
+        (status = 200, description = "The mesh", body = Binary, content_type = "application/octet-stream"),
+        (status = 404, description = "The robot file names no mesh, or the file is missing", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn platform_mesh(State(state): State<AppState>) -> Result<Response, Problem> {

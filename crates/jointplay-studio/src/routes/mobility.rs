@@ -1,4 +1,4 @@
-//! `POST /api/v1/mobility`: what `jointplay mobility --format json` answers.
+//! `POST /api/v1/mobility`: the result of `jointplay mobility --format json`.
 
 use axum::Json;
 use axum::extract::State;
@@ -7,14 +7,14 @@ use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
 use jointplay::report::{self, MobilityReport};
 use jointplay::virtualization::{Planar, SolveOptions};
 
-use super::allowed;
+use super::check_limits;
 use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::question::MobilityRequest;
 use crate::wire::rods;
 
-/// What can move: counted, to first order, and for real
+/// The Kutzbach, instantaneous and finite mobility
 ///
 /// The same document as `jointplay mobility --format json`, in mm and degrees.
 #[utoipa::path(
@@ -24,9 +24,9 @@ use crate::wire::rods;
     request_body = MobilityRequest,
     responses(
         (status = 200, description = "The mobility", body = MobilityReport),
-        (status = 409, description = "The answer is no: beyond a limit, or unsolved", body = Problem, content_type = "application/problem+json"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "The pose is beyond a limit, or there is no solution", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn mobility(
@@ -42,7 +42,7 @@ fn compute(gpr: &Gpr, request: MobilityRequest) -> Result<MobilityReport, Proble
         Some(given) => rods(given.0, "rods_m")?,
         None => [gpr.working_height(); 3],
     };
-    let broken = allowed(gpr, &rods, gpr.plane_tilt(&rods), request.ignore_limits)?;
+    let broken = check_limits(gpr, &rods, gpr.plane_tilt(&rods), request.ignore_limits)?;
     // The rigid mechanism is the one whose virtual joints are held; which virtualization holds them makes no difference.
     let options = SolveOptions::default();
     let pose = gpr.forward(rods, &Planar, &options)?;

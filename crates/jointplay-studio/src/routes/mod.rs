@@ -1,4 +1,4 @@
-//! One file an endpoint, and what several of them do.
+//! The endpoints, one file each, and functions that several of them share.
 
 pub(crate) mod cell;
 pub(crate) mod cell_jog;
@@ -24,8 +24,8 @@ use jointplay::virtualization::{SolveOptions, Virtualization};
 use crate::problem::Problem;
 use crate::wire::{HeightKind, Target};
 
-/// The rods that do what is commanded, and the tilt that limits are held against.
-fn reached(
+/// The rod lengths of a command, and the tilt to compare with the limits.
+fn solve_command(
     gpr: &Gpr,
     target: Target,
     model: &(dyn Virtualization + Sync),
@@ -46,8 +46,11 @@ fn reached(
     }
 }
 
-/// The limits that a pose breaks: a problem unless they are to be ignored.
-fn allowed(
+/// The limits that a pose violates.
+///
+/// # Errors
+/// A violated limit, unless limits are ignored.
+fn check_limits(
     gpr: &Gpr,
     rods: &[f64; 3],
     tilt: Tilt,

@@ -8,7 +8,7 @@ use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{Planar, SolveOptions, Virtualization};
 
-use super::reached;
+use super::solve_command;
 use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
@@ -17,10 +17,10 @@ use crate::wire::pose::{
 };
 use crate::wire::{self, ModelChoice, Rods};
 
-/// One pose, with all that one picture of it needs
+/// One pose under several models, with mobility and sensitivity
 ///
-/// A pose beyond the robot's limits is computed all the same, and the limits that it breaks are listed; from rods within them, `from_rods_m`, the robot stops where its way meets one.
-/// A model without an answer says why; the others answer.
+/// A pose beyond the limits of the robot is computed, and the violated limits are listed. With `from_rods_m` within the limits, the robot moves in a straight line in rod space and stops at the first limit.
+/// A model without a solution gives the reason.
 #[utoipa::path(
     post,
     path = "/api/v1/pose",
@@ -28,9 +28,9 @@ use crate::wire::{self, ModelChoice, Rods};
     request_body = PoseRequest,
     responses(
         (status = 200, description = "The pose", body = PoseDocument),
-        (status = 409, description = "There is no such pose", body = Problem, content_type = "application/problem+json"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "There is no pose for this command", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn pose(
@@ -61,7 +61,7 @@ fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
         .collect::<Result<_, Problem>>()?;
     let (first, options) = &models[0];
     let target = command.read(gpr, "command")?;
-    let (rods, tilt) = reached(gpr, target, first.model(), options)?;
+    let (rods, tilt) = solve_command(gpr, target, first.model(), options)?;
     let broken: Vec<BrokenLimit> = gpr.limits().broken(&rods, tilt).iter().collect();
     let from = from.map(|Rods(from)| wire::rods(from, "from_rods_m")).transpose()?;
     let within = |from: &[f64; 3]| gpr.limits().broken(from, gpr.plane_tilt(from)).is_empty();
@@ -109,7 +109,7 @@ fn answer(
     Ok(AnswerDocument::new(gpr, &pose, model, play.as_ref(), augmented.as_ref()))
 }
 
-/// The rigid mechanism is the one whose virtual joints are held; which virtualization holds them makes no difference.
+/// The rigid mechanism has locked virtual joints; it does not depend on the virtualization.
 fn mobility(gpr: &Gpr, rods: [f64; 3]) -> Result<MobilityDocument, Problem> {
     let system = gpr.system(&Planar);
     let at = system.configuration(&gpr.forward(rods, &Planar, &SolveOptions::default())?);

@@ -6,12 +6,12 @@ use axum::extract::State;
 use crate::state::AppState;
 use crate::wire::robot::RobotDocument;
 
-/// The robot that this server serves
+/// The robot of this server
 #[utoipa::path(
     get,
     path = "/api/v1/robot",
     operation_id = "robot",
-    responses((status = 200, description = "The robot, and what may be asked of it", body = RobotDocument))
+    responses((status = 200, description = "The robot", body = RobotDocument))
 )]
 pub(crate) async fn robot(State(state): State<AppState>) -> Json<RobotDocument> {
     Json(RobotDocument::new(&state.robot, state.cell.is_some()))

@@ -1,4 +1,4 @@
-//! `POST /api/v1/sensitivity`: what `jointplay sensitivity --format json` answers.
+//! `POST /api/v1/sensitivity`: the result of `jointplay sensitivity --format json`.
 
 use axum::Json;
 use axum::extract::State;
@@ -6,16 +6,16 @@ use jointplay::gpr::Gpr;
 use jointplay::report::{self, SensitivityReport};
 use jointplay::spatial::Tilt;
 
-use super::{allowed, reached};
+use super::{check_limits, solve_command};
 use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::question::CommandRequest;
 
-/// How far the virtual joints move for a tilt, and what first order says of it
+/// The displacement of the virtual joints for a tilt, with its first-order bounds
 ///
 /// The same document as `jointplay sensitivity --format json`, in mm and degrees.
-/// The motion starts level at the same axis height.
+/// The motion starts at the level pose of the same axis height.
 #[utoipa::path(
     post,
     path = "/api/v1/sensitivity",
@@ -23,9 +23,9 @@ use crate::wire::question::CommandRequest;
     request_body = CommandRequest,
     responses(
         (status = 200, description = "The sensitivity", body = SensitivityReport),
-        (status = 409, description = "The answer is no: beyond a limit, or unsolved", body = Problem, content_type = "application/problem+json"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "The pose is beyond a limit, or there is no solution", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn sensitivity(
@@ -39,8 +39,8 @@ pub(crate) async fn sensitivity(
 fn compute(gpr: &Gpr, request: CommandRequest) -> Result<SensitivityReport, Problem> {
     let (model, options) = (request.model.model(), request.model.options("model")?);
     let target = request.command.read(gpr, "command")?;
-    let (rods, tilt) = reached(gpr, target, model, &options)?;
-    let broken = allowed(gpr, &rods, tilt, request.ignore_limits)?;
+    let (rods, tilt) = solve_command(gpr, target, model, &options)?;
+    let broken = check_limits(gpr, &rods, tilt, request.ignore_limits)?;
     let end = gpr.forward(rods, model, &options)?;
     let level = gpr.inverse(Tilt::LEVEL, end.axis_height())?;
     let start = gpr.forward(level, model, &options)?;

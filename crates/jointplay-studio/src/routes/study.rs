@@ -11,12 +11,11 @@ use crate::study::{self, Study};
 use crate::wire::Binary;
 use crate::wire::study::StudyRequest;
 
-/// A motion, sample by sample, as an Arrow stream
+/// The samples of a motion, as an Arrow stream
 ///
-/// Record batches of 4096 samples, sent as they are computed; the schema's metadata holds `samples`, the number of them all.
-/// Columns are in SI units, their names end with the unit; `status` is an index into the metadata's `statuses`, 0 where there is an answer.
-/// Closing the connection ends the study.
-/// A study goes beyond the robot's limits where its motion does.
+/// Record batches of 4096 samples, sent as they are computed; `samples` in the metadata of the schema is the total number.
+/// Columns are in SI units, which are part of their names; `status` is an index into `statuses` in the metadata, 0 for a solution.
+/// Closing the connection stops the study. Limits of the robot are ignored.
 #[utoipa::path(
     post,
     path = "/api/v1/study",
@@ -24,8 +23,8 @@ use crate::wire::study::StudyRequest;
     request_body = StudyRequest,
     responses(
         (status = 200, description = "The samples", body = Binary, content_type = "application/vnd.apache.arrow.stream"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn study(
@@ -37,7 +36,7 @@ pub(crate) async fn study(
     Ok(([kind], body).into_response())
 }
 
-/// A motion, sample by sample, as comma-separated values
+/// The samples of a motion, as comma-separated values
 ///
 /// The columns of `study`.
 #[utoipa::path(
@@ -47,8 +46,8 @@ pub(crate) async fn study(
     request_body = StudyRequest,
     responses(
         (status = 200, description = "The samples", body = String, content_type = "text/csv"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn study_csv(
@@ -63,9 +62,9 @@ pub(crate) async fn study_csv(
     Ok((headers, body).into_response())
 }
 
-/// A motion, sample by sample, as a Parquet file
+/// The samples of a motion, as a Parquet file
 ///
-/// The columns of `study`, of at most 500,000 samples; a build without Parquet answers 501.
+/// The columns of `study`, of at most 500,000 samples; a build without Parquet support returns 501.
 #[utoipa::path(
     post,
     path = "/api/v1/study.parquet",
@@ -73,8 +72,8 @@ pub(crate) async fn study_csv(
     request_body = StudyRequest,
     responses(
         (status = 200, description = "The samples", body = Binary, content_type = "application/vnd.apache.parquet"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn study_parquet(

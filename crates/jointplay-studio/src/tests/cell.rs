@@ -1,4 +1,4 @@
-//! The cell: its texts, what they come to, and what of it is kept.
+//! The cell: its texts, plans and files.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use super::{Answer, HOST, PORT, get, send_to, state};
 use crate::cell_files::CellFiles;
 use crate::session::WorkcellSession;
 
-/// A program that is planned quickly.
+/// A short program.
 pub(super) const SHORT: &str = "HOME\nGET LP1 SLOT 1 WITH A\nPUT LP1 SLOT 1 WITH A\n";
 
 pub(super) fn server(files: CellFiles) -> Router {
@@ -41,14 +41,14 @@ pub(super) fn fetch(server: &Router, path: &str) -> Answer {
     send_to(server.clone(), request.body(Body::empty()).unwrap())
 }
 
-/// The description and the numbers of a window.
+/// Description and numbers of a window.
 pub(super) fn window(server: &Router, key: &Value) -> (Value, Vec<f64>) {
     let answer = fetch(server, &format!("cell/windows/{}", key.as_str().unwrap()));
     assert_eq!(answer.status, StatusCode::OK, "{}", String::from_utf8_lossy(&answer.bytes));
     unpacked(&answer.bytes)
 }
 
-/// A JSON text and numbers in one.
+/// Unpacks a JSON text followed by numbers.
 pub(super) fn unpacked(bytes: &[u8]) -> (Value, Vec<f64>) {
     let (length, rest) = bytes.split_at(4);
     let length = u32::from_le_bytes(length.try_into().unwrap()) as usize;
@@ -57,7 +57,7 @@ pub(super) fn unpacked(bytes: &[u8]) -> (Value, Vec<f64>) {
     (serde_json::from_slice(text).unwrap(), numbers.chunks_exact(8).map(number).collect())
 }
 
-/// The motions of a plan that take time, with their times since the start.
+/// The motions of a plan with a duration above zero, with their times since the start.
 pub(super) fn steps(server: &Router, plan: &Value) -> Vec<Value> {
     let mut steps = Vec::new();
     for shown in plan["windows"].as_array().unwrap() {
@@ -78,7 +78,7 @@ pub(super) fn steps(server: &Router, plan: &Value) -> Vec<Value> {
 }
 
 #[test]
-fn without_a_cell_there_is_none() {
+fn a_server_without_a_cell_returns_404() {
     let answer = get("/api/v1/cell");
     assert_eq!(answer.status, StatusCode::NOT_FOUND);
     assert!(answer.json()["detail"].as_str().unwrap().contains("--cell"));
@@ -86,7 +86,7 @@ fn without_a_cell_there_is_none() {
 }
 
 #[test]
-fn a_wait_that_takes_no_time_is_no_step() {
+fn a_wait_of_zero_duration_is_not_a_step() {
     let server = server(CellFiles::example());
     let waits = |program: &str| {
         let found = plan(&server, &json!({ "program": program }));
@@ -103,16 +103,16 @@ fn a_wait_that_takes_no_time_is_no_step() {
     };
     let there = "HOME\nTRANSFER LP1 SLOT 1 TO ALIGN WITH A\n";
     assert_eq!(waits(&format!("{there}GET ALIGN WITH A\n")), 1);
-    // What the aligner does is done after that.
+    // The aligner operates after the motion.
     assert_eq!(waits(&format!("{there}WAIT 60 s\nGET ALIGN WITH A\n")), 1);
     assert_eq!(waits(&format!("{there}WAIT 0 s\n")), 0);
 }
 
 #[test]
-fn a_program_is_planned_shown_and_told() {
+fn a_plan_has_report_windows_and_scene() {
     let server = server(CellFiles::example());
     let found = plan(&server, &json!({ "program": SHORT }));
-    assert_eq!(found["problems"], json!([]));
+    assert_eq!(found["diagnostics"], json!([]));
     assert_eq!(found["report"]["verdict"], "sound", "{}", found["report"]["violations"]);
     let (report, steps) = (&found["report"], steps(&server, &found));
     assert_eq!(report["steps"], steps.len());
@@ -143,7 +143,7 @@ fn a_program_is_planned_shown_and_told() {
 }
 
 #[test]
-fn a_changed_station_is_planned_with_what_the_last_plan_came_to() {
+fn planning_after_a_station_change_reuses_results() {
     let session = WorkcellSession::new(CellFiles::example());
     let program = "HOME\nTRANSFER LP1 SLOT 1 TO ALIGN WITH A\nTRANSFER ALIGN TO PM1 WITH A\n";
     let texts = CellFiles::example().into_texts();
@@ -157,46 +157,46 @@ fn a_changed_station_is_planned_with_what_the_last_plan_came_to() {
 }
 
 #[test]
-fn all_mistakes_are_told_with_their_places() {
+fn all_errors_are_reported_with_their_positions() {
     let server = server(CellFiles::example());
     let wrong = "HOME\nGET LP9 SLOT 1 WITH A\nFLY\n";
     let found = plan(&server, &json!({ "program": wrong }));
     assert_eq!(found["report"], Value::Null);
-    // A line that cannot be read does not hide a name that is not known.
+    // A syntax error does not hide an unknown name.
     for (problem, [line, column]) in
-        found["problems"].as_array().unwrap().iter().zip([[2, 5], [3, 1]])
+        found["diagnostics"].as_array().unwrap().iter().zip([[2, 5], [3, 1]])
     {
         assert_eq!(
-            (&problem["of"], &problem["line"], &problem["column"]),
+            (&problem["source"], &problem["line"], &problem["column"]),
             (&"program".into(), &line.into(), &column.into())
         );
     }
-    assert_eq!(found["problems"].as_array().unwrap().len(), 2);
+    assert_eq!(found["diagnostics"].as_array().unwrap().len(), 2);
     let found = plan(&server, &json!({ "program": wrong.replace("FLY\n", "") }));
-    let first = &found["problems"][0];
+    let first = &found["diagnostics"][0];
     assert_eq!(
         (&first["line"], &first["column"], &first["width"]),
         (&2.into(), &5.into(), &3.into())
     );
     assert!(first["message"].as_str().unwrap().contains("LP9"), "{first}");
-    // The cell stands still, to be looked at while the program is mended.
+    // The scene of the cell is available while the program has errors.
     let shown = fetch(&server, &format!("cell/scenes/{}", found["scene"].as_str().unwrap()));
     assert_eq!((shown.status, &shown.bytes[..4]), (StatusCode::OK, &b"glTF"[..]));
     let told = ask(&server, Method::POST, "cell/samples", &json!({ "program": wrong }));
     assert_eq!(told.status, StatusCode::CONFLICT);
     let found = plan(&server, &json!({ "cell": "kind = \"cell\"\nsize = 3\n" }));
     assert!(
-        found["problems"]
+        found["diagnostics"]
             .as_array()
             .unwrap()
             .iter()
-            .any(|one| one["of"] == "cell" && one["line"] == 2)
+            .any(|one| one["source"] == "cell" && one["line"] == 2)
     );
     assert_eq!((&found["stations"], &found["report"]), (&json!([]), &Value::Null));
 }
 
 #[test]
-fn a_station_is_edited_and_its_comments_stay() {
+fn editing_a_station_preserves_comments() {
     let server = server(CellFiles::example());
     let change = json!({ "station": "LP2", "tilt": { "yaw_rad": 0.0, "pitch_rad": 0.01 }, "position_m": [-0.5, -0.495, 0.5] });
     let answer = ask(&server, Method::POST, "cell/station", &change);
@@ -223,7 +223,7 @@ fn a_station_is_edited_and_its_comments_stay() {
 }
 
 #[test]
-fn texts_are_kept_in_their_files() {
+fn texts_are_saved_to_their_files() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.toml");
     std::fs::write(&path, jointplay::format::cell::EXAMPLE).unwrap();
@@ -247,7 +247,7 @@ fn texts_are_kept_in_their_files() {
 }
 
 #[test]
-fn files_that_changed_on_the_disk_are_not_replaced_unasked() {
+fn files_changed_on_disk_are_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.toml");
     std::fs::write(&path, jointplay::format::cell::EXAMPLE).unwrap();
@@ -270,7 +270,7 @@ fn files_that_changed_on_the_disk_are_not_replaced_unasked() {
     assert!(why.contains("mine.toml") && why.contains("changed"), "{why}");
     assert_eq!(std::fs::read_to_string(&path).unwrap(), other);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "neither is written");
-    // Read again, it may be replaced; so it may be in any case without a version.
+    // After reloading, saving is allowed; without a version it always is.
     let again = read();
     assert_eq!(again["cell"], other);
     texts["replaces"] = again["version"].clone();
@@ -289,12 +289,12 @@ fn files_that_changed_on_the_disk_are_not_replaced_unasked() {
 }
 
 #[test]
-fn where_one_file_cannot_be_written_neither_is() {
+fn both_files_are_written_or_neither() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.toml");
     std::fs::write(&path, jointplay::format::cell::EXAMPLE).unwrap();
     let server = server(CellFiles::open(&path).unwrap());
-    // A folder where the program should be.
+    // A folder in place of the program file.
     std::fs::create_dir_all(path.with_extension("program").join("full")).unwrap();
     let texts = json!({ "cell": "kind = \"cell\"\n", "program": SHORT });
     let refused = ask(&server, Method::PUT, "cell", &texts);
@@ -304,7 +304,7 @@ fn where_one_file_cannot_be_written_neither_is() {
 }
 
 #[test]
-fn a_station_is_taught_by_points_and_leans_by_turns() {
+fn a_station_is_taught_by_points_and_tilted_by_rotation_vector() {
     let server = server(CellFiles::example());
     let points = [[-0.4, -0.495, 0.501], [-0.6, -0.495, 0.499], [-0.495, -0.4, 0.5]];
     let change = json!({ "station": "LP2", "taught": { "points_m": points, "threshold_m": 1e-4 } });
@@ -332,21 +332,21 @@ fn a_station_is_taught_by_points_and_leans_by_turns() {
 }
 
 #[test]
-fn the_parts_of_the_cell_are_told() {
+fn the_parts_of_the_cell_are_listed() {
     let found = plan(&server(CellFiles::example()), &json!({ "program": "HOME\n" }));
     let robot = &found["robot"];
     assert_eq!(robot["axes"].as_array().unwrap().len(), 6);
     assert_eq!(robot["arms"][1]["links"][3], "lower link 4");
-    assert_eq!(found["wafers"][24]["starts"], "LP1, slot 25");
+    assert_eq!(found["wafers"][24]["initial_location"], "LP1, slot 25");
     let bodies = found["bodies"].as_array().unwrap();
     let blade = bodies.iter().find(|body| body["name"] == "blade-A").unwrap();
-    assert_eq!(blade["moves_with"], "upper link 4");
+    assert_eq!(blade["attached_to"], "upper link 4");
     assert_eq!(blade["shape"], json!({ "kind": "box", "half_m": [0.15, 0.11, 0.0015] }));
     assert_eq!(found["zones"][0]["rule"], "keep-out");
 }
 
 #[test]
-fn a_cell_that_cannot_be_read_is_opened_to_be_mended_and_told_with_its_line() {
+fn an_invalid_cell_is_opened_and_its_errors_are_listed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("wrong.toml");
     std::fs::write(&path, "kind = \"cell\"\nsize = 3\n").unwrap();
@@ -355,8 +355,8 @@ fn a_cell_that_cannot_be_read_is_opened_to_be_mended_and_told_with_its_line() {
     assert!(wrong.iter().any(|one| one.contains("wrong.toml:2:1")), "{wrong:?}");
     let server = server(files);
     let found = plan(&server, &json!({}));
-    let first = &found["problems"][0];
-    assert_eq!((&first["of"], &found["robot"]), (&"cell".into(), &Value::Null), "{found}");
+    let first = &found["diagnostics"][0];
+    assert_eq!((&first["source"], &found["robot"]), (&"cell".into(), &Value::Null), "{found}");
     let mended =
         plan(&server, &json!({ "cell": jointplay::format::cell::EXAMPLE, "program": SHORT }));
     assert_eq!(mended["report"]["verdict"], "sound");
@@ -365,7 +365,7 @@ fn a_cell_that_cannot_be_read_is_opened_to_be_mended_and_told_with_its_line() {
 }
 
 #[test]
-fn bad_questions_name_their_field() {
+fn invalid_requests_name_their_field() {
     let server = server(CellFiles::example());
     let rate = ask(&server, Method::POST, "cell/samples", &json!({ "rate_hz": 0 }));
     assert_eq!(

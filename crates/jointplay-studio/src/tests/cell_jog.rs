@@ -1,4 +1,4 @@
-//! The robot of the cell, moved by hand.
+//! Jogging of the robot of the cell.
 
 use axum::Router;
 use axum::http::{Method, StatusCode};
@@ -21,7 +21,7 @@ fn positions(document: &Value) -> Vec<f64> {
 }
 
 #[test]
-fn it_starts_where_the_program_has_it() {
+fn a_jog_starts_at_the_pose_of_the_program() {
     let server = server(CellFiles::example());
     let home = jog(&server, json!({}));
     assert_eq!(home["stopped"], Value::Null);
@@ -42,7 +42,7 @@ fn it_starts_where_the_program_has_it() {
     let time = lifted.unwrap()["end_s"].as_f64().unwrap();
     let later = jog(&server, json!({ "time_s": time }));
     assert_eq!(later["effectors"][0]["loaded"], true);
-    // What it carries goes along.
+    // The wafer moves with its effector.
     let place = |document: &Value| {
         let frames = document["frames"].as_array().unwrap();
         frames.iter().find(|one| one["name"] == "wafer of LP1 1").unwrap()["origin_m"].clone()
@@ -54,7 +54,7 @@ fn it_starts_where_the_program_has_it() {
 }
 
 #[test]
-fn limits_stop_it_and_say_so() {
+fn limits_stop_a_jog_with_reasons() {
     let server = server(CellFiles::example());
     let mut to = positions(&jog(&server, json!({})));
     to[4] = 3.0;
@@ -64,14 +64,14 @@ fn limits_stop_it_and_say_so() {
         (&found["stopped"]["kind"], &found["stopped"]["axes"]),
         (&"axis_limit".into(), &json!(["RA"]))
     );
-    let why = found["stopped"]["says"][0].as_str().unwrap();
+    let why = found["stopped"]["reasons"][0].as_str().unwrap();
     assert!(why.contains("axis RA") && why.contains("80.0000°"), "{why}");
     let lean =
         json!({ "kind": "platform", "height_m": 0.5, "about_x_rad": 0.05, "about_y_rad": 0.0 });
     let found = jog(&server, json!({ "to": lean }));
     let platform = &found["platform"];
     let (lean, most) =
-        (platform["lean_rad"].as_f64().unwrap(), platform["lean_max_rad"].as_f64().unwrap());
+        (platform["tilt_rad"].as_f64().unwrap(), platform["tilt_max_rad"].as_f64().unwrap());
     assert!((lean - most).abs() < 1e-9, "{platform}");
     assert_eq!(found["stopped"]["kind"], "tilt_limit");
     let far = json!({ "kind": "slot", "radial_m": 1.0, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
@@ -81,7 +81,7 @@ fn limits_stop_it_and_say_so() {
 }
 
 #[test]
-fn a_wafer_goes_into_the_slot_and_teaches_it() {
+fn a_wafer_in_the_slot_teaches_the_station() {
     let server = server(CellFiles::example());
     let into = json!({ "kind": "slot", "radial_m": 0.0, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
     let found = jog(
@@ -102,7 +102,7 @@ fn a_wafer_goes_into_the_slot_and_teaches_it() {
     assert!(
         found["branches"].as_array().unwrap().iter().any(|branch| branch["selection"] == "chosen")
     );
-    // In the base frame from there, up by a centimetre.
+    // In the base frame, 1 cm up.
     let effector = &found["effectors"][1];
     let mut center = effector["center_m"].clone();
     center[2] = (center[2].as_f64().unwrap() + 0.01).into();
@@ -116,7 +116,7 @@ fn a_wafer_goes_into_the_slot_and_teaches_it() {
 }
 
 #[test]
-fn bad_questions_name_their_field() {
+fn invalid_requests_name_their_field() {
     let server = server(CellFiles::example());
     for (body, field) in [
         (json!({ "from": [0.5] }), "from"),
@@ -153,7 +153,7 @@ fn bad_questions_name_their_field() {
 }
 
 #[test]
-fn an_arm_of_unknown_droop_is_shown_and_moved_to_where_it_is_known() {
+fn an_arm_of_unknown_droop_is_rigid_and_can_be_jogged() {
     let folder = tempfile::tempdir().unwrap();
     let known = r#"droop = { kind = "cantilever", stiffness_n_m2 = 1500.0, mass_kg_m = 2.5 }"#;
     let table = r#"droop = { kind = "table", row = [
@@ -167,20 +167,20 @@ fn an_arm_of_unknown_droop_is_shown_and_moved_to_where_it_is_known() {
     let path = folder.path().join("cell.toml");
     std::fs::write(&path, cell.replace("\"dual-arm\"", "\"arm.toml\"")).unwrap();
     let server = server(CellFiles::open(&path).unwrap());
-    // Retracted, nearer than the table begins: told as rigid, and why, in millimetres.
+    // Retracted below the first row of the table: the arm is rigid, with a reason in mm.
     let home = jog(&server, json!({ "seen_from": { "station": "LP1", "slot": 1 } }));
     let unknown = home["effectors"][0]["droop_unknown"].as_str().unwrap();
     assert!(unknown.contains("4.318 mm") && unknown.contains("400.000 to 750.000 mm"), "{unknown}");
     assert_eq!(home["effectors"][1]["droop_unknown"], Value::Null);
     assert!(home["from_slot"]["radial_m"].as_f64().unwrap() < -0.5, "{}", home["from_slot"]);
     assert!(!home["frames"].as_array().unwrap().is_empty());
-    // From there into the slot, where it is known.
+    // Into the slot, where the droop is known.
     let into = json!({ "kind": "slot", "radial_m": 0.0, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
     let there = jog(&server, json!({ "seen_from": { "station": "LP1", "slot": 1 }, "to": into }));
     assert_eq!(there["stopped"], Value::Null);
     assert_eq!(there["effectors"][0]["droop_unknown"], Value::Null);
     assert!(there["from_slot"]["height_m"].as_f64().unwrap().abs() < 1e-10);
-    // And toward where it is not, it stops and says so.
+    // Toward a position of unknown droop, the robot stops with a reason.
     let back = json!({ "kind": "slot", "radial_m": -0.6, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
     let stopped = jog(
         &server,
@@ -189,7 +189,7 @@ fn an_arm_of_unknown_droop_is_shown_and_moved_to_where_it_is_known() {
     assert_eq!(stopped["stopped"]["kind"], "droop", "{}", stopped["stopped"]);
 }
 
-/// The arm of A out through the wall of the cell, turned to it.
+/// Positions with the arm of A extended through the wall of the cell.
 fn through_the_wall(home: &Value) -> Vec<f64> {
     let mut to = positions(home);
     (to[3], to[4]) = (-90_f64.to_radians(), 60_f64.to_radians());
@@ -197,7 +197,7 @@ fn through_the_wall(home: &Value) -> Vec<f64> {
 }
 
 #[test]
-fn every_pose_is_checked_and_a_contact_stops_it() {
+fn every_pose_is_checked_and_a_contact_stops_a_jog() {
     let server = server(CellFiles::example());
     let home = jog(&server, json!({}));
     assert_eq!(home["check"]["violations"], json!([]));
@@ -215,23 +215,23 @@ fn every_pose_is_checked_and_a_contact_stops_it() {
     assert_eq!((&violation["kind"], &violation["is_contact"]), (&"collision".into(), &true.into()));
     let message = violation["message"].as_str().unwrap();
     assert!(message.contains("mm deep") || message.contains("touch"), "{message}");
-    // The same, but as far as nothing touches.
+    // The same jog with a stop at contact.
     let mut before = through;
     before["stop_at_contact"] = true.into();
     let stopped = jog(&server, before);
     assert_eq!(stopped["stopped"]["kind"], "contact", "{}", stopped["stopped"]);
-    let names = &stopped["stopped"]["touching"];
+    let names = &stopped["stopped"]["contact"];
     assert_eq!(names.as_array().unwrap().len(), 2);
-    let says = stopped["stopped"]["says"][0].as_str().unwrap();
+    let says = stopped["stopped"]["reasons"][0].as_str().unwrap();
     assert!(says.contains(names[0].as_str().unwrap()) && says.ends_with("would touch"), "{says}");
     assert_eq!(stopped["check"]["in_contact"], json!([]));
     let nearest = stopped["check"]["distances"][0]["distance_m"].as_f64().unwrap();
     assert!(nearest > 0.0 && nearest < 1e-6, "{nearest}");
-    // On the straight path of all axes.
+    // On the straight line of all axes.
     let (start, end) = (positions(&home), positions(&stopped));
     let share = |axis: usize| (end[axis] - start[axis]) / (to[axis] - start[axis]);
     assert!((share(3) - share(4)).abs() < 1e-12 && share(3) > 0.1 && share(3) < 1.0);
-    // Out of a contact it may go.
+    // A jog out of a contact is not stopped.
     let back = json!({
         "from": to, "to": { "kind": "axes", "positions": start }, "stop_at_contact": true,
     });
@@ -239,7 +239,7 @@ fn every_pose_is_checked_and_a_contact_stops_it() {
 }
 
 #[test]
-fn teaching_in_contact_needs_a_confirmation_and_is_noted() {
+fn teaching_in_contact_requires_a_confirmation_and_adds_a_comment() {
     let server = server(CellFiles::example());
     let home = jog(&server, json!({}));
     let teach = |at: Vec<f64>, confirm: bool, cell: Option<&str>| {
@@ -269,11 +269,11 @@ fn teaching_in_contact_needs_a_confirmation_and_is_noted() {
     let (above, _) = text.split_once("name = \"LP2\"").unwrap();
     let note = above.lines().rev().find(|line| line.starts_with('#')).unwrap();
     assert!(note.starts_with("# Taught in contact: ") && note.contains("wall"), "{note}");
-    assert!(!taught["touching"].as_array().unwrap().is_empty());
+    assert!(!taught["contacts"].as_array().unwrap().is_empty());
     assert!(text.contains("[-495.0, -495.0, 501.0]"), "{text}");
-    // Taught again without a contact, the note goes; no other line has changed.
+    // Teaching without a contact removes the comment; all other lines are unchanged.
     let again = teach(positions(&home), false, Some(text)).json();
     let clean = again["cell"].as_str().unwrap();
-    assert_eq!((clean.contains("Taught in contact"), &again["touching"]), (false, &json!([])));
+    assert_eq!((clean.contains("Taught in contact"), &again["contacts"]), (false, &json!([])));
     assert_eq!(clean.lines().count() + 1, text.lines().count());
 }

@@ -1,4 +1,4 @@
-//! Long programs: windows of their motion, lists in pages, plans that are not awaited.
+//! Long programs: windows of the motion, paged lists, cancelled plans.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -14,7 +14,7 @@ use super::{HOST, PORT, state};
 use crate::cell_files::CellFiles;
 use crate::session::WorkcellSession;
 
-/// A wafer there and back, so many times.
+/// A program that transfers a wafer forth and back `count` times.
 fn long(lines: usize) -> String {
     let mut text = String::from("HOME\n");
     for line in 0..lines {
@@ -24,7 +24,7 @@ fn long(lines: usize) -> String {
     text
 }
 
-/// The example with a free slot where that program goes.
+/// The example cell with a free slot for this program.
 fn cell() -> String {
     jointplay::format::cell::EXAMPLE.to_owned()
 }
@@ -34,11 +34,11 @@ fn keys(plan: &Value) -> Vec<Value> {
 }
 
 #[test]
-fn an_edit_of_one_line_names_the_windows_that_there_were() {
+fn an_edit_of_one_line_keeps_the_keys_of_other_windows() {
     let server = server(CellFiles::example());
     let text = long(200);
     let first = plan(&server, &json!({ "cell": cell(), "program": text }));
-    assert_eq!(first["problems"], json!([]));
+    assert_eq!(first["diagnostics"], json!([]));
     let known: BTreeSet<String> = keys(&first).iter().map(Value::to_string).collect();
     assert!(keys(&first).len() >= 15, "{}", keys(&first).len());
     let mut lines: Vec<&str> = text.lines().collect();
@@ -46,13 +46,13 @@ fn an_edit_of_one_line_names_the_windows_that_there_were() {
     let second = plan(&server, &json!({ "cell": cell(), "program": lines.join("\n") }));
     let unknown = keys(&second).iter().filter(|key| !known.contains(&key.to_string())).count();
     assert!((1..=2).contains(&unknown), "{unknown} of {}", keys(&second).len());
-    // A remark changes nothing but where lines are, below it; of this the windows know nothing.
+    // A comment changes line numbers only, which are not part of the windows.
     lines.insert(50, "# Half of it.");
     let third = plan(&server, &json!({ "cell": cell(), "program": lines.join("\n") }));
     let told: BTreeSet<String> = keys(&second).iter().map(Value::to_string).collect();
     let unknown = keys(&third).iter().filter(|key| !told.contains(&key.to_string())).count();
     assert!(unknown <= 1, "{unknown}: the one in which the remark is");
-    // What a key names is the same, whichever plan it is taken from.
+    // The contents for a key do not depend on the plan.
     let same = keys(&third).last().unwrap().clone();
     assert_eq!(keys(&second).last().unwrap(), &same);
     let answer = fetch(&server, &format!("cell/windows/{}", same.as_str().unwrap()));
@@ -60,7 +60,7 @@ fn an_edit_of_one_line_names_the_windows_that_there_were() {
 }
 
 #[test]
-fn a_long_plan_is_told_in_little_and_its_lists_in_pages() {
+fn a_long_plan_is_small_and_its_lists_are_paged() {
     let server = server(CellFiles::example());
     let body = json!({ "cell": cell(), "program": long(400) });
     let answer = ask(&server, Method::POST, "cell/plan", &body);
@@ -70,7 +70,7 @@ fn a_long_plan_is_told_in_little_and_its_lists_in_pages() {
     let a_line = (longer.bytes.len() - short) as f64 / 400.0;
     assert!(a_line < 30.0, "{a_line} bytes a line");
     assert!(short < 60_000, "{short}");
-    // HOME at home is none.
+    // HOME at the home position is not a motion.
     assert_eq!(found["instructions"], 400);
     assert_eq!(found["report"]["instructions"], json!([]));
     let page = |list: &str, number: &str| {
@@ -78,7 +78,7 @@ fn a_long_plan_is_told_in_little_and_its_lists_in_pages() {
         fetch(&server, &format!("cell/plans/{key}/{list}/{number}"))
     };
     let last = page("instructions", "3").json();
-    assert_eq!(last["of"], 400);
+    assert_eq!(last["total"], 400);
     assert_eq!(last["instructions"].as_array().unwrap().len(), 100);
     assert_eq!(last["instructions"][99]["number"], 401);
     assert_eq!(page("instructions", "9").json()["instructions"], json!([]));
@@ -98,7 +98,7 @@ fn a_long_plan_is_told_in_little_and_its_lists_in_pages() {
 }
 
 #[test]
-fn an_overview_holds_all_that_its_window_does() {
+fn an_overview_bounds_all_values_of_its_window() {
     let server = server(CellFiles::example());
     let found = plan(&server, &json!({ "program": SHORT }));
     let (description, numbers) = window(&server, &found["windows"][0]["key"]);
@@ -134,7 +134,7 @@ fn an_overview_holds_all_that_its_window_does() {
 }
 
 #[test]
-fn texts_are_sent_by_the_lines_that_changed() {
+fn changed_lines_replace_complete_texts() {
     let server = server(CellFiles::example());
     let first = plan(&server, &json!({ "program": "HOME\nWAIT 1 s\nHOME\n" }));
     let lines = json!({ "from": 1, "count": 1, "lines": ["WAIT 2 s", "WAIT 3 s"] });
@@ -156,7 +156,7 @@ fn texts_are_sent_by_the_lines_that_changed() {
     assert_eq!(huge.status, StatusCode::UNPROCESSABLE_ENTITY);
     let unknown = wrong(json!({ "plan": "none" }));
     assert_eq!((unknown.status, &unknown.json()["field"]), (StatusCode::CONFLICT, &"since".into()));
-    // A robot is moved in a plan that is remembered.
+    // The robot is jogged in a kept plan.
     let jog =
         ask(&server, Method::POST, "cell/jog", &json!({ "plan": second["key"], "time_s": 4.0 }));
     assert_eq!(jog.status, StatusCode::OK);
@@ -167,7 +167,7 @@ fn texts_are_sent_by_the_lines_that_changed() {
 }
 
 #[test]
-fn samples_of_a_long_motion_are_asked_for_in_stretches() {
+fn samples_of_a_long_motion_are_requested_in_ranges() {
     let server = server(CellFiles::example());
     let program = "HOME\nWAIT 86400 s\nHOME\n";
     let all = ask(&server, Method::POST, "cell/samples", &json!({ "program": program }));
@@ -184,7 +184,7 @@ fn samples_of_a_long_motion_are_asked_for_in_stretches() {
 }
 
 #[test]
-fn a_plan_that_nobody_awaits_is_stopped() {
+fn planning_stops_when_the_client_disconnects() {
     let mut state = state(robot::paper(), None).unwrap();
     let session = WorkcellSession::new(CellFiles::example());
     state.cell = Some(session.clone());
@@ -200,7 +200,7 @@ fn a_plan_that_nobody_awaits_is_stopped() {
         while work.running() == 0 {
             tokio::task::yield_now().await;
         }
-        // The client goes.
+        // The client disconnects.
         asked.abort();
         assert!(asked.await.is_err());
         while work.running() > 0 {

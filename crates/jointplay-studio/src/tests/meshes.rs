@@ -1,4 +1,4 @@
-//! Shapes: served from the robot file's folder, and from nowhere else.
+//! Mesh files are served from the folder of the robot file only.
 
 use std::path::Path;
 
@@ -48,7 +48,7 @@ fn refused(path: &str, folder: Option<&Path>, why: &str) {
 }
 
 #[test]
-fn a_mesh_that_cannot_be_served_is_told_at_the_start() {
+fn a_missing_mesh_is_an_error_at_the_start() {
     assert_eq!(get("/api/v1/meshes/base").status, StatusCode::NOT_FOUND);
     let folder = tempfile::tempdir().unwrap();
     refused("base.stl", Some(folder.path()), "cannot be read");
@@ -62,7 +62,7 @@ fn a_mesh_that_cannot_be_served_is_told_at_the_start() {
 
 #[cfg(unix)]
 #[test]
-fn links_do_not_lead_out() {
+fn symbolic_links_cannot_leave_the_folder() {
     let (folder, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let secret = elsewhere.path().join("secret.stl");
     std::fs::write(&secret, "secret").unwrap();
@@ -71,7 +71,7 @@ fn links_do_not_lead_out() {
     refused("base.stl", Some(folder.path()), "leads out of the folder");
     std::os::unix::fs::symlink(elsewhere.path(), folder.path().join("shapes")).unwrap();
     refused("shapes/secret.stl", Some(folder.path()), "leads out of the folder");
-    // Nor where the file is replaced by a link while the server runs.
+    // Neither if the file is replaced by a link while the server runs.
     std::fs::remove_file(&link).unwrap();
     std::fs::write(&link, "own").unwrap();
     let state = state(with_mesh("base.stl"), Some(folder.path())).unwrap();

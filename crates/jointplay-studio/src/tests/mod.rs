@@ -1,4 +1,4 @@
-//! The server from outside: what it answers, what it refuses.
+//! Tests of the server by requests.
 
 mod cell;
 mod cell_jog;
@@ -27,7 +27,7 @@ use crate::work::Deadlines;
 const PORT: u16 = 4816;
 const HOST: &str = "127.0.0.1:4816";
 
-/// What came back.
+/// A response.
 struct Answer {
     status: StatusCode,
     headers: HeaderMap,
@@ -55,12 +55,12 @@ fn server() -> Router {
     router::router(state(robot::paper(), None).unwrap(), PORT)
 }
 
-/// Sends one request to a server of the paper's robot.
+/// Sends a request to a server of the robot of the paper.
 fn send(request: Request<Body>) -> Answer {
     send_to(server(), request)
 }
 
-/// Sends one request to a server.
+/// Sends a request to a server.
 fn send_to(server: Router, request: Request<Body>) -> Answer {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     runtime.block_on(async {
@@ -83,7 +83,7 @@ fn post(path: &str, body: &str) -> Answer {
     send(request.unwrap())
 }
 
-/// The document that a question is answered with.
+/// The document of a successful response.
 #[track_caller]
 fn answered(path: &str, body: &str) -> Value {
     let answer = post(path, body);
@@ -91,7 +91,7 @@ fn answered(path: &str, body: &str) -> Value {
     answer.json()
 }
 
-/// A question that gets a problem document.
+/// Sends a request that is answered with a problem document.
 #[track_caller]
 fn refused(path: &str, body: &str, status: u16, field: Option<&str>, detail: &str) {
     let answer = post(path, body);
@@ -105,7 +105,7 @@ fn refused(path: &str, body: &str, status: u16, field: Option<&str>, detail: &st
 }
 
 #[test]
-fn the_robot_is_told() {
+fn the_robot_document_is_served() {
     let answer = get("/api/v1/robot");
     assert_eq!(answer.status, StatusCode::OK);
     let robot = answer.json();
@@ -134,12 +134,12 @@ fn the_description_is_served() {
 }
 
 #[test]
-fn a_fresh_clone_serves_the_page() {
+fn the_page_is_part_of_the_crate() {
     let answer = get("/");
     assert_eq!(answer.status, StatusCode::OK);
     assert_eq!(answer.header("content-type"), "text/html; charset=utf-8");
     let text = String::from_utf8(answer.bytes.clone()).unwrap();
-    // The script that starts the page is among the files of this crate.
+    // The script of the page is in the crate.
     let script = text.split("src=\"./").nth(1).and_then(|rest| rest.split('"').next());
     let script = get(&format!("/{}", script.expect("the page has a script")));
     assert_eq!(script.status, StatusCode::OK);

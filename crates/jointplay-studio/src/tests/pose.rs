@@ -1,4 +1,4 @@
-//! One pose, against the library asked directly.
+//! Poses compared with the library.
 
 use jointplay::format::robot;
 use jointplay::gpr::{AxisHeight, CenterHeight};
@@ -16,7 +16,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 }
 
 #[test]
-fn a_pose_is_the_library_s() {
+fn a_pose_equals_that_of_the_library() {
     let gpr = robot::paper().gpr.without_limit_checks();
     let tilt = Tilt { yaw: 0.3, pitch: 0.026 };
     let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
@@ -53,7 +53,7 @@ fn a_pose_is_the_library_s() {
 }
 
 #[test]
-fn three_ways_to_command_one_pose() {
+fn three_kinds_of_commands_give_the_same_pose() {
     let tilt = Tilt { yaw: -2.0, pitch: 0.02 };
     let (about_x, about_y) = tilt.about_x_and_y();
     let first = answered(
@@ -74,7 +74,7 @@ fn three_ways_to_command_one_pose() {
 }
 
 #[test]
-fn a_centre_height_is_that_of_the_first_model() {
+fn a_centre_height_refers_to_the_first_model() {
     let gpr = robot::paper().gpr.without_limit_checks();
     let tilt = Tilt { yaw: 0.0, pitch: 0.026 };
     let options = SolveOptions { solver: Solver::Newton, ..SolveOptions::default() };
@@ -90,19 +90,19 @@ fn a_centre_height_is_that_of_the_first_model() {
 }
 
 #[test]
-fn only_what_is_asked_for() {
+fn only_requested_parts_are_computed() {
     let body = r#"{"command": {"kind": "rods", "rods_m": [0.5, 0.5, 0.5]}, "mobility": false, "bounds": false}"#;
     let document = answered(POSE, body);
     assert_eq!(document["mobility"], Value::Null);
     assert_eq!(document["models"][0]["answer"]["play"], Value::Null);
     let document = answered(POSE, r#"{"command": {"kind": "rods", "rods_m": [0.5, 0.5, 0.5]}}"#);
     let mobility = &document["mobility"];
-    let found = ["counted", "instantaneous", "finite"].map(|key| mobility[key].as_i64().unwrap());
+    let found = ["kutzbach", "instantaneous", "finite"].map(|key| mobility[key].as_i64().unwrap());
     assert_eq!(found, [0, 3, 1], "level is shaky");
 }
 
 #[test]
-fn beyond_the_limits_is_computed_and_said() {
+fn a_pose_beyond_the_limits_lists_them() {
     let document =
         answered(POSE, r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 0.03}}"#);
     let broken = &document["limits_broken"][0];
@@ -114,7 +114,7 @@ fn beyond_the_limits_is_computed_and_said() {
 }
 
 #[test]
-fn a_way_beyond_the_limits_ends_at_the_last_pose_within() {
+fn a_motion_stops_at_the_limits() {
     let document = answered(
         POSE,
         r#"{"command": {"kind": "rods", "rods_m": [0.52, 0.5, 0.5]}, "from_rods_m": [0.5, 0.5, 0.5]}"#,
@@ -140,7 +140,7 @@ fn a_way_beyond_the_limits_ends_at_the_last_pose_within() {
 }
 
 #[test]
-fn a_way_from_beyond_the_limits_is_not_stopped() {
+fn a_motion_from_beyond_the_limits_is_not_stopped() {
     let body = |to: &str| {
         format!(
             r#"{{"command": {{"kind": "rods", "rods_m": {to}}}, "from_rods_m": [0.9, 0.5, 0.5]}}"#
@@ -157,7 +157,7 @@ fn a_way_from_beyond_the_limits_is_not_stopped() {
 }
 
 #[test]
-fn a_model_without_an_answer_says_why() {
+fn a_model_without_a_solution_has_a_reason() {
     let document = answered(
         POSE,
         r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 1.2},
@@ -170,7 +170,7 @@ fn a_model_without_an_answer_says_why() {
 }
 
 #[test]
-fn bad_questions_name_their_field() {
+fn invalid_requests_name_their_field() {
     let bad =
         |body: &str, field: Option<&str>, detail: &str| refused(POSE, body, 422, field, detail);
     bad("[]", None, "expected an object");

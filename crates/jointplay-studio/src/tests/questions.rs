@@ -1,11 +1,11 @@
-//! The questions that the command line can be asked too; that the answers are the same is tested there.
+//! Requests that correspond to commands; the equality of the results is tested by the command line.
 
 use super::{answered, refused};
 
 const FORWARD: &str = "/api/v1/forward";
 
 #[test]
-fn beyond_a_limit_the_answer_is_no() {
+fn a_pose_beyond_a_limit_is_rejected() {
     let rods = r#"{"rods_m": [0.5, 0.501, 0.8]}"#;
     refused(FORWARD, rods, 409, None, "rod 3 is 800.000000 mm long, allowed are 246 to 754 mm");
     let tilt = r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 0.03}}"#;
@@ -22,7 +22,7 @@ fn beyond_a_limit_the_answer_is_no() {
 }
 
 #[test]
-fn a_problem_lists_the_limits() {
+fn a_problem_lists_violated_limits() {
     let answer = super::post(FORWARD, r#"{"rods_m": [0.2, 0.2, 0.2]}"#);
     let problem = answer.json();
     assert_eq!(problem["kind"], "limits");
@@ -31,7 +31,7 @@ fn a_problem_lists_the_limits() {
 }
 
 #[test]
-fn no_answer_is_no_too() {
+fn a_request_without_a_solution_is_rejected() {
     let body = r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 1.2}, "ignore_limits": true, "model": {"virtualization": "polar"}}"#;
     let answer = super::post("/api/v1/inverse", body);
     assert_eq!(answer.status.as_u16(), 409);
@@ -39,7 +39,7 @@ fn no_answer_is_no_too() {
 }
 
 #[test]
-fn bad_questions_name_their_field() {
+fn invalid_requests_name_their_field() {
     let bad = |path: &str, body: &str, field: &str, detail: &str| {
         refused(&format!("/api/v1/{path}"), body, 422, Some(field), detail);
     };

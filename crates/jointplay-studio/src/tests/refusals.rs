@@ -1,4 +1,4 @@
-//! Who may not ask, and what is too much.
+//! Rejected requests.
 
 use axum::body::Body;
 use axum::http::{Method, Request, StatusCode};
@@ -16,14 +16,14 @@ fn status(method: Method, path: &str, headers: &[(&str, &str)]) -> StatusCode {
     if !answer.status.is_success() {
         assert_eq!(answer.header("content-type"), "application/problem+json");
     }
-    // Whatever comes back, the browser is told to be careful with it.
+    // Every response has security headers.
     assert!(answer.header("content-security-policy").contains("frame-ancestors 'none'"));
     assert_eq!(answer.header("x-content-type-options"), "nosniff");
     answer.status
 }
 
 #[test]
-fn other_hosts_are_refused() {
+fn other_hosts_are_rejected() {
     let host = |host: &str| status(Method::GET, "/api/v1/robot", &[("host", host)]);
     for known in ["127.0.0.1", "localhost", "LOCALHOST", "[::1]"] {
         assert_eq!(host(&format!("{known}:{PORT}")), StatusCode::OK, "{known}");
@@ -38,7 +38,7 @@ fn other_hosts_are_refused() {
 }
 
 #[test]
-fn other_origins_are_refused() {
+fn other_origins_are_rejected() {
     let origin =
         |origin: &str| status(Method::GET, "/api/v1/robot", &[("host", HOST), ("origin", origin)]);
     assert_eq!(origin("http://127.0.0.1:4816"), StatusCode::OK);
@@ -51,7 +51,7 @@ fn other_origins_are_refused() {
 }
 
 #[test]
-fn pages_elsewhere_may_lead_here_but_not_ask() {
+fn foreign_pages_may_link_but_not_send_requests() {
     let from = |site: &str, mode: &str| {
         let headers = [("host", HOST), ("sec-fetch-site", site), ("sec-fetch-mode", mode)];
         status(Method::GET, "/", &headers)
@@ -64,7 +64,7 @@ fn pages_elsewhere_may_lead_here_but_not_ask() {
 }
 
 #[test]
-fn what_a_form_could_send_is_refused() {
+fn content_types_of_forms_are_rejected() {
     for kind in ["text/plain", "application/x-www-form-urlencoded", "multipart/form-data", ""] {
         let request = Request::post("/api/v1/pose")
             .header("host", HOST)
@@ -76,7 +76,7 @@ fn what_a_form_could_send_is_refused() {
 }
 
 #[test]
-fn what_is_not_there() {
+fn unknown_paths_and_methods_are_rejected() {
     assert_eq!(get("/api/v1/nothing").status, StatusCode::NOT_FOUND);
     assert_eq!(get("/api/v1/pose").status, StatusCode::METHOD_NOT_ALLOWED);
     assert_eq!(status(Method::DELETE, "/", &[("host", HOST)]), StatusCode::METHOD_NOT_ALLOWED);
@@ -85,7 +85,7 @@ fn what_is_not_there() {
 }
 
 #[test]
-fn a_body_that_is_too_long() {
-    let long = format!("{{\"command\": \"{}\"}}", "x".repeat(crate::body::LARGEST_BODY));
+fn an_oversized_body_is_rejected() {
+    let long = format!("{{\"command\": \"{}\"}}", "x".repeat(crate::body::MAX_BODY_BYTES));
     refused("/api/v1/pose", &long, 413, None, "longer than 1000000 bytes");
 }

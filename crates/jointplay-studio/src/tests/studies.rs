@@ -1,4 +1,4 @@
-//! Studies: sent whole, cut off cleanly, and refused where they are too much.
+//! Studies: complete, cancelled, and rejected.
 
 use std::time::Duration;
 
@@ -43,7 +43,7 @@ fn column(batches: &[RecordBatch], name: &str) -> Vec<f64> {
 }
 
 #[test]
-fn a_raster_is_the_library_s_study() {
+fn a_raster_equals_the_study_of_the_library() {
     let found = batches(PAPER);
     let options = SolveOptions { solver: Solver::Newton, ..SolveOptions::default() };
     let gpr = robot::paper().gpr;
@@ -71,7 +71,7 @@ fn a_raster_is_the_library_s_study() {
 }
 
 #[test]
-fn long_studies_come_in_batches_and_as_csv_alike() {
+fn long_studies_are_streamed_in_batches_and_as_csv() {
     let body = r#"{"motion": {"kind": "serpentine", "yaw_deg": {"from": 0, "to": 360, "step": 1},
         "pitch_deg": {"from": -2, "to": 2, "step": 0.2}}, "quantities": ["rods", "origin"]}"#;
     let found = batches(body);
@@ -94,7 +94,7 @@ fn long_studies_come_in_batches_and_as_csv_alike() {
 }
 
 #[test]
-fn a_parquet_file_or_why_there_is_none() {
+fn parquet_is_returned_or_the_missing_support_reported() {
     let answer = post("/api/v1/study.parquet", PAPER);
     if cfg!(feature = "parquet") {
         assert_eq!(answer.status, StatusCode::OK);
@@ -109,7 +109,7 @@ fn a_parquet_file_or_why_there_is_none() {
 }
 
 #[test]
-fn key_poses_take_their_time() {
+fn key_poses_have_their_durations() {
     let body = r#"{"motion": {"kind": "keys", "rate_hz": 50, "keys": [
         {"about_x_rad": 0, "about_y_rad": 0, "duration_s": 0},
         {"about_x_rad": 0, "about_y_rad": 0.02, "axis_height_m": 0.6, "duration_s": 2}]},
@@ -122,7 +122,7 @@ fn key_poses_take_their_time() {
 }
 
 #[test]
-fn poses_without_an_answer_are_marked() {
+fn samples_without_a_solution_are_marked() {
     let body = r#"{"motion": {"kind": "raster", "yaw_deg": {"from": 0, "to": 0, "step": 1},
         "pitch_deg": {"from": 0, "to": 80, "step": 10}}, "model": {"virtualization": "polar"}, "quantities": ["origin"]}"#;
     let found = batches(body);
@@ -136,7 +136,7 @@ fn poses_without_an_answer_are_marked() {
 }
 
 #[test]
-fn bad_studies_name_their_field() {
+fn invalid_studies_name_their_field() {
     let bad = |motion: &str, field: &str, detail: &str| {
         refused(STUDY, &format!(r#"{{"motion": {motion}}}"#), 422, Some(field), detail);
     };
@@ -178,7 +178,7 @@ fn long_study() -> Request<Body> {
 }
 
 #[test]
-fn whoever_goes_away_ends_the_study() {
+fn a_study_ends_when_the_client_disconnects() {
     let state = super::state(robot::paper(), None).unwrap();
     let router = router::router(state.clone(), PORT);
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
@@ -190,7 +190,7 @@ fn whoever_goes_away_ends_the_study() {
         }
         let turned_away = ask().await.unwrap();
         assert_eq!(turned_away.status(), StatusCode::SERVICE_UNAVAILABLE);
-        // Other questions do not wait for studies.
+        // Other requests do not wait for studies.
         let robot = Request::get("/api/v1/robot").header(header::HOST, HOST).body(Body::empty());
         assert_eq!(router.clone().oneshot(robot.unwrap()).await.unwrap().status(), StatusCode::OK);
         let mut first = running.remove(0);
@@ -205,14 +205,14 @@ fn whoever_goes_away_ends_the_study() {
             again = ask().await.unwrap();
         }
         assert_eq!(again.status(), StatusCode::OK, "its place is free again");
-        // The end of the server cuts them off: a stream that is not whole must not look so.
+        // The shutdown truncates the streams; a truncated stream must not look complete.
         state.work.stop();
         let cut = again.into_body().collect().await;
         assert!(cut.is_err());
     });
 }
 
-/// The paper's robot, served with little deadlines.
+/// A server of the robot of the paper with short deadlines.
 fn impatient(deadlines: Deadlines) -> AppState {
     let robot = robot::paper();
     let folder = MeshFolder::of(None, &robot).unwrap();
@@ -220,12 +220,12 @@ fn impatient(deadlines: Deadlines) -> AppState {
 }
 
 #[test]
-fn what_takes_too_long_is_ended() {
+fn deadlines_end_long_computations() {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     runtime.block_on(async {
         let short = Duration::from_millis(20);
         let hurried = impatient(Deadlines { request: short, ..Deadlines::default() });
-        // All turns are taken: the request waits for one, and longer than it may.
+        // All workers are busy: the request exceeds its deadline.
         for _ in 0..std::thread::available_parallelism().unwrap().get() {
             let work = hurried.work.clone();
             let busy = || {
@@ -245,7 +245,7 @@ fn what_takes_too_long_is_ended() {
         let problem = answer.into_body().collect().await.unwrap().to_bytes();
         assert!(String::from_utf8_lossy(&problem).contains("longer than 0.02 s"), "{problem:?}");
 
-        // A study has begun to answer: it can only be cut off, and must not look whole.
+        // The response has started: it is truncated, and must not look complete.
         let hurried = impatient(Deadlines { study: Duration::ZERO, ..Deadlines::default() });
         let answer = router::router(hurried, PORT).oneshot(long_study()).await.unwrap();
         assert_eq!(answer.status(), StatusCode::OK);

@@ -1,7 +1,8 @@
-//! A cell, its program, and what they come to.
+//! Documents of a cell, its program and their plan.
 
 use jointplay::format::cell::Change;
 use jointplay::format::place::Place;
+use jointplay::format::program::keywords;
 use jointplay::nalgebra::Vector3;
 use jointplay::report::{CellReport, InstructionReport, ViolationReport};
 use jointplay::spatial::Tilt;
@@ -18,28 +19,30 @@ use crate::strict;
 /// The cell that this server was started with.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct CellDocument {
-    /// What its file is called; `null` for the example, which is not a file.
+    /// Name of the cell file; `null` for the built-in example.
     #[schema(required = true)]
     pub(crate) file: Option<String>,
-    /// Identifies the file among others of the same name: a hash of its path.
+    /// Hash of the path of the cell file.
     pub(crate) identity: String,
-    /// Text of the cell's file.
+    /// Text of the cell file.
     pub(crate) cell: String,
-    /// Text of the program's file; empty where there is none.
+    /// Text of the program file; empty if there is none.
     pub(crate) program: String,
-    /// What tells these texts from others.
+    /// Hash of both texts.
     pub(crate) version: String,
+    /// Reserved words of the program language, in upper case.
+    pub(crate) keywords: Vec<&'static str>,
 }
 
 impl CellDocument {
     pub(crate) fn new(files: CellFiles) -> Self {
         let (file, identity, version) = (files.name(), files.identity(), files.version());
         let (cell, program) = files.into_texts();
-        Self { file, identity, cell, program, version }
+        Self { file, identity, cell, program, version, keywords: keywords().collect() }
     }
 }
 
-/// A cell and a program; what is left out is as in the files, or in the plan that `since` names.
+/// A cell and a program; a missing text is that of the file, or of the plan in `since`.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PlanRequest {
@@ -49,45 +52,49 @@ pub(crate) struct PlanRequest {
     /// Text of a program.
     #[serde(default)]
     pub(crate) program: Option<String>,
-    /// Changes of the texts of a plan; whole texts come before them.
+    /// Changes of the texts of a kept plan; complete texts take precedence.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) since: Option<SinceFields>,
 }
 
-/// Changes of the texts of a plan that the server remembers.
+/// Changes of the texts of a kept plan.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SinceFields {
     /// Key of the plan.
     pub(crate) plan: String,
-    /// What is another in the cell's text.
+    /// Change of the text of the cell.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) cell: Option<LinesFields>,
-    /// What is another in the program's text.
+    /// Change of the text of the program.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) program: Option<LinesFields>,
 }
 
-/// Lines in place of others; lines end with a line feed each.
+/// A change of a text: lines replaced by other lines; each line ends with a line feed.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LinesFields {
-    /// How many lines stay before them.
+    /// Number of unchanged lines before the change.
     pub(crate) from: usize,
-    /// How many lines go.
+    /// Number of replaced lines.
     pub(crate) count: usize,
-    /// Those in their place.
+    /// The new lines.
     pub(crate) lines: Vec<String>,
 }
 
 impl LinesFields {
-    /// The text with these lines.
-    fn of(&self, text: &str, field: &str) -> Result<String, Problem> {
+    /// The changed text.
+    fn apply(&self, text: &str, field: &str) -> Result<String, Problem> {
         let mut lines: Vec<&str> = text.split('\n').collect();
         let end = self.from.checked_add(self.count).filter(|&end| end <= lines.len());
         let Some(end) = end else {
-            let detail =
-                format!("lines {} and {} more are beyond {}", self.from, self.count, lines.len());
+            let detail = format!(
+                "the range from line {} with {} lines exceeds the {} lines of the text",
+                self.from,
+                self.count,
+                lines.len()
+            );
             return Err(Problem::field(field, detail));
         };
         lines.splice(self.from..end, self.lines.iter().map(String::as_str));
@@ -96,10 +103,10 @@ impl LinesFields {
 }
 
 impl SinceFields {
-    /// Both texts with their changes, the cell's first.
+    /// Both changed texts, the cell first.
     pub(crate) fn texts(&self, (cell, program): (&str, &str)) -> Result<(String, String), Problem> {
         let changed = |text: &str, lines: Option<&LinesFields>, field: &str| match lines {
-            Some(lines) => lines.of(text, field),
+            Some(lines) => lines.apply(text, field),
             None => Ok(text.to_owned()),
         };
         let cell = changed(cell, self.cell.as_ref(), "since.cell")?;
@@ -107,132 +114,133 @@ impl SinceFields {
     }
 }
 
-/// A cell and a program, to be told sample by sample.
+/// A cell and a program, and the samples of their motion.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SamplesRequest {
-    /// Text of a cell file; without it, that of the file.
+    /// Text of the cell; default: that of the file.
     #[serde(default)]
     pub(crate) cell: Option<String>,
-    /// Text of a program; without it, that of the file.
+    /// Text of the program; default: that of the file.
     #[serde(default)]
     pub(crate) program: Option<String>,
-    /// Samples a second [Hz].
-    #[serde(default = "usual_rate")]
+    /// Sampling rate [Hz].
+    #[serde(default = "default_rate")]
     #[schema(required = false, default = 25.0, minimum = 0.1, maximum = 10000)]
     pub(crate) rate_hz: f64,
-    /// Others between, so that lines from one to the next are the motion, at peaks of speeds and where accelerations bend.
+    /// Additional samples at extrema of velocities and at kinks of accelerations, so that linear interpolation reproduces the motion.
     #[serde(default)]
     pub(crate) peaks: bool,
-    /// From when on; without it, from the start [s].
+    /// Start of the time range; default: start of the motion [s].
     #[serde(default)]
     pub(crate) from_s: Option<f64>,
-    /// Until when; without it, to the end [s].
+    /// End of the time range; default: end of the motion [s].
     #[serde(default)]
     pub(crate) to_s: Option<f64>,
 }
 
-fn usual_rate() -> f64 {
+fn default_rate() -> f64 {
     25.0
 }
 
 impl SamplesRequest {
-    /// The rate, if a motion can be told at it [Hz].
+    /// The sampling rate, checked [Hz].
     pub(crate) fn rate(&self) -> Result<f64, Problem> {
         if (0.1..=10_000.0).contains(&self.rate_hz) {
             return Ok(self.rate_hz);
         }
-        let detail = format!("{} samples a second are not within 0.1 to 10000", self.rate_hz);
+        let detail =
+            format!("sampling rate must be within 0.1 to 10000 Hz, got {} Hz", self.rate_hz);
         Err(Problem::field("rate_hz", detail))
     }
 }
 
-/// Which text something is about.
+/// The text of a diagnostic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum Of {
-    /// The cell's.
+pub(crate) enum SourceText {
+    /// The cell file.
     Cell,
-    /// The program's.
+    /// The program.
     Program,
 }
 
-/// Something wrong in a text, and where.
+/// An error in a text, with its position.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
-pub(crate) struct ProblemAt {
-    /// In which text.
-    pub(crate) of: Of,
+pub(crate) struct Diagnostic {
+    /// The text.
+    pub(crate) source: SourceText,
     /// Line, from 1.
     pub(crate) line: usize,
     /// Column in characters, from 1.
     pub(crate) column: usize,
-    /// How many characters are meant.
+    /// Number of characters.
     pub(crate) width: usize,
-    /// What is wrong.
+    /// Description of the error.
     pub(crate) message: String,
 }
 
-impl ProblemAt {
-    pub(crate) fn new(of: Of, place: &Place, message: String) -> Self {
-        Self { of, line: place.line, column: place.column, width: place.width, message }
+impl Diagnostic {
+    pub(crate) fn new(source: SourceText, place: &Place, message: String) -> Self {
+        Self { source, line: place.line, column: place.column, width: place.width, message }
     }
 }
 
-/// What a program comes to in a cell; long lists are shortened here, and told in pages by paths of their own.
+/// Plan of a program in a cell. Long lists are truncated; other endpoints return them in pages.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PlanDocument {
-    /// Hash of both texts, which names this plan as long as the server remembers it.
+    /// Hash of both texts, the key of this plan while the server keeps it.
     pub(crate) key: String,
-    /// All that is wrong before anything moves; with any of it there is no report.
-    pub(crate) problems: Vec<ProblemAt>,
-    /// What `jointplay cell check --format json` says, without its instructions, and with the first of its violations and distances; `null` where nothing moves.
+    /// All errors that prevent a motion; with any of them there is no report.
+    pub(crate) diagnostics: Vec<Diagnostic>,
+    /// Report as from `jointplay cell check --format json`, without instructions and with the first violations and distances only; `null` without a motion.
     #[schema(required = true)]
     pub(crate) report: Option<CellReport>,
-    /// How many instructions are run.
+    /// Number of executed instructions.
     pub(crate) instructions: usize,
-    /// How many violations there are.
+    /// Number of violations.
     pub(crate) violations: usize,
-    /// When something is broken, by time: stretches near to each other are one [s].
-    pub(crate) broken_s: Vec<Pair>,
-    /// The motion in windows; none where nothing moves.
+    /// Time intervals with violations; adjacent intervals are merged [s].
+    pub(crate) violations_s: Vec<Pair>,
+    /// The motion in windows; empty without a motion.
     pub(crate) windows: Vec<WindowDocument>,
-    /// Key of the picture of the cell standing still; `null` where there is none.
+    /// Key of the 3D scene of the cell; `null` for an invalid cell.
     #[schema(required = true)]
     pub(crate) scene: Option<String>,
-    /// What the robot is made of; `null` where the cell cannot be read.
+    /// Parts of the robot; `null` for an invalid cell.
     #[schema(required = true)]
     pub(crate) robot: Option<RobotParts>,
-    /// How the robot's frames follow from its axes; `null` where the cell cannot be read.
+    /// Kinematic chain of the robot; `null` for an invalid cell.
     #[schema(required = true)]
     pub(crate) chain: Option<ChainDocument>,
-    /// Where the stations are; none where the cell cannot be read.
+    /// The stations; empty for an invalid cell.
     pub(crate) stations: Vec<StationDocument>,
-    /// Wafers, as they are at the start.
+    /// The wafers at the start of the program.
     pub(crate) wafers: Vec<WaferDocument>,
-    /// Regions with rules.
+    /// The zones.
     pub(crate) zones: Vec<ZoneDocument>,
-    /// What may be run into.
+    /// The collision bodies.
     pub(crate) bodies: Vec<BodyDocument>,
     /// Names of effectors.
     pub(crate) effectors: Vec<String>,
 }
 
-/// Some motions from rest to rest, one after the other.
+/// A window: a sequence of motions from rest to rest.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct WindowDocument {
-    /// Hash of its content, which `cell/windows/{key}` has.
+    /// Hash of its contents, which `cell/windows/{key}` returns.
     pub(crate) key: String,
-    /// When it starts [s].
+    /// Start time [s].
     pub(crate) start_s: f64,
     /// Number of its first motion, from 1.
     pub(crate) step: usize,
     /// Number of its first instruction, from 1.
     pub(crate) instruction: usize,
-    /// Line of that.
+    /// Line of its first instruction, from 1.
     pub(crate) line: usize,
 }
 
-/// Windows of which an overview is asked for.
+/// Windows of a plan whose overview is requested.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct OverviewRequest {
@@ -242,35 +250,35 @@ pub(crate) struct OverviewRequest {
     pub(crate) windows: Vec<usize>,
 }
 
-/// Some instructions of a plan.
+/// One page of the instructions of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct InstructionsPage {
-    /// How many there are.
-    pub(crate) of: usize,
-    /// Those of this page.
+    /// Total number.
+    pub(crate) total: usize,
+    /// Entries of this page.
     pub(crate) instructions: Vec<InstructionReport>,
 }
 
-/// Some violations of a plan.
+/// One page of the violations of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct ViolationsPage {
-    /// How many there are.
-    pub(crate) of: usize,
-    /// Those of this page.
+    /// Total number.
+    pub(crate) total: usize,
+    /// Entries of this page.
     pub(crate) violations: Vec<ViolationReport>,
 }
 
-/// Violations and pairs of bodies that a plan tells at once.
-const TOLD: usize = 200;
-/// Stretches of time in which something is broken that a plan tells.
-const STRETCHES: usize = 500;
+/// Maximum number of violations and of distances in a plan.
+const MAX_LISTED: usize = 200;
+/// Maximum number of merged violation intervals in a plan.
+const MAX_INTERVALS: usize = 500;
 
-/// The report with its long lists shortened.
-pub(crate) fn short(report: &CellReport) -> CellReport {
+/// The report with truncated lists.
+pub(crate) fn truncated(report: &CellReport) -> CellReport {
     fn first<T: Clone>(all: &[T], count: usize) -> Vec<T> {
         all[..count.min(all.len())].to_vec()
     }
-    // What is not copied is not long.
+    // The fields that are not copied below are short.
     let CellReport { instructions: _, violations, distances, .. } = report;
     CellReport {
         cell: report.cell.clone(),
@@ -283,15 +291,15 @@ pub(crate) fn short(report: &CellReport) -> CellReport {
         axes: report.axes.clone(),
         nearest: report.nearest.clone(),
         instructions: Vec::new(),
-        violations: first(violations, TOLD),
-        distances: first(distances, TOLD),
+        violations: first(violations, MAX_LISTED),
+        distances: first(distances, MAX_LISTED),
         ..*report
     }
 }
 
-/// When something is broken.
-pub(crate) fn broken(report: &CellReport) -> Vec<Pair> {
-    let near = report.duration_s / (2.0 * STRETCHES as f64);
+/// The time intervals with violations, adjacent ones merged.
+pub(crate) fn violation_intervals(report: &CellReport) -> Vec<Pair> {
+    let near = report.duration_s / (2.0 * MAX_INTERVALS as f64);
     let mut found: Vec<Pair> = Vec::new();
     for one in &report.violations {
         match found.last_mut() {
@@ -306,92 +314,92 @@ pub(crate) fn broken(report: &CellReport) -> Vec<Pair> {
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StationRequest {
-    /// Text of a cell file; without it, that of the file.
+    /// Text of the cell; default: that of the file.
     #[serde(default)]
     pub(crate) cell: Option<String>,
-    /// Which station.
+    /// Name of the station.
     pub(crate) station: String,
-    /// Where the centre of the lowest wafer rests, in the base frame [m]; the places of first and last slot are moved alike.
+    /// Centre of the lowest wafer in the base frame [m]; a station defined by its first and last slot is translated.
     #[serde(default)]
     pub(crate) position_m: Option<Triple>,
-    /// Turn about the vertical [rad].
+    /// Yaw [rad].
     #[serde(default)]
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) yaw_rad: Option<f64>,
-    /// How it leans.
+    /// Tilt.
     #[serde(default, deserialize_with = "strict::maybe")]
-    pub(crate) tilt: Option<LeanFields>,
-    /// The same by its turns about x and about y.
+    pub(crate) tilt: Option<TiltFields>,
+    /// Tilt as rotation vector.
     #[serde(default, deserialize_with = "strict::maybe")]
-    pub(crate) tilt_xy: Option<LeanXyFields>,
-    /// Whether a station placed by its first and last slot stays so as it leans otherwise, its last slot turned about the first; else the lean takes their place.
+    pub(crate) tilt_xy: Option<TiltXyFields>,
+    /// Whether a station defined by its first and last slot keeps this definition when its tilt changes: the last slot is rotated about the first one. Otherwise the tilt replaces the definition.
     #[serde(default)]
     pub(crate) keep_drift: bool,
-    /// Points of its plane, taught in place of a lean.
+    /// Taught points of its plane, which replace the tilt.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) taught: Option<TaughtFields>,
-    /// The pose of the robot that the values are taught by: it is checked, and a contact needs a confirmation.
+    /// Robot pose by which the values are taught. It is checked; a contact requires a confirmation.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) taught_by: Option<TaughtByFields>,
 }
 
-/// The pose of the robot that a station is taught by.
+/// Robot pose by which a station is taught.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TaughtByFields {
-    /// Text of a program; without it, that of the file.
+    /// Text of the program; default: that of the file.
     #[serde(default)]
     pub(crate) program: Option<String>,
-    /// The moment of the program that tells which wafers are where [s].
+    /// Time of the program that determines the locations of the wafers [s].
     #[serde(default)]
     #[schema(required = false, default = 0.0)]
     pub(crate) time_s: f64,
     /// Positions of all axes, rods first [m or rad].
     #[schema(max_items = 11)]
     pub(crate) positions: Vec<f64>,
-    /// Which effector reaches into the station; without it, the first.
+    /// Effector that reaches into the station; default: the first one.
     #[serde(default)]
     pub(crate) effector: Option<String>,
-    /// Number of the slot that it reaches into, from 1.
+    /// Number of the slot, from 1.
     #[schema(minimum = 1)]
     pub(crate) slot: usize,
-    /// Whether the station is taught though bodies touch; the file then has a note of it.
+    /// Whether the station is taught in contact; a comment in the file records this.
     #[serde(default)]
     pub(crate) confirm_contact: bool,
 }
 
-/// A lean by its turns about x and about y.
+/// A tilt as rotation vector.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct LeanXyFields {
-    /// Turn about x [rad].
+pub(crate) struct TiltXyFields {
+    /// Component about x [rad].
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_x_rad: f64,
-    /// Turn about y [rad].
+    /// Component about y [rad].
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_y_rad: f64,
 }
 
-/// Points of a station's plane.
+/// Taught points of the plane of a station.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TaughtFields {
     /// The points, three or more, in the base frame [m].
     #[schema(max_items = 1000)]
     pub(crate) points_m: Vec<Triple>,
-    /// How far from their plane one may lie [m].
+    /// Maximum distance of a point from the plane [m].
     #[schema(exclusive_minimum = 0, maximum = 1000)]
     pub(crate) threshold_m: f64,
 }
 
-/// The most points that are taught.
-const MOST_POINTS: usize = 1000;
+/// Maximum number of taught points.
+const MAX_POINTS: usize = 1000;
 
 impl TaughtFields {
     fn change(self) -> Result<Change, Problem> {
         let found = self.points_m.len();
-        if found > MOST_POINTS {
-            let detail = format!("{found} points are taught, up to {MOST_POINTS} may be");
+        if found > MAX_POINTS {
+            let detail = format!("{found} points are given, at most {MAX_POINTS} are allowed");
             return Err(Problem::field("taught.points_m", detail));
         }
         let point = |(i, Triple(point)): (usize, Triple)| {
@@ -403,30 +411,30 @@ impl TaughtFields {
         let points = self.points_m.into_iter().enumerate().map(point).collect::<Result<_, _>>()?;
         let threshold = super::length(self.threshold_m, "taught.threshold_m")?;
         if threshold <= 0.0 {
-            let detail = format!("{threshold} m is not more than nothing");
+            let detail = format!("threshold must be positive, got {threshold} m");
             return Err(Problem::field("taught.threshold_m", detail));
         }
         Ok(Change::Taught { points, threshold, noise: None })
     }
 }
 
-/// A lean.
+/// A tilt.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct LeanFields {
-    /// Azimuth toward which it leans [rad].
+pub(crate) struct TiltFields {
+    /// Azimuth of the tilt [rad].
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) yaw_rad: f64,
-    /// How far [rad].
+    /// Angle of the tilt [rad].
     #[schema(exclusive_minimum = -1.5707963267948966, exclusive_maximum = 1.5707963267948966)]
     pub(crate) pitch_rad: f64,
 }
 
 impl StationRequest {
-    /// The changes that are asked for.
+    /// The requested changes.
     pub(crate) fn changes(&self) -> Result<Vec<Change>, Problem> {
         let mut changes = Vec::new();
-        let lean = if self.keep_drift { Change::Turned } else { Change::Tilt };
+        let tilt_change = if self.keep_drift { Change::Turned } else { Change::Tilt };
         if let Some(Triple(position)) = self.position_m {
             for (k, &value) in position.iter().enumerate() {
                 super::length(value, &format!("position_m[{k}]"))?;
@@ -436,17 +444,17 @@ impl StationRequest {
         if let Some(yaw) = self.yaw_rad {
             changes.push(Change::Yaw(super::angle(yaw, "yaw_rad")?));
         }
-        if let Some(LeanFields { yaw_rad, pitch_rad }) = self.tilt {
+        if let Some(TiltFields { yaw_rad, pitch_rad }) = self.tilt {
             let yaw = super::angle(yaw_rad, "tilt.yaw_rad")?;
             let pitch = super::pitch(pitch_rad, "tilt.pitch_rad")?;
-            changes.push(lean(Tilt { yaw, pitch }));
+            changes.push(tilt_change(Tilt { yaw, pitch }));
         }
-        if let Some(LeanXyFields { about_x_rad, about_y_rad }) = self.tilt_xy {
+        if let Some(TiltXyFields { about_x_rad, about_y_rad }) = self.tilt_xy {
             let about_x = super::pitch(about_x_rad, "tilt_xy.about_x_rad")?;
             let about_y = super::pitch(about_y_rad, "tilt_xy.about_y_rad")?;
             let tilt = Tilt::from_about_x_and_y(about_x, about_y);
             super::pitch(tilt.pitch, "tilt_xy")?;
-            changes.push(lean(tilt));
+            changes.push(tilt_change(tilt));
         }
         if let Some(taught) = self.taught.clone() {
             changes.push(taught.change()?);
@@ -455,16 +463,16 @@ impl StationRequest {
     }
 }
 
-/// A text.
+/// Text of a changed cell file.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct CellText {
-    /// Text of the cell file with the new values; comments and all else as they were.
+    /// Text of the cell file with the new values.
     pub(crate) cell: String,
-    /// Pairs of names that touch in the pose that the station was taught by, as the note in the file has them.
-    pub(crate) touching: Vec<Vec<String>>,
+    /// Names of the pairs in contact in the pose by which the station was taught.
+    pub(crate) contacts: Vec<Vec<String>>,
 }
 
-/// Both texts, to be kept.
+/// Both texts, to be saved.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SaveRequest {
@@ -472,7 +480,7 @@ pub(crate) struct SaveRequest {
     pub(crate) cell: String,
     /// Text of the program.
     pub(crate) program: String,
-    /// Version of the texts that they replace: with it, they are kept only if the files are still those. Without it, they are kept whatever is there.
+    /// Version of the texts that they replace: the texts are saved only if the files still have it. Default: the files are overwritten.
     #[serde(default)]
     pub(crate) replaces: Option<String>,
 }

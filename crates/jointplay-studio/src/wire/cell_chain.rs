@@ -1,4 +1,4 @@
-//! How the frames of a robot follow from its axes.
+//! Documents of the kinematic chain of a robot.
 
 use jointplay::cell::robot::{self, Arm};
 use jointplay::cell::workcell::Cell;
@@ -9,10 +9,10 @@ use utoipa::ToSchema;
 use super::{Pair, Triple};
 use crate::wire::cell_jogged::AxisKind;
 
-/// How the frames of a robot follow from its axes, and from the poses that windows have.
+/// Kinematic chain of a robot: the poses of its frames follow from it and from the channels of a window.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct ChainDocument {
-    /// Where the axes of the rods cross the base plane, x and y [m].
+    /// Intersections of the rod axes with the base plane, x and y [m].
     pub(crate) base_points_m: Vec<Pair>,
     /// Its arms.
     pub(crate) arms: Vec<ArmChain>,
@@ -21,9 +21,9 @@ pub(crate) struct ChainDocument {
 /// An arm.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct ArmChain {
-    /// Its first joint in the platform frame [m].
+    /// Position of its first joint in the platform frame [m].
     pub(crate) mount_m: Triple,
-    /// From the platform out.
+    /// Joints from the platform outward.
     pub(crate) joints: Vec<JointChain>,
     /// Its effectors.
     pub(crate) effectors: Vec<EffectorChain>,
@@ -32,45 +32,45 @@ pub(crate) struct ArmChain {
 /// A joint of an arm, and the link after it.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct JointChain {
-    /// Whether it turns about z or slides along x.
+    /// Revolute about z, or prismatic along x.
     pub(crate) kind: AxisKind,
-    /// Its value where all axes are at zero [m or rad].
+    /// Joint value with all axes at zero [m or rad].
     pub(crate) zero: f64,
-    /// Axes that move it.
+    /// Axes that drive it.
     pub(crate) drives: Vec<DriveChain>,
-    /// Where the next joint is in the frame of the link after it, x and y [m].
+    /// Position of the next joint in the frame of its link, x and y [m].
     pub(crate) next_m: Pair,
-    /// Rise of the link after it [m].
+    /// Offset of its link along z [m].
     pub(crate) rise_m: f64,
 }
 
-/// An axis that moves a joint.
+/// An axis that drives a joint.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct DriveChain {
     /// Index of the axis.
     pub(crate) axis: usize,
-    /// By how much of its position.
+    /// Transmission ratio.
     pub(crate) ratio: f64,
 }
 
-/// An effector: the frame of its wafer on the last link.
+/// An effector: the wafer frame on the last link.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct EffectorChain {
-    /// What it is called.
+    /// Name.
     pub(crate) name: String,
     /// Origin [m].
     pub(crate) center_m: Triple,
-    /// Turn about z [rad].
+    /// Rotation about z [rad].
     pub(crate) heading_rad: f64,
 }
 
-/// What holds a wafer.
+/// Location of a wafer.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct HeldDocument {
-    /// Index of the effector; `null` where it lies in a slot.
+    /// Index of the effector; `null` for a wafer in a slot.
     #[schema(required = true)]
     pub(crate) effector: Option<usize>,
-    /// Index of the station and number of the slot; `null` where an effector carries it.
+    /// Index of the station and number of the slot; `null` for a wafer on an effector.
     #[schema(required = true, min_items = 2, max_items = 2)]
     pub(crate) slot: Option<Vec<usize>>,
     /// Origin [m] and vector part of its unit quaternion: in the wafer frame of the effector, or in the base frame.
@@ -92,8 +92,8 @@ impl ArmChain {
     fn new(arm: &Arm) -> Self {
         let joints = arm.joints.iter().map(|joint| JointChain {
             kind: match joint.kind {
-                robot::AxisKind::Rotary => AxisKind::Turn,
-                robot::AxisKind::Linear => AxisKind::Slide,
+                robot::AxisKind::Rotary => AxisKind::Revolute,
+                robot::AxisKind::Linear => AxisKind::Prismatic,
             },
             zero: joint.zero,
             drives: joint.drives.iter().map(|&(axis, ratio)| DriveChain { axis, ratio }).collect(),

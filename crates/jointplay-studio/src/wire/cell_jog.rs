@@ -1,4 +1,4 @@
-//! A robot with arms that is moved by hand.
+//! Documents of requests to jog a robot with arms.
 
 use jointplay::cell::jog::SlotRelativePose;
 use jointplay::cell::robot::WaferTarget;
@@ -14,39 +14,39 @@ use crate::body;
 use crate::problem::Problem;
 use crate::strict;
 
-/// The robot of a cell moved by hand, from where it is.
+/// A jog of the robot of a cell.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct JogRequest {
-    /// Key of a plan that the server remembers, in place of both texts.
+    /// Key of a kept plan, in place of both texts.
     #[serde(default)]
     pub(crate) plan: Option<String>,
-    /// Text of a cell file; without it, that of the file.
+    /// Text of the cell; default: that of the file.
     #[serde(default)]
     pub(crate) cell: Option<String>,
-    /// Text of a program; without it, that of the file.
+    /// Text of the program; default: that of the file.
     #[serde(default)]
     pub(crate) program: Option<String>,
-    /// The moment of the program from which the robot is moved: who carries a wafer then, carries it along [s].
+    /// Time of the program from which the robot is jogged; it determines which effectors are loaded [s].
     #[serde(default)]
     #[schema(required = false, default = 0.0)]
     pub(crate) time_s: f64,
-    /// Positions of all axes that it is at, rods first [m or rad]; without them, those of the moment.
+    /// Start positions of all axes, rods first [m or rad]; default: those at `time_s`.
     #[serde(default)]
     #[schema(value_type = Option<Vec<f64>>, max_items = 11)]
     pub(crate) from: Option<Vec<f64>>,
-    /// Which effector's wafer is moved; without it, the first.
+    /// Effector whose wafer is moved; default: the first one.
     #[serde(default)]
     pub(crate) effector: Option<String>,
-    /// From which slot it is seen.
+    /// Slot of the relative coordinates.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) seen_from: Option<SlotFields>,
-    /// Where to; without it, the robot stays.
+    /// Target; default: the start positions.
     #[serde(default)]
     pub(crate) to: Option<JogFields>,
-    /// Whether all axes go straight from `from` toward the positions found, and stop at the last state without a contact.
+    /// Whether all axes move in a straight line from `from` to the target positions and stop at the last state without contact.
     ///
-    /// What touches at the start does not stop them.
+    /// Contacts at the start do not stop them.
     #[serde(default)]
     pub(crate) stop_at_contact: bool,
 }
@@ -62,23 +62,23 @@ pub(crate) struct SlotFields {
     pub(crate) slot: usize,
 }
 
-// Kept as it stands in the body: read by its kind, so that errors name the field within.
-/// Where the robot is moved to.
+// Read by its kind, so that errors name the inner field.
+/// Target of a jog.
 #[derive(Deserialize, ToSchema)]
 #[schema(value_type = Jog)]
 pub(crate) struct JogFields(Value);
 
-/// Where the robot is moved to.
+/// Target of a jog.
 #[derive(ToSchema)]
 #[serde(untagged)]
 pub(crate) enum Jog {
     /// All axes.
     Axes(AxesJog),
-    /// The platform; the arms stay as they are.
+    /// The platform; the positions of the arms do not change.
     Platform(PlatformJog),
     /// A wafer in the base frame.
     World(WorldJog),
-    /// A wafer as seen from the slot.
+    /// A wafer relative to the slot.
     Slot(SlotJog),
 }
 
@@ -88,12 +88,12 @@ enum AxesKind {
     Axes,
 }
 
-/// All axes: each motor up to its stops, the rods up to their limits and that of the tilt.
+/// All axes: motors up to their limits, rods up to their limits and the tilt limit.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct AxesJog {
-    /// Which it is.
-    #[expect(dead_code, reason = "known before it is read")]
+    /// Kind of the target.
+    #[expect(dead_code, reason = "read before the other fields")]
     kind: AxesKind,
     /// Positions of all axes, rods first [m or rad].
     #[schema(max_items = 11)]
@@ -106,20 +106,20 @@ enum PlatformKind {
     Platform,
 }
 
-/// The platform, its arms staying as they are.
+/// The platform; the positions of the arms do not change.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PlatformJog {
-    /// Which it is.
-    #[expect(dead_code, reason = "known before it is read")]
+    /// Kind of the target.
+    #[expect(dead_code, reason = "read before the other fields")]
     kind: PlatformKind,
-    /// Where its plane crosses the base axis [m].
+    /// Height at which its plane crosses the base axis [m].
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) height_m: f64,
-    /// Turn about x [rad].
+    /// Tilt about x [rad].
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_x_rad: f64,
-    /// Turn about y [rad].
+    /// Tilt about y [rad].
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_y_rad: f64,
 }
@@ -134,18 +134,18 @@ enum WorldKind {
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct WorldJog {
-    /// Which it is.
-    #[expect(dead_code, reason = "known before it is read")]
+    /// Kind of the target.
+    #[expect(dead_code, reason = "read before the other fields")]
     kind: WorldKind,
-    /// Its centre, on the plane that it rests on [m].
+    /// Centre of its lower face [m].
     pub(crate) center_m: Triple,
-    /// Turn of its plane about x [rad].
+    /// Tilt about x [rad].
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_x_rad: f64,
-    /// Turn of its plane about y [rad].
+    /// Tilt about y [rad].
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_y_rad: f64,
-    /// Where it heads, from x before it leans [rad]; of meaning where the arm may choose.
+    /// Heading from x, before the tilt [rad]; ignored if the arm determines it.
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) heading_rad: f64,
 }
@@ -156,28 +156,28 @@ enum SlotKind {
     Slot,
 }
 
-/// A wafer as seen from the slot, in the slot's plane.
+/// A wafer relative to the slot, in the plane of the slot.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SlotJog {
-    /// Which it is.
-    #[expect(dead_code, reason = "known before it is read")]
+    /// Kind of the target.
+    #[expect(dead_code, reason = "read before the other fields")]
     kind: SlotKind,
-    /// R: how much farther from the axis that the arm turns about than the slot; negative before it [m].
+    /// R: radial distance from the slot, about the rotation axis of the arm; negative toward the axis [m].
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) radial_m: f64,
-    /// T: angle about that axis from the slot [rad].
+    /// T: angle about the rotation axis of the arm, from the slot [rad].
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) turn_rad: f64,
-    /// Z: height over the plane that wafers rest on in the slot [m].
+    /// Z: height above the support plane of the slot [m].
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) height_m: f64,
-    /// Where it heads, from the slot's inward direction [rad]; of meaning where the arm may choose.
+    /// Heading relative to the inward direction of the slot [rad]; ignored if the arm determines it.
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) yaw_rad: f64,
 }
 
-/// Where to, with its values checked.
+/// Target of a jog, checked.
 pub(crate) enum JogTarget {
     Axes(Vec<f64>),
     Platform { tilt: Tilt, height: f64 },
@@ -200,7 +200,7 @@ impl JogFields {
                 positions(cell, found.positions, "to.positions").map(JogTarget::Axes)
             }
             Jog::Platform(found) => Ok(JogTarget::Platform {
-                tilt: lean(found.about_x_rad, found.about_y_rad)?,
+                tilt: tilt(found.about_x_rad, found.about_y_rad)?,
                 height: length(found.height_m, "to.height_m")?,
             }),
             Jog::World(found) => {
@@ -209,7 +209,7 @@ impl JogFields {
                 }
                 Ok(JogTarget::World(WaferTarget {
                     center: Vector3::from(found.center_m.0),
-                    normal: lean(found.about_x_rad, found.about_y_rad)?.normal(),
+                    normal: tilt(found.about_x_rad, found.about_y_rad)?.normal(),
                     heading: Some(angle(found.heading_rad, "to.heading_rad")?),
                 }))
             }
@@ -223,7 +223,7 @@ impl JogFields {
     }
 }
 
-fn lean(about_x: f64, about_y: f64) -> Result<Tilt, Problem> {
+fn tilt(about_x: f64, about_y: f64) -> Result<Tilt, Problem> {
     let tilt = Tilt::from_about_x_and_y(
         pitch(about_x, "to.about_x_rad")?,
         pitch(about_y, "to.about_y_rad")?,
@@ -232,13 +232,12 @@ fn lean(about_x: f64, about_y: f64) -> Result<Tilt, Problem> {
     Ok(tilt)
 }
 
-/// Positions of all axes of a cell.
+/// Checks the positions of all axes of a robot.
 pub(crate) fn positions(cell: &Cell, given: Vec<f64>, field: &str) -> Result<Vec<f64>, Problem> {
     let (found, needed) = (given.len(), cell.robot.axes.len());
     if found != needed {
         let names: Vec<&str> = cell.robot.axes.iter().map(|axis| axis.name.as_str()).collect();
-        let detail =
-            format!("there are {found} positions, for {needed} axes: {}", names.join(", "));
+        let detail = format!("got {found} positions for {needed} axes: {}", names.join(", "));
         return Err(Problem::field(field, detail));
     }
     for (k, &value) in given.iter().enumerate() {

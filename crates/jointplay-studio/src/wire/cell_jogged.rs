@@ -1,4 +1,4 @@
-//! Where a robot with arms has come to that was moved by hand.
+//! Documents of the state of a jogged robot.
 
 use jointplay::cell::jog::{SlotRelativePose, Stopped};
 use jointplay::cell::robot::{
@@ -17,7 +17,7 @@ use utoipa::ToSchema;
 use super::Triple;
 use super::cell_pose::PoseCheckDocument;
 
-/// The robot where it has come to.
+/// State of a jogged robot.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct JogDocument {
     /// All axes, rods first.
@@ -26,184 +26,184 @@ pub(crate) struct JogDocument {
     pub(crate) platform: PlatformDocument,
     /// All effectors.
     pub(crate) effectors: Vec<EffectorDocument>,
-    /// The effector that is moved as seen from the slot; `null` where no slot is named.
+    /// The wafer of the jogged effector relative to the slot; `null` without a slot.
     #[schema(required = true)]
     pub(crate) from_slot: Option<FromSlotDocument>,
-    /// How else the arm could be bent to hold the wafer where it is.
+    /// Branches of the inverse kinematics for this pose of the wafer.
     pub(crate) branches: Vec<BranchDocument>,
-    /// Why the robot is not where it was told to go; `null` where it is.
+    /// Why the robot did not reach its target; `null` if it did.
     #[schema(required = true)]
     pub(crate) stopped: Option<StoppedDocument>,
-    /// Where all that moves is, named and nested as in the picture of the cell.
+    /// Poses of all moving frames, with the names and parents of the 3D scene.
     pub(crate) frames: Vec<FrameDocument>,
-    /// Minimum distances and violations of this pose, by the rules of the check of programs.
+    /// Minimum distances and violations of this pose, by the rules of program checks.
     pub(crate) check: PoseCheckDocument,
 }
 
 /// An axis.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct AxisDocument {
-    /// What it is called.
+    /// Name.
     pub(crate) name: String,
-    /// Whether it turns or slides.
+    /// Type.
     pub(crate) kind: AxisKind,
-    /// Where it is [m or rad].
+    /// Position [m or rad].
     pub(crate) position: f64,
-    /// Its least position [m or rad].
+    /// Lower limit [m or rad].
     pub(crate) min: f64,
-    /// Its largest position [m or rad].
+    /// Upper limit [m or rad].
     pub(crate) max: f64,
-    /// Where HOME puts it [m or rad].
+    /// Home position [m or rad].
     pub(crate) home: f64,
 }
 
-/// What an axis does.
+/// Type of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum AxisKind {
-    /// It turns: its positions are angles.
-    Turn,
-    /// It slides: its positions are lengths.
-    Slide,
+    /// Its positions are angles.
+    Revolute,
+    /// Its positions are lengths.
+    Prismatic,
 }
 
 /// The platform.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PlatformDocument {
-    /// Where its plane crosses the base axis [m].
+    /// Height at which its plane crosses the base axis [m].
     pub(crate) height_m: f64,
-    /// Its turn about x [rad].
+    /// Tilt about x [rad].
     pub(crate) about_x_rad: f64,
-    /// Its turn about y [rad].
+    /// Tilt about y [rad].
     pub(crate) about_y_rad: f64,
-    /// How far it leans [rad].
-    pub(crate) lean_rad: f64,
-    /// How far it may lean [rad].
-    pub(crate) lean_max_rad: f64,
+    /// Tilt angle [rad].
+    pub(crate) tilt_rad: f64,
+    /// Tilt limit [rad].
+    pub(crate) tilt_max_rad: f64,
 }
 
-/// An effector, with its wafer's frame; arms droop, and it with them.
+/// An effector with its wafer frame, including the droop of the arm.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct EffectorDocument {
-    /// What it is called.
+    /// Name.
     pub(crate) name: String,
-    /// Whether it carries a wafer.
+    /// Whether it holds a wafer.
     pub(crate) loaded: bool,
-    /// Whether the arm may choose where the wafer heads.
+    /// Whether the heading of the wafer is free.
     pub(crate) heading_free: bool,
-    /// Centre of the wafer, on the plane that it rests on [m].
+    /// Centre of the lower face of the wafer [m].
     pub(crate) center_m: Triple,
-    /// Turn of the wafer's plane about x [rad].
+    /// Tilt of the wafer about x [rad].
     pub(crate) about_x_rad: f64,
-    /// Turn of the wafer's plane about y [rad].
+    /// Tilt of the wafer about y [rad].
     pub(crate) about_y_rad: f64,
-    /// Where the wafer heads, from x before it leans [rad].
+    /// Heading of the wafer from x, before the tilt [rad].
     pub(crate) heading_rad: f64,
-    /// Why nothing is known of how its arm droops here, so that it is told as if the arm were rigid; `null` where it is known.
+    /// Why the droop of the arm is unknown in this pose, so that the arm is assumed to be rigid; `null` if it is known.
     #[schema(required = true)]
     pub(crate) droop_unknown: Option<String>,
 }
 
-/// A wafer as seen from a slot, and what it would teach.
+/// A wafer relative to a slot, and the station pose that it would teach.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct FromSlotDocument {
     /// Name of the station.
     pub(crate) station: String,
     /// Number of the slot.
     pub(crate) slot: usize,
-    /// R: how much farther from the axis that the arm turns about than the slot [m].
+    /// R: radial distance from the slot, about the rotation axis of the arm [m].
     pub(crate) radial_m: f64,
-    /// T: angle about that axis from the slot [rad].
+    /// T: angle about the rotation axis of the arm, from the slot [rad].
     pub(crate) turn_rad: f64,
-    /// Z: height over the plane that wafers rest on in the slot [m].
+    /// Z: height above the support plane of the slot [m].
     pub(crate) height_m: f64,
-    /// Where it heads, from the slot's inward direction [rad].
+    /// Heading relative to the inward direction of the slot [rad].
     pub(crate) yaw_rad: f64,
-    /// Where the station would stand if the wafer lay in the slot.
+    /// Pose of the station for which the wafer would rest in the slot.
     pub(crate) station_if_here: StationPose,
 }
 
-/// Where a station stands, as its file says it.
+/// Pose of a station, in the terms of a cell file.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct StationPose {
-    /// Where the centre of the lowest wafer would rest, the station leaning as it does [m].
+    /// Centre of the lowest wafer, for the current tilt of the station [m].
     pub(crate) point_m: Triple,
-    /// The same, the station leaning as the wafer does [m].
+    /// Centre of the lowest wafer, for the tilt of the wafer [m].
     pub(crate) position_m: Triple,
-    /// Its turn about the vertical [rad].
+    /// Yaw [rad].
     pub(crate) yaw_rad: f64,
-    /// Azimuth toward which it leans [rad].
+    /// Azimuth of the tilt [rad].
     pub(crate) tilt_yaw_rad: f64,
-    /// How far it leans [rad].
+    /// Tilt angle [rad].
     pub(crate) tilt_pitch_rad: f64,
 }
 
-/// A way to hold the wafer where it is.
+/// A branch of the inverse kinematics.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct BranchDocument {
-    /// How the arm is bent.
+    /// Name of the configuration.
     pub(crate) name: String,
-    /// Whether the robot is in it, and why not.
+    /// Whether the branch is selected, or the reason why not.
     pub(crate) selection: SelectionName,
-    /// The same in words and numbers.
-    pub(crate) says: String,
+    /// Description.
+    pub(crate) description: String,
     /// Positions of all axes, rods first [m or rad].
     pub(crate) positions: Vec<f64>,
 }
 
-/// Why a way is taken, or not.
+/// Selection of a branch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum SelectionName {
-    /// The robot is in it.
+    /// The branch is selected.
     Chosen,
-    /// It breaks limits.
+    /// It violates limits.
     BreaksLimits,
-    /// The arm would have to pass its stretched or folded position.
+    /// It requires a motion through the stretched or folded arm.
     OtherElbow,
-    /// Another one is nearer.
+    /// Another branch is closer.
     NotNearest,
 }
 
-/// What stopped the robot.
+/// Why the robot stopped.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct StoppedDocument {
-    /// What sort of thing.
+    /// Kind of the reason.
     pub(crate) kind: StoppedKind,
-    /// Axes at whose limits it stopped.
+    /// Names of the axes at their limits.
     pub(crate) axes: Vec<String>,
-    /// What stopped it: one line for each limit, or for each way that the arm could be bent.
-    pub(crate) says: Vec<String>,
-    /// Names of the two that would touch farther on; none where it is no contact that stopped it.
-    pub(crate) touching: Vec<String>,
+    /// Descriptions, one for each limit or branch.
+    pub(crate) reasons: Vec<String>,
+    /// Names of the two bodies that would touch; empty unless a contact is the reason.
+    pub(crate) contact: Vec<String>,
 }
 
-/// What sort of thing stopped the robot.
+/// Kind of the reason of a stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum StoppedKind {
     /// Limits of axes.
     AxisLimit,
-    /// The platform would have to lean too far.
+    /// The tilt limit of the platform.
     TiltLimit,
-    /// The links are too short, or cannot fold that far.
+    /// The target is out of reach of the arm.
     OutOfReach,
-    /// Nothing is known of how the arm droops there, or it cannot be made up for.
+    /// The droop of the arm is unknown or cannot be compensated.
     Droop,
-    /// No positions were found.
-    NoWay,
+    /// The inverse kinematics has no solution.
+    NoSolution,
     /// Two bodies would touch.
     Contact,
 }
 
-/// A frame that moves.
+/// Pose of a moving frame.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct FrameDocument {
-    /// What it is called.
+    /// Name.
     pub(crate) name: String,
-    /// Its origin in the frame that it moves with [m].
+    /// Origin in the parent frame [m].
     pub(crate) origin_m: Triple,
-    /// Its unit quaternion x, y, z, w in that frame.
+    /// Unit quaternion x, y, z, w in the parent frame.
     #[schema(min_items = 4, max_items = 4)]
     pub(crate) quaternion: Vec<f64>,
 }
@@ -224,7 +224,7 @@ impl BranchDocument {
                 BranchSelection::OtherElbow => SelectionName::OtherElbow,
                 BranchSelection::NotNearest => SelectionName::NotNearest,
             },
-            says: explain_branch(&cell.robot, branch),
+            description: explain_branch(&cell.robot, branch),
             positions: branch.positions.to_vec(),
         }
     }
@@ -247,7 +247,7 @@ impl StoppedDocument {
             Stopped::Place(Unreachable::Droop(_) | Unreachable::NotConverged { .. }) => {
                 Some(StoppedKind::Droop)
             }
-            Stopped::Place(_) => Some(StoppedKind::NoWay),
+            Stopped::Place(_) => Some(StoppedKind::NoSolution),
             Stopped::Contact(_) => Some(StoppedKind::Contact),
         };
         let mut axes: Vec<String> = Vec::new();
@@ -261,22 +261,22 @@ impl StoppedDocument {
         }
         let of_limits =
             if axes.is_empty() { StoppedKind::TiltLimit } else { StoppedKind::AxisLimit };
-        let touching = match stopped {
+        let contact = match stopped {
             Stopped::Contact(pair) => pair.map(|one| cell.entity_name(one)).to_vec(),
             _ => Vec::new(),
         };
-        let says = explain_stopped(cell, stopped);
-        Self { kind: other.unwrap_or(of_limits), axes, says, touching }
+        let reasons = explain_stopped(cell, stopped);
+        Self { kind: other.unwrap_or(of_limits), axes, reasons, contact }
     }
 }
 
-/// All axes where they are.
+/// All axes at given positions.
 pub(crate) fn axes(cell: &Cell, positions: &[f64]) -> Vec<AxisDocument> {
     let of = |(axis, &position): (&jointplay::cell::robot::Axis, &f64)| AxisDocument {
         name: axis.name.clone(),
         kind: match axis.kind {
-            robot::AxisKind::Rotary => AxisKind::Turn,
-            robot::AxisKind::Linear => AxisKind::Slide,
+            robot::AxisKind::Rotary => AxisKind::Revolute,
+            robot::AxisKind::Linear => AxisKind::Prismatic,
         },
         position,
         min: axis.min,
@@ -286,7 +286,7 @@ pub(crate) fn axes(cell: &Cell, positions: &[f64]) -> Vec<AxisDocument> {
     cell.robot.axes.iter().zip(positions).map(of).collect()
 }
 
-/// The platform over rods.
+/// The platform at given rod lengths.
 pub(crate) fn platform(cell: &Cell, positions: &[f64]) -> PlatformDocument {
     let gpr = &cell.robot.gpr;
     let rods = [positions[0], positions[1], positions[2]];
@@ -296,12 +296,12 @@ pub(crate) fn platform(cell: &Cell, positions: &[f64]) -> PlatformDocument {
         height_m: gpr.plane_height(&rods).0,
         about_x_rad,
         about_y_rad,
-        lean_rad: tilt.pitch,
-        lean_max_rad: gpr.limits().tilt_max,
+        tilt_rad: tilt.pitch,
+        tilt_max_rad: gpr.limits().tilt_max,
     }
 }
 
-/// An effector with its wafer's frame.
+/// An effector with its wafer frame.
 pub(crate) fn effector(
     cell: &Cell,
     id: EffectorId,
@@ -323,7 +323,7 @@ pub(crate) fn effector(
     }
 }
 
-/// A wafer as seen from a slot.
+/// A wafer relative to a slot.
 pub(crate) fn from_slot(
     cell: &Cell,
     slot: SlotId,
@@ -332,7 +332,7 @@ pub(crate) fn from_slot(
 ) -> FromSlotDocument {
     let station = &cell.stations[slot.station];
     let taught = station.taught_by(slot.slot, pose);
-    let lean = Tilt::from_normal(&(pose.rotation * Vector3::z()));
+    let tilt = Tilt::from_normal(&(pose.rotation * Vector3::z()));
     let origin = station.origin_under(slot.slot, &pose.translation.vector);
     FromSlotDocument {
         station: station.name.clone(),
@@ -345,8 +345,8 @@ pub(crate) fn from_slot(
             point_m: Triple(origin.into()),
             position_m: Triple(taught.translation.vector.into()),
             yaw_rad: teach::yaw(&taught),
-            tilt_yaw_rad: lean.yaw,
-            tilt_pitch_rad: lean.pitch,
+            tilt_yaw_rad: tilt.yaw,
+            tilt_pitch_rad: tilt.pitch,
         },
     }
 }

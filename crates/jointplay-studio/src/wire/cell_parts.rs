@@ -1,4 +1,4 @@
-//! What a cell is made of: robot, stations, wafers, bodies, zones.
+//! Documents of the parts of a cell: robot, stations, wafers, bodies, zones.
 
 use jointplay::cell::EntityId;
 use jointplay::cell::geometry::Shape;
@@ -16,14 +16,14 @@ use super::Triple;
 use super::cell_chain::HeldDocument;
 use super::cell_jogged::{AxisDocument, axes};
 
-/// What the robot is made of.
+/// The parts of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct RobotParts {
-    /// What it is called.
+    /// Name.
     pub(crate) name: String,
-    /// How far it may lean [rad].
-    pub(crate) lean_max_rad: f64,
-    /// All axes at home, rods first.
+    /// Tilt limit of the platform [rad].
+    pub(crate) tilt_max_rad: f64,
+    /// All axes at the home position, rods first.
     pub(crate) axes: Vec<AxisDocument>,
     /// Its arms.
     pub(crate) arms: Vec<ArmParts>,
@@ -32,36 +32,36 @@ pub(crate) struct RobotParts {
 /// An arm.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct ArmParts {
-    /// What it is called.
+    /// Name.
     pub(crate) name: String,
-    /// Its links, as frames that move are called.
+    /// Frame names of its links.
     pub(crate) links: Vec<String>,
     /// Its effectors.
     pub(crate) effectors: Vec<String>,
 }
 
-/// A station, and what of it can be moved.
+/// A station with its degrees of freedom for dragging.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct StationDocument {
     #[serde(flatten)]
     pub(crate) report: StationReport,
-    /// How many slots it has.
+    /// Number of slots.
     pub(crate) slots: usize,
-    /// Effectors that may use it.
+    /// Names of the effectors that may use it.
     pub(crate) effectors: Vec<String>,
-    /// Its turn about the vertical [rad].
+    /// Yaw [rad].
     pub(crate) yaw_rad: f64,
-    /// How it leans: turn about x [rad].
+    /// Tilt: component about x [rad].
     pub(crate) about_x_rad: f64,
-    /// How it leans: turn about y [rad].
+    /// Tilt: component about y [rad].
     pub(crate) about_y_rad: f64,
-    /// Points that its plane was taught by [m].
+    /// Taught points of its plane [m].
     pub(crate) taught_m: Vec<Triple>,
-    /// In which ways it can be moved, as far as taught points of its plane leave it free.
+    /// Its degrees of freedom, without those that taught points determine.
     pub(crate) freedoms: Vec<FreedomName>,
 }
 
-/// Something of a station that can be moved by itself.
+/// A degree of freedom of a station.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum FreedomName {
@@ -69,95 +69,95 @@ pub(crate) enum FreedomName {
     X,
     /// Along y.
     Y,
-    /// Up and down.
+    /// Along z.
     Height,
-    /// About the vertical.
+    /// Yaw.
     Yaw,
-    /// Its lean about x.
+    /// Tilt about x.
     AboutX,
-    /// Its lean about y.
+    /// Tilt about y.
     AboutY,
 }
 
 /// A wafer.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct WaferDocument {
-    /// What it is called, as the frames that move are.
+    /// Frame name.
     pub(crate) name: String,
-    /// Where it is at the start.
-    pub(crate) starts: String,
-    /// The same as a frame.
+    /// Location at the start of the program, in words.
+    pub(crate) initial_location: String,
+    /// Location at the start of the program.
     pub(crate) held: HeldDocument,
 }
 
-/// A region with a rule.
+/// A zone.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct ZoneDocument {
-    /// What it is called.
+    /// Name.
     pub(crate) name: String,
-    /// What it asks.
+    /// Its rule.
     pub(crate) rule: RuleName,
     /// Its shape.
     pub(crate) shape: ShapeDocument,
-    /// Where the shape's own origin is, in the base frame [m].
+    /// Origin of the shape in the base frame [m].
     pub(crate) origin_m: Triple,
 }
 
-/// What a zone asks.
+/// The rule of a zone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum RuleName {
-    /// Nothing of the robot may enter.
+    /// No part of the robot and no wafer enters the zone.
     KeepOut,
-    /// Wafers stay within while the robot turns.
+    /// Wafers stay inside the zone while the robot rotates.
     Safe,
 }
 
-/// Something that may be run into.
+/// A collision body.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct BodyDocument {
-    /// What it is called.
+    /// Name.
     pub(crate) name: String,
-    /// What it moves with: `base`, `platform`, or a link as frames that move are called.
-    pub(crate) moves_with: String,
-    /// The station that it belongs to, in whose frame its place is told; `null` where it belongs to none.
+    /// Parent frame: `base`, `platform`, or the frame name of a link.
+    pub(crate) attached_to: String,
+    /// The station whose frame is the parent frame; `null` for other bodies.
     #[schema(required = true)]
     pub(crate) station: Option<String>,
     /// Its shape.
     pub(crate) shape: ShapeDocument,
-    /// Where the shape's own origin is, in the frame of its station, else in that of what it moves with [m].
+    /// Origin of the shape in the parent frame [m].
     pub(crate) origin_m: Triple,
 }
 
-/// A shape, as its file says it.
+/// A shape.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub(crate) enum ShapeDocument {
     /// A box.
     Box {
-        /// Half of its sides [m].
+        /// Half edge lengths [m].
         half_m: Triple,
     },
-    /// An upright cylinder.
+    /// A cylinder along z.
     Cylinder {
-        /// Its radius [m].
+        /// Radius [m].
         radius_m: f64,
-        /// Half of its height [m].
+        /// Half height [m].
         half_height_m: f64,
     },
-    /// All points no farther from a segment than a radius.
+    /// A capsule: all points within a radius of a line segment.
     Capsule {
-        /// Its radius [m].
+        /// Radius [m].
         radius_m: f64,
     },
-    /// The least convex body about points.
+    /// The convex hull of points.
     Convex {
-        /// How many.
+        /// Number.
         points: usize,
     },
-    /// A surface of triangles.
+    /// A triangle mesh.
     Mesh {
-        /// How many.
+        /// Number.
         triangles: usize,
     },
 }
@@ -187,7 +187,7 @@ impl RobotParts {
         });
         Self {
             name: robot.name.clone(),
-            lean_max_rad: robot.gpr.limits().tilt_max,
+            tilt_max_rad: robot.gpr.limits().tilt_max,
             axes: axes(cell, &home),
             arms: arms.collect(),
         }
@@ -204,7 +204,7 @@ fn effector_name(cell: &Cell, id: &EffectorId) -> String {
 
 /// All stations.
 pub(crate) fn stations(cell: &Cell) -> Vec<StationDocument> {
-    let told = report::teach(cell, None).stations;
+    let reports = report::teach(cell, None).stations;
     let of = |(station, report): (&Station, StationReport)| {
         use FreedomName::{AboutX, AboutY, Height, X, Y, Yaw};
         let frame = &station.base_from_station;
@@ -227,7 +227,7 @@ pub(crate) fn stations(cell: &Cell) -> Vec<StationDocument> {
             report,
         }
     };
-    cell.stations.iter().zip(told).map(of).collect()
+    cell.stations.iter().zip(reports).map(of).collect()
 }
 
 /// All wafers.
@@ -240,13 +240,13 @@ pub(crate) fn wafers(cell: &Cell) -> Vec<WaferDocument> {
         let effector = effector_name(cell, id);
         (cell.entity_name(EntityId::HeldWafer(*id)), format!("on {effector}"))
     });
-    let told = in_slots.chain(carried).zip(wafers_at_start(cell));
-    let of = |((name, starts), held)| WaferDocument {
+    let wafers = in_slots.chain(carried).zip(wafers_at_start(cell));
+    let of = |((name, initial_location), held)| WaferDocument {
         name,
-        starts,
+        initial_location,
         held: HeldDocument::new(cell, &held),
     };
-    told.map(of).collect()
+    wafers.map(of).collect()
 }
 
 /// All zones.
@@ -267,7 +267,7 @@ pub(crate) fn zones(cell: &Cell) -> Vec<ZoneDocument> {
 pub(crate) fn bodies(cell: &Cell) -> Vec<BodyDocument> {
     let of = |body: &Body| BodyDocument {
         name: body.name.clone(),
-        moves_with: match body.carrier {
+        attached_to: match body.carrier {
             Carrier::World => "base".to_owned(),
             Carrier::Platform => "platform".to_owned(),
             Carrier::Link { arm, link } => link_name(cell, arm, link),

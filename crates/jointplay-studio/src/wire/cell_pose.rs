@@ -1,4 +1,4 @@
-//! One pose of the cell, checked.
+//! Documents of the check of one pose.
 
 use jointplay::cell::EntityId;
 use jointplay::cell::check::{Kind, MinimumDistance, Report, Violation};
@@ -7,37 +7,37 @@ use jointplay::report::explain_violation;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// Minimum distances and violations of one pose, the robot standing still.
+/// Minimum distances and violations of one pose of the robot at rest.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PoseCheckDocument {
-    /// Pairs that are nearer than 50 mm, nearest first; wafers and bodies by the names of the check's report.
+    /// Pairs below 50 mm by increasing distance, with the names of the report of a check.
     pub(crate) distances: Vec<PoseDistanceDocument>,
-    /// All that is violated: limits of axes and of the tilt, play, droop, slip, collisions, clearances, keep-out zones.
+    /// Violations of limits of axes and tilt, play, droop, slip, collision, clearance and keep-out zones.
     pub(crate) violations: Vec<PoseViolationDocument>,
     /// Names of the bodies, wafers and zones in contact, each once.
     pub(crate) in_contact: Vec<String>,
 }
 
-/// How far two are apart.
+/// The distance of a pair.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PoseDistanceDocument {
     /// Names of both.
     #[schema(min_items = 2, max_items = 2)]
     pub(crate) bodies: Vec<String>,
-    /// Distance, 0 where they touch [m].
+    /// Distance, 0 in contact [m].
     pub(crate) distance_m: f64,
 }
 
-/// Something that is violated.
+/// A violation.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PoseViolationDocument {
-    /// Such as `tilt limit` or `collision`, as in the report of a program.
+    /// Kind, such as `tilt limit` or `collision`, as in the report of a program.
     pub(crate) kind: String,
-    /// Axis, effector or bodies that it is about.
+    /// Names of the axis, effector or bodies.
     pub(crate) names: Vec<String>,
-    /// Whether two touch, or one is in a zone that it must not enter.
+    /// Whether it is a contact of two bodies or the entry into a keep-out zone.
     pub(crate) is_contact: bool,
-    /// What is wrong, in mm and degrees.
+    /// Description, in mm and degrees.
     pub(crate) message: String,
 }
 

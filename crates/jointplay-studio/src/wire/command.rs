@@ -1,4 +1,4 @@
-//! What the robot is told to do.
+//! Command of the robot.
 
 use jointplay::gpr::Gpr;
 use jointplay::spatial::Tilt;
@@ -11,20 +11,20 @@ use crate::body;
 use crate::problem::Problem;
 use crate::strict;
 
-/// What the robot is told to do.
+/// Command of the robot.
 #[derive(ToSchema)]
 #[serde(untagged)]
 pub(crate) enum Command {
-    /// A tilt by azimuth and lean, at a height.
+    /// A tilt by azimuth and angle, at a height.
     Tilt(TiltCommand),
-    /// A tilt by its turns about x and about y, at a height.
+    /// A tilt as rotation vector, at a height.
     TiltXy(TiltXyCommand),
     /// Three rod lengths.
     Rods(RodsCommand),
 }
 
-// Kept as it stands in the body: read by its kind, so that errors name the field within.
-/// What the robot is told to do.
+// Read by its kind, so that errors name the inner field.
+/// Command of the robot.
 #[derive(Deserialize, ToSchema)]
 #[schema(value_type = Command)]
 pub(crate) struct CommandFields(Value);
@@ -35,20 +35,20 @@ enum TiltKind {
     Tilt,
 }
 
-/// A tilt by azimuth and lean.
+/// A tilt by azimuth and angle.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TiltCommand {
-    /// Which command it is.
+    /// Kind of the command.
     #[expect(dead_code, reason = "known before it is read")]
     kind: TiltKind,
-    /// Azimuth toward which the platform leans, from x toward y [rad].
+    /// Azimuth of the tilt, from x toward y [rad].
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) yaw_rad: f64,
-    /// How far it leans [rad].
+    /// Angle of the tilt [rad].
     #[schema(exclusive_minimum = -1.5707963267948966, exclusive_maximum = 1.5707963267948966)]
     pub(crate) pitch_rad: f64,
-    /// Height of the platform; without it, the robot's working height.
+    /// Height of the platform; default: the working height of the robot.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) height: Option<Height>,
 }
@@ -59,20 +59,20 @@ enum TiltXyKind {
     TiltXy,
 }
 
-/// A tilt as one rotation vector in the base plane, as machine controllers speak of it.
+/// A tilt as rotation vector in the base plane, as in machine controllers.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TiltXyCommand {
-    /// Which command it is.
+    /// Kind of the command.
     #[expect(dead_code, reason = "known before it is read")]
     kind: TiltXyKind,
-    /// Turn about x [rad].
+    /// Component about x [rad].
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_x_rad: f64,
-    /// Turn about y [rad].
+    /// Component about y [rad].
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_y_rad: f64,
-    /// Height of the platform; without it, the robot's working height.
+    /// Height of the platform; default: the working height of the robot.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) height: Option<Height>,
 }
@@ -87,35 +87,35 @@ enum RodsKind {
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RodsCommand {
-    /// Which command it is.
+    /// Kind of the command.
     #[expect(dead_code, reason = "known before it is read")]
     kind: RodsKind,
     /// q_1, q_2, q_3 [m].
     pub(crate) rods_m: Rods,
 }
 
-/// A height, and what it is of.
+/// A height with its reference point.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Height {
-    /// What the height is of.
+    /// Reference point.
     pub(crate) kind: HeightKind,
     /// The height [m].
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) value_m: f64,
 }
 
-/// What a height is of.
+/// Reference point of a height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum HeightKind {
-    /// Where the platform plane crosses the base axis.
+    /// The intersection of the platform plane with the base axis.
     Axis,
-    /// The platform's own centre.
+    /// The platform centre.
     Center,
 }
 
-/// A command with its values checked.
+/// A checked command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Target {
     /// A tilt at a height.
@@ -125,7 +125,7 @@ pub(crate) enum Target {
 }
 
 impl CommandFields {
-    /// The command that stands at `field`, with heights that are left out filled in.
+    /// Checks the command at `field`; a missing height is the working height.
     pub(crate) fn read(self, gpr: &Gpr, field: &str) -> Result<Target, Problem> {
         let Self(value) = self;
         let at = |name: &str| format!("{field}.{name}");
@@ -152,7 +152,7 @@ impl CommandFields {
     }
 }
 
-/// The height asked for; without one, the robot's working height.
+/// The requested height; default: the working height of the robot.
 pub(crate) fn height(asked: Option<Height>, gpr: &Gpr, field: &str) -> Result<Height, Problem> {
     let usual = Height { kind: HeightKind::Axis, value_m: gpr.working_height() };
     let height = asked.unwrap_or(usual);
@@ -160,7 +160,7 @@ pub(crate) fn height(asked: Option<Height>, gpr: &Gpr, field: &str) -> Result<He
     Ok(height)
 }
 
-/// Three rod lengths within reason [m].
+/// Checks three rod lengths [m].
 pub(crate) fn rods(rods: [f64; 3], field: &str) -> Result<[f64; 3], Problem> {
     for (k, &rod) in rods.iter().enumerate() {
         length(rod, &format!("{field}[{k}]"))?;

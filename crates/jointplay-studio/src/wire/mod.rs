@@ -1,4 +1,4 @@
-//! What requests and answers look like: SI units, each named with its field.
+//! Documents of requests and responses, in SI units that are part of the field names.
 
 #![expect(clippy::approx_constant, reason = "attributes take literals only")]
 
@@ -36,7 +36,7 @@ pub(crate) struct Triple(pub(crate) [f64; 3]);
 /// Bytes of another format.
 #[derive(ToSchema)]
 #[schema(value_type = String, format = Binary)]
-#[expect(dead_code, reason = "described only")]
+#[expect(dead_code, reason = "used by the OpenAPI description only")]
 pub(crate) struct Binary(Vec<u8>);
 
 /// q_1, q_2, q_3 [m].
@@ -47,46 +47,45 @@ pub(crate) struct Rods(pub(crate) [f64; 3]);
 /// A rod length [m].
 #[derive(ToSchema)]
 #[schema(minimum = -1000, maximum = 1000)]
-#[expect(dead_code, reason = "described, and read with the rods")]
+#[expect(dead_code, reason = "used by the OpenAPI description only")]
 struct RodLength(f64);
 
 /// A pitch [rad].
 #[derive(ToSchema)]
 #[schema(exclusive_minimum = -1.5707963267948966, exclusive_maximum = 1.5707963267948966)]
-#[expect(dead_code, reason = "described, and read with the others")]
+#[expect(dead_code, reason = "used by the OpenAPI description only")]
 pub(crate) struct Pitch(f64);
 
-/// The longest length that a request may name [m]: a kilometre, far from where squares overflow.
-pub(crate) const LONGEST: f64 = 1000.0;
-/// The largest angle that a request may name, but for pitches [rad].
-pub(crate) const LARGEST_ANGLE: f64 = 1000.0;
-/// Pitches have to be smaller [rad].
+/// Largest magnitude of a length in a request [m].
+pub(crate) const MAX_LENGTH: f64 = 1000.0;
+/// Largest magnitude of an angle in a request, except for pitches [rad].
+pub(crate) const MAX_ANGLE: f64 = 1000.0;
+/// Exclusive upper limit of the magnitude of a pitch [rad].
 pub(crate) const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
 
-/// A length that a robot could have [m].
+/// Checks a length [m].
 pub(crate) fn length(value: f64, field: &str) -> Result<f64, Problem> {
-    if value.abs() <= LONGEST {
+    if value.abs() <= MAX_LENGTH {
         return Ok(value);
     }
-    let detail = format!("{value:e} m is too long, lengths have to lie within ±{LONGEST} m");
+    let detail = format!("lengths must be within ±{MAX_LENGTH} m, got {value:e} m");
     Err(Problem::field(field, detail))
 }
 
-/// An angle that is not absurd [rad].
+/// Checks an angle [rad].
 pub(crate) fn angle(value: f64, field: &str) -> Result<f64, Problem> {
-    if value.abs() <= LARGEST_ANGLE {
+    if value.abs() <= MAX_ANGLE {
         return Ok(value);
     }
-    let detail =
-        format!("{value:e} rad is too large, angles have to lie within ±{LARGEST_ANGLE} rad");
+    let detail = format!("angles must be within ±{MAX_ANGLE} rad, got {value:e} rad");
     Err(Problem::field(field, detail))
 }
 
-/// A pitch below a right angle [rad].
+/// Checks a pitch [rad].
 pub(crate) fn pitch(value: f64, field: &str) -> Result<f64, Problem> {
     if value.abs() < RIGHT_ANGLE {
         return Ok(value);
     }
-    let detail = format!("{value} rad is too steep, it has to lie between -π/2 and π/2");
+    let detail = format!("the pitch must be between -π/2 and π/2, got {value} rad");
     Err(Problem::field(field, detail))
 }

@@ -1,4 +1,4 @@
-//! Which model answers: virtualization, solver, metric.
+//! Selection of a model: virtualization, solver, metric.
 
 use jointplay::virtualization::{
     Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
@@ -8,13 +8,13 @@ use utoipa::ToSchema;
 
 use crate::problem::Problem;
 
-/// Which virtual joints stand for the play.
+/// Virtualization: the virtual joints that represent the joint play.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum VirtualizationName {
-    /// Three radial slides.
+    /// Radial displacement of each socket.
     Radial,
-    /// Three radial slides and three turns about the platform centre.
+    /// Radial displacement of each socket and its rotation about the platform centre.
     Polar,
     /// A displacement of each socket in polar coordinates.
     Offset,
@@ -34,15 +34,15 @@ impl VirtualizationName {
     }
 }
 
-/// How the displacements of the virtual joints are found.
+/// Solver of the virtual displacements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum SolverName {
-    /// The paper's iteration: near the least displacement.
+    /// Iteration of the paper, close to the minimum displacement.
     Newton,
-    /// The exact least displacement, by iteration.
+    /// Exact minimum displacement, by iteration.
     LeastNorm,
-    /// The exact least displacement in closed form; where there is none, `least-norm`.
+    /// Exact minimum displacement in closed form; `least-norm` if there is none.
     #[default]
     ClosedForm,
 }
@@ -67,7 +67,7 @@ impl From<Solver> for SolverName {
     }
 }
 
-/// How angles weigh against lengths.
+/// Weight of angles relative to lengths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum MetricName {
@@ -78,20 +78,20 @@ pub(crate) enum MetricName {
     Radius,
 }
 
-/// Which model answers.
+/// A model.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct ModelChoice {
-    /// Which virtual joints stand for the play.
+    /// Virtualization: the virtual joints that represent the joint play.
     #[schema(required = false)]
     pub(crate) virtualization: VirtualizationName,
-    /// How their displacements are found.
+    /// Solver of the virtual displacements.
     #[schema(required = false)]
     pub(crate) solver: SolverName,
-    /// How angles weigh against lengths.
+    /// Weight of angles relative to lengths.
     #[schema(required = false)]
     pub(crate) metric: MetricName,
-    /// A characteristic length instead of the metric's [m].
+    /// Characteristic length instead of that of the metric [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 1e-12, maximum = 1e6)]
     pub(crate) characteristic_length_m: Option<f64>,
@@ -102,15 +102,16 @@ impl ModelChoice {
         self.virtualization.model()
     }
 
-    /// Solver and metric of the choice that stands at `field`.
+    /// Solver and metric of the selection at `field`.
     pub(crate) fn options(&self, field: &str) -> Result<SolveOptions, Problem> {
         let metric = match (self.characteristic_length_m, self.metric) {
             (None, MetricName::Paper) => Metric::Paper,
             (None, MetricName::Radius) => Metric::PlatformRadius,
             (Some(length), _) if (1e-12..=1e6).contains(&length) => Metric::Length(length),
             (Some(length), _) => {
-                let detail =
-                    format!("a characteristic length of {length:e} m is not within 1e-12 to 1e6 m");
+                let detail = format!(
+                    "the characteristic length must be within 1e-12 to 1e6 m, got {length:e} m"
+                );
                 let field = match field {
                     "" => "characteristic_length_m".to_owned(),
                     field => format!("{field}.characteristic_length_m"),

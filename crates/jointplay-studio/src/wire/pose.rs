@@ -1,4 +1,4 @@
-//! One pose, with all that one picture of it needs.
+//! One pose, with all values of its display.
 
 use jointplay::format::explain::explain_limit;
 use jointplay::gpr::{
@@ -14,28 +14,28 @@ use super::model::SolverName;
 use super::{CommandFields, ModelChoice, Pair, Rods, Triple};
 use crate::strict;
 
-/// The most models that one request may ask.
+/// Maximum number of models in a request.
 pub(crate) const MOST_MODELS: usize = 16;
 
-/// What is asked of one pose.
+/// Request of one pose.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PoseRequest {
-    /// What the robot is told to do.
+    /// Command of the robot.
     pub(crate) command: CommandFields,
-    /// Rods from which the robot comes: where they are within the limits and the command is not, it stops at the last pose within them on the straight way.
-    /// Without them, or from beyond the limits, the command is computed past the limits.
+    /// Rod lengths at the start of the motion. If they are within the limits and the command is not, the robot stops at the last pose within the limits on a straight line in rod space.
+    /// Without them, or from a start beyond the limits, the limits are ignored.
     #[serde(default)]
     pub(crate) from_rods_m: Option<Rods>,
-    /// Which models are to answer; a height of the platform's centre is that of the first of them.
+    /// The models; a height of the platform centre refers to the first one.
     #[serde(default = "one_model", deserialize_with = "strict::objects")]
     #[schema(required = false, min_items = 1, max_items = 16)]
     pub(crate) models: Vec<ModelChoice>,
-    /// Whether mobility is wanted.
+    /// Whether to compute the mobility.
     #[serde(default = "yes")]
     #[schema(required = false, default = true)]
     pub(crate) mobility: bool,
-    /// Whether the bounds of sensitivity are wanted.
+    /// Whether to compute the bounds of the sensitivity.
     #[serde(default = "yes")]
     #[schema(required = false, default = true)]
     pub(crate) bounds: bool,
@@ -49,66 +49,66 @@ fn one_model() -> Vec<ModelChoice> {
     vec![ModelChoice::default()]
 }
 
-/// One pose, with all that one picture of it needs.
+/// One pose, with all values of its display.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PoseDocument {
     /// q_1, q_2, q_3 [m].
     pub(crate) rods_m: Triple,
-    /// Tilt of the plane through the balls: geometry, the same for every model.
+    /// Tilt of the plane through the balls, which does not depend on the model.
     pub(crate) tilt: TiltDocument,
-    /// Where that plane crosses the base axis [m].
+    /// Height at which the plane through the balls crosses the base axis [m].
     pub(crate) axis_height_m: f64,
     /// The ball centres in the base frame [m].
     #[schema(min_items = 3, max_items = 3)]
     pub(crate) balls_m: [Triple; 3],
     /// L_12, L_23, L_31 between the balls [m].
     pub(crate) sides_m: Triple,
-    /// The limits that the pose breaks; it is computed all the same.
+    /// Limits that the pose violates.
     pub(crate) limits_broken: Vec<BrokenLimitDocument>,
-    /// The limits that the command breaks, and that stopped the robot on its way from `from_rods_m`; empty where the command was reached.
+    /// Limits that stopped the motion from `from_rods_m`; empty if the command was reached.
     pub(crate) stopped_by: Vec<BrokenLimitDocument>,
     /// The approximate model of the paper's Fig. 2.
     pub(crate) approximate: ApproximateDocument,
-    /// What each model says, in the order asked.
+    /// Results of the models, in the order of the request.
     pub(crate) models: Vec<ModelDocument>,
-    /// What can move with all virtual joints held; there if asked for.
+    /// Mobility with locked virtual joints, if requested.
     #[schema(required = true)]
     pub(crate) mobility: Option<MobilityDocument>,
 }
 
-/// A tilt, in both ways to say it.
+/// A tilt by azimuth and angle, and as rotation vector.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct TiltDocument {
-    /// Azimuth toward which the platform leans [rad].
+    /// Azimuth of the tilt [rad].
     pub(crate) yaw_rad: f64,
-    /// How far it leans, not negative [rad].
+    /// Angle of the tilt, not negative [rad].
     pub(crate) pitch_rad: f64,
-    /// Turn about x [rad].
+    /// Component about x [rad].
     pub(crate) about_x_rad: f64,
-    /// Turn about y [rad].
+    /// Component about y [rad].
     pub(crate) about_y_rad: f64,
 }
 
-/// A limit that a pose breaks.
+/// A violated limit.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct BrokenLimitDocument {
-    /// Which limb's rod, counted from 0; `null` where it is the tilt.
+    /// Index of the limb whose rod violates its limit, from 0; `null` for the tilt limit.
     #[schema(required = true)]
     pub(crate) limb: Option<usize>,
-    /// What was found, in m for a rod and in rad for the tilt.
+    /// Value, in m for a rod and in rad for the tilt.
     pub(crate) found: f64,
-    /// Least allowed, in the same unit.
+    /// Lower limit [m or rad].
     pub(crate) min: f64,
-    /// Greatest allowed, in the same unit.
+    /// Upper limit [m or rad].
     pub(crate) max: f64,
-    /// The same in words, in mm and degrees.
+    /// Description, in mm and degrees.
     pub(crate) message: String,
 }
 
 /// A pose of the platform frame in the base frame.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PlacedDocument {
-    /// The platform's centre [m].
+    /// Platform centre [m].
     pub(crate) origin_m: Triple,
     /// Rows of the rotation matrix base_from_platform.
     #[schema(min_items = 3, max_items = 3)]
@@ -118,72 +118,72 @@ pub(crate) struct PlacedDocument {
 /// The approximate model.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct ApproximateDocument {
-    /// Where it puts the platform.
+    /// Pose of the platform.
     pub(crate) pose: PlacedDocument,
-    /// From each ball to its socket, in the base frame [m].
+    /// Vectors from each ball to its socket in the base frame [m].
     #[schema(min_items = 3, max_items = 3)]
     pub(crate) gaps_m: [Triple; 3],
 }
 
-/// What one model says of a pose.
+/// Result of one model.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct ModelDocument {
-    /// The model asked.
+    /// The model.
     pub(crate) model: ModelChoice,
-    /// Its answer; `null` where it has none.
+    /// The solution; `null` if there is none.
     #[schema(required = true)]
     pub(crate) answer: Option<AnswerDocument>,
-    /// Why there is no answer.
+    /// Why there is no solution.
     #[schema(required = true)]
     pub(crate) problem: Option<String>,
 }
 
-/// A model's answer.
+/// Solution of a model.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct AnswerDocument {
-    /// Where the platform is.
+    /// Pose of the platform.
     pub(crate) pose: PlacedDocument,
-    /// Offset of the platform's centre from the base axis, along x and y [m].
+    /// Offset of the platform centre from the base axis, x and y [m].
     pub(crate) center_shift_m: Pair,
-    /// Turn about the platform normal, beyond the shortest rotation to it [rad].
+    /// Twist about the platform normal, beyond the shortest rotation to the normal [rad].
     pub(crate) twist_rad: f64,
     /// Displacements X of the virtual joints, in the order of the robot document, in m and rad.
     pub(crate) virtual_joints: Vec<f64>,
     /// The displaced sockets in the platform frame [m].
     #[schema(min_items = 3, max_items = 3)]
     pub(crate) sockets_m: [Pair; 3],
-    /// How far the virtual joints are from nominal, in the metric [m].
+    /// Norm of the displacement of the virtual joints, in the metric [m].
     pub(crate) displacement_m: f64,
-    /// By what length angles are multiplied in the metric [m].
+    /// Characteristic length of the metric [m].
     pub(crate) characteristic_length_m: f64,
-    /// The solver used: differs from the one asked for where a closed form does not exist.
+    /// The solver used; it differs from the requested one if there is no closed form.
     pub(crate) solver: SolverName,
-    /// Iterations done; 0 for a closed form.
+    /// Number of iterations; 0 for a closed form.
     pub(crate) iterations: usize,
     /// Largest difference between a side and its virtual length [m].
     pub(crate) residual_m: f64,
-    /// The displacement from level beside its first-order bounds; there if asked for.
+    /// Displacement from the level pose with its first-order bounds, if requested.
     #[schema(required = true)]
     pub(crate) play: Option<PlayDocument>,
-    /// What can move with these virtual joints free; there if mobility is asked for.
+    /// Mobility with free virtual joints, if requested.
     #[schema(required = true)]
     pub(crate) augmented: Option<AugmentedDocument>,
 }
 
-/// How far the virtual joints move from level at the same axis height, beside the first-order bounds.
+/// Displacement of the virtual joints from the level pose at the same axis height, with its first-order bounds.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PlayDocument {
-    /// ‖ΔX‖ from level, in the metric, nothing neglected [m].
+    /// Exact ‖ΔX‖ from the level pose, in the metric [m].
     pub(crate) displacement_m: f64,
     /// ‖ΔP‖ of that motion [m].
     pub(crate) motion_m: f64,
-    /// The bounds with derivatives at the start, half way and at the end.
+    /// Bounds with derivatives at the start, the midpoint and the end of the motion.
     #[schema(min_items = 3, max_items = 3)]
     pub(crate) bounds: Vec<BoundsDocument>,
-    /// Share of each rod in the displacement; `null` where nothing moves.
+    /// Share of each rod in the displacement; `null` without a displacement.
     #[schema(required = true)]
     pub(crate) rod_shares: Option<Vec<f64>>,
-    /// Share of each side 12, 23, 31; `null` where nothing moves.
+    /// Share of each side 12, 23, 31 in the displacement; `null` without a displacement.
     #[schema(required = true)]
     pub(crate) side_shares: Option<Vec<f64>>,
 }
@@ -192,7 +192,7 @@ pub(crate) struct PlayDocument {
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct BoundsDocument {
     /// Where the derivatives are taken.
-    pub(crate) derivatives_at: PlaceOnWay,
+    pub(crate) derivatives_at: DerivativePoint,
     /// σ_min ‖V₃ᵀΔP‖ [m].
     pub(crate) lower_m: f64,
     /// σ_max ‖V₃ᵀΔP‖ [m].
@@ -200,51 +200,51 @@ pub(crate) struct BoundsDocument {
     /// ‖∂X/∂P ΔP‖ [m].
     pub(crate) linear_m: f64,
     /// Whether the displacement lies between the bounds.
-    pub(crate) held: bool,
+    pub(crate) holds: bool,
 }
 
-/// A place on the way from level to the pose.
+/// Point of the motion from the level pose at which derivatives are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum PlaceOnWay {
-    /// Level.
+pub(crate) enum DerivativePoint {
+    /// The level pose.
     Start,
-    /// Half way.
+    /// The midpoint.
     Midpoint,
     /// The pose.
     End,
 }
 
-/// What can move with the virtual joints free.
+/// Mobility with free virtual joints.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct AugmentedDocument {
-    /// Freedoms.
+    /// Mobility.
     pub(crate) mobility: usize,
     /// Independent constraints.
     pub(crate) rank: usize,
     /// Singular values of the scaled Jacobian, largest first.
     pub(crate) singular_values: Vec<f64>,
-    /// Values at or below it count as zero.
+    /// Threshold: singular values up to it count as zero.
     pub(crate) threshold: f64,
 }
 
-/// What can move with all virtual joints held.
+/// Mobility with locked virtual joints.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct MobilityDocument {
-    /// Freedoms by the Kutzbach count.
-    pub(crate) counted: i64,
-    /// Freedoms to first order.
+    /// Mobility by the Kutzbach criterion.
+    pub(crate) kutzbach: i64,
+    /// Instantaneous mobility.
     pub(crate) instantaneous: usize,
-    /// Freedoms for real; `null` where undecided.
+    /// Finite mobility; `null` if undecided.
     #[schema(required = true)]
     pub(crate) finite: Option<usize>,
     /// Independent constraints.
     pub(crate) rank: usize,
-    /// Constraints that say nothing new.
+    /// Number of redundant constraints.
     pub(crate) redundancy: usize,
     /// Singular values of the scaled constraint Jacobian, largest first.
     pub(crate) singular_values: Vec<f64>,
-    /// Values at or below it count as zero.
+    /// Threshold: singular values up to it count as zero.
     pub(crate) threshold: f64,
 }
 
@@ -352,15 +352,15 @@ impl From<&TiltPlay> for PlayDocument {
             lower_m: found.bounds.lower,
             upper_m: found.bounds.upper,
             linear_m: found.bounds.linear,
-            held: found.held,
+            holds: found.held,
         };
         Self {
             displacement_m: play.displacement,
             motion_m: play.motion,
             bounds: vec![
-                bounds(PlaceOnWay::Start, &play.at_start),
-                bounds(PlaceOnWay::Midpoint, &play.at_midpoint),
-                bounds(PlaceOnWay::End, &play.at_end),
+                bounds(DerivativePoint::Start, &play.at_start),
+                bounds(DerivativePoint::Midpoint, &play.at_midpoint),
+                bounds(DerivativePoint::End, &play.at_end),
             ],
             rod_shares: play.limb_shares.clone(),
             side_shares: play.side_shares.clone(),
@@ -369,10 +369,10 @@ impl From<&TiltPlay> for PlayDocument {
 }
 
 impl MobilityDocument {
-    pub(crate) fn new(counted: i64, found: &FiniteMobility) -> Self {
+    pub(crate) fn new(kutzbach: i64, found: &FiniteMobility) -> Self {
         let first = &found.instantaneous;
         Self {
-            counted,
+            kutzbach,
             instantaneous: first.mobility,
             finite: found.mobility,
             rank: first.rank,

@@ -1,4 +1,4 @@
-//! What the commands of the command line are asked, in SI.
+//! Requests that correspond to commands of the command line, in SI units.
 
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -7,53 +7,53 @@ use super::model::{MetricName, SolverName};
 use super::{CommandFields, ModelChoice, Pitch, Rods, VirtualizationName};
 use crate::strict;
 
-/// The most pitches that one comparison may have.
-pub(crate) const MOST_PITCHES: usize = 10_000;
+/// Maximum number of pitches of a comparison.
+pub(crate) const MAX_PITCHES: usize = 10_000;
 
-/// Where the platform is for given rods.
+/// Request of the pose for given rod lengths.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ForwardRequest {
     /// q_1, q_2, q_3 [m].
     pub(crate) rods_m: Rods,
-    /// Which model is to answer.
+    /// The model.
     #[serde(default, deserialize_with = "strict::object")]
     #[schema(required = false)]
     pub(crate) model: ModelChoice,
-    /// Compute past the robot's limits, and say so.
+    /// Whether to ignore the limits of the robot; violated limits are listed.
     #[serde(default)]
     pub(crate) ignore_limits: bool,
 }
 
-/// A command, and which model is to answer.
+/// A command and the model.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct CommandRequest {
-    /// What the robot is told to do.
+    /// Command of the robot.
     pub(crate) command: CommandFields,
-    /// Which model is to answer.
+    /// The model.
     #[serde(default, deserialize_with = "strict::object")]
     #[schema(required = false)]
     pub(crate) model: ModelChoice,
-    /// Compute past the robot's limits, and say so.
+    /// Whether to ignore the limits of the robot; violated limits are listed.
     #[serde(default)]
     pub(crate) ignore_limits: bool,
 }
 
-/// What can move.
+/// Request of the mobility.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MobilityRequest {
-    /// q_1, q_2, q_3; without them, all at the robot's working height [m].
+    /// q_1, q_2, q_3; default: all at the working height of the robot [m].
     pub(crate) rods_m: Option<Rods>,
-    /// Also the mobility with these virtual joints free.
+    /// Virtualization whose mobility with free virtual joints is added.
     pub(crate) virtualization: Option<VirtualizationName>,
-    /// Compute past the robot's limits, and say so.
+    /// Whether to ignore the limits of the robot; violated limits are listed.
     #[serde(default)]
     pub(crate) ignore_limits: bool,
 }
 
-/// What every model says of a range of tilts.
+/// Request of a comparison of all models over a range of tilts.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct CompareRequest {
@@ -64,21 +64,21 @@ pub(crate) struct CompareRequest {
     /// The tilts [rad].
     #[schema(value_type = Vec<Pitch>, min_items = 1, max_items = 10000)]
     pub(crate) pitches_rad: Vec<f64>,
-    /// Axis height of all tilts; without it, the robot's working height [m].
+    /// Axis height of all tilts; default: the working height of the robot [m].
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) axis_height_m: Option<f64>,
-    /// How the virtual displacements are found.
+    /// Solver of the virtual displacements.
     #[serde(default)]
     #[schema(required = false)]
     pub(crate) solver: SolverName,
-    /// How angles weigh against lengths.
+    /// Weight of angles relative to lengths.
     #[serde(default)]
     #[schema(required = false)]
     pub(crate) metric: MetricName,
-    /// A characteristic length instead of the metric's [m].
+    /// Characteristic length instead of that of the metric [m].
     #[schema(minimum = 1e-12, maximum = 1e6)]
     pub(crate) characteristic_length_m: Option<f64>,
-    /// Compute past the robot's limits, and say so.
+    /// Whether to ignore the limits of the robot; violated limits are listed.
     #[serde(default)]
     pub(crate) ignore_limits: bool,
 }

@@ -1,4 +1,4 @@
-//! The robot, as told.
+//! Documents of the robot.
 
 use jointplay::format::robot::{Mesh, MeshFormat, Robot};
 use jointplay::gpr::Gpr;
@@ -8,10 +8,10 @@ use utoipa::ToSchema;
 
 use super::{ModelChoice, Pair};
 
-/// The robot that this server serves, and what may be asked of it.
+/// The robot of this server.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct RobotDocument {
-    /// What its file calls it.
+    /// Name in its file.
     pub(crate) name: String,
     /// Version of jointplay.
     pub(crate) version: &'static str,
@@ -20,29 +20,29 @@ pub(crate) struct RobotDocument {
     pub(crate) limbs: Vec<LimbDocument>,
     /// Limits of rods and tilt.
     pub(crate) limits: LimitsDocument,
-    /// The axis height at which the robot usually works [m].
+    /// Axis height at which the robot works [m].
     pub(crate) working_height_m: f64,
     /// Mean of the socket radii [m].
     pub(crate) mean_socket_radius_m: f64,
-    /// Freedoms by the Kutzbach count.
+    /// Mobility by the Kutzbach criterion.
     pub(crate) kutzbach_mobility: i64,
-    /// The virtualizations that there are.
+    /// Available virtualizations.
     pub(crate) virtualizations: Vec<VirtualizationDocument>,
-    /// What the base looks like; `null` where its file names no mesh.
+    /// Mesh of the base; `null` if the robot file names none.
     #[schema(required = true)]
     pub(crate) base_mesh: Option<MeshDocument>,
-    /// What the platform looks like; `null` where its file names no mesh.
+    /// Mesh of the platform; `null` if the robot file names none.
     #[schema(required = true)]
     pub(crate) platform_mesh: Option<MeshDocument>,
-    /// The model where a request names none.
+    /// Default model of requests.
     pub(crate) default_model: ModelChoice,
-    /// Whether this server shows a cell as well.
+    /// Whether this server has a work cell.
     pub(crate) cell: bool,
-    /// The file formats in which this build of the server writes the series of a motion.
+    /// File formats of time series that this build supports.
     pub(crate) series_formats: Vec<SeriesFormat>,
 }
 
-/// A file format of series.
+/// File format of time series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum SeriesFormat {
@@ -60,16 +60,16 @@ impl SeriesFormat {
     }
 }
 
-/// A shape.
+/// A mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct MeshDocument {
-    /// Where this server has it.
+    /// URL on this server.
     pub(crate) url: &'static str,
-    /// Its format.
+    /// Format.
     pub(crate) format: MeshFormatName,
 }
 
-/// The format of a shape.
+/// Format of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum MeshFormatName {
@@ -98,7 +98,7 @@ impl MeshDocument {
 /// One limb.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct LimbDocument {
-    /// Where the rod's axis crosses the base plane, in the base frame [m].
+    /// Intersection of the rod axis with the base plane, in the base frame [m].
     pub(crate) base_point_m: Pair,
     /// Distance of the nominal socket from the platform centre [m].
     pub(crate) socket_radius_m: f64,
@@ -124,24 +124,24 @@ pub(crate) struct LimitsDocument {
 pub(crate) struct VirtualizationDocument {
     /// Its name.
     pub(crate) name: String,
-    /// Its virtual joints, in the order of their displacements everywhere.
+    /// Its virtual joints, in the order of all vectors of displacements.
     pub(crate) joints: Vec<JointDocument>,
 }
 
 /// One virtual joint.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct JointDocument {
-    /// The symbol that joints of this kind share, such as `phi`.
+    /// Symbol of this kind of joint, such as `phi`.
     pub(crate) symbol: &'static str,
-    /// The limb it belongs to, counted from 0.
+    /// Index of its limb, from 0.
     pub(crate) limb: usize,
-    /// Whether it slides, in m, or turns, in rad.
+    /// Linear [m] or angular [rad].
     pub(crate) motion: MotionName,
-    /// Its coordinate where every socket is at its nominal place, in m or rad.
+    /// Nominal coordinate [m or rad].
     pub(crate) nominal: f64,
 }
 
-/// Whether a virtual joint slides or turns.
+/// Type of a virtual joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum MotionName {

@@ -1,4 +1,4 @@
-//! A motion, and what is wanted of each of its samples.
+//! A motion and the requested quantities of its samples.
 
 use jointplay::bulk::Quantity;
 use jointplay::format::steps;
@@ -15,26 +15,26 @@ use crate::body;
 use crate::problem::Problem;
 use crate::strict;
 
-/// The most samples that one study may have.
-pub(crate) const MOST_SAMPLES: usize = 5_000_000;
-/// The most key poses that one motion may have.
-const MOST_KEYS: usize = 1000;
+/// Maximum number of samples of a study.
+pub(crate) const MAX_SAMPLES: usize = 5_000_000;
+/// Maximum number of key poses of a motion.
+const MAX_KEYS: usize = 1000;
 
-/// A motion, and what is wanted of each of its samples.
+/// A motion and the requested quantities of its samples.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StudyRequest {
-    /// Which poses, in which order.
+    /// A sequence of poses.
     pub(crate) motion: MotionFields,
-    /// Which model answers.
+    /// The model.
     #[serde(default, deserialize_with = "strict::object")]
     #[schema(required = false)]
     pub(crate) model: ModelChoice,
-    /// What is wanted beside the pose commanded; without it, all but sensitivity.
+    /// Quantities in addition to the command; default: all except sensitivity.
     pub(crate) quantities: Option<Vec<QuantityName>>,
 }
 
-/// What is wanted of each sample.
+/// A quantity of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum QuantityName {
@@ -42,13 +42,13 @@ pub(crate) enum QuantityName {
     Rods,
     /// `L12_m`, `L23_m`, `L31_m`.
     Sides,
-    /// By their symbols and limbs, such as `l1_m` and `phi1_rad`.
+    /// Virtual joints by symbol and limb, such as `l1_m` and `phi1_rad`.
     VirtualJoints,
     /// `origin_x_m`, `origin_y_m`, `origin_z_m`; the first two are the centre shift.
     Origin,
     /// `twist_rad`.
     Twist,
-    /// `displacement_m`: how far the virtual joints are from nominal, in the metric.
+    /// `displacement_m`: norm of the displacement of the virtual joints, in the metric.
     Displacement,
     /// `sensitivity_1` to `sensitivity_3`: singular values of ∂X/∂P in the metric.
     Sensitivity,
@@ -71,7 +71,7 @@ impl QuantityName {
     ];
 }
 
-/// Which poses, in which order.
+/// A sequence of poses.
 #[derive(ToSchema)]
 #[serde(untagged)]
 pub(crate) enum MotionChoice {
@@ -81,8 +81,8 @@ pub(crate) enum MotionChoice {
     Keys(KeysMotion),
 }
 
-// Kept as it stands in the body: read by its kind, so that errors name the field within.
-/// Which poses, in which order.
+// Read by its kind, so that errors name the inner field.
+/// A sequence of poses.
 #[derive(Deserialize, ToSchema)]
 #[schema(value_type = MotionChoice)]
 pub(crate) struct MotionFields(Value);
@@ -90,25 +90,25 @@ pub(crate) struct MotionFields(Value);
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 enum RasterKind {
-    /// Every yaw runs through the pitches from first to last, as in the paper.
+    /// For each yaw, all pitches from first to last, as in the paper.
     Raster,
-    /// Every other yaw backwards: continuous in time.
+    /// Every other yaw in reverse order, continuous in time.
     Serpentine,
 }
 
-/// A raster over yaw and pitch; what is left out is as in the paper.
+/// A raster over yaw and pitch; defaults are those of the paper.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RasterMotion {
-    /// In which order.
+    /// Order of the poses.
     kind: RasterKind,
-    /// Yaw angles, in degrees so that steps are the decimals that people mean; without it, 0 to 360 by 10 [deg].
+    /// Yaw angles, in degrees so that steps are exact decimals; default: 0 to 360 by 10 [deg].
     #[serde(default, deserialize_with = "strict::maybe")]
     yaw_deg: Option<Steps>,
-    /// Pitch angles; without it, -2 to 2 by 0.2 [deg].
+    /// Pitch angles; default: -2 to 2 by 0.2 [deg].
     #[serde(default, deserialize_with = "strict::maybe")]
     pitch_deg: Option<Steps>,
-    /// Where the platform plane crosses the base axis; without it, the robot's working height [m].
+    /// Height at which the platform plane crosses the base axis; default: the working height of the robot [m].
     #[schema(minimum = -1000, maximum = 1000)]
     axis_height_m: Option<f64>,
 }
@@ -121,7 +121,7 @@ pub(crate) struct Steps {
     from: f64,
     /// Last value.
     to: f64,
-    /// From one to the next; has to fit.
+    /// Step; it must divide the range.
     step: f64,
 }
 
@@ -131,18 +131,18 @@ enum KeysKind {
     Keys,
 }
 
-/// A motion through key poses, from rest to rest at each.
+/// A motion through key poses, at rest in each of them.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct KeysMotion {
-    /// Which motion it is.
-    #[expect(dead_code, reason = "known before it is read")]
+    /// Kind of the motion.
+    #[expect(dead_code, reason = "read before the other fields")]
     kind: KeysKind,
     /// The key poses.
     #[serde(deserialize_with = "strict::objects")]
     #[schema(min_items = 2, max_items = 1000)]
     keys: Vec<KeyFields>,
-    /// Samples a second, at least.
+    /// Minimum sampling rate [Hz].
     #[schema(exclusive_minimum = 0, maximum = 100000)]
     rate_hz: f64,
 }
@@ -151,16 +151,16 @@ pub(crate) struct KeysMotion {
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct KeyFields {
-    /// Turn about x [rad].
+    /// Tilt about x [rad].
     #[schema(minimum = -1.1, maximum = 1.1)]
     about_x_rad: f64,
-    /// Turn about y [rad].
+    /// Tilt about y [rad].
     #[schema(minimum = -1.1, maximum = 1.1)]
     about_y_rad: f64,
-    /// Where the platform plane crosses the base axis; without it, the robot's working height [m].
+    /// Height at which the platform plane crosses the base axis; default: the working height of the robot [m].
     #[schema(minimum = -1000, maximum = 1000)]
     axis_height_m: Option<f64>,
-    /// How long the way here takes; of the first pose it means nothing [s].
+    /// Duration of the motion from the previous pose; ignored for the first pose [s].
     #[schema(minimum = 0, maximum = 100000)]
     duration_s: f64,
 }
@@ -173,18 +173,18 @@ pub(crate) enum Samples {
     Keys(KeyMotion),
 }
 
-/// A pose commanded.
+/// A commanded pose.
 pub(crate) struct Commanded {
-    /// When, if the motion has a time [s].
+    /// Time, for a motion with time stamps [s].
     pub(crate) time: f64,
-    /// Where the platform leans.
+    /// Tilt of the platform.
     pub(crate) tilt: Tilt,
-    /// Where its plane crosses the base axis.
+    /// Height at which the platform plane crosses the base axis.
     pub(crate) height: AxisHeight,
 }
 
 impl MotionFields {
-    /// The motion that stands at `field`.
+    /// Checks the motion at `field`.
     pub(crate) fn read(self, gpr: &Gpr, field: &str) -> Result<Samples, Problem> {
         let Self(value) = self;
         let kind = body::kind(&value, field, &["raster", "serpentine", "keys"])?;
@@ -197,9 +197,9 @@ impl MotionFields {
             MotionChoice::Keys(found) => Samples::Keys(keys(found, gpr, field)?),
         };
         let found = samples.len();
-        if found > MOST_SAMPLES {
+        if found > MAX_SAMPLES {
             let detail = format!(
-                "the motion has {found} samples, at most {MOST_SAMPLES} are allowed: take larger steps"
+                "the motion has {found} samples, at most {MAX_SAMPLES} are allowed: use larger steps"
             );
             return Err(Problem::field(field, detail));
         }
@@ -231,9 +231,9 @@ fn raster(found: RasterMotion, gpr: &Gpr, field: &str) -> Result<Raster, Problem
 }
 
 fn keys(found: KeysMotion, gpr: &Gpr, field: &str) -> Result<KeyMotion, Problem> {
-    if found.keys.len() > MOST_KEYS {
+    if found.keys.len() > MAX_KEYS {
         let detail =
-            format!("{} key poses are given, at most {MOST_KEYS} may be", found.keys.len());
+            format!("{} key poses are given, at most {MAX_KEYS} are allowed", found.keys.len());
         return Err(Problem::field(format!("{field}.keys"), detail));
     }
     let keys = found.keys.iter().enumerate().map(|(k, key)| {
@@ -254,7 +254,7 @@ fn height(asked: Option<f64>, gpr: &Gpr, field: &str) -> Result<AxisHeight, Prob
 }
 
 impl Samples {
-    /// How many.
+    /// Number of samples.
     pub(crate) fn len(&self) -> usize {
         match self {
             Self::Raster(raster) => raster.yaws.len().saturating_mul(raster.pitches.len()),
@@ -262,12 +262,12 @@ impl Samples {
         }
     }
 
-    /// Whether they follow each other in time.
+    /// Whether the motion has time stamps.
     pub(crate) fn timed(&self) -> bool {
         matches!(self, Self::Keys(_))
     }
 
-    /// The poses commanded, in order.
+    /// The commanded poses, in order.
     pub(crate) fn commanded(&self) -> Box<dyn Iterator<Item = Commanded> + '_> {
         match self {
             Self::Raster(raster) => Box::new(raster.tilts().map(|tilt| Commanded {
@@ -289,28 +289,28 @@ impl Samples {
 pub(crate) struct ColumnName {
     /// Its name, with its unit at the end if it has one.
     pub(crate) name: String,
-    /// What stands in it.
+    /// Contents.
     pub(crate) source: Source,
 }
 
-/// What stands in a column.
+/// Contents of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Source {
-    /// When [s].
+    /// Time [s].
     Time,
-    /// Yaw commanded [rad].
+    /// Commanded yaw [rad].
     Yaw,
-    /// Pitch commanded [rad].
+    /// Commanded pitch [rad].
     Pitch,
-    /// Height commanded [m].
+    /// Commanded height [m].
     Height,
     /// A rod [m].
     Rod(usize),
-    /// What the model says, in SI.
+    /// Result of the model, in SI units.
     Model(Quantity),
 }
 
-/// The columns of a study, in order; its statuses stand behind them.
+/// The columns of a study, in order, without the status.
 pub(crate) fn columns(
     samples: &Samples,
     model: &(dyn Virtualization + Sync),
@@ -327,14 +327,14 @@ pub(crate) fn columns(
     let wanted = wanted.unwrap_or(&QuantityName::USUAL);
     let all = QuantityName::USUAL.into_iter().chain([QuantityName::Sensitivity]);
     for name in all.filter(|name| wanted.contains(name)) {
-        let mut tell = |name: &str, quantity| add(name.to_owned(), Source::Model(quantity));
+        let mut add_result = |name: &str, quantity| add(name.to_owned(), Source::Model(quantity));
         match name {
             QuantityName::Rods => {
                 (0..3).for_each(|k| add(format!("q{}_m", k + 1), Source::Rod(k)));
             }
             QuantityName::Sides => {
                 for (k, name) in ["L12_m", "L23_m", "L31_m"].into_iter().enumerate() {
-                    tell(name, Quantity::Side(k));
+                    add_result(name, Quantity::Side(k));
                 }
             }
             QuantityName::VirtualJoints => {
@@ -344,24 +344,24 @@ pub(crate) fn columns(
                         VirtualJointKind::Angular => "rad",
                     };
                     let name = format!("{}{}_{unit}", joint.symbol, joint.limb + 1);
-                    tell(&name, Quantity::VirtualJoint(k));
+                    add_result(&name, Quantity::VirtualJoint(k));
                 }
             }
             QuantityName::Origin => {
                 for (k, name) in ["origin_x_m", "origin_y_m", "origin_z_m"].into_iter().enumerate()
                 {
-                    tell(name, Quantity::Origin(k));
+                    add_result(name, Quantity::Origin(k));
                 }
             }
-            QuantityName::Twist => tell("twist_rad", Quantity::Twist),
-            QuantityName::Displacement => tell("displacement_m", Quantity::Displacement),
+            QuantityName::Twist => add_result("twist_rad", Quantity::Twist),
+            QuantityName::Displacement => add_result("displacement_m", Quantity::Displacement),
             QuantityName::Sensitivity => {
                 (0..3).for_each(|k| {
-                    tell(&format!("sensitivity_{}", k + 1), Quantity::Sensitivity(k))
+                    add_result(&format!("sensitivity_{}", k + 1), Quantity::Sensitivity(k))
                 });
             }
-            QuantityName::Residual => tell("residual_m", Quantity::Residual),
-            QuantityName::Iterations => tell("iterations", Quantity::Iterations),
+            QuantityName::Residual => add_result("residual_m", Quantity::Residual),
+            QuantityName::Iterations => add_result("iterations", Quantity::Iterations),
         }
     }
     columns

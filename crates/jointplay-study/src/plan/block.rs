@@ -9,17 +9,17 @@ pub const BLOCK: usize = 4096;
 /// Samples that are handed on together: a row group of a table.
 pub const CHUNK: u64 = 65_536;
 
-/// What became of a sample under a virtualization.
+/// Outcome of a sample under a virtualization.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
-    /// There is a robot, and its pose ended so.
+    /// There is a robot, and its pose has this status.
     Pose(Status),
     /// The dimensions drawn make no robot.
     NoRobot,
 }
 
 impl Outcome {
-    /// The words that people read.
+    /// The outcome in words, as shown to users.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -32,11 +32,11 @@ impl Outcome {
 /// Some samples of a plan: a column for all that is wanted, NaN where a sample has no answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
-    /// Which samples.
+    /// Numbers of the samples.
     pub samples: Vec<u64>,
     /// Draw of each.
     pub draws: Vec<u64>,
-    /// What is wanted, in the order of the plan, in SI units.
+    /// Output quantities, in the order of the plan, in SI units.
     pub columns: Vec<Vec<f64>>,
     /// For each virtualization what became of each sample.
     pub outcomes: Vec<Vec<Outcome>>,

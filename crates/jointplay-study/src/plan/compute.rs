@@ -5,13 +5,13 @@ use std::ops::Range;
 use jointplay_core::bulk::{Column, Quantity, Status};
 use jointplay_core::gpr::{BrokenLimit, BrokenLimits, Gpr, ball_sides};
 
+use super::as_built::RodsFrom;
+use super::as_built::{RobotSampler, value};
 use super::block::{Block, Outcome};
-use super::built::RodsFrom;
-use super::built::{RobotSampler, value};
 use super::definition::Plan;
 use super::inputs::Inputs;
 use super::moments::Moments;
-use super::wanted::{self, OutputQuantity};
+use super::output::{self, OutputQuantity};
 use crate::Error;
 
 /// Computes samples of a plan.
@@ -104,9 +104,9 @@ fn too_long_or_short(broken: &BrokenLimits) -> bool {
     broken.iter().any(|limit| matches!(limit, BrokenLimit::Rod { length, .. } if !length.is_nan()))
 }
 
-/// Columns on their way for one virtualization.
+/// Columns under computation for one virtualization.
 struct Model {
-    columns: wanted::Columns,
+    columns: output::Columns,
     outcomes: Vec<Outcome>,
 }
 
@@ -125,12 +125,12 @@ fn models(plan: &Plan, len: usize) -> Result<Vec<Model>, Error> {
             _ => None,
         });
         let outcomes = vec![Outcome::NoRobot; len];
-        Model { columns: wanted::columns(measures, len), outcomes }
+        Model { columns: output::columns(measures, len), outcomes }
     };
     Ok((0..plan.models.len()).map(of).collect())
 }
 
-/// Samples on their way.
+/// Samples under computation.
 struct Work<'a> {
     plan: &'a Plan,
     inputs: &'a Inputs,
@@ -138,7 +138,7 @@ struct Work<'a> {
     rods: [Vec<f64>; 3],
     /// [m].
     sides: [Vec<f64>; 3],
-    /// What became of the search for rods.
+    /// Status of the inverse kinematics.
     unreached: Vec<Status>,
     models: Vec<Model>,
 }
@@ -187,7 +187,7 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// Some samples of a robot that cannot be.
+    /// Marks samples whose dimensions do not form a robot.
     fn no_robot(&mut self, part: Range<usize>) {
         for rods in &mut self.rods {
             rods[part.clone()].fill(f64::NAN);

@@ -1,15 +1,15 @@
-//! What a study computes.
+//! Definition of a study.
 
 use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 
+use super::as_built::{RodsFrom, Tolerances};
 use super::block::BLOCK;
-use super::built::{RodsFrom, Tolerances};
-use super::spread::Variation;
-use super::wanted::OutputQuantity;
+use super::output::OutputQuantity;
+use super::variation::Variation;
 use crate::Error;
 
-/// Two angles that say a tilt.
+/// Two angles that define a tilt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TiltForm {
     /// Yaw γ, then pitch α.
@@ -21,7 +21,7 @@ pub enum TiltForm {
 /// The tilts of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tilts {
-    /// What the two angles are.
+    /// Meaning of the two angles.
     pub form: TiltForm,
     /// Yaw, or the angle about e_b1.
     pub first: Variation,
@@ -29,7 +29,7 @@ pub struct Tilts {
     pub second: Variation,
 }
 
-/// What a study computes.
+/// Definition of a study: what is varied, and what is computed of each sample.
 ///
 /// Lists of values make a grid: every value with every other, the second angle running fastest, then the first, then the height.
 /// Each draw of what is random runs through the whole grid: sample i has draw ⌊i / g⌋ at place i mod g of a grid of g.
@@ -37,7 +37,7 @@ pub struct Tilts {
 pub struct Plan {
     /// The robot as designed.
     pub gpr: Gpr,
-    /// Where the platform plane crosses the base axis, as commanded [m].
+    /// Height at which the platform plane crosses the base axis, as commanded [m].
     pub height: Variation,
     /// Tilts, as commanded [rad].
     pub tilt: Tilts,
@@ -45,15 +45,15 @@ pub struct Plan {
     pub tolerances: Tolerances,
     /// Whose dimensions the rods are computed from.
     pub rods_from: RodsFrom,
-    /// How often what is random is drawn; 1 where nothing is.
+    /// Number of draws of the random quantities; 1 where nothing is random.
     pub draws: u64,
-    /// What the draws start from.
+    /// Seed of the random draws.
     pub seed: u64,
     /// The virtualizations, side by side.
     pub models: Vec<&'static (dyn Virtualization + Sync)>,
     /// How their virtual joints are found.
     pub options: SolveOptions,
-    /// What is wanted of each sample, a column each.
+    /// Quantities to compute of each sample, a column each.
     pub wanted: Vec<OutputQuantity>,
 }
 

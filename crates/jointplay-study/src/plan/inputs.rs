@@ -1,4 +1,4 @@
-//! What each sample is given: its place in the grid, its draw, its pose.
+//! Inputs of each sample: its place in the grid, its draw, its pose.
 
 use jointplay_core::spatial::Tilt;
 

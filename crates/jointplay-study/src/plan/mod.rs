@@ -1,12 +1,12 @@
-//! Studies of any length: what is varied over which values or at random, what is wanted of each sample, computed in chunks.
+//! Studies of any length: values or distributions of what is varied, quantities to compute, computed in chunks.
 //!
 //! | to… | use |
 //! | --- | --- |
-//! | say what is varied, and what is wanted | [`Plan`], [`Variation`], [`Tolerances`], [`OutputQuantity`] |
+//! | define what is varied, and what is computed | [`Plan`], [`Variation`], [`Tolerances`], [`OutputQuantity`] |
 //! | compute some samples | [`compute`] → [`Block`] |
 //! | compute all of them over all cores, in order, in memory that does not grow | [`run`] |
-//! | sum columns up on the way | [`Totals`], [`Moments`] |
-//! | know medians and other quantiles | [`quantiles`] |
+//! | accumulate columns | [`Totals`], [`Moments`] |
+//! | compute medians and other quantiles | [`quantiles`] |
 //!
 //! Every sample depends on the plan and its number alone: not on chunks, threads, or where a run was taken up again.
 //!
@@ -31,26 +31,26 @@
 //! # Ok::<(), jointplay_study::Error>(())
 //! ```
 
+mod as_built;
 mod block;
-mod built;
 mod compute;
 mod definition;
 mod inputs;
 mod moments;
+mod output;
 mod quantiles;
 mod random;
 mod run;
-mod spread;
 mod totals;
-mod wanted;
+mod variation;
 
+pub use as_built::{Dimension, RodsFrom, Tolerances};
 pub use block::{BLOCK, Block, CHUNK, Outcome};
-pub use built::{Dimension, RodsFrom, Tolerances};
 pub use compute::compute;
 pub use definition::{Plan, TiltForm, Tilts};
 pub use moments::Moments;
+pub use output::{OutputQuantity, PlatformQuantity};
 pub use quantiles::{QUANTILE_SAMPLES, quantiles};
 pub use run::run;
-pub use spread::Variation;
 pub use totals::{Outcomes, Totals};
-pub use wanted::{OutputQuantity, PlatformQuantity};
+pub use variation::Variation;

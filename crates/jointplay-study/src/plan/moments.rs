@@ -1,6 +1,6 @@
 //! Moments of a column of numbers.
 
-/// Count, extrema, mean and standard deviation of the numbers of a column; NaN is left out.
+/// Count, extrema, mean and standard deviation of the numbers of a column; NaN is excluded.
 ///
 /// ```text
 ///    m = m_a + (m_b − m_a) n_b / n        S = S_a + S_b + (m_b − m_a)² n_a n_b / n

@@ -11,7 +11,7 @@ use crate::Error;
 /// Samples that quantiles are taken from at most.
 pub const QUANTILE_SAMPLES: u64 = 65_536;
 
-/// The stream of random numbers that says which samples; far from those of the quantities.
+/// The stream of random numbers that chooses the samples; far from those of the quantities.
 const STREAM: u64 = u64::MAX;
 
 /// Quantiles of every column of a plan, by linear interpolation between the numbers in order; `None` for a column without numbers.

@@ -12,14 +12,14 @@ use crate::Error;
 /// Cores that one chunk keeps busy: it has sixteen blocks.
 const CORES_OF_A_CHUNK: usize = 8;
 
-/// Computes a plan from one of its chunks on, over the cores of the current thread pool, and hands the chunks on in order.
+/// Computes a plan from one of its chunks on, over the cores of the current thread pool, and passes the chunks on in order.
 ///
 /// While some chunks are taken, the next are computed; no more than these are in memory.
 ///
 /// # Arguments
 /// * `from` – the first chunk, counted from 0
 /// * `encode` – makes of the blocks of a chunk what is to be taken; called for several chunks at a time
-/// * `take` – is given the chunks in order, and says whether to go on
+/// * `take` – is called with the chunks in order, and returns whether to continue
 ///
 /// # Errors
 /// As [`compute`], and those of `encode` and `take`.

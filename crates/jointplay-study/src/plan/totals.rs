@@ -1,11 +1,11 @@
-//! Columns summed up while they go by.
+//! Totals of columns that are accumulated block by block.
 
 use jointplay_core::bulk::Status;
 
 use super::block::{Block, Outcome};
 use super::moments::Moments;
 
-/// How many samples ended in which way.
+/// Number of samples by outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Outcomes {
     /// By [`Status`], in the order of its numbers.

@@ -15,7 +15,7 @@ pub(crate) fn figure() -> Figure {
     let rods = gpr.inverse(tilt(0.0, 2.0), HEIGHT).expect("a pose of the robot");
     let sides = ball_sides(&gpr.ball_centers(&rods));
     let start = [RADIUS, RADIUS, RADIUS, 0.0, 0.0, 0.0];
-    let run = |third, rho| iterate(third, ByL::HalfWay, start, &sides, rho, STEPS);
+    let run = |third, rho| iterate(third, ByL::Midpoint, start, &sides, rho, STEPS);
     let mut residuals = Panel::new(Axis::linear("iteration"), Axis::log10("residual (µm)"))
         .with_title("(a) largest error of a side");
     let mut distances = Panel::new(Axis::linear("iteration"), Axis::log10("distance (µm)"))

@@ -1,4 +1,4 @@
-//! What first order sees: singular values near level, and bounds beside the truth.
+//! First-order analysis: singular values near level, and bounds of the true displacement.
 
 use jointplay::Error;
 use jointplay::gpr::{EvaluatedBounds, Gpr};
@@ -11,7 +11,7 @@ use crate::{by_decades, evenly};
 
 /// The two vanishing singular values of the scaled ∂Φ/∂P against a difference between the rods.
 ///
-/// The twelfth is round-off, and so no two builds need agree on it: left out.
+/// The twelfth is round-off, and may differ between builds; it is omitted.
 pub(crate) fn singular_values() -> Result<Figure, Error> {
     let gpr = Gpr::paper().without_limit_checks();
     let system = gpr.system(&Planar);
@@ -50,7 +50,7 @@ pub(crate) fn singular_values() -> Result<Figure, Error> {
     Ok(Figure::new("Smallest singular values of the scaled ∂Φ/∂P near level").with_panel(panel))
 }
 
-/// ‖ΔX‖ of the radial model beside its bounds, for derivatives at three places.
+/// ‖ΔX‖ of the radial model and its bounds, for derivatives at three places.
 pub(crate) fn bounds() -> Result<Figure, Error> {
     let gpr = Gpr::paper().without_limit_checks();
     let pitches = evenly(0.0, 2.0, 41);
@@ -70,7 +70,7 @@ pub(crate) fn bounds() -> Result<Figure, Error> {
             ));
     let places: [(&str, Vec<&EvaluatedBounds>, Colour); 3] = [
         ("start", plays.iter().map(|play| &play.at_start).collect(), Colour::GREY),
-        ("half way", plays.iter().map(|play| &play.at_midpoint).collect(), Colour::BLUE),
+        ("midway", plays.iter().map(|play| &play.at_midpoint).collect(), Colour::BLUE),
         ("end", plays.iter().map(|play| &play.at_end).collect(), Colour::VERMILLION),
     ];
     for (place, bounded, colour) in places {
@@ -90,6 +90,5 @@ pub(crate) fn bounds() -> Result<Figure, Error> {
                 Style::line(colour, Dash::Dashed),
             ));
     }
-    Ok(Figure::new("Radial play beside the bounds (5), derivatives at three places")
-        .with_panel(panel))
+    Ok(Figure::new("Radial play and the bounds (5), derivatives at three places").with_panel(panel))
 }

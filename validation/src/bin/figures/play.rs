@@ -10,7 +10,7 @@ use crate::{by_decades, evenly};
 
 const UM: f64 = 1e-6;
 
-/// Polar: lengths beside arcs; offset and planar: sideways displacement.
+/// Polar: lengths and arcs; offset and planar: sideways displacement.
 pub(crate) fn angular_parts() -> Figure {
     let yaws = evenly(0.0, 360.0, 181);
     let polar = |yaw| pose(&Polar, Solver::Newton, Metric::Paper, yaw, 2.0).solution.virtual_joints;

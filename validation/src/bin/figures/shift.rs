@@ -1,4 +1,4 @@
-//! Where the platform's centre goes.
+//! Shift of the platform's centre.
 
 use jointplay::Error;
 use jointplay::gpr::Gpr;
@@ -67,7 +67,7 @@ const fn thin(colour: Colour, dash: Dash) -> Style {
     Style::line(colour, dash).with_width(1.2)
 }
 
-/// Shift of every model against the tilt, and its azimuth as the yaw goes round.
+/// Shift of every model against the tilt, and its azimuth over a full turn of the yaw.
 pub(crate) fn against_tilt() -> Result<Figure, Error> {
     let gpr = Gpr::paper().without_limit_checks();
     let pitches = evenly(0.0, 2.0, 41);
@@ -76,8 +76,8 @@ pub(crate) fn against_tilt() -> Result<Figure, Error> {
         Panel::new(Axis::linear("tilt (°)"), Axis::linear("centre shift toward rod 1 (µm)"))
             .with_title("(a) tilt toward rod 1");
     let mut azimuths = Panel::new(
-        Axis::linear("yaw: where the platform leans (°)"),
-        Axis::linear("where the centre goes (°)").with_range(-370.0, 190.0),
+        Axis::linear("yaw: azimuth of the tilt (°)"),
+        Axis::linear("azimuth of the shift (°)").with_range(-370.0, 190.0),
     )
     .with_title("(b) azimuth of the shift at a tilt of 2°");
     for (name, model, solver, style) in models() {
@@ -104,7 +104,7 @@ pub(crate) fn against_tilt() -> Result<Figure, Error> {
     let approximate = model_style(Model::Approximate);
     let zero = vec![0.0; pitches.len()];
     shifts = shifts.with_curve(Curve::new("approximate", pitches, zero, approximate));
-    Ok(Figure::new("Where the centre of the platform goes").with_panel(shifts).with_panel(azimuths))
+    Ok(Figure::new("Shift of the centre of the platform").with_panel(shifts).with_panel(azimuths))
 }
 
 /// Azimuths without jumps of a whole turn [°].

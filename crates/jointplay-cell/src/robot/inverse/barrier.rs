@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn derivatives_are_what_differences_say() {
+    fn barrier_derivatives_agree_with_differences() {
         let step = 1e-5;
         for values in [[0.1, -0.3, 0.6, -0.8], [0.1, 1.2, 0.6, -1.1]] {
             let model = limits(values);
@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_cost_is_found_from_before_a_pole_and_from_beyond() {
+    fn minimization_converges_on_both_sides_of_a_pole() {
         for values in [[0.1, -0.3, 0.6, -0.8], [0.9999, 0.2, 0.6, 0.1], [1.3, 0.2, -0.4, 0.1]] {
             let model = limits(values);
             let found = model.least(1.0).unwrap();

@@ -4,11 +4,11 @@ use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::{Translation3, Vector2, Vector3};
 
-use super::closed_form::Ways;
-use super::decomposition::{Pair, Plan};
+use super::closed_form::PairSolutions;
+use super::decomposition::{Decomposition, Pair};
 use super::newton::solutions;
 use super::redundant::Redundant;
-use super::revolutions::{Ranges, Turns};
+use super::revolutions::{Ranges, Revolutions};
 use super::solution::{
     Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach,
     ReachDirection, WaferTarget,
@@ -58,20 +58,20 @@ impl HybridRobot {
         self.check_effector(id)?;
         self.check_positions(near)?;
         let normal = upward(target)?;
-        let planar = ArmChain::new(self, id);
+        let chain = ArmChain::new(self, id);
         let slope = normal.xy() / normal.z;
         let level = self.gpr.base_points().map(|point| -slope.dot(&point));
         let below = self.model.forward(&self.gpr, level)?;
         let pose = &below.base_from_platform;
         let over = target.center - pose.translation.vector;
-        let height = (normal.dot(&over) - planar.height) / normal.z;
+        let height = (normal.dot(&over) - chain.height) / normal.z;
         let mut start = Positions::new(near);
         for (rod, level) in start.iter_mut().zip(level) {
             *rod = level + height;
         }
         let raised = Translation3::new(0.0, 0.0, height) * pose;
         let (point, heading) = within(&raised, &below, target);
-        self.finished(id, &planar, target, &normal, point, heading, start, near)
+        self.finished(id, &chain, target, &normal, point, heading, start, near)
     }
 
     /// All motor positions that bring the wafer of an effector over a point, the rods keeping their positions in `near`.
@@ -92,10 +92,10 @@ impl HybridRobot {
         self.check_effector(id)?;
         self.check_positions(near)?;
         let platform = self.platform(near)?;
-        let planar = ArmChain::new(self, id);
+        let chain = ArmChain::new(self, id);
         let pose = platform.base_from_platform;
         let normal = platform.normal();
-        let center = pose.rotation * point.push(planar.height) + pose.translation.vector;
+        let center = pose.rotation * point.push(chain.height) + pose.translation.vector;
         if !center.iter().all(|number| number.is_finite()) {
             return Err(not_finite("the point", center.sum()));
         }
@@ -103,14 +103,17 @@ impl HybridRobot {
         let target = WaferTarget { center, normal, heading: turned };
         upward(&target)?;
         let start = Positions::new(near);
-        self.finished(id, &planar, &target, &normal, point, heading, start, near)
+        self.finished(id, &chain, &target, &normal, point, heading, start, near)
     }
 
-    #[expect(clippy::too_many_arguments, reason = "one call's half-way results, used here alone")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "one call's half-solution results, used here alone"
+    )]
     fn finished(
         &self,
         id: EffectorId,
-        planar: &ArmChain,
+        chain: &ArmChain,
         target: &WaferTarget,
         normal: &Vector3<f64>,
         point: Vector2<f64>,
@@ -118,10 +121,10 @@ impl HybridRobot {
         start: Positions,
         near: &[f64],
     ) -> Result<Inverse, CellError> {
-        let ranges = self.ranges(planar);
-        let own_near = planar.own(near);
-        let plan = Plan::new(planar);
-        let is_free = is_free(planar, plan.as_ref());
+        let ranges = self.ranges(chain);
+        let own_near = chain.own(near);
+        let decomposition = Decomposition::new(chain);
+        let is_free = is_free(chain, decomposition.as_ref());
         let with_heading = target.heading.is_some() && is_free;
         let heading = heading.filter(|_| is_free);
         let mut branches: Vec<Branch> = Vec::new();
@@ -131,10 +134,10 @@ impl HybridRobot {
         let base_from_platform = self.platform(&start)?.base_from_platform;
         let mut add = |own: &AxisCoefficients, configuration: Configuration| {
             let mut positions = start;
-            for (&axis, &position) in planar.axes().iter().zip(own) {
+            for (&axis, &position) in chain.axes().iter().zip(own) {
                 positions[axis] = position;
             }
-            let pose = base_from_platform * planar.wafer(&positions);
+            let pose = base_from_platform * chain.wafer(&positions);
             let polished = self.polish(id, &pose, target, normal, with_heading, &mut positions);
             let (corrections, missing) = match polished {
                 Ok(found) => found,
@@ -148,7 +151,7 @@ impl HybridRobot {
                 return;
             }
             let mut violations = Vec::new();
-            for axis in (0..RODS).chain(planar.axes().iter().copied()) {
+            for axis in (0..RODS).chain(chain.axes().iter().copied()) {
                 self.check_axis(axis, positions[axis], &mut violations);
             }
             self.check_tilt(tilt, &mut violations);
@@ -170,15 +173,15 @@ impl HybridRobot {
             });
         };
         let mut out_of_reach = None;
-        let mut bend = Configuration::default();
-        match &plan {
-            Some(plan) => {
-                bend = plan.configuration(planar, &own_near);
-                let solver = Solver { planar, plan, ranges: &ranges, near: &own_near };
+        let mut configuration = Configuration::default();
+        match &decomposition {
+            Some(decomposition) => {
+                configuration = decomposition.configuration(chain, &own_near);
+                let solver = Solver { chain, decomposition, ranges: &ranges, near: &own_near };
                 out_of_reach = solver.solve(point, heading, &mut add);
             }
             None => {
-                for own in solutions(planar, &ranges, &point, heading, &own_near) {
+                for own in solutions(chain, &ranges, &point, heading, &own_near) {
                     add(&own, Configuration::default());
                 }
             }
@@ -187,8 +190,12 @@ impl HybridRobot {
             return Err(error);
         }
         if branches.is_empty() && out_of_reach.is_none() {
-            let distance = (point - planar.origin).norm();
-            let max = planar.arrows().iter().map(|arrow| arrow.vector.norm()).sum::<f64>();
+            let distance = (point - chain.origin).norm();
+            let max = chain
+                .link_vectors()
+                .iter()
+                .map(|link_vector| link_vector.vector.norm())
+                .sum::<f64>();
             out_of_reach = Some(OutOfReach { distance, min: 0.0, max });
         }
         let mut plane_violations = Vec::new();
@@ -196,7 +203,7 @@ impl HybridRobot {
             self.check_axis(rod, start[rod], &mut plane_violations);
         }
         self.check_tilt(tilt, &mut plane_violations);
-        let chosen = choose(&mut branches, bend);
+        let chosen = choose(&mut branches, configuration);
         Ok(Inverse { branches, chosen, out_of_reach, plane_violations })
     }
 
@@ -206,13 +213,13 @@ impl HybridRobot {
     /// [`CellError::NoSuchEffector`]
     pub fn heading_is_free(&self, id: EffectorId) -> Result<bool, CellError> {
         self.check_effector(id)?;
-        let planar = ArmChain::new(self, id);
-        Ok(is_free(&planar, Plan::new(&planar).as_ref()))
+        let chain = ArmChain::new(self, id);
+        Ok(is_free(&chain, Decomposition::new(&chain).as_ref()))
     }
 
-    fn ranges(&self, planar: &ArmChain) -> Ranges {
-        let mut ranges = Ranges { min: [0.0; 4], max: [0.0; 4], count: planar.axes().len() };
-        for (a, &axis) in planar.axes().iter().enumerate() {
+    fn ranges(&self, chain: &ArmChain) -> Ranges {
+        let mut ranges = Ranges { min: [0.0; 4], max: [0.0; 4], count: chain.axes().len() };
+        for (a, &axis) in chain.axes().iter().enumerate() {
             (ranges.min[a], ranges.max[a]) = (self.axes[axis].min, self.axes[axis].max);
         }
         ranges
@@ -257,16 +264,16 @@ impl HybridRobot {
 }
 
 /// Whether motors are left over for the heading.
-fn is_free(planar: &ArmChain, plan: Option<&Plan>) -> bool {
-    match plan {
-        Some(plan) => plan.last.is_some(),
-        None => planar.axes().len() > 2,
+fn is_free(chain: &ArmChain, decomposition: Option<&Decomposition>) -> bool {
+    match decomposition {
+        Some(decomposition) => decomposition.last.is_some(),
+        None => chain.axes().len() > 2,
     }
 }
 
 struct Solver<'a> {
-    planar: &'a ArmChain,
-    plan: &'a Plan,
+    chain: &'a ArmChain,
+    decomposition: &'a Decomposition,
     ranges: &'a Ranges,
     near: &'a AxisCoefficients,
 }
@@ -278,48 +285,55 @@ impl Solver<'_> {
         heading: Option<f64>,
         add: &mut impl FnMut(&AxisCoefficients, Configuration),
     ) -> Option<OutOfReach> {
-        let (planar, plan) = (self.planar, self.plan);
-        let turns = Turns::of(plan);
-        let mut point = point - planar.origin;
-        let last = heading.map(|heading| heading - planar.heading.0);
-        if plan.first.is_some() || (plan.last.is_some() && last.is_none()) {
-            let redundant =
-                Redundant::new(planar, plan, &turns, self.ranges, point, last, self.near);
-            for bend in bends(plan) {
-                if let Some(own) = redundant.away_from_limits(bend) {
-                    turns.within(&own, self.ranges, |own| add(own, bend));
+        let (chain, decomposition) = (self.chain, self.decomposition);
+        let revolutions = Revolutions::of(decomposition);
+        let mut point = point - chain.origin;
+        let last = heading.map(|heading| heading - chain.heading.0);
+        if decomposition.first.is_some() || (decomposition.last.is_some() && last.is_none()) {
+            let redundant = Redundant::new(
+                chain,
+                decomposition,
+                &revolutions,
+                self.ranges,
+                point,
+                last,
+                self.near,
+            );
+            for configuration in bends(decomposition) {
+                if let Some(own) = redundant.away_from_limits(configuration) {
+                    revolutions.within(&own, self.ranges, |own| add(own, configuration));
                 }
             }
             return None;
         }
         let mut unknown = [0.0; 4];
-        if let (Some(k), Some(turn)) = (plan.last, last) {
+        if let (Some(k), Some(turn)) = (decomposition.last, last) {
             unknown[2] = turn;
-            point -= turned(&planar.arrows()[k].vector, turn);
+            point -= turned(&chain.link_vectors()[k].vector, turn);
         }
-        let now = plan.unknown(self.near);
-        let ways: Ways = match plan.span(planar, &point, Configuration::default(), [now[0], now[1]])
-        {
-            Ok(ways) => ways,
-            Err(out_of_reach) => return Some(out_of_reach),
-        };
-        for way in ways.into_iter().flatten() {
-            (unknown[0], unknown[1]) = (way.pair[0], way.pair[1]);
-            let own = plan.positions(&unknown);
-            turns.within(&own, self.ranges, |own| add(own, way.configuration));
+        let now = decomposition.unknown(self.near);
+        let solutions: PairSolutions =
+            match decomposition.span(chain, &point, Configuration::default(), [now[0], now[1]]) {
+                Ok(solutions) => solutions,
+                Err(out_of_reach) => return Some(out_of_reach),
+            };
+        for solution in solutions.into_iter().flatten() {
+            (unknown[0], unknown[1]) = (solution.pair[0], solution.pair[1]);
+            let own = decomposition.positions(&unknown);
+            revolutions.within(&own, self.ranges, |own| add(own, solution.configuration));
         }
         None
     }
 }
 
 /// All configurations of a pair.
-fn bends(plan: &Plan) -> impl Iterator<Item = Configuration> {
+fn bends(decomposition: &Decomposition) -> impl Iterator<Item = Configuration> {
     const ELBOWS: [Option<Elbow>; 2] = [Some(Elbow::Left), Some(Elbow::Right)];
     const REACHES: [Option<ReachDirection>; 2] =
         [Some(ReachDirection::Forward), Some(ReachDirection::Backward)];
-    let (elbows, reaches): (&[_], &[_]) = match plan.pair {
+    let (elbows, reaches): (&[_], &[_]) = match decomposition.pair {
         Pair::Links(_) => (&ELBOWS, &[None]),
-        Pair::Slide(_) => (&[None], &REACHES),
+        Pair::Prismatic(_) => (&[None], &REACHES),
         Pair::Belt(..) => (&ELBOWS, &REACHES),
     };
     reaches
@@ -328,16 +342,16 @@ fn bends(plan: &Plan) -> impl Iterator<Item = Configuration> {
 }
 
 /// Chooses among the branches within limits: one with the present configuration if there is one, and of those the nearest.
-fn choose(branches: &mut [Branch], bend: Configuration) -> Option<usize> {
+fn choose(branches: &mut [Branch], configuration: Configuration) -> Option<usize> {
     let within = |branch: &Branch| branch.violations.is_empty();
-    let stays = branches.iter().any(|b| within(b) && b.configuration.agrees_with(bend));
+    let stays = branches.iter().any(|b| within(b) && b.configuration.agrees_with(configuration));
     let mut chosen: Option<usize> = None;
     for k in 0..branches.len() {
         let branch = &branches[k];
         if !within(branch) {
             continue;
         }
-        if stays && !branch.configuration.agrees_with(bend) {
+        if stays && !branch.configuration.agrees_with(configuration) {
             branches[k].selection = BranchSelection::OtherElbow;
         } else if chosen.is_none_or(|best| branch.distance < branches[best].distance) {
             chosen = Some(k);

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::decomposition::{Carried, Link, Pair, Plan};
+use super::decomposition::{CarriedLink, Decomposition, Link, Pair};
 use super::solution::{Configuration, Elbow, OutOfReach, ReachDirection};
 use crate::robot::arm_chain::{ArmChain, LinkVector, dot, perpendicular, turned};
 
@@ -11,17 +11,17 @@ const STRETCHED: f64 = 1e-14;
 
 /// One solution for both unknowns, with its configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Found {
+pub(super) struct PairSolution {
     pub(super) pair: [f64; 2],
     pub(super) configuration: Configuration,
     /// Both link vectors; for a prismatic pair the whole span, and its direction [m].
-    pub(super) arrows: [Vector2<f64>; 2],
+    pub(super) link_vectors: [Vector2<f64>; 2],
     /// Distance of the configuration from its ends: the cosine of the elbow angle, or the reach ahead of the first joint [m].
-    pub(super) from_end: f64,
+    pub(super) end_distance: f64,
 }
 
 /// Up to four solutions.
-pub(super) type Ways = [Option<Found>; 4];
+pub(super) type PairSolutions = [Option<PairSolution>; 4];
 
 fn angle(vector: &Vector2<f64>) -> f64 {
     vector.y.atan2(vector.x)
@@ -32,7 +32,7 @@ fn within(frame: &Vector2<f64>, vector: &Vector2<f64>) -> Vector2<f64> {
     Vector2::new(frame.dot(vector), frame.perp(vector))
 }
 
-impl Plan {
+impl Decomposition {
     /// All values of the pair that span `point` [m] in configurations that agree with a given one.
     ///
     /// # Arguments
@@ -40,25 +40,31 @@ impl Plan {
     #[inline]
     pub(super) fn span(
         &self,
-        planar: &ArmChain,
+        chain: &ArmChain,
         point: &Vector2<f64>,
-        bend: Configuration,
+        wanted: Configuration,
         like: [f64; 2],
-    ) -> Result<Ways, OutOfReach> {
+    ) -> Result<PairSolutions, OutOfReach> {
         match &self.pair {
-            Pair::Links(pair) => links(pair, point, bend, like),
-            Pair::Belt(pair, carried) => belt(pair, carried, point, bend, like),
-            Pair::Slide(g) => {
-                let slides = planar.slides();
-                slide(&planar.arrows()[*g], &slides[0].along.vector, point, bend, like)
+            Pair::Links(pair) => links(pair, point, wanted, like),
+            Pair::Belt(pair, carried_link) => belt(pair, carried_link, point, wanted, like),
+            Pair::Prismatic(g) => {
+                let prismatic_joints = chain.prismatic_joints();
+                prismatic(
+                    &chain.link_vectors()[*g],
+                    &prismatic_joints[0].along.vector,
+                    point,
+                    wanted,
+                    like,
+                )
             }
         }
     }
 
     /// Derivatives of the spanned vector by both unknowns.
     #[inline]
-    pub(super) fn span_change(&self, found: &Found, point: &Vector2<f64>) -> SpanChange {
-        let [one, other] = found.arrows;
+    pub(super) fn span_change(&self, found: &PairSolution, point: &Vector2<f64>) -> SpanChange {
+        let [one, other] = found.link_vectors;
         match &self.pair {
             Pair::Links(_) => SpanChange {
                 velocities: [perpendicular(&one), perpendicular(&other)],
@@ -72,7 +78,7 @@ impl Plan {
                     second: [-one - quarter, -quarter, -other - quarter],
                 }
             }
-            Pair::Slide(_) => SpanChange {
+            Pair::Prismatic(_) => SpanChange {
                 velocities: [perpendicular(&one), other],
                 second: [-one, perpendicular(&other), Vector2::zeros()],
             },
@@ -80,38 +86,39 @@ impl Plan {
     }
 
     /// Direction in which a belt-coupled pair moves its wafer; for other pairs, the direction of the first link.
-    pub(super) fn middle(&self, planar: &ArmChain, pair: [f64; 2]) -> Vector2<f64> {
-        let first = |k: usize| turned(&planar.arrows()[k].vector, pair[0]).normalize();
+    pub(super) fn middle(&self, chain: &ArmChain, pair: [f64; 2]) -> Vector2<f64> {
+        let first = |k: usize| turned(&chain.link_vectors()[k].vector, pair[0]).normalize();
         match &self.pair {
-            Pair::Belt(_, carried) => {
-                turned(&Vector2::x(), 0.5 * (pair[0] + pair[1]) + carried.middle)
+            Pair::Belt(_, carried_link) => {
+                turned(&Vector2::x(), 0.5 * (pair[0] + pair[1]) + carried_link.middle)
             }
-            Pair::Links([one, _]) => first(one.arrow),
-            Pair::Slide(g) => first(*g),
+            Pair::Links([one, _]) => first(one.link_vector),
+            Pair::Prismatic(g) => first(*g),
         }
     }
 
     /// Configuration of the arm at positions of its axes.
-    pub(super) fn configuration(&self, planar: &ArmChain, own: &[f64; 4]) -> Configuration {
-        let arrows = planar.arrows();
-        let at = |k: usize| turned(&arrows[k].vector, dot(&arrows[k].turn, own));
+    pub(super) fn configuration(&self, chain: &ArmChain, own: &[f64; 4]) -> Configuration {
+        let link_vectors = chain.link_vectors();
+        let at = |k: usize| turned(&link_vectors[k].vector, dot(&link_vectors[k].turn, own));
         match &self.pair {
-            Pair::Links([i, j]) => {
-                Configuration { elbow: elbow(-at(i.arrow).perp(&at(j.arrow))), reaching: None }
-            }
-            Pair::Belt(links, carried) => {
-                let [i, j] = links.map(|link| link.arrow);
-                let pair = [i, j].map(|k| dot(&arrows[k].turn, own));
-                let axis = self.middle(planar, pair);
+            Pair::Links([i, j]) => Configuration {
+                elbow: elbow(-at(i.link_vector).perp(&at(j.link_vector))),
+                reaching: None,
+            },
+            Pair::Belt(links, carried_link) => {
+                let [i, j] = links.map(|link| link.link_vector);
+                let pair = [i, j].map(|k| dot(&link_vectors[k].turn, own));
+                let axis = self.middle(chain, pair);
                 Configuration {
                     elbow: elbow(axis.perp(&at(i))),
-                    reaching: reaching(axis.dot(&(at(i) + at(j) + at(carried.arrow)))),
+                    reaching: reaching(axis.dot(&(at(i) + at(j) + at(carried_link.link_vector)))),
                 }
             }
-            Pair::Slide(g) => {
-                let slide = &planar.slides()[0];
-                let along = turned(&slide.along.vector, dot(&slide.along.turn, own));
-                let tip = at(*g) + along * dot(&slide.growth, own);
+            Pair::Prismatic(g) => {
+                let prismatic = &chain.prismatic_joints()[0];
+                let along = turned(&prismatic.along.vector, dot(&prismatic.along.turn, own));
+                let tip = at(*g) + along * dot(&prismatic.extension, own);
                 Configuration { elbow: None, reaching: reaching(along.dot(&tip)) }
             }
         }
@@ -147,9 +154,9 @@ fn reaching(forward: f64) -> Option<ReachDirection> {
 fn links(
     [one, other]: &[Link; 2],
     point: &Vector2<f64>,
-    bend: Configuration,
+    wanted: Configuration,
     like: [f64; 2],
-) -> Result<Ways, OutOfReach> {
+) -> Result<PairSolutions, OutOfReach> {
     let (a, b, d) = (one.length, other.length, point.norm());
     let (min, max) = ((a - b).abs(), a + b);
     if d > max + STRETCHED * max || d < min - STRETCHED * max {
@@ -161,9 +168,9 @@ fn links(
     let angle_between = sine.atan2(cosine);
     // The spanned vector in the frame of the first link, multiplied by the length of that link.
     let reach = Vector2::new(a * a + cosine, sine);
-    let way = |side: f64| {
+    let solution = |side: f64| {
         let configuration = Configuration { elbow: elbow(-side * sine), reaching: None };
-        configuration.agrees_with(bend).then(|| {
+        configuration.agrees_with(wanted).then(|| {
             let aside = Vector2::new(reach.x, side * reach.y);
             // The first link multiplied by the squared distance.
             let along = within(&aside, point);
@@ -174,25 +181,25 @@ fn links(
                 (first, turned(&Vector2::new(a, 0.0), first))
             };
             let pair = [first - one.angle, first + side * angle_between - other.angle];
-            let from_end = cosine / (a * b);
-            Found { pair, configuration, arrows: [link, point - link], from_end }
+            let end_distance = cosine / (a * b);
+            PairSolution { pair, configuration, link_vectors: [link, point - link], end_distance }
         })
     };
     // Stretched or folded, both solutions are one.
-    let second = if sine > 0.0 { way(-1.0) } else { None };
-    Ok([way(1.0), second, None, None])
+    let second = if sine > 0.0 { solution(-1.0) } else { None };
+    Ok([solution(1.0), second, None, None])
 }
 
 /// Links of length A at ±δ about the direction of the third link w: 2 A cos δ + w spans the distance.
 #[inline]
 fn belt(
     [one, other]: &[Link; 2],
-    carried: &Carried,
+    carried_link: &CarriedLink,
     point: &Vector2<f64>,
-    bend: Configuration,
+    wanted: Configuration,
     like: [f64; 2],
-) -> Result<Ways, OutOfReach> {
-    let w = &carried.vector;
+) -> Result<PairSolutions, OutOfReach> {
+    let w = &carried_link.vector;
     let (stretched, d) = (2.0 * one.length, point.norm());
     let along = (d - w.y.abs()) * (d + w.y.abs());
     let far = Vector2::new(w.x + stretched, w.y).norm();
@@ -201,7 +208,7 @@ fn belt(
         return Err(OutOfReach { distance: d, min: near, max: far });
     }
     let along = along.max(0.0).sqrt();
-    let mut ways = [None; 4];
+    let mut solutions = [None; 4];
     let mut count = 0;
     for (sign, reaching) in [(1.0, ReachDirection::Forward), (-1.0, ReachDirection::Backward)] {
         let grown = sign * along - w.x;
@@ -209,7 +216,7 @@ fn belt(
             continue;
         }
         let reaching = (along > 0.0).then_some(reaching);
-        if !(Configuration { elbow: None, reaching }).agrees_with(bend) {
+        if !(Configuration { elbow: None, reaching }).agrees_with(wanted) {
             continue;
         }
         // cos δ and sin δ in a form that does not cancel near the stretched arm.
@@ -219,58 +226,59 @@ fn belt(
             let unit = within(&Vector2::new(sign * along, w.y), point) / (d * d);
             (angle(&unit), unit)
         } else {
-            let direction = 0.5 * (like[0] + like[1]) + carried.middle;
+            let direction = 0.5 * (like[0] + like[1]) + carried_link.middle;
             (direction, turned(&Vector2::x(), direction))
         };
         for side in [1.0, -1.0] {
             let configuration = Configuration { elbow: elbow(side * across), reaching };
-            if !configuration.agrees_with(bend) || (across == 0.0 && side < 0.0) || count == 4 {
+            if !configuration.agrees_with(wanted) || (across == 0.0 && side < 0.0) || count == 4 {
                 continue;
             }
             let half = side * half;
             let pair = [direction + half - one.angle, direction - half - other.angle];
             let (along, aside) =
                 (unit * (0.5 * grown), perpendicular(&unit) * (0.5 * side * across));
-            let arrows = [along + aside, along - aside];
-            let from_end = grown + w.x;
-            ways[count] = Some(Found { pair, configuration, arrows, from_end });
+            let link_vectors = [along + aside, along - aside];
+            let end_distance = grown + w.x;
+            solutions[count] =
+                Some(PairSolution { pair, configuration, link_vectors, end_distance });
             count += 1;
         }
     }
-    Ok(ways)
+    Ok(solutions)
 }
 
 /// A prismatic joint along `unit` that carries a link.
 #[inline]
-fn slide(
-    carried: &LinkVector,
+fn prismatic(
+    carried_link: &LinkVector,
     unit: &Vector2<f64>,
     point: &Vector2<f64>,
-    bend: Configuration,
+    wanted: Configuration,
     like: [f64; 2],
-) -> Result<Ways, OutOfReach> {
-    let w = within(unit, &carried.vector);
+) -> Result<PairSolutions, OutOfReach> {
+    let w = within(unit, &carried_link.vector);
     let d = point.norm();
     let aside = w.y.abs();
     if d < aside * (1.0 - STRETCHED) {
         return Err(OutOfReach { distance: d, min: aside, max: f64::INFINITY });
     }
     let along = ((d - aside) * (d + aside)).max(0.0).sqrt();
-    let way = |sign: f64, reaching| {
+    let solution = |sign: f64, reaching| {
         let reaching = (along > 0.0).then_some(reaching);
         let configuration = Configuration { elbow: None, reaching };
-        configuration.agrees_with(bend).then(|| {
-            let from_end = sign * along;
+        configuration.agrees_with(wanted).then(|| {
+            let end_distance = sign * along;
             let (turn, direction) = if d > 0.0 {
-                let direction = within(&Vector2::new(from_end, w.y), point) / (d * d);
+                let direction = within(&Vector2::new(end_distance, w.y), point) / (d * d);
                 (angle(&within(unit, &direction)), direction)
             } else {
                 (like[0], turned(unit, like[0]))
             };
-            let pair = [turn, from_end - w.x];
-            Found { pair, configuration, arrows: [*point, direction], from_end }
+            let pair = [turn, end_distance - w.x];
+            PairSolution { pair, configuration, link_vectors: [*point, direction], end_distance }
         })
     };
-    let backward = if along > 0.0 { way(-1.0, ReachDirection::Backward) } else { None };
-    Ok([way(1.0, ReachDirection::Forward), backward, None, None])
+    let backward = if along > 0.0 { solution(-1.0, ReachDirection::Backward) } else { None };
+    Ok([solution(1.0, ReachDirection::Forward), backward, None, None])
 }

@@ -15,15 +15,15 @@ pub(super) enum Pair {
     /// Two links that rotate independently.
     Links([Link; 2]),
     /// Two links of equal length and a third that rotates by the mean of both: they move it along its own direction.
-    Belt([Link; 2], Carried),
+    Belt([Link; 2], CarriedLink),
     /// A link on a prismatic joint that rotates with it.
-    Slide(usize),
+    Prismatic(usize),
 }
 
 /// A link vector in polar coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Link {
-    pub(super) arrow: usize,
+    pub(super) link_vector: usize,
     /// Length [m].
     pub(super) length: f64,
     /// Direction where the unknown is zero [rad].
@@ -32,8 +32,8 @@ pub(super) struct Link {
 
 /// The link that a belt-coupled pair moves along its own direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Carried {
-    pub(super) arrow: usize,
+pub(super) struct CarriedLink {
+    pub(super) link_vector: usize,
     /// Direction in which the pair moves the link where both unknowns are zero: the mean of the links' directions [rad].
     pub(super) middle: f64,
     /// The link vector in the frame of that direction, its x not negative [m].
@@ -46,7 +46,7 @@ pub(super) struct Carried {
 ///    y = Y a        a: positions of the axes, n of each
 /// ```
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Plan {
+pub(super) struct Decomposition {
     pub(super) pair: Pair,
     /// Link that rotates with the wafer, where it is not part of the pair.
     pub(super) last: Option<usize>,
@@ -59,42 +59,47 @@ pub(super) struct Plan {
     pub(super) forward: Matrix4<f64>,
 }
 
-impl Plan {
+impl Decomposition {
     /// The decomposition of an arm; `None` where the arm has no closed form.
-    pub(super) fn new(planar: &ArmChain) -> Option<Self> {
-        let count = planar.axes().len();
-        let arrows = planar.arrows();
+    pub(super) fn new(chain: &ArmChain) -> Option<Self> {
+        let count = chain.axes().len();
+        let link_vectors = chain.link_vectors();
         let mut rest: [usize; 4] = [0; 4];
         let mut left = 0;
         let last = if count > 2 {
-            Some(arrows.iter().position(|arrow| arrow.turn == planar.heading.1)?)
+            Some(link_vectors.iter().position(|link_vector| link_vector.turn == chain.heading.1)?)
         } else {
             None
         };
-        let first = if count > 3 { (0..arrows.len()).find(|&k| Some(k) != last) } else { None };
-        for k in (0..arrows.len()).filter(|&k| Some(k) != last && Some(k) != first) {
+        let first =
+            if count > 3 { (0..link_vectors.len()).find(|&k| Some(k) != last) } else { None };
+        for k in (0..link_vectors.len()).filter(|&k| Some(k) != last && Some(k) != first) {
             rest[left] = k;
             left += 1;
         }
-        let pair = match (planar.slides(), &rest[..left]) {
-            ([], &[i, j]) => Pair::Links([i, j].map(|k| Link::of(arrows, k))),
+        let pair = match (chain.prismatic_joints(), &rest[..left]) {
+            ([], &[i, j]) => Pair::Links([i, j].map(|k| Link::of(link_vectors, k))),
             ([], &[i, j, k]) => {
                 let order = [[i, j, k], [i, k, j], [j, k, i]];
-                let [i, j, w] = order.into_iter().find(|&[i, j, w]| is_belt(planar, i, j, w))?;
-                belt([i, j].map(|k| Link::of(arrows, k)), arrows, w)
+                let [i, j, w] = order.into_iter().find(|&[i, j, w]| is_belt(chain, i, j, w))?;
+                belt([i, j].map(|k| Link::of(link_vectors, k)), link_vectors, w)
             }
-            ([slide], &[g]) if slide.along.turn == arrows[g].turn => Pair::Slide(g),
+            ([prismatic], &[g]) if prismatic.along.turn == link_vectors[g].turn => {
+                Pair::Prismatic(g)
+            }
             _ => return None,
         };
         let rows: [&AxisCoefficients; 2] = match pair {
-            Pair::Links(pair) | Pair::Belt(pair, _) => pair.map(|link| &arrows[link.arrow].turn),
-            Pair::Slide(g) => [&arrows[g].turn, &planar.slides()[0].growth],
+            Pair::Links(pair) | Pair::Belt(pair, _) => {
+                pair.map(|link| &link_vectors[link.link_vector].turn)
+            }
+            Pair::Prismatic(g) => [&link_vectors[g].turn, &chain.prismatic_joints()[0].extension],
         };
         let rows = [
             Some(rows[0]),
             Some(rows[1]),
-            last.map(|k| &arrows[k].turn),
-            first.map(|k| &arrows[k].turn),
+            last.map(|k| &link_vectors[k].turn),
+            first.map(|k| &link_vectors[k].turn),
         ];
         let mut forward = Matrix4::identity();
         for (r, row) in rows.into_iter().enumerate() {
@@ -124,31 +129,31 @@ impl Plan {
 }
 
 impl Link {
-    fn of(arrows: &[LinkVector], arrow: usize) -> Self {
-        let vector = &arrows[arrow].vector;
-        Self { arrow, length: vector.norm(), angle: vector.y.atan2(vector.x) }
+    fn of(link_vectors: &[LinkVector], link_vector: usize) -> Self {
+        let vector = &link_vectors[link_vector].vector;
+        Self { link_vector, length: vector.norm(), angle: vector.y.atan2(vector.x) }
     }
 }
 
 /// A belt-coupled pair, with the one of its two mean directions along which the wafer points.
-fn belt([one, mut other]: [Link; 2], arrows: &[LinkVector], arrow: usize) -> Pair {
+fn belt([one, mut other]: [Link; 2], link_vectors: &[LinkVector], link_vector: usize) -> Pair {
     let mut middle = 0.5 * (one.angle + other.angle);
-    let mut vector = turned(&arrows[arrow].vector, -middle);
+    let mut vector = turned(&link_vectors[link_vector].vector, -middle);
     if vector.x < 0.0 {
         let turn = if other.angle > 0.0 { -TAU } else { TAU };
         other.angle += turn;
         middle += 0.5 * turn;
         vector = -vector;
     }
-    Pair::Belt([one, other], Carried { arrow, middle, vector })
+    Pair::Belt([one, other], CarriedLink { link_vector, middle, vector })
 }
 
-fn is_belt(planar: &ArmChain, i: usize, j: usize, w: usize) -> bool {
-    let arrows = planar.arrows();
-    let (one, other) = (arrows[i].vector.norm(), arrows[j].vector.norm());
+fn is_belt(chain: &ArmChain, i: usize, j: usize, w: usize) -> bool {
+    let link_vectors = chain.link_vectors();
+    let (one, other) = (link_vectors[i].vector.norm(), link_vectors[j].vector.norm());
     let mean = (0..4).all(|a| {
-        let mean = 0.5 * (arrows[i].turn[a] + arrows[j].turn[a]);
-        (arrows[w].turn[a] - mean).abs() <= 1e-12
+        let mean = 0.5 * (link_vectors[i].turn[a] + link_vectors[j].turn[a]);
+        (link_vectors[w].turn[a] - mean).abs() <= 1e-12
     });
     mean && (one - other).abs() <= SAME_LENGTH * one
 }

@@ -25,14 +25,14 @@ const MOST: usize = 16;
 ///
 /// Steps have least norm in units of the ranges of the axes: an arm with more motors than needed stays near its start, which is `near` if that leads to a solution.
 pub(super) fn solutions(
-    planar: &ArmChain,
+    chain: &ArmChain,
     ranges: &Ranges,
     point: &Vector2<f64>,
     heading: Option<f64>,
     near: &AxisCoefficients,
 ) -> Vec<AxisCoefficients> {
     let free = ranges.count > 2 + usize::from(heading.is_some());
-    let first = descend(planar, ranges, point, heading, near);
+    let first = descend(chain, ranges, point, heading, near);
     let mut found: Vec<AxisCoefficients> = first.into_iter().collect();
     if free && !found.is_empty() {
         return found;
@@ -49,7 +49,7 @@ pub(super) fn solutions(
             *own = ranges.min[a] + share * (ranges.max[a] - ranges.min[a]);
             rest /= STARTS;
         }
-        let Some(solution) = descend(planar, ranges, point, heading, &own) else { continue };
+        let Some(solution) = descend(chain, ranges, point, heading, &own) else { continue };
         if found.iter().all(|known| apart(known, &solution) > SAME) {
             found.push(solution);
         }
@@ -60,7 +60,7 @@ pub(super) fn solutions(
 }
 
 fn descend(
-    planar: &ArmChain,
+    chain: &ArmChain,
     ranges: &Ranges,
     point: &Vector2<f64>,
     heading: Option<f64>,
@@ -73,17 +73,18 @@ fn descend(
     for (a, compliance) in compliance.iter_mut().enumerate().take(ranges.count) {
         *compliance = ranges.half(a).powi(2);
     }
-    let size = point.norm() + planar.arrows().iter().map(|arrow| arrow.vector.norm()).sum::<f64>();
+    let size = point.norm()
+        + chain.link_vectors().iter().map(|link_vector| link_vector.vector.norm()).sum::<f64>();
     for _ in 0..MOST_STEPS {
-        let missing = point - planar.tip(&own);
-        let turn = heading.map_or(0.0, |heading| wrap_angle(heading - planar.heading(&own)));
+        let missing = point - chain.tip(&own);
+        let turn = heading.map_or(0.0, |heading| wrap_angle(heading - chain.heading(&own)));
         if missing.norm() <= 1e-15 * size.max(f64::MIN_POSITIVE) * 8.0 && turn.abs() <= 1e-14 {
             return Some(own);
         }
-        let velocities = planar.tip_velocities(&own);
+        let velocities = chain.tip_velocities(&own);
         let mut columns = [Vector3::z() * if heading.is_some() { 0.0 } else { 1.0 }; 5];
         for a in 0..ranges.count {
-            let turning = if heading.is_some() { planar.heading.1[a] } else { 0.0 };
+            let turning = if heading.is_some() { chain.heading.1[a] } else { 0.0 };
             columns[a] = velocities[a].push(turning);
         }
         columns[ranges.count] = columns[4];
@@ -104,6 +105,6 @@ fn descend(
             own[a] += share * step[a];
         }
     }
-    let missing = (point - planar.tip(&own)).norm();
+    let missing = (point - chain.tip(&own)).norm();
     (missing <= 1e-13 * size).then_some(own)
 }

@@ -5,9 +5,9 @@ use std::array::from_fn;
 use nalgebra::{Matrix2, Vector2};
 
 use super::barrier::{AXES, Bent, ENDS, Each, Gain, LEAST, Model, Pole, of_limits};
-use super::closed_form::Found;
-use super::decomposition::{Pair, Plan};
-use super::revolutions::{Ranges, Turns};
+use super::closed_form::PairSolution;
+use super::decomposition::{Decomposition, Pair};
+use super::revolutions::{Ranges, Revolutions};
 use super::solution::Configuration;
 use crate::robot::arm_chain::{ArmChain, AxisCoefficients, perpendicular, turned};
 
@@ -33,9 +33,9 @@ const NEAR: f64 = 0.1;
 
 /// The free angles of an arm: of its first and of its last link vector.
 pub(super) struct Redundant<'a> {
-    planar: &'a ArmChain,
-    plan: &'a Plan,
-    turns: &'a Turns,
+    chain: &'a ArmChain,
+    decomposition: &'a Decomposition,
+    revolutions: &'a Revolutions,
     ranges: &'a Ranges,
     /// Vector that free links and pair have to span [m].
     point: Vector2<f64>,
@@ -54,13 +54,13 @@ pub(super) struct Redundant<'a> {
 
 /// Unknowns that reach the target, with their cost.
 #[derive(Clone, Copy)]
-struct Costed {
+struct CostedPose {
     unknown: AxisCoefficients,
-    found: Found,
+    found: PairSolution,
     /// Vector that the pair spans [m].
     point: Vector2<f64>,
     /// Free link vectors [m].
-    arrows: [Vector2<f64>; 2],
+    link_vectors: [Vector2<f64>; 2],
     /// Position of each axis, from −1 at one limit to 1 at the other.
     shares: Each,
     cost: f64,
@@ -72,9 +72,9 @@ impl<'a> Redundant<'a> {
     /// # Arguments
     /// * `near` – present positions
     pub(super) fn new(
-        planar: &'a ArmChain,
-        plan: &'a Plan,
-        turns: &'a Turns,
+        chain: &'a ArmChain,
+        decomposition: &'a Decomposition,
+        revolutions: &'a Revolutions,
         ranges: &'a Ranges,
         point: Vector2<f64>,
         last: Option<f64>,
@@ -85,21 +85,33 @@ impl<'a> Redundant<'a> {
             let half = ranges.half(a);
             at_zero[a] = -ranges.middle(a) / half;
             for (r, by_unknown) in by_unknown.iter_mut().enumerate() {
-                by_unknown[a] = plan.inverse[(a, r)] / half;
+                by_unknown[a] = decomposition.inverse[(a, r)] / half;
             }
         }
-        let vector = |k: usize| &planar.arrows()[k].vector;
-        let near_end = Pole::Ahead(NEAR * plan.last.map_or(0.0, |k| vector(k).norm()));
-        let poles = match plan.pair {
+        let vector = |k: usize| &chain.link_vectors()[k].vector;
+        let near_end = Pole::Ahead(NEAR * decomposition.last.map_or(0.0, |k| vector(k).norm()));
+        let poles = match decomposition.pair {
             Pair::Links(_) => [Pole::Bend, Pole::None],
             Pair::Belt(..) => [Pole::Bend, near_end],
-            Pair::Slide(_) => [Pole::None, near_end],
+            Pair::Prismatic(_) => [Pole::None, near_end],
         };
-        let held = plan.last.zip(last).map(|(k, turn)| turned(vector(k), turn));
+        let held = decomposition.last.zip(last).map(|(k, turn)| turned(vector(k), turn));
         let point = point - held.unwrap_or_else(Vector2::zeros);
-        let free = [plan.last.filter(|_| last.is_none()), plan.first];
-        let near = plan.unknown(near);
-        Self { planar, plan, turns, ranges, point, last, free, near, by_unknown, at_zero, poles }
+        let free = [decomposition.last.filter(|_| last.is_none()), decomposition.first];
+        let near = decomposition.unknown(near);
+        Self {
+            chain,
+            decomposition,
+            revolutions,
+            ranges,
+            point,
+            last,
+            free,
+            near,
+            by_unknown,
+            at_zero,
+            poles,
+        }
     }
 
     /// The positions of a given configuration that are farthest from limits, and from the stretched and the folded arm:
@@ -113,12 +125,12 @@ impl<'a> Redundant<'a> {
         configuration: Configuration,
     ) -> Option<AxisCoefficients> {
         let here = self.at([self.near[2], self.near[3]], configuration, &self.near);
-        let here = here.map(|here| self.wound_within(here));
+        let here = here.map(|here| self.wrapped_to_limits(here));
         let (mut now, stretched) = match here {
             Some(here) if here.of_bend < STRETCHED => (here, None),
             here => match STARTS.iter().find_map(|&count| self.start(count, configuration)) {
                 Some(now) => (now, here),
-                None => return here.map(|here| self.plan.positions(&here.unknown)),
+                None => return here.map(|here| self.decomposition.positions(&here.unknown)),
             },
         };
         let mut radius = LONGEST;
@@ -148,46 +160,50 @@ impl<'a> Redundant<'a> {
             Some(stretched) if self.is_within(&stretched) && !self.is_within(&now) => stretched,
             _ => now,
         };
-        Some(self.plan.positions(&taken.unknown))
+        Some(self.decomposition.positions(&taken.unknown))
     }
 
-    fn is_within(&self, place: &Costed) -> bool {
+    fn is_within(&self, place: &CostedPose) -> bool {
         place.shares.iter().all(|u| u.abs() <= 1.0)
     }
 
     /// The same pose by the revolutions of least cost, where a limit is violated otherwise.
-    fn wound_within(&self, place: Costed) -> Costed {
+    fn wrapped_to_limits(&self, place: CostedPose) -> CostedPose {
         if self.is_within(&place) {
             return place;
         }
         let mut best = place;
-        self.turns.within(&self.plan.positions(&place.unknown), self.ranges, |own| {
-            let mut wound = place;
-            wound.unknown = self.plan.unknown(own);
-            let wound = self.costed(wound);
-            if wound.cost < best.cost {
-                best = wound;
-            }
-        });
+        self.revolutions.within(
+            &self.decomposition.positions(&place.unknown),
+            self.ranges,
+            |own| {
+                let mut wrapped = place;
+                wrapped.unknown = self.decomposition.unknown(own);
+                let wrapped = self.costed(wrapped);
+                if wrapped.cost < best.cost {
+                    best = wrapped;
+                }
+            },
+        );
         best
     }
 
     /// The best of a grid of values of each free angle.
-    fn start(&self, count: usize, configuration: Configuration) -> Option<Costed> {
+    fn start(&self, count: usize, configuration: Configuration) -> Option<CostedPose> {
         let turn = |k: usize| std::f64::consts::TAU * k as f64 / count as f64;
         // The vectors that a free link takes on the grid.
-        let raster = |arrow: Option<usize>| {
+        let raster = |link_vector: Option<usize>| {
             let mut reached = [Vector2::zeros(); MOST_STARTS];
-            if let Some(k) = arrow {
-                let vector = &self.planar.arrows()[k].vector;
+            if let Some(k) = link_vector {
+                let vector = &self.chain.link_vectors()[k].vector;
                 (0..count).for_each(|i| reached[i] = turned(vector, turn(i)));
             }
-            (if arrow.is_some() { count } else { 1 }, reached)
+            (if link_vector.is_some() { count } else { 1 }, reached)
         };
         let [last, first] = self.free;
         let (lasts, by_last) = raster(last);
         let (firsts, by_first) = raster(first);
-        let mut best: Option<Costed> = None;
+        let mut best: Option<CostedPose> = None;
         for (i, by_last) in by_last[..lasts].iter().enumerate() {
             let rest = self.point - by_last;
             for (j, by_first) in by_first[..firsts].iter().enumerate() {
@@ -209,7 +225,7 @@ impl<'a> Redundant<'a> {
     /// Lower bound on the cost of spanning a vector: 1 for each axis, and that of the elbow by the law of cosines.
     fn costs_at_least(&self, point: &Vector2<f64>) -> f64 {
         let limits = AXES as f64;
-        let Pair::Links([i, j]) = &self.plan.pair else { return limits };
+        let Pair::Links([i, j]) = &self.decomposition.pair else { return limits };
         let twice = 2.0 * i.length * j.length;
         let cosine = (point.norm_squared() - i.length * i.length - j.length * j.length) / twice;
         let squared_sine = 1.0 - cosine * cosine;
@@ -223,23 +239,24 @@ impl<'a> Redundant<'a> {
         free: [f64; 2],
         configuration: Configuration,
         near: &AxisCoefficients,
-    ) -> Option<Costed> {
-        let arrows = from_fn(|f| match self.free[f] {
-            Some(k) => turned(&self.planar.arrows()[k].vector, free[f]),
+    ) -> Option<CostedPose> {
+        let link_vectors = from_fn(|f| match self.free[f] {
+            Some(k) => turned(&self.chain.link_vectors()[k].vector, free[f]),
             None => Vector2::zeros(),
         });
-        let point = self.point - arrows[0] - arrows[1];
-        let ways = self.plan.span(self.planar, &point, configuration, [0.0; 2]).ok()?;
-        let found = ways.into_iter().flatten().next()?;
+        let point = self.point - link_vectors[0] - link_vectors[1];
+        let solutions =
+            self.decomposition.span(self.chain, &point, configuration, [0.0; 2]).ok()?;
+        let found = solutions.into_iter().flatten().next()?;
         let unknown = [found.pair[0], found.pair[1], self.last.unwrap_or(free[0]), free[1]];
-        let unknown = self.plan.wound(&unknown, near);
+        let unknown = self.decomposition.wrapped(&unknown, near);
         let (shares, cost, of_bend) = (Each::default(), 0.0, 0.0);
-        Some(self.costed(Costed { unknown, found, point, arrows, shares, cost, of_bend }))
+        Some(self.costed(CostedPose { unknown, found, point, link_vectors, shares, cost, of_bend }))
     }
 
     /// The same unknowns with their cost.
     #[inline]
-    fn costed(&self, mut place: Costed) -> Costed {
+    fn costed(&self, mut place: CostedPose) -> CostedPose {
         let (by, y) = (&self.by_unknown, &place.unknown);
         place.shares = from_fn(|a| {
             self.at_zero[a]
@@ -254,24 +271,30 @@ impl<'a> Redundant<'a> {
 
     /// Distance of the configuration from its ends, one for each pole, with its first two derivatives by the squared length of the spanned vector.
     #[inline]
-    fn ends(&self, found: &Found) -> [[f64; 3]; ENDS] {
-        let perpendicular = found.from_end.abs();
+    fn ends(&self, found: &PairSolution) -> [[f64; 3]; ENDS] {
+        let perpendicular = found.end_distance.abs();
         let of_ahead = [
             perpendicular,
             0.5 / perpendicular,
             -0.25 / (perpendicular * perpendicular * perpendicular),
         ];
-        match &self.plan.pair {
-            Pair::Links([i, j]) => [[found.from_end, 0.5 / (i.length * j.length), 0.0], [0.0; 3]],
-            Pair::Belt([i, _], carried) => {
-                let by_ahead = found.from_end.signum() / (2.0 * i.length);
+        match &self.decomposition.pair {
+            Pair::Links([i, j]) => {
+                [[found.end_distance, 0.5 / (i.length * j.length), 0.0], [0.0; 3]]
+            }
+            Pair::Belt([i, _], carried_link) => {
+                let by_ahead = found.end_distance.signum() / (2.0 * i.length);
                 let [_, slope, curvature] = of_ahead.map(|number| number * by_ahead);
                 [
-                    [(found.from_end - carried.vector.x) / (2.0 * i.length), slope, curvature],
+                    [
+                        (found.end_distance - carried_link.vector.x) / (2.0 * i.length),
+                        slope,
+                        curvature,
+                    ],
                     of_ahead,
                 ]
             }
-            Pair::Slide(_) => [[0.0; 3], of_ahead],
+            Pair::Prismatic(_) => [[0.0; 3], of_ahead],
         }
     }
 
@@ -281,11 +304,11 @@ impl<'a> Redundant<'a> {
     ///    S p_f  =  −w_f        S p_fg  =  −(w_fg + Σ_ij S_ij p_i,f p_j,g)
     /// ```
     /// for the pair p, the derivatives S and S_ij of its span, and the derivatives w_f and w_fg of the free link vectors.
-    fn model(&self, now: &Costed) -> Option<Model> {
-        let span = self.plan.span_change(&now.found, &now.point);
+    fn model(&self, now: &CostedPose) -> Option<Model> {
+        let span = self.decomposition.span_change(&now.found, &now.point);
         let inverse = Matrix2::from_columns(&span.velocities).try_inverse()?;
-        let [a, b] = &now.arrows;
-        let [p, q] = [a, b].map(|arrow| -(inverse * perpendicular(arrow)));
+        let [a, b] = &now.link_vectors;
+        let [p, q] = [a, b].map(|link_vector| -(inverse * perpendicular(link_vector)));
         let bent = |p: &Vector2<f64>, q: &Vector2<f64>, inward: &Vector2<f64>| {
             let [first, both, second] = &span.second;
             let change =
@@ -293,7 +316,7 @@ impl<'a> Redundant<'a> {
             inverse * (inward - change)
         };
         let bends = [bent(&p, &p, a), bent(&p, &q, &Vector2::zeros()), bent(&q, &q, b)];
-        let free = self.free.map(|arrow| arrow.is_some());
+        let free = self.free.map(|link_vector| link_vector.is_some());
         let by = &self.by_unknown;
         let by_pair = |pair: &Vector2<f64>| from_fn(|t| by[0][t] * pair[0] + by[1][t] * pair[1]);
         let mut slopes: [Each; 2] = [by_pair(&p), by_pair(&q)];

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector4;
 
-use super::decomposition::{Pair, Plan};
+use super::decomposition::{Decomposition, Pair};
 use crate::robot::arm_chain::AxisCoefficients;
 
 /// Largest number of combinations of revolutions that are tried; axes of at most ten revolutions have fewer on any usual arm.
@@ -34,48 +34,48 @@ impl Ranges {
 
 /// The lattice of whole revolutions: positions a + Σ_m k_m generator_m are one pose for whole numbers k.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Turns {
+pub(super) struct Revolutions {
     generators: [Vector4<f64>; 4],
     /// k = duals · a
     duals: [Vector4<f64>; 4],
     count: usize,
 }
 
-impl Plan {
+impl Decomposition {
     /// Unknowns of the same pose, nearest to other unknowns.
     #[inline]
-    pub(super) fn wound(
+    pub(super) fn wrapped(
         &self,
         unknown: &AxisCoefficients,
         near: &AxisCoefficients,
     ) -> AxisCoefficients {
-        let mut wound = *unknown;
-        for (r, (wound, near)) in wound.iter_mut().zip(near).enumerate() {
+        let mut wrapped = *unknown;
+        for (r, (wrapped, near)) in wrapped.iter_mut().zip(near).enumerate() {
             if r != 1 || matches!(self.pair, Pair::Links(_)) {
-                *wound += TAU * ((near - *wound) / TAU).round();
+                *wrapped += TAU * ((near - *wrapped) / TAU).round();
             }
         }
         if let Pair::Belt(..) = self.pair {
             // The third link rotates by the mean: both unknowns change by one revolution, or one of them by two.
-            let other = unknown[1] + wound[0] - unknown[0];
-            wound[1] = other + 2.0 * TAU * ((near[1] - other) / (2.0 * TAU)).round();
+            let other = unknown[1] + wrapped[0] - unknown[0];
+            wrapped[1] = other + 2.0 * TAU * ((near[1] - other) / (2.0 * TAU)).round();
         }
-        wound
+        wrapped
     }
 }
 
-impl Turns {
-    pub(super) fn of(plan: &Plan) -> Self {
-        let mut turns =
+impl Revolutions {
+    pub(super) fn of(decomposition: &Decomposition) -> Self {
+        let mut revolutions =
             Self { generators: [Vector4::zeros(); 4], duals: [Vector4::zeros(); 4], count: 0 };
-        let row = |r: usize| plan.forward.row(r).transpose() / TAU;
-        let column = |r: usize| plan.inverse.column(r) * TAU;
+        let row = |r: usize| decomposition.forward.row(r).transpose() / TAU;
+        let column = |r: usize| decomposition.inverse.column(r) * TAU;
         let mut add = |generator: Vector4<f64>, dual: Vector4<f64>| {
-            turns.generators[turns.count] = generator;
-            turns.duals[turns.count] = dual;
-            turns.count += 1;
+            revolutions.generators[revolutions.count] = generator;
+            revolutions.duals[revolutions.count] = dual;
+            revolutions.count += 1;
         };
-        match plan.pair {
+        match decomposition.pair {
             Pair::Links(_) => {
                 add(column(0), row(0));
                 add(column(1), row(1));
@@ -85,12 +85,12 @@ impl Turns {
                 add(column(0) + column(1), row(0));
                 add(column(1) * 2.0, (row(1) - row(0)) * 0.5);
             }
-            Pair::Slide(_) => add(column(0), row(0)),
+            Pair::Prismatic(_) => add(column(0), row(0)),
         }
-        for r in 2..plan.count {
+        for r in 2..decomposition.count {
             add(column(r), row(r));
         }
-        turns
+        revolutions
     }
 
     fn shifted(&self, own: &AxisCoefficients, k: &[i64; 4]) -> AxisCoefficients {
@@ -145,8 +145,9 @@ impl Turns {
         if combinations <= MOST {
             let slack: AxisCoefficients = from_fn(|a| SLACK * (ranges.max[a] - ranges.min[a]));
             for_each(&low[..self.count], &high[..self.count], |k| {
-                let turns = k.map(|k| k as f64);
-                if (0..ranges.count).all(|a| self.beyond(own, &turns, ranges, a) <= slack[a]) {
+                let revolutions = k.map(|k| k as f64);
+                if (0..ranges.count).all(|a| self.beyond(own, &revolutions, ranges, a) <= slack[a])
+                {
                     found = true;
                     each(&self.shifted(own, k));
                 }
@@ -164,9 +165,9 @@ impl Turns {
         let weights: AxisCoefficients = from_fn(|a| 1.0 / (ranges.max[a] - ranges.min[a]));
         let (low, high) = ([-1; 4], [1; 4]);
         for_each(&low[..self.count], &high[..self.count], |k| {
-            let (turns, mut excess) = (k.map(|k| k as f64), 0.0);
+            let (revolutions, mut excess) = (k.map(|k| k as f64), 0.0);
             for (a, weight) in weights.iter().enumerate().take(ranges.count) {
-                excess += self.beyond(&about, &turns, ranges, a).max(0.0) * weight;
+                excess += self.beyond(&about, &revolutions, ranges, a).max(0.0) * weight;
                 if excess >= least {
                     return;
                 }

@@ -6,7 +6,9 @@ use clap::{Args, ValueEnum};
 use jointplay::format::number::{counted, number};
 use jointplay::format::place;
 use jointplay::interop::export::dialect::{DIALECTS, Dialect, MAX_BYTES};
-use jointplay::interop::export::{self, Recording};
+use jointplay::interop::export::{self, MotionExport};
+#[cfg(feature = "parquet")]
+use jointplay::report::TableError;
 use jointplay::report::table;
 use serde::Serialize;
 
@@ -133,10 +135,10 @@ impl Export {
 
     /// Writes the files of all formats.
     fn files(&self, planned: &Planned, dialect: &Dialect) -> Result<Vec<WrittenFile>, Failure> {
-        let recording = planned.recording();
+        let motion_export = planned.motion_export();
         let mut kinds = self.to.clone();
         kinds.dedup();
-        let mark = if recording.flaws.is_empty() { "" } else { MARK };
+        let mark = if motion_export.violation_notes.is_empty() { "" } else { MARK };
         let stem = format!("{}{mark}", planned.input.cell.stem);
         let progress = Progress::new(kinds.len());
         let reporter = progress.reporter();
@@ -144,7 +146,7 @@ impl Export {
         reporter.parts(kinds.len());
         let mut staged = Staged::into(&self.out, self.force)?;
         for kind in kinds {
-            self.file(kind, &recording, &TextName { stem: &stem, dialect }, &mut staged)?;
+            self.file(kind, &motion_export, &TextName { stem: &stem, dialect }, &mut staged)?;
             reporter.part_done();
         }
         staged.publish()
@@ -153,33 +155,33 @@ impl Export {
     fn file(
         &self,
         kind: Kind,
-        recording: &Recording<'_>,
+        motion_export: &MotionExport<'_>,
         &TextName { stem, dialect }: &TextName<'_>,
         staged: &mut Staged,
     ) -> Result<(), Failure> {
         let Rate(rate) = self.rate;
         match kind {
-            Kind::Csv => csv(staged, &format!("{stem}.csv"), recording, rate),
+            Kind::Csv => csv(staged, &format!("{stem}.csv"), motion_export, rate),
             #[cfg(feature = "parquet")]
-            Kind::Parquet => parquet(staged, &format!("{stem}.parquet"), recording, rate),
+            Kind::Parquet => parquet(staged, &format!("{stem}.parquet"), motion_export, rate),
             Kind::Gltf => staged.add(&format!("{stem}.glb"), |writer| {
-                Ok(writer.write_all(&export::gltf(recording, rate)?)?)
+                Ok(writer.write_all(&export::gltf(motion_export, rate)?)?)
             }),
             #[cfg(feature = "mcap")]
-            Kind::Mcap => mcap(staged, &format!("{stem}.mcap"), recording, rate),
+            Kind::Mcap => mcap(staged, &format!("{stem}.mcap"), motion_export, rate),
             Kind::Solidworks => {
-                for (axis, name) in export::motors(recording).iter().enumerate() {
+                for (axis, name) in export::motors(motion_export).iter().enumerate() {
                     staged.add(name, |mut writer| {
-                        Ok(export::motor(recording, rate, axis, &mut writer)??)
+                        Ok(export::motor(motion_export, rate, axis, &mut writer)??)
                     })?;
                 }
-                let (name, text) = export::loader(recording);
+                let (name, text) = export::loader(motion_export);
                 staged.add(&name, |writer| Ok(writer.write_all(text.as_bytes())?))
             }
             Kind::Text => {
                 let name = format!("{stem}-{}.{}", dialect.name, dialect.extension);
                 staged.add(&name, |writer| {
-                    dialect.write_in_parts(recording, rate, |part| {
+                    dialect.write_in_parts(motion_export, rate, |part| {
                         Ok::<_, Contents>(writer.write_all(part.as_bytes())?)
                     })
                 })
@@ -192,12 +194,12 @@ impl Export {
 pub(super) fn csv(
     staged: &mut Staged,
     name: &str,
-    recording: &Recording<'_>,
+    motion_export: &MotionExport<'_>,
     rate: f64,
 ) -> Result<(), Failure> {
     staged.add(name, |mut writer| {
         let mut header = true;
-        export::samples_in_parts(recording, rate, |columns| {
+        export::samples_in_parts(motion_export, rate, |columns| {
             table::write_csv(columns, std::mem::take(&mut header), &mut writer)?;
             Ok::<_, Contents>(())
         })
@@ -223,22 +225,18 @@ fn dialect(path: &Path) -> Result<Dialect, Failure> {
 fn parquet(
     staged: &mut Staged,
     name: &str,
-    recording: &Recording<'_>,
+    motion_export: &MotionExport<'_>,
     rate: f64,
 ) -> Result<(), Failure> {
-    let failed = |error: table::ParquetError| match error {
-        // An error of the disk keeps its kind.
-        table::ParquetError::External(source) => match source.downcast::<std::io::Error>() {
-            Ok(source) => Contents::Write(*source),
-            Err(_) => Contents::Other(Failure::Parquet),
-        },
+    let failed = |error: TableError| match error {
+        TableError::Write(source) => Contents::Write(source),
         _ => Contents::Other(Failure::Parquet),
     };
     staged.add(name, |writer| {
         // The writer needs the columns of the first part.
         let mut file = None;
         let mut writer = Some(writer);
-        export::samples_in_parts(recording, rate, |columns| {
+        export::samples_in_parts(motion_export, rate, |columns| {
             if let Some(writer) = writer.take() {
                 file = Some(table::ParquetTable::new(columns, writer).map_err(failed)?);
             }
@@ -252,10 +250,10 @@ fn parquet(
 fn mcap(
     staged: &mut Staged,
     name: &str,
-    recording: &Recording<'_>,
+    motion_export: &MotionExport<'_>,
     rate: f64,
 ) -> Result<(), Failure> {
-    staged.add(name, |writer| Ok(writer.write_all(&export::mcap::write(recording, rate)?)?))
+    staged.add(name, |writer| Ok(writer.write_all(&export::mcap::write(motion_export, rate)?)?))
 }
 
 fn text(written: &Written, files: &[WrittenFile]) -> String {

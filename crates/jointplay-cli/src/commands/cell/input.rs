@@ -3,16 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::cell::IncrementalPlanner;
 use jointplay::cell::check::{CheckOptions, Report, Verdict};
 use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, name_errors};
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::trajectory::{StepError, Trajectory, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
+use jointplay::cell::{IncrementalPlanner, Progress as JobProgress};
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::number::counted;
 use jointplay::format::{cell, place, program};
-use jointplay::interop::export::{self, Flaw, Recording};
+use jointplay::interop::export::{self, MotionExport, ViolationNote};
 use jointplay::report;
 
 use crate::failure::{Diagnostic, Failure};
@@ -89,7 +89,7 @@ pub(super) struct Planned {
     pub(super) input: Input,
     pub(super) motion: Trajectory,
     pub(super) report: Report,
-    pub(super) flaws: Vec<Flaw>,
+    pub(super) violation_notes: Vec<ViolationNote>,
 }
 
 impl CellArgs {
@@ -134,7 +134,7 @@ impl InputArgs {
             (Err(program), Ok(_)) => return Err(program),
             (Err(program), Err(cell)) => return Err(Failure::Robot(format!("{cell}\n{program}"))),
         };
-        let (program, problems) = program::parse_what_can_be(&text);
+        let (program, problems) = program::parse_recovering(&text);
         if problems.is_empty() {
             return Ok(Input { cell: cell?, program, text, label });
         }
@@ -207,8 +207,8 @@ impl InputArgs {
         reporter.stage("checking");
         let report = planner.check(cell, &motion, &CheckOptions::default());
         drop(progress);
-        let flaws = export::flaws(cell, &report);
-        Ok(Planned { input, motion, report, flaws })
+        let violation_notes = export::violation_notes(cell, &report);
+        Ok(Planned { input, motion, report, violation_notes })
     }
 }
 
@@ -262,12 +262,12 @@ impl Planned {
         self.report.verdict == Verdict::Sound
     }
 
-    pub(super) fn recording(&self) -> Recording<'_> {
-        Recording {
+    pub(super) fn motion_export(&self) -> MotionExport<'_> {
+        MotionExport {
             cell: self.cell(),
             motion: &self.motion,
             program: &self.input.text,
-            flaws: &self.flaws,
+            violation_notes: &self.violation_notes,
         }
     }
 
@@ -290,14 +290,11 @@ impl Planned {
     }
 }
 
-/// A planner that reports the number of planned segments.
+/// A planner that reports its progress.
 fn with_progress(reporter: Reporter) -> IncrementalPlanner {
-    IncrementalPlanner::run_by(move |count, job| {
-        reporter.parts(count);
-        for number in 0..count {
-            job(number);
-            reporter.part_done();
-        }
+    IncrementalPlanner::with_observer(move |progress| match progress {
+        JobProgress::Started { jobs } => reporter.parts(jobs),
+        JobProgress::JobDone => reporter.part_done(),
     })
 }
 

@@ -29,7 +29,7 @@ pub(super) fn pictures(planned: &Planned) -> Result<[(String, Vec<u8>); 4], Fail
 fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {
     let robot = &planned.cell().robot;
     let rate = PATH_RATE.min(MAX_PATH_POINTS / planned.motion.duration().max(1.0));
-    let paths = export::tracks(&planned.recording(), rate)?;
+    let paths = export::tracks(&planned.motion_export(), rate)?;
     let mut view = TopView::new(planned.cell());
     for (effector, points) in planned.effectors().into_iter().zip(paths) {
         let reach = robot.reach(effector)?;
@@ -38,7 +38,7 @@ fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {
     for one in &planned.report.violations {
         let sample = planned.motion.sample_at(one.worst_time);
         let loaded = planned.motion.steps.get(sample.step).map_or(&[][..], |step| &step.loaded);
-        let pose = planned.cell().drooping(&sample.positions, loaded)?;
+        let pose = planned.cell().forward_with_deflection(&sample.positions, loaded)?;
         for id in involved(planned, one) {
             let at = pose.base_from_wafer[id.arm][id.effector].translation.vector;
             view.violations.push([at.x, at.y]);

@@ -57,7 +57,7 @@ impl Run {
             staged.add(name, |writer| Ok(writer.write_all(bytes)?))?;
         }
         if planned.is_sound() || self.despite_errors {
-            csv(&mut staged, SAMPLES, &planned.recording(), self.rate.0)?;
+            csv(&mut staged, SAMPLES, &planned.motion_export(), self.rate.0)?;
             files.push((SAMPLES.to_owned(), Vec::new()));
         }
         staged.publish()?;

@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use jointplay::format::study::{self, StudyFile};
-use jointplay::report::study_table::{Table, TableError, TableKind};
+use jointplay::report::TableError;
+use jointplay::report::study_table::{Table, TableKind};
 use jointplay::report::{self, SHARES, TotalsReport};
 use jointplay::study::parallel::MOST_THREADS;
 use jointplay::study::plan::{self, Block};

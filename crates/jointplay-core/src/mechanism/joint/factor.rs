@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Translation3, Unit, Vector3};
 
 use crate::spatial::Pose;
 
-/// What kind of quantity a joint coordinate is.
+/// Kind of a joint coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coordinate {
     /// A slide [m].
@@ -49,7 +49,7 @@ impl Factor {
         Self::Slide { axis: unit(axis) }
     }
 
-    /// What kind of quantity each of its coordinates is.
+    /// Kind of each of its coordinates.
     #[must_use]
     pub fn coordinates(&self) -> &'static [Coordinate] {
         match self {

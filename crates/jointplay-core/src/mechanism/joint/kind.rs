@@ -2,7 +2,7 @@
 
 use super::factor::{Coordinate, Factor};
 
-/// Which relative motions a joint allows.
+/// Kind of a joint: the relative motions that it allows.
 ///
 /// The z axis of the joint frame is the axis, where there is one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +49,7 @@ impl JointKind {
         }
     }
 
-    /// What kind of quantity each coordinate is.
+    /// Kind of each coordinate.
     #[must_use]
     pub fn coordinates(self) -> Vec<Coordinate> {
         self.factors().iter().flat_map(|factor| factor.coordinates()).copied().collect()

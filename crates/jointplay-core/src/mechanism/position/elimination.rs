@@ -26,7 +26,7 @@ pub(super) struct Elimination {
     pub(super) right: Vec<f64>,
     /// (passive + virtuals) the step.
     pub(super) step: Vec<f64>,
-    /// Which passive column stands where.
+    /// Passive column at each position.
     order: Vec<usize>,
     /// First entry of each mirror, which the triangle leaves no room for, and twice the inverse of its square.
     mirrors: Vec<[f64; 2]>,
@@ -185,7 +185,7 @@ impl Elimination {
                 *step = if least_norm { reached - value } else { reached };
             }
         }
-        // What the virtual joints leave to the passive ones.
+        // The mismatch that remains for the passive joints.
         for (column, step) in virtual_part.chunks_exact(m).zip(virtual_step.iter()) {
             for (entry, &a) in right[..rank].iter_mut().zip(column) {
                 *entry -= a * step;
@@ -234,7 +234,7 @@ fn factor_symmetric(gram: &mut [f64], n: usize) {
     }
 }
 
-/// Solves L D Lᵀ x = b in place; x is zero for equations that were left out.
+/// Solves L D Lᵀ x = b in place; x is zero for equations that were dropped.
 fn solve_symmetric(factor: &[f64], b: &mut [f64]) {
     let n = b.len();
     for i in 0..n {

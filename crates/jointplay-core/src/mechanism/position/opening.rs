@@ -1,7 +1,8 @@
-//! Loops opened at a joint, and what moves either side.
+//! Loops opened at a joint, and the unknowns that move either side.
 
 use super::walk::{Frame, Walk};
 
+/// A joint of the spanning tree: from one link to the next.
 #[derive(Debug, Clone)]
 pub(super) struct TreeEdge {
     pub(super) from: usize,
@@ -16,13 +17,24 @@ pub(super) struct Closing {
     pub(super) sides: [Walk; 2],
     pub(super) meeting: Meeting,
     pub(super) row: usize,
-    /// Unknowns that move one side only, and the sense in which they change the mismatch.
-    pub(super) moved_by: Vec<(usize, f64, usize)>,
-    /// The two sides, as they stand.
+    /// Unknowns that move one side only.
+    pub(super) moved_by: Vec<SideUnknown>,
+    /// Current frames of the two sides.
     pub(super) frames: [Frame; 2],
 }
 
-/// What of the two sides of a loop has to meet.
+/// An unknown that moves one side of a loop.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SideUnknown {
+    /// Column of the unknown.
+    pub(super) column: usize,
+    /// Sense in which it changes the mismatch: 1 for the first side, −1 for the second.
+    pub(super) sense: f64,
+    /// Index of the side.
+    pub(super) side: usize,
+}
+
+/// Parts of the two sides of a loop that have to coincide.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Meeting {
     /// The origins, in which of the balls.
@@ -43,13 +55,13 @@ impl Meeting {
     }
 }
 
-/// Unknowns on the way to one side of a loop but not the other.
+/// Unknowns that move one side of a loop but not the other.
 pub(super) fn moved_by(
     tree: &[TreeEdge],
     links: [usize; 2],
     sides: &[Walk; 2],
-) -> Vec<(usize, f64, usize)> {
-    let way = |side: usize| {
+) -> Vec<SideUnknown> {
+    let columns_to = |side: usize| {
         let mut columns: Vec<usize> = sides[side].columns().collect();
         let mut link = links[side];
         while let Some(branch) = tree.iter().find(|branch| branch.to == link) {
@@ -58,11 +70,11 @@ pub(super) fn moved_by(
         }
         columns
     };
-    let ways = [way(0), way(1)];
+    let sides = [columns_to(0), columns_to(1)];
     let only = |side: usize, sense: f64| {
-        let other = &ways[1 - side];
-        let here = ways[side].iter().filter(|column| !other.contains(column));
-        here.map(move |&column| (column, sense, side)).collect::<Vec<_>>()
+        let other = &sides[1 - side];
+        let here = sides[side].iter().filter(|column| !other.contains(column));
+        here.map(move |&column| SideUnknown { column, sense, side }).collect::<Vec<_>>()
     };
     [only(0, 1.0), only(1, -1.0)].concat()
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::elimination::Elimination;
-use super::opening::{Closing, Meeting, TreeEdge, moved_by};
+use super::opening::{Closing, Meeting, SideUnknown, TreeEdge, moved_by};
 use super::walk::{Frame, Part, Screw, Turned, Walk};
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, Dimension, System};
@@ -35,7 +35,7 @@ const MAX_ITERATIONS: usize = 50;
 /// # Numerics
 /// Newton's method with passive joints eliminated by Householder reflections and virtual joints by least norm.
 /// Redundant constraints do not stop it.
-/// It is meant for starts nearby, as along a path: steps are shortened, but there is no search; [`crate::mechanism::close`] and [`crate::mechanism::assemble`] find their way from farther.
+/// It is meant for starts nearby, as along a path: steps are shortened, but there is no search; [`crate::mechanism::close`] and [`crate::mechanism::assemble`] converge from farther.
 ///
 /// # Source
 /// Own derivation, `docs/explanation/mechanisms.md`
@@ -70,7 +70,7 @@ pub struct Position {
 /// How an iteration ended.
 struct Run {
     residual: f64,
-    /// Whether virtual joints have come to rest.
+    /// Whether the virtual joints no longer change.
     settled: bool,
     iterations: usize,
     /// After how many steps it was best, and the residual there; infinite where there was none.
@@ -87,7 +87,7 @@ struct Ball {
 #[derive(Debug, Clone, Copy)]
 struct Unknown {
     coordinate: usize,
-    /// What one unit of it is: radians, characteristic lengths, or the metric of virtual joints.
+    /// One unit of it: radians, characteristic lengths, or the metric of virtual joints.
     unit: f64,
 }
 
@@ -184,7 +184,7 @@ impl PositionSolver {
         let closings: Vec<Closing> = cuts
             .iter()
             .map(|&j| {
-                // Both sides up to the motion that is left out; else the frames behind all motions.
+                // Both sides up to the excluded motion; else the frames behind all motions.
                 let count = chains[j].elements.len();
                 let (before, from) = opening(j).map_or((count, count), |e| (e, e + 1));
                 let sides = [walk(j, Part::Before(before)), walk(j, Part::From(from))];
@@ -234,7 +234,7 @@ impl PositionSolver {
     /// * `solver` – which of the virtual displacements that close the loops; nothing to choose where there are no virtual joints
     ///
     /// # Errors
-    /// [`Error::WrongLength`], [`Error::NotFinite`], [`Error::NotReached`].
+    /// [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NotReached`].
     pub fn solve(
         &mut self,
         coordinates: &mut [f64],
@@ -243,7 +243,7 @@ impl PositionSolver {
         let what = "the coordinate vector";
         if coordinates.len() != self.start.len() {
             let (found, expected) = (coordinates.len(), self.start.len());
-            return Err(Error::WrongLength { what, found, expected });
+            return Err(Error::LengthMismatch { what, found, expected });
         }
         for &value in coordinates.iter() {
             crate::error::finite(what, value)?;
@@ -254,7 +254,7 @@ impl PositionSolver {
             self.close_openings(coordinates);
             return Ok(Position { residual: run.residual, iterations: run.iterations });
         }
-        // Nothing was kept on the way, which would cost all those that converge: the way is gone again to its best.
+        // No iterate is stored, which would slow down all solutions that converge: the iteration is repeated up to its best.
         coordinates.copy_from_slice(&self.start);
         let (best, residual) = run.best;
         if residual.is_finite() {
@@ -264,7 +264,7 @@ impl PositionSolver {
         Err(Error::NotReached { residual, allowed: CLOSURE_TOLERANCE, iterations: run.iterations })
     }
 
-    /// Newton's method, for so many steps at most; the same start goes the same way.
+    /// Newton's method, for at most so many steps; deterministic.
     fn iterate(&mut self, coordinates: &mut [f64], solver: ReliefSolver, most: usize) -> Run {
         self.turns.iter_mut().for_each(Turned::refresh);
         for (turn, ball) in self.orientations.iter_mut().zip(&self.balls) {
@@ -292,7 +292,7 @@ impl PositionSolver {
                 return Run { residual, settled, iterations, best };
             }
             // Newton's steps square the mismatch; by the last factor the next one still takes a share as large as the last step left.
-            // What is least depends on the derivatives here, so that they have to be fresh for it.
+            // The least displacement depends on the derivatives at this point, which therefore have to be recomputed.
             let with_last_factor = 2.0 * residual * residual / before;
             if iterations == 0 || with_last_factor > ROUND_OFF || least_norm {
                 self.linearize();
@@ -367,7 +367,7 @@ impl PositionSolver {
             let z: Vector3<f64> = first_side.rotation.column(2).into_owned();
             // How the components of the first z along the second x and y change with a turn.
             let across = [0, 1].map(|axis| z.cross(&second_side.rotation.column(axis)));
-            for &(column, sense, side) in &closing.moved_by {
+            for &SideUnknown { column, sense, side } in &closing.moved_by {
                 let screw = &self.screws[column];
                 let scale = sense * self.unknowns[column].unit;
                 let first = column * m + closing.row;

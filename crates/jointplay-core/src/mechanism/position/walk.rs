@@ -1,4 +1,4 @@
-//! Chains of joints laid out for walking fast: every turn about the z of a frame, every fixed displacement folded into the next.
+//! Chains of joints laid out for fast evaluation: every turn about the z of a frame, every fixed displacement merged into the next.
 
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
@@ -9,7 +9,7 @@ use crate::spatial::{Pose, tilt_rotation};
 /// Displacements that differ from none by less than this are none: round-off of their making.
 const NOTHING: f64 = 1e-15;
 
-/// Where a frame is.
+/// Position and orientation of a frame in the base frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
     pub(super) rotation: Matrix3<f64>,
@@ -97,7 +97,7 @@ pub(super) struct Walk {
     tail: Lead,
 }
 
-/// Which elements of a joint are walked, and which way.
+/// Which elements of a joint are evaluated, and in which sense.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Part {
     /// All, to the second link.
@@ -111,7 +111,7 @@ pub(super) enum Part {
 }
 
 impl Walk {
-    /// Lays out a part of a chain; `column` and `ball` tell the place of a coordinate among unknowns and balls, `turns` counts the turns so far.
+    /// Lays out a part of a chain; `column` and `ball` return the index of a coordinate among unknowns and balls, `turns` counts the turns so far.
     pub(super) fn new(
         chain: &Chain,
         part: Part,
@@ -164,7 +164,7 @@ impl Walk {
         Self { steps, tail: lead(&pending) }
     }
 
-    /// Columns of the unknowns on the way.
+    /// Columns of the unknowns in the chain.
     pub(super) fn columns(&self) -> impl Iterator<Item = usize> + '_ {
         self.steps.iter().flat_map(|step| {
             let count = if matches!(step.motion, Motion::Ball(_)) { 3 } else { 1 };
@@ -172,7 +172,7 @@ impl Walk {
         })
     }
 
-    /// Moves a frame along, and notes the screws of unknowns on the way.
+    /// Moves a frame along, and records the screws of the unknowns.
     #[inline]
     pub(super) fn follow(
         &self,

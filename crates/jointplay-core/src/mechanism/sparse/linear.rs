@@ -1,4 +1,4 @@
-//! The closures of all joints to first order, as a sparse system in the twists of the links.
+//! The linearized closures of all joints, as a sparse system in the twists of the links.
 
 use faer::linalg::solvers::SolveCore;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
@@ -19,7 +19,7 @@ const MORE_DAMPING: f64 = 100.0;
 /// Screws of a joint of which those before leave no more than this share are combinations of them.
 const DEPENDENT: f64 = 1e-9;
 
-/// Where the entries of the normal equations are, which depends on the graph only.
+/// Sparsity pattern of the normal equations, which depends on the graph only.
 #[derive(Debug, Clone)]
 pub(super) struct Pattern {
     symbolic: SymbolicSparseColMat<usize>,
@@ -67,7 +67,7 @@ fn for_each_place(links: [usize; 2], mut see: impl FnMut((usize, usize, usize), 
     }
 }
 
-/// One joint to first order, at a point of its own; lengths over the length of the system.
+/// One joint linearized at a point of its own; lengths over the length of the system.
 #[derive(Debug, Clone)]
 pub(super) struct JointRow {
     pub(super) links: [usize; 2],
@@ -75,7 +75,7 @@ pub(super) struct JointRow {
     pub(super) arms: [Vector3<f64>; 2],
     /// (6) what the first link and the joint make of the second link's pose, against where it is.
     pub(super) mismatch: Vector6<f64>,
-    /// Coordinates that follow, those that depend on others left out.
+    /// Coordinates that follow, without those that depend on others.
     pub(super) follows: Vec<usize>,
     /// (follows, 6) how fast they go, of the relative twist.
     pub(super) rates: DMatrix<f64>,
@@ -93,7 +93,7 @@ impl JointRow {
         let mut order: Vec<usize> = Vec::new();
         let mut basis: Vec<Vector6<f64>> = Vec::new();
         let largest = screws.iter().map(|(_, screw)| screw.norm()).fold(0.0, f64::max);
-        // What each is, beyond the basis so far.
+        // The part of each that is outside the span of the basis so far.
         let mut rest: Vec<Vector6<f64>> = screws.iter().map(|&(_, screw)| screw).collect();
         while let Some(next) =
             (0..rest.len()).max_by(|&a, &b| rest[a].norm().total_cmp(&rest[b].norm()))
@@ -122,7 +122,7 @@ impl JointRow {
         if count < 6 {
             basis.iter().for_each(|unit| refused -= unit * unit.transpose());
         } else {
-            // What round-off leaves of nothing is no constraint.
+            // A joint with six freedoms has no constraint, only round-off.
             refused.fill(0.0);
         }
         let follows = order.iter().map(|&k| screws[k].0).collect();
@@ -154,7 +154,7 @@ impl JointRow {
     }
 }
 
-/// All joints to first order, and the factor of their damped normal equations.
+/// All joints linearized, and the factor of their damped normal equations.
 ///
 /// ```text
 ///    J x  =  M (x_first − x_second)  at each joint        M: what the joint refuses

@@ -18,7 +18,7 @@ const ROUNDS: usize = 6;
 const CLEAR: f64 = 10.0;
 /// Rounds of the power iteration for the largest singular value, which is needed to a few per cent.
 const POWER_ROUNDS: usize = 30;
-/// How far the fastest coordinate is led on in every direction, in radians and characteristic lengths.
+/// Distance for which the fastest coordinate is followed in every direction, in radians and characteristic lengths.
 const KEPT: f64 = 0.3;
 /// The shortest step of that, as a share of it.
 const SHORTEST_STEP: f64 = 1e-2;
@@ -30,15 +30,15 @@ const SETTLED: f64 = 1e-12;
 /// Rank and redundancy are those of the loop closures, as in [`crate::mobility::InstantaneousMobility`]; singular values are those of the joint closures in link twists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SparseMobility {
-    /// Dimension of the motions that all constraints allow to first order.
+    /// Instantaneous mobility: dimension of the null space of the constraint Jacobian.
     pub mobility: usize,
     /// Independent loop closures.
     pub rank: usize,
-    /// Loop closures that say nothing new.
+    /// Number of redundant loop closures.
     pub redundancy: usize,
-    /// The dimension for real, or `None` where the bounds do not meet.
+    /// Finite mobility, or `None` where the bounds differ.
     pub finite: Option<usize>,
-    /// Every direction of so many has been followed a good way, or 0.
+    /// Lower bound of the finite mobility: 0 where not every direction could be followed.
     pub lower_bound: usize,
     /// Dimension that first and second order leave room for.
     pub upper_bound: usize,
@@ -200,7 +200,7 @@ impl Linear {
 }
 
 impl SparseSystem<'_> {
-    /// Mobility of the closed mechanism, to first order and for real, block by block.
+    /// Mobility of the closed mechanism, instantaneous and finite, block by block.
     ///
     /// # Arguments
     /// * `relative_threshold` – [`crate::mobility::RANK_THRESHOLD`], or another share of the largest singular value
@@ -209,7 +209,7 @@ impl SparseSystem<'_> {
     /// [`Error::NotClosed`] if a joint is open.
     ///
     /// # Numerics
-    /// Least singular values by inverse iteration with the sparse factor of the damped normal equations; what each vector breaks is formed without squaring, so that zeros are told to round-off.
+    /// Least singular values by inverse iteration with the sparse factor of the damped normal equations; the violation by each vector is formed without squaring, so that zeros are exact to round-off.
     /// All motions are finite if every direction of a few at random, more than there are motions, can be followed for 0.3 rad of its fastest joint.
     /// Otherwise second derivatives bound the mobility from above, and the lower bound is left at zero, unless the block is small enough for [`finite_mobility`], which then decides.
     /// A joint on no loop costs nothing: the time for a tree is proportional to its joints.
@@ -246,7 +246,7 @@ impl SparseSystem<'_> {
             let home = coordinates.iter().map(|&k| self.coordinates[k]);
             let mut system =
                 SparseSystem::new(&part, DVector::from_iterator(coordinates.len(), home))?;
-            // Where links are now, and not where the tree of the block would put them.
+            // The current poses of the links, and not those from the tree of the block.
             let base = self.poses[block.base].inverse();
             system.poses = links.iter().map(|&link| base * self.poses[link]).collect();
             all.add(&system.block_mobility(relative_threshold)?, &coordinates, dimensions);
@@ -281,7 +281,7 @@ impl SparseSystem<'_> {
                 bounds
             } else {
                 let quadrics = self.quadrics(&linear, &twists, &rates)?;
-                (0, SecondOrder::of(quadrics, spectrum.zeros)?.upper_bound + idle)
+                (0, SecondOrder::from_quadrics(quadrics, spectrum.zeros)?.upper_bound + idle)
             };
         let units = self.units();
         let motions = rates.iter().map(|rates| {
@@ -326,7 +326,7 @@ impl SparseSystem<'_> {
         }
     }
 
-    /// Whether motions in random directions, each given by as many coordinates as there are motions, all lead on.
+    /// Whether motions in random directions, each given by as many coordinates as there are motions, are all finite.
     fn all_kept(&self, rates: &[DVector<f64>]) -> Result<bool, Error> {
         let units = self.units();
         let leading = leading(rates, &units);
@@ -338,11 +338,11 @@ impl SparseSystem<'_> {
                 direction.axpy(random.next(), rate, 1.0);
             }
             direction *= KEPT / self.largest(&direction);
-            let mut way = DVector::zeros(direction.len());
+            let mut drives = DVector::zeros(direction.len());
             for &k in &leading {
-                way[k] = direction[k];
+                drives[k] = direction[k];
             }
-            let done = self.clone().follow(&way, &held, &mut 0.5, SHORTEST_STEP)?;
+            let done = self.clone().follow(&drives, &held, &mut 0.5, SHORTEST_STEP)?;
             if done < 1.0 {
                 return Ok(false);
             }
@@ -350,7 +350,7 @@ impl SparseSystem<'_> {
         Ok(true)
     }
 
-    /// What second derivatives break that no first-order motion can mend, as quadrics of the motions.
+    /// Second-order violations that no first-order motion can compensate, as quadrics of the motions.
     fn quadrics(
         &self,
         linear: &Linear,
@@ -387,7 +387,7 @@ impl SparseSystem<'_> {
         Ok(quadrics.collect())
     }
 
-    /// What each joint breaks as links and coordinates go on at constant speed: second derivative of its closure.
+    /// Violation of each joint as links and coordinates continue at constant speed: second derivative of its closure.
     fn second_derivative(
         &self,
         linear: &Linear,
@@ -417,7 +417,7 @@ impl SparseSystem<'_> {
     }
 }
 
-/// Coordinates by which the motions can be told apart best, one for each.
+/// Coordinates that distinguish the motions best, one for each.
 fn leading(rates: &[DVector<f64>], units: &DVector<f64>) -> Vec<usize> {
     let mut rest: Vec<DVector<f64>> = rates.iter().map(|rate| rate.component_div(units)).collect();
     let mut leading = Vec::with_capacity(rest.len());

@@ -5,16 +5,18 @@ use nalgebra::DVector;
 use super::linear::Linear;
 use super::system::SparseSystem;
 use crate::Error;
-use crate::constraint::{CLOSURE_TOLERANCE, Dimension};
+use crate::constraint::{CLOSURE_TOLERANCE, Dimension, Gain, backtrack};
 use crate::mechanism::motion::{DEAD, MAX_CORRECTIONS, on_branch};
 use crate::mechanism::{Drive, DrivenMotion, Stop, Waypoint};
 use crate::mobility::RANK_THRESHOLD;
 
-/// Changes of a step below this share of it are the end: Newton's method mends the rest.
+/// Changes of a step below this share of it end the iteration: Newton's method corrects the rest.
 const SETTLED: f64 = 1e-6;
+/// Halvings of a correction that gains nothing.
+const MAX_HALVINGS: usize = 10;
 /// The longest step of a coordinate, in radians and characteristic lengths.
 const LONGEST_STEP: f64 = 0.3;
-/// The shortest step, as a share of the whole way: what cannot go so far is locked.
+/// The shortest step, as a share of the whole path: drives that cannot move so far are locked.
 const SHORTEST_STEP: f64 = 1e-5;
 
 impl SparseSystem<'_> {
@@ -30,7 +32,7 @@ impl SparseSystem<'_> {
         self.correct(&held, max_iterations).map(|(iterations, _)| iterations)
     }
 
-    /// Closes all joints; returns the steps done and the longest way of a coordinate.
+    /// Closes all joints; returns the steps done and the largest displacement of a coordinate.
     fn correct(&mut self, held: &[bool], max_iterations: usize) -> Result<(usize, f64), Error> {
         let mut residual = self.residual();
         let (mut iterations, mut moved) = (0, DVector::zeros(self.coordinates.len()));
@@ -38,19 +40,15 @@ impl SparseSystem<'_> {
             iterations += 1;
             let linear = self.linear(held)?;
             let (x, by) = self.least_step(&linear, None);
-            let mut share = (LONGEST_STEP / self.largest(&by)).min(1.0);
-            let mut better = None;
-            for _ in 0..10 {
+            let longest = (LONGEST_STEP / self.largest(&by)).min(1.0);
+            let gain = backtrack(MAX_HALVINGS, residual, |share| {
                 let mut there = self.clone();
+                let share = longest * share;
                 let reached = there.displace((&x * share).as_slice(), &(&by * share));
-                if reached < residual {
-                    better = Some((there, reached));
-                    break;
-                }
-                share *= 0.5;
-            }
-            let Some((there, reached)) = better else { break };
-            moved += &by * share;
+                (there, reached)
+            });
+            let Some(Gain { share, there, residual: reached }) = gain else { break };
+            moved += &by * (longest * share);
             let stalled = residual <= CLOSURE_TOLERANCE && reached > 0.5 * residual;
             (*self, residual) = (there, reached);
             if stalled {
@@ -64,7 +62,7 @@ impl SparseSystem<'_> {
         }
     }
 
-    /// Twists of links and rates of coordinates that close the joints to first order while drives go their way.
+    /// Twists of links and rates of coordinates that close the linearized joints while the drives move.
     fn least_step(
         &self,
         linear: &Linear,
@@ -89,7 +87,7 @@ impl SparseSystem<'_> {
         (x, by)
     }
 
-    /// The longest way of a coordinate, in radians and characteristic lengths.
+    /// The largest displacement of a coordinate, in radians and characteristic lengths.
     pub(super) fn largest(&self, by: &DVector<f64>) -> f64 {
         let sizes =
             by.iter().zip(self.kinematics.dimensions()).map(|(value, dimension)| match dimension {
@@ -99,13 +97,13 @@ impl SparseSystem<'_> {
         sizes.fold(f64::MIN_POSITIVE, f64::max)
     }
 
-    /// Goes a way in some coordinates, by steps whose corrections stay small; returns the share done.
+    /// Moves some coordinates by steps whose corrections stay small; returns the share done.
     ///
     /// # Arguments
-    /// * `way` – (f + M) how far each driven coordinate goes; zero for those that follow
+    /// * `path` – (f + M) displacement of each driven coordinate; zero for those that follow
     pub(super) fn follow(
         &mut self,
-        way: &DVector<f64>,
+        path: &DVector<f64>,
         held: &[bool],
         step: &mut f64,
         shortest: f64,
@@ -114,7 +112,7 @@ impl SparseSystem<'_> {
         while done < 1.0 {
             let share = if done + *step > 1.0 - 0.01 * shortest { 1.0 - done } else { *step };
             let linear = self.linear(held)?;
-            let (x, by) = self.least_step(&linear, Some(&(way * share)));
+            let (x, by) = self.least_step(&linear, Some(&(path * share)));
             let size = self.largest(&by);
             let mut there = self.clone();
             there.displace(x.as_slice(), &by);
@@ -140,7 +138,7 @@ impl SparseSystem<'_> {
     /// Drives coordinates to their values along a straight line, as [`crate::mechanism::drive`] does.
     ///
     /// # Arguments
-    /// * `drives` – where to; all arrive together
+    /// * `drives` – target values; all are reached at the same time
     /// * `still` – indices of other coordinates that keep their values
     /// * `count` – number of steps to report
     ///
@@ -149,7 +147,7 @@ impl SparseSystem<'_> {
     /// A motion that stops is not an error: see [`DrivenMotion::stopped`].
     ///
     /// # Numerics
-    /// Least singular values are told at each waypoint, but singular configurations between them are not looked for.
+    /// Least singular values are computed at each waypoint, but singular configurations between them are not looked for.
     pub fn drive(
         self,
         drives: &[Drive],
@@ -159,7 +157,7 @@ impl SparseSystem<'_> {
         self.drive_with_progress(drives, still, count, &mut |_| {})
     }
 
-    /// As [`Self::drive`], and tells `progress` the number of steps done after each.
+    /// As [`Self::drive`], and calls `progress` with the number of steps done after each.
     ///
     /// # Errors
     /// Those of [`Self::drive`].
@@ -173,9 +171,9 @@ impl SparseSystem<'_> {
         let driven = drives.iter().map(|drive| drive.coordinate);
         let held = self.held(driven.chain(still.iter().copied()));
         self.correct(&held, MAX_CORRECTIONS)?;
-        let mut way = DVector::zeros(self.coordinates.len());
+        let mut path = DVector::zeros(self.coordinates.len());
         for drive in drives {
-            way[drive.coordinate] = drive.to - self.coordinates[drive.coordinate];
+            path[drive.coordinate] = drive.to - self.coordinates[drive.coordinate];
         }
         let from = self.coordinates.clone();
         let first = self.waypoint(0.0, &held, None)?;
@@ -185,7 +183,7 @@ impl SparseSystem<'_> {
         let mut step = 1.0;
         #[expect(clippy::cast_precision_loss, reason = "counts of steps")]
         for k in 1..=count {
-            let part = &way / count as f64;
+            let part = &path / count as f64;
             motion.steps += 1;
             let done = self.follow(&part, &held, &mut step, SHORTEST_STEP)?;
             let share = (k as f64 - 1.0 + done) / count as f64;
@@ -193,7 +191,7 @@ impl SparseSystem<'_> {
                 // Sums of many steps would be off by round-off.
                 for drive in drives {
                     let k = drive.coordinate;
-                    self.coordinates[k] = from[k] + way[k] * share;
+                    self.coordinates[k] = from[k] + path[k] * share;
                 }
             }
             motion.waypoints.push(self.waypoint(share, &held, Some(regular))?);

@@ -34,7 +34,7 @@ impl<'a> SparseSystem<'a> {
     /// * `coordinates` – (f + M) of the joints, then of the virtual joints [m, rad]
     ///
     /// # Errors
-    /// [`Error::WrongLength`], [`Error::NotFinite`].
+    /// [`Error::LengthMismatch`], [`Error::NotFinite`].
     pub fn new(mechanism: &'a Mechanism, coordinates: DVector<f64>) -> Result<Self, Error> {
         let kinematics = Kinematics::new(mechanism);
         check_coordinates(&coordinates, kinematics.dimensions().len())?;
@@ -64,7 +64,7 @@ impl<'a> SparseSystem<'a> {
         &self.poses
     }
 
-    /// Length in which mismatches are told: root mean square distance of the joints of a link from their middle, or the user's [m].
+    /// Unit of mismatches: root mean square distance of the joints of a link from their middle, or the user's [m].
     #[must_use]
     pub fn characteristic_length(&self) -> f64 {
         self.length
@@ -96,7 +96,7 @@ impl<'a> SparseSystem<'a> {
         Closure { coordinates: self.coordinates.clone(), residual: self.residual(), iterations }
     }
 
-    /// What all joints ask of the links to first order; coordinates for which `held` is true do not follow.
+    /// The closures of all joints linearized in the twists of the links; coordinates for which `held` is true do not follow.
     pub(super) fn linear(&self, held: &[bool]) -> Result<Linear, Error> {
         let mechanism = self.kinematics.mechanism();
         let centers: Vec<Vector3<f64>> = self

@@ -3,9 +3,9 @@
 use jointplay_cell::robot::{Arm, ArmJoint, AxisKind, Effector, RODS};
 use jointplay_cell::wafer::{Droop, DroopRow, Support};
 
-use super::super::problem::Fault;
-use super::super::tree::{Entry, Reader, Span, Table};
+use super::super::tree::{AllowedRange, Entry, Reader, Table};
 use super::words::MOTIONS;
+use crate::file_problem::FileProblem;
 use crate::units::m_from_mm;
 
 /// Largest coefficient of friction: rubber on dry glass is below 4, and more is a mistake of the unit.
@@ -40,8 +40,8 @@ fn read_joint(table: &Table, axes: &[String], is_last: bool) -> Option<ArmJoint>
     let reader = table.reader;
     let kind = table.needed("kind").and_then(|kind| kind.word(reader, "kind of joint", &MOTIONS));
     let zero = match kind {
-        Some(AxisKind::Rotary) => table.number_or("zero_deg", Span::Any, 0.0).to_radians(),
-        Some(AxisKind::Linear) => table.length_or("zero_mm", Span::Any, 0.0),
+        Some(AxisKind::Rotary) => table.number_or("zero_deg", AllowedRange::Any, 0.0).to_radians(),
+        Some(AxisKind::Linear) => table.length_or("zero_mm", AllowedRange::Any, 0.0),
         None => {
             let _ = (table.entry("zero_deg"), table.entry("zero_mm"));
             0.0
@@ -49,12 +49,12 @@ fn read_joint(table: &Table, axes: &[String], is_last: bool) -> Option<ArmJoint>
     };
     let drives = table.needed("drives").and_then(|entry| read_drives(reader, entry, axes));
     let length = if is_last {
-        Some(table.length_or("length_mm", Span::NotNegative, 0.0))
+        Some(table.length_or("length_mm", AllowedRange::NotNegative, 0.0))
     } else {
-        table.length("length_mm", Span::NotNegative)
+        table.length("length_mm", AllowedRange::NotNegative)
     };
-    let offset = table.length_or("offset_mm", Span::Any, 0.0);
-    let rise = table.length_or("rise_mm", Span::Any, 0.0);
+    let offset = table.length_or("offset_mm", AllowedRange::Any, 0.0);
+    let rise = table.length_or("rise_mm", AllowedRange::Any, 0.0);
     table.finish();
     Some(ArmJoint { kind: kind?, zero, drives: drives?, length: length?, offset, rise })
 }
@@ -62,20 +62,20 @@ fn read_joint(table: &Table, axes: &[String], is_last: bool) -> Option<ArmJoint>
 /// Axes by name, each with its ratio, in the order of the axes.
 fn read_drives(reader: &Reader, entry: Entry, axes: &[String]) -> Option<Vec<(usize, f64)>> {
     let Some(table) = entry.value.get_ref().as_table() else {
-        entry.misfit(reader, "a table of axes and their ratios, such as { T = 1, R = -2 }");
+        entry.type_error(reader, "a table of axes and their ratios, such as { T = 1, R = -2 }");
         return None;
     };
     let mut drives = Vec::new();
     let mut is_right = true;
     for (name, value) in table {
-        let ratio = Entry { key: "drives", value }.number(reader, Span::Any);
+        let ratio = Entry { key: "drives", value }.number(reader, AllowedRange::Any);
         let motors = &axes[RODS..];
         match (motors.iter().position(|axis| axis == name.get_ref()), ratio) {
             (Some(axis), Some(ratio)) => drives.push((RODS + axis, ratio)),
             (None, _) => {
                 // An axis that could not be read was told of already.
                 if !motors.contains(&String::new()) {
-                    let fault = Fault::Unknown {
+                    let fault = FileProblem::Unknown {
                         what: "axis".to_owned(),
                         found: name.get_ref().to_string(),
                         nearest: crate::place::nearest(
@@ -84,7 +84,7 @@ fn read_drives(reader: &Reader, entry: Entry, axes: &[String]) -> Option<Vec<(us
                         ),
                         known: motors.to_vec(),
                     };
-                    reader.wrong(name.span(), fault);
+                    reader.report(name.span(), fault);
                 }
                 is_right = false;
             }
@@ -98,10 +98,10 @@ fn read_drives(reader: &Reader, entry: Entry, axes: &[String]) -> Option<Vec<(us
 fn read_effector(reader: &Reader, table: &Table) -> Option<Effector> {
     let name = table.name("name");
     let center = table.point("wafer_center_mm");
-    let heading = table.number_or("heading_deg", Span::Any, 0.0).to_radians();
+    let heading = table.number_or("heading_deg", AllowedRange::Any, 0.0).to_radians();
     let support = table.needed("support").and_then(|entry| entry.table(reader, "`support`"));
     let support = support.and_then(|support| read_support(&support));
-    let friction = table.number("friction", Span::Within(0.0, MOST_FRICTION));
+    let friction = table.number("friction", AllowedRange::Within(0.0, MOST_FRICTION));
     table.finish();
     Some(Effector {
         name: name?,
@@ -124,11 +124,11 @@ fn read_support(table: &Table) -> Option<Support> {
     let kind = table.needed("kind")?.word(table.reader, "kind of support", &kinds)?;
     let support = match kind {
         Kind::Edge => Some(Support::Edge),
-        Kind::ThreePoints => {
-            table.length("radius_mm", Span::Positive).map(|radius| Support::ThreePoints { radius })
-        }
+        Kind::ThreePoints => table
+            .length("radius_mm", AllowedRange::Positive)
+            .map(|radius| Support::ThreePoints { radius }),
         Kind::TwoRails => table
-            .length("distance_mm", Span::Positive)
+            .length("distance_mm", AllowedRange::Positive)
             .map(|distance| Support::TwoRails { distance }),
     };
     table.finish();
@@ -152,8 +152,8 @@ fn read_droop(table: &Table) -> Option<Droop> {
             rows.into_iter().collect::<Option<_>>().map(|rows| Droop::Table { rows })
         }
         Kind::Cantilever => {
-            let stiffness = table.number("stiffness_n_m2", Span::Positive);
-            let mass = table.number("mass_kg_m", Span::NotNegative);
+            let stiffness = table.number("stiffness_n_m2", AllowedRange::Positive);
+            let mass = table.number("mass_kg_m", AllowedRange::NotNegative);
             let both = stiffness.zip(mass);
             both.map(|(stiffness, mass_per_length)| Droop::Cantilever {
                 stiffness,
@@ -166,12 +166,12 @@ fn read_droop(table: &Table) -> Option<Droop> {
 }
 
 fn droop_row(table: &Table) -> Option<DroopRow> {
-    let reach = table.length("reach_mm", Span::NotNegative);
-    let empty_drop = table.length("empty_drop_mm", Span::Any);
-    let empty_slope = table.number("empty_slope_mrad", Span::Any);
-    let loaded_drop = table.length("loaded_drop_mm", Span::Any);
-    let loaded_slope = table.number("loaded_slope_mrad", Span::Any);
-    let load = table.number("load_g", Span::Positive);
+    let reach = table.length("reach_mm", AllowedRange::NotNegative);
+    let empty_drop = table.length("empty_drop_mm", AllowedRange::Any);
+    let empty_slope = table.number("empty_slope_mrad", AllowedRange::Any);
+    let loaded_drop = table.length("loaded_drop_mm", AllowedRange::Any);
+    let loaded_slope = table.number("loaded_slope_mrad", AllowedRange::Any);
+    let load = table.number("load_g", AllowedRange::Positive);
     table.finish();
     Some(DroopRow {
         reach: reach?,

@@ -4,13 +4,13 @@ use jointplay_cell::robot::{Axis, AxisKind, KinematicLimits, RODS};
 use jointplay_core::gpr::Gpr;
 
 use super::super::problem::Fault;
-use super::super::tree::{Span, Table};
+use super::super::tree::{AllowedRange, Table};
 use super::words::{MOTIONS, ROD_NAMES};
 use crate::units::m_from_mm;
 
 pub(super) fn rod_axes(table: &Table, gpr: &Gpr) -> Option<[Axis; RODS]> {
     let (min, max) = (gpr.limits().rod_min, gpr.limits().rod_max);
-    let home = table.length_or("home_mm", Span::Any, gpr.working_height());
+    let home = table.length_or("home_mm", AllowedRange::Any, gpr.working_height());
     let empty = dynamics(table, "empty", AxisKind::Linear);
     let loaded = dynamics(table, "loaded", AxisKind::Linear);
     table.finish();
@@ -35,8 +35,9 @@ pub(super) fn motor(table: &Table) -> Option<Axis> {
         AxisKind::Rotary => ("range_deg", "home_deg"),
         AxisKind::Linear => ("range_mm", "home_mm"),
     };
-    let range = table.needed(range).and_then(|range| range.numbers::<2>(reader, Span::Any));
-    let home = table.number(home, Span::Any);
+    let range =
+        table.needed(range).and_then(|range| range.numbers::<2, _>(reader, AllowedRange::Any));
+    let home = table.number(home, AllowedRange::Any);
     let empty = dynamics(table, "empty", kind);
     let loaded = dynamics(table, "loaded", kind);
     table.finish();
@@ -56,7 +57,7 @@ pub(super) fn tell_twice(table: &Table, axes: &[Table]) {
         match known.iter().find(|(other, _)| *other == name) {
             Some(&(_, first)) => {
                 let (what, found) = ("axis".to_owned(), name.to_owned());
-                entry.wrong(reader, Fault::Twice { what, found, first });
+                entry.report(reader, Fault::Twice { what, found, first });
             }
             None => known.push((name, reader.line(entry.span()))),
         }
@@ -77,7 +78,7 @@ fn dynamics(table: &Table, key: &'static str, kind: AxisKind) -> Option<Kinemati
         AxisKind::Rotary => ["velocity_deg_s", "acceleration_deg_s2", "jerk_deg_s3"],
         AxisKind::Linear => ["velocity_mm_s", "acceleration_mm_s2", "jerk_mm_s3"],
     };
-    let values = keys.map(|key| limits.number(key, Span::Positive));
+    let values = keys.map(|key| limits.number(key, AllowedRange::Positive));
     limits.finish();
     let [velocity, acceleration, jerk] = values;
     let si = |value| to_si(kind, value);

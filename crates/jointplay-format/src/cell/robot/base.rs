@@ -6,8 +6,9 @@ use jointplay_core::virtualization::{BuiltIn, Metric, SolveOptions, Solver};
 use nalgebra::Vector2;
 
 use super::super::problem::Fault;
-use super::super::tree::{Entry, Reader, Span, Table};
+use super::super::tree::{AllowedRange, Entry, Reader, Table};
 use crate::explain::explain;
+use crate::file_problem::FileProblem;
 use crate::units::m_from_mm;
 use crate::{catalogue, robot};
 
@@ -30,35 +31,35 @@ pub(super) fn three_rods(reader: &Reader, entry: Entry) -> Option<Gpr> {
     let limits = limits.and_then(|limits| {
         let rods = limits
             .needed("rod_mm")
-            .and_then(|rods| rods.numbers::<2>(reader, Span::Within(-1e6, 1e6)));
-        let tilt = limits.number("tilt_deg", Span::Positive);
+            .and_then(|rods| rods.numbers::<2, _>(reader, AllowedRange::Within(-1e6, 1e6)));
+        let tilt = limits.number("tilt_deg", AllowedRange::Positive);
         limits.finish();
         let [rod_min, rod_max] = rods?.map(m_from_mm);
         Some(Limits { rod_min, rod_max, tilt_max: tilt?.to_radians() })
     });
     let working = table.needed("working").and_then(|entry| entry.table(reader, "`[gpr.working]`"));
     let height = working.and_then(|working| {
-        let height = working.length("height_mm", Span::Any);
+        let height = working.length("height_mm", AllowedRange::Any);
         working.finish();
         height
     });
     table.finish();
     if limbs.len() != 3 {
         let found = limbs.len();
-        table.wrong(Fault::Count { key: "limb".to_owned(), found, needed: "3".to_owned() });
+        table.report(FileProblem::Count { key: "limb".to_owned(), found, needed: "3".to_owned() });
         return None;
     }
     let limbs: Vec<Limb> = limbs.into_iter().collect::<Option<_>>()?;
     let made = Gpr::new([limbs[0], limbs[1], limbs[2]], limits?, height?);
-    made.map_err(|error| table.wrong(Fault::Unfit(explain(&error)))).ok()
+    made.map_err(|error| table.report(Fault::Unfit(explain(&error)))).ok()
 }
 
 fn limb(table: &Table) -> Option<Limb> {
-    let radius = table.length("socket_radius_mm", Span::Positive);
-    let angle = table.number("socket_angle_deg", Span::Within(-36_000.0, 36_000.0));
+    let radius = table.length("socket_radius_mm", AllowedRange::Positive);
+    let angle = table.number("socket_angle_deg", AllowedRange::Within(-36_000.0, 36_000.0));
     let point = table
         .entry("base_point_mm")
-        .map(|entry| entry.numbers::<2>(table.reader, Span::Within(-1e6, 1e6)));
+        .map(|entry| entry.numbers::<2, _>(table.reader, AllowedRange::Within(-1e6, 1e6)));
     table.finish();
     let mut limb = Limb::under_socket(radius?, angle?.to_radians());
     if let Some(point) = point {
@@ -105,13 +106,13 @@ pub(super) fn platform(table: &Table) -> Option<PlatformModel> {
     if let Some(entry) = metric {
         if !has_angles {
             let why = "a `metric` weighs angles against lengths, and only polar and offset have angles; leave it out";
-            entry.wrong(reader, Fault::Unfit(why.to_owned()));
+            entry.report(reader, Fault::Unfit(why.to_owned()));
             return None;
         }
         options.metric = if entry.is_text() {
             entry.word(reader, "a metric that is no length in mm,", &METRICS)?
         } else {
-            let length = entry.number(reader, Span::Within(1e-9, 1e9))?;
+            let length = entry.number(reader, AllowedRange::Within(1e-9, 1e9))?;
             Metric::Length(m_from_mm(length))
         };
     }

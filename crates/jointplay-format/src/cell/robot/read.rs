@@ -9,6 +9,7 @@ use super::arm::read_arm;
 use super::axes::{motor, rod_axes, tell_twice};
 use super::base::{platform, three_rods};
 use super::words::{KIND, ROD_NAMES};
+use crate::file_problem::FileProblem;
 
 /// Longest text that is read in bytes.
 const MAX_BYTES: usize = 1_000_000;
@@ -20,7 +21,7 @@ const MAX_BYTES: usize = 1_000_000;
 pub fn parse(text: &str) -> Result<HybridRobot, Vec<Problem>> {
     let reader = Reader::new(text);
     if text.len() > MAX_BYTES {
-        reader.wrong(0..0, Fault::TooLong { found: text.len(), allowed: MAX_BYTES });
+        reader.report(0..0, FileProblem::TooLong { found: text.len(), allowed: MAX_BYTES });
         return reader.done(None);
     }
     let file = reader.parse();
@@ -31,7 +32,7 @@ pub fn parse(text: &str) -> Result<HybridRobot, Vec<Problem>> {
     if reader.is_clean()
         && let Some(Err((part, error))) = robot.as_ref().map(HybridRobot::check)
     {
-        reader.wrong(place(&table, part), Fault::Unfit(explain_cell(&error)));
+        reader.report(place(&table, part), Fault::Unfit(explain_cell(&error)));
     }
     reader.done(robot)
 }

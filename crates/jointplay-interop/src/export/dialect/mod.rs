@@ -17,20 +17,19 @@ mod problem;
 mod template;
 mod write;
 
-use serde::Deserialize;
-use toml::Spanned;
-
 pub use problem::Problem;
 use template::Template;
 
+use jointplay_format::file_problem::FileProblem;
 use jointplay_format::mechanism::{AngleUnit, LengthUnit};
-use jointplay_format::place::{Error, read};
+use jointplay_format::place::Error;
+use jointplay_format::toml_reader::{self, Entry};
 
 /// Longer dialect files are refused, in bytes.
 pub const MAX_BYTES: usize = 100_000;
 
 /// Most digits behind the point.
-const MOST_DECIMALS: i64 = 12;
+const MOST_DECIMALS: usize = 12;
 
 /// How a controller is spoken to.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,112 +65,46 @@ enum Motions {
     Points(Vec<Template>),
 }
 
-/// A dialect that comes along.
+/// An included dialect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Entry {
+pub struct IncludedDialect {
     /// What it is called.
     pub name: &'static str,
     /// Its file.
     pub text: &'static str,
 }
 
-/// Dialects that come along, the neutral one first.
-pub const DIALECTS: [Entry; 2] = [
-    Entry { name: "neutral", text: include_str!("neutral.toml") },
-    Entry { name: "points", text: include_str!("points.toml") },
+/// The included dialects, the neutral one first.
+pub const DIALECTS: [IncludedDialect; 2] = [
+    IncludedDialect { name: "neutral", text: include_str!("neutral.toml") },
+    IncludedDialect { name: "points", text: include_str!("points.toml") },
 ];
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    name: String,
-    about: String,
-    extension: Spanned<String>,
-    length: Spanned<String>,
-    angle: Spanned<String>,
-    decimals: Spanned<i64>,
-    time_decimals: Spanned<i64>,
-    axis: Spanned<String>,
-    between: String,
-    comment: Spanned<String>,
-    #[serde(default)]
-    begin: Vec<Spanned<String>>,
-    #[serde(default)]
-    instruction: Vec<Spanned<String>>,
-    axes: Option<Vec<Spanned<String>>>,
-    line: Option<Vec<Spanned<String>>>,
-    still: Option<Vec<Spanned<String>>>,
-    point: Option<Vec<Spanned<String>>>,
-    #[serde(default)]
-    blend: Vec<Spanned<String>>,
-    #[serde(default)]
-    taken: Vec<Spanned<String>>,
-    #[serde(default)]
-    left: Vec<Spanned<String>>,
-    #[serde(default)]
-    end: Vec<Spanned<String>>,
-}
 
 impl Dialect {
     /// Reads a dialect file.
     ///
     /// # Errors
-    /// [`Problem`] with its place: no TOML, unknown keys and names, units that are none, motions told in no way or in two.
+    /// The first of the errors that [`Self::parse_all`] returns.
     pub fn parse(text: &str) -> Result<Self, Error<Problem>> {
+        Self::parse_all(text).map_err(|mut errors| errors.swap_remove(0))
+    }
+
+    /// Reads a dialect file.
+    ///
+    /// # Errors
+    /// All errors in the order of their places, at least one: invalid TOML, missing and unknown keys, unknown names and units, motions described in no manner or in two.
+    pub fn parse_all(text: &str) -> Result<Self, Vec<Error<Problem>>> {
+        let reader = Reader::new(text);
         if text.len() > MAX_BYTES {
-            let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };
-            return Err(Error::at(text, 0..0, problem));
+            let problem = FileProblem::TooLong { found: text.len(), allowed: MAX_BYTES };
+            reader.report(0..0, problem);
+            return reader.done(None);
         }
-        let file: File = read(text)?;
-        let one = |source: &Spanned<String>, known: &'static [&'static str]| {
-            Template::parse(source.get_ref(), known)
-                .map_err(|problem| Error::at(text, source.span(), problem))
-        };
-        let all = |sources: &[Spanned<String>], known: &'static [&'static str]| {
-            sources.iter().map(|source| one(source, known)).collect::<Result<Vec<_>, _>>()
-        };
-        let decimals = |key: &'static str, value: &Spanned<i64>| {
-            let found = *value.get_ref();
-            match usize::try_from(found) {
-                Ok(count) if found <= MOST_DECIMALS => Ok(count),
-                _ => Err(Error::at(text, value.span(), Problem::Decimals { key, found })),
-            }
-        };
-        let length = unit(text, "length", &file.length, &LengthUnit::ALL)?;
-        let angle = unit(text, "angle", &file.angle, &AngleUnit::ALL)?;
-        let plain = |letter: char| letter.is_ascii_alphanumeric() || letter == '.';
-        if !file.extension.get_ref().chars().all(plain) || file.extension.get_ref().is_empty() {
-            let found = file.extension.get_ref().clone();
-            return Err(Error::at(text, file.extension.span(), Problem::Extension { found }));
-        }
-        let motion = match (&file.axes, &file.line, &file.still, &file.point) {
-            (Some(axes), Some(line), Some(still), None) => Motions::Steps {
-                axes: all(axes, template::STEP)?,
-                line: all(line, template::STEP)?,
-                still: all(still, template::STEP)?,
-            },
-            (None, None, None, Some(point)) => Motions::Points(all(point, template::POINT)?),
-            _ => return Err(Error::at(text, 0..0, Problem::Motions)),
-        };
-        Ok(Self {
-            length,
-            angle,
-            decimals: decimals("decimals", &file.decimals)?,
-            time_decimals: decimals("time_decimals", &file.time_decimals)?,
-            axis: one(&file.axis, template::AXIS)?,
-            comment: one(&file.comment, template::COMMENT)?,
-            begin: all(&file.begin, template::ENDS)?,
-            instruction: all(&file.instruction, template::INSTRUCTION)?,
-            motion,
-            blend: all(&file.blend, template::BLEND)?,
-            taken: all(&file.taken, template::WAFER)?,
-            left: all(&file.left, template::WAFER)?,
-            end: all(&file.end, template::ENDS)?,
-            name: file.name,
-            about: file.about,
-            extension: file.extension.into_inner(),
-            between: file.between,
-        })
+        let document = reader.parse();
+        let top = Table::new(&reader, "a dialect", document.get_ref(), 0..0);
+        let dialect = read(&top);
+        top.finish();
+        reader.done(dialect)
     }
 
     /// The neutral dialect.
@@ -181,19 +114,97 @@ impl Dialect {
     }
 }
 
-/// The unit of a name.
-fn unit<U: Copy>(
-    text: &str,
-    key: &'static str,
-    name: &Spanned<String>,
-    all: &[(&str, U)],
-) -> Result<U, Error<Problem>> {
-    let found = name.get_ref();
-    all.iter().find(|(known, _)| known == found).map(|&(_, unit)| unit).ok_or_else(|| {
-        let known: Vec<&str> = all.iter().map(|&(known, _)| known).collect();
-        let problem = Problem::Unit { key, found: found.clone(), known: known.join(", ") };
-        Error::at(text, name.span(), problem)
+type Reader<'a> = toml_reader::Reader<'a, Problem>;
+type Table<'r, 'a> = toml_reader::Table<'r, 'a, Problem>;
+
+fn read(top: &Table) -> Option<Dialect> {
+    let reader = top.reader;
+    let text = |key| top.needed(key)?.text(reader).map(str::to_owned);
+    let (name, about, between) = (text("name"), text("about"), text("between"));
+    let extension = top.needed("extension").and_then(|entry| extension(reader, &entry));
+    let length = unit(top, "length", &LengthUnit::ALL);
+    let angle = unit(top, "angle", &AngleUnit::ALL);
+    let decimals = |key| top.needed(key)?.count(reader, 0, MOST_DECIMALS);
+    let (decimals, time_decimals) = (decimals("decimals"), decimals("time_decimals"));
+    let one = |key, known| template(reader, &top.needed(key)?, known);
+    let axis = one("axis", template::AXIS);
+    let comment = one("comment", template::COMMENT);
+    let all = |key, known| {
+        top.entry(key).map_or_else(|| Some(Vec::new()), |entry| templates(reader, &entry, known))
+    };
+    let begin = all("begin", template::ENDS);
+    let instruction = all("instruction", template::INSTRUCTION);
+    let motion = motions(top);
+    let blend = all("blend", template::BLEND);
+    let taken = all("taken", template::WAFER);
+    let left = all("left", template::WAFER);
+    let end = all("end", template::ENDS);
+    Some(Dialect {
+        name: name?,
+        about: about?,
+        extension: extension?,
+        length: length?,
+        angle: angle?,
+        decimals: decimals?,
+        time_decimals: time_decimals?,
+        axis: axis?,
+        between: between?,
+        comment: comment?,
+        begin: begin?,
+        instruction: instruction?,
+        motion: motion?,
+        blend: blend?,
+        taken: taken?,
+        left: left?,
+        end: end?,
     })
+}
+
+fn template(reader: &Reader, entry: &Entry, known: &'static [&'static str]) -> Option<Template> {
+    let read = Template::parse(entry.text(reader)?, known);
+    read.map_err(|problem| entry.report(reader, problem)).ok()
+}
+
+fn templates(
+    reader: &Reader,
+    entry: &Entry,
+    known: &'static [&'static str],
+) -> Option<Vec<Template>> {
+    // All are read, so that each error is reported.
+    let list = entry.list(reader)?;
+    let read: Vec<_> = list.iter().map(|one| template(reader, one, known)).collect();
+    read.into_iter().collect()
+}
+
+fn motions(top: &Table) -> Option<Motions> {
+    let list = |entry: Entry, known| templates(top.reader, &entry, known);
+    let keys = ["axes", "line", "still", "point"];
+    match keys.map(|key| top.entry(key)) {
+        [Some(axes), Some(line), Some(still), None] => {
+            let step = template::STEP;
+            let (axes, line, still) = (list(axes, step), list(line, step), list(still, step));
+            Some(Motions::Steps { axes: axes?, line: line?, still: still? })
+        }
+        [None, None, None, Some(point)] => list(point, template::POINT).map(Motions::Points),
+        _ => {
+            top.report(Problem::Motions);
+            None
+        }
+    }
+}
+
+fn extension(reader: &Reader, entry: &Entry) -> Option<String> {
+    let found = entry.text(reader)?.to_owned();
+    let plain = |letter: char| letter.is_ascii_alphanumeric() || letter == '.';
+    if found.is_empty() || !found.chars().all(plain) {
+        entry.report(reader, Problem::Extension { found });
+        return None;
+    }
+    Some(found)
+}
+
+fn unit<U: Copy>(top: &Table, key: &'static str, all: &[(&str, U)]) -> Option<U> {
+    top.needed(key)?.word(top.reader, &format!("unit of {key}"), all)
 }
 
 #[cfg(test)]
@@ -213,8 +224,9 @@ mod tests {
     fn refuse(from: &str, to: &str, message: &str) {
         let text = DIALECTS[0].text.replace(from, to);
         assert_ne!(text, DIALECTS[0].text);
-        let error = Dialect::parse(&text).unwrap_err();
-        let shown = error.with_excerpt("x.toml");
+        let errors = Dialect::parse_all(&text).unwrap_err();
+        let shown: Vec<String> = errors.iter().map(|error| error.with_excerpt("x.toml")).collect();
+        let shown = shown.join("\n");
         assert!(shown.contains(message), "{shown}");
         assert!(to.is_empty() || shown.contains(to.lines().next().unwrap()), "{shown}");
     }
@@ -226,7 +238,7 @@ mod tests {
         refuse("WAIT {duration}", "WAIT {durations}", "did you mean `duration`");
         refuse("WAIT {duration}", "WAIT {duration", "ends without");
         refuse("WAIT {duration}", "WAIT duration}", "}}");
-        refuse("\ndecimals = 6", "\ndecimals = 20", "0 to 12");
+        refuse("\ndecimals = 6", "\ndecimals = 20", "from 0 to 12");
         refuse("extension = \"txt\"", "extension = \"../x\"", "letters and digits");
         refuse("still =", "stil =", "unknown key");
         refuse(

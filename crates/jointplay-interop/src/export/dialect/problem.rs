@@ -1,40 +1,15 @@
 //! What can be wrong with a dialect file.
 
-use jointplay_format::place::{Form, suggestion};
+use jointplay_format::file_problem::FileProblem;
+use jointplay_format::place::suggestion;
 
 /// What is wrong with a dialect file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// Not TOML, or an unknown key.
+    /// An error that every file can have.
     #[error(transparent)]
-    Form(#[from] Form),
-    /// More text than a dialect needs.
-    #[error("the text has {found} bytes, but at most {allowed} are allowed")]
-    TooLong {
-        /// How many there are.
-        found: usize,
-        /// How many may be.
-        allowed: usize,
-    },
-    /// A unit that is none.
-    #[error("`{key}` is {found:?}; known: {known}")]
-    Unit {
-        /// Which key.
-        key: &'static str,
-        /// What was found.
-        found: String,
-        /// All that there are.
-        known: String,
-    },
-    /// More digits than numbers have, or fewer than none.
-    #[error("`{key}` is {found}, but has to be 0 to 12")]
-    Decimals {
-        /// Which key.
-        key: &'static str,
-        /// What was found.
-        found: i64,
-    },
+    Common(#[from] FileProblem),
     /// An ending that is none of a file.
     #[error("`extension` is {found:?}, but has to be letters and digits")]
     Extension {

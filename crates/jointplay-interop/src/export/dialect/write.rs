@@ -6,7 +6,7 @@ use jointplay_cell::robot::AxisKind;
 use super::template::Template;
 use super::{Dialect, Motions};
 use crate::export::error::Error;
-use crate::export::recording::Recording;
+use crate::export::motion_export::MotionExport;
 
 /// Text that is held at a time [bytes].
 const PART: usize = 1 << 20;
@@ -21,9 +21,9 @@ impl Dialect {
     ///
     /// # Errors
     /// [`Error::Rate`], [`Error::TooManySamples`]
-    pub fn write(&self, recording: &Recording<'_>, rate: f64) -> Result<String, Error> {
+    pub fn write(&self, motion_export: &MotionExport<'_>, rate: f64) -> Result<String, Error> {
         let mut whole = String::new();
-        self.write_in_parts(recording, rate, |part| {
+        self.write_in_parts(motion_export, rate, |part| {
             whole.push_str(part);
             Ok::<_, Error>(())
         })?;
@@ -40,11 +40,11 @@ impl Dialect {
     /// As [`Self::write`], and those of `take`.
     pub fn write_in_parts<E: From<Error>>(
         &self,
-        recording: &Recording<'_>,
+        motion_export: &MotionExport<'_>,
         rate: f64,
         mut take: impl FnMut(&str) -> Result<(), E>,
     ) -> Result<(), E> {
-        recording.check_rate(rate)?;
+        motion_export.check_rate(rate)?;
         let mut pass_on = |text: &mut String, least: usize| {
             if text.len() > least {
                 take(text)?;
@@ -52,19 +52,19 @@ impl Dialect {
             }
             Ok::<_, E>(())
         };
-        let Recording { cell, motion, .. } = *recording;
+        let MotionExport { cell, motion, .. } = *motion_export;
         let mut text = String::new();
-        if let Some(warning) = recording.warning() {
+        if let Some(warning) = motion_export.warning() {
             self.push_comment(&mut text, &warning);
-            for flaw in recording.flaws {
-                let when = self.time(flaw.from);
-                self.push_comment(&mut text, &format!("{when} s: {}", flaw.message));
+            for violation_note in motion_export.violation_notes {
+                let when = self.time(violation_note.from);
+                self.push_comment(&mut text, &format!("{when} s: {}", violation_note.message));
             }
         }
         let ends = |time: f64, positions: &[f64]| {
             let axes = cell.robot.axes.iter().map(|axis| axis.name.clone());
             let names = axes.collect::<Vec<_>>().join(&self.between);
-            let (time, positions) = (self.time(time), self.values(recording, positions));
+            let (time, positions) = (self.time(time), self.values(motion_export, positions));
             move |name: &str| match name {
                 "cell" => one_line(&cell.name),
                 "robot" => one_line(&cell.robot.name),
@@ -83,7 +83,7 @@ impl Dialect {
                 push(&mut text, &self.instruction, |name| match name {
                     "number" => (step.instruction + 1).to_string(),
                     "line" => step.place.line.to_string(),
-                    _ => one_line(recording.line(k)),
+                    _ => one_line(motion_export.line(k)),
                 });
             }
             let (start, end) = (motion.times[k], motion.times[k + 1]);
@@ -92,7 +92,7 @@ impl Dialect {
                 Motions::Steps { axes, line, still } => {
                     let (lines, effector) = match step.path {
                         Path::PointToPoint => (axes, String::new()),
-                        Path::Line(id) => (line, recording.effector_name(id).to_owned()),
+                        Path::Line(id) => (line, motion_export.effector_name(id).to_owned()),
                         Path::Dwell(_) | Path::ProcessDwell { .. } => (still, String::new()),
                     };
                     push(&mut text, lines, |name| match name {
@@ -100,7 +100,7 @@ impl Dialect {
                         "phase" => phase(step.phase).to_owned(),
                         "time" => self.time(start),
                         "duration" => self.duration(start, end),
-                        "positions" => self.values(recording, &step.to),
+                        "positions" => self.values(motion_export, &step.to),
                         _ => effector.clone(),
                     });
                 }
@@ -113,8 +113,8 @@ impl Dialect {
                         push(&mut text, lines, |name| match name {
                             "number" => (number + 1).to_string(),
                             "time" => self.time(point.time),
-                            "positions" => self.values(recording, &point.positions),
-                            _ => self.values(recording, &point.velocities),
+                            "positions" => self.values(motion_export, &point.positions),
+                            _ => self.values(motion_export, &point.velocities),
                         });
                         pass_on(&mut text, PART)?;
                     }
@@ -129,7 +129,7 @@ impl Dialect {
                 None => continue,
             };
             push(&mut text, lines, |name| match name {
-                "effector" => recording.effector_name(id).to_owned(),
+                "effector" => motion_export.effector_name(id).to_owned(),
                 "station" => cell.stations[slot.station].name.clone(),
                 _ => slot.slot.to_string(),
             });
@@ -145,8 +145,8 @@ impl Dialect {
     }
 
     /// A value for each axis, in the units of the dialect.
-    fn values(&self, recording: &Recording<'_>, values: &[f64]) -> String {
-        let axes = recording.cell.robot.axes.iter().zip(values).enumerate();
+    fn values(&self, motion_export: &MotionExport<'_>, values: &[f64]) -> String {
+        let axes = motion_export.cell.robot.axes.iter().zip(values).enumerate();
         let told = axes.map(|(k, (axis, &value))| {
             let value = match axis.kind {
                 AxisKind::Linear => self.length.from_meters(value),

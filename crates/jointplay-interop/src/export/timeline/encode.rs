@@ -11,7 +11,7 @@ use super::phase::phase;
 use super::relative_time::since;
 use crate::export::channel::Channel;
 use crate::export::error::Error;
-use crate::export::recording::Recording;
+use crate::export::motion_export::MotionExport;
 use jointplay_report::ViolationReport;
 
 /// Channels, each once.
@@ -54,11 +54,11 @@ impl Timeline {
     /// If there is no such window.
     pub fn content(
         &self,
-        recording: &Recording<'_>,
+        motion_export: &MotionExport<'_>,
         violations: &[ViolationReport],
         index: usize,
     ) -> Result<Vec<u8>, Error> {
-        let Recording { cell, motion, .. } = *recording;
+        let MotionExport { cell, motion, .. } = *motion_export;
         let window = &self.windows[index];
         let effectors: Vec<EffectorId> = cell.robot.effectors().collect();
         let number = |id: EffectorId| effectors.iter().position(|&one| one == id);
@@ -80,7 +80,7 @@ impl Timeline {
             let segment = match known.get(&key) {
                 Some(&segment) => segment,
                 None => {
-                    let made = self.segment(recording, step)?;
+                    let made = self.segment(motion_export, step)?;
                     let channels: Vec<usize> =
                         made.channels.iter().map(|one| pool.add(one)).collect();
                     segments.push(json!({
@@ -128,14 +128,14 @@ impl Timeline {
 
     /// [`Timeline::envelopes`] as bytes, as [`Timeline::content`] has them: for each window and axis least and largest position, velocity and acceleration, and how long it moves.
     #[must_use]
-    pub fn overview(&self, recording: &Recording<'_>, windows: &[usize]) -> Vec<u8> {
-        let envelopes = self.envelopes(recording, windows);
+    pub fn overview(&self, motion_export: &MotionExport<'_>, windows: &[usize]) -> Vec<u8> {
+        let envelopes = self.envelopes(motion_export, windows);
         let mut numbers = Vec::new();
         for envelope in envelopes.iter().flatten() {
             numbers.extend(envelope.bounds.as_flattened());
             numbers.push(envelope.moving);
         }
-        let axes = recording.cell.robot.axes.len();
+        let axes = motion_export.cell.robot.axes.len();
         block(&json!({ "windows": envelopes.len(), "axes": axes }), &numbers)
     }
 }

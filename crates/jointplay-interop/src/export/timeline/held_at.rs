@@ -47,7 +47,7 @@ impl HeldAt {
 
     pub(super) fn new(held: &Held, slot: Option<SlotId>) -> Self {
         let (effector, pose) = match held {
-            Held::Lying(at) => (None, at),
+            Held::InSlot(at) => (None, at),
             Held::On(id, at) => (Some(*id), at),
         };
         // The same place after any number of moves.

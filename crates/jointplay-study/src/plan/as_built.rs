@@ -1,4 +1,4 @@
-//! Robots that are not built as they were designed.
+//! Robots as built, which differ from the design by tolerances.
 
 use jointplay_core::Error;
 use jointplay_core::gpr::{Gpr, Limb};
@@ -34,7 +34,7 @@ pub enum RodsFrom {
     AsBuilt,
 }
 
-/// By how much each dimension of each limb differs from the design, drawn for every limb by itself ([m], [rad]).
+/// Difference of each dimension of each limb from the design, drawn for every limb separately ([m], [rad]).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tolerances {
     /// Of r_k [m].
@@ -81,11 +81,20 @@ pub(super) fn value(mut limb: Limb, dimension: Dimension) -> f64 {
     *entry(&mut limb, dimension)
 }
 
+/// A dimension that differs from the design.
+struct DimensionError<'a> {
+    limb: usize,
+    dimension: Dimension,
+    /// Values or distribution of the difference.
+    error: &'a Variation,
+    /// Random numbers of the difference.
+    stream: Stream,
+}
+
 /// Draws robots.
 pub(super) struct RobotSampler<'a> {
     design: &'a Gpr,
-    /// What differs: limb, dimension, by how much, and its random numbers.
-    errors: Vec<(usize, Dimension, &'a Variation, Stream)>,
+    errors: Vec<DimensionError<'a>>,
 }
 
 impl<'a> RobotSampler<'a> {
@@ -94,8 +103,8 @@ impl<'a> RobotSampler<'a> {
             .flat_map(|limb| (0..).zip(Dimension::ALL).map(move |(k, d)| (limb, k, d)))
             .filter_map(|(limb, k, dimension)| {
                 let stream = DIMENSION_STREAMS + 4 * limb as u64 + k;
-                let spread = tolerances.of(dimension)?;
-                Some((limb, dimension, spread, Stream::new(seed, stream)))
+                let error = tolerances.of(dimension)?;
+                Some(DimensionError { limb, dimension, error, stream: Stream::new(seed, stream) })
             })
             .collect();
         Self { design, errors }
@@ -104,8 +113,8 @@ impl<'a> RobotSampler<'a> {
     /// The limbs of a draw.
     pub(super) fn limbs(&mut self, draw: u64) -> [Limb; 3] {
         let mut limbs = self.design.limbs();
-        for (limb, dimension, spread, stream) in &mut self.errors {
-            *entry(&mut limbs[*limb], *dimension) += spread.at(stream, 0, draw);
+        for DimensionError { limb, dimension, error, stream } in &mut self.errors {
+            *entry(&mut limbs[*limb], *dimension) += error.at(stream, 0, draw);
         }
         limbs
     }

@@ -5,14 +5,14 @@ use jointplay_cell::trajectory::Trajectory;
 use jointplay_cell::workcell::Cell;
 
 use super::error::Error;
-use super::flaw::Flaw;
+use super::violation_note::ViolationNote;
 
 /// The most samples that one export may have: a day at 1 kHz is less.
 pub const MOST_SAMPLES: f64 = 1e8;
 
 /// A motion with all that is told of it.
 #[derive(Debug, Clone, Copy)]
-pub struct Recording<'a> {
+pub struct MotionExport<'a> {
     /// What moves, and among what.
     pub cell: &'a Cell,
     /// How it moves.
@@ -20,15 +20,15 @@ pub struct Recording<'a> {
     /// Text of the program, of which lines are quoted; empty for none.
     pub program: &'a str,
     /// What is wrong with the motion; empty where nothing is.
-    pub flaws: &'a [Flaw],
+    pub violation_notes: &'a [ViolationNote],
 }
 
-impl Recording<'_> {
+impl MotionExport<'_> {
     /// Why nothing of this should be run: one line; `None` where nothing is wrong.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
-        let first = self.flaws.first()?;
-        let count = self.flaws.len();
+        let first = self.violation_notes.first()?;
+        let count = self.violation_notes.len();
         let what = if count == 1 { "violation" } else { "violations" };
         Some(format!("NOT SAFE TO RUN: {count} {what}, the first: {}", first.message))
     }

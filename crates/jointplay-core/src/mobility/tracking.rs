@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::InstantaneousMobility;
 use crate::Error;
-use crate::constraint::{Configuration, System, scaled_jacobian, scaled_residual, units};
-use crate::linalg::{Svd, svd};
+use crate::constraint::{Configuration, NewtonLimits, ScaledSystem, System, newton_at_rank};
+use crate::linalg::svd;
 use crate::random::Random;
 
 /// Scaled residual of a configuration that counts as closed.
@@ -20,9 +20,9 @@ const MAX_WITHOUT_GAIN: usize = 8;
 const LEAST_DAMPING: f64 = 1e-3;
 const LARGEST_DAMPING: f64 = 1e8;
 
-/// How far a motion has to be followed to count without a search: farther than a search for branches reaches, since it starts from the given point, where a constraint is broken least by a motion stopped at high order.
+/// Distance for which a motion has to be followed to be finite without a search: farther than the radius of a search for branches, since it starts from the given configuration, where a motion stopped at high order violates a constraint least.
 pub(super) const KEPT_RADIUS: f64 = 0.3;
-/// Mismatch that no correction can reach, from which on a motion is broken, well above round-off: of a motion stopped at order p it is about 0.3ᵖ.
+/// Mismatch that no correction can remove and from which on a motion is obstructed, well above round-off: of a motion stopped at order p it is about 0.3ᵖ.
 const BROKEN: f64 = 1e-12;
 /// …and how much larger it has to be than the part that corrections can still reach, and than the residual of the given configuration.
 const BROKEN_RATIO: f64 = 1e3;
@@ -43,18 +43,18 @@ const STEP_CORRECTIONS: usize = 8;
 const LARGEST_CORRECTION: f64 = 0.3;
 /// Least cosine of the angle between the directions of two steps.
 const LEAST_COSINE: f64 = 0.5;
-/// How far round-off of a configuration moves a singular value that is zero, in units of the residual over the least singular value that counts.
+/// Effect of the round-off of a configuration on a singular value that is zero, in units of the residual over the least singular value that counts.
 const NOISE: f64 = 30.0;
 /// Ratio by which singular values that count have to exceed those that do not.
 const GAP: f64 = 10.0;
 
-/// Result of following some motions of first order in random directions.
+/// Result of following some instantaneous motions in random directions.
 pub(super) enum Continuation {
     /// Every direction is a finite motion; the number of directions tried.
     Finite(usize),
-    /// One breaks constraints that no correction can restore: the dimension of the finite motions is lower by one at least.
+    /// One violates constraints that no correction can restore: the dimension of the finite motions is lower by at least one.
     Obstructed,
-    /// One could not be followed so far.
+    /// One could not be followed for the whole distance.
     Unresolved,
 }
 
@@ -63,11 +63,9 @@ pub(super) fn random_direction(random: &mut Random, count: usize) -> DVector<f64
     DVector::from_fn(count, |_, _| random.next()).normalize()
 }
 
-/// A search for configurations, in dimensionless coordinates.
-pub(super) struct Search<'a, S: ?Sized> {
-    system: &'a S,
-    rows: DVector<f64>,
-    columns: DVector<f64>,
+/// Follows motions from a configuration, and corrects configurations onto the constraints, in dimensionless coordinates.
+pub(super) struct ConfigurationTracker<'a, S: ?Sized> {
+    scaled: ScaledSystem<'a, S>,
     /// Residual of the given configuration, which counts as closed; its part in redundant constraints cannot be corrected.
     closed: DVector<f64>,
     /// Scaled residual that counts as closed.
@@ -77,44 +75,35 @@ pub(super) struct Search<'a, S: ?Sized> {
 /// A displacement, and the tangent of the motion there.
 type Stepped = (DVector<f64>, DVector<f64>);
 
-impl<'a, S: System + ?Sized> Search<'a, S> {
+impl<'a, S: System + ?Sized> ConfigurationTracker<'a, S> {
     pub(super) fn new(system: &'a S, at: &Configuration, characteristic_length: f64) -> Self {
-        let rows = units(&system.constraint_dimensions(), characteristic_length);
-        let columns = units(&system.coordinate_dimensions(), characteristic_length);
-        let closed = scaled_residual(&system.residual(at), &rows);
+        let scaled = ScaledSystem::new(system, characteristic_length);
+        let closed = scaled.residual(at);
         let found = FOUND.max(RESIDUAL_ROUND_OFF * system.round_off());
-        Self { system, rows, columns, closed, found }
+        Self { scaled, closed, found }
     }
 
     pub(super) fn system(&self) -> &'a S {
-        self.system
+        self.scaled.system()
     }
 
     pub(super) fn moved(&self, from: &Configuration, by: &DVector<f64>) -> Configuration {
-        Configuration {
-            coordinates: &from.coordinates + by.component_mul(&self.columns),
-            virtual_joints: from.virtual_joints.clone(),
-        }
+        self.scaled.displaced(from, by)
     }
 
     fn residual(&self, at: &Configuration) -> DVector<f64> {
-        scaled_residual(&self.system.residual(at), &self.rows) - &self.closed
+        self.scaled.residual(at) - &self.closed
     }
 
     /// Residual that counts as closed at a configuration: large coordinates are rounded more.
     fn closed_below(&self, at: &Configuration) -> f64 {
-        let rounded = f64::EPSILON * at.coordinates.component_div(&self.columns).amax();
+        let rounded = self.scaled.coordinate_round_off(at);
         self.found.max(rounded)
     }
 
-    fn decomposed(&self, at: &Configuration) -> Result<Svd, Error> {
-        let jacobian = self.system.constraint_jacobian(at);
-        Ok(svd(&scaled_jacobian(&jacobian, &self.rows, &self.columns))?)
-    }
-
-    /// Follows motions of first order in random directions, each kept as it is: the common case, and far cheaper than a search for branches.
+    /// Follows instantaneous motions in random directions: the common case, and far cheaper than a search for branches.
     ///
-    /// Corrections stay out of the null space, so that each start asks whether its very direction is a finite motion.
+    /// Corrections stay out of the null space, so that each start tests whether exactly its direction is a finite motion.
     /// The mismatch that they cannot reach is an analytic function of the start, so that one start where it is not zero shows that the finite motions have fewer dimensions.
     pub(super) fn followed(
         &self,
@@ -158,9 +147,9 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
         Continuation::Finite(tried)
     }
 
-    /// Follows all motions of first order by continuation with steps as long as the configurations allow; returns the number of directions where all lead on at constant rank.
+    /// Follows all instantaneous motions by continuation with steps as long as the configurations allow; returns the number of directions if all continue at constant rank.
     ///
-    /// For motions whose range is short, or that bend soon: the steps shrink to the scale of the motion.
+    /// For motions of short range or high curvature: the steps shrink to the scale of the motion.
     ///
     /// # Arguments
     /// * `least_cut` – singular values at or below this one count as zero
@@ -226,29 +215,25 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
         cut: f64,
     ) -> Result<Option<Stepped>, Error> {
         let predicted = here + tangent * step;
-        let mut there = predicted.clone();
-        for _ in 0..STEP_CORRECTIONS {
-            let place = self.moved(at, &there);
-            let residual = self.residual(&place);
-            let decomposition = self.decomposed(&place)?;
-            if residual.amax() <= self.closed_below(&place) {
-                let values = &decomposition.singular_values;
-                let counted = values.iter().filter(|&&value| value > cut).count();
-                if counted != rank || values[rank - 1] <= GAP * cut {
-                    return Ok(None);
-                }
-                let motions = decomposition.null_space(rank);
-                let next = &motions * motions.tr_mul(tangent);
-                let cosine = next.norm();
-                return Ok((cosine >= LEAST_COSINE).then(|| (there, next / cosine)));
-            }
-            there -= decomposition.solve(&residual, rank);
-            let correction = (&there - &predicted).norm();
-            if correction.is_nan() || correction > LARGEST_CORRECTION * step {
-                return Ok(None);
-            }
+        let found = newton_at_rank(
+            &self.scaled,
+            at,
+            predicted.clone(),
+            &NewtonLimits { rank, corrections: STEP_CORRECTIONS },
+            |place| self.residual(place),
+            |place| self.closed_below(place),
+            |there| (there - &predicted).norm() <= LARGEST_CORRECTION * step,
+        )?;
+        let Some((there, decomposition)) = found else { return Ok(None) };
+        let values = &decomposition.singular_values;
+        let counted = values.iter().filter(|&&value| value > cut).count();
+        if counted != rank || values[rank - 1] <= GAP * cut {
+            return Ok(None);
         }
-        Ok(None)
+        let motions = decomposition.null_space(rank);
+        let next = &motions * motions.tr_mul(tangent);
+        let cosine = next.norm();
+        Ok((cosine >= LEAST_COSINE).then(|| (there, next / cosine)))
     }
 
     /// Brings a displacement onto the constraints by damped Gauss–Newton steps of least norm; `None` if it ends farther away than `farthest`.
@@ -264,7 +249,7 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
         Ok(found.filter(|displacement| displacement.norm() <= farthest))
     }
 
-    /// As [`Self::corrected`], at a given distance.
+    /// Brings a displacement onto the constraints at a given distance from the configuration.
     ///
     /// Where second order has as many conditions as there are motions, Gauss–Newton steps halve a displacement and end at the given configuration, unless its length is kept.
     pub(super) fn at_distance(
@@ -297,8 +282,7 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
             if without_gain > MAX_WITHOUT_GAIN || !displacement.norm().is_finite() {
                 break;
             }
-            let mut jacobian =
-                scaled_jacobian(&self.system.constraint_jacobian(&at), &self.rows, &self.columns);
+            let mut jacobian = self.scaled.jacobian(&at);
             if distance.is_some() {
                 // Steps stay in the tangent plane of the sphere.
                 let outward = displacement.normalize();

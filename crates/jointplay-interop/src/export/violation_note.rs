@@ -6,7 +6,7 @@ use jointplay_report::explain_violation;
 
 /// Something that is wrong with a motion.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Flaw {
+pub struct ViolationNote {
     /// From when on [s].
     pub from: f64,
     /// Until when [s].
@@ -17,11 +17,11 @@ pub struct Flaw {
 
 /// What is wrong with a motion, as exported files say it.
 #[must_use]
-pub fn flaws(cell: &Cell, report: &Report) -> Vec<Flaw> {
-    let flaw = |one: &Violation| Flaw {
+pub fn violation_notes(cell: &Cell, report: &Report) -> Vec<ViolationNote> {
+    let violation_note = |one: &Violation| ViolationNote {
         from: one.start,
         to: one.end,
         message: format!("line {}: {}: {}", one.place.line, one.kind, explain_violation(cell, one)),
     };
-    report.violations.iter().map(flaw).collect()
+    report.violations.iter().map(violation_note).collect()
 }

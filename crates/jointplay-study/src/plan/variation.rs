@@ -1,8 +1,8 @@
-//! The values that something takes in a study.
+//! Values or distribution of a varied quantity.
 
 use super::random::Stream;
 
-/// The values that something takes, in its SI unit.
+/// Values or distribution of a varied quantity, in its SI unit.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Variation {
     /// These, each with each value of the others: a direction of the grid.

@@ -1,4 +1,4 @@
-//! What can be wanted of a sample.
+//! Quantities to compute of a sample.
 
 use jointplay_core::bulk::Quantity;
 use jointplay_core::spatial::Tilt;
@@ -40,9 +40,9 @@ pub enum OutputQuantity {
 /// A number that the platform has under a virtualization.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlatformQuantity {
-    /// What the core tells of many poses.
+    /// A quantity of the core.
     Quantity(Quantity),
-    /// How far O_p stands off the base axis [m].
+    /// Distance of O_p from the base axis [m].
     CenterShift,
     /// Tilt about e_b1 [rad].
     TiltX,
@@ -56,7 +56,7 @@ pub enum PlatformQuantity {
 pub(super) type Columns = Vec<(Quantity, Vec<f64>)>;
 
 impl PlatformQuantity {
-    /// What it is made of.
+    /// Quantities of the core that it is computed from.
     fn made_of(self) -> Vec<Quantity> {
         match self {
             Self::Quantity(quantity) => vec![quantity],

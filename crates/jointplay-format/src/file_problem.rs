@@ -1,0 +1,86 @@
+//! Errors that every file in TOML can have.
+
+use crate::number::{counted, entries, number};
+use crate::place::{Form, listed, suggestion};
+
+/// Errors that every file in TOML can have; numbers are in the units of the file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FileProblem {
+    /// Invalid TOML, or an unknown key.
+    #[error(transparent)]
+    Form(#[from] Form),
+    /// A text that is too long [bytes].
+    #[error("the text has {found} bytes, but at most {allowed} are allowed")]
+    TooLong {
+        /// Length found.
+        found: usize,
+        /// Length allowed.
+        allowed: usize,
+    },
+    /// A required key that is missing.
+    #[error("{whose} needs `{key}`")]
+    MissingKey {
+        /// The table that needs it.
+        whose: String,
+        /// The key.
+        key: String,
+    },
+    /// A value of the wrong type.
+    #[error("`{key}` has to be {needed}, but is {found}")]
+    WrongType {
+        /// The key.
+        key: String,
+        /// The type needed.
+        needed: String,
+        /// The value found.
+        found: String,
+    },
+    /// A number out of range, infinite or NaN.
+    #[error("`{key}` is {}, but has to be {needed}", number(*.value))]
+    OutOfRange {
+        /// The key.
+        key: String,
+        /// The value found.
+        value: f64,
+        /// The values allowed.
+        needed: String,
+    },
+    /// A list with too few or too many entries.
+    #[error("`{key}` has {}, but needs {needed}", entries(*.found))]
+    Count {
+        /// The key.
+        key: String,
+        /// Number of entries found.
+        found: usize,
+        /// Number of entries needed.
+        needed: String,
+    },
+    /// A word or name that is not known.
+    #[error("{what} {found:?} is not known{}; known: {}", suggestion(nearest), listed(known))]
+    Unknown {
+        /// The kind of thing that it names.
+        what: String,
+        /// The value found.
+        found: String,
+        /// The most similar known name.
+        nearest: Option<String>,
+        /// All known names.
+        known: Vec<String>,
+    },
+    /// A name that programs cannot write.
+    #[error(
+        "`{key}` is {found:?}, but a name is letters, digits, `_` and `-`, starts with a letter, and has at most {longest} of them"
+    )]
+    Name {
+        /// The key.
+        key: String,
+        /// The value found.
+        found: String,
+        /// Greatest length.
+        longest: usize,
+    },
+    /// Number of further errors, which are not listed.
+    #[error("{} from here on", counted(*.0, "more error"))]
+    More(usize),
+}
