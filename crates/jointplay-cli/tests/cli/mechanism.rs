@@ -474,8 +474,8 @@ fn names_that_are_not_there() {
     refuse("assemble four-bar --at A=x", "invalid number");
     refuse("assemble four-bar --set couple=1", "couple");
     refuse("move four-bar --drive A=1", "expected JOINT=FROM:TO");
-    refuse("move four-bar --drive A=0:1:0", "a step of 0 leads nowhere");
-    refuse("move four-bar --drive A=1:1", "FROM and TO are the same");
+    refuse("move four-bar --drive A=0:1:0", "STEP must not be 0");
+    refuse("move four-bar --drive A=1:1", "FROM and TO are equal");
     refuse("move four-bar --drive A=0:1 --drive A=0:2", "is given twice");
     refuse("move griffis-duffy", "no joint of this mechanism is actuated");
     refuse("move four-bar --drive A=0:360:1e-3", "at most 100000 steps");
