@@ -16,7 +16,7 @@ fn a_picture_is_written_where_it_is_asked_for() {
     // A file that exists is replaced on request only.
     let run = sandbox.run("draw bennett --at J1=120 --figure bennett.svg");
     assert_eq!(run.code, 2);
-    assert!(run.stderr.contains("replace it with --force"), "{}", run.stderr);
+    assert!(run.stderr.contains("use --force to replace it"), "{}", run.stderr);
     assert_eq!(sandbox.read("bennett.svg"), usual);
     sandbox.done("draw bennett --at J1=120 --figure bennett.svg --force");
     assert_ne!(sandbox.read("bennett.svg"), usual);
@@ -58,7 +58,7 @@ fn a_picture_shows_what_is_asked_for() {
     for (line, message) in [
         ("draw gpr-mechanism --exaggerate 500", "the virtual joints are not displaced"),
         ("draw bennett --exaggerate 500", "the virtual joints are not displaced"),
-        ("draw gpr-mechanism --exaggerate 0.5", "by a factor from 1 to 1e9"),
+        ("draw gpr-mechanism --exaggerate 0.5", "the play scale must be from 1 to 1e9"),
     ] {
         let run = sandbox.run(line);
         assert_eq!(run.code, 2, "{line}");
@@ -85,10 +85,10 @@ fn every_mechanism_of_the_catalogue_can_be_drawn() {
 fn what_cannot_be_drawn() {
     let sandbox = Sandbox::new();
     for (line, code, message) in [
-        ("draw bennett --figure bennett.jpg", 2, "ends neither in .svg nor in .png"),
+        ("draw bennett --figure bennett.jpg", 2, "must end in .svg or .png"),
         ("draw bennett --figure nowhere/bennett.svg", 2, "its folder does not exist"),
-        ("draw bennett --view 30", 2, "is not AZIMUTH,ELEVATION"),
-        ("draw bennett --view 30,91", 2, "is not between"),
+        ("draw bennett --view 30", 2, "expected AZIMUTH,ELEVATION"),
+        ("draw bennett --view 30,91", 2, "elevation must be from -90° to 90°"),
         ("draw bennett --view NaN,0", 2, "not a finite number"),
         ("draw bennett --at J9=1", 2, "J9"),
         ("draw four-bar --ghost J9=1", 2, "J9"),

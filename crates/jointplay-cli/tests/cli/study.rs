@@ -270,8 +270,8 @@ fn robot_files_are_next_to_their_study() {
     assert_eq!(columns(&csv)["height_mm"][0], "400.0");
     assert_eq!(summary["robot"], "GPR of the paper");
     for (robot, message) in [
-        ("../mine.toml", "has to be in the folder of the file that names it"),
-        ("/mine.toml", "has to be in the folder of the file that names it"),
+        ("../mine.toml", "must be in the folder of the input file"),
+        ("/mine.toml", "must be in the folder of the input file"),
         ("none.toml", "cannot read"),
         ("delta", "of the kind \\\"mechanism\\\""),
         ("gps", "not in the catalogue"),
