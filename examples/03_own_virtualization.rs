@@ -17,7 +17,7 @@ use jointplay::virtualization::{
 
 /// Socket k slides by s_k in the direction β_k + slant.
 struct Slanted {
-    /// Angle between each slide and its radius [rad].
+    /// Angle between each slide and its radius (rad).
     slant: f64,
 }
 

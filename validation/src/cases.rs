@@ -6,10 +6,10 @@ use jointplay::virtualization::{
     Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
 };
 
-/// Socket radius of the paper's robot [m].
+/// Socket radius of the paper's robot (m).
 pub const RADIUS: f64 = 0.093218;
 
-/// Axis height in the paper's study [m].
+/// Axis height in the paper's study (m).
 pub const HEIGHT: AxisHeight = AxisHeight(0.5);
 
 /// The four virtualizations, in the order of a legend.
@@ -44,7 +44,7 @@ pub fn pose(
     gpr.forward(rods, virtualization, &options(solver, metric)).expect("a pose near level")
 }
 
-/// Yaws every 10° from 0° to 350° [deg].
+/// Yaws every 10° from 0° to 350° (deg).
 pub fn yaws_deg() -> impl Iterator<Item = f64> {
     (0..36).map(|i| 10.0 * f64::from(i))
 }

@@ -2,16 +2,16 @@
 
 use nalgebra::Vector3;
 
-/// Three points in space [m].
+/// Three points in space (m).
 pub type Triangle = [Vector3<f64>; 3];
 
-/// Mean of the corners [m].
+/// Mean of the corners (m).
 #[must_use]
 pub fn centroid(corners: &Triangle) -> Vector3<f64> {
     (corners[0] + corners[1] + corners[2]) / 3.0
 }
 
-/// The point of the plane at equal distance from all corners [m].
+/// The point of the plane at equal distance from all corners (m).
 ///
 /// Barycentric weights a² (b² + c² − a²), a being the side opposite the corner.
 #[must_use]
@@ -23,7 +23,7 @@ pub fn circumcenter(corners: &Triangle) -> Vector3<f64> {
     (0..3).fold(Vector3::zeros(), |point, k| point + corners[k] * (weights[k] / sum))
 }
 
-/// The point of least summed distance from the corners [m].
+/// The point of least summed distance from the corners (m).
 ///
 /// Barycentric weights a / sin(A + 60°), a being the side opposite the corner and A the angle at it; no angle may reach 120°.
 #[must_use]

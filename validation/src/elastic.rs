@@ -9,17 +9,17 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector2, Vector3};
 /// Position of O_p.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rest {
-    /// O_p in the base frame [m].
+    /// O_p in the base frame (m).
     pub origin: Vector3<f64>,
-    /// Turn about the normal, beyond the shortest rotation [rad].
+    /// Turn about the normal, beyond the shortest rotation (rad).
     pub twist: f64,
 }
 
 /// The weighted fit within the plane of the balls: least Σ |p_k − P_k|² / q_k³.
 ///
 /// # Arguments
-/// * `sockets` – nominal sockets in the platform frame [m]
-/// * `balls` – ball centres of straight rods in the base frame [m]
+/// * `sockets` – nominal sockets in the platform frame (m)
+/// * `balls` – ball centres of straight rods in the base frame (m)
 /// * `normal` – upward unit normal of their plane
 #[must_use]
 pub fn weighted_fit(

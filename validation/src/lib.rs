@@ -53,7 +53,7 @@ impl Row {
         columns.iter().map_while(|column| self.number(column)).collect()
     }
 
-    /// Three lengths, from mm in the table [m].
+    /// Three lengths, from mm in the table (m).
     #[must_use]
     pub fn lengths(&self, columns: [&str; 3]) -> [f64; 3] {
         columns.map(|column| self.number(column).expect("a length in every row") * 1e-3)

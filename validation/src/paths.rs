@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 /// Steps of each warm-started solve; four reach round-off from a neighbouring pose.
 const STEPS: usize = 8;
 
-/// One turn of precession: the same pitch [rad] toward `samples` yaws, from yaw 0 up to and with 2π.
+/// One turn of precession: the same pitch (rad) toward `samples` yaws, from yaw 0 up to and with 2π.
 pub fn turn(pitch: f64, samples: u32) -> impl Iterator<Item = Tilt> {
     (0..=samples).map(move |i| Tilt {
         yaw: std::f64::consts::TAU * f64::from(i) / f64::from(samples),
@@ -22,7 +22,7 @@ pub fn turn(pitch: f64, samples: u32) -> impl Iterator<Item = Tilt> {
 /// The first starts at the nominal X. The iteration is the paper's, X ← X − J† F.
 ///
 /// # Arguments
-/// * `rho` – ρ of the metric [m]
+/// * `rho` – ρ of the metric (m)
 ///
 /// # Panics
 /// If a tilt is not a pose of the robot.
@@ -99,7 +99,7 @@ fn shortest(from: &Vector3<f64>, to: &Vector3<f64>) -> Rotation3<f64> {
     Rotation3::from_matrix_unchecked(Matrix3::identity() + cross + cross * cross * factor)
 }
 
-/// Turn of a rotation about its own e_3, beyond the shortest rotation from level [rad].
+/// Turn of a rotation about its own e_3, beyond the shortest rotation from level (rad).
 #[must_use]
 pub fn twist_about_normal(rotation: &Rotation3<f64>) -> f64 {
     let normal = rotation.matrix().column(2).into_owned();

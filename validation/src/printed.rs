@@ -6,7 +6,7 @@ use jointplay::linalg::least_norm_of_three;
 use jointplay::virtualization::Sides;
 use nalgebra::{Vector2, Vector3};
 
-/// X of the extended models: three lengths [m], then three angles [rad].
+/// X of the extended models: three lengths (m), then three angles (rad).
 pub type X = [f64; 6];
 
 /// The rows of ∂F/∂X as the paper prints it, one for each entry of X, each with F_12, F_23, F_31.
@@ -27,10 +27,10 @@ pub enum ThirdColumn {
 
 const TURN: f64 = 2.0 * std::f64::consts::FRAC_PI_3;
 
-/// The virtual sides of V.A: √(l_i² + l_j² − 2 l_i l_j cos(120° − φ_i + φ_j)) [m].
+/// The virtual sides of V.A: √(l_i² + l_j² − 2 l_i l_j cos(120° − φ_i + φ_j)) (m).
 ///
 /// # Source
-/// [Virtualization], V.A, first equation
+/// \[Virtualization\], V.A, first equation
 #[must_use]
 pub fn polar_sides(x: &X) -> Sides {
     [0, 1, 2].map(|i| {
@@ -43,7 +43,7 @@ pub fn polar_sides(x: &X) -> Sides {
 /// ∂F/∂X of V.A.
 ///
 /// # Source
-/// [Virtualization], V.A, the 6×3 matrix before its transposition
+/// \[Virtualization\], V.A, the 6×3 matrix before its transposition
 #[must_use]
 pub fn polar_by_x(x: &X, third: ThirdColumn) -> FByX {
     let [l_1, l_2, l_3, phi_1, phi_2, phi_3] = *x;
@@ -70,10 +70,10 @@ pub fn polar_by_x(x: &X, third: ThirdColumn) -> FByX {
     ]
 }
 
-/// The points r_1, r_2, r_3 of V.B as printed: the first component of r_3 has dφ_2 [m].
+/// The points r_1, r_2, r_3 of V.B as printed: the first component of r_3 has dφ_2 (m).
 ///
 /// # Source
-/// [Virtualization], V.B
+/// \[Virtualization\], V.B
 #[must_use]
 pub fn offset_points_printed(radius: f64, x: &X) -> [Vector2<f64>; 3] {
     let [dr_1, dr_2, dr_3, dphi_1, dphi_2, dphi_3] = *x;
@@ -90,7 +90,7 @@ pub fn offset_points_printed(radius: f64, x: &X) -> [Vector2<f64>; 3] {
     ]
 }
 
-/// The same with dφ_3 in r_3 [m].
+/// The same with dφ_3 in r_3 (m).
 #[must_use]
 pub fn offset_points_right(radius: f64, x: &X) -> [Vector2<f64>; 3] {
     let mut points = offset_points_printed(radius, x);
@@ -110,9 +110,9 @@ pub enum ByL {
 /// One step of the iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// X after the step ([m], [rad]).
+    /// X after the step ((m), (rad)).
     pub x: X,
-    /// Largest difference between a side and its virtual length there [m].
+    /// Largest difference between a side and its virtual length there (m).
     pub residual: f64,
 }
 
@@ -121,10 +121,10 @@ pub struct Step {
 /// Stops early where X is no longer finite or no step exists.
 ///
 /// # Arguments
-/// * `rho` – ρ of the metric, 1 mm in the paper [m]
+/// * `rho` – ρ of the metric, 1 mm in the paper (m)
 ///
 /// # Source
-/// [Virtualization], IV.B and eq. (8)
+/// \[Virtualization\], IV.B and eq. (8)
 #[must_use]
 pub fn iterate(
     third: ThirdColumn,

@@ -144,7 +144,7 @@ fn magnitude_and_turn_of_the_centre_shift() {
     near(origin_in_plane(&Polar, Solver::LeastNorm), 28.3778 * UM, 1e-4 * UM);
 }
 
-/// How far O_p is from the base axis within the platform plane, at 2° toward rod 1 [m].
+/// How far O_p is from the base axis within the platform plane, at 2° toward rod 1 (m).
 fn origin_in_plane(model: &dyn Virtualization, solver: Solver) -> f64 {
     origin(model, solver, 0.0, 2.0).x / 2.0_f64.to_radians().cos()
 }

@@ -241,7 +241,7 @@ fn the_same_robot_in_metres_would_give_another_answer() {
 
 // Trap 4: small angles without information.
 
-/// Largest X over all yaws at 2°, linear and angular ([m], [rad]).
+/// Largest X over all yaws at 2°, linear and angular ((m), (rad)).
 fn largest(model: &dyn jointplay::virtualization::Virtualization, solver: Solver) -> (f64, f64) {
     let mut nominal = [0.0; 6];
     model.nominal(Gpr::paper().platform(), &mut nominal);

@@ -14,7 +14,7 @@ use jointplay::nalgebra::Vector3;
 use jointplay::spatial::{Pose, tilt_rotation};
 use jointplay_validation::{Row, golden};
 
-/// Of positions [m] and of entries of rotation matrices.
+/// Of positions (m) and of entries of rotation matrices.
 const TOLERANCE: f64 = 1e-12;
 
 type Sample = (HybridRobot, Vec<f64>, Vec<Row>);

@@ -14,7 +14,7 @@ use jointplay::nalgebra::DVector;
 use jointplay::spatial::Pose;
 use jointplay_validation::{Row, golden};
 
-/// Of positions [m] and of entries of rotation matrices.
+/// Of positions (m) and of entries of rotation matrices.
 const TOLERANCE: f64 = 1e-12;
 
 fn model(name: &str) -> Mechanism {

@@ -16,7 +16,7 @@ const TOLERANCE: f64 = 1e-12;
 /// A mechanism of the catalogue in motion.
 struct Ride {
     mechanism: Mechanism,
-    /// Joint coordinates at every step [m, rad].
+    /// Joint coordinates at every step (m, rad).
     steps: Vec<DVector<f64>>,
 }
 
@@ -56,7 +56,7 @@ impl Ride {
         self.mechanism.joints()[..joint].iter().map(|before| before.kind.freedoms()).sum()
     }
 
-    /// A joint coordinate [m, rad].
+    /// A joint coordinate (m, rad).
     fn value(&self, at: &DVector<f64>, joint: &str) -> f64 {
         at[self.index(joint)]
     }
@@ -69,7 +69,7 @@ impl Ride {
         self.poses(at)[self.mechanism.link(link).unwrap()]
     }
 
-    /// A point of a joint [m] and the direction of its axis.
+    /// A point of a joint (m) and the direction of its axis.
     fn axis(&self, at: &DVector<f64>, joint: &str) -> (Vector3<f64>, Vector3<f64>) {
         let joint = &self.mechanism.joints()[self.mechanism.joint(joint).unwrap()];
         let frame = self.poses(at)[joint.links[1]] * joint.frames[1];
@@ -317,7 +317,7 @@ fn trihedral_bricard_axes_meet_in_two_points() {
     }
 }
 
-/// Poses about the reference configuration: shift [m], then rotation vector [rad].
+/// Poses about the reference configuration: shift (m), then rotation vector (rad).
 const TARGETS: [([f64; 3], [f64; 3]); 4] = [
     ([0.05, -0.03, 0.04], [0.1, 0.0, 0.0]),
     ([-0.06, 0.02, -0.05], [0.05, -0.12, 0.2]),

@@ -88,7 +88,7 @@ fn with_virtual_joints_rank_is_12_and_mobility_m_everywhere() {
 
 // IV.A: sensitivity.
 
-/// Non-zero singular values of ∂Φ/∂X in mm and rad, as the paper would have computed them [mm²/mm, mm²/rad].
+/// Non-zero singular values of ∂Φ/∂X in mm and rad, as the paper would have computed them (mm²/mm, mm²/rad).
 fn singular_values_of_phi_by_x(model: &dyn Virtualization, yaw: f64, pitch: f64) -> [f64; 3] {
     let gpr = Gpr::paper().without_limit_checks();
     let found = pose(model, Solver::Newton, Metric::Paper, yaw, pitch);

@@ -13,10 +13,10 @@ const OF_HEIGHT: f64 = 3e-6;
 const OF_EXTREME: f64 = 1.5e-5;
 /// Of the value.
 const OF_DROOP: f64 = 1e-9;
-/// A beam's gravity [m/s²].
+/// A beam's gravity (m/s²).
 const GRAVITY: f64 = 9.80665;
 
-/// A silicon wafer of 300 mm, and the unit that its golden heights count in [m].
+/// A silicon wafer of 300 mm, and the unit that its golden heights count in (m).
 fn wafer(poisson: f64) -> (Wafer, f64) {
     let material = Material { name: "silicon".into(), young: 148e9, poisson, density: 2329.0 };
     let wafer = Wafer { diameter: 0.3, thickness: 775e-6, material };

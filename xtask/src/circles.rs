@@ -164,7 +164,7 @@ impl Crate {
                 return None;
             }
             let follow = |import: &[String], rest: &[String]| {
-                let import = self.from_root(&at, import)?;
+                let import = self.path_from_root(&at, import)?;
                 self.definition(&joined(&import, rest), depth + 1)
             };
             return match module.imports.get(name) {
@@ -176,7 +176,7 @@ impl Crate {
     }
 
     /// The path from the crate's root of a path as the module `name` writes it; none if it leads to another crate.
-    fn from_root(&self, name: &[String], path: &[String]) -> Option<ModulePath> {
+    fn path_from_root(&self, name: &[String], path: &[String]) -> Option<ModulePath> {
         let first = path.first()?;
         if matches!(first.as_str(), "crate" | "self" | "super") {
             return Some(absolute(name, path));
@@ -187,7 +187,7 @@ impl Crate {
         let import = self.modules.get(name)?.imports.get(first)?;
         // A crate may be imported under its own name.
         (import.first() != Some(first)).then_some(())?;
-        Some(joined(&self.from_root(name, import)?, &path[1..]))
+        Some(joined(&self.path_from_root(name, import)?, &path[1..]))
     }
 
     /// Imports between files: of each pair the first line and the path there.
@@ -199,7 +199,7 @@ impl Crate {
             let single = names.map(|(line, name)| (*line, vec![name.clone()]));
             for (line, path) in module.paths.iter().cloned().chain(single) {
                 let Some(to) =
-                    self.from_root(name, &path).and_then(|path| self.definition(&path, 0))
+                    self.path_from_root(name, &path).and_then(|path| self.definition(&path, 0))
                 else {
                     continue;
                 };

@@ -3,7 +3,6 @@
 //! Quick steps come first; while the others compile, what they need from the network is fetched. Benches are compiled by clippy's `--all-targets`.
 
 mod ahead;
-mod doc_links;
 
 use self::ahead::Ahead;
 use crate::{book, cell, deps, page, python, studio, tidy};
@@ -48,7 +47,7 @@ const CLIPPY: &str = "clippy --workspace --all-targets --all-features -- -D warn
 /// As Clippy's first run, with those features alone that are there unasked; a test is named so that it takes the same dependencies.
 const UNASKED: &str = "clippy --workspace --lib --bins --test cli -- -D warnings";
 
-/// The step whose warnings are sifted by [`doc_links`].
+/// The documentation of all crates, in which a broken link is an error.
 const DOC: &str = "doc --workspace --all-features --no-deps";
 
 /// Runs all steps in the workspace at `root`; true if each passed.
@@ -74,7 +73,6 @@ pub(crate) fn run(root: &Path) -> bool {
         "xtask studio" => ahead.wait("studio") && studio::run(root),
         "xtask page" => ahead.wait("page") && page::run(root),
         "xtask python" => ahead.wait("python") && python::run(root),
-        DOC => doc_links::run(cargo(step, root), root),
         line if line.starts_with(EXAMPLE) => run_example(&line[EXAMPLE.len()..], root),
         _ => run_cargo(step, root),
     })
@@ -110,7 +108,7 @@ fn steps(examples: &[String]) -> Vec<Step> {
         steps.push(Step::new(&format!("{EXAMPLE}{name}"), cure));
     }
     let docs = Step::new(DOC, "correct the doc comments that rustdoc names above");
-    steps.push(Step { environment: Some(("RUSTDOCFLAGS", doc_links::FLAGS)), ..docs });
+    steps.push(Step { environment: Some(("RUSTDOCFLAGS", "-D warnings")), ..docs });
     steps.push(Step::new("xtask book", "correct the formula or link listed above"));
     steps.push(Step::new(
         "xtask cell",
@@ -231,7 +229,7 @@ mod tests {
             "cargo clippy --workspace --lib --bins --test cli -- -D warnings",
             "PROPTEST_RNG_SEED=\"1\" cargo test --workspace --all-features",
             "cargo run -p jointplay --example 01_a",
-            &format!("RUSTDOCFLAGS=\"{}\" cargo {DOC}", doc_links::FLAGS),
+            &format!("RUSTDOCFLAGS=\"-D warnings\" cargo {DOC}"),
             "cargo xtask book",
             "cargo xtask cell",
             "cargo xtask studio",

@@ -4,12 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::{fs, io};
 
-/// Largest size a file of the repository may have \[byte\]; larger ones are not read as text either.
+/// Largest size a file of the repository may have (byte); larger ones are not read as text either.
 pub(crate) const MAX_SIZE: u64 = 1_000_000;
 
 /// A file of the repository.
 pub(crate) struct File {
-    /// Size on disk \[byte\].
+    /// Size on disk (byte).
     pub(crate) size: u64,
     /// Its text, if it is UTF-8 and not larger than [`MAX_SIZE`].
     pub(crate) text: Option<String>,

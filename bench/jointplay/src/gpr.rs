@@ -16,11 +16,11 @@ use jointplay::virtualization::{Metric, Polar, SolveOptions, Solver, solve};
 
 use crate::Work;
 
-/// Height of the platform plane on the base axis [m].
+/// Height of the platform plane on the base axis (m).
 pub(crate) const HEIGHT: f64 = 0.5;
-/// ρ of the metric in which virtual joints are least [m].
+/// ρ of the metric in which virtual joints are least (m).
 const METRIC: f64 = 1e-3;
-/// What counts as solved: the largest gap between a socket and its ball [m].
+/// What counts as solved: the largest gap between a socket and its ball (m).
 const GAP: f64 = 1e-12;
 /// Coordinates of the rods in the graph.
 pub(crate) const RODS: [usize; 3] = [0, 1, 2];

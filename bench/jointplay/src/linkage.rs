@@ -13,10 +13,10 @@ use crate::tree::Tree;
 
 /// Positions along the drive.
 const STEPS: usize = 200;
-/// What counts as solved: the largest gap of a point [m], and of the direction of an axis.
+/// What counts as solved: the largest gap of a point (m), and of the direction of an axis.
 const GAP: f64 = 1e-13;
 
-/// Mechanisms that every program can model, and the displacement of their drives in either direction [m or rad].
+/// Mechanisms that every program can model, and the displacement of their drives in either direction (m or rad).
 pub(crate) const MECHANISMS: [(&str, f64); 6] = [
     ("four-bar", 0.6),
     ("bennett", 0.5),

@@ -13,12 +13,12 @@ use crate::families::{bennett_row, scissor_lift};
 
 /// Each work is repeated for so long; the shortest time is reported.
 const LEAST: Duration = Duration::from_millis(300);
-/// Displacement of the drive [rad], and number of steps.
+/// Displacement of the drive (rad), and number of steps.
 const DRIVE: (f64, usize) = (0.1, 10);
 /// Dense algebra is measured up to so many loops; it refuses larger mechanisms.
 const MOST_DENSE: usize = 30;
 
-/// Times of one family at a number of loops [s], or why there is none.
+/// Times of one family at a number of loops (s), or why there is none.
 pub(crate) fn scaling(family: &str, loops: usize) -> Option<Value> {
     // Driven coordinate, and those held: a lift would also turn about its foot.
     let (mechanism, driven, held): (Mechanism, usize, &[usize]) = match family {

@@ -21,7 +21,7 @@ const MECHANISMS: [&str; 7] =
 /// Commanded tilt of the platform.
 const TILT: Tilt = Tilt { yaw: 0.0, pitch: 2.0 * std::f64::consts::PI / 180.0 };
 
-/// Commanded rise of the platform [m].
+/// Commanded rise of the platform (m).
 const RISE: f64 = 0.01;
 
 /// Writes a file for each mechanism and configuration, and the analyses of jointplay.

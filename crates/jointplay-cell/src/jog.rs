@@ -16,7 +16,7 @@ const BISECTIONS: usize = 40;
 /// Positions after a jog, and why it stopped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JogOutcome {
-    /// Positions of all axes, rods first ([m], [rad]).
+    /// Positions of all axes, rods first ((m), (rad)).
     pub positions: Vec<f64>,
     /// Why the target was not reached; `None` if it was.
     pub stopped: Option<Stopped>,
@@ -40,13 +40,13 @@ pub enum Stopped {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SlotRelativePose {
-    /// Distance of its centre from the axis less that of the slot; negative in front of the slot [m].
+    /// Distance of its centre from the axis less that of the slot; negative in front of the slot (m).
     pub radial: f64,
-    /// Angle about the axis from the slot to its centre [rad].
+    /// Angle about the axis from the slot to its centre (rad).
     pub turn: f64,
-    /// Height of its centre above the resting plane of the slot [m].
+    /// Height of its centre above the resting plane of the slot (m).
     pub height: f64,
-    /// Heading relative to the slot's inward direction [rad].
+    /// Heading relative to the slot's inward direction (rad).
     pub yaw: f64,
 }
 
@@ -54,9 +54,9 @@ pub struct SlotRelativePose {
 struct SlotFrame {
     frame: Pose,
     normal: Vector3<f64>,
-    /// Intersection of the axis with the slot's plane [m].
+    /// Intersection of the axis with the slot's plane (m).
     axis: Vector3<f64>,
-    /// Vector from there to the slot [m].
+    /// Vector from there to the slot (m).
     out: Vector3<f64>,
 }
 
@@ -96,7 +96,7 @@ impl Cell {
     /// Moves all axes toward positions: each motor up to its limits, the rods along a straight line up to their limits and that of the tilt.
     ///
     /// # Arguments
-    /// * `from`, `to` – positions of all axes, rods first ([m], [rad])
+    /// * `from`, `to` – positions of all axes, rods first ((m), (rad))
     ///
     /// # Errors
     /// [`CellError::WrongLength`], [`CellError::NotFinite`]
@@ -249,7 +249,7 @@ impl Cell {
     }
 }
 
-/// The equivalent rotation of at most half a revolution [rad].
+/// The equivalent rotation of at most half a revolution (rad).
 fn shortest(angle: f64) -> f64 {
     let turns = (angle / std::f64::consts::TAU).round();
     angle - turns * std::f64::consts::TAU

@@ -84,15 +84,15 @@ pub struct Cell {
     pub allowed_pairs: Vec<[usize; 2]>,
     /// Zones.
     pub zones: Vec<Zone>,
-    /// Largest displacement of the virtual joints that the play of the mechanism allows [m].
+    /// Largest displacement of the virtual joints that the play of the mechanism allows (m).
     pub play_budget: f64,
-    /// Required clearance of bodies [m].
+    /// Required clearance of bodies (m).
     pub clearance: f64,
-    /// Required clearance of an end effector and its wafer in a slot [m].
+    /// Required clearance of an end effector and its wafer in a slot (m).
     pub slot_clearance: f64,
-    /// Gravitational acceleration, along −z of the base frame [m/s²].
+    /// Gravitational acceleration, along −z of the base frame (m/s²).
     pub gravity: f64,
-    /// Largest angle between the plane of a held wafer and that of its station after compensation [rad].
+    /// Largest angle between the plane of a held wafer and that of its station after compensation (rad).
     pub plane_threshold: f64,
 }
 

@@ -627,7 +627,7 @@ fn a_slot_is_reached_into_with_the_clearance_of_slots() {
     assert!(report.violations[0].describe(&cell).contains("the slots ask for 0.001000 m"));
 }
 
-/// A blade on the last link, and a bar under it that reaches so deep into it where the loaded arm deflects [m].
+/// A blade on the last link, and a bar under it that reaches so deep into it where the loaded arm deflects (m).
 fn blade_and_bar(cell: &mut Cell, positions: &[f64], deep: f64) {
     cell.robot.arms[0].droop = Droop::Cantilever { stiffness: 500.0, mass_per_length: 2.5 };
     cell.clearance = 1e-4;

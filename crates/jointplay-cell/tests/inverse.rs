@@ -278,7 +278,7 @@ fn bend_cost(robot: &HybridRobot, number: usize, positions: &[f64]) -> f64 {
     }
 }
 
-/// Least speed of the wafer over all directions, the motors moving at one radian a second together [m/s].
+/// Least speed of the wafer over all directions, the motors moving at one radian a second together (m/s).
 fn least_speed(robot: &HybridRobot, at: &[f64]) -> f64 {
     let with_heading = robot.axes.len() > 5;
     let found = svd(&motor_jacobian(robot, at, with_heading)).unwrap();

@@ -27,7 +27,7 @@ fn table() -> Droop {
     Droop::Table { rows: vec![row(0.0, 0.0), row(5.0, 0.01)] }
 }
 
-/// Rotation vector from one rotation to another that is near [rad].
+/// Rotation vector from one rotation to another that is near (rad).
 fn turn(from: &Pose, to: &Pose) -> Vector3<f64> {
     let turn = (to.rotation * from.rotation.inverse()).into_inner();
     let sine = |i: usize, j: usize| 0.5 * (turn[(i, j)] - turn[(j, i)]);

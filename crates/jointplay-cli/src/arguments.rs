@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::output::FormatArgs;
 use crate::source::{Kind, Source};
 
-/// Largest accepted robot file [bytes].
+/// Largest accepted robot file (bytes).
 const LARGEST_ROBOT_FILE: usize = 1_000_000;
 
 #[derive(Args)]
@@ -201,13 +201,13 @@ impl TiltArgs {
     /// The commanded tilt.
     ///
     /// # Arguments
-    /// * `default_pitch` – pitch if none is given [rad]
+    /// * `default_pitch` – pitch if none is given (rad)
     pub(crate) fn tilt(&self, default_pitch: f64) -> Tilt {
         let pitch = self.pitch_deg.map_or(default_pitch, f64::to_radians);
         Tilt { yaw: yaw(self.yaw_deg), pitch }
     }
 
-    /// The commanded height [m].
+    /// The commanded height (m).
     pub(crate) fn height(&self, gpr: &Gpr) -> f64 {
         self.height_mm.map_or(gpr.working_height(), m_from_mm)
     }
@@ -231,7 +231,7 @@ impl RodArgs {
     }
 }
 
-/// Three rod lengths [m].
+/// Three rod lengths (m).
 #[derive(Clone)]
 pub(crate) struct Rods(pub(crate) [f64; 3]);
 
@@ -264,7 +264,7 @@ pub(crate) fn yaw(degrees: f64) -> f64 {
 /// The longest length accepted by a flag [mm]: one kilometre, far below overflow of squares.
 const LONGEST_MM: f64 = 1e6;
 
-/// A length [mm].
+/// A length (mm).
 pub(crate) fn length(text: &str) -> Result<f64, String> {
     let value = finite(text)?;
     if value.abs() <= LONGEST_MM {

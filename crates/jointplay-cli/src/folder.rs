@@ -87,14 +87,14 @@ pub(crate) struct Staged {
 struct Ready {
     path: PathBuf,
     file: NamedTempFile,
-    /// [bytes]
+    /// (bytes)
     length: u64,
 }
 
 /// A file written.
 pub(crate) struct WrittenFile {
     pub(crate) path: PathBuf,
-    /// [bytes]
+    /// (bytes)
     pub(crate) length: u64,
 }
 

@@ -115,14 +115,14 @@ pub(crate) struct Input {
 
 /// A closed configuration, with the displacement of the virtual joints if it needs one.
 pub(crate) struct Posed {
-    /// Coordinates (f + M) [m, rad] with the residual of the loops.
+    /// Coordinates (f + M) (m, rad) with the residual of the loops.
     pub(crate) closed: Closure,
     pub(crate) relief: Option<Relief>,
 }
 
-/// Largest displacement that a joint may be commanded: one kilometre [mm].
+/// Largest displacement that a joint may be commanded: one kilometre (mm).
 const LARGEST_DISPLACEMENT_MM: f64 = 1e6;
-/// Largest rotation that a joint may be commanded: 10,000 turns [deg].
+/// Largest rotation that a joint may be commanded: 10,000 turns (deg).
 const LARGEST_ROTATION_DEG: f64 = 3.6e6;
 
 impl Input {
@@ -159,7 +159,7 @@ impl Input {
         Ok(self.coordinates.find(&self.file.mechanism, name)?)
     }
 
-    /// Commanded coordinates with their values [m, rad].
+    /// Commanded coordinates with their values (m, rad).
     pub(crate) fn commands(&self, at: &[Assignment]) -> Result<Vec<(usize, f64)>, Failure> {
         at.iter()
             .map(|one| {
@@ -169,7 +169,7 @@ impl Input {
             .collect()
     }
 
-    /// A coordinate value in SI units [m, rad], from the unit of the file; refused beyond the largest displacement.
+    /// A coordinate value in SI units (m, rad), from the unit of the file; refused beyond the largest displacement.
     pub(crate) fn value(&self, k: usize, value: f64) -> Result<f64, Failure> {
         let si = self.coordinates.to_si(k, value);
         let most = match self.coordinates.all()[k].quantity {
@@ -284,7 +284,7 @@ impl Input {
     /// Refuses a configuration beyond joint limits or clearances.
     ///
     /// # Arguments
-    /// * `values` – (f + M), or (f) to check joint limits only [m, rad]
+    /// * `values` – (f + M), or (f) to check joint limits only (m, rad)
     pub(crate) fn within_limits(&self, values: &DVector<f64>) -> Result<(), Failure> {
         let beyond = self.file.mechanism.beyond_limits(values);
         if beyond.is_empty() {

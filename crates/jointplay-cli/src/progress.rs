@@ -106,7 +106,7 @@ impl Progress {
         self.at(0);
     }
 
-    /// Rate [samples/s] and time since the start [s].
+    /// Rate (samples/s) and time since the start (s).
     pub(crate) fn pace(&self) -> (f64, f64) {
         let time = self.start.elapsed().as_secs_f64();
         ((self.done - self.begun) as f64 / time, time)

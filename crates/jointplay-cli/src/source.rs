@@ -27,7 +27,7 @@ impl Source {
     /// Reads a file, else the catalogue entry of this name, or standard input for `-`.
     ///
     /// # Arguments
-    /// * `allowed` – largest accepted size [bytes]
+    /// * `allowed` – largest accepted size (bytes)
     pub(crate) fn read(path: &Path, allowed: usize) -> Result<Self, Failure> {
         let label = label(path);
         if path != Path::new(STANDARD) && !path.exists() {

@@ -21,9 +21,9 @@ pub enum Error {
     TooLong {
         /// Which length.
         what: &'static str,
-        /// What was found [m].
+        /// What was found (m).
         value: f64,
-        /// Greatest allowed magnitude [m].
+        /// Greatest allowed magnitude (m).
         max: f64,
     },
     /// A length that has to be positive is not.
@@ -33,7 +33,7 @@ pub enum Error {
         what: &'static str,
         /// Limb, counted from 1.
         limb: usize,
-        /// What was found [m].
+        /// What was found (m).
         value: f64,
     },
     /// Three points lie on one line, or so near that they fix no plane.
@@ -58,9 +58,9 @@ pub enum Error {
     LimitsReversed {
         /// Which limits.
         what: &'static str,
-        /// Lower limit [m].
+        /// Lower limit (m).
         min: f64,
-        /// Upper limit [m].
+        /// Upper limit (m).
         max: f64,
     },
     /// A number that has to lie within limits does not.
@@ -83,7 +83,7 @@ pub enum Error {
     /// A tilt at which the rods no longer meet the platform plane.
     #[error("the pitch is {pitch} rad, but has to stay within ±π/2")]
     PitchTooLarge {
-        /// Pitch asked for [rad].
+        /// Pitch asked for (rad).
         pitch: f64,
     },
     /// A vector with too many or too few entries.
@@ -143,7 +143,7 @@ pub enum Error {
         "the virtual joints found for these sides turn the platform over; the pose is too far from the nominal one"
     )]
     TurnedOver {
-        /// The virtual joints found ([m], [rad]).
+        /// The virtual joints found ((m), (rad)).
         virtual_joints: VirtualJoints,
     },
     /// Virtual joints that cannot change the three sides independently, at least as the metric weighs them.
@@ -151,7 +151,7 @@ pub enum Error {
         "the virtual joints cannot change the three sides independently after {iterations} iterations; a characteristic length of {characteristic_length} m may weigh angles too lightly or too heavily"
     )]
     DependentSides {
-        /// ρ of the metric [m].
+        /// ρ of the metric (m).
         characteristic_length: f64,
         /// Iterations done.
         iterations: usize,
@@ -225,17 +225,17 @@ pub enum Error {
 pub struct Unconverged {
     /// Which iteration.
     pub solver: Solver,
-    /// Virtual joints with the least residual found, in their own units ([m], [rad]).
+    /// Virtual joints with the least residual found, in their own units ((m), (rad)).
     pub best: VirtualJoints,
-    /// Largest difference between a side and its virtual length at `best` [m].
+    /// Largest difference between a side and its virtual length at `best` (m).
     pub residual: f64,
-    /// Residual asked for [m].
+    /// Residual asked for (m).
     pub threshold: f64,
     /// Iterations done.
     pub iterations: usize,
 }
 
-/// The largest length that is computed with [m], so that no product of lengths overflows.
+/// The largest length that is computed with (m), so that no product of lengths overflows.
 pub(crate) const LARGEST_LENGTH: f64 = 1e50;
 
 /// `value` if it is a finite length of at most [`LARGEST_LENGTH`].

@@ -54,7 +54,7 @@ pub struct Svd {
 /// Singular values are off by a few units of round-off of the largest; O(m n²).
 ///
 /// # Source
-/// [GolubVanLoan], section 8.6
+/// \[GolubVanLoan\], section 8.6
 pub fn svd(a: &DMatrix<f64>) -> Result<Svd, LinalgError> {
     let (m, n) = a.shape();
     if let Some(&value) = a.iter().find(|value| !value.is_finite()) {

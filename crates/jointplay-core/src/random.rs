@@ -3,7 +3,7 @@
 /// SplitMix64, so that the same calls draw the same numbers.
 ///
 /// # Source
-/// [SplitMix]
+/// \[SplitMix\]
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {

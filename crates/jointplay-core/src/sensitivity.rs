@@ -15,14 +15,14 @@ use crate::linalg::{Svd, svd};
 /// Angles are multiplied by the characteristic length ρ of the metric, so that all entries are lengths per length and the singular values have no unit.
 ///
 /// # Source
-/// [Virtualization], eq. (3)
+/// \[Virtualization\], eq. (3)
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivity {
     /// ∂X/∂P in the metric.
     pub matrix: DMatrix<f64>,
     /// Rank r: 3 for three sides.
     pub rank: usize,
-    /// ρ by which angles are multiplied [m].
+    /// ρ by which angles are multiplied (m).
     pub characteristic_length: f64,
     /// Singular values and vectors of `matrix`.
     pub decomposition: Svd,
@@ -35,25 +35,25 @@ pub struct Sensitivity {
 /// Lower and upper bounds of ‖dX‖ for a given dP, in the metric.
 ///
 /// # Source
-/// [Virtualization], eq. (4) and (5)
+/// \[Virtualization\], eq. (4) and (5)
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
-    /// (5), lower: σ_r ‖V_rᵀ dP‖ [m].
+    /// (5), lower: σ_r ‖V_rᵀ dP‖ (m).
     pub lower: f64,
-    /// (5), upper: σ_1 ‖V_rᵀ dP‖ [m].
+    /// (5), upper: σ_1 ‖V_rᵀ dP‖ (m).
     pub upper: f64,
-    /// (4), lower: the same from the eigenvalues of (∂X/∂P)ᵀ ∂X/∂P [m].
+    /// (4), lower: the same from the eigenvalues of (∂X/∂P)ᵀ ∂X/∂P (m).
     pub eigenvalue_lower: f64,
-    /// (4), upper [m].
+    /// (4), upper (m).
     pub eigenvalue_upper: f64,
-    /// The bound that holds for every dP of this length: σ_1 ‖dP‖ [m].
+    /// The bound that holds for every dP of this length: σ_1 ‖dP‖ (m).
     pub coarse_upper: f64,
-    /// ‖∂X/∂P dP‖ itself [m].
+    /// ‖∂X/∂P dP‖ itself (m).
     pub linear: f64,
 }
 
 impl Bounds {
-    /// Whether a displacement [m] lies within (5), with `slack` as a share of it for round-off.
+    /// Whether a displacement (m) lies within (5), with `slack` as a share of it for round-off.
     #[must_use]
     pub fn hold(&self, displacement: f64, slack: f64) -> bool {
         displacement >= self.lower * (1.0 - slack) && displacement <= self.upper * (1.0 + slack)
@@ -63,7 +63,7 @@ impl Bounds {
 /// The sensitivity of the virtual joints to the coordinates.
 ///
 /// # Arguments
-/// * `characteristic_length` – ρ of the metric of X [m]
+/// * `characteristic_length` – ρ of the metric of X (m)
 /// * `relative_threshold` – singular values up to this share of the largest count as zero, see [`RANK_THRESHOLD`](crate::mobility::RANK_THRESHOLD)
 ///
 /// # Errors
@@ -192,7 +192,7 @@ impl Sensitivity {
         self.decomposition.v.columns(0, self.rank).into_owned()
     }
 
-    /// Bounds of ‖dX‖ for a motion dP [m].
+    /// Bounds of ‖dX‖ for a motion dP (m).
     ///
     /// # Errors
     /// [`Error::LengthMismatch`].

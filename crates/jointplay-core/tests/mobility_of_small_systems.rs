@@ -66,7 +66,7 @@ impl System for Polynomials<'_> {
     }
 }
 
-/// Bars of fixed length between pins in a plane; the first few pins are fixed [m].
+/// Bars of fixed length between pins in a plane; the first few pins are fixed (m).
 struct Bars {
     fixed: Vec<[f64; 2]>,
     free: Vec<[f64; 2]>,
@@ -194,7 +194,7 @@ fn bars(system: &Bars, instantaneous: usize, truth: usize, decided: bool) -> Fin
     check(system, system.start(), &Expect { instantaneous, truth, decided })
 }
 
-/// Four bars, opposite ones of equal length; `angle` of the cranks to the base [rad].
+/// Four bars, opposite ones of equal length; `angle` of the cranks to the base (rad).
 fn parallelogram(angle: f64) -> Bars {
     let (sin, cos) = f64::sin_cos(angle);
     Bars {

@@ -123,7 +123,7 @@ impl Coordinates {
         Err(Error::Unknown { found: joint, nearest, known })
     }
 
-    /// A value of coordinate `k` [m, rad] from the unit of the file.
+    /// A value of coordinate `k` (m, rad) from the unit of the file.
     #[must_use]
     pub fn to_si(&self, k: usize, value: f64) -> f64 {
         match self.named[k].quantity {
@@ -135,7 +135,7 @@ impl Coordinates {
     /// A value of coordinate `k` in the unit of the file.
     ///
     /// # Arguments
-    /// * `value` – [m, rad]
+    /// * `value` – (m, rad)
     #[must_use]
     pub fn from_si(&self, k: usize, value: f64) -> f64 {
         match self.named[k].quantity {

@@ -10,7 +10,7 @@ pub enum FileProblem {
     /// Invalid TOML, or an unknown key.
     #[error(transparent)]
     Form(#[from] Form),
-    /// A text that is too long [bytes].
+    /// A text that is too long (bytes).
     #[error("the text has {found} bytes, but at most {allowed} are allowed")]
     TooLong {
         /// Length found.

@@ -126,9 +126,9 @@ pub enum Problem {
     Geometry(jointplay_core::Error),
 }
 
-/// Lengths of robot files lie within this: a kilometre [mm].
+/// Lengths of robot files lie within this: a kilometre (mm).
 const LARGEST_MM: f64 = 1e6;
-/// Angles of robot files lie within this: a hundred turns [deg].
+/// Angles of robot files lie within this: a hundred turns (deg).
 const LARGEST_DEG: f64 = 36_000.0;
 
 /// The paper's robot, from its file.

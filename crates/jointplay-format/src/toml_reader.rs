@@ -99,7 +99,7 @@ pub struct Table<'r, 'a, P> {
     pub reader: &'r Reader<'a, P>,
     /// How messages call it: `the station "LP1"`.
     pub whose: String,
-    /// Where the table is in the text [bytes].
+    /// Where the table is in the text (bytes).
     pub span: Range<usize>,
     table: &'r DeTable<'a>,
     known: RefCell<Vec<&'static str>>,
@@ -208,12 +208,12 @@ impl<'r, 'a, P: From<FileProblem> + PartialEq> Table<'r, 'a, P> {
         self.entry(key).and_then(|entry| entry.number(self.reader, allowed)).unwrap_or(default)
     }
 
-    /// A length in a key that ends in `_mm` [m].
+    /// A length in a key that ends in `_mm` (m).
     pub fn length(&self, key: &'static str, allowed: AllowedRange) -> Option<f64> {
         self.number(key, allowed).map(m_from_mm)
     }
 
-    /// A length that is optional [m].
+    /// A length that is optional (m).
     pub fn length_or(&self, key: &'static str, allowed: AllowedRange, default: f64) -> f64 {
         let found = self.entry(key).and_then(|entry| entry.number(self.reader, allowed));
         found.map_or(default, m_from_mm)
@@ -224,7 +224,7 @@ impl<'r, 'a, P: From<FileProblem> + PartialEq> Table<'r, 'a, P> {
         self.needed(key)?.name(self.reader)
     }
 
-    /// Three lengths that have to be there [m].
+    /// Three lengths that have to be there (m).
     pub fn point(&self, key: &'static str) -> Option<Vector3<f64>> {
         self.needed(key)?.point(self.reader)
     }
@@ -260,7 +260,7 @@ impl<'r, 'a, P: From<FileProblem> + PartialEq> Table<'r, 'a, P> {
 }
 
 impl<'r, 'a> Entry<'r, 'a> {
-    /// Where the value is in the text [bytes].
+    /// Where the value is in the text (bytes).
     #[must_use]
     pub fn span(&self) -> Range<usize> {
         self.value.span()
@@ -470,7 +470,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         right.then_some(numbers)
     }
 
-    /// Three lengths in mm [m].
+    /// Three lengths in mm (m).
     pub fn point<P: From<FileProblem> + PartialEq>(
         &self,
         reader: &Reader<'_, P>,

@@ -17,7 +17,7 @@ pub struct Axis {
     pub label: String,
     /// How values are placed along the axis.
     pub scale: Scale,
-    /// Lower and upper end [of the axis]; `None` fits all that the panel holds.
+    /// Lower and upper end (unit of the axis); `None` fits all that the panel holds.
     pub range: Option<(f64, f64)>,
 }
 
@@ -32,7 +32,7 @@ impl Axis {
         Self { label: label.into(), scale: Scale::Log10, range: None }
     }
 
-    /// The same axis from `min` to `max` [of the axis]; what lies outside is cut off.
+    /// The same axis from `min` to `max` (unit of the axis); what lies outside is cut off.
     pub fn with_range(mut self, min: f64, max: f64) -> Self {
         self.range = Some((min, max));
         self

@@ -3,11 +3,11 @@
 use crate::span::Span;
 use crate::{Axis, Error, Figure, Panel, Scale};
 
-/// Accepted widths of a figure [px].
+/// Accepted widths of a figure (px).
 const WIDTHS: (f64, f64) = (240.0, 4000.0);
-/// Accepted heights of a panel [px].
+/// Accepted heights of a panel (px).
 const HEIGHTS: (f64, f64) = (60.0, 4000.0);
-/// Accepted widths of a line [px].
+/// Accepted widths of a line (px).
 const LINES: (f64, f64) = (0.1, 20.0);
 
 /// Checks that the figure can be drawn.
@@ -19,7 +19,7 @@ pub(crate) fn check(figure: &Figure) -> Result<(), Error> {
     figure.panels.iter().enumerate().try_for_each(|(index, panel)| check_panel(index, panel))
 }
 
-/// Checks the width of a figure or picture [px].
+/// Checks the width of a figure or picture (px).
 pub(crate) fn width(found: f64) -> Result<(), Error> {
     size("width of the figure", found, WIDTHS)
 }

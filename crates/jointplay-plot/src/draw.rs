@@ -33,12 +33,12 @@ pub(crate) fn figure(figure: &Figure, layout: &Layout) -> String {
 }
 
 impl Place {
-    /// Position of a value of the x axis [px].
+    /// Position of a value of the x axis (px).
     fn across(&self, value: f64) -> f64 {
         self.frame.x + self.x.place(value) * self.frame.w
     }
 
-    /// Position of a value of the y axis [px].
+    /// Position of a value of the y axis (px).
     fn down(&self, value: f64) -> f64 {
         self.frame.bottom() - self.y.place(value) * self.frame.h
     }

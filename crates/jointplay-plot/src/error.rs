@@ -39,7 +39,7 @@ pub enum Error {
         item: String,
         /// Label of the axis.
         axis: String,
-        /// The value found [of the axis].
+        /// The value found (unit of the axis).
         value: f64,
     },
     /// The position of a marker or a label is not finite.
@@ -51,7 +51,7 @@ pub enum Error {
         item: String,
         /// Label of the axis.
         axis: String,
-        /// The value found [of the axis].
+        /// The value found (unit of the axis).
         value: f64,
     },
     /// A range is empty, reversed, not finite, or finer than round-off.
@@ -61,9 +61,9 @@ pub enum Error {
         panel: usize,
         /// Label of the axis.
         axis: String,
-        /// Lower end [of the axis].
+        /// Lower end (unit of the axis).
         min: f64,
-        /// Upper end [of the axis].
+        /// Upper end (unit of the axis).
         max: f64,
     },
     /// Equal aspect is asked of a panel with a logarithmic axis.
@@ -79,11 +79,11 @@ pub enum Error {
     Size {
         /// Which size, such as `width of the figure`.
         what: &'static str,
-        /// The size found [px].
+        /// The size found (px).
         found: f64,
-        /// Least size that can be drawn [px].
+        /// Least size that can be drawn (px).
         min: f64,
-        /// Greatest size that can be drawn [px].
+        /// Greatest size that can be drawn (px).
         max: f64,
     },
     /// The coordinates are not a configuration of the mechanism.

@@ -11,7 +11,7 @@ pub struct Figure {
     pub title: String,
     /// Panels from top to bottom.
     pub panels: Vec<Panel>,
-    /// Width [px]; 720 px suits the full width of a page, 360 px a column.
+    /// Width (px); 720 px suits the full width of a page, 360 px a column.
     pub width: f64,
 }
 
@@ -27,7 +27,7 @@ impl Figure {
         self
     }
 
-    /// The same figure, `width` wide [px].
+    /// The same figure, `width` wide (px).
     pub fn with_width(mut self, width: f64) -> Self {
         self.width = width;
         self

@@ -4,13 +4,13 @@ use crate::path::{Rectangle, Spot};
 use crate::svg::Anchor;
 use crate::text::{TICK, width};
 
-/// Distance between a point and its label [px].
+/// Distance between a point and its label (px).
 const AWAY: f64 = 7.0;
 
 /// A label with its position.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlacedLabel {
-    /// Anchor on its base line [px].
+    /// Anchor on its base line (px).
     pub(crate) at: Spot,
     /// Alignment at the anchor.
     pub(crate) anchor: Anchor,
@@ -73,7 +73,7 @@ const SIDES: [(f64, f64); 8] = [
     (0.0, 1.0),
 ];
 
-/// The rectangle of a label of size (`w`, `h`) on one side of a spot [px].
+/// The rectangle of a label of size (`w`, `h`) on one side of a spot (px).
 fn label_room((x, y): Spot, side: (f64, f64), (w, h): (f64, f64)) -> Rectangle {
     let start = |at: f64, side: f64, length: f64| match side {
         s if s > 0.0 => at + AWAY * s,

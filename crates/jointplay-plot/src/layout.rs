@@ -10,13 +10,13 @@ use crate::tick::Ticks;
 use crate::ticks::{level_ticks, upright_ticks};
 use crate::{Error, Figure, Panel};
 
-/// Left and right of everything [px].
+/// Left and right of everything (px).
 const EDGE: f64 = 12.0;
-/// Length of a tick [px].
+/// Length of a tick (px).
 pub(crate) const TICK_LENGTH: f64 = 5.0;
-/// From row to row of the names of markers [px].
+/// From row to row of the names of markers (px).
 pub(crate) const MARKER_ROW: f64 = 15.0;
-/// Smallest side of a frame with equal aspect [px].
+/// Smallest side of a frame with equal aspect (px).
 const SMALLEST: f64 = 120.0;
 
 /// A panel on the page.
@@ -39,15 +39,15 @@ pub(crate) struct Place {
     pub(crate) y_label: Vec<String>,
     /// Whether this panel writes the labels of the x axis.
     pub(crate) x_written: bool,
-    /// Base line of the last line of the label of the y axis [px].
+    /// Base line of the last line of the label of the y axis (px).
     pub(crate) y_label_at: f64,
     /// Caption, in lines.
     pub(crate) caption: Vec<String>,
-    /// Base line of the first line of the caption [px].
+    /// Base line of the first line of the caption (px).
     pub(crate) caption_at: f64,
     /// Own legend, which may have no entry.
     pub(crate) legend: Legend,
-    /// Middle and upper edge of the own legend [px].
+    /// Middle and upper edge of the own legend (px).
     pub(crate) legend_at: (f64, f64),
     /// Vertical lines.
     pub(crate) markers: Vec<PlacedMarker>,
@@ -55,15 +55,15 @@ pub(crate) struct Place {
 
 /// A figure on its page.
 pub(crate) struct Layout {
-    /// Height of the page [px].
+    /// Height of the page (px).
     pub(crate) height: f64,
     /// Title, in lines.
     pub(crate) title: Vec<String>,
-    /// Middle of the title [px].
+    /// Middle of the title (px).
     pub(crate) title_at: f64,
     /// Common legend, which may have no entry.
     pub(crate) legend: Legend,
-    /// Middle and upper edge of the common legend [px].
+    /// Middle and upper edge of the common legend (px).
     pub(crate) legend_at: (f64, f64),
     /// Panels from top to bottom.
     pub(crate) places: Vec<Place>,
@@ -193,7 +193,7 @@ pub(crate) fn lay_out(figure: &Figure) -> Result<Layout, Error> {
     Ok(Layout { height: y.ceil(), title, title_at, legend, legend_at, places })
 }
 
-/// Overhang of the last x axis label to the right, with the edge [px].
+/// Overhang of the last x axis label to the right, with the edge (px).
 fn overhang(size: &Sized) -> f64 {
     let out = |tick: &crate::tick::Tick| {
         0.5 * width(&tick.label, TICK) - (1.0 - size.x.place(tick.value)) * size.w
@@ -201,7 +201,7 @@ fn overhang(size: &Sized) -> f64 {
     EDGE + size.x_ticks.major.last().map_or(0.0, out).max(0.0)
 }
 
-/// The size and ticks of a panel that has `room` [px] from left to right.
+/// The size and ticks of a panel that has `room` (px) from left to right.
 fn size(panel: &Panel, x: &Span, y: &Span, room: f64) -> Sized {
     if !panel.equal_aspect {
         let h = panel.height;

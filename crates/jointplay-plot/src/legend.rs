@@ -4,11 +4,11 @@ use crate::svg::{Anchor, Svg, line_attributes, path_data, point_attributes, poin
 use crate::text::{HALF_CAPITAL, LEADING, TICK, width, wrap};
 use crate::{Panel, Style};
 
-/// Between a sample and its name [px].
+/// Between a sample and its name (px).
 const GAP: f64 = 7.0;
-/// Between two entries of a row [px].
+/// Between two entries of a row (px).
 pub(crate) const APART: f64 = 22.0;
-/// Between two rows, and below the last [px].
+/// Between two rows, and below the last (px).
 const BELOW: f64 = 3.0;
 
 /// A curve as the legend names it.
@@ -21,7 +21,7 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    /// Length of the sample: long enough for the dashes, or for a point alone [px].
+    /// Length of the sample: long enough for the dashes, or for a point alone (px).
     fn sample(&self) -> f64 {
         if self.style.line.is_some() { 32.0 } else { 8.0 }
     }
@@ -52,7 +52,7 @@ impl Entry {
     }
 }
 
-/// The entries of a panel, each once, in the order of the curves, none wider than `room` [px].
+/// The entries of a panel, each once, in the order of the curves, none wider than `room` (px).
 pub(crate) fn entries(panel: &Panel, room: f64) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     for curve in panel.curves.iter().filter(|curve| !curve.name.trim().is_empty()) {
@@ -70,7 +70,7 @@ pub(crate) fn entries(panel: &Panel, room: f64) -> Vec<Entry> {
 pub(crate) struct Legend(Vec<Vec<Entry>>);
 
 impl Legend {
-    /// The entries in as few rows as fit into `room` [px].
+    /// The entries in as few rows as fit into `room` (px).
     pub(crate) fn new(entries: &[Entry], room: f64) -> Self {
         let mut rows: Vec<Vec<Entry>> = Vec::new();
         for entry in entries {
@@ -84,17 +84,17 @@ impl Legend {
         Self(rows)
     }
 
-    /// Width of the widest row [px].
+    /// Width of the widest row (px).
     pub(crate) fn width(&self) -> f64 {
         self.0.iter().map(|row| row_width(row)).fold(0.0, f64::max)
     }
 
-    /// Height of all rows and the room below [px].
+    /// Height of all rows and the room below (px).
     pub(crate) fn height(&self) -> f64 {
         self.0.iter().map(|row| row_height(row)).sum()
     }
 
-    /// Draws the rows about the middle `x`, from `top` down [px].
+    /// Draws the rows about the middle `x`, from `top` down (px).
     pub(crate) fn draw(&self, svg: &mut Svg, x: f64, mut top: f64) {
         for row in &self.0 {
             let mut left = x - 0.5 * row_width(row);

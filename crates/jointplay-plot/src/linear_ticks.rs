@@ -6,7 +6,7 @@ use crate::tick::{Tick, Ticks};
 /// Longest label in digits before common factors and offsets are taken out.
 const MOST_DIGITS: i32 = 7;
 
-/// Ticks from `lo` to `hi` [of the axis], at least `spacing` (a fraction of hi − lo) apart.
+/// Ticks from `lo` to `hi` (unit of the axis), at least `spacing` (a fraction of hi − lo) apart.
 pub(crate) fn linear_ticks(lo: f64, hi: f64, spacing: f64) -> Ticks {
     let (digit, exponent) = step_at_least((hi - lo) * spacing);
     let step = value(digit, exponent);
@@ -23,7 +23,7 @@ pub(crate) fn linear_ticks(lo: f64, hi: f64, spacing: f64) -> Ticks {
     }
 }
 
-/// The least step digit · 10^exponent with digit 1, 2 or 5 that is not below `least` [of the axis].
+/// The least step digit · 10^exponent with digit 1, 2 or 5 that is not below `least` (unit of the axis).
 fn step_at_least(least: f64) -> (i64, i32) {
     let exponent = order(least);
     let found = [1, 2, 5].into_iter().find(|&digit| value(digit, exponent) >= least * (1.0 - 1e-9));

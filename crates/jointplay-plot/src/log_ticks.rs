@@ -7,7 +7,7 @@ use crate::tick::{Tick, Ticks};
 /// Decades from one label to the next.
 const STRIDES: [i32; 9] = [1, 2, 3, 5, 10, 20, 50, 100, 200];
 
-/// Ticks from `lo` to `hi` [of the axis], at least `spacing` (a fraction of the axis) apart.
+/// Ticks from `lo` to `hi` (unit of the axis), at least `spacing` (a fraction of the axis) apart.
 pub(crate) fn log_ticks(lo: f64, hi: f64, spacing: f64) -> Ticks {
     let (first, last) = decades(lo, hi);
     let length = hi.log10() - lo.log10();

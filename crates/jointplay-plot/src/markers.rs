@@ -6,9 +6,9 @@ use crate::text::{TICK, width};
 /// A marker within the range of its panel.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlacedMarker {
-    /// Position of the line [px].
+    /// Position of the line (px).
     pub(crate) x: f64,
-    /// Middle of the name [px].
+    /// Middle of the name (px).
     pub(crate) middle: f64,
     /// Row of the name, counted from the frame upwards.
     pub(crate) row: usize,
@@ -16,9 +16,9 @@ pub(crate) struct PlacedMarker {
     pub(crate) text: String,
 }
 
-/// Positions for the names of markers with their x positions [px], between `left` and `right` [px].
+/// Positions for the names of markers with their x positions (px), between `left` and `right` (px).
 ///
-/// The first `reserved` [px] of the lowest row are kept free.
+/// The first `reserved` (px) of the lowest row are kept free.
 pub(crate) fn place(
     markers: &[(f64, &Marker)],
     left: f64,

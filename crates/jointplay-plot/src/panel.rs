@@ -7,16 +7,16 @@ use crate::{Axis, Style};
 pub struct Curve {
     /// Name in the legend; empty for none.
     pub name: String,
-    /// Values along the x axis [of the axis].
+    /// Values along the x axis (unit of the axis).
     pub x: Vec<f64>,
-    /// Values along the y axis [of the axis]; a value that is not finite breaks the line.
+    /// Values along the y axis (unit of the axis); a value that is not finite breaks the line.
     pub y: Vec<f64>,
     /// Style of the curve.
     pub style: Style,
 }
 
 impl Curve {
-    /// A curve through the points (`x`, `y`), both [of their axis].
+    /// A curve through the points (`x`, `y`), both (unit of their axis).
     pub fn new(name: impl Into<String>, x: Vec<f64>, y: Vec<f64>, style: Style) -> Self {
         Self { name: name.into(), x, y, style }
     }
@@ -30,7 +30,7 @@ impl Curve {
 /// A dashed vertical line, named above the panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Marker {
-    /// Position along the x axis [of the axis].
+    /// Position along the x axis (unit of the axis).
     pub x: f64,
     /// Name, such as `singular pass`.
     pub label: String,
@@ -39,9 +39,9 @@ pub struct Marker {
 /// A text at a data point, placed next to the point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
-    /// Position along the x axis [of the axis].
+    /// Position along the x axis (unit of the axis).
     pub x: f64,
-    /// Position along the y axis [of the axis].
+    /// Position along the y axis (unit of the axis).
     pub y: f64,
     /// The text.
     pub text: String,
@@ -64,7 +64,7 @@ pub struct Panel {
     pub labels: Vec<Label>,
     /// Whether one unit is equally long on both axes, as geometry needs.
     pub equal_aspect: bool,
-    /// Height between the lower and the upper end of the y axis [px]; with equal aspect, its largest value.
+    /// Height between the lower and the upper end of the y axis (px); with equal aspect, its largest value.
     pub height: f64,
 }
 
@@ -95,13 +95,13 @@ impl Panel {
         self
     }
 
-    /// The same panel with a vertical line at `x` [of the axis].
+    /// The same panel with a vertical line at `x` (unit of the axis).
     pub fn with_marker(mut self, x: f64, label: impl Into<String>) -> Self {
         self.markers.push(Marker { x, label: label.into() });
         self
     }
 
-    /// The same panel with a text at the point (`x`, `y`), both [of their axis].
+    /// The same panel with a text at the point (`x`, `y`), both (unit of their axis).
     pub fn with_label(mut self, x: f64, y: f64, text: impl Into<String>) -> Self {
         self.labels.push(Label { x, y, text: text.into() });
         self
@@ -114,7 +114,7 @@ impl Panel {
         self
     }
 
-    /// The same panel, `height` [px] between the ends of the y axis.
+    /// The same panel, `height` (px) between the ends of the y axis.
     pub fn with_height(mut self, height: f64) -> Self {
         self.height = height;
         self

@@ -2,32 +2,32 @@
 
 use std::collections::BTreeSet;
 
-/// A position on the page, right and down [px].
+/// A position on the page, right and down (px).
 pub(crate) type Spot = (f64, f64);
 
-/// Width of the columns and cells within which further points do not show [px].
+/// Width of the columns and cells within which further points do not show (px).
 const GRAIN: f64 = 0.5;
 
 /// A rectangle on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rectangle {
-    /// Left edge [px].
+    /// Left edge (px).
     pub(crate) x: f64,
-    /// Upper edge [px].
+    /// Upper edge (px).
     pub(crate) y: f64,
-    /// Width [px].
+    /// Width (px).
     pub(crate) w: f64,
-    /// Height [px].
+    /// Height (px).
     pub(crate) h: f64,
 }
 
 impl Rectangle {
-    /// Right edge [px].
+    /// Right edge (px).
     pub(crate) fn right(&self) -> f64 {
         self.x + self.w
     }
 
-    /// Lower edge [px].
+    /// Lower edge (px).
     pub(crate) fn bottom(&self) -> f64 {
         self.y + self.h
     }

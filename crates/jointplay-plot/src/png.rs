@@ -18,7 +18,7 @@ static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
     Arc::new(fonts)
 });
 
-/// Greatest width of a picture [px].
+/// Greatest width of a picture (px).
 const WIDEST: u32 = 20_000;
 
 /// The SVG as the painter understands it.

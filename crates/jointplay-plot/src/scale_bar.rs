@@ -7,8 +7,8 @@ use crate::text::TICK;
 /// Draws a bar with a round length.
 ///
 /// # Arguments
-/// * `meters` – length of one pixel [m]
-/// * `room` – greatest length of the bar [px]
+/// * `meters` – length of one pixel (m)
+/// * `room` – greatest length of the bar (px)
 pub(crate) fn scale_bar(svg: &mut Svg, meters: f64, (right, y): (f64, f64), room: f64) {
     let longest = meters * room;
     if !longest.is_normal() {

@@ -13,9 +13,9 @@ const FEWEST_DECADES: f64 = 1e-9;
 /// Least and greatest of some values.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Extent {
-    /// Least value [of the axis].
+    /// Least value (unit of the axis).
     pub(crate) min: f64,
-    /// Greatest value [of the axis].
+    /// Greatest value (unit of the axis).
     pub(crate) max: f64,
 }
 
@@ -32,9 +32,9 @@ impl Extent {
 /// From where to where an axis is drawn: `lo < hi`, and on a logarithmic axis `0 < lo`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Span {
-    /// Lower end [of the axis].
+    /// Lower end (unit of the axis).
     pub(crate) lo: f64,
-    /// Upper end [of the axis].
+    /// Upper end (unit of the axis).
     pub(crate) hi: f64,
     /// How values are placed between the ends.
     pub(crate) scale: Scale,

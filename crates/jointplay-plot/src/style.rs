@@ -97,7 +97,7 @@ pub struct Style {
     pub colour: Colour,
     /// Dashes of the line; `None` draws no line.
     pub line: Option<Dash>,
-    /// Width of the line [px].
+    /// Width of the line (px).
     pub width: f64,
     /// Shape of the points; `None` draws no points.
     pub point: Option<Point>,
@@ -120,7 +120,7 @@ impl Style {
         self
     }
 
-    /// The same style with a line of this width [px].
+    /// The same style with a line of this width (px).
     pub const fn with_width(mut self, width: f64) -> Self {
         self.width = width;
         self

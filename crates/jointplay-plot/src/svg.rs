@@ -34,7 +34,7 @@ impl Anchor {
 /// A picture in the making.
 pub(crate) struct Svg(String);
 
-/// A length to a hundredth of a px, without needless zeros [px].
+/// A length to a hundredth of a px, without needless zeros (px).
 pub(crate) fn px(length: f64) -> String {
     let text = format!("{length:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
@@ -42,7 +42,7 @@ pub(crate) fn px(length: f64) -> String {
 }
 
 impl Svg {
-    /// A white page `width` by `height` [px], described by `title`.
+    /// A white page `width` by `height` (px), described by `title`.
     pub(crate) fn new(width: f64, height: f64, title: &str) -> Self {
         let (w, h) = (px(width), px(height));
         let about = escape(title);
@@ -69,7 +69,7 @@ impl Svg {
         self.0.push_str(elements);
     }
 
-    /// A text at (`x`, `y`) [px] of this `size` [px], with further attributes.
+    /// A text at (`x`, `y`) (px) of this `size` (px), with further attributes.
     pub(crate) fn text(
         &mut self,
         (x, y): (f64, f64),
@@ -126,7 +126,7 @@ pub(crate) fn line_attributes(style: &Style) -> Option<String> {
     ))
 }
 
-/// Path data and attributes of a point of this shape at (`x`, `y`) [px].
+/// Path data and attributes of a point of this shape at (`x`, `y`) (px).
 pub(crate) fn point_data(shape: Point, (x, y): (f64, f64)) -> String {
     let at = |dx: f64, dy: f64| format!("{} {}", px(x + dx), px(y + dy));
     match shape {

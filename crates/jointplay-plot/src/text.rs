@@ -1,10 +1,10 @@
 //! Sizes and widths of text, and its writing in XML.
 
-/// Size of the title of a figure [px].
+/// Size of the title of a figure (px).
 pub(crate) const TITLE: f64 = 15.0;
-/// Size of axis labels and panel captions [px].
+/// Size of axis labels and panel captions (px).
 pub(crate) const LABEL: f64 = 13.0;
-/// Size of tick labels, legend entries, markers and labels at points [px].
+/// Size of tick labels, legend entries, markers and labels at points (px).
 pub(crate) const TICK: f64 = 12.0;
 
 /// From line to line of a text, as a multiple of its size.
@@ -28,7 +28,7 @@ const ADVANCES: [u16; 95] = [
     803, 1298, 1212, 1675, 1212, 1212, 1075, 1303, 690, 1303, 1716,
 ];
 
-/// Width of `text` set in DejaVu Sans at `size` [px], exact for ASCII and the signs of tick labels [px].
+/// Width of `text` set in DejaVu Sans at `size` (px), exact for ASCII and the signs of tick labels (px).
 pub(crate) fn width(text: &str, size: f64) -> f64 {
     text.chars().map(|letter| f64::from(advance(letter))).sum::<f64>() * size / 2048.0
 }
@@ -51,7 +51,7 @@ fn advance(letter: char) -> u16 {
     }
 }
 
-/// `text` in lines no wider than `room` [px] at `size` [px], broken at spaces; a longer word keeps its own line.
+/// `text` in lines no wider than `room` (px) at `size` (px), broken at spaces; a longer word keeps its own line.
 pub(crate) fn wrap(text: &str, size: f64, room: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -7,7 +7,7 @@ use crate::span::Span;
 use crate::text::{TICK, width};
 use crate::tick::Ticks;
 
-/// Ticks for `span` drawn over `length` [px], at least about `spacing` [px] apart.
+/// Ticks for `span` drawn over `length` (px), at least about `spacing` (px) apart.
 fn at_spacing(span: &Span, length: f64, spacing: f64) -> Ticks {
     match span.scale {
         Scale::Linear => linear_ticks(span.lo, span.hi, spacing / length),
@@ -15,7 +15,7 @@ fn at_spacing(span: &Span, length: f64, spacing: f64) -> Ticks {
     }
 }
 
-/// Ticks for `span` drawn over `length` [px], about `spacing` [px] apart, closer only if fewer than two would fit.
+/// Ticks for `span` drawn over `length` (px), about `spacing` (px) apart, closer only if fewer than two would fit.
 pub(crate) fn upright_ticks(span: &Span, length: f64, mut spacing: f64) -> Ticks {
     loop {
         let ticks = at_spacing(span, length, spacing);

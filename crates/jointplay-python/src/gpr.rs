@@ -32,17 +32,17 @@ pub(crate) const RODS: &str = "three rod lengths or an array of shape (..., 3) i
 /// Parameters
 /// ----------
 /// socket_radius_m : float or array of shape (3,)
-///     Distances of the nominal sockets from the platform's origin [m].
+///     Distances of the nominal sockets from the platform's origin (m).
 /// rod_limits_m : (float, float)
-///     Shortest and longest rod [m].
+///     Shortest and longest rod (m).
 /// tilt_limit_rad : float
-///     Largest tilt toward any azimuth [rad].
+///     Largest tilt toward any azimuth (rad).
 /// working_height_m : float
-///     Axis height at which the robot usually works [m].
+///     Axis height at which the robot usually works (m).
 /// socket_angle_rad : array of shape (3,), optional
-///     Directions of the sockets in the platform [rad]; default: 0°, 120° and 240°.
+///     Directions of the sockets in the platform (rad); default: 0°, 120° and 240°.
 /// base_points_m : array of shape (3, 2), optional
-///     Where the rods cross the base plane [m]; default: each under its socket.
+///     Where the rods cross the base plane (m); default: each under its socket.
 /// name : str, optional
 ///     What messages call it.
 /// check_limits : bool, optional
@@ -179,37 +179,37 @@ impl PyGpr {
         &self.name
     }
 
-    /// Base points, shape (3, 2) [m].
+    /// Base points, shape (3, 2) (m).
     #[getter]
     fn base_points_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         matrix(py, self.gpr.base_points().map(|point| [point.x, point.y]))
     }
 
-    /// Distances of the nominal sockets from the platform's origin, shape (3,) [m].
+    /// Distances of the nominal sockets from the platform's origin, shape (3,) (m).
     #[getter]
     fn socket_radius_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, self.gpr.platform().radii())
     }
 
-    /// Directions of the nominal sockets in the platform, shape (3,) [rad].
+    /// Directions of the nominal sockets in the platform, shape (3,) (rad).
     #[getter]
     fn socket_angle_rad<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, self.gpr.platform().angles())
     }
 
-    /// Shortest and longest rod [m].
+    /// Shortest and longest rod (m).
     #[getter]
     fn rod_limits_m(&self) -> (f64, f64) {
         (self.gpr.limits().rod_min, self.gpr.limits().rod_max)
     }
 
-    /// Largest tilt toward any azimuth [rad].
+    /// Largest tilt toward any azimuth (rad).
     #[getter]
     fn tilt_limit_rad(&self) -> f64 {
         self.gpr.limits().tilt_max
     }
 
-    /// Axis height at which the robot usually works [m].
+    /// Axis height at which the robot usually works (m).
     #[getter]
     fn working_height_m(&self) -> f64 {
         self.gpr.working_height()
@@ -228,13 +228,13 @@ impl PyGpr {
     /// Parameters
     /// ----------
     /// rods_m : three numbers, or array of shape (..., 3)
-    ///     Rod lengths q_1, q_2, q_3 [m]. Arrays of `float64` in C or Fortran order are read in place, others copied first.
+    ///     Rod lengths q_1, q_2, q_3 (m). Arrays of `float64` in C or Fortran order are read in place, others copied first.
     /// virtualization : str or Virtualization, optional
     ///     The virtual joints that model the play: `'planar'` (default), `'radial'`, `'polar'`, `'offset'`, or an object of your own.
     /// solver : str, optional
     ///     `'closed-form'` (default), `'least-norm'` or `'newton'`.
     /// metric : str or float, optional
-    ///     Characteristic length, by which angles are multiplied: `'paper'` (1 mm, default), `'radius'` (the mean socket radius), or a length [m].
+    ///     Characteristic length, by which angles are multiplied: `'paper'` (1 mm, default), `'radius'` (the mean socket radius), or a length (m).
     /// quantities : str or sequence of str, optional
     ///     What to compute for many poses, see `ForwardMany`; default: all but `'sensitivity'`.
     /// out : dict of arrays, optional
@@ -288,9 +288,9 @@ impl PyGpr {
     /// Parameters
     /// ----------
     /// yaw_rad, pitch_rad : float or array
-    ///     Tilt direction and tilt angle [rad].
+    ///     Tilt direction and tilt angle (rad).
     /// height_m : float or array, optional
-    ///     Where the platform plane crosses the base axis [m]; default: the working height.
+    ///     Where the platform plane crosses the base axis (m); default: the working height.
     ///     The three broadcast against each other.
     /// out : array of shape (..., 3), optional
     ///     Written in place: `float64`, each column in one piece, as `np.empty(shape, order="F")` makes it.
@@ -345,7 +345,7 @@ impl PyGpr {
         many::inverse(py, &self.gpr, &given, out, threads)
     }
 
-    /// The pose with a tilt [rad] whose platform origin lies at a height [m].
+    /// The pose with a tilt (rad) whose platform origin lies at a height (m).
     ///
     /// The height of the origin differs from the axis height by the centre shift times the slope, and so depends on the virtualization.
     /// Other parameters are those of `forward`.
@@ -372,7 +372,7 @@ impl PyGpr {
 
     /// The approximate model of the paper's Fig. 2: the platform turns about its centre as though no rods held it.
     ///
-    /// Parameters are those of `inverse` for one tilt [rad, m].
+    /// Parameters are those of `inverse` for one tilt (rad, m).
     #[pyo3(signature = (yaw_rad, pitch_rad, height_m=None))]
     fn approximate<'py>(
         &self,
@@ -396,7 +396,7 @@ impl PyGpr {
         skin::result(py, "Approximate", &fields)
     }
 
-    /// Yaw and pitch of the plane through the ball centres for rods of shape (3,) [m], in radians.
+    /// Yaw and pitch of the plane through the ball centres for rods of shape (3,) (m), in radians.
     ///
     /// Geometry alone, the same for every virtualization.
     fn plane_tilt(&self, rods_m: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {

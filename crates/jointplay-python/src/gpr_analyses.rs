@@ -24,7 +24,7 @@ impl PyGpr {
     /// Parameters
     /// ----------
     /// rods_m : array of shape (3,), optional
-    ///     Rod lengths [m]; default: level at the working height.
+    ///     Rod lengths (m); default: level at the working height.
     /// virtualization : str or Virtualization, optional
     ///     Also the mobility with these virtual joints free.
     ///
@@ -68,7 +68,7 @@ impl PyGpr {
     /// Parameters
     /// ----------
     /// rods_m : array of shape (3,)
-    ///     Rod lengths [m].
+    ///     Rod lengths (m).
     /// virtualization, solver, metric
     ///     Those of `forward`.
     #[pyo3(signature = (rods_m, virtualization=None, *, solver=None, metric=None))]
@@ -97,9 +97,9 @@ impl PyGpr {
     /// Parameters
     /// ----------
     /// yaw_rad, pitch_rad : float
-    ///     The tilt [rad].
+    ///     The tilt (rad).
     /// height_m : float, optional
-    ///     Axis height [m]; default: the working height.
+    ///     Axis height (m); default: the working height.
     /// virtualization, solver, metric
     ///     Those of `forward`.
     #[pyo3(signature = (yaw_rad, pitch_rad, height_m=None, virtualization=None, *, solver=None, metric=None))]
@@ -129,11 +129,11 @@ impl PyGpr {
     /// Parameters
     /// ----------
     /// pitch_rad : array of shape (n,)
-    ///     Pitch angles [rad].
+    ///     Pitch angles (rad).
     /// yaw_rad : float, optional
-    ///     Azimuth of all tilts [rad].
+    ///     Azimuth of all tilts (rad).
     /// height_m : float, optional
-    ///     Axis height [m]; default: the working height.
+    ///     Axis height (m); default: the working height.
     /// virtualizations : sequence of str or Virtualization, optional
     ///     Which; default: all of the library.
     /// solver, metric

@@ -29,9 +29,9 @@ impl PyGpr {
     /// Parameters
     /// ----------
     /// rods_m : three numbers, or array of shape (..., 3)
-    ///     Rod lengths [m].
+    ///     Rod lengths (m).
     /// pitch_rad : float or array of shape (...), optional
-    ///     Tilt angle of the platform [rad]; default: the tilt of the plane through the ball centres.
+    ///     Tilt angle of the platform (rad); default: the tilt of the plane through the ball centres.
     ///
     /// Returns
     /// -------

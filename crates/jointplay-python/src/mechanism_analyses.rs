@@ -46,7 +46,7 @@ impl PyMechanism {
     /// Parameters
     /// ----------
     /// at : dict of str to float, optional
-    ///     Joint coordinates that are to have these values [m, rad].
+    ///     Joint coordinates that are to have these values (m, rad).
     /// tolerance : float, optional
     ///     Largest mismatch that counts as closed, in radians and characteristic lengths; without it loops close exactly.
     ///
@@ -77,7 +77,7 @@ impl PyMechanism {
     /// Parameters
     /// ----------
     /// at : dict of str to float, optional
-    ///     Joint coordinates that are to have these values [m, rad].
+    ///     Joint coordinates that are to have these values (m, rad).
     /// starts : int, optional
     ///     How many starts are tried, default 50, at most 100,000; they are the same at every call.
     #[pyo3(signature = (at=None, *, starts=None))]
@@ -108,7 +108,7 @@ impl PyMechanism {
     /// Parameters
     /// ----------
     /// at : dict of str to float, optional
-    ///     Commanded joint coordinates [m, rad]; virtual joints are displaced if rigid links do not close.
+    ///     Commanded joint coordinates (m, rad); virtual joints are displaced if rigid links do not close.
     /// tolerance : float, optional
     ///     Take dimensions as true only to this share: of the characteristic length, and in radians; from 1e-11 to 1e-2.
     #[pyo3(signature = (at=None, *, tolerance=None))]
@@ -152,7 +152,7 @@ impl PyMechanism {
     /// Parameters
     /// ----------
     /// drives : dict of str to float or (float, float)
-    ///     Joint coordinates with their final values, or with their initial and final values [m, rad]; several are driven simultaneously.
+    ///     Joint coordinates with their final values, or with their initial and final values (m, rad); several are driven simultaneously.
     /// steps : int, optional
     ///     Number of equal steps, default 60.
     ///
@@ -235,7 +235,7 @@ impl PyMechanism {
     /// Parameters
     /// ----------
     /// commands : sequence of dict of str to float
-    ///     Each with values for the same joint coordinates [m, rad].
+    ///     Each with values for the same joint coordinates (m, rad).
     fn suggest<'py>(
         &self,
         py: Python<'py>,
@@ -276,7 +276,7 @@ impl PyMechanism {
     /// Parameters
     /// ----------
     /// at : dict of str to float
-    ///     Joint coordinates with their values [m, rad].
+    ///     Joint coordinates with their values (m, rad).
     ///
     /// Raises
     /// ------
@@ -317,7 +317,7 @@ impl PyMechanism {
     /// Parameters
     /// ----------
     /// commanded : dict of str to array
-    ///     Joint coordinates with their values [m, rad], which broadcast against each other.
+    ///     Joint coordinates with their values (m, rad), which broadcast against each other.
     /// solver : str
     ///     Which displacement of virtual joints that closes the loops: `'least-norm'` or `'newton'`.
     /// check_limits : bool, optional
@@ -449,7 +449,7 @@ impl PyMechanism {
     /// A result, or the exception that its configuration is beyond joint limits or clearances.
     ///
     /// # Arguments
-    /// * `values` – (f + M), or (f) where clearances are not to be looked at [m, rad]
+    /// * `values` – (f + M), or (f) where clearances are not to be looked at (m, rad)
     fn within_limits<'py>(
         &self,
         py: Python<'py>,

@@ -40,49 +40,49 @@ type Parts = (
 
 #[pymethods]
 impl PyForward {
-    /// Rod lengths q_1, q_2, q_3, shape (3,) [m].
+    /// Rod lengths q_1, q_2, q_3, shape (3,) (m).
     #[getter]
     fn rods_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.pose.rods)
     }
 
-    /// Sides L_12, L_23, L_31 between the ball centres, shape (3,) [m].
+    /// Sides L_12, L_23, L_31 between the ball centres, shape (3,) (m).
     #[getter]
     fn sides_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.pose.sides)
     }
 
-    /// Tilt direction: azimuth of the platform normal, from -π to π [rad].
+    /// Tilt direction: azimuth of the platform normal, from -π to π (rad).
     #[getter]
     fn yaw_rad(&self) -> f64 {
         self.pose.tilt().yaw
     }
 
-    /// Tilt angle, from 0 to π [rad].
+    /// Tilt angle, from 0 to π (rad).
     #[getter]
     fn pitch_rad(&self) -> f64 {
         self.pose.tilt().pitch
     }
 
-    /// Turn about the platform normal beyond the shortest rotation to it [rad].
+    /// Turn about the platform normal beyond the shortest rotation to it (rad).
     #[getter]
     fn twist_rad(&self) -> f64 {
         self.pose.twist_about_normal()
     }
 
-    /// Height at which the platform plane crosses the base axis [m].
+    /// Height at which the platform plane crosses the base axis (m).
     #[getter]
     fn axis_height_m(&self) -> f64 {
         self.pose.axis_height().0
     }
 
-    /// Platform origin in the base frame, shape (3,) [m].
+    /// Platform origin in the base frame, shape (3,) (m).
     #[getter]
     fn origin_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, self.pose.base_from_platform.translation.vector.as_slice())
     }
 
-    /// Offset of the platform's origin from the base axis, shape (2,) [m].
+    /// Offset of the platform's origin from the base axis, shape (2,) (m).
     #[getter]
     fn center_shift_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, self.pose.center_shift().as_slice())
@@ -94,14 +94,14 @@ impl PyForward {
         PyArray1::from_slice(py, self.pose.normal().as_slice())
     }
 
-    /// Homogeneous transform, shape (4, 4): `base_from_platform @ [x, y, z, 1]` is a point in the base frame [m].
+    /// Homogeneous transform, shape (4, 4): `base_from_platform @ [x, y, z, 1]` is a point in the base frame (m).
     #[getter]
     fn base_from_platform<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let homogeneous = self.pose.base_from_platform.to_homogeneous();
         matrix(py, [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| homogeneous[(i, j)])))
     }
 
-    /// Displacements X of the virtual joints, shape (M,), in the units of `virtual_joint_names` [m, rad].
+    /// Displacements X of the virtual joints, shape (M,), in the units of `virtual_joint_names` (m, rad).
     #[getter]
     fn virtual_joints<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.pose.solution.virtual_joints)
@@ -125,7 +125,7 @@ impl PyForward {
         self.pose.solution.solver.to_string()
     }
 
-    /// Length by which angles were multiplied to weigh them against lengths [m].
+    /// Length by which angles were multiplied to weigh them against lengths (m).
     #[getter]
     fn characteristic_length_m(&self) -> f64 {
         self.pose.solution.characteristic_length
@@ -137,7 +137,7 @@ impl PyForward {
         self.pose.solution.iterations
     }
 
-    /// Largest difference between a side and its virtual length [m].
+    /// Largest difference between a side and its virtual length (m).
     #[getter]
     fn residual_m(&self) -> f64 {
         self.pose.solution.residual
@@ -235,7 +235,7 @@ impl PyInverse {
         Self { rods: rods_m }
     }
 
-    /// Rod lengths q_1, q_2, q_3, shape (3,) [m].
+    /// Rod lengths q_1, q_2, q_3, shape (3,) (m).
     #[getter]
     fn rods_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.rods)

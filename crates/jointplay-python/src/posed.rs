@@ -16,7 +16,7 @@ const CORRECTIONS: usize = 200;
 
 /// A closed configuration, virtual joints displaced where they had to be.
 pub(crate) struct Posed {
-    /// (f + M) [m, rad].
+    /// (f + M) (m, rad).
     pub(crate) values: DVector<f64>,
     pub(crate) residual: f64,
     pub(crate) iterations: usize,
@@ -100,7 +100,7 @@ impl PyMechanism {
         CommandedJoints::new(&MechanismSystem::new(&self.file.mechanism, home)?, coordinates)
     }
 
-    /// The relief for values of commanded coordinates [m, rad].
+    /// The relief for values of commanded coordinates (m, rad).
     pub(crate) fn relieved_at(
         &self,
         commanded: &CommandedJoints,

@@ -11,15 +11,15 @@ use jointplay_format::units::{deg, mm, um};
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct CompareReport {
-    /// Azimuth of all tilts [deg].
+    /// Azimuth of all tilts (deg).
     pub yaw_deg: f64,
-    /// Axis height of all tilts [mm].
+    /// Axis height of all tilts (mm).
     pub height_mm: f64,
-    /// The tilts [deg].
+    /// The tilts (deg).
     pub pitch_deg: Vec<f64>,
     /// One entry a virtualization, in the order of `pitch_deg` each.
     pub models: Vec<ModelReport>,
-    /// The farthest that a socket of the approximate model is off its ball [µm]; its centre never shifts.
+    /// The farthest that a socket of the approximate model is off its ball (µm); its centre never shifts.
     pub approximate_gap_um: Vec<f64>,
     /// Limits that the tilts break; empty unless limits were ignored.
     pub limits_broken: Vec<LimitReport>,
@@ -31,11 +31,11 @@ pub struct CompareReport {
 pub struct ModelReport {
     /// Name of the virtualization.
     pub virtualization: String,
-    /// Offset of O_p from the base axis along x [µm].
+    /// Offset of O_p from the base axis along x (µm).
     pub center_shift_x_um: Vec<f64>,
-    /// Offset of O_p from the base axis along y [µm].
+    /// Offset of O_p from the base axis along y (µm).
     pub center_shift_y_um: Vec<f64>,
-    /// The farthest that a socket is moved within the platform [µm].
+    /// The farthest that a socket is moved within the platform (µm).
     pub largest_displacement_um: Vec<f64>,
     /// Why the columns end before the last pitch; `null` where they do not.
     pub failure: Option<String>,

@@ -80,7 +80,7 @@ pub struct AssemblyReport {
 /// Coordinates by name, those of virtual joints left out.
 ///
 /// # Arguments
-/// * `values` – (f + M) [m, rad]
+/// * `values` – (f + M) (m, rad)
 #[must_use]
 pub fn by_name(coordinates: &Coordinates, values: &DVector<f64>) -> ByName<f64> {
     let named = coordinates.all()[..coordinates.joints()].iter().enumerate();
@@ -169,7 +169,7 @@ pub struct MechanismMobilityReport {
     pub singular_values: Vec<f64>,
     /// Values at or below it count as zero.
     pub threshold: f64,
-    /// Length in which the Jacobian is scaled [mm].
+    /// Length in which the Jacobian is scaled (mm).
     pub characteristic_length_mm: f64,
     /// Orthonormal motions allowed to first order, one an entry, in radians and characteristic lengths; order of the coordinates.
     pub null_space: Vec<Vec<f64>>,
@@ -229,7 +229,7 @@ pub struct SparseMobilityReport {
     pub largest_uncounted: Option<f64>,
     /// Values at or below it count as zero.
     pub threshold: f64,
-    /// Length in which the Jacobian is scaled [mm].
+    /// Length in which the Jacobian is scaled (mm).
     pub characteristic_length_mm: f64,
     /// Independent motions to first order, one an entry, in radians and characteristic lengths; order of the coordinates. Omitted beyond a million numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -291,10 +291,10 @@ pub struct LinkMotionReport {
     pub dimension: usize,
     /// How many of them are translations.
     pub translations: usize,
-    /// For one way that is no translation: advance for a radian [mm/rad].
+    /// For one way that is no translation: advance for a radian (mm/rad).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pitch_mm_per_rad: Option<f64>,
-    /// And a point of its axis, in the base frame [mm].
+    /// And a point of its axis, in the base frame (mm).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axis_point_mm: Option<[f64; 3]>,
 }
@@ -305,7 +305,7 @@ pub struct LinkMotionReport {
 /// As [`link_motion`], [`self_stresses`] and [`near_miss`].
 ///
 /// # Arguments
-/// * `values` – (f + M) the configuration [m, rad]
+/// * `values` – (f + M) the configuration (m, rad)
 /// * `relief` – if virtual joints had to give way
 /// * `found` – the finite mobility, block by block
 /// * `near` – what moves within a tolerance, if that was asked

@@ -42,7 +42,7 @@ impl FreedomsReport {
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct MobilityReport {
-    /// Rods of the configuration [mm].
+    /// Rods of the configuration (mm).
     pub q_mm: [f64; 3],
     /// What can move, and how much is constrained.
     #[serde(flatten)]
@@ -51,7 +51,7 @@ pub struct MobilityReport {
     pub singular_values: Vec<f64>,
     /// Values at or below it count as zero.
     pub threshold: f64,
-    /// Length in which the Jacobian is scaled [mm].
+    /// Length in which the Jacobian is scaled (mm).
     pub characteristic_length_mm: f64,
     /// Orthonormal motions allowed to first order, one an entry, in units of the characteristic length; order q, P_1, P_2, P_3.
     pub null_space: Vec<Vec<f64>>,

@@ -32,7 +32,7 @@ pub struct ReliefReport {
     pub residual: f64,
     /// Singular values of the derivative of the virtual joints by the commanded coordinates, largest first; length by length, turns multiplied by the characteristic length.
     pub singular_values: Vec<f64>,
-    /// Length by which turns are multiplied [mm].
+    /// Length by which turns are multiplied (mm).
     pub characteristic_length_mm: f64,
 }
 
@@ -56,7 +56,7 @@ pub struct VirtualJointReport {
 /// # Arguments
 /// * `commanded` – indices of the commanded coordinates
 /// * `singular_values` – of ∂X/∂P for the commanded coordinates
-/// * `characteristic_length` – by which turns are multiplied [m]
+/// * `characteristic_length` – by which turns are multiplied (m)
 #[must_use]
 pub fn relief(
     file: &MechanismFile,

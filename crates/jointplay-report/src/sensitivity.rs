@@ -11,17 +11,17 @@ use jointplay_format::units::{deg, mm};
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct SensitivityReport {
-    /// Rods of the configuration [mm].
+    /// Rods of the configuration (mm).
     pub q_mm: [f64; 3],
-    /// Azimuth of its tilt [deg].
+    /// Azimuth of its tilt (deg).
     pub yaw_deg: f64,
-    /// Its tilt [deg].
+    /// Its tilt (deg).
     pub pitch_deg: f64,
     /// Name of the virtualization.
     pub virtualization: String,
     /// Solver used.
     pub solver: String,
-    /// ρ of the metric [mm].
+    /// ρ of the metric (mm).
     pub characteristic_length_mm: f64,
     /// Singular values of ∂X/∂P at the configuration, in the metric, non-zero ones first.
     pub singular_values: Vec<f64>,
@@ -31,9 +31,9 @@ pub struct SensitivityReport {
     pub right_singular_vectors: Vec<Vec<f64>>,
     /// Virtual joints at the configuration.
     pub virtual_joints: VirtualJointGroups,
-    /// ‖ΔX‖ from level at the same axis height, in the metric, nothing neglected [mm].
+    /// ‖ΔX‖ from level at the same axis height, in the metric, nothing neglected (mm).
     pub displacement_mm: f64,
-    /// ‖ΔP‖ of that motion [mm].
+    /// ‖ΔP‖ of that motion (mm).
     pub motion_mm: f64,
     /// Bounds of ‖ΔX‖ to first order, by where the derivatives are taken.
     pub bounds: [BoundsReport; 3],
@@ -51,17 +51,17 @@ pub struct SensitivityReport {
 pub struct BoundsReport {
     /// `start`, `midpoint` or `end` of the motion.
     pub derivatives_at: &'static str,
-    /// σ_min ‖V₃ᵀΔP‖ [mm].
+    /// σ_min ‖V₃ᵀΔP‖ (mm).
     pub lower_mm: f64,
-    /// σ_max ‖V₃ᵀΔP‖ [mm].
+    /// σ_max ‖V₃ᵀΔP‖ (mm).
     pub upper_mm: f64,
-    /// The same by eigenvalues [mm].
+    /// The same by eigenvalues (mm).
     pub eigenvalue_lower_mm: f64,
-    /// The same by eigenvalues [mm].
+    /// The same by eigenvalues (mm).
     pub eigenvalue_upper_mm: f64,
-    /// σ_max ‖ΔP‖ [mm].
+    /// σ_max ‖ΔP‖ (mm).
     pub coarse_upper_mm: f64,
-    /// ‖∂X/∂P ΔP‖ [mm].
+    /// ‖∂X/∂P ΔP‖ (mm).
     pub linear_mm: f64,
     /// Whether `displacement_mm` lies between the bounds.
     pub held: bool,

@@ -13,7 +13,7 @@ pub struct StudyReport {
     pub virtualization: String,
     /// Solver used.
     pub solver: String,
-    /// ρ of the metric [mm].
+    /// ρ of the metric (mm).
     pub characteristic_length_mm: f64,
     /// Number of samples.
     pub samples: usize,
@@ -21,11 +21,11 @@ pub struct StudyReport {
     pub singular_passes: usize,
     /// Rods, sides and virtual joints.
     pub series: Vec<SeriesReport>,
-    /// Largest distance of O_p from the base axis [µm].
+    /// Largest distance of O_p from the base axis (µm).
     pub largest_center_shift_um: f64,
-    /// Largest twist about the platform normal [deg].
+    /// Largest twist about the platform normal (deg).
     pub largest_twist_deg: f64,
-    /// Largest residual of the sides [mm].
+    /// Largest residual of the sides (mm).
     pub largest_residual_mm: f64,
     /// Most iterations that a sample took.
     pub most_iterations: usize,
@@ -37,7 +37,7 @@ pub struct StudyReport {
     pub samples_beyond_tilt_limit: usize,
     /// Samples with a rod beyond the robot's limits.
     pub samples_beyond_stroke: usize,
-    /// The tilt limit [deg].
+    /// The tilt limit (deg).
     pub tilt_limit_deg: f64,
 }
 

@@ -41,7 +41,7 @@ pub struct SuggestReport {
 /// One set of virtual joints.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SetReport {
-    /// Largest displacement over the commands, turns weighed by the characteristic length [mm].
+    /// Largest displacement over the commands, turns weighed by the characteristic length (mm).
     pub size_mm: f64,
     /// Whether every symmetry of the mechanism maps the set onto itself; `false` where it has none.
     pub symmetric: bool,

@@ -11,7 +11,7 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 pub struct VirtualJointGroups(pub Vec<(String, Vec<f64>)>);
 
 impl VirtualJointGroups {
-    /// Groups displacements X ([m], [rad]) by the symbols of their joints.
+    /// Groups displacements X ((m), (rad)) by the symbols of their joints.
     #[must_use]
     pub fn new(joints: &[VirtualJoint], x: &[f64]) -> Self {
         let mut groups: Vec<(String, Vec<f64>)> = Vec::new();

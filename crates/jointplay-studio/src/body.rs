@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::problem::Problem;
 use crate::strict;
 
-/// Maximum size of a request body [bytes], ten times that of a motion of 1000 key poses.
+/// Maximum size of a request body (bytes), ten times that of a motion of 1000 key poses.
 pub(crate) const MAX_BODY_BYTES: usize = 1_000_000;
 
 /// The body of a request, parsed as `T`.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use jointplay::format::robot::{self, Mesh, MeshFormat, Robot};
 
-/// Maximum size of a mesh file [bytes].
+/// Maximum size of a mesh file (bytes).
 const MAX_BYTES: u64 = 50_000_000;
 
 /// The folder of the robot file.

@@ -35,7 +35,7 @@ pub(crate) struct Study {
     samples: Samples,
     model: &'static (dyn Virtualization + Sync),
     options: SolveOptions,
-    /// ρ of the metric [m].
+    /// ρ of the metric (m).
     pub(crate) characteristic_length: f64,
     pub(crate) columns: Vec<ColumnName>,
 }

@@ -30,7 +30,7 @@ pub struct BoundsCheck {
 /// [`Error::Pose`] with the first pose that cannot be computed.
 ///
 /// # Source
-/// [Virtualization], eq. (4) and (5)
+/// \[Virtualization\], eq. (4) and (5)
 pub fn check_bounds<V: Virtualization + ?Sized>(
     gpr: &Gpr,
     raster: &Raster,

@@ -12,9 +12,9 @@ use crate::Error;
 pub struct ModelCurve {
     /// Name of the virtualization.
     pub name: String,
-    /// Offset of O_p from the base axis, e_b1 and e_b2 [m].
+    /// Offset of O_p from the base axis, e_b1 and e_b2 (m).
     pub center_shift: Vec<Vector2<f64>>,
-    /// The farthest that a socket is moved from its nominal place in the platform [m].
+    /// The farthest that a socket is moved from its nominal place in the platform (m).
     pub largest_displacement: Vec<f64>,
     /// Why the columns end before the last pitch, where the model has no answer there.
     pub failure: Option<Box<jointplay_core::Error>>,
@@ -23,15 +23,15 @@ pub struct ModelCurve {
 /// All models and the approximate one over the same tilts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// Azimuth of all tilts [rad].
+    /// Azimuth of all tilts (rad).
     pub yaw: f64,
     /// Axis height of all tilts.
     pub height: AxisHeight,
-    /// The pitch angles [rad].
+    /// The pitch angles (rad).
     pub pitches: Vec<f64>,
     /// One curve for each virtualization; their displacements are distances in the platform, the same measure for all.
     pub models: Vec<ModelCurve>,
-    /// The farthest that a socket of the approximate model is off its ball [m]; its centre never shifts.
+    /// The farthest that a socket of the approximate model is off its ball (m); its centre never shifts.
     pub approximate_gap: Vec<f64>,
 }
 

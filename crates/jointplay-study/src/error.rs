@@ -35,9 +35,9 @@ pub enum Error {
     Pose {
         /// Which sample, counted from 0.
         sample: usize,
-        /// Its yaw [rad].
+        /// Its yaw (rad).
         yaw: f64,
-        /// Its pitch [rad].
+        /// Its pitch (rad).
         pitch: f64,
         /// Why.
         source: Box<jointplay_core::Error>,

@@ -12,7 +12,7 @@ pub struct KeyPose {
     pub tilt: Tilt,
     /// Height at which its plane crosses the base axis.
     pub height: AxisHeight,
-    /// Duration of the motion to this pose; ignored for the first [s].
+    /// Duration of the motion to this pose; ignored for the first (s).
     pub duration: f64,
 }
 
@@ -20,7 +20,7 @@ pub struct KeyPose {
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyMotion {
     keys: Vec<KeyPose>,
-    /// When each key pose is reached [s].
+    /// When each key pose is reached (s).
     reached: Vec<f64>,
     intervals: usize,
 }
@@ -58,14 +58,14 @@ impl KeyMotion {
         self.intervals.saturating_add(1)
     }
 
-    /// When a sample is [s].
+    /// When a sample is (s).
     #[must_use]
     pub fn time(&self, sample: usize) -> f64 {
         let end = self.reached[self.reached.len() - 1];
         if sample >= self.intervals { end } else { end * (sample as f64 / self.intervals as f64) }
     }
 
-    /// The pose commanded at a time [s]; before the start the first, after the end the last.
+    /// The pose commanded at a time (s); before the start the first, after the end the last.
     ///
     /// ```text
     ///    s(u)  =  u³ (10 − 15 u + 6 u²)        (θ_x, θ_y, z)  =  (1 − s) from  +  s to        0 ≤ u ≤ 1: share of the duration

@@ -27,9 +27,9 @@ pub fn refine(values: &[f64], intervals: u32) -> Vec<f64> {
 /// A raster of tilts at one axis height.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raster {
-    /// Yaw angles γ, the slow direction [rad].
+    /// Yaw angles γ, the slow direction (rad).
     pub yaws: Vec<f64>,
-    /// Pitch angles α, the fast direction [rad].
+    /// Pitch angles α, the fast direction (rad).
     pub pitches: Vec<f64>,
     /// Height at which the platform plane crosses the base axis.
     pub height: AxisHeight,
@@ -43,7 +43,7 @@ impl Raster {
     /// The yaw step is not printed; 10° is our choice, both ends included: 37 × 21 = 777 poses.
     ///
     /// # Source
-    /// [Virtualization], VI.A
+    /// \[Virtualization\], VI.A
     #[must_use]
     pub fn paper() -> Self {
         Self {

@@ -16,42 +16,42 @@ pub struct Samples {
     pub joints: Vec<VirtualJoint>,
     /// Solver used for the last sample: differs from the one asked for where a closed form does not exist.
     pub solver: Solver,
-    /// ρ of the metric [m].
+    /// ρ of the metric (m).
     pub characteristic_length: f64,
     /// Samples in one run over the pitches.
     pub samples_per_row: usize,
     /// Order of the samples.
     pub order: Order,
-    /// Yaw γ [rad].
+    /// Yaw γ (rad).
     pub yaw: Vec<f64>,
-    /// Pitch α as commanded, either sign [rad].
+    /// Pitch α as commanded, either sign (rad).
     pub pitch: Vec<f64>,
-    /// Rods q_1, q_2, q_3 [m].
+    /// Rods q_1, q_2, q_3 (m).
     pub rods: [Vec<f64>; 3],
-    /// Sides L_12, L_23, L_31 [m].
+    /// Sides L_12, L_23, L_31 (m).
     pub sides: [Vec<f64>; 3],
-    /// Virtual joints X, a column each ([m], [rad]).
+    /// Virtual joints X, a column each ((m), (rad)).
     pub virtual_joints: Vec<Vec<f64>>,
-    /// Platform origin O_p in the base frame [m].
+    /// Platform origin O_p in the base frame (m).
     pub origin: [Vec<f64>; 3],
-    /// Twist about the platform normal [rad].
+    /// Twist about the platform normal (rad).
     pub twist_about_normal: Vec<f64>,
     /// Iterations of the solver.
     pub iterations: Vec<usize>,
-    /// Largest difference between a side and its virtual length [m].
+    /// Largest difference between a side and its virtual length (m).
     pub residual: Vec<f64>,
 }
 
 /// Kind of quantity of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SeriesKind {
-    /// A rod length [m].
+    /// A rod length (m).
     Rod,
-    /// A side [m].
+    /// A side (m).
     Side,
-    /// A linear virtual joint [m].
+    /// A linear virtual joint (m).
     Linear,
-    /// An angular virtual joint [rad].
+    /// An angular virtual joint (rad).
     Angular,
 }
 

@@ -35,11 +35,11 @@ pub struct Summary {
     pub singular_passes: usize,
     /// Rods, sides and virtual joints.
     pub series: Vec<SeriesSummary>,
-    /// Largest distance of O_p from the base axis [m].
+    /// Largest distance of O_p from the base axis (m).
     pub largest_center_shift: f64,
-    /// Largest magnitude of the twist about the platform normal [rad].
+    /// Largest magnitude of the twist about the platform normal (rad).
     pub largest_twist: f64,
-    /// Largest residual of the sides [m].
+    /// Largest residual of the sides (m).
     pub largest_residual: f64,
     /// `iterations[n]`: how many samples took n iterations.
     pub iterations: Vec<usize>,

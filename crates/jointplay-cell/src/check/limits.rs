@@ -16,15 +16,15 @@ use crate::workcell::Cell;
 
 /// Relative slack of limits: a trajectory planned at a limit does not violate it by round-off.
 const SLACK: f64 = 1e-6;
-/// Absolute slack of position limits [m and rad].
+/// Absolute slack of position limits (m and rad).
 const POSITION_SLACK: f64 = 1e-9;
 
 /// Tilt of the platform and displacement of its virtual joints.
 #[derive(Clone, Copy)]
 struct PlatformState {
-    /// Tilt [rad].
+    /// Tilt (rad).
     tilt: f64,
-    /// Displacement of the virtual joints from nominal [m].
+    /// Displacement of the virtual joints from nominal (m).
     play: f64,
 }
 

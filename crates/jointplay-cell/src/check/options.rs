@@ -3,9 +3,9 @@
 /// Sampling rate and reporting range of a check.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CheckOptions {
-    /// Sampling rate [Hz].
+    /// Sampling rate (Hz).
     pub rate: f64,
-    /// Minimum distances from this on are not reported [m].
+    /// Minimum distances from this on are not reported (m).
     pub near: f64,
 }
 

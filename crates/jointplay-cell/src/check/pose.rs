@@ -29,7 +29,7 @@ const MARGIN: f64 = 1e-7;
 pub struct PoseContext<'m> {
     /// Trajectory of the program.
     pub motion: &'m Trajectory,
-    /// Time in the trajectory that determines where the wafers are [s].
+    /// Time in the trajectory that determines where the wafers are (s).
     pub time: f64,
     /// Effector that reaches into a slot, and the slot; `None` for those of the step at that time.
     pub reaches: Option<(EffectorId, SlotId)>,
@@ -38,7 +38,7 @@ pub struct PoseContext<'m> {
 /// Part of a straight path before the first contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactFreePath {
-    /// Positions of all axes at its end, rods first ([m], [rad]).
+    /// Positions of all axes at its end, rods first ((m), (rad)).
     pub positions: Vec<f64>,
     /// Share of the path, 1 for a path without contact.
     pub share: f64,

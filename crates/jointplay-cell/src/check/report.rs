@@ -20,7 +20,7 @@ pub struct Share {
     pub of: usize,
     /// Value divided by its limit.
     pub share: f64,
-    /// Time of the peak [s].
+    /// Time of the peak (s).
     pub time: f64,
 }
 
@@ -29,11 +29,11 @@ pub struct Share {
 pub struct MinimumDistance {
     /// The two collision objects.
     pub entities: [EntityId; 2],
-    /// Minimum distance at the samples [m].
+    /// Minimum distance at the samples (m).
     pub distance: f64,
-    /// Tolerance: samples that were not evaluated may have a distance smaller by this much [m].
+    /// Tolerance: samples that were not evaluated may have a distance smaller by this much (m).
     pub within: f64,
-    /// Time of the minimum [s].
+    /// Time of the minimum (s).
     pub time: f64,
     /// Index of the step at that time.
     pub step: usize,
@@ -48,11 +48,11 @@ pub struct InstructionResult {
     pub place: Place,
     /// Indices of the steps.
     pub steps: std::ops::Range<usize>,
-    /// Start time [s].
+    /// Start time (s).
     pub start: f64,
-    /// Duration [s].
+    /// Duration (s).
     pub duration: f64,
-    /// Time during which each axis moves [s].
+    /// Time during which each axis moves (s).
     pub moving: Vec<f64>,
     /// Largest velocity relative to its limit.
     pub velocity: Option<Share>,
@@ -83,13 +83,13 @@ pub struct Report {
     pub by_instruction: Vec<InstructionResult>,
     /// Minimum distances of pairs within the reporting range, smallest first.
     pub distances: Vec<MinimumDistance>,
-    /// Time during which each axis moves [s].
+    /// Time during which each axis moves (s).
     pub moving: Vec<f64>,
-    /// Duration of the trajectory [s].
+    /// Duration of the trajectory (s).
     pub duration: f64,
     /// Number of wafers that are placed into a slot, each counted once.
     pub wafers: usize,
-    /// Wafers per hour of the repeated program: wafers by duration; `None` without wafers [1/h].
+    /// Wafers per hour of the repeated program: wafers by duration; `None` without wafers (1/h).
     pub wafers_per_hour: Option<f64>,
     /// Number of samples.
     pub samples: usize,

@@ -29,7 +29,7 @@ pub(super) struct HeldWafer<'a> {
 
 impl<'a> HeldWafer<'a> {
     /// # Arguments
-    /// * `tilt` – largest tilt of the platform in the segment [rad]
+    /// * `tilt` – largest tilt of the platform in the segment (rad)
     pub(super) fn new(
         scene: &'a Scene<'a>,
         segment: &'a SampledSegment,
@@ -125,12 +125,12 @@ impl<'a> HeldWafer<'a> {
     }
 }
 
-/// Variation of the specific force that a wafer requires since the start of the segment, accumulated as an upper bound [m/s²].
+/// Variation of the specific force that a wafer requires since the start of the segment, accumulated as an upper bound (m/s²).
 #[derive(Debug, Clone, Copy, Default)]
 struct ForceVariation {
-    /// Variation in any direction [m/s²].
+    /// Variation in any direction (m/s²).
     any_direction: f64,
-    /// Vertical part in the base frame, in addition [m/s²].
+    /// Vertical part in the base frame, in addition (m/s²).
     vertical: f64,
 }
 
@@ -142,7 +142,7 @@ struct VariationInputs<'i> {
     bounds: &'i MotionBoundModel,
     rods: &'i AxisStates<'i, RODS>,
     arm: &'i AxisStates<'i, MAX_JOINTS>,
-    /// Largest tilt of the platform in the segment [rad].
+    /// Largest tilt of the platform in the segment (rad).
     tilt: f64,
     droop: &'i DroopBounds,
 }

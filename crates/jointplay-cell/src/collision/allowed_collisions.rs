@@ -11,9 +11,9 @@ use crate::robot::EffectorId;
 pub(crate) enum ContactRule {
     /// The pair is not checked.
     Unchecked,
-    /// Minimum clearance [m].
+    /// Minimum clearance (m).
     MinClearance(f64),
-    /// Minimum clearance at the slots of a station [m].
+    /// Minimum clearance at the slots of a station (m).
     SlotClearance(f64),
     /// No penetration of a keep-out zone.
     KeepOut,

@@ -6,7 +6,7 @@ use crate::trajectory::AxisState;
 pub(crate) struct AxisStates<'a, const N: usize> {
     /// States by sample, of axes that move.
     pub(super) moving: [Option<&'a [AxisState]>; N],
-    /// Positions of the axes that do not move [m or rad].
+    /// Positions of the axes that do not move (m or rad).
     pub(super) fixed: [f64; N],
 }
 

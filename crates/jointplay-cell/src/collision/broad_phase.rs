@@ -17,7 +17,7 @@ pub(crate) struct BroadPhase {
     pub(crate) moving: Vec<usize>,
     /// Fixed objects, as indices in the scene.
     fixed: Vec<usize>,
-    /// For each moving object the distance from the origin of its parent up to which its points are relevant [m].
+    /// For each moving object the distance from the origin of its parent up to which its points are relevant (m).
     reaches: Vec<f64>,
     /// Bound coefficients of the moving objects.
     pub(crate) coefficients: Vec<MotionBoundCoefficients>,
@@ -40,7 +40,7 @@ pub(crate) struct CandidatePairs {
 
 impl BroadPhase {
     /// # Arguments
-    /// * `max_distance` – distance from which on no pair is relevant [m]
+    /// * `max_distance` – distance from which on no pair is relevant (m)
     pub(crate) fn new(scene: &Scene<'_>, bounds: &MotionBoundModel, max_distance: f64) -> Self {
         let (moving, fixed): (Vec<usize>, Vec<usize>) =
             (0..scene.objects.len()).partition(|&object| scene.objects[object].parent.moves());
@@ -83,7 +83,7 @@ impl BroadPhase {
         self.relative.get_or_init(|| self.pairs.iter().map(of_pair).collect())
     }
 
-    /// Objects whose swept boxes come within a distance of each other [m], moving ones first, and their pairs.
+    /// Objects whose swept boxes come within a distance of each other (m), moving ones first, and their pairs.
     ///
     /// # Arguments
     /// * `paths` – swept boxes of the moving objects
@@ -121,7 +121,7 @@ impl BroadPhase {
     }
 }
 
-/// For each moving object the distance from the origin of its parent up to which its points are relevant [m].
+/// For each moving object the distance from the origin of its parent up to which its points are relevant (m).
 ///
 /// A point that is farther out than any other object can be is not near to any of them; the motion bound of a long object need not contain its far end:
 ///

@@ -22,16 +22,16 @@ use crate::violation::{
 
 /// Relative tolerance of reported minimum distances.
 const RELATIVE_DISTANCE_TOLERANCE: f64 = 0.02;
-/// Least tolerance of reported minimum distances [m].
+/// Least tolerance of reported minimum distances (m).
 const DISTANCE_TOLERANCE: f64 = 2e-5;
-/// An interval between two samples is not bisected further once no point travels farther in it than this [m].
+/// An interval between two samples is not bisected further once no point travels farther in it than this (m).
 const MIN_INTERVAL_TRAVEL: f64 = 2e-6;
-/// Resolution of the comparison of a distance with the required clearance: the accuracy to which distances are tested [m].
+/// Resolution of the comparison of a distance with the required clearance: the accuracy to which distances are tested (m).
 ///
 /// A pair violates its clearance where its distance is smaller by more than this; a contact is a violation for any required clearance.
 pub(super) const RESOLUTION: f64 = 1e-8;
 
-/// Tolerance of a reported minimum distance: a sample that was not evaluated may have a distance smaller by this much [m].
+/// Tolerance of a reported minimum distance: a sample that was not evaluated may have a distance smaller by this much (m).
 pub(crate) fn distance_tolerance(distance: f64) -> f64 {
     (RELATIVE_DISTANCE_TOLERANCE * distance).max(DISTANCE_TOLERANCE)
 }
@@ -47,9 +47,9 @@ pub(crate) struct PairResults {
 /// Minimum distance of a pair at the samples.
 pub(crate) struct PairMinimum {
     pub(crate) objects: [usize; 2],
-    /// Minimum distance [m].
+    /// Minimum distance (m).
     pub(crate) distance: f64,
-    /// Time of the minimum since the start of the segment [s].
+    /// Time of the minimum since the start of the segment (s).
     pub(crate) time: f64,
 }
 
@@ -63,7 +63,7 @@ pub(crate) struct CandidatePair {
 /// Candidate pairs, with results of the windows of a segment that were checked so far.
 pub(crate) struct PairAccumulator<'p> {
     pairs: &'p [CandidatePair],
-    /// Minimum distance [m] and its time [s] of each pair.
+    /// Minimum distance (m) and its time (s) of each pair.
     minima: Vec<Option<(f64, f64)>>,
     /// Last separating direction of each pair.
     directions: Vec<Option<Vector3<f64>>>,
@@ -107,7 +107,7 @@ pub(crate) struct SegmentDistanceQuery<'a> {
     pub(crate) coefficients: &'a [MotionBoundCoefficients],
     /// Relative motion of the pairs of two moving objects, which are the first pairs.
     pub(crate) relative: &'a [RelativeMotion],
-    /// Distances from this on are not reported [m].
+    /// Distances from this on are not reported (m).
     pub(crate) max_distance: f64,
 }
 
@@ -174,7 +174,7 @@ impl SegmentDistanceQuery<'_> {
 }
 
 impl CandidatePair {
-    /// The violation of this pair's rule at a distance [m] or penetration depth [m].
+    /// The violation of this pair's rule at a distance (m) or penetration depth (m).
     fn violation(&self, distance: f64, depth: f64, required: f64) -> SampleViolation {
         let (kind, value, limit) = match self.rule {
             ContactRule::KeepOut => (Kind::KeepOut, 0.0 - depth, 0.0),
@@ -192,9 +192,9 @@ impl CandidatePair {
 /// Distance of a pair that violates its rule.
 struct DistanceSample {
     at: SampleTime,
-    /// Distance [m].
+    /// Distance (m).
     distance: f64,
-    /// Penetration depth [m].
+    /// Penetration depth (m).
     depth: f64,
 }
 
@@ -202,10 +202,10 @@ struct DistanceSample {
 struct PairQuery<'q, 'a> {
     query: &'q mut SegmentDistanceQuery<'a>,
     pair: &'q CandidatePair,
-    /// Distance at which the pair violates its rule: the required clearance less the resolution [m].
+    /// Distance at which the pair violates its rule: the required clearance less the resolution (m).
     limit: f64,
     relative: RelativeMotion,
-    /// Minimum distance [m] and its time [s] so far.
+    /// Minimum distance (m) and its time (s) so far.
     minimum: Option<(f64, f64)>,
     violating: Vec<DistanceSample>,
     /// Separating direction from the first object to the second at the last evaluation, in the frame of the common ancestor, where it changes little.
@@ -215,29 +215,29 @@ struct PairQuery<'q, 'a> {
 /// Distance of a pair at one time, or lower bounds of it.
 #[derive(Clone, Copy)]
 struct DistanceBound {
-    /// Distance, or a lower bound of it [m].
+    /// Distance, or a lower bound of it (m).
     value: f64,
     is_exact: bool,
-    /// Lower bound of the gap along the platform's normal, along which arms do not move [m].
+    /// Lower bound of the gap along the platform's normal, along which arms do not move (m).
     along_normal: f64,
 }
 
 /// Bound of the relative motion of a pair in an interval.
 #[derive(Clone, Copy)]
 struct IntervalMotionBound {
-    /// Travel in any direction [m].
+    /// Travel in any direction (m).
     total: f64,
-    /// Travel along the platform's normal [m].
+    /// Travel along the platform's normal (m).
     along_normal: f64,
-    /// Travel by the rods alone [m].
+    /// Travel by the rods alone (m).
     platform: f64,
-    /// Travel by changes of the arms' deflection alone [m].
+    /// Travel by changes of the arms' deflection alone (m).
     deflection: f64,
-    /// Horizontal part of `deflection` [m].
+    /// Horizontal part of `deflection` (m).
     lateral_deflection: f64,
-    /// Rotation of the platform's normal [rad].
+    /// Rotation of the platform's normal (rad).
     normal_rotation: f64,
-    /// Deviation of the arms' part of the motion from the chord [m].
+    /// Deviation of the arms' part of the motion from the chord (m).
     chord_deviation: f64,
 }
 
@@ -266,7 +266,7 @@ impl IntervalMotionBound {
     }
 }
 
-/// Lower bound of the distance in an interval, from bounds at its ends and the travel between them [m].
+/// Lower bound of the distance in an interval, from bounds at its ends and the travel between them (m).
 fn distance_bound(left: &DistanceBound, right: &DistanceBound, motion: IntervalMotionBound) -> f64 {
     let any_direction = left.value + right.value - motion.total;
     let along_normal = left.along_normal + right.along_normal - motion.along_normal;
@@ -458,7 +458,7 @@ impl PairQuery<'_, '_> {
         }
     }
 
-    /// Distance above which neither a violation nor a smaller minimum is possible [m].
+    /// Distance above which neither a violation nor a smaller minimum is possible (m).
     fn relevant_distance(&self) -> f64 {
         if self.pair.rule == ContactRule::KeepOut {
             return 0.0;
@@ -498,7 +498,7 @@ impl PairQuery<'_, '_> {
         }
     }
 
-    /// Lower bound of the distance in an interval by the gap along the last separating direction [m].
+    /// Lower bound of the distance in an interval by the gap along the last separating direction (m).
     ///
     /// A coordinate whose velocity varies by `v` in all deviates from the chord between two times by `v dt / 4` at most.
     fn separating_direction_bound(

@@ -7,7 +7,7 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::robot::{HybridRobot, PlatformModel};
 
-/// Least tilt up to which the motion is sampled [rad]; the tilt limit of the robot counts where it is larger.
+/// Least tilt up to which the motion is sampled (rad); the tilt limit of the robot counts where it is larger.
 const MIN_SAMPLED_TILT: f64 = 0.2;
 /// Number of sampled tilts.
 const RINGS: usize = 8;
@@ -26,9 +26,9 @@ pub(crate) enum InPlaneMotion {
     Planar {
         /// Σ|b̂_k||b_k| / N_0: largest twist by strain of the ball triangle.
         ratio: f64,
-        /// Distance of the centroid of the base points from the base axis [m].
+        /// Distance of the centroid of the base points from the base axis (m).
         balls: f64,
-        /// Distance of the centroid of the sockets from the platform's origin [m].
+        /// Distance of the centroid of the sockets from the platform's origin (m).
         sockets: f64,
     },
     /// Bounds of other models: tan α of each ring of samples, with the largest rates up to it.
@@ -38,9 +38,9 @@ pub(crate) enum InPlaneMotion {
 /// InPlaneRates by the slope of the platform's plane, at most.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct InPlaneRates {
-    /// Displacement of the platform's origin, without that of the plane's height on the base axis [m].
+    /// Displacement of the platform's origin, without that of the plane's height on the base axis (m).
     pub(crate) shift: f64,
-    /// Rotation about the normal, beyond the shortest rotation [rad].
+    /// Rotation about the normal, beyond the shortest rotation (rad).
     pub(crate) twist: f64,
 }
 

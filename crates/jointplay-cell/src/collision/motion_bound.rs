@@ -14,20 +14,20 @@ use crate::trajectory::{AxisSampler, AxisState};
 /// Upper bounds of the displacement of any point of an object in an interval.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct DisplacementBound {
-    /// Displacement by the platform, the rotation of deflected arms with it included [m].
+    /// Displacement by the platform, the rotation of deflected arms with it included (m).
     pub(crate) platform: f64,
-    /// Displacement by the arms, parallel to the platform [m].
+    /// Displacement by the arms, parallel to the platform (m).
     pub(crate) arms: f64,
-    /// Displacement by the change of the deflection with the reach [m].
+    /// Displacement by the change of the deflection with the reach (m).
     pub(crate) deflection: f64,
-    /// Horizontal part of `deflection` [m].
+    /// Horizontal part of `deflection` (m).
     pub(crate) lateral_deflection: f64,
-    /// Displacement in the platform frame by the change of the deflection as the platform rotates [m].
+    /// Displacement in the platform frame by the change of the deflection as the platform rotates (m).
     pub(crate) platform_deflection: f64,
 }
 
 impl DisplacementBound {
-    /// Displacement in any direction [m].
+    /// Displacement in any direction (m).
     pub(crate) fn total(self) -> f64 {
         self.platform + self.arms + self.deflection
     }
@@ -36,17 +36,17 @@ impl DisplacementBound {
 /// Upper bounds of the travel of all axes and of the platform between two samples.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct AxisTravel {
-    /// Travel of each axis, back and forth added up [m or rad].
+    /// Travel of each axis, back and forth added up (m or rad).
     axes: [f64; MAX_AXES],
-    /// ∫|q̈| dt of each axis [m/s or rad/s].
+    /// ∫|q̈| dt of each axis (m/s or rad/s).
     acceleration_integrals: [f64; MAX_AXES],
-    /// ∫q̇² dt of each axis [m²/s or rad²/s].
+    /// ∫q̇² dt of each axis (m²/s or rad²/s).
     squared_velocity_integrals: [f64; MAX_AXES],
-    /// Travel of the platform's origin [m].
+    /// Travel of the platform's origin (m).
     origin: f64,
-    /// Rotation of the platform's normal [rad].
+    /// Rotation of the platform's normal (rad).
     pub(crate) normal_rotation: f64,
-    /// Rotation of the platform about its normal, beyond the shortest rotation [rad].
+    /// Rotation of the platform about its normal, beyond the shortest rotation (rad).
     twist: f64,
 }
 
@@ -63,7 +63,7 @@ impl CumulativeAxisTravel {
     /// Accumulates the travel over the samples of a window.
     ///
     /// # Arguments
-    /// * `from` – positions of all axes at the start of the segment [m or rad]
+    /// * `from` – positions of all axes at the start of the segment (m or rad)
     pub(crate) fn accumulate(
         &mut self,
         bounds: &MotionBoundModel,
@@ -160,9 +160,9 @@ impl CumulativeAxisTravel {
 pub(crate) struct MotionBoundModel {
     /// Sum of the absolute weights of the rods in the height of the platform's origin.
     weight_sum: f64,
-    /// Heights of the base triangle, at the corner of each rod [m].
+    /// Heights of the base triangle, at the corner of each rod (m).
     heights: [f64; RODS],
-    /// Gradient of the platform plane's slope by each rod [1/m].
+    /// Gradient of the platform plane's slope by each rod (1/m).
     slopes: [Vector2<f64>; RODS],
     in_plane: InPlaneMotion,
     /// Largest jerk that the limits of each axis allow [m/s³ or rad/s³]: samples do not show the jerk between them.
@@ -196,7 +196,7 @@ impl MotionBoundModel {
         }
     }
 
-    /// Upper bound of the distance of the platform's origin from the base origin [m].
+    /// Upper bound of the distance of the platform's origin from the base origin (m).
     pub(crate) fn max_platform_distance(&self, robot: &HybridRobot) -> f64 {
         let rods = robot.axes[..RODS].iter().map(|rod| rod.min.abs().max(rod.max.abs()));
         // Its offset from the base axis is by far smaller than that of a ball.
@@ -204,7 +204,7 @@ impl MotionBoundModel {
         self.weight_sum * rods.fold(0.0, f64::max) + radius.fold(0.0, f64::max)
     }
 
-    /// Upper bounds of the speed [m/s or rad/s] and acceleration [m/s² or rad/s²] of an axis between two samples.
+    /// Upper bounds of the speed (m/s or rad/s) and acceleration (m/s² or rad/s²) of an axis between two samples.
     fn speed_and_acceleration_bound(
         &self,
         dt: f64,
@@ -241,13 +241,13 @@ impl MotionBoundModel {
         (0..RODS).map(rotation).sum()
     }
 
-    /// Upper bound of the rotation of the platform's normal by displacements of the rods [rad]; of its rate by their velocities.
+    /// Upper bound of the rotation of the platform's normal by displacements of the rods (rad); of its rate by their velocities.
     pub(crate) fn tilt_bound(&self, rods: &[f64; RODS]) -> f64 {
         let mean = (rods[0] + rods[1] + rods[2]) / 3.0;
         (0..RODS).map(|rod| (rods[rod] - mean).abs() / self.heights[rod]).sum::<f64>()
     }
 
-    /// Upper bound of the vertical displacement of the platform's origin by displacements of the rods [m]; of its rate by their velocities.
+    /// Upper bound of the vertical displacement of the platform's origin by displacements of the rods (m); of its rate by their velocities.
     pub(crate) fn heave_bound(&self, rods: &[f64; RODS]) -> f64 {
         self.weight_sum * rods.iter().fold(0.0, |most: f64, rod| most.max(rod.abs()))
     }
@@ -268,7 +268,7 @@ impl MotionBoundModel {
         DisplacementBound { platform, arms, deflection, lateral_deflection, platform_deflection }
     }
 
-    /// Upper bound of the variation of the arms' part of a point's velocity, ∫|p̈| dt [m/s].
+    /// Upper bound of the variation of the arms' part of a point's velocity, ∫|p̈| dt (m/s).
     ///
     /// ```text
     ///    p̈  =  Σ_g |v_g| (φ̈_g e_⊥ - φ̇_g² e)         g: links from the first moving one on, φ_g: their angles

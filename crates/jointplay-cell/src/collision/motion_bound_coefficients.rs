@@ -7,25 +7,25 @@ use crate::robot::{Arm, ArmJoint, AxisKind, EffectorId, HybridRobot, MAX_AXES};
 use crate::wafer::{Droop, DroopBounds, SHORTEST};
 use crate::workcell::Cell;
 
-/// Least tilt up to which the motion of deflected arms is bounded [rad]; the tilt limit of the robot counts where it is larger, and a motion beyond violates it.
+/// Least tilt up to which the motion of deflected arms is bounded (rad); the tilt limit of the robot counts where it is larger, and a motion beyond violates it.
 const MIN_BOUNDED_TILT: f64 = std::f64::consts::FRAC_PI_3;
 
 /// Upper bounds of the travel of any point of an object per unit of each axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MotionBoundCoefficients {
-    /// Travel per unit of each motor of the arms [m/m or m/rad].
+    /// Travel per unit of each motor of the arms (m/m or m/rad).
     pub(crate) arms: [f64; MAX_AXES],
-    /// Centripetal acceleration per squared speed of each motor [1/m or m/rad²].
+    /// Centripetal acceleration per squared speed of each motor (1/m or m/rad²).
     pub(crate) centripetal: [f64; MAX_AXES],
-    /// Change of the deflection per unit of each motor of the arms [m/m or m/rad].
+    /// Change of the deflection per unit of each motor of the arms (m/m or m/rad).
     pub(crate) deflection: [f64; MAX_AXES],
-    /// Horizontal part of `deflection` [m/m or m/rad].
+    /// Horizontal part of `deflection` (m/m or m/rad).
     pub(crate) lateral_deflection: [f64; MAX_AXES],
-    /// Change of the deflection in the platform frame per rotation of the platform [m/rad].
+    /// Change of the deflection in the platform frame per rotation of the platform (m/rad).
     pub(crate) platform_deflection: f64,
-    /// Largest distance of a point from the platform's origin without deflection [m].
+    /// Largest distance of a point from the platform's origin without deflection (m).
     pub(super) rigid_radius: f64,
-    /// Largest deflection of a point [m].
+    /// Largest deflection of a point (m).
     max_deflection: f64,
 }
 
@@ -33,15 +33,15 @@ pub(crate) struct MotionBoundCoefficients {
 #[derive(Clone, Copy)]
 struct ObjectExtent {
     parent: Parent,
-    /// Largest distance from the origin of its parent [m].
+    /// Largest distance from the origin of its parent (m).
     from_origin: f64,
-    /// Largest distance from the centre of the wafer on its effector [m].
+    /// Largest distance from the centre of the wafer on its effector (m).
     from_center: f64,
 }
 
 impl ObjectExtent {
     /// # Arguments
-    /// * `reach` – distance from the origin of the parent up to which points are relevant [m]
+    /// * `reach` – distance from the origin of the parent up to which points are relevant (m)
     fn new(cell: &Cell, object: &CollisionObject, reach: f64) -> Self {
         let from_origin = reach.min(object.collider.reach());
         let from_center = match object.parent {
@@ -59,12 +59,12 @@ impl MotionBoundCoefficients {
     /// Coefficients of a moving object.
     ///
     /// # Arguments
-    /// * `reach` – distance from the origin of the parent up to which points are relevant: that of the farthest point, or less where no other object is farther out [m]
+    /// * `reach` – distance from the origin of the parent up to which points are relevant: that of the farthest point, or less where no other object is farther out (m)
     pub(crate) fn new(cell: &Cell, object: &CollisionObject, reach: f64) -> Self {
         Self::with_deflection(cell, ObjectExtent::new(cell, object, reach), 0)
     }
 
-    /// Largest distance of a point from the platform's origin, with deflection [m].
+    /// Largest distance of a point from the platform's origin, with deflection (m).
     pub(crate) fn radius(&self) -> f64 {
         self.rigid_radius + self.max_deflection
     }
@@ -150,7 +150,7 @@ impl MotionBoundCoefficients {
     /// The ratios are added with their signs along the chain: a wafer that a belt keeps from rotating has no coefficients about the joints that the belt compensates.
     ///
     /// # Arguments
-    /// * `reach` – distance of the farthest point from the origin of the parent [m]
+    /// * `reach` – distance of the farthest point from the origin of the parent (m)
     fn without_deflection(
         robot: &HybridRobot,
         parent: Parent,
@@ -223,7 +223,7 @@ pub(crate) fn droop_bounds(cell: &Cell, id: EffectorId) -> DroopBounds {
     cell.robot.arms[id.arm].droop.at_most(reach, cell.wafer.mass(), cell.gravity)
 }
 
-/// Largest distance of an effector's wafer from the first joint in the arm's plane [m].
+/// Largest distance of an effector's wafer from the first joint in the arm's plane (m).
 fn longest_reach(robot: &HybridRobot, id: EffectorId) -> f64 {
     let arm = &robot.arms[id.arm];
     let [x, y, _] = arm.effectors[id.effector].wafer_center;
@@ -233,7 +233,7 @@ fn longest_reach(robot: &HybridRobot, id: EffectorId) -> f64 {
     links.chain(slides).sum::<f64>() + x.hypot(y)
 }
 
-/// Distance of an effector's wafer from the plane of the first joint [m].
+/// Distance of an effector's wafer from the plane of the first joint (m).
 fn height_of(arm: &Arm, id: EffectorId) -> f64 {
     let rises: f64 = arm.joints.iter().map(|joint| joint.rise).sum();
     (rises + arm.effectors[id.effector].wafer_center[2]).abs()
@@ -285,7 +285,7 @@ fn share_proximal_axes(one: &Arm, other: &Arm) -> bool {
     }
 }
 
-/// Largest extension of a prismatic joint [m].
+/// Largest extension of a prismatic joint (m).
 fn max_extension(robot: &HybridRobot, joint: &ArmJoint) -> f64 {
     if joint.kind == AxisKind::Rotary {
         return 0.0;

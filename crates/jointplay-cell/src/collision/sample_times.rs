@@ -17,7 +17,7 @@ pub(crate) struct SampleWindows {
 }
 
 impl SampleWindows {
-    /// Sample times of a step at a rate [Hz], its end included.
+    /// Sample times of a step at a rate (Hz), its end included.
     pub(crate) fn new(trajectory: &Trajectory, step: usize, rate: f64) -> Self {
         let duration = trajectory.intrinsic_step_duration(step);
         // Nothing changes while all axes are at rest.
@@ -40,7 +40,7 @@ impl SampleWindows {
         first..(first + WINDOW + 1).min(self.count)
     }
 
-    /// Time of a sample since the start of the segment [s].
+    /// Time of a sample since the start of the segment (s).
     pub(super) fn time(&self, sample: usize) -> f64 {
         self.times.time(sample as u64)
     }

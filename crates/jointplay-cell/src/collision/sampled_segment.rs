@@ -35,9 +35,9 @@ pub(crate) struct SampledSegment {
     first: usize,
     /// Samples in one box of a swept AABB.
     samples_per_box: usize,
-    /// Times since the start of the segment [s].
+    /// Times since the start of the segment (s).
     times: Vec<f64>,
-    /// Positions of all axes at the start [m or rad].
+    /// Positions of all axes at the start (m or rad).
     from: Vec<f64>,
     axes: AxisSampler,
     travel: CumulativeAxisTravel,
@@ -86,7 +86,7 @@ impl SampledSegment {
         self.first
     }
 
-    /// Times of the samples since the start of the segment [s].
+    /// Times of the samples since the start of the segment (s).
     pub(crate) fn times(&self) -> &[f64] {
         &self.times
     }
@@ -96,7 +96,7 @@ impl SampledSegment {
         &self.axes
     }
 
-    /// Positions of all axes at the start [m or rad].
+    /// Positions of all axes at the start (m or rad).
     pub(crate) fn from(&self) -> &[f64] {
         &self.from
     }
@@ -111,7 +111,7 @@ impl SampledSegment {
         states
     }
 
-    /// Lengths of the rods by sample [m]; a single value where no rod moves.
+    /// Lengths of the rods by sample (m); a single value where no rod moves.
     pub(crate) fn rods(&self) -> [Column<'_>; RODS] {
         let states: [_; RODS] = std::array::from_fn(|rod| self.states_of(rod));
         let any_moves = states.iter().any(Option::is_some);
@@ -129,7 +129,7 @@ impl SampledSegment {
         Some(&self.axes.states()[place])
     }
 
-    /// Positions of all axes at a sample [m or rad].
+    /// Positions of all axes at a sample (m or rad).
     pub(crate) fn positions(&self, sample: usize) -> Positions {
         let mut positions = Positions::new(&self.from);
         for (&axis, states) in self.axes.moving().iter().zip(self.axes.states()) {

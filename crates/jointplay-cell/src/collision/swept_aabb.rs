@@ -23,7 +23,7 @@ impl SweptAabb {
         Some(Self { whole, parts: vec![whole] })
     }
 
-    /// Whether a part is within a distance of a box, axis by axis [m].
+    /// Whether a part is within a distance of a box, axis by axis (m).
     pub(crate) fn is_within(&self, other: &[Interval; 3], distance: f64) -> bool {
         let is_near = |part: &[Interval; 3]| (0..3).all(|k| part[k].gap(other[k]) <= distance);
         is_near(&self.whole) && self.parts.iter().any(is_near)

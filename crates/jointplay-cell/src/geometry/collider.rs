@@ -12,12 +12,12 @@ use super::shape::Shape;
 #[derive(Clone)]
 pub(crate) struct Collider {
     pub(super) shape: SharedShape,
-    /// Radius by which the shape is inflated [m].
+    /// Radius by which the shape is inflated (m).
     pub(super) margin: f64,
     parent_from_shape: Pose,
-    /// Centre of the bounding sphere in the frame of the parent [m].
+    /// Centre of the bounding sphere in the frame of the parent (m).
     pub(super) center: Vector3<f64>,
-    /// Radius of the bounding sphere [m].
+    /// Radius of the bounding sphere (m).
     pub(super) radius: f64,
     extent: SupportExtent,
 }
@@ -110,17 +110,17 @@ impl Collider {
         Self::new(&Shape::Box { half }, &shifted)
     }
 
-    /// Largest distance of a point from the origin of the parent [m].
+    /// Largest distance of a point from the origin of the parent (m).
     pub(crate) fn reach(&self) -> f64 {
         self.center.norm() + self.radius
     }
 
-    /// Largest distance of a point from a point in the frame of the parent [m].
+    /// Largest distance of a point from a point in the frame of the parent (m).
     pub(crate) fn reach_from(&self, point: &Vector3<f64>) -> f64 {
         (self.center - point).norm() + self.radius
     }
 
-    /// Extent along a direction of the frame of the shape, from an origin [m].
+    /// Extent along a direction of the frame of the shape, from an origin (m).
     fn extent_along(&self, d: &Vector3<f64>, origin: f64) -> Interval {
         let (middle, half) = match self.extent {
             SupportExtent::Box { center, half } => (

@@ -9,7 +9,7 @@ use parry3d_f64::shape::{Shape as Queried, SupportMap};
 
 use super::collider::PlacedCollider;
 
-/// Lower bound of the distance by the bounding spheres [m]; negative where these overlap.
+/// Lower bound of the distance by the bounding spheres (m); negative where these overlap.
 pub(crate) fn bounding_sphere_gap(a: PlacedCollider<'_>, b: PlacedCollider<'_>) -> f64 {
     let center = |p: &PlacedCollider<'_>| {
         p.base_from_parent.rotation * p.collider.center + p.base_from_parent.translation.vector
@@ -17,7 +17,7 @@ pub(crate) fn bounding_sphere_gap(a: PlacedCollider<'_>, b: PlacedCollider<'_>) 
     (center(&a) - center(&b)).norm() - a.collider.radius - b.collider.radius
 }
 
-/// Lower bound of the distance: the gap between two colliders along a direction [m]; negative where they overlap along it.
+/// Lower bound of the distance: the gap between two colliders along a direction (m); negative where they overlap along it.
 pub(crate) fn separation_along(
     a: PlacedCollider<'_>,
     b: PlacedCollider<'_>,
@@ -29,7 +29,7 @@ pub(crate) fn separation_along(
 /// Distance and separating direction of two colliders.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Separation {
-    /// Distance, 0 where the colliders overlap [m].
+    /// Distance, 0 where the colliders overlap (m).
     pub(crate) distance: f64,
     /// Unit vector from the nearest point of the first to that of the second in the base frame, where it is known.
     pub(crate) direction: Option<Vector3<f64>>,
@@ -111,7 +111,7 @@ fn closest_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 /// Largest number of alternating projections between two shapes.
 const MAX_PROJECTIONS: usize = 100;
 
-/// Decrease of the distance below which projections end [m].
+/// Decrease of the distance below which projections end (m).
 const PROJECTION_TOLERANCE: f64 = 1e-11;
 
 /// Closest points of two convex shapes, refined by alternating projections: with cylinders, the library's iteration sometimes ends micrometres too early.
@@ -138,12 +138,12 @@ fn refine_by_projection(
     [first, second]
 }
 
-/// Distance of two colliders [m]; 0 where they overlap.
+/// Distance of two colliders (m); 0 where they overlap.
 pub(crate) fn distance(a: PlacedCollider<'_>, b: PlacedCollider<'_>) -> f64 {
     separation(a, b, None).distance
 }
 
-/// Penetration depth of two colliders [m]; 0 where it is unknown.
+/// Penetration depth of two colliders (m); 0 where it is unknown.
 pub(crate) fn penetration_depth(a: PlacedCollider<'_>, b: PlacedCollider<'_>) -> f64 {
     let margin = a.collider.margin + b.collider.margin;
     query::contact(&a.pose(), &*a.collider.shape.0, &b.pose(), &*b.collider.shape.0, margin)
@@ -152,7 +152,7 @@ pub(crate) fn penetration_depth(a: PlacedCollider<'_>, b: PlacedCollider<'_>) ->
         .map_or(0.0, |contact| (margin - contact.dist).max(0.0))
 }
 
-/// Signed distance of a point in the base frame from a collider [m]; negative inside, where its magnitude is a lower bound of the depth.
+/// Signed distance of a point in the base frame from a collider (m); negative inside, where its magnitude is a lower bound of the depth.
 pub(crate) fn signed_distance(placed: PlacedCollider<'_>, point: &Vector3<f64>) -> f64 {
     let point = Vector::new(point.x, point.y, point.z);
     let found = placed.collider.shape.0.project_point(&placed.pose(), point, false);

@@ -12,7 +12,7 @@ const CIRCLE_VERTICES: u32 = 32;
 /// Triangles on the surface of a shape.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Surface {
-    /// Vertices in the frame of the shape [m].
+    /// Vertices in the frame of the shape (m).
     pub vertices: Vec<[f64; 3]>,
     /// Vertices of each triangle, by index, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
@@ -54,7 +54,7 @@ impl Shape {
 mod tests {
     use super::*;
 
-    /// Volume within a closed surface whose triangles run counter-clockwise seen from outside [m³].
+    /// Volume within a closed surface whose triangles run counter-clockwise seen from outside (m³).
     fn volume(surface: &Surface) -> f64 {
         let at = |k: u32| nalgebra::Vector3::from(surface.vertices[k as usize]);
         surface.triangles.iter().map(|t| at(t[0]).dot(&at(t[1]).cross(&at(t[2]))) / 6.0).sum()

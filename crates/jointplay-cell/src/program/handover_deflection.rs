@@ -26,15 +26,15 @@ pub struct HandoverDeflection {
     pub slot: SlotId,
     /// Deflection of the arm, compensated except for the residuals.
     pub deflection: Deflection,
-    /// Height of the wafer's mean plane over its supports by its own sag, negative below them; compensated [m].
+    /// Height of the wafer's mean plane over its supports by its own sag, negative below them; compensated (m).
     pub sag: f64,
-    /// Distance of the mean plane's centre from its target [m].
+    /// Distance of the mean plane's centre from its target (m).
     pub left: f64,
-    /// Angle between the mean plane and the slot [rad].
+    /// Angle between the mean plane and the slot (rad).
     pub left_tilt: f64,
-    /// Root mean square distance of the wafer from its mean plane, which no tilt of the platform compensates [m].
+    /// Root mean square distance of the wafer from its mean plane, which no tilt of the platform compensates (m).
     pub bent: f64,
-    /// Distance by which the effector moves as the arm takes the wafer's weight or gives it up [m].
+    /// Distance by which the effector moves as the arm takes the wafer's weight or gives it up (m).
     pub jump: f64,
 }
 

@@ -228,7 +228,7 @@ pub enum ProgramProblem {
 pub struct Leveling {
     /// Name of the station.
     pub station: String,
-    /// Least angle by which to level it [rad].
+    /// Least angle by which to level it (rad).
     pub angle: f64,
 }
 

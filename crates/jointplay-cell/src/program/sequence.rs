@@ -16,16 +16,16 @@ use crate::station::{SlotId, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
-/// Tilt of the platform below which it counts as level: over the reach of an arm it moves the wafer by less than a micrometre [rad].
+/// Tilt of the platform below which it counts as level: over the reach of an arm it moves the wafer by less than a micrometre (rad).
 const LEVEL_ENOUGH: f64 = 1e-6;
 
-/// Distance below which motors rotate together with the rods, without a step of their own [m or rad].
+/// Distance below which motors rotate together with the rods, without a step of their own (m or rad).
 const TURNED_ENOUGH: f64 = 1e-6;
 
-/// Distance of motors from their retracted position below which they are moved to it exactly: the droop of a retracted arm displaces them by less [m or rad].
+/// Distance of motors from their retracted position below which they are moved to it exactly: the droop of a retracted arm displaces them by less (m or rad).
 const RETRACTED_ENOUGH: f64 = 1e-6;
 
-/// Length of a line below which it is a move without duration: positions are solved to a tenth of it [m].
+/// Length of a line below which it is a move without duration: positions are solved to a tenth of it (m).
 const NO_DISPLACEMENT: f64 = 1e-11;
 
 /// The robot during a program, and the steps so far.
@@ -36,14 +36,14 @@ pub(super) struct MotionSequencer<'c> {
     pub(super) steps: Vec<Step>,
     /// Share of the limits.
     pub(super) speed: f64,
-    /// Blend radius [m].
+    /// Blend radius (m).
     pub(super) blend: f64,
     positions: Vec<f64>,
     /// Whether all arms are retracted.
     tucked: bool,
     /// Whether each axis turns whole arms and does nothing else.
     turning: Vec<bool>,
-    /// Height of the sagging wafer's mean plane over the supports, for each effector that has carried one [m].
+    /// Height of the sagging wafer's mean plane over the supports, for each effector that has carried one (m).
     sag: BTreeMap<EffectorId, f64>,
     /// Motors that extend the arm, with their positions where the arm is retracted for a station and the platform level.
     retracted: BTreeMap<(EffectorId, usize), Vec<(usize, f64)>>,

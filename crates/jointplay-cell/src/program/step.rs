@@ -11,13 +11,13 @@ pub enum Path {
     PointToPoint,
     /// A straight line of this effector's wafer centre, its plane rotating evenly.
     Line(EffectorId),
-    /// A dwell [s].
+    /// A dwell (s).
     Dwell(f64),
     /// A dwell until a station has processed its wafer; without duration where it has already.
     ProcessDwell {
         /// Index of the step at whose end the wafer was placed.
         since: usize,
-        /// Process time of the station [s].
+        /// Process time of the station (s).
         seconds: f64,
     },
 }
@@ -65,17 +65,17 @@ pub struct Step {
     pub place: Place,
     /// Part of the instruction.
     pub phase: Phase,
-    /// Positions of all axes at its start [m and rad].
+    /// Positions of all axes at its start (m and rad).
     pub from: Vec<f64>,
-    /// Positions of all axes at its end [m and rad].
+    /// Positions of all axes at its end (m and rad).
     pub to: Vec<f64>,
     /// Path between them.
     pub path: Path,
     /// Share of the limits, from 0 to 1.
     pub speed: f64,
-    /// Largest distance of a wafer's centre from the unblended path where this step is blended with a neighbour that allows as much; 0 brings all axes to rest [m].
+    /// Largest distance of a wafer's centre from the unblended path where this step is blended with a neighbour that allows as much; 0 brings all axes to rest (m).
     pub blend: f64,
-    /// Largest speed of the wafer's centre along a line [m/s]; `None` where only the axes limit it.
+    /// Largest speed of the wafer's centre along a line (m/s); `None` where only the axes limit it.
     pub line_speed: Option<f64>,
     /// Effectors that carry a wafer during the step.
     pub loaded: Vec<EffectorId>,

@@ -86,7 +86,7 @@ pub struct AxisTarget {
     pub axis: Name,
     /// Whether the position is written as an angle or as a length.
     pub kind: AxisKind,
-    /// Target position [m or rad].
+    /// Target position (m or rad).
     pub position: f64,
 }
 
@@ -104,7 +104,7 @@ pub enum Command {
     MoveLine {
         /// The effector; `None` for the robot's only one.
         effector: Option<Name>,
-        /// Displacement [m].
+        /// Displacement (m).
         by: [f64; 3],
     },
     /// Pick the wafer of a slot.
@@ -148,7 +148,7 @@ pub enum Command {
     },
     /// Dwell.
     Wait {
-        /// Duration [s].
+        /// Duration (s).
         seconds: f64,
     },
     /// Set the share of the limits for all following moves.
@@ -158,7 +158,7 @@ pub enum Command {
     },
     /// Blend all following moves.
     Blend {
-        /// Largest distance of a wafer's centre from the unblended path; 0 brings all axes to rest [m].
+        /// Largest distance of a wafer's centre from the unblended path; 0 brings all axes to rest (m).
         radius: f64,
     },
     /// Tilt the platform in place.

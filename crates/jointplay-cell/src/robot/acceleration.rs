@@ -15,11 +15,11 @@ const STEP: f64 = 1e-4;
 /// Positions, velocities and accelerations of all axes at one time, rods first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxesMotion<'a> {
-    /// Position of each axis [m or rad].
+    /// Position of each axis (m or rad).
     pub positions: &'a [f64],
-    /// Velocity of each axis [m/s or rad/s].
+    /// Velocity of each axis (m/s or rad/s).
     pub velocities: &'a [f64],
-    /// Acceleration of each axis [m/s² or rad/s²].
+    /// Acceleration of each axis (m/s² or rad/s²).
     pub accelerations: &'a [f64],
 }
 
@@ -28,13 +28,13 @@ pub struct AxesMotion<'a> {
 pub struct FrameMotion {
     /// Pose of the frame.
     pub base_from_frame: Pose,
-    /// Velocity of the origin, in the base frame [m/s].
+    /// Velocity of the origin, in the base frame (m/s).
     pub velocity: Vector3<f64>,
-    /// Acceleration of the origin, in the base frame [m/s²].
+    /// Acceleration of the origin, in the base frame (m/s²).
     pub acceleration: Vector3<f64>,
-    /// Angular velocity, in the base frame [rad/s].
+    /// Angular velocity, in the base frame (rad/s).
     pub angular_velocity: Vector3<f64>,
-    /// Angular acceleration, in the base frame [rad/s²].
+    /// Angular acceleration, in the base frame (rad/s²).
     pub angular_acceleration: Vector3<f64>,
 }
 
@@ -52,7 +52,7 @@ impl FrameMotion {
         }
     }
 
-    /// Position, velocity and acceleration in the base frame of a point that is fixed in the frame [m, m/s, m/s²].
+    /// Position, velocity and acceleration in the base frame of a point that is fixed in the frame (m, m/s, m/s²).
     ///
     /// ```text
     ///    p̈  =  ö + α × r + ω × (ω × r)
@@ -165,13 +165,13 @@ impl ArmChain {
 /// Motion of a wafer relative to the platform, in the axes of the wafer.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FrameAcceleration {
-    /// Position of the centre from the platform's origin [m].
+    /// Position of the centre from the platform's origin (m).
     pub(crate) place: Vector2<f64>,
-    /// Velocity of the centre [m/s].
+    /// Velocity of the centre (m/s).
     pub(crate) velocity: Vector2<f64>,
-    /// Acceleration of the centre [m/s²].
+    /// Acceleration of the centre (m/s²).
     pub(crate) acceleration: Vector2<f64>,
-    /// Heading, up to a constant, with its first and second derivative [rad, rad/s, rad/s²].
+    /// Heading, up to a constant, with its first and second derivative (rad, rad/s, rad/s²).
     pub(crate) heading: [f64; 3],
 }
 
@@ -247,7 +247,7 @@ impl HybridRobot {
     }
 }
 
-/// Rotation vector from one rotation to another that is near, in the base frame, as long as the sine of its angle [rad].
+/// Rotation vector from one rotation to another that is near, in the base frame, as long as the sine of its angle (rad).
 pub(super) fn turn_between(from: &Rotation3<f64>, to: &Rotation3<f64>) -> Vector3<f64> {
     let turn = (to * from.inverse()).into_inner();
     let twice = Vector3::new(

@@ -2,13 +2,13 @@
 
 use nalgebra::{Matrix3, Rotation3};
 
-/// An angle reduced by whole revolutions to the range from −π to π [rad].
+/// An angle reduced by whole revolutions to the range from −π to π (rad).
 pub(crate) fn wrap_angle(angle: f64) -> f64 {
     let revolutions = (angle / std::f64::consts::TAU).round();
     angle - revolutions * std::f64::consts::TAU
 }
 
-/// Rotation about the z axis [rad].
+/// Rotation about the z axis (rad).
 pub(super) fn rotation_about_z(angle: f64) -> Rotation3<f64> {
     let (sin, cos) = angle.sin_cos();
     Rotation3::from_matrix_unchecked(Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0))

@@ -12,7 +12,7 @@ pub(super) type AxisCoefficients = [f64; MAX_JOINTS];
 /// A link vector, fixed in a frame that rotates by Σ coefficients · positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LinkVector {
-    /// The vector where all axes are at zero, in the platform frame [m].
+    /// The vector where all axes are at zero, in the platform frame (m).
     pub(super) vector: Vector2<f64>,
     /// Rotation by each position.
     pub(super) turn: AxisCoefficients,
@@ -40,15 +40,15 @@ pub(crate) struct ArmChain {
     /// Indices of the axes that move the arm, of which the first `count` are used.
     axes: [usize; MAX_JOINTS],
     count: usize,
-    /// Constant part of the tip [m].
+    /// Constant part of the tip (m).
     pub(super) origin: Vector2<f64>,
-    /// Height of the wafer's plane over the platform plane [m].
+    /// Height of the wafer's plane over the platform plane (m).
     pub(super) height: f64,
     link_vectors: [LinkVector; MAX_JOINTS],
     link_count: usize,
     prismatic_joints: [PrismaticJoint; MAX_JOINTS],
     prismatic_count: usize,
-    /// Heading of the wafer where all axes are at zero [rad], and its rotation by each position.
+    /// Heading of the wafer where all axes are at zero (rad), and its rotation by each position.
     pub(super) heading: (f64, AxisCoefficients),
 }
 
@@ -152,7 +152,7 @@ impl ArmChain {
         self.prismatic_count += 1;
     }
 
-    /// Height of the wafer's plane over the platform plane [m].
+    /// Height of the wafer's plane over the platform plane (m).
     pub(crate) fn height(&self) -> f64 {
         self.height
     }
@@ -183,7 +183,7 @@ impl ArmChain {
         own
     }
 
-    /// Centre of the wafer, in the platform plane [m].
+    /// Centre of the wafer, in the platform plane (m).
     #[inline]
     pub(super) fn tip(&self, own: &AxisCoefficients) -> Vector2<f64> {
         let mut tip = self.origin;
@@ -210,13 +210,13 @@ impl ArmChain {
         Pose::from_parts(Translation3::from(center), rotation_about_z(self.heading(own)))
     }
 
-    /// Heading of the wafer, from the platform's x axis [rad].
+    /// Heading of the wafer, from the platform's x axis (rad).
     #[inline]
     pub(super) fn heading(&self, own: &AxisCoefficients) -> f64 {
         self.heading.0 + dot(&self.heading.1, own)
     }
 
-    /// Velocity of the tip by each of the arm's axes [m/m or m/rad].
+    /// Velocity of the tip by each of the arm's axes (m/m or m/rad).
     pub(super) fn tip_velocities(&self, own: &AxisCoefficients) -> [Vector2<f64>; MAX_JOINTS] {
         let mut velocities = [Vector2::zeros(); MAX_JOINTS];
         for link_vector in self.link_vectors() {

@@ -32,13 +32,13 @@ pub struct EffectorDisplacement {
 }
 
 impl EffectorDisplacement {
-    /// Displacement of the wafer's centre, in the base frame [m].
+    /// Displacement of the wafer's centre, in the base frame (m).
     #[must_use]
     pub fn shift(&self) -> Vector3<f64> {
         self.after.translation.vector - self.before.translation.vector
     }
 
-    /// Angle between the wafer's planes before and after [rad].
+    /// Angle between the wafer's planes before and after (rad).
     #[must_use]
     pub fn tilting(&self) -> f64 {
         let (before, after) = (self.before.rotation.matrix(), self.after.rotation.matrix());
@@ -85,7 +85,7 @@ impl HybridRobot {
     /// ```
     ///
     /// # Arguments
-    /// * `positions` – positions of all axes, rods first ([m], [rad])
+    /// * `positions` – positions of all axes, rods first ((m), (rad))
     ///
     /// # Errors
     /// [`CellError::WrongLength`], [`CellError::NotFinite`], and those of the platform model.

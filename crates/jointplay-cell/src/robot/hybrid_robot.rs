@@ -19,20 +19,20 @@ pub const MAX_AXES: usize = RODS + MAX_ARMS * MAX_JOINTS;
 /// Limits of the motion of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KinematicLimits {
-    /// Largest velocity [m/s or rad/s].
+    /// Largest velocity (m/s or rad/s).
     pub velocity: f64,
-    /// Largest acceleration [m/s² or rad/s²].
+    /// Largest acceleration (m/s² or rad/s²).
     pub acceleration: f64,
-    /// Largest jerk [m/s³ or rad/s³].
+    /// Largest jerk (m/s³ or rad/s³).
     pub jerk: f64,
 }
 
 /// Kind of motion of an axis or a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AxisKind {
-    /// Rotation about the platform normal [rad].
+    /// Rotation about the platform normal (rad).
     Rotary,
-    /// Translation along the radial direction of the link [m].
+    /// Translation along the radial direction of the link (m).
     Linear,
 }
 
@@ -43,11 +43,11 @@ pub struct Axis {
     pub name: String,
     /// Kind of motion.
     pub kind: AxisKind,
-    /// Least position [m or rad].
+    /// Least position (m or rad).
     pub min: f64,
-    /// Largest position [m or rad].
+    /// Largest position (m or rad).
     pub max: f64,
-    /// Position after HOME [m or rad].
+    /// Position after HOME (m or rad).
     pub home: f64,
     /// Limits while no effector that the axis moves carries a wafer.
     pub empty: KinematicLimits,
@@ -64,15 +64,15 @@ pub struct Axis {
 pub struct ArmJoint {
     /// Rotation about the platform normal, or translation along the x axis of the link before.
     pub kind: AxisKind,
-    /// Value where all axes are at zero [m or rad].
+    /// Value where all axes are at zero (m or rad).
     pub zero: f64,
     /// Axes that drive the joint, as indices into [`HybridRobot::axes`] from [`RODS`] on, each with its transmission ratio.
     pub drives: Vec<(usize, f64)>,
-    /// Distance to the next joint along the x axis of the link after this joint [m]; on the last link the position of the wafer takes its place.
+    /// Distance to the next joint along the x axis of the link after this joint (m); on the last link the position of the wafer takes its place.
     pub length: f64,
-    /// Distance to the next joint along the y axis of the link after this joint [m].
+    /// Distance to the next joint along the y axis of the link after this joint (m).
     pub offset: f64,
-    /// Height of the link after this joint above the link before, along the platform normal [m].
+    /// Height of the link after this joint above the link before, along the platform normal (m).
     pub rise: f64,
 }
 
@@ -81,9 +81,9 @@ pub struct ArmJoint {
 pub struct Effector {
     /// Name in programs: `A`, `B`, …
     pub name: String,
-    /// Centre of the wafer in the frame of the last link (x along the link, y, z up), in the plane that the wafer rests on [m].
+    /// Centre of the wafer in the frame of the last link (x along the link, y, z up), in the plane that the wafer rests on (m).
     pub wafer_center: [f64; 3],
-    /// Heading of the wafer, about the platform normal from the last link [rad].
+    /// Heading of the wafer, about the platform normal from the last link (rad).
     pub heading: f64,
     /// Support of the wafer.
     pub support: crate::wafer::Support,
@@ -96,7 +96,7 @@ pub struct Effector {
 pub struct Arm {
     /// Name.
     pub name: String,
-    /// First joint in the platform frame: x, y, and the height z of the first joint's plane [m].
+    /// First joint in the platform frame: x, y, and the height z of the first joint's plane (m).
     pub mount: [f64; 3],
     /// Joints from the platform outward; one to four.
     pub joints: Vec<ArmJoint>,

@@ -9,7 +9,7 @@ use super::arm_chain::ArmChain;
 use super::hybrid_robot::{EffectorId, HybridRobot, MAX_AXES, RODS};
 use crate::CellError;
 
-/// Half the step of differences over rods, where the model has no derivative in closed form [m].
+/// Half the step of differences over rods, where the model has no derivative in closed form (m).
 const STEP: f64 = 1e-5;
 
 /// Velocity of a wafer by that of each axis, in the base frame.
@@ -19,9 +19,9 @@ const STEP: f64 = 1e-5;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectorJacobian {
-    /// Velocity of the wafer's centre by axis [m/m or m/rad]; zero for entries beyond the last axis.
+    /// Velocity of the wafer's centre by axis (m/m or m/rad); zero for entries beyond the last axis.
     pub linear: [Vector3<f64>; MAX_AXES],
-    /// Angular velocity of the wafer by axis [rad/m or rad/rad].
+    /// Angular velocity of the wafer by axis (rad/m or rad/rad).
     pub angular: [Vector3<f64>; MAX_AXES],
 }
 

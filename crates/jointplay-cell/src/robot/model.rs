@@ -26,7 +26,7 @@ impl Default for PlatformModel {
 }
 
 impl PlatformModel {
-    /// Pose of the platform for given rods [m].
+    /// Pose of the platform for given rods (m).
     ///
     /// # Errors
     /// Those of [`Gpr::forward`].
@@ -54,7 +54,7 @@ impl PlatformModel {
         gpr.forward_many(rods, self.virtualization(), &self.options, status, wanted)
     }
 
-    /// Displacement of the virtual joints of a pose from nominal, see [`Gpr::displacement`] [m].
+    /// Displacement of the virtual joints of a pose from nominal, see [`Gpr::displacement`] (m).
     pub(crate) fn displacement(&self, gpr: &Gpr, pose: &PlatformPose) -> f64 {
         gpr.displacement(pose, self.virtualization())
     }

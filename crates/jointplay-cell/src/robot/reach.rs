@@ -17,7 +17,7 @@ struct Start {
 }
 
 impl HybridRobot {
-    /// Least and greatest distance of an effector's wafer centre from the base axis through O_b, the rods at home, over the ranges of all motors that move it [m].
+    /// Least and greatest distance of an effector's wafer centre from the base axis through O_b, the rods at home, over the ranges of all motors that move it (m).
     ///
     /// # Errors
     /// As [`Self::effector_pose`].

@@ -15,12 +15,12 @@ use crate::wafer::Droop;
 /// Largest number of effectors of an arm.
 const MAX_EFFECTORS: usize = 4;
 
-/// Largest range of a rotary axis: ten revolutions [rad].
+/// Largest range of a rotary axis: ten revolutions (rad).
 const WIDEST_TURN: f64 = 10.0 * std::f64::consts::TAU;
 
-/// Least difference of reach between rows of a droop table [m].
+/// Least difference of reach between rows of a droop table (m).
 const ROWS_APART: f64 = 1e-6;
-/// Largest reach of a droop table [m].
+/// Largest reach of a droop table (m).
 const LONGEST_REACH: f64 = 100.0;
 
 /// Share of their squares below which the parallelogram of two velocities is flat: they have one direction.

@@ -29,21 +29,21 @@ pub struct Station {
     pub origin: Origin,
     /// Number of slots, from the lowest.
     pub slots: usize,
-    /// Distance between slots along z of the station frame [m]; without meaning for one slot.
+    /// Distance between slots along z of the station frame (m); without meaning for one slot.
     pub pitch: f64,
-    /// Heights at which the effector passes below and above the resting plane, along z of the station frame [m].
+    /// Heights at which the effector passes below and above the resting plane, along z of the station frame (m).
     pub stroke: Stroke,
-    /// Offset of the wafer in the station frame [m].
+    /// Offset of the wafer in the station frame (m).
     pub offset: [f64; 3],
-    /// Distance of the wafer centre from the robot's axis at which the arm counts as retracted for this station [m].
+    /// Distance of the wafer centre from the robot's axis at which the arm counts as retracted for this station (m).
     pub retract_reach: f64,
-    /// Via points: wafer centres between the retracted pose and the station, in the station frame [m], outermost first.
+    /// Via points: wafer centres between the retracted pose and the station, in the station frame (m), outermost first.
     pub via: Vec<[f64; 3]>,
     /// Approach.
     pub approach: Approach,
     /// Effectors that may use it.
     pub effectors: Vec<EffectorId>,
-    /// Process time: how long the station works on a wafer before it may be picked [s].
+    /// Process time: how long the station works on a wafer before it may be picked (s).
     pub process_time: f64,
 }
 
@@ -60,7 +60,7 @@ impl Station {
         base_from_wafer * inward * station_from_slot.inverse()
     }
 
-    /// Origin of the station if the centre of a wafer in one of its slots were here, the tilt and yaw of the frame unchanged, in the base frame [m].
+    /// Origin of the station if the centre of a wafer in one of its slots were here, the tilt and yaw of the frame unchanged, in the base frame (m).
     #[must_use]
     pub fn origin_under(&self, slot: usize, center: &Vector3<f64>) -> Vector3<f64> {
         let beside =
@@ -83,11 +83,11 @@ pub enum Origin {
 /// Stroke of a hand-over.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stroke {
-    /// Distance below the resting plane at which an empty effector enters [m].
+    /// Distance below the resting plane at which an empty effector enters (m).
     pub below: f64,
-    /// Distance above the resting plane at which a loaded effector leaves [m].
+    /// Distance above the resting plane at which a loaded effector leaves (m).
     pub above: f64,
-    /// Speed of lifting and lowering [m/s].
+    /// Speed of lifting and lowering (m/s).
     pub speed: f64,
 }
 

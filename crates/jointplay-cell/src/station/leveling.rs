@@ -13,7 +13,7 @@ use crate::workcell::Cell;
 const HALVINGS: usize = 30;
 
 impl Cell {
-    /// Least angle by which the tilt of a station has to be reduced about its origin, so that the platform can follow it at every slot with every effector that may use it, the deflection of the loaded arms compensated [rad].
+    /// Least angle by which the tilt of a station has to be reduced about its origin, so that the platform can follow it at every slot with every effector that may use it, the deflection of the loaded arms compensated (rad).
     ///
     /// `None` where the platform can follow the tilt, and where leveling does not help.
     /// Targets that are out of reach for other reasons are ignored.

@@ -10,25 +10,25 @@ const SPREAD: f64 = 10.0;
 /// Least-squares plane of taught points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlaneFit {
-    /// Centroid of the points, in the base frame [m].
+    /// Centroid of the points, in the base frame (m).
     pub center: Vector3<f64>,
     /// Unit normal, upward, in the base frame.
     pub normal: Vector3<f64>,
     /// Tilt of the plane.
     pub tilt: Tilt,
-    /// Distance of each point from the plane, above positive [m].
+    /// Distance of each point from the plane, above positive (m).
     pub distances: Vec<f64>,
-    /// Root mean square distance [m].
+    /// Root mean square distance (m).
     pub residual: f64,
-    /// Largest distance [m].
+    /// Largest distance (m).
     pub worst: f64,
-    /// The points, in the base frame [m].
+    /// The points, in the base frame (m).
     pub points: Vec<Vector3<f64>>,
-    /// Root mean square distance of the points from the line that fits them best, within the plane: it determines the tilt about that line [m].
+    /// Root mean square distance of the points from the line that fits them best, within the plane: it determines the tilt about that line (m).
     pub spread: f64,
-    /// Largest allowed distance [m].
+    /// Largest allowed distance (m).
     pub threshold: f64,
-    /// Standard deviation of each measured coordinate, if known [m].
+    /// Standard deviation of each measured coordinate, if known (m).
     pub noise: Option<f64>,
     /// Uncertainty of the plane; `None` for three points whose noise is not known.
     pub uncertainty: Option<Box<Uncertainty>>,
@@ -45,35 +45,35 @@ pub struct PlaneFit {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
-    /// Standard deviation of a measured coordinate, given or estimated from the distances [m].
+    /// Standard deviation of a measured coordinate, given or estimated from the distances (m).
     pub noise: f64,
     /// Whether that is estimated from the distances, with [`PlaneFit::freedom`] degrees of freedom.
     pub is_estimated: bool,
     /// Principal directions of the points in their plane, in the base frame.
     pub directions: [Vector3<f64>; 2],
-    /// Standard deviation of the slope along each [rad].
+    /// Standard deviation of the slope along each (rad).
     pub slopes: [f64; 2],
-    /// Standard deviation of the height at the center of the points [m].
+    /// Standard deviation of the height at the center of the points (m).
     pub height: f64,
-    /// Angle within which the true normal lies with 95 % confidence [rad].
+    /// Angle within which the true normal lies with 95 % confidence (rad).
     pub tilt_95: f64,
     /// Factor on a standard deviation of a height that gives 95 % confidence.
     factor: f64,
-    /// Centroid of the points, in the base frame [m].
+    /// Centroid of the points, in the base frame (m).
     center: Vector3<f64>,
 }
 
 impl Uncertainty {
-    /// Root mean square angle between the fitted and the true normal [rad].
+    /// Root mean square angle between the fitted and the true normal (rad).
     #[must_use]
     pub fn tilt(&self) -> f64 {
         self.slopes[0].hypot(self.slopes[1])
     }
 
-    /// Half-width of the 95 % confidence interval of the height of the true plane over a position [m].
+    /// Half-width of the 95 % confidence interval of the height of the true plane over a position (m).
     ///
     /// # Arguments
-    /// * `place` – position in the base frame [m]
+    /// * `place` – position in the base frame (m)
     #[must_use]
     pub fn height_95(&self, place: &Vector3<f64>) -> f64 {
         let from_center = place - self.center;
@@ -118,7 +118,7 @@ pub enum TeachError {
     /// The noise is not a positive number.
     #[error("the noise of taught points is {found} m, but has to be positive")]
     Noise {
-        /// The value found [m].
+        /// The value found (m).
         found: f64,
     },
     /// A coordinate is not finite.
@@ -129,15 +129,15 @@ pub enum TeachError {
         "the taught points lie within {spread} m of one line, which leaves the tilt about it undetermined: teach a point at least {min} m from it"
     )]
     Collinear {
-        /// Root mean square distance of the points from the line [m].
+        /// Root mean square distance of the points from the line (m).
         spread: f64,
-        /// Least allowed value [m].
+        /// Least allowed value (m).
         min: f64,
     },
     /// The plane is upright.
     #[error("the plane of the taught points is upright: its normal is {tilt} rad from vertical")]
     Upright {
-        /// Angle of the normal from vertical [rad].
+        /// Angle of the normal from vertical (rad).
         tilt: f64,
     },
     /// The last slot is not above the first.
@@ -145,7 +145,7 @@ pub enum TeachError {
         "the last slot was taught {rise} m above the first; it has to be above it, by the slots between them"
     )]
     NotAbove {
-        /// Height of the last slot above the first [m].
+        /// Height of the last slot above the first (m).
         rise: f64,
     },
     /// A drift of a station with one slot.
@@ -159,9 +159,9 @@ pub enum TeachError {
 /// Fits a plane to taught points, with its uncertainty.
 ///
 /// # Arguments
-/// * `points` – three or more, in the base frame [m]
-/// * `threshold` – largest allowed distance of a point from the plane [m]
-/// * `noise` – standard deviation of each measured coordinate; `None` where it is not known and is estimated from the distances [m]
+/// * `points` – three or more, in the base frame (m)
+/// * `threshold` – largest allowed distance of a point from the plane (m)
+/// * `noise` – standard deviation of each measured coordinate; `None` where it is not known and is estimated from the distances (m)
 ///
 /// # Errors
 /// [`TeachError`] for too few points, points on a line, an upright plane, and noise that is not positive.
@@ -254,7 +254,7 @@ pub fn fit_plane(
     })
 }
 
-/// Bound on the angle of two independent normal slopes with 95 % confidence [rad].
+/// Bound on the angle of two independent normal slopes with 95 % confidence (rad).
 ///
 /// ```text
 ///    P(angle > R)  =  mean over θ of exp(−R² / (2 (σ_1² cos² θ + σ_2² sin² θ)))
@@ -309,7 +309,7 @@ fn f_95(over: usize, freedom: usize) -> f64 {
 /// Quantile of a chi-square distribution, from the normal quantile.
 ///
 /// # Source
-/// [WilsonHilferty], within 4 % at 99.9 % from one degree of freedom on
+/// \[WilsonHilferty\], within 4 % at 99.9 % from one degree of freedom on
 fn chi_square(freedom: usize, quantile: f64) -> f64 {
     let freedom = freedom as f64;
     let part = 2.0 / (9.0 * freedom);
@@ -320,7 +320,7 @@ impl PlaneFit {
     /// Whether the tilt of the plane is too uncertain: its 95 % bound exceeds an allowed angle, by points whose noise is given or enough to estimate it.
     ///
     /// # Arguments
-    /// * `allowed` – largest allowed error of the tilt [rad]
+    /// * `allowed` – largest allowed error of the tilt (rad)
     #[must_use]
     pub fn is_uncertain(&self, allowed: f64) -> bool {
         let is_tested = self.noise.is_some() || self.points.len() >= ENOUGH;
@@ -345,7 +345,7 @@ pub fn frame(origin: Vector3<f64>, normal: &Vector3<f64>, yaw: f64) -> Pose {
     Pose::from_parts(origin.into(), tilt_rotation(normal) * turned)
 }
 
-/// Yaw about the vertical of a frame before its tilt: the argument of [`frame`] [rad].
+/// Yaw about the vertical of a frame before its tilt: the argument of [`frame`] (rad).
 #[must_use]
 pub fn yaw(frame: &Pose) -> f64 {
     let normal = frame.rotation * Vector3::z();
@@ -356,11 +356,11 @@ pub fn yaw(frame: &Pose) -> f64 {
 /// Frame of a station from its first and last slot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drift {
-    /// Resting position of the wafer in the first slot, in the base frame [m].
+    /// Resting position of the wafer in the first slot, in the base frame (m).
     pub first: Vector3<f64>,
-    /// Distance between slots along the line from first to last [m].
+    /// Distance between slots along the line from first to last (m).
     pub pitch: f64,
-    /// Horizontal distance of the last slot from the vertical through the first [m].
+    /// Horizontal distance of the last slot from the vertical through the first (m).
     pub drift: f64,
     /// Tilt of the station.
     pub tilt: Tilt,

@@ -53,7 +53,7 @@ impl Station {
     /// Waypoints for a slot, counted from 1.
     ///
     /// # Arguments
-    /// * `axis` – intersections of the axis that the arm turns about with the slot's plane, for the resting pose and the poses retracted below and above: x, y in the base frame [m]; [`Cell::waypoints`] computes them
+    /// * `axis` – intersections of the axis that the arm turns about with the slot's plane, for the resting pose and the poses retracted below and above: x, y in the base frame (m); [`Cell::waypoints`] computes them
     #[must_use]
     pub fn waypoints(&self, slot: usize, [axis, below, above]: [[f64; 2]; 3]) -> Waypoints {
         let frame = self.slot_frame(slot);
@@ -98,10 +98,10 @@ impl Station {
         }
     }
 
-    /// Distance along the line out of the slot at which the wafer counts as retracted: where the line is at the retract distance from the axis, or else nearest to it [m].
+    /// Distance along the line out of the slot at which the wafer counts as retracted: where the line is at the retract distance from the axis, or else nearest to it (m).
     ///
     /// # Arguments
-    /// * `resting` – from the axis to the resting position, within the slot's plane [m]
+    /// * `resting` – from the axis to the resting position, within the slot's plane (m)
     fn way_out(&self, resting: Vector3<f64>, out: &Vector3<f64>) -> f64 {
         // |resting + t out|² = reach², the smaller root.
         let along = resting.dot(out);
@@ -111,7 +111,7 @@ impl Station {
     }
 }
 
-/// From the origin of a slot's frame to the intersection of a vertical line with its plane: x, y of the line in the base frame [m].
+/// From the origin of a slot's frame to the intersection of a vertical line with its plane: x, y of the line in the base frame (m).
 fn within(frame: &Pose, [x, y]: [f64; 2]) -> Vector3<f64> {
     let (center, normal) = (frame.translation.vector, frame.rotation * Vector3::z());
     let (x, y) = (x - center.x, y - center.y);
@@ -151,7 +151,7 @@ impl Cell {
         Ok(waypoints([axis, retracted(&retracted_below), retracted(&retracted_above)]))
     }
 
-    /// Intersection of the axis that the arm turns about with the plane of a slot, the wafer resting there, in the base frame [m].
+    /// Intersection of the axis that the arm turns about with the plane of a slot, the wafer resting there, in the base frame (m).
     ///
     /// # Errors
     /// As [`Cell::waypoints`].

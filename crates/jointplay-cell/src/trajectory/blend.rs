@@ -3,8 +3,8 @@
 /// Overlap of a step with the next, so that the axes do not come to rest between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blend {
-    /// Time during which both segments run [s].
+    /// Time during which both segments run (s).
     pub overlap: f64,
-    /// Upper bound on the distance of a wafer's centre from the unblended path [m].
+    /// Upper bound on the distance of a wafer's centre from the unblended path (m).
     pub deviation: f64,
 }

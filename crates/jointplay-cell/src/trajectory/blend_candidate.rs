@@ -41,7 +41,7 @@ pub(super) struct BlendCandidate<'a> {
     conditions: BlendConditions<'a>,
     steps: [&'a Step; 2],
     segments: [&'a Segment; 2],
-    /// Largest allowed distance of a wafer's centre from the unblended path [m].
+    /// Largest allowed distance of a wafer's centre from the unblended path (m).
     radius: f64,
     /// Indices of the axes that move in either step.
     moving: Vec<usize>,
@@ -142,7 +142,7 @@ impl<'a> BlendCandidate<'a> {
     }
 }
 
-/// Longest overlap of two segments: half of the shorter one, so that no three segments run at once [s].
+/// Longest overlap of two segments: half of the shorter one, so that no three segments run at once (s).
 fn max_overlap(durations: [f64; 2]) -> f64 {
     0.5 * durations[0].min(durations[1])
 }
@@ -151,7 +151,7 @@ fn max_overlap(durations: [f64; 2]) -> f64 {
 struct SuperposedSegments<'c> {
     candidate: &'c BlendCandidate<'c>,
     segments: [&'c Segment; 2],
-    /// Times since the start of either segment at which its jerk is discontinuous [s].
+    /// Times since the start of either segment at which its jerk is discontinuous (s).
     discontinuities: [Vec<f64>; 2],
 }
 
@@ -159,7 +159,7 @@ struct SuperposedSegments<'c> {
 type AxesRates = [Positions; 3];
 
 impl SuperposedSegments<'_> {
-    /// Largest distance of a wafer's centre from the unblended path for an overlap [m]; `None` where the overlap is not admissible.
+    /// Largest distance of a wafer's centre from the unblended path for an overlap (m); `None` where the overlap is not admissible.
     fn path_deviation(&self, overlap: f64) -> Option<f64> {
         let times = self.checked_times(overlap);
         // Each half of the overlap belongs to one of the steps, whose limits apply there; the middle belongs to both.
@@ -187,7 +187,7 @@ impl SuperposedSegments<'_> {
         Some(deviation)
     }
 
-    /// Times since the start of an overlap at which it is checked [s].
+    /// Times since the start of an overlap at which it is checked (s).
     ///
     /// Between discontinuities of the jerk, accelerations are nearly linear and velocities nearly parabolic:
     /// ends and middle of each such interval bound them to within [`MARGIN`].
@@ -266,7 +266,7 @@ impl BlendSample {
         Some(Self { rates, platforms })
     }
 
-    /// Largest distance of a wafer's centre from the nearer of its positions by either segment alone [m].
+    /// Largest distance of a wafer's centre from the nearer of its positions by either segment alone (m).
     fn path_deviation(&self, candidate: &BlendCandidate<'_>) -> f64 {
         let deviation = |chain: &ArmChain| {
             let center = |motion: usize| {

@@ -152,7 +152,7 @@ impl BlendPlanner {
         Ok(chosen)
     }
 
-    /// Duration of blended steps from rest to rest [s].
+    /// Duration of blended steps from rest to rest (s).
     fn duration(&mut self, cell: &Cell, slowed: SlowedSegments<'_>) -> f64 {
         let corners = 0..slowed.steps.len() - 1;
         let blends: Vec<Option<Blend>> =

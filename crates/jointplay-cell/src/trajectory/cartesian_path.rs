@@ -10,19 +10,19 @@ use crate::wafer::Unreachable;
 
 /// A straight line of a wafer, and the axes that follow it.
 pub(crate) struct CartesianLine<'a> {
-    /// Positions of all axes at the start of the line [m or rad].
+    /// Positions of all axes at the start of the line (m or rad).
     pub(crate) from: &'a [f64],
-    /// Positions of all axes at the end of the line [m or rad].
+    /// Positions of all axes at the end of the line (m or rad).
     pub(crate) to: &'a [f64],
     /// Indices of the axes that move the effector.
     pub(crate) variables: Vec<usize>,
-    /// Rotation of the effector relative to the platform from start to end, summed over the arm's joints; `None` where the motors determine the heading [rad].
+    /// Rotation of the effector relative to the platform from start to end, summed over the arm's joints; `None` where the motors determine the heading (rad).
     pub(crate) turn: Option<f64>,
     /// Pose of the wafer in the base frame for positions of all axes.
     pub(crate) pose: &'a dyn Fn(&[f64]) -> Result<Pose, Unreachable>,
     /// Approximate Jacobian of the wafer's pose by all axes.
     pub(crate) jacobian: &'a dyn Fn(&[f64]) -> Result<EffectorJacobian, CellError>,
-    /// Largest allowed distance of the wafer's centre from the straight line [m].
+    /// Largest allowed distance of the wafer's centre from the straight line (m).
     pub(crate) max_deviation: f64,
 }
 
@@ -31,11 +31,11 @@ pub(crate) struct CartesianLine<'a> {
 pub(crate) struct CartesianPath {
     /// Positions of all axes over the path parameter, the share of the line from 0 to 1.
     pub(crate) spline: Spline,
-    /// Length of the line [m].
+    /// Length of the line (m).
     pub(crate) length: f64,
-    /// Largest distance found of the wafer's centre from the straight line [m].
+    /// Largest distance found of the wafer's centre from the straight line (m).
     pub(crate) deviation: f64,
-    /// Largest angle found between the wafer's plane and the plane that rotates evenly [rad].
+    /// Largest angle found between the wafer's plane and the plane that rotates evenly (rad).
     pub(crate) plane_deviation: f64,
 }
 
@@ -45,7 +45,7 @@ pub(crate) struct CartesianPath {
 pub struct PathError {
     /// Share of the line at which the axes stop, from 0 to 1.
     pub share: f64,
-    /// Position of the wafer's centre there on the line, in the base frame; `None` where the line is not known [m].
+    /// Position of the wafer's centre there on the line, in the base frame; `None` where the line is not known (m).
     pub position: Option<Vector3<f64>>,
     /// The obstacle.
     pub kind: PathErrorKind,
@@ -70,11 +70,11 @@ pub enum PathErrorKind {
         "the effector does not reach the line: {distance} m and {tilt} rad of tilt are missing"
     )]
     NotReached {
-        /// Distance that is missing [m].
+        /// Distance that is missing (m).
         distance: f64,
-        /// Angle between the planes that is missing [rad].
+        /// Angle between the planes that is missing (rad).
         tilt: f64,
-        /// Rotation about the normal that is missing, where the line prescribes one [rad].
+        /// Rotation about the normal that is missing, where the line prescribes one (rad).
         heading: Option<f64>,
     },
     /// The line ends in other positions of the axes than those asked for.
@@ -84,7 +84,7 @@ pub enum PathErrorKind {
     OtherBranch {
         /// Index of the axis with the largest difference.
         axis: usize,
-        /// Difference of its position [m or rad].
+        /// Difference of its position (m or rad).
         difference: f64,
     },
     /// The axes are discontinuous: they jump from one branch to another.
@@ -93,7 +93,7 @@ pub enum PathErrorKind {
     /// The spline does not converge to the line.
     #[error("the wafer deviates from the line by {deviation} m with {points} points")]
     NotConverged {
-        /// Remaining distance from the line [m].
+        /// Remaining distance from the line (m).
         deviation: f64,
         /// Number of points of the spline.
         points: usize,
@@ -114,7 +114,7 @@ const POINT_TOLERANCE: f64 = 1e-12;
 const MAX_ITERATIONS: usize = 30;
 /// Residual up to which a point is accepted that does not converge further [m and rad]: round-off near singular positions.
 const ACCEPTED_RESIDUAL: f64 = 1e-9;
-/// Largest difference of the end positions from those that the line leads to [m or rad].
+/// Largest difference of the end positions from those that the line leads to (m or rad).
 const SAME_BRANCH: f64 = 1e3 * ACCEPTED_RESIDUAL;
 
 /// A point of a path: path parameter and positions of all axes.
@@ -236,7 +236,7 @@ impl CartesianLine<'_> {
         }
     }
 
-    /// Positions of all axes on their straight path at `s` [m or rad].
+    /// Positions of all axes on their straight path at `s` (m or rad).
     fn straight(&self, s: f64) -> impl Iterator<Item = f64> + '_ {
         self.from.iter().zip(self.to).map(move |(from, to)| from + s * (to - from))
     }
@@ -320,15 +320,15 @@ impl CartesianLine<'_> {
 
 /// Target pose of the wafer over the share of a line.
 struct LineTarget {
-    /// Centre of the wafer at the start, in the base frame [m].
+    /// Centre of the wafer at the start, in the base frame (m).
     start: Vector3<f64>,
-    /// Displacement of the centre from start to end [m].
+    /// Displacement of the centre from start to end (m).
     displacement: Vector3<f64>,
     /// Normal of the wafer at the start.
     from_normal: Vector3<f64>,
     /// Unit vector perpendicular to `from_normal`, in the plane of both normals.
     across: Vector3<f64>,
-    /// Angle between the normals at start and end [rad].
+    /// Angle between the normals at start and end (rad).
     angle: f64,
     /// Heading along the line, where the line prescribes one.
     heading: Option<HeadingTarget>,
@@ -337,9 +337,9 @@ struct LineTarget {
 /// Heading of the wafer along a line.
 #[derive(Clone, Copy)]
 struct HeadingTarget {
-    /// Heading at the start [rad].
+    /// Heading at the start (rad).
     start: f64,
-    /// Change of the heading from start to end [rad].
+    /// Change of the heading from start to end (rad).
     change: f64,
 }
 
@@ -396,7 +396,7 @@ impl LineTarget {
         self.from_normal * cos + self.across * sin
     }
 
-    /// Centre [m], x and y of the normal, and heading [rad] of a pose, less those of the line.
+    /// Centre (m), x and y of the normal, and heading (rad) of a pose, less those of the line.
     fn residual(&self, pose: &Pose, s: f64) -> [f64; 6] {
         let center = pose.translation.vector - (self.start + self.displacement * s);
         // Both normals are near e_b3: x and y determine the difference of two unit vectors.
@@ -407,7 +407,7 @@ impl LineTarget {
         [center.x, center.y, center.z, tilt.x, tilt.y, turned]
     }
 
-    /// Distance of a pose from the straight line [m], and angle of its plane to the plane that rotates evenly [rad].
+    /// Distance of a pose from the straight line (m), and angle of its plane to the plane that rotates evenly (rad).
     fn deviation(&self, pose: &Pose, s: f64) -> (f64, f64) {
         let from_start = pose.translation.vector - self.start;
         let squared = self.displacement.norm_squared();
@@ -426,7 +426,7 @@ fn normal(pose: &Pose) -> Vector3<f64> {
     pose.rotation.matrix().column(2).into_owned()
 }
 
-/// Rotation of a wafer about its normal, beyond the shortest rotation from level to the normal [rad].
+/// Rotation of a wafer about its normal, beyond the shortest rotation from level to the normal (rad).
 fn heading(pose: &Pose) -> f64 {
     let turned = tilt_rotation(&normal(pose)).inverse() * pose.rotation;
     turned.matrix()[(1, 0)].atan2(turned.matrix()[(0, 0)])

@@ -59,15 +59,15 @@ pub enum StepErrorKind {
     NotContinuous {
         /// Index of the axis.
         axis: usize,
-        /// Position at the start of this step [m or rad].
+        /// Position at the start of this step (m or rad).
         start: f64,
-        /// Position at the end of the step before [m or rad].
+        /// Position at the end of the step before (m or rad).
         previous_end: f64,
     },
     /// A dwell does not have a finite duration from 0 on.
     #[error("waits {duration} s, but that has to be a finite time from 0 on")]
     DwellDuration {
-        /// The duration found [s].
+        /// The duration found (s).
         duration: f64,
     },
     /// A dwell ends in other positions than it starts in.
@@ -87,11 +87,11 @@ pub enum StepErrorKind {
         "the trajectory takes {end} s up to the end of this step, which takes {step} s; at most {allowed} s are allowed"
     )]
     TooLong {
-        /// Time from the start of the trajectory to the end of the step [s].
+        /// Time from the start of the trajectory to the end of the step (s).
         end: f64,
-        /// Duration of the step alone [s].
+        /// Duration of the step alone (s).
         step: f64,
-        /// Longest duration of a trajectory [s].
+        /// Longest duration of a trajectory (s).
         allowed: f64,
     },
 }

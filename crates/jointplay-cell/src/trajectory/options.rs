@@ -3,7 +3,7 @@
 /// Options of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrajectoryOptions {
-    /// Largest distance of a wafer's centre from a Cartesian line [m].
+    /// Largest distance of a wafer's centre from a Cartesian line (m).
     pub line_deviation: f64,
 }
 

@@ -6,21 +6,21 @@ use crate::robot::KinematicLimits;
 
 /// Largest deviation of straight lines between samples from velocities and accelerations, as a share of the limits: less than a pixel of a plot.
 const PEAK_TOLERANCE: f64 = 2.5e-3;
-/// Least distance between two samples [s].
+/// Least distance between two samples (s).
 const MIN_INTERVAL: f64 = 1e-3;
-/// Times closer to each other than this are one [s].
+/// Times closer to each other than this are one (s).
 const SAME_TIME: f64 = 1e-9;
 
 /// Largest deviations of straight lines from the velocity and the acceleration of an axis.
 struct Tolerance {
-    /// [m/s or rad/s]
+    /// (m/s or rad/s)
     velocity: f64,
-    /// [m/s² or rad/s²]
+    /// (m/s² or rad/s²)
     acceleration: f64,
 }
 
 impl Trajectory {
-    /// Times in an interval at which to sample velocities and accelerations so that straight lines between the samples show their peaks, in growing order [s].
+    /// Times in an interval at which to sample velocities and accelerations so that straight lines between the samples show their peaks, in growing order (s).
     ///
     /// They are sample times at an even rate, the ends of all steps, and between them times at which the jerk changes or a velocity has a peak.
     ///
@@ -32,8 +32,8 @@ impl Trajectory {
     /// elsewhere intervals are halved until the deviation is within a share of the limits.
     ///
     /// # Arguments
-    /// * `rate` – even rate [Hz]
-    /// * `interval` – start and end time [s]
+    /// * `rate` – even rate (Hz)
+    /// * `interval` – start and end time (s)
     /// * `limits` – limits of each axis, which deviations are compared with
     ///
     /// # Source

@@ -64,17 +64,17 @@ impl JerkLimitedProfile {
         }
     }
 
-    /// Duration [s].
+    /// Duration (s).
     pub(crate) fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// Times at which the jerk changes, and the end [s].
+    /// Times at which the jerk changes, and the end (s).
     pub(crate) fn jerk_discontinuities(&self) -> impl Iterator<Item = f64> + '_ {
         self.pieces.iter().map(|piece| piece.start).chain([self.duration])
     }
 
-    /// State at a time since the start [s]; from the end on at rest.
+    /// State at a time since the start (s); from the end on at rest.
     pub(crate) fn state(&self, time: f64) -> AxisState {
         if time >= self.duration {
             return [self.end, 0.0, 0.0, 0.0];
@@ -99,7 +99,7 @@ impl JerkLimitedProfile {
         }
     }
 
-    /// Time at which a profile whose velocity is never negative passes a position [s].
+    /// Time at which a profile whose velocity is never negative passes a position (s).
     pub(crate) fn time_at(&self, position: f64) -> f64 {
         let next = self.pieces.partition_point(|piece| piece.state[0] < position);
         let piece = &self.pieces[next.saturating_sub(1)];
@@ -132,7 +132,7 @@ impl JerkLimitedProfile {
     }
 }
 
-/// A state after a time [s] at its constant jerk.
+/// A state after a time (s) at its constant jerk.
 fn advanced(state: &AxisState, t: f64) -> AxisState {
     let [p, v, a, j] = *state;
     [p + t * (v + t * (a / 2.0 + t * j / 6.0)), v + t * (a + t * j / 2.0), a + t * j, j]

@@ -5,17 +5,17 @@ use super::profile::AxisState;
 /// Positions of all axes with their first three derivatives, at one time of a trajectory.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sample {
-    /// Time since the start of the trajectory, or of the step where a function says so [s].
+    /// Time since the start of the trajectory, or of the step where a function says so (s).
     pub time: f64,
     /// Index of the step.
     pub step: usize,
-    /// Position of each axis [m or rad].
+    /// Position of each axis (m or rad).
     pub positions: Vec<f64>,
-    /// Velocity of each axis [m/s or rad/s].
+    /// Velocity of each axis (m/s or rad/s).
     pub velocities: Vec<f64>,
-    /// Acceleration of each axis [m/s² or rad/s²].
+    /// Acceleration of each axis (m/s² or rad/s²).
     pub accelerations: Vec<f64>,
-    /// Jerk of each axis [m/s³ or rad/s³].
+    /// Jerk of each axis (m/s³ or rad/s³).
     pub jerks: Vec<f64>,
 }
 
@@ -51,8 +51,8 @@ impl SampleTimes {
     /// Sample times of a duration.
     ///
     /// # Arguments
-    /// * `duration` – time from the first sample to the last [s]
-    /// * `rate` – number of samples a second [Hz]
+    /// * `duration` – time from the first sample to the last (s)
+    /// * `rate` – number of samples a second (Hz)
     #[must_use]
     pub fn new(duration: f64, rate: f64) -> Self {
         // An even time within a thousandth of an interval of the end is the end: round-off adds no sample.
@@ -60,7 +60,7 @@ impl SampleTimes {
         Self { duration, rate, intervals }
     }
 
-    /// Start and end of a duration [s]; the start alone where the duration is 0.
+    /// Start and end of a duration (s); the start alone where the duration is 0.
     #[must_use]
     pub fn ends(duration: f64) -> Self {
         Self { duration, rate: 1.0, intervals: u64::from(duration > 0.0) }
@@ -72,7 +72,7 @@ impl SampleTimes {
         self.intervals
     }
 
-    /// Time of a sample since the first; from the last on it is the duration [s].
+    /// Time of a sample since the first; from the last on it is the duration (s).
     #[must_use]
     pub fn time(&self, sample: u64) -> f64 {
         let time = sample as f64 / self.rate;

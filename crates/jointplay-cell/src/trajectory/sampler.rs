@@ -21,7 +21,7 @@ impl AxisSampler {
     /// Samples a step.
     ///
     /// # Arguments
-    /// * `times` – since the start of the step, in growing order [s]
+    /// * `times` – since the start of the step, in growing order (s)
     pub(crate) fn sample_step(&mut self, trajectory: &Trajectory, index: usize, times: &[f64]) {
         let (step, segment) = (&trajectory.steps[index], &**trajectory.segments[index]);
         self.moving = trajectory.moving_axes(index);

@@ -14,7 +14,7 @@ use crate::program::Step;
 pub(crate) enum Segment {
     /// No axis moves.
     Dwell {
-        /// [s]
+        /// (s)
         duration: f64,
     },
     /// Each axis follows a profile of its own; all of them end together.
@@ -29,7 +29,7 @@ pub(crate) enum Segment {
 }
 
 impl Segment {
-    /// Time from the start of the segment to its end [s].
+    /// Time from the start of the segment to its end (s).
     pub(super) fn duration(&self) -> f64 {
         match self {
             Self::Dwell { duration } => *duration,
@@ -58,7 +58,7 @@ impl Segment {
         }
     }
 
-    /// Times since the start of the segment at which the jerk of an axis is discontinuous [s].
+    /// Times since the start of the segment at which the jerk of an axis is discontinuous (s).
     pub(super) fn jerk_discontinuities(&self) -> Vec<f64> {
         match self {
             Self::Dwell { .. } => Vec::new(),
@@ -73,7 +73,7 @@ impl Segment {
         }
     }
 
-    /// State of one axis at a time since the start of the segment [s].
+    /// State of one axis at a time since the start of the segment (s).
     pub(super) fn state(&self, step: &Step, axis: usize, time: f64) -> AxisState {
         match self {
             Self::Dwell { .. } => [step.to[axis], 0.0, 0.0, 0.0],
@@ -85,7 +85,7 @@ impl Segment {
         }
     }
 
-    /// Writes the states of all axes at a time since the start of the segment [s] into a sample of zeros.
+    /// Writes the states of all axes at a time since the start of the segment (s) into a sample of zeros.
     pub(super) fn write_sample(&self, step: &Step, time: f64, sample: &mut Sample) {
         if time >= self.duration() {
             // Exactly the end of the step: a profile meets it to round-off only.
@@ -112,8 +112,8 @@ impl Segment {
     /// Superposes the segment on a sample: adds its displacement from the corner that it shares with the other segment, and its derivatives.
     ///
     /// # Arguments
-    /// * `time` – since the start of this segment [s]
-    /// * `corner` – positions of all axes where the two segments meet [m or rad]
+    /// * `time` – since the start of this segment (s)
+    /// * `corner` – positions of all axes where the two segments meet (m or rad)
     pub(super) fn superpose(&self, step: &Step, time: f64, corner: &[f64], sample: &mut Sample) {
         for (axis, corner) in corner.iter().enumerate() {
             let [p, v, a, j] = self.state(step, axis, time);

@@ -22,7 +22,7 @@ use crate::program::{Path, Step};
 use crate::robot::{ArmChain, AxisKind, EffectorId, KinematicLimits, RODS};
 use crate::workcell::Cell;
 
-/// Longest duration of a trajectory: a day [s].
+/// Longest duration of a trajectory: a day (s).
 pub const MAX_DURATION: f64 = 86_400.0;
 
 /// Plans the trajectory of steps: as fast as the limits of the axes allow, from rest to rest or, where the steps ask for it, blended.

@@ -22,7 +22,7 @@ impl Spline {
     /// One diagonally dominant tridiagonal system for each axis; the error on a smooth path falls with the fourth power of the interval.
     ///
     /// # Source
-    /// [deBoor], chapter IV, the "not-a-knot" end condition
+    /// \[deBoor\], chapter IV, the "not-a-knot" end condition
     pub(crate) fn through(knots: &[f64], values: &[Vec<f64>]) -> Self {
         let pieces = knots.len() - 1;
         let axes = values[0].len();
@@ -78,7 +78,7 @@ impl Spline {
         self.jets.iter().any(|jets| jets[axis][1..] != [0.0; 3])
     }
 
-    /// Positions of all axes at `s` [m or rad].
+    /// Positions of all axes at `s` (m or rad).
     pub(crate) fn positions(&self, s: f64) -> Vec<f64> {
         let interval = self.interval(s);
         (0..self.jets[interval].len()).map(|axis| self.jet(interval, axis, s)[0]).collect()

@@ -10,9 +10,9 @@ use super::trajectory::Trajectory;
 use crate::incremental::Unique;
 use crate::program::Step;
 
-/// Mean duration of a straight path of all axes for each unit of its longest displacement [s/m or s/rad].
+/// Mean duration of a straight path of all axes for each unit of its longest displacement (s/m or s/rad).
 const DURATION_BY_DISPLACEMENT: f64 = 2.0;
-/// Shortest and longest duration of a straight path of all axes [s].
+/// Shortest and longest duration of a straight path of all axes (s).
 const DURATION_RANGE: [f64; 2] = [0.02, 20.0];
 
 /// Trajectory of one step in which all axes move in proportion from start to end, from rest to rest; its limits are those of no robot.

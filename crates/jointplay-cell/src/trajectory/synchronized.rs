@@ -13,7 +13,7 @@ use crate::robot::KinematicLimits;
 pub(crate) struct SynchronizedProfile {
     /// Profile of each axis, in the order of the axes.
     pub(crate) axes: Vec<JerkLimitedProfile>,
-    /// Duration that all profiles have [s].
+    /// Duration that all profiles have (s).
     pub(crate) duration: f64,
     /// Axis with the longest minimum duration, which determines that of all; `None` where no axis moves.
     pub(crate) limiting_axis: Option<usize>,
@@ -42,7 +42,7 @@ const LOWERED_JERK_SHARES: [f64; 4] = [0.0, 1e-12, 1e-10, 1e-8];
 /// [`NoProfile`]
 ///
 /// # Source
-/// [Ruckig]
+/// \[Ruckig\]
 pub(crate) fn synchronized_profile(
     from: &[f64],
     to: &[f64],
@@ -74,9 +74,9 @@ pub(crate) fn synchronized_profile(
 struct Move<'a> {
     /// Indices of the axes that move.
     moving: Vec<usize>,
-    /// Start positions of all axes [m or rad].
+    /// Start positions of all axes (m or rad).
     from: &'a [f64],
-    /// End positions of all axes [m or rad].
+    /// End positions of all axes (m or rad).
     to: &'a [f64],
     /// Limits of each moving axis.
     limits: Vec<KinematicLimits>,
@@ -85,9 +85,9 @@ struct Move<'a> {
 /// Units of length (or angle) and time.
 #[derive(Debug, Clone, Copy)]
 struct Units {
-    /// [m or rad]
+    /// (m or rad)
     length: f64,
-    /// [s]
+    /// (s)
     time: f64,
 }
 
@@ -100,7 +100,7 @@ impl Units {
 }
 
 impl Move<'_> {
-    /// Absolute displacement of each moving axis [m or rad].
+    /// Absolute displacement of each moving axis (m or rad).
     fn displacements(&self) -> impl Iterator<Item = f64> + '_ {
         self.moving.iter().map(|&axis| (self.to[axis] - self.from[axis]).abs())
     }
@@ -169,15 +169,15 @@ impl Move<'_> {
     "no jerk-limited profile was found for axes that move by {min_displacement:.3e} to {max_displacement:.3e} (m or rad), with velocities up to {velocity:.3e}, accelerations up to {acceleration:.3e} and jerks up to {jerk:.3e} in the same unit and s; bring distance and limits closer to each other"
 )]
 pub struct NoProfile {
-    /// Least displacement of a moving axis [m or rad].
+    /// Least displacement of a moving axis (m or rad).
     pub min_displacement: f64,
-    /// Largest displacement of a moving axis [m or rad].
+    /// Largest displacement of a moving axis (m or rad).
     pub max_displacement: f64,
-    /// Largest velocity limit of a moving axis [m/s or rad/s].
+    /// Largest velocity limit of a moving axis (m/s or rad/s).
     pub velocity: f64,
-    /// Largest acceleration limit of a moving axis [m/s² or rad/s²].
+    /// Largest acceleration limit of a moving axis (m/s² or rad/s²).
     pub acceleration: f64,
-    /// Largest jerk limit of a moving axis [m/s³ or rad/s³].
+    /// Largest jerk limit of a moving axis (m/s³ or rad/s³).
     pub jerk: f64,
 }
 

@@ -5,7 +5,7 @@
 //! ```text
 //!    q̇ = q' ṡ        q̈ = q'' ṡ² + q' s̈        q⃛ = q''' ṡ³ + 3 q'' ṡ s̈ + q' s⃛
 //! ```
-//! Limits of velocity and acceleration bound ṡ² and s̈ at each s: the fastest parameterization under them is found by reachability analysis ([TOPPRA]).
+//! Limits of velocity and acceleration bound ṡ² and s̈ at each s: the fastest parameterization under them is found by reachability analysis (\[TOPPRA\]).
 //! It switches the acceleration at once; a moving average over time bounds the jerk.
 //! Because the average passes each s at another time, the result is verified on a fine grid and slowed as a whole until all limits hold.
 
@@ -43,23 +43,23 @@ pub(crate) struct TimeParameterization<'a> {
     inverse_limits: Vec<[f64; 3]>,
     /// Jets of the moving axes at the start of each interval of the spline.
     jets: Vec<Jet>,
-    /// Largest rate of the path parameter [1/s].
+    /// Largest rate of the path parameter (1/s).
     max_rate: f64,
 }
 
 /// A piece of a parameterization with constant acceleration of the path parameter.
 #[derive(Clone, Copy)]
 struct Piece {
-    /// [s]
+    /// (s)
     duration: f64,
-    /// [1/s²]
+    /// (1/s²)
     acceleration: f64,
 }
 
 impl<'a> TimeParameterization<'a> {
     /// # Arguments
     /// * `limits` – limits of each axis
-    /// * `max_rate` – largest rate of the path parameter [1/s]
+    /// * `max_rate` – largest rate of the path parameter (1/s)
     pub(crate) fn new(spline: &'a Spline, limits: &[KinematicLimits], max_rate: f64) -> Self {
         let limits = limits.iter().copied().enumerate();
         let limits: Vec<(usize, KinematicLimits)> =
@@ -82,7 +82,7 @@ impl<'a> TimeParameterization<'a> {
     /// [`NoProfile`]
     ///
     /// # Source
-    /// [TOPPRA] for the parameterization; own derivation for the moving average: it keeps both ends and the rest there, and its jerk is a difference of accelerations over the window
+    /// \[TOPPRA\] for the parameterization; own derivation for the moving average: it keeps both ends and the rest there, and its jerk is a difference of accelerations over the window
     pub(crate) fn plan(&self) -> Result<JerkLimitedProfile, NoProfile> {
         let single = self.like_one_axis()?;
         if single.duration() == 0.0 || self.is_straight() {
@@ -242,7 +242,7 @@ impl<'a> TimeParameterization<'a> {
         GridPoint { by_velocity, by_acceleration: by_curvature.min(by_pairs), rows }
     }
 
-    /// Duration at which a profile would just keep all limits, by coarse samples [s]; `None` if it is at least `less_than`.
+    /// Duration at which a profile would just keep all limits, by coarse samples (s); `None` if it is at least `less_than`.
     fn coarse_duration(&self, profile: &JerkLimitedProfile, less_than: f64) -> Option<f64> {
         let mut excess = 1e-9;
         for k in 1..COARSE_SAMPLES {
@@ -331,26 +331,26 @@ fn grid() -> impl Iterator<Item = f64> {
 struct ConstraintRow {
     /// q'' / q'
     curvature: f64,
-    /// Acceleration limit / |q'| [1/s²].
+    /// Acceleration limit / |q'| (1/s²).
     limit: f64,
 }
 
 /// Constraints of all axes at one grid point.
 struct GridPoint {
     rows: Vec<ConstraintRow>,
-    /// Largest squared rate by the limits of velocity and jerk [1/s²].
+    /// Largest squared rate by the limits of velocity and jerk (1/s²).
     by_velocity: f64,
-    /// Largest squared rate by the acceleration limits: where axes have no slope but curvature, and where two axes admit no common acceleration [1/s²].
+    /// Largest squared rate by the acceleration limits: where axes have no slope but curvature, and where two axes admit no common acceleration (1/s²).
     by_acceleration: f64,
 }
 
 impl GridPoint {
-    /// Largest squared rate with a share of the acceleration limits [1/s²].
+    /// Largest squared rate with a share of the acceleration limits (1/s²).
     fn max_squared_rate(&self, share: f64) -> f64 {
         self.by_velocity.min(share * self.by_acceleration)
     }
 
-    /// Largest acceleration of the path parameter at a squared rate x [1/s²].
+    /// Largest acceleration of the path parameter at a squared rate x (1/s²).
     fn max_acceleration(&self, share: f64, x: f64) -> f64 {
         self.rows.iter().fold(1e12, |most, row| most.min(share * row.limit - row.curvature * x))
     }
@@ -375,7 +375,7 @@ impl GridPoint {
     }
 }
 
-/// Start time of each piece, and the end time of the last [s].
+/// Start time of each piece, and the end time of the last (s).
 fn start_times(pieces: &[Piece]) -> Vec<f64> {
     let mut time = 0.0;
     let ends = pieces.iter().map(|piece| {
@@ -392,7 +392,7 @@ fn start_times(pieces: &[Piece]) -> Vec<f64> {
 /// ```
 ///
 /// # Arguments
-/// * `starts` – by [`start_times`] [s]
+/// * `starts` – by [`start_times`] (s)
 fn moving_average(pieces: &[Piece], starts: &[f64], window: f64) -> JerkLimitedProfile {
     // Acceleration after so many pieces have begun; zero before the first and after the last.
     let acceleration = |begun: usize| match begun {

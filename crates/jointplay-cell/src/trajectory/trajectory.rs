@@ -11,7 +11,7 @@ use super::segment::Segment;
 use crate::incremental::{Fingerprint, Unique};
 use crate::program::Step;
 
-/// Discontinuities of the jerk closer to each other than this are one: they differ by round-off [s].
+/// Discontinuities of the jerk closer to each other than this are one: they differ by round-off (s).
 const SAME_TIME: f64 = 1e-9;
 
 /// The motion of all axes over time: steps, each with its segment, on one clock.
@@ -19,7 +19,7 @@ const SAME_TIME: f64 = 1e-9;
 pub struct Trajectory {
     /// Steps in the order of execution.
     pub steps: Vec<Step>,
-    /// Start time of each step, and the end time of the last; where a step is blended with the next, the middle of their overlap [s].
+    /// Start time of each step, and the end time of the last; where a step is blended with the next, the middle of their overlap (s).
     pub times: Vec<f64>,
     /// Motion of all axes in each step.
     pub(super) segments: Vec<Arc<Unique<Segment>>>,
@@ -30,15 +30,15 @@ pub struct Trajectory {
 /// Deviation of a Cartesian line from straight and even motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineDeviation {
-    /// Length of the line [m].
+    /// Length of the line (m).
     pub length: f64,
-    /// Largest distance of the wafer's centre from the straight line [m].
+    /// Largest distance of the wafer's centre from the straight line (m).
     pub distance: f64,
-    /// Largest angle between the wafer's plane and the plane that rotates evenly from start to end [rad].
+    /// Largest angle between the wafer's plane and the plane that rotates evenly from start to end (rad).
     pub angle: f64,
 }
 
-/// Halves of the overlaps of a step with its neighbours; each of two blended steps owns one half of their overlap [s].
+/// Halves of the overlaps of a step with its neighbours; each of two blended steps owns one half of their overlap (s).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct HalfOverlaps {
     /// With the step before.
@@ -48,19 +48,19 @@ pub(super) struct HalfOverlaps {
 }
 
 impl Trajectory {
-    /// Duration of the whole trajectory [s].
+    /// Duration of the whole trajectory (s).
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
     }
 
-    /// Duration of a step, as the difference of its end and start times [s].
+    /// Duration of a step, as the difference of its end and start times (s).
     #[must_use]
     pub fn step_duration(&self, step: usize) -> f64 {
         self.times[step + 1] - self.times[step]
     }
 
-    /// Duration of a step, computed from its segment and overlaps alone; independent of when the step starts, to the bit [s].
+    /// Duration of a step, computed from its segment and overlaps alone; independent of when the step starts, to the bit (s).
     #[must_use]
     pub fn intrinsic_step_duration(&self, step: usize) -> f64 {
         let overlaps = self.half_overlaps(step);
@@ -127,7 +127,7 @@ impl Trajectory {
         self.blends.get(step).copied().flatten()
     }
 
-    /// State of all axes at a time [s]; before the start and after the end, at rest in the first and last positions.
+    /// State of all axes at a time (s); before the start and after the end, at rest in the first and last positions.
     ///
     /// At the end of a step all axes are exactly at its end positions, unless it is blended with the next.
     #[must_use]
@@ -146,7 +146,7 @@ impl Trajectory {
         sample.time = time;
     }
 
-    /// State of all axes at a time since the start of a step [s], which is the time of the sample.
+    /// State of all axes at a time since the start of a step (s), which is the time of the sample.
     #[must_use]
     pub fn sample_in_step(&self, step: usize, since: f64) -> Sample {
         let mut sample = Sample::default();
@@ -182,7 +182,7 @@ impl Trajectory {
         }
     }
 
-    /// Times since the start of a step at which the jerk of an axis is discontinuous, in growing order; start and end of the step are included [s].
+    /// Times since the start of a step at which the jerk of an axis is discontinuous, in growing order; start and end of the step are included (s).
     #[must_use]
     pub fn jerk_discontinuities(&self, step: usize) -> Vec<f64> {
         let overlaps = self.half_overlaps(step);
@@ -211,7 +211,7 @@ impl Trajectory {
         times
     }
 
-    /// Samples at an even rate [Hz] from the start, and one at the end.
+    /// Samples at an even rate (Hz) from the start, and one at the end.
     pub fn samples(&self, rate: f64) -> impl Iterator<Item = Sample> + '_ {
         self.sample_times(rate).iter().map(|time| self.sample_at(time))
     }
@@ -254,7 +254,7 @@ impl Trajectory {
         HalfOverlaps { previous: step.checked_sub(1).map_or(0.0, half), next: half(step) }
     }
 
-    /// Segment of a step, then those of the previous and the next step where they overlap with it, each with half of the overlap [s].
+    /// Segment of a step, then those of the previous and the next step where they overlap with it, each with half of the overlap (s).
     fn overlapping_segments(&self, step: usize) -> [(Option<&Unique<Segment>>, f64); 3] {
         let HalfOverlaps { previous, next } = self.half_overlaps(step);
         [

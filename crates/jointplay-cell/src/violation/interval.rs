@@ -35,11 +35,11 @@ pub(crate) struct SampleViolation {
 pub(crate) struct ViolationInterval {
     /// The worst sample.
     pub(crate) worst: SampleViolation,
-    /// Time of the worst sample since the start of the segment [s].
+    /// Time of the worst sample since the start of the segment (s).
     pub(crate) worst_time: f64,
-    /// Start of the interval since the start of the segment [s].
+    /// Start of the interval since the start of the segment (s).
     pub(crate) start: f64,
-    /// End of the interval since the start of the segment [s].
+    /// End of the interval since the start of the segment (s).
     pub(crate) end: f64,
     /// First sample at which, or before which, the violation occurs.
     pub(crate) first: usize,
@@ -48,7 +48,7 @@ pub(crate) struct ViolationInterval {
     pub(crate) detail: String,
 }
 
-/// Time of a finding since the start of the segment [s], and the sample at or before which it is.
+/// Time of a finding since the start of the segment (s), and the sample at or before which it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SampleTime {
     pub(crate) time: f64,

@@ -42,7 +42,7 @@ pub enum Unit {
     Length,
     /// Angle, or one of its derivatives by time.
     Angle,
-    /// Specific force [m/s²].
+    /// Specific force (m/s²).
     Acceleration,
     /// No value.
     None,

@@ -20,11 +20,11 @@ pub struct Violation {
     pub step: usize,
     /// Phase of that step.
     pub phase: Phase,
-    /// Start of the interval [s].
+    /// Start of the interval (s).
     pub start: f64,
-    /// End of the interval [s].
+    /// End of the interval (s).
     pub end: f64,
-    /// Time of the worst value [s].
+    /// Time of the worst value (s).
     pub worst_time: f64,
     /// Worst value in SI units; a negative distance is a penetration depth.
     pub worst: f64,
@@ -137,7 +137,7 @@ impl Violation {
     }
 }
 
-/// Two lengths with six decimals, or with as many as they need to differ [m].
+/// Two lengths with six decimals, or with as many as they need to differ (m).
 fn distinguishable(one: f64, other: f64) -> [String; 2] {
     let with = |decimals: usize| [one, other].map(|length| format!("{length:.decimals$}"));
     (6..12).map(with).find(|[one, other]| one != other).unwrap_or_else(|| with(12))

@@ -10,7 +10,7 @@ use super::unreachable::Unreachable;
 use crate::robot::{ArmChain, AxesMotion, EffectorId, FrameMotion};
 use crate::workcell::Cell;
 
-/// Horizontal distance from its joint below which an arm has no heading [m].
+/// Horizontal distance from its joint below which an arm has no heading (m).
 const MIN_HEADING_RADIUS: f64 = 1e-9;
 
 impl Cell {

@@ -9,10 +9,10 @@ use super::unreachable::{RejectedBranch, Unreachable};
 use crate::robot::{ArmChain, Branch, Configuration, EffectorId, WaferTarget};
 use crate::workcell::Cell;
 
-/// Largest distance from the target at which a wafer counts as there [m].
+/// Largest distance from the target at which a wafer counts as there (m).
 const TOLERANCE: f64 = 1e-12;
 
-/// Distance from the target below which no further iteration is done [m].
+/// Distance from the target below which no further iteration is done (m).
 const EXACT: f64 = 1e-14;
 
 /// Largest number of iterations; each reduces the error by about the slope of the droop, so that a handful is enough.
@@ -24,17 +24,17 @@ const CLAMP_MARGIN: f64 = 1e-12;
 /// Positions at which a drooping arm holds a wafer at its target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CompensatedPose {
-    /// Positions of all axes, rods first ([m], [rad]).
+    /// Positions of all axes, rods first ((m), (rad)).
     pub positions: Vec<f64>,
     /// Elbow and reach direction of the arm.
     pub configuration: Configuration,
     /// Deflection of the arm there.
     pub deflection: Deflection,
-    /// Distance of the wafer's centre from the target [m].
+    /// Distance of the wafer's centre from the target (m).
     pub residual: f64,
-    /// Angle between the wafer's plane and that of the target; more than round-off only where the platform cannot tilt far enough [rad].
+    /// Angle between the wafer's plane and that of the target; more than round-off only where the platform cannot tilt far enough (rad).
     pub residual_tilt: f64,
-    /// Difference of the heading from the one asked for, where the arm cannot choose it [rad].
+    /// Difference of the heading from the one asked for, where the arm cannot choose it (rad).
     pub heading_difference: f64,
     /// Number of iterations in which the deflection was computed.
     pub iterations: usize,
@@ -142,7 +142,7 @@ impl Cell {
     }
 }
 
-/// Angle between the normal of a wafer and a unit normal [rad].
+/// Angle between the normal of a wafer and a unit normal (rad).
 fn angle_to(base_from_wafer: &Pose, normal: &Vector3<f64>) -> f64 {
     let found = base_from_wafer.rotation * Vector3::z();
     found.cross(normal).norm().atan2(found.dot(normal))

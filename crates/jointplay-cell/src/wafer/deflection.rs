@@ -17,7 +17,7 @@ pub(crate) struct RigidWafer {
     pub(crate) arm: usize,
     /// Pose of the wafer.
     pub(crate) base_from_wafer: Pose,
-    /// First joint of the arm, in the base frame [m].
+    /// First joint of the arm, in the base frame (m).
     pub(crate) joint: Vector3<f64>,
 }
 
@@ -33,7 +33,7 @@ impl RigidWafer {
 /// The centre moves down by the drop, and the wafer rotates about the horizontal axis perpendicular to the reach, its outer end down.
 ///
 /// # Arguments
-/// * `joint` – first joint of the arm, in the base frame [m]
+/// * `joint` – first joint of the arm, in the base frame (m)
 #[must_use]
 pub fn apply_deflection(
     base_from_wafer: &Pose,

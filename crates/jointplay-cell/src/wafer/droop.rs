@@ -4,15 +4,15 @@ use super::model::{Droop, DroopRow};
 
 /// Relative tolerance at the ends of a table: a reach computed to lie on its end is not beyond it by round-off.
 const SLACK: f64 = 1e-9;
-/// Reach below which the droop of an arm is negligible [m].
+/// Reach below which the droop of an arm is negligible (m).
 pub(crate) const SHORTEST: f64 = 0.05;
 
 /// Deflection of the end of an arm.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Deflection {
-    /// Displacement downward [m].
+    /// Displacement downward (m).
     pub drop: f64,
-    /// Rotation, the outer end downward [rad].
+    /// Rotation, the outer end downward (rad).
     pub slope: f64,
 }
 
@@ -25,11 +25,11 @@ pub enum DroopError {
         "the droop at a reach of {reach} m is not known: the table goes from {min} to {max} m; measure there, or give a cantilever"
     )]
     Reach {
-        /// Reach asked for [m].
+        /// Reach asked for (m).
         reach: f64,
-        /// Least reach of the table [m].
+        /// Least reach of the table (m).
         min: f64,
-        /// Largest reach of the table [m].
+        /// Largest reach of the table (m).
         max: f64,
     },
     /// The load is above the measured load, or negative.
@@ -37,9 +37,9 @@ pub enum DroopError {
         "the droop under {load} kg is not known: the table goes from 0 to {max} kg; measure with more, or give a cantilever"
     )]
     Load {
-        /// Load asked for [kg].
+        /// Load asked for (kg).
         load: f64,
-        /// Largest load of the table [kg].
+        /// Largest load of the table (kg).
         max: f64,
     },
 }
@@ -54,15 +54,15 @@ impl Droop {
     /// A table is interpolated linearly between reaches, and between empty and loaded in proportion to the load.
     ///
     /// # Arguments
-    /// * `reach` – from the first joint to the centre of the wafer [m]
-    /// * `load` – mass of the load [kg]
-    /// * `gravity` – acceleration of gravity; tables apply to the gravity under which they were measured [m/s²]
+    /// * `reach` – from the first joint to the centre of the wafer (m)
+    /// * `load` – mass of the load (kg)
+    /// * `gravity` – acceleration of gravity; tables apply to the gravity under which they were measured (m/s²)
     ///
     /// # Errors
     /// [`DroopError`] outside the table.
     ///
     /// # Source
-    /// [Roark], beams
+    /// \[Roark\], beams
     pub fn at(&self, reach: f64, load: f64, gravity: f64) -> Result<Deflection, DroopError> {
         self.derivatives_by_reach(reach, load, gravity).map(|[at, ..]| at)
     }
@@ -134,7 +134,7 @@ pub(crate) struct DroopBounds {
     pub(crate) rate: Deflection,
     /// Second derivative by the reach; the jumps at the rows of a table are excluded.
     pub(crate) bend: Deflection,
-    /// Slope divided by its reach [rad/m].
+    /// Slope divided by its reach (rad/m).
     pub(crate) turn: f64,
 }
 

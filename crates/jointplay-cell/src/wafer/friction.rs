@@ -22,18 +22,18 @@ use crate::robot::FrameMotion;
 /// Own derivation, docs/explanation/wafers.md
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionMargin {
-    /// Force by mass that friction has to transmit; infinite where the wafer lifts off its support [m/s²].
+    /// Force by mass that friction has to transmit; infinite where the wafer lifts off its support (m/s²).
     pub required: f64,
-    /// Force by mass that friction can transmit [m/s²].
+    /// Force by mass that friction can transmit (m/s²).
     pub available: f64,
 }
 
 /// Force and moment by mass that a wafer needs to move with its effector, in the base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct RequiredWrench {
-    /// Force [m/s²].
+    /// Force (m/s²).
     force: Vector3<f64>,
-    /// Moment about the middle of its resting plane [m²/s²].
+    /// Moment about the middle of its resting plane (m²/s²).
     moment: Vector3<f64>,
     /// Upward normal of the resting plane.
     normal: Vector3<f64>,
@@ -59,7 +59,7 @@ impl FrictionMargin {
 }
 
 impl Support {
-    /// Lever arm of friction against rotation [m].
+    /// Lever arm of friction against rotation (m).
     pub(crate) fn lever(&self, wafer: &Wafer) -> f64 {
         match *self {
             Self::Edge => 0.5 * wafer.diameter,

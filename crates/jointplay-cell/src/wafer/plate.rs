@@ -17,7 +17,7 @@ const MOST_TERMS: usize = 400;
 pub(super) struct Orbit {
     /// Distance b from the centre.
     pub(super) radius: f64,
-    /// Direction φ of one of the points from the x axis [rad].
+    /// Direction φ of one of the points from the x axis (rad).
     pub(super) angle: f64,
     /// Common factor of the wave numbers: 3 for three points, 2 for four points mirrored at both axes.
     pub(super) symmetry: usize,

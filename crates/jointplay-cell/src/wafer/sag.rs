@@ -22,17 +22,17 @@ const SLACK: f64 = 1e-9;
 /// Shape of a wafer at rest, as heights above the plane of its supports.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sag {
-    /// Height of the centre, negative below the supports [m].
+    /// Height of the centre, negative below the supports (m).
     pub center: f64,
-    /// Height of the lowest point [m].
+    /// Height of the lowest point (m).
     pub lowest: f64,
-    /// Height of the highest point [m].
+    /// Height of the highest point (m).
     pub highest: f64,
-    /// Height of the plane that fits the wafer in the least-squares sense [m].
+    /// Height of the plane that fits the wafer in the least-squares sense (m).
     pub plane_height: f64,
-    /// Angle of that plane to the plane of the supports; 0, because all supports are symmetric [rad].
+    /// Angle of that plane to the plane of the supports; 0, because all supports are symmetric (rad).
     pub plane_tilt: f64,
-    /// Root mean square distance of the wafer from that plane [m].
+    /// Root mean square distance of the wafer from that plane (m).
     pub deviation: f64,
     /// Largest deflection as a share of the thickness: the linear theory holds up to about a fifth.
     pub share_of_thickness: f64,
@@ -65,11 +65,11 @@ pub enum SagError {
     Support {
         /// The support.
         what: &'static str,
-        /// The dimension found [m].
+        /// The dimension found (m).
         found: f64,
-        /// Diameter of the wafer [m].
+        /// Diameter of the wafer (m).
         diameter: f64,
-        /// Largest allowed dimension [m].
+        /// Largest allowed dimension (m).
         max: f64,
     },
     /// The forces on the rails cannot be computed.
@@ -92,7 +92,7 @@ pub enum SagError {
 /// Thin, isotropic, small deflections; no friction in the plane.
 ///
 /// # Source
-/// [Timoshenko] for the edge; own derivation for the series, docs/explanation/wafers.md.
+/// \[Timoshenko\] for the edge; own derivation for the series, docs/explanation/wafers.md.
 pub fn sag(wafer: &Wafer, support: &Support, gravity: f64) -> Result<Sag, SagError> {
     let poisson = checked(wafer, gravity)?;
     let a = wafer.diameter / 2.0;

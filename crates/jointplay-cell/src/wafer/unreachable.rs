@@ -19,13 +19,13 @@ pub enum Unreachable {
         "the platform would have to tilt by {needed} rad, but tilts by at most {allowed} rad: {residual} rad would be left, and {threshold} rad are allowed"
     )]
     Tilt {
-        /// Tilt that the target needs, droop included [rad].
+        /// Tilt that the target needs, droop included (rad).
         needed: f64,
-        /// Largest tilt of the platform [rad].
+        /// Largest tilt of the platform (rad).
         allowed: f64,
-        /// Angle to the target's plane that would be left [rad].
+        /// Angle to the target's plane that would be left (rad).
         residual: f64,
-        /// Largest angle that may be left [rad].
+        /// Largest angle that may be left (rad).
         threshold: f64,
     },
     /// The links of the arm are too short, or cannot fold that far.
@@ -44,7 +44,7 @@ pub enum Unreachable {
         "the droop compensation did not converge: a residual of {residual} m is left after {iterations} iterations"
     )]
     NotConverged {
-        /// Distance from the target that is left [m].
+        /// Distance from the target that is left (m).
         residual: f64,
         /// Number of iterations.
         iterations: usize,

@@ -12,7 +12,7 @@ use AxisKind::{Linear, Rotary};
 
 /// The first effector of the first arm.
 pub(crate) const A: EffectorId = EffectorId { arm: 0, effector: 0 };
-/// Standard gravity [m/s²].
+/// Standard gravity (m/s²).
 pub(crate) const GRAVITY: f64 = 9.80665;
 
 pub(crate) fn axis(name: &str, kind: AxisKind, min: f64, max: f64) -> Axis {

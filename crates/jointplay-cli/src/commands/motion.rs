@@ -81,7 +81,7 @@ fn drive_range(text: &str) -> Result<DriveRange, String> {
     Ok(DriveRange { joint: joint.trim().to_owned(), from, to: finite(to)?, step })
 }
 
-/// The range of one driven coordinate [m, rad].
+/// The range of one driven coordinate (m, rad).
 struct DriveSegment {
     coordinate: usize,
     from: Option<f64>,

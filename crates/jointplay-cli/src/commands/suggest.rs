@@ -49,7 +49,7 @@ fn assignments(text: &str) -> Result<Assignments, String> {
 struct Commands {
     /// Indices of the commanded coordinates.
     commanded: Vec<usize>,
-    /// Values of the commanded coordinates, for each command [m, rad].
+    /// Values of the commanded coordinates, for each command (m, rad).
     values: Vec<DVector<f64>>,
 }
 

@@ -242,7 +242,7 @@ fn slow(acceleration: &str) -> Sandbox {
     sandbox
 }
 
-/// Runs a command that may take so much memory [kB].
+/// Runs a command that may take so much memory (kB).
 #[cfg(target_os = "linux")]
 fn within_memory(sandbox: &Sandbox, kilobytes: u32, line: &str) -> std::process::Output {
     let command = format!("ulimit -v {kilobytes}; exec \"$0\" {line}");

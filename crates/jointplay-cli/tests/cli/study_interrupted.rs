@@ -236,7 +236,7 @@ fn a_table_of_another_study_is_not_gone_on_with() {
     assert_eq!(sandbox.read("t.csv").lines().count(), 1001);
 }
 
-/// The most memory that a run takes at a time [kB].
+/// The most memory that a run takes at a time (kB).
 #[cfg(target_os = "linux")]
 fn peak(sandbox: &Sandbox, samples: u64) -> u64 {
     sandbox.write("m.toml", &STUDY.replace("400000", &samples.to_string()));

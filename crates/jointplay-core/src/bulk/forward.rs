@@ -21,7 +21,7 @@ impl Gpr {
     /// Platform poses for many sets of rods; see [`Self::forward`].
     ///
     /// # Arguments
-    /// * `rods` – three columns of n: q_1, q_2, q_3 [m]
+    /// * `rods` – three columns of n: q_1, q_2, q_3 (m)
     /// * `status` – (n) written: what became of each pose
     /// * `wanted` – what is asked for, each with a column of n that is written, in the unit of the quantity
     ///
@@ -126,7 +126,7 @@ struct Blocks<'w, 'a, 'b, M> {
 struct Within {
     rod_min: f64,
     rod_max: f64,
-    /// Square of the largest horizontal part of the plane's normal, of the length of twice the triangle's area in the base [m⁴].
+    /// Square of the largest horizontal part of the plane's normal, of the length of twice the triangle's area in the base (m⁴).
     horizontal_squared: f64,
 }
 

@@ -16,10 +16,10 @@ impl Gpr {
     /// Rods that put the platform plane at each of many tilts; see [`Self::inverse`].
     ///
     /// # Arguments
-    /// * `yaw`, `pitch` – (n) tilts [rad]
-    /// * `height` – (n) where the platform plane crosses the base axis [m]
+    /// * `yaw`, `pitch` – (n) tilts (rad)
+    /// * `height` – (n) where the platform plane crosses the base axis (m)
     /// * `status` – (n) written: what became of each pose
-    /// * `rods` – three columns of n, written: q_1, q_2, q_3 [m]
+    /// * `rods` – three columns of n, written: q_1, q_2, q_3 (m)
     ///
     /// # Errors
     /// [`Error::LengthMismatch`] for columns of different lengths. Poses without rods, or beyond the limits of a robot that checks them, are NaN and have their status.
@@ -60,7 +60,7 @@ impl Gpr {
 struct Blocks<'a> {
     gpr: &'a Gpr,
     given: [Column<'a>; 3],
-    /// Rods and pitches within these have an answer; of others the scalar kernel decides [m, m, rad].
+    /// Rods and pitches within these have an answer; of others the scalar kernel decides (m, m, rad).
     shortest: f64,
     longest: f64,
     pitch_max: f64,

@@ -9,8 +9,8 @@ impl Gpr {
     /// The limits that each of many poses breaks; see [`Limits::broken`](crate::gpr::Limits::broken).
     ///
     /// # Arguments
-    /// * `rods` – three columns of n: q_1, q_2, q_3 [m]
-    /// * `pitch` – (n) tilt angles [rad]; `None` for those of the planes through the balls
+    /// * `rods` – three columns of n: q_1, q_2, q_3 (m)
+    /// * `pitch` – (n) tilt angles (rad); `None` for those of the planes through the balls
     /// * `broken` – four columns of n, written: whether rod 1, rod 2, rod 3 and the tilt are beyond their limits
     ///
     /// # Errors

@@ -9,9 +9,9 @@ use super::trigonometry::angle_of;
 /// The plane through the balls of many poses.
 #[derive(Clone, Copy)]
 pub(super) struct Plane<S: Simd> {
-    /// Its upward normal times twice the area of the triangle [m²].
+    /// Its upward normal times twice the area of the triangle (m²).
     across: Three<S>,
-    /// Twice the area of the triangle [m²].
+    /// Twice the area of the triangle (m²).
     pub(super) area: Lanes<S>,
 }
 
@@ -29,7 +29,7 @@ impl<S: Simd> Plane<S> {
         Self { across: [x, y, z], area }
     }
 
-    /// Square of the horizontal part of the normal times twice the area [m⁴].
+    /// Square of the horizontal part of the normal times twice the area (m⁴).
     #[inline(always)]
     pub(super) fn horizontal_squared(&self) -> Lanes<S> {
         let [x, y, _] = self.across;
@@ -40,7 +40,7 @@ impl<S: Simd> Plane<S> {
 /// The platforms of many poses.
 #[derive(Clone, Copy)]
 pub(super) struct PlatformPoses<S: Simd> {
-    /// O_p in the base frame [m].
+    /// O_p in the base frame (m).
     pub(super) origin: Three<S>,
     /// Platform normal in the base frame.
     pub(super) normal: Three<S>,
@@ -97,7 +97,7 @@ impl<S: Simd> PlatformPoses<S> {
         Self { origin, normal, turn: [cosine, sine] }
     }
 
-    /// Azimuth toward which the platform tilts [rad].
+    /// Azimuth toward which the platform tilts (rad).
     #[inline(always)]
     pub(super) fn yaw(&self) -> Lanes<S> {
         let [x, y, _] = self.normal;
@@ -106,21 +106,21 @@ impl<S: Simd> PlatformPoses<S> {
         level.select(x.like(0.0), angle_of(y, x))
     }
 
-    /// Tilt angle [rad].
+    /// Tilt angle (rad).
     #[inline(always)]
     pub(super) fn pitch(&self) -> Lanes<S> {
         let [x, y, z] = self.normal;
         angle_of(x.times_plus(x, y * y).sqrt(), z)
     }
 
-    /// Turn about the normal beyond the shortest rotation to it [rad].
+    /// Turn about the normal beyond the shortest rotation to it (rad).
     #[inline(always)]
     pub(super) fn twist(&self) -> Lanes<S> {
         let [cosine, sine] = self.turn;
         angle_of(sine, cosine)
     }
 
-    /// Axis height: height at which the platform plane crosses the base axis [m].
+    /// Axis height: height at which the platform plane crosses the base axis (m).
     #[inline(always)]
     pub(super) fn axis_height(&self) -> Lanes<S> {
         let ([x, y, z], [o_x, o_y, o_z]) = (self.normal, self.origin);

@@ -8,27 +8,27 @@ use crate::virtualization::Virtualization;
 /// Indices count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Quantity {
-    /// Side L_12, L_23 or L_31 [m].
+    /// Side L_12, L_23 or L_31 (m).
     Side(usize),
-    /// Displacement of a virtual joint, in the order of X ([m], [rad]).
+    /// Displacement of a virtual joint, in the order of X ((m), (rad)).
     VirtualJoint(usize),
-    /// e_b1, e_b2 or e_b3 coordinate of O_p [m]; the first two are the centre shift.
+    /// e_b1, e_b2 or e_b3 coordinate of O_p (m); the first two are the centre shift.
     Origin(usize),
     /// e_b1, e_b2 or e_b3 coordinate of the platform normal.
     Normal(usize),
-    /// Azimuth toward which the platform tilts, from −π to π [rad].
+    /// Azimuth toward which the platform tilts, from −π to π (rad).
     Yaw,
-    /// Tilt angle, from 0 to π [rad].
+    /// Tilt angle, from 0 to π (rad).
     Pitch,
-    /// Turn about the platform normal beyond the shortest rotation to it [rad].
+    /// Turn about the platform normal beyond the shortest rotation to it (rad).
     Twist,
-    /// Axis height: height at which the platform plane crosses the base axis [m].
+    /// Axis height: height at which the platform plane crosses the base axis (m).
     AxisHeight,
-    /// Displacement of the virtual joints from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) [m].
+    /// Displacement of the virtual joints from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) (m).
     Displacement,
     /// Singular values of ∂X/∂P in the metric, the largest first, as [`sensitivity`](crate::sensitivity::sensitivity) finds them.
     Sensitivity(usize),
-    /// Largest difference between a side and its virtual length [m].
+    /// Largest difference between a side and its virtual length (m).
     Residual,
     /// Iterations of the solver, a whole number; 0 for a closed form.
     Iterations,

@@ -54,23 +54,23 @@ models! {
 
 /// Data of a robot under a virtualization that all poses share.
 pub(super) struct Robot {
-    /// B_j − B_i in the base plane [m].
+    /// B_j − B_i in the base plane (m).
     pub(super) base_edges: [[f64; 2]; 3],
-    /// Their squared lengths [m²].
+    /// Their squared lengths (m²).
     pub(super) base_squares: [f64; 3],
-    /// Centroid of the base points [m].
+    /// Centroid of the base points (m).
     pub(super) base_center: [f64; 2],
-    /// Twice the signed area of the base points [m²].
+    /// Twice the signed area of the base points (m²).
     pub(super) base_area: f64,
-    /// Nominal sockets [m].
+    /// Nominal sockets (m).
     pub(super) sockets: [[f64; 2]; 3],
-    /// Centroid of the nominal sockets [m].
+    /// Centroid of the nominal sockets (m).
     pub(super) socket_center: [f64; 2],
     /// Directions along which `a` moves a socket.
     directions: [[f64; 2]; 3],
     /// Nominal `a`; nominal `b` is zero.
     pub(super) start: [f64; 3],
-    /// Squared sides of the nominal sockets [m²].
+    /// Squared sides of the nominal sockets (m²).
     start_squares: [f64; 3],
     /// The first step from nominal: joints by sides, per change of a squared side.
     first_step: [[f64; 3]; 6],
@@ -145,11 +145,11 @@ impl Robot {
 /// The triangle of the balls of many poses.
 #[derive(Clone, Copy)]
 pub(super) struct Balls<S: Simd> {
-    /// Mean rod [m].
+    /// Mean rod (m).
     pub(super) mean: Lanes<S>,
-    /// Differences of rods, q_j − q_i [m].
+    /// Differences of rods, q_j − q_i (m).
     pub(super) rises: Three<S>,
-    /// Squared sides L_ij² [m²].
+    /// Squared sides L_ij² (m²).
     pub(super) squares: Three<S>,
 }
 
@@ -165,7 +165,7 @@ impl<S: Simd> Balls<S> {
         Self { mean: (q_1 + q_2 + q_3) * (1.0 / 3.0), rises, squares }
     }
 
-    /// Difference of each squared side from that of the nominal sockets [m²].
+    /// Difference of each squared side from that of the nominal sockets (m²).
     #[inline(always)]
     pub(super) fn missing_at_start(&self, robot: &Robot) -> Three<S> {
         let mut missing = self.squares;
@@ -190,15 +190,15 @@ impl<S: Simd> Balls<S> {
 /// The triangle of the sockets of many poses, with the virtual joints that make it.
 #[derive(Clone, Copy)]
 pub(super) struct Shape<S: Simd> {
-    /// Coordinates along the directions [m].
+    /// Coordinates along the directions (m).
     pub(super) a: Three<S>,
-    /// Coordinates across ([m], [rad]).
+    /// Coordinates across ((m), (rad)).
     pub(super) b: Three<S>,
     /// Directions along which `a` moves the sockets.
     directions: Vectors<S>,
-    /// p_j − p_i [m].
+    /// p_j − p_i (m).
     pub(super) edges: Vectors<S>,
-    /// p_k [m].
+    /// p_k (m).
     pub(super) sockets: Vectors<S>,
 }
 
@@ -283,7 +283,7 @@ impl<S: Simd> Shape<S> {
         }
     }
 
-    /// Difference of each squared side from that of this triangle [m²].
+    /// Difference of each squared side from that of this triangle (m²).
     #[inline(always)]
     pub(super) fn missing(&self, balls: &Balls<S>) -> Three<S> {
         let mut missing = balls.squares;
@@ -294,7 +294,7 @@ impl<S: Simd> Shape<S> {
         missing
     }
 
-    /// Twice the signed area [m²].
+    /// Twice the signed area (m²).
     #[inline(always)]
     pub(super) fn area(&self) -> Lanes<S> {
         let ([x_1, y_1], [x_2, y_2]) = (self.edges[0], self.edges[1]);

@@ -18,7 +18,7 @@ const ORTHOGONAL: f64 = 1e-15;
 /// E: what the virtual joints do to the edges, C^½: one over the metric's weights, A: what the balls do to the edges.
 ///
 /// # Source
-/// [Virtualization], eq. (3); the form is own derivation, `docs/explanation/kinematics.md`. One-sided Jacobi rotations: [GolubVanLoan], 8.6
+/// \[Virtualization\], eq. (3); the form is own derivation, `docs/explanation/kinematics.md`. One-sided Jacobi rotations: \[GolubVanLoan\], 8.6
 #[inline(always)]
 pub(super) fn sensitivity<S: Simd, M: Model>(
     robot: &Robot,

@@ -15,18 +15,18 @@ const HALF_PI: [f64; 3] = [
     6.077_100_506_303_965_976_60e-11,
     2.022_266_248_711_166_455_80e-21,
 ];
-/// Angles beyond this are left to the standard library [rad].
+/// Angles beyond this are left to the standard library (rad).
 const FAR: f64 = 1e6;
 /// Added to a number below 2⁵¹, it leaves the nearest whole number in the low bits.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
 
-/// Sine and cosine of any angle [rad].
+/// Sine and cosine of any angle (rad).
 ///
 /// # Numerics
 /// Off by less than 2·10⁻¹⁶.
 ///
 /// # Source
-/// Reduction and polynomials of [fdlibm], `e_rem_pio2.c`, `k_sin.c`, `k_cos.c`
+/// Reduction and polynomials of \[fdlibm\], `e_rem_pio2.c`, `k_sin.c`, `k_cos.c`
 #[inline(always)]
 pub(super) fn sin_cos<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let shifted = angle.times_plus(angle.like(FRAC_2_PI), angle.like(ROUNDING));
@@ -48,7 +48,7 @@ pub(super) fn sin_cos<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     (far.select(angle.each(f64::sin), near.0), far.select(angle.each(f64::cos), near.1))
 }
 
-/// Sine and cosine of angles up to π/4 [rad].
+/// Sine and cosine of angles up to π/4 (rad).
 #[inline(always)]
 fn within_an_eighth<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     const SINE: [f64; 6] = [
@@ -77,7 +77,7 @@ fn within_an_eighth<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     (sine, cosine)
 }
 
-/// Sine and cosine of angles that are mostly far below 1/32 [rad].
+/// Sine and cosine of angles that are mostly far below 1/32 (rad).
 ///
 /// # Numerics
 /// Exact to round-off; a short series where the angle is small, else [`sin_cos`].
@@ -96,13 +96,13 @@ pub(super) fn sin_cos_of_step<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) 
     (small.select(sine, any_sine), small.select(cosine, any_cosine))
 }
 
-/// The angle of a vector (x, y) of finite numbers, from −π to π; zero for no vector at all [rad].
+/// The angle of a vector (x, y) of finite numbers, from −π to π; zero for no vector at all (rad).
 ///
 /// # Numerics
 /// Off by less than 5·10⁻¹⁶.
 ///
 /// # Source
-/// [Cephes], `atan.c`
+/// \[Cephes\], `atan.c`
 #[inline(always)]
 pub(super) fn angle_of<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
     const ABOVE: [f64; 5] = [

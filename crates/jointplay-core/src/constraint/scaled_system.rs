@@ -16,7 +16,7 @@ pub(crate) struct ScaledSystem<'a, S: ?Sized> {
 }
 
 impl<'a, S: System + ?Sized> ScaledSystem<'a, S> {
-    /// The system with lengths divided by `characteristic_length` [m].
+    /// The system with lengths divided by `characteristic_length` (m).
     pub(crate) fn new(system: &'a S, characteristic_length: f64) -> Self {
         let rows = units(&system.constraint_dimensions(), characteristic_length);
         let columns = units(&system.coordinate_dimensions(), characteristic_length);

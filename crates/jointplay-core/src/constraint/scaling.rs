@@ -5,11 +5,11 @@ use nalgebra::{DMatrix, DVector};
 /// Physical dimension of a coordinate or a constraint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
-    /// A length [m].
+    /// A length (m).
     Length,
-    /// A squared length [m²].
+    /// A squared length (m²).
     SquaredLength,
-    /// An angle, or a number without unit [rad].
+    /// An angle, or a number without unit (rad).
     Angle,
 }
 
@@ -25,7 +25,7 @@ impl Dimension {
     }
 }
 
-/// Units of each quantity, for a characteristic length [m].
+/// Units of each quantity, for a characteristic length (m).
 pub(crate) fn units(dimensions: &[Dimension], characteristic_length: f64) -> DVector<f64> {
     DVector::from_iterator(
         dimensions.len(),

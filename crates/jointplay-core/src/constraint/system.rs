@@ -20,7 +20,7 @@ pub struct Configuration {
 /// Every mobility and sensitivity analysis is written against this trait; a mechanism of your own gets them all by implementing it.
 ///
 /// # Source
-/// [Virtualization], eq. (1) and (2)
+/// \[Virtualization\], eq. (1) and (2)
 pub trait System {
     /// (c) physical dimension of each constraint; their number is the length.
     fn constraint_dimensions(&self) -> Vec<Dimension>;
@@ -31,7 +31,7 @@ pub trait System {
     /// (M) physical dimension of each virtual joint.
     fn virtual_joint_dimensions(&self) -> Vec<Dimension>;
 
-    /// A length typical of the mechanism, by which lengths and angles are made comparable [m].
+    /// A length typical of the mechanism, by which lengths and angles are made comparable (m).
     fn characteristic_length(&self) -> f64;
 
     /// (c) Φ(P, X), each entry in the unit of its constraint.

@@ -9,11 +9,11 @@ use crate::spatial::{Pose, Tilt, tilt_rotation};
 /// The approximate pose, and how far it tears the sockets off the balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ApproximatePose {
-    /// Rods of the exact inverse kinematics for the same plane [m].
+    /// Rods of the exact inverse kinematics for the same plane (m).
     pub rods: [f64; 3],
     /// Pose with O_p on the base axis.
     pub base_from_platform: Pose,
-    /// From each ball to its socket, in the base frame [m].
+    /// From each ball to its socket, in the base frame (m).
     pub gaps: [Vector3<f64>; 3],
 }
 
@@ -24,7 +24,7 @@ impl Gpr {
     /// As [`Self::inverse`].
     ///
     /// # Source
-    /// [Virtualization], III and Fig. 2
+    /// \[Virtualization\], III and Fig. 2
     pub fn approximate(&self, tilt: Tilt, height: AxisHeight) -> Result<ApproximatePose, Error> {
         let rods = self.inverse(tilt, height)?;
         let origin = Translation3::new(0.0, 0.0, height.0);

@@ -13,9 +13,9 @@ use crate::virtualization::{
 /// A pose of the platform, with the rods, sides and virtual joints that determine it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlatformPose {
-    /// Rod lengths q_1, q_2, q_3 [m].
+    /// Rod lengths q_1, q_2, q_3 (m).
     pub rods: [f64; 3],
-    /// Sides L_12, L_23, L_31 [m].
+    /// Sides L_12, L_23, L_31 (m).
     pub sides: Sides,
     /// Virtual joints, with iterations and residual.
     pub solution: Solution,
@@ -32,7 +32,7 @@ impl Gpr {
     /// Plane and sides are geometry; where the platform sits over the triangle is the virtualization's model.
     ///
     /// # Arguments
-    /// * `rods` – (3) lengths q_k [m]
+    /// * `rods` – (3) lengths q_k (m)
     ///
     /// # Errors
     /// [`Error::NotFinite`], [`Error::TooLong`] for a rod beyond 10⁵⁰ m, and those of [`solve`]; [`Error::TurnedOver`] for a solution that mirrors the platform.
@@ -42,7 +42,7 @@ impl Gpr {
     /// Does not allocate.
     ///
     /// # Source
-    /// [Virtualization], IV.B; the placement is own derivation, `docs/explanation/kinematics.md`
+    /// \[Virtualization\], IV.B; the placement is own derivation, `docs/explanation/kinematics.md`
     #[inline]
     pub fn forward<V: Virtualization + ?Sized>(
         &self,
@@ -100,7 +100,7 @@ impl Gpr {
     /// Tilt of the plane through the ball centres: geometry alone, the same for every virtualization.
     ///
     /// # Arguments
-    /// * `rods` – (3) lengths q_k [m]
+    /// * `rods` – (3) lengths q_k (m)
     #[must_use]
     pub fn plane_tilt(&self, rods: &[f64; 3]) -> Tilt {
         let balls = self.ball_centers(rods);
@@ -108,10 +108,10 @@ impl Gpr {
         Tilt::from_normal(&(normal * normal.z.signum()))
     }
 
-    /// Height at which the plane through the ball centres crosses the base axis [m].
+    /// Height at which the plane through the ball centres crosses the base axis (m).
     ///
     /// # Arguments
-    /// * `rods` – (3) lengths q_k [m]
+    /// * `rods` – (3) lengths q_k (m)
     #[must_use]
     pub fn plane_height(&self, rods: &[f64; 3]) -> AxisHeight {
         let balls = self.ball_centers(rods);
@@ -119,7 +119,7 @@ impl Gpr {
         AxisHeight(normal.dot(&balls[0]) / normal.z)
     }
 
-    /// Displacement of the virtual joints of a pose from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) [m].
+    /// Displacement of the virtual joints of a pose from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) (m).
     #[must_use]
     pub fn displacement<V: Virtualization + ?Sized>(
         &self,
@@ -151,7 +151,7 @@ impl PlatformPose {
         Tilt::from_normal(&self.normal())
     }
 
-    /// Twist: rotation of the platform about its own normal, beyond the shortest rotation to it [rad].
+    /// Twist: rotation of the platform about its own normal, beyond the shortest rotation to it (rad).
     ///
     /// ```text
     ///    R  =  Rz(γ) Ry(α) Rz(−γ) Rz(τ)
@@ -163,14 +163,14 @@ impl PlatformPose {
         (r[(1, 0)] - r[(0, 1)]).atan2(r[(0, 0)] + r[(1, 1)])
     }
 
-    /// Height at which the platform plane crosses the base axis [m].
+    /// Height at which the platform plane crosses the base axis (m).
     #[must_use]
     pub fn axis_height(&self) -> AxisHeight {
         let (normal, origin) = (self.normal(), self.base_from_platform.translation.vector);
         AxisHeight(origin.z + (normal.x * origin.x + normal.y * origin.y) / normal.z)
     }
 
-    /// Offset of O_p from the base axis: its e_b1 and e_b2 coordinates [m].
+    /// Offset of O_p from the base axis: its e_b1 and e_b2 coordinates (m).
     #[must_use]
     pub fn center_shift(&self) -> Vector2<f64> {
         self.base_from_platform.translation.vector.xy()

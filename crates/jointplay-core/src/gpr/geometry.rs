@@ -11,11 +11,11 @@ use crate::virtualization::{Platform, Sides, Sockets, signed_area};
 /// One limb: a guide in the base, a rod, and a socket in the platform.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limb {
-    /// B_k, where the rod's axis crosses the base plane, in the base frame [m].
+    /// B_k, where the rod's axis crosses the base plane, in the base frame (m).
     pub base_point: Vector2<f64>,
-    /// r_k, distance of the nominal socket from O_p [m].
+    /// r_k, distance of the nominal socket from O_p (m).
     pub socket_radius: f64,
-    /// β_k, direction of the nominal socket from e_p1 toward e_p2 [rad].
+    /// β_k, direction of the nominal socket from e_p1 toward e_p2 (rad).
     pub socket_angle: f64,
 }
 
@@ -44,7 +44,7 @@ pub struct Gpr {
 }
 
 impl Gpr {
-    /// A robot from its limbs, limits and working height [m].
+    /// A robot from its limbs, limits and working height (m).
     ///
     /// # Errors
     /// [`Error::NotFinite`], [`Error::TooLong`], [`Error::NotPositive`] for a socket radius, [`Error::Collinear`] base points or sockets,
@@ -85,7 +85,7 @@ impl Gpr {
     /// Tilt limit ±1.5° and stroke 508 mm are the paper's; that the rods run from 246 mm to 754 mm is our assumption.
     ///
     /// # Source
-    /// [Virtualization], I and VI
+    /// \[Virtualization\], I and VI
     #[must_use]
     pub fn paper() -> Self {
         let limbs =
@@ -94,7 +94,7 @@ impl Gpr {
         Self::new(limbs, limits, 0.5).expect("the paper's dimensions are valid")
     }
 
-    /// Base points B_k in the base frame [m].
+    /// Base points B_k in the base frame (m).
     #[must_use]
     pub fn base_points(&self) -> &[Vector2<f64>; 3] {
         &self.base_points
@@ -133,7 +133,7 @@ impl Gpr {
         self.steepest
     }
 
-    /// The axis height at which the robot usually works [m].
+    /// The axis height at which the robot usually works (m).
     #[must_use]
     pub fn working_height(&self) -> f64 {
         self.working_height
@@ -149,7 +149,7 @@ impl Gpr {
         })
     }
 
-    /// Ball centres P_k for rods of these lengths, in the base frame [m].
+    /// Ball centres P_k for rods of these lengths, in the base frame (m).
     #[must_use]
     #[inline]
     pub fn ball_centers(&self, rods: &[f64; 3]) -> [Vector3<f64>; 3] {
@@ -164,7 +164,7 @@ impl Gpr {
     }
 }
 
-/// Sides L_12, L_23, L_31 of the triangle of the ball centres [m].
+/// Sides L_12, L_23, L_31 of the triangle of the ball centres (m).
 #[must_use]
 #[inline]
 pub fn ball_sides(ball_centers: &[Vector3<f64>; 3]) -> Sides {

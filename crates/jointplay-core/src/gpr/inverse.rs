@@ -9,7 +9,7 @@ use crate::spatial::Tilt;
 use crate::virtualization::{SolveOptions, Virtualization};
 
 impl Gpr {
-    /// Rods that put the platform plane at a tilt and an axis height [m].
+    /// Rods that put the platform plane at a tilt and an axis height (m).
     ///
     /// ```text
     ///    q_k  =  z − (n_x B_kx + n_y B_ky) / n_z
@@ -37,7 +37,7 @@ impl Gpr {
         Ok(rods)
     }
 
-    /// The rods of [`Self::inverse`], limits not checked [m].
+    /// The rods of [`Self::inverse`], limits not checked (m).
     #[inline]
     fn rods(&self, tilt: Tilt, height: AxisHeight) -> Result<[f64; 3], Error> {
         // Written so that what is not a number is refused.
@@ -51,7 +51,7 @@ impl Gpr {
         Ok(self.base_points().map(|point| height.0 - (slope_x * point.x + slope_y * point.y)))
     }
 
-    /// The pose with a tilt whose origin O_p lies at a centre height [m], with the rods that reach it.
+    /// The pose with a tilt whose origin O_p lies at a centre height (m), with the rods that reach it.
     ///
     /// Raising all rods alike raises the platform alike, sides and virtual joints unchanged; so one correction of the height is exact.
     ///

@@ -3,14 +3,14 @@
 use super::Gpr;
 
 impl Gpr {
-    /// Rods clamped to the limits: the last ones within the limits on the straight motion between two sets of rods [m].
+    /// Rods clamped to the limits: the last ones within the limits on the straight motion between two sets of rods (m).
     ///
     /// Rods within the limits make up a convex set: each between two lengths, and the horizontal part of the normal, linear in the rods, within a circle.
     /// So a straight motion leaves it once, at a rod's limit or at the root of a quadratic equation.
     ///
     /// # Arguments
-    /// * `from` – (3) rods within the limits [m]; from elsewhere, as toward what is no number, nothing moves
-    /// * `to` – (3) rods wanted [m]; returned to the bit where they are within the limits
+    /// * `from` – (3) rods within the limits (m); from elsewhere, as toward what is no number, nothing moves
+    /// * `to` – (3) rods wanted (m); returned to the bit where they are within the limits
     #[must_use]
     pub fn clamp_to_limits(&self, from: &[f64; 3], to: &[f64; 3]) -> [f64; 3] {
         let limits = self.limits();

@@ -5,11 +5,11 @@ use crate::spatial::Tilt;
 /// Limits of rods and tilt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Shortest rod [m].
+    /// Shortest rod (m).
     pub rod_min: f64,
-    /// Longest rod [m].
+    /// Longest rod (m).
     pub rod_max: f64,
-    /// Largest tilt toward any azimuth [rad].
+    /// Largest tilt toward any azimuth (rad).
     pub tilt_max: f64,
 }
 
@@ -20,18 +20,18 @@ pub enum BrokenLimit {
     Rod {
         /// Which rod, counted from 1.
         limb: usize,
-        /// Its length [m].
+        /// Its length (m).
         length: f64,
-        /// Shortest allowed [m].
+        /// Shortest allowed (m).
         min: f64,
-        /// Longest allowed [m].
+        /// Longest allowed (m).
         max: f64,
     },
     /// The tilt is too large.
     Tilt {
-        /// Tilt found [rad].
+        /// Tilt found (rad).
         pitch: f64,
-        /// Largest tilt allowed [rad].
+        /// Largest tilt allowed (rad).
         max: f64,
     },
 }
@@ -102,10 +102,10 @@ impl std::fmt::Display for BrokenLimits {
 }
 
 impl Limits {
-    /// Relative slack, and for the tilt absolute slack [rad], so that a pose computed to lie on a limit is not beyond it by round-off.
+    /// Relative slack, and for the tilt absolute slack (rad), so that a pose computed to lie on a limit is not beyond it by round-off.
     const SLACK: f64 = 1e-12;
 
-    /// Every limit that rods of these lengths [m] and this tilt break.
+    /// Every limit that rods of these lengths (m) and this tilt break.
     #[must_use]
     pub fn broken(&self, rods: &[f64; 3], tilt: Tilt) -> BrokenLimits {
         let (min, max) = (self.rod_min, self.rod_max);

@@ -16,7 +16,7 @@ use crate::virtualization::{Sockets, VirtualJointKind, Virtualization, sides_of}
 /// ```
 ///
 /// # Source
-/// [Virtualization], IV.A
+/// \[Virtualization\], IV.A
 #[derive(Clone, Copy)]
 pub struct GprSystem<'a, V: ?Sized> {
     gpr: &'a Gpr,

@@ -21,9 +21,9 @@ pub struct TiltPlay {
     pub start: PlatformPose,
     /// The pose that it ends in.
     pub end: PlatformPose,
-    /// ‖ΔX‖ from the kinematics, nothing neglected [m].
+    /// ‖ΔX‖ from the kinematics, nothing neglected (m).
     pub displacement: f64,
-    /// ‖ΔP‖ of the motion [m].
+    /// ‖ΔP‖ of the motion (m).
     pub motion: f64,
     /// Bounds with derivatives at the start.
     pub at_start: EvaluatedBounds,
@@ -58,7 +58,7 @@ impl Gpr {
     /// As [`Self::inverse`] and [`Self::forward`].
     ///
     /// # Source
-    /// [Virtualization], eq. (3)–(5); the chord is own derivation, `docs/explanation/kinematics.md`
+    /// \[Virtualization\], eq. (3)–(5); the chord is own derivation, `docs/explanation/kinematics.md`
     pub fn tilt_play<V: Virtualization + ?Sized>(
         &self,
         tilt: Tilt,

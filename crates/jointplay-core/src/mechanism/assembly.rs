@@ -42,7 +42,7 @@ pub fn guess(mechanism: &Mechanism) -> DVector<f64> {
 /// Where that fails, other starts are tried, to distinguish a bad guess from links that do not fit.
 ///
 /// # Arguments
-/// * `start` – (f + M) coordinates [m, rad], see [`guess`]
+/// * `start` – (f + M) coordinates (m, rad), see [`guess`]
 /// * `held` – indices of the coordinates that keep their values; virtual joints always do
 /// * `starts` – how many other starts to try where the guess fails
 ///

@@ -80,7 +80,7 @@ impl Block {
 /// O(links + joints), one depth-first search without recursion.
 ///
 /// # Source
-/// [Tarjan]
+/// \[Tarjan\]
 #[must_use]
 pub fn blocks(mechanism: &Mechanism) -> Vec<Block> {
     let joints = mechanism.joints();

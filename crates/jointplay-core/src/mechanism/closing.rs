@@ -35,7 +35,7 @@ const LEAST_DAMPING: f64 = 1e-14;
 /// The damping is in proportion to the residual, so that convergence is quadratic where the loops can be closed, and near linear where they only touch.
 ///
 /// # Source
-/// [YamashitaFukushima]
+/// \[YamashitaFukushima\]
 pub fn close(
     start: &MechanismSystem<'_>,
     free: &[usize],

@@ -7,7 +7,7 @@ use crate::constraint::CLOSURE_TOLERANCE;
 /// A configuration with its loops closed, or as nearly closed as possible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Closure {
-    /// (f + M) coordinates of joints, then virtual joints [m, rad].
+    /// (f + M) coordinates of joints, then virtual joints (m, rad).
     pub coordinates: DVector<f64>,
     /// Largest mismatch, in radians and characteristic lengths.
     pub residual: f64,

@@ -11,9 +11,9 @@ pub const MAX_LINKS: usize = 10_000;
 /// Free travel or stiffness of a joint in the directions that it should hold still.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LinearAndAngular {
-    /// Along a direction: clearance [m] or stiffness [N/m].
+    /// Along a direction: clearance (m) or stiffness (N/m).
     pub linear: Option<f64>,
-    /// About a direction: clearance [rad] or stiffness [N m/rad].
+    /// About a direction: clearance (rad) or stiffness (N m/rad).
     pub angular: Option<f64>,
 }
 
@@ -30,13 +30,13 @@ pub struct Joint {
     pub kind: JointKind,
     /// Indices of its links; positive coordinates move the second against the first.
     pub links: [usize; 2],
-    /// The joint frame in the frame of each link [m].
+    /// The joint frame in the frame of each link (m).
     pub frames: [Pose; 2],
     /// Whether a motor drives it.
     pub actuated: bool,
-    /// Start of the search for a closed configuration, a number for each freedom [m, rad]; empty for zeros.
+    /// Start of the search for a closed configuration, a number for each freedom (m, rad); empty for zeros.
     pub guess: Vec<f64>,
-    /// Least and greatest value of each freedom [m, rad]; empty where there are none.
+    /// Least and greatest value of each freedom (m, rad); empty where there are none.
     pub limits: Vec<[f64; 2]>,
     /// Free travel, where known.
     pub clearance: LinearAndAngular,
@@ -55,9 +55,9 @@ pub struct VirtualJoint {
     pub carrier: Carrier,
     /// Its motion, in the frame of the link that carries it.
     pub motion: VirtualMotion,
-    /// Largest displacement in either direction [m or rad]; `None` where not known.
+    /// Largest displacement in either direction (m or rad); `None` where not known.
     pub clearance: Option<f64>,
-    /// Stiffness [N/m or N m/rad] that weighs it in place of the characteristic length; `None` where not known.
+    /// Stiffness (N/m or N m/rad) that weighs it in place of the characteristic length; `None` where not known.
     pub stiffness: Option<f64>,
 }
 
@@ -81,7 +81,7 @@ pub enum VirtualMotion {
     Turn {
         /// Direction of the axis.
         axis: Unit<Vector3<f64>>,
-        /// A point of it [m].
+        /// A point of it (m).
         point: Vector3<f64>,
     },
 }
@@ -244,7 +244,7 @@ impl Mechanism {
         Ok(self)
     }
 
-    /// The same mechanism with this characteristic length, by which angles are weighed against lengths [m].
+    /// The same mechanism with this characteristic length, by which angles are weighed against lengths (m).
     ///
     /// # Errors
     /// [`MechanismError::NotPositive`].
@@ -278,7 +278,7 @@ impl Mechanism {
         &self.virtual_joints
     }
 
-    /// The length by which the user weighs angles against lengths, if one was given [m].
+    /// The length by which the user weighs angles against lengths, if one was given (m).
     #[must_use]
     pub fn characteristic_length(&self) -> Option<f64> {
         self.characteristic_length

@@ -211,9 +211,9 @@ pub struct LinkMotion {
 /// Axis of the screw motion of a link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScrewAxis {
-    /// Pitch [m/rad].
+    /// Pitch (m/rad).
     pub pitch: f64,
-    /// A point of the axis, in the base frame [m].
+    /// A point of the axis, in the base frame (m).
     pub point: Vector3<f64>,
 }
 

@@ -30,7 +30,7 @@ pub struct ExaggeratedPlay {
 /// With k = 1 this is the seat in the link's own pose, with k = 0 the joint.
 ///
 /// # Arguments
-/// * `coordinates` – (f + M) of a relieved configuration [m, rad]
+/// * `coordinates` – (f + M) of a relieved configuration (m, rad)
 ///
 /// # Errors
 /// [`Error::LengthMismatch`], [`Error::NotFinite`].

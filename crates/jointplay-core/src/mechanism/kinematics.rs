@@ -168,7 +168,7 @@ impl<'a> Kinematics<'a> {
     /// (f) how joint coordinates differ between two configurations [m, rad]: for a ball the rotation vector from the first to the second, in the turned frame.
     ///
     /// # Arguments
-    /// * `from`, `to` – at least the (f) coordinates of the joints [m, rad]
+    /// * `from`, `to` – at least the (f) coordinates of the joints (m, rad)
     pub(super) fn displacement(&self, from: &DVector<f64>, to: &DVector<f64>) -> DVector<f64> {
         let f = self.mechanism.joint_freedoms();
         let mut by = to.rows(0, f) - from.rows(0, f);

@@ -12,14 +12,14 @@ const ROUND_OFF: f64 = 1e-9;
 pub struct BeyondLimits {
     /// Index of the coordinate: joints, then virtual joints.
     pub coordinate: usize,
-    /// Value found [m or rad].
+    /// Value found (m or rad).
     pub value: f64,
-    /// Least and greatest value allowed [m or rad].
+    /// Least and greatest value allowed (m or rad).
     pub limits: [f64; 2],
 }
 
 impl Mechanism {
-    /// Limits of every coordinate, joints, then virtual joints [m or rad]; `None` where there are none.
+    /// Limits of every coordinate, joints, then virtual joints (m or rad); `None` where there are none.
     fn all_limits(&self) -> impl Iterator<Item = Option<[f64; 2]>> + '_ {
         let of_joints = self
             .joints()
@@ -32,7 +32,7 @@ impl Mechanism {
     /// The coordinates of a configuration that are beyond their limits or clearance; NaN is beyond.
     ///
     /// # Arguments
-    /// * `coordinates` – (f + M), or (f) where virtual joints are not to be looked at [m, rad]
+    /// * `coordinates` – (f + M), or (f) where virtual joints are not to be looked at (m, rad)
     #[must_use]
     pub fn beyond_limits(&self, coordinates: &DVector<f64>) -> Vec<BeyondLimits> {
         let found = self.all_limits().zip(coordinates.iter()).enumerate();

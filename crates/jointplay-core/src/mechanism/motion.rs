@@ -40,7 +40,7 @@ const NEARER: f64 = 0.75;
 pub struct Drive {
     /// Index of the coordinate.
     pub coordinate: usize,
-    /// Target value [m or rad].
+    /// Target value (m or rad).
     pub to: f64,
 }
 
@@ -49,7 +49,7 @@ pub struct Drive {
 pub struct Waypoint {
     /// Share of the path that is done, 0 to 1.
     pub share: f64,
-    /// (f + M) coordinates [m, rad].
+    /// (f + M) coordinates (m, rad).
     pub coordinates: DVector<f64>,
     /// Largest mismatch, in radians and characteristic lengths.
     pub residual: f64,
@@ -64,7 +64,7 @@ pub struct Waypoint {
 pub struct SingularConfiguration {
     /// Share of the path that is done there, 0 to 1.
     pub share: f64,
-    /// (f + M) coordinates [m, rad].
+    /// (f + M) coordinates (m, rad).
     pub coordinates: DVector<f64>,
     /// Instantaneous mobility there, drives free.
     pub instantaneous_mobility: usize,

@@ -18,7 +18,7 @@ const RELIEF_THRESHOLD: f64 = 1e-9;
 const SETTLED: f64 = 1e-14;
 /// Undetermined joints this near to where they would be nearest home are there, in radians and characteristic lengths.
 const AT_HOME: f64 = 1e-12;
-/// Longest turn of the passive joints in one step, all of them together [rad].
+/// Longest turn of the passive joints in one step, all of them together (rad).
 const LONGEST_STEP: f64 = 0.5;
 /// Steps of the iteration.
 const MAX_ITERATIONS: usize = 60;
@@ -36,11 +36,11 @@ pub enum ReliefSolver {
 /// Displacements of the virtual joints that make the commanded positions possible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relief {
-    /// (f + M) coordinates: commanded, passive, virtual [m, rad].
+    /// (f + M) coordinates: commanded, passive, virtual (m, rad).
     pub coordinates: DVector<f64>,
-    /// (M) displacements of the virtual joints [m, rad].
+    /// (M) displacements of the virtual joints (m, rad).
     pub virtual_joints: DVector<f64>,
-    /// √(Σ w x²): in metres, turns being weighed by the characteristic length, or by stiffness where every virtual joint has one [m or √J].
+    /// √(Σ w x²): in metres, turns being weighed by the characteristic length, or by stiffness where every virtual joint has one (m or √J).
     pub size: f64,
     /// Largest mismatch, in radians and characteristic lengths.
     pub residual: f64,
@@ -72,7 +72,7 @@ pub fn virtual_weights(system: &MechanismSystem<'_>) -> DVector<f64> {
 /// Commands do not determine them, so that they are not used to save displacement of virtual joints; the joints stay as near home as closed loops allow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommandedJoints {
-    /// (f) closed coordinates, virtual joints at rest [m, rad].
+    /// (f) closed coordinates, virtual joints at rest (m, rad).
     home: DVector<f64>,
     coordinates: Vec<usize>,
     undetermined: usize,
@@ -113,7 +113,7 @@ impl CommandedJoints {
     /// Home with the commanded coordinates at other values and all virtual joints at rest: where [`relieve`] starts.
     ///
     /// # Arguments
-    /// * `values` – of the commanded coordinates [m, rad]
+    /// * `values` – of the commanded coordinates (m, rad)
     /// * `virtual_joints` – how many the mechanism has
     #[must_use]
     pub fn start(
@@ -243,7 +243,7 @@ fn relieved_from(
     Ok(Relief { coordinates, virtual_joints, size, residual, iterations })
 }
 
-/// (p) how far passive joints are from home [m, rad]; for a ball, the rotation vector from there to here in the turned frame.
+/// (p) how far passive joints are from home (m, rad); for a ball, the rotation vector from there to here in the turned frame.
 fn off_home(
     here: &MechanismSystem<'_>,
     commanded: &CommandedJoints,

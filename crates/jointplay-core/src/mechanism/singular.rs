@@ -74,7 +74,7 @@ impl<'a> DrivenCurve<'a> {
         Configuration { coordinates: by.component_mul(&columns), ..self.here() }
     }
 
-    /// (f + M) coordinates of a displacement on the curve [m, rad].
+    /// (f + M) coordinates of a displacement on the curve (m, rad).
     fn coordinates(&self, by: &DVector<f64>) -> DVector<f64> {
         let joints = self.full(&self.displaced(by)).coordinates;
         let mut all = DVector::zeros(self.system.home().len());

@@ -29,11 +29,11 @@ pub struct Suggestion {
     pub virtual_joints: Vec<VirtualJoint>,
     /// Whether every symmetry of the mechanism at home maps the set onto itself; `false` where it has none.
     pub symmetric: bool,
-    /// The largest displacement over the commands, in the metric [m].
+    /// The largest displacement over the commands, in the metric (m).
     pub size: f64,
-    /// (M) largest displacement of each virtual joint over the commands [m or rad].
+    /// (M) largest displacement of each virtual joint over the commands (m or rad).
     pub largest: Vec<f64>,
-    /// Configuration for each command: (f) coordinates of the joints [m, rad].
+    /// Configuration for each command: (f) coordinates of the joints (m, rad).
     pub configurations: Vec<DVector<f64>>,
     /// Joint coordinates that are beyond their limits for one of the commands.
     pub beyond_limits: Vec<BeyondLimits>,
@@ -44,7 +44,7 @@ pub struct Suggestion {
 pub struct Suggestions {
     /// Whether any play is needed at all: `false` where the links alone allow every command.
     pub needed: bool,
-    /// Configuration of the rigid links for each command, if no play is needed: (f) coordinates [m, rad].
+    /// Configuration of the rigid links for each command, if no play is needed: (f) coordinates (m, rad).
     pub without_play: Vec<DVector<f64>>,
     /// Joint coordinates that are beyond their limits there.
     pub beyond_limits: Vec<BeyondLimits>,
@@ -75,9 +75,9 @@ impl Suggestions {
 /// Joints that the commands leave undetermined stay as near home as they can, see [`CommandedJoints`].
 ///
 /// # Arguments
-/// * `home` – (f) closed coordinates without virtual joints [m, rad]
+/// * `home` – (f) closed coordinates without virtual joints (m, rad)
 /// * `commanded` – indices of the commanded coordinates
-/// * `commands` – values of these coordinates, a vector for each command [m, rad]
+/// * `commands` – values of these coordinates, a vector for each command (m, rad)
 ///
 /// # Errors
 /// [`Error::NotRelieved`] where not even all candidates together make a command possible; those of [`relieve`] and [`CommandedJoints::new`].

@@ -23,7 +23,7 @@ pub(super) struct Symmetry {
 
 /// A joint in the base frame.
 struct Place {
-    /// From the middle of the joints [m].
+    /// From the middle of the joints (m).
     at: Vector3<f64>,
     /// Directions that the kind has, without sense.
     axes: Vec<Vector3<f64>>,
@@ -39,7 +39,7 @@ pub(super) fn parallel(a: &Vector3<f64>, b: &Vector3<f64>) -> bool {
 /// Joints that all lie on one line have none here: what turns about the line is not looked for.
 ///
 /// # Arguments
-/// * `home` – (f + M) [m, rad]
+/// * `home` – (f + M) (m, rad)
 pub(super) fn symmetries(
     system: &MechanismSystem<'_>,
     home: &DVector<f64>,

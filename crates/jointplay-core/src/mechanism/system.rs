@@ -23,14 +23,14 @@ pub const MAX_DENSE: usize = 240;
 /// Lengths are those of the point in the middle of the joints, so that they do not depend on where the base is.
 ///
 /// # Source
-/// Loop closure in screws: [Gogu]; the orthonormal cycles are own derivation, `docs/explanation/mechanisms.md`
+/// Loop closure in screws: \[Gogu\]; the orthonormal cycles are own derivation, `docs/explanation/mechanisms.md`
 #[derive(Debug, Clone)]
 pub struct MechanismSystem<'a> {
     kinematics: Kinematics<'a>,
     home: DVector<f64>,
     reference: Vector3<f64>,
     characteristic_length: f64,
-    /// Largest distance of a joint frame from the origin of its link [m].
+    /// Largest distance of a joint frame from the origin of its link (m).
     reach: f64,
     /// (loops, joints) orthonormal cycles.
     cycles: DMatrix<f64>,
@@ -42,7 +42,7 @@ impl<'a> MechanismSystem<'a> {
     /// The system about a home configuration, closed or not.
     ///
     /// # Arguments
-    /// * `home` – (f + M) coordinates of the joints, then of the virtual joints [m, rad]
+    /// * `home` – (f + M) coordinates of the joints, then of the virtual joints (m, rad)
     ///
     /// # Errors
     /// [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::TooLarge`] beyond [`MAX_DENSE`].
@@ -105,7 +105,7 @@ impl<'a> MechanismSystem<'a> {
         &self.kinematics
     }
 
-    /// (f + M) the coordinates that displacements count from [m, rad].
+    /// (f + M) the coordinates that displacements count from (m, rad).
     #[must_use]
     pub fn home(&self) -> &DVector<f64> {
         &self.home
@@ -127,7 +127,7 @@ impl<'a> MechanismSystem<'a> {
         &self.cycles
     }
 
-    /// The point that lengths of the closures are those of, in the base frame [m].
+    /// The point that lengths of the closures are those of, in the base frame (m).
     #[must_use]
     pub fn reference(&self) -> Vector3<f64> {
         self.reference

@@ -49,7 +49,7 @@ pub struct FiniteMobility {
 /// Deterministic: the directions are the same at every call.
 ///
 /// # Source
-/// [ConnellyWhiteley] for the second-order condition; the bounds are own derivation, `docs/explanation/mobility.md`
+/// \[ConnellyWhiteley\] for the second-order condition; the bounds are own derivation, `docs/explanation/mobility.md`
 pub fn finite_mobility<S: System + ?Sized>(
     system: &S,
     at: &Configuration,

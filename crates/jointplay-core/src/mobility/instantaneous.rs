@@ -34,7 +34,7 @@ pub struct InstantaneousMobility {
     pub singular_values: DVector<f64>,
     /// Values at or below this one count as zero: the relative threshold times the largest value, or the round-off of the mechanism's dimensions where that is larger.
     pub threshold: f64,
-    /// Length in which J is scaled [m].
+    /// Length in which J is scaled (m).
     pub characteristic_length: f64,
     /// (n, mobility) orthonormal basis of the allowed motions; lengths are in units of `characteristic_length`.
     pub null_space: DMatrix<f64>,
@@ -72,7 +72,7 @@ impl InstantaneousMobility {
 /// Near a singular configuration the smallest values shrink with the distance to it; the rank drops only where they pass the threshold.
 ///
 /// # Source
-/// [Virtualization], IV.A; self-stress: [ConnellyWhiteley]
+/// \[Virtualization\], IV.A; self-stress: \[ConnellyWhiteley\]
 pub fn instantaneous_mobility<S: System + ?Sized>(
     system: &S,
     at: &Configuration,
@@ -92,7 +92,7 @@ pub fn instantaneous_mobility<S: System + ?Sized>(
 /// As [`instantaneous_mobility`].
 ///
 /// # Source
-/// [Virtualization], eq. (2)
+/// \[Virtualization\], eq. (2)
 pub fn augmented_mobility<S: System + ?Sized>(
     system: &S,
     at: &Configuration,

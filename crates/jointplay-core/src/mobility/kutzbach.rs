@@ -12,7 +12,7 @@
 /// * `joint_freedoms` – freedoms f_j of each joint
 ///
 /// # Source
-/// [Gogu]
+/// \[Gogu\]
 #[must_use]
 pub fn kutzbach_mobility(links: usize, joint_freedoms: &[usize]) -> i64 {
     let count = |n: usize| i64::try_from(n).unwrap_or(i64::MAX / 16);

@@ -132,7 +132,7 @@ fn zero_near(
 /// Whether two of the quadrics are independent and some combination of them is of rank 3 or more, which makes it irreducible over the complex numbers.
 ///
 /// # Source
-/// Dimension of an intersection: [CoxLittleOShea], section 9.4
+/// Dimension of an intersection: \[CoxLittleOShea\], section 9.4
 fn has_irreducible_pair(quadrics: &[DMatrix<f64>], cut: f64) -> Result<bool, Error> {
     let flat: Vec<DVector<f64>> =
         quadrics.iter().map(|quadric| DVector::from_column_slice(quadric.as_slice())).collect();

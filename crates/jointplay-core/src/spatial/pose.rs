@@ -6,7 +6,7 @@ use nalgebra::{
 
 /// A rigid transform, named by its target frame and its source frame: `base_from_platform`.
 ///
-/// `base_from_platform * point_in_platform` is the point in the base frame [m].
+/// `base_from_platform * point_in_platform` is the point in the base frame (m).
 pub type Pose = IsometryMatrix3<f64>;
 
 /// The shortest rotation that carries e_b3 onto `normal`.
@@ -39,7 +39,7 @@ pub fn tilt_rotation(normal: &Vector3<f64>) -> Rotation3<f64> {
     ))
 }
 
-/// Axis times angle of a rotation, the angle from 0 to π [rad].
+/// Axis times angle of a rotation, the angle from 0 to π (rad).
 ///
 /// # Numerics
 /// By the quaternion, exact to round-off everywhere; from the cosine of the angle it would be off by 10⁻⁸ for small turns, and not a number where round-off puts the cosine above one.
@@ -54,15 +54,15 @@ pub fn rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
 /// Where both triangles have the same sides, every point falls on its target.
 ///
 /// # Arguments
-/// * `points_in_platform` – three points in the plane z = 0 of the platform frame [m]
-/// * `targets_in_base` – three points in the base frame, run round in the same sense seen from above [m]
+/// * `points_in_platform` – three points in the plane z = 0 of the platform frame (m)
+/// * `targets_in_base` – three points in the base frame, run round in the same sense seen from above (m)
 /// * `normal` – unit normal of the plane of the targets, upward, in the base frame
 ///
 /// # Numerics
 /// The in-plane turn is the two-dimensional Procrustes fit in closed form: two sums and one root.
 ///
 /// # Source
-/// [Umeyama], eq. (40), in two dimensions.
+/// \[Umeyama\], eq. (40), in two dimensions.
 #[must_use]
 // Always, like `tilt_rotation`: a quarter of the time of a closed-form pose.
 #[inline(always)]

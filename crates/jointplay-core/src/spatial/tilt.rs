@@ -10,12 +10,12 @@ use nalgebra::Vector3;
 /// A negative pitch tilts in the opposite direction: `(γ, −α)` and `(γ + π, α)` are one tilt.
 ///
 /// # Source
-/// [Virtualization], VI.A
+/// \[Virtualization\], VI.A
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tilt {
-    /// Azimuth γ toward which the platform tilts, from e_b1 toward e_b2 [rad].
+    /// Azimuth γ toward which the platform tilts, from e_b1 toward e_b2 (rad).
     pub yaw: f64,
-    /// Angle α between the platform normal and e_b3 [rad].
+    /// Angle α between the platform normal and e_b3 (rad).
     pub pitch: f64,
 }
 
@@ -42,7 +42,7 @@ impl Tilt {
         Self { yaw, pitch: horizontal.atan2(normal.z) }
     }
 
-    /// The same tilt as one rotation vector in the base plane: angles about e_b1 and about e_b2 [rad].
+    /// The same tilt as one rotation vector in the base plane: angles about e_b1 and about e_b2 (rad).
     ///
     /// ```text
     ///    (θ_x, θ_y) = α (−sin γ, cos γ)
@@ -54,7 +54,7 @@ impl Tilt {
         (-self.pitch * sin_yaw, self.pitch * cos_yaw)
     }
 
-    /// The tilt of a rotation vector in the base plane, see [`Self::about_x_and_y`] [rad].
+    /// The tilt of a rotation vector in the base plane, see [`Self::about_x_and_y`] (rad).
     #[must_use]
     pub fn from_about_x_and_y(about_x: f64, about_y: f64) -> Self {
         let pitch = about_x.hypot(about_y);

@@ -26,13 +26,13 @@ pub trait Virtualization {
     /// The virtual joints, in the order of X; from 3 to [`MAX_VIRTUAL_JOINTS`](super::MAX_VIRTUAL_JOINTS) of them.
     fn joints(&self) -> &[VirtualJoint];
 
-    /// Writes the X at which every socket is at its nominal place, where every solve starts ([m], [rad]).
+    /// Writes the X at which every socket is at its nominal place, where every solve starts ((m), (rad)).
     fn nominal(&self, platform: &Platform, x: &mut [f64]);
 
-    /// The three sockets p_k(X) [m].
+    /// The three sockets p_k(X) (m).
     fn sockets(&self, platform: &Platform, x: &[f64]) -> Sockets;
 
-    /// Writes ∂p/∂X: for each virtual joint, the velocities of the three sockets ([m/m], [m/rad]).
+    /// Writes ∂p/∂X: for each virtual joint, the velocities of the three sockets ((m/m), (m/rad)).
     fn socket_velocities(&self, platform: &Platform, x: &[f64], velocities: &mut [Sockets]);
 
     /// The built-in virtualization with the same equations, whose poses [`bulk`](crate::bulk) computes many at a time; `None`, the default, computes them one by one.
@@ -43,7 +43,7 @@ pub trait Virtualization {
     /// Writes the exact X of least displacement for these sides and returns `true`, where a closed form exists.
     ///
     /// # Arguments
-    /// * `sides` – L_12, L_23, L_31, all positive and forming a triangle [m]
+    /// * `sides` – L_12, L_23, L_31, all positive and forming a triangle (m)
     fn closed_form(&self, platform: &Platform, sides: &Sides, x: &mut [f64]) -> bool {
         let _ = (platform, sides, x);
         false

@@ -15,17 +15,17 @@ use crate::error::finite;
 /// Own choice; that the paper's numbers in mm and rad are ρ = 1 mm is shown in `docs/explanation/errata.md`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Metric {
-    /// ρ = 1 mm: the implicit metric of [Virtualization], which adds mm² to rad².
+    /// ρ = 1 mm: the implicit metric of \[Virtualization\], which adds mm² to rad².
     #[default]
     Paper,
     /// ρ = the mean socket radius: an angle counts as the arc that the socket runs through.
     PlatformRadius,
-    /// Any other ρ, positive [m].
+    /// Any other ρ, positive (m).
     Length(f64),
 }
 
 impl Metric {
-    /// ρ for a platform [m].
+    /// ρ for a platform (m).
     ///
     /// # Errors
     /// [`Error::NotFinite`], [`Error::OutOfRange`] for a length that is not a positive number.

@@ -11,7 +11,7 @@ use super::{BuiltIn, Platform, Sockets, VirtualJoint, VirtualJointKind, Virtuali
 /// [`Planar`](super::Planar) is the same freedom without that point.
 ///
 /// # Source
-/// [Virtualization], V.B, with the misprinted index of r_3 put right (`docs/explanation/errata.md`)
+/// \[Virtualization\], V.B, with the misprinted index of r_3 put right (`docs/explanation/errata.md`)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Offset;
 

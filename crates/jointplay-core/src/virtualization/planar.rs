@@ -10,7 +10,7 @@ use super::{BuiltIn, Platform, Sides, Sockets, VirtualJoint, VirtualJointKind, V
 /// Least displacement places the platform by the centroids and the in-plane turn of the Procrustes fit, for any geometry in closed form.
 ///
 /// # Source
-/// Own derivation, `docs/explanation/kinematics.md`; the fit is [Umeyama], eq. (40), in two dimensions
+/// Own derivation, `docs/explanation/kinematics.md`; the fit is \[Umeyama\], eq. (40), in two dimensions
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Planar;
 

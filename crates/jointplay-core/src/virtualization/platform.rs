@@ -5,10 +5,10 @@ use nalgebra::Vector2;
 use crate::Error;
 use crate::error::finite;
 
-/// The three sockets in the platform plane, in the platform frame [m].
+/// The three sockets in the platform plane, in the platform frame (m).
 pub type Sockets = [Vector2<f64>; 3];
 
-/// The three sides between ball centres, in the order L_12, L_23, L_31 [m].
+/// The three sides between ball centres, in the order L_12, L_23, L_31 (m).
 pub type Sides = [f64; 3];
 
 /// The least height of a triangle over its longest side that still fixes a plane.
@@ -25,7 +25,7 @@ pub struct Platform {
 }
 
 impl Platform {
-    /// A platform from its socket radii [m] and angles from e_p1 toward e_p2 [rad].
+    /// A platform from its socket radii (m) and angles from e_p1 toward e_p2 (rad).
     ///
     /// # Errors
     /// [`Error::NotFinite`], [`Error::NotPositive`] for a radius, [`Error::Collinear`] sockets.
@@ -50,13 +50,13 @@ impl Platform {
         Ok(Self { radii, angles, directions, sockets, equally_spaced })
     }
 
-    /// Socket radii r_k [m].
+    /// Socket radii r_k (m).
     #[must_use]
     pub fn radii(&self) -> &[f64; 3] {
         &self.radii
     }
 
-    /// Socket angles β_k [rad].
+    /// Socket angles β_k (rad).
     #[must_use]
     pub fn angles(&self) -> &[f64; 3] {
         &self.angles
@@ -68,13 +68,13 @@ impl Platform {
         &self.directions
     }
 
-    /// Nominal sockets r_k u(β_k) [m].
+    /// Nominal sockets r_k u(β_k) (m).
     #[must_use]
     pub fn sockets(&self) -> &Sockets {
         &self.sockets
     }
 
-    /// Mean of the socket radii, the platform's own measure of length [m].
+    /// Mean of the socket radii, the platform's own measure of length (m).
     #[must_use]
     pub fn mean_radius(&self) -> f64 {
         // Differences to the first, so that the mean of equal radii is that radius to the bit.
@@ -103,7 +103,7 @@ pub(crate) fn sides_of(points: &Sockets) -> Sides {
     [(p_2 - p_1).norm(), (p_3 - p_2).norm(), (p_1 - p_3).norm()]
 }
 
-/// Twice the area of a triangle, positive where it runs round counter-clockwise [m²].
+/// Twice the area of a triangle, positive where it runs round counter-clockwise (m²).
 #[inline]
 pub(crate) fn signed_area(points: &Sockets) -> f64 {
     (points[1] - points[0]).perp(&(points[2] - points[0]))

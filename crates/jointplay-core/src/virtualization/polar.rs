@@ -10,7 +10,7 @@ use super::{BuiltIn, Platform, Sockets, VirtualJoint, VirtualJointKind, Virtuali
 /// Six unknowns for three sides: the metric decides.
 ///
 /// # Source
-/// [Virtualization], V.A, with the signs of ∂F_31/∂φ put right (`docs/explanation/errata.md`)
+/// \[Virtualization\], V.A, with the signs of ∂F_31/∂φ put right (`docs/explanation/errata.md`)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Polar;
 

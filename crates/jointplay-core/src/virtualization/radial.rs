@@ -8,7 +8,7 @@ use super::{BuiltIn, Platform, Sides, Sockets, VirtualJoint, VirtualJointKind, V
 /// With sockets 120° apart O_p is the Fermat point of the ball centres, the point from which all sides are seen under 120°.
 ///
 /// # Source
-/// [Virtualization], III and Fig. 3; closed form: own derivation, `docs/explanation/kinematics.md`
+/// \[Virtualization\], III and Fig. 3; closed form: own derivation, `docs/explanation/kinematics.md`
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Radial;
 

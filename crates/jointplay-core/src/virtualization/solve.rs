@@ -41,15 +41,15 @@ impl Default for SolveOptions {
 /// Displacements of the virtual joints, with their evidence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solution {
-    /// X, in the order of the virtualization's joints ([m], [rad]).
+    /// X, in the order of the virtualization's joints ((m), (rad)).
     pub virtual_joints: VirtualJoints,
     /// Solver used: differs from the one requested where a closed form does not exist.
     pub solver: Solver,
-    /// ρ of the metric [m].
+    /// ρ of the metric (m).
     pub characteristic_length: f64,
     /// Iterations done, 0 for a closed form.
     pub iterations: usize,
-    /// Largest difference between a side and its virtual length [m].
+    /// Largest difference between a side and its virtual length (m).
     pub residual: f64,
 }
 
@@ -63,7 +63,7 @@ pub struct Solution {
 /// A start at the last pose instead would make the answer depend on the path.
 ///
 /// # Arguments
-/// * `sides` – L_12, L_23, L_31 [m]
+/// * `sides` – L_12, L_23, L_31 (m)
 ///
 /// # Errors
 /// [`Error::NotConverged`] with the best iterate, [`Error::DependentSides`], [`Error::VirtualJointCount`], [`Error::OutOfRange`] for the metric.
@@ -73,7 +73,7 @@ pub struct Solution {
 /// Least norm takes only a share of the step to the least displacement, halved each time that a step reverses the last one: the full step overshoots where angles cost little and displacements are large.
 ///
 /// # Source
-/// newton: [Virtualization], eq. (6)–(8); least norm: Gauss–Newton on the displacement, own derivation, `docs/explanation/kinematics.md`
+/// newton: \[Virtualization\], eq. (6)–(8); least norm: Gauss–Newton on the displacement, own derivation, `docs/explanation/kinematics.md`
 // Always: left to itself the compiler copies the solution from call to call, which takes as long as finding it.
 #[inline(always)]
 pub fn solve<V: Virtualization + ?Sized>(

@@ -8,9 +8,9 @@ pub const MAX_VIRTUAL_JOINTS: usize = 12;
 /// Whether a virtual joint slides or turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VirtualJointKind {
-    /// Its coordinate is a length [m].
+    /// Its coordinate is a length (m).
     Linear,
-    /// Its coordinate is an angle [rad].
+    /// Its coordinate is an angle (rad).
     Angular,
 }
 

@@ -13,43 +13,43 @@ use crate::units::{deg, mm, shift};
 /// A new value of a station.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Change {
-    /// Where the centre of the lowest wafer rests, in the base frame [m]; of a drift, both places are moved alike.
+    /// Where the centre of the lowest wafer rests, in the base frame (m); of a drift, both places are moved alike.
     Position(Vector3<f64>),
-    /// Turn about the vertical [rad].
+    /// Turn about the vertical (rad).
     Yaw(f64),
     /// How it leans; in place of taught points and of a drift.
     Tilt(Tilt),
     /// The same, but a drift stays one: the place of its last slot is turned about that of its first.
     Turned(Tilt),
-    /// Taught points in the base frame, and how far from their plane they may be [m]; in place of a tilt and of a drift.
+    /// Taught points in the base frame, and how far from their plane they may be (m); in place of a tilt and of a drift.
     Taught {
-        /// The points [m].
+        /// The points (m).
         points: Vec<Vector3<f64>>,
-        /// The threshold [m].
+        /// The threshold (m).
         threshold: f64,
-        /// Standard deviation of a measured coordinate; `None` keeps what the file says [m].
+        /// Standard deviation of a measured coordinate; `None` keeps what the file says (m).
         noise: Option<f64>,
     },
-    /// Where the wafers of the first and the last slot rest [m]; in place of position, tilt and taught points.
+    /// Where the wafers of the first and the last slot rest (m); in place of position, tilt and taught points.
     Drift {
-        /// Of the first slot [m].
+        /// Of the first slot (m).
         first: Vector3<f64>,
-        /// Of the last slot [m].
+        /// Of the last slot (m).
         last: Vector3<f64>,
     },
-    /// From slot to slot [m].
+    /// From slot to slot (m).
     Pitch(f64),
-    /// Added in the station frame [m].
+    /// Added in the station frame (m).
     Offset(Vector3<f64>),
     /// Heights of handing over, and their speed.
     Stroke(Stroke),
-    /// Reach at which the arm counts as retracted [m].
+    /// Reach at which the arm counts as retracted (m).
     Retract(f64),
-    /// Places passed on the way, in the station frame [m].
+    /// Places passed on the way, in the station frame (m).
     Via(Vec<Vector3<f64>>),
     /// How it is entered.
     Approach(Approach),
-    /// How long it works on a wafer [s].
+    /// How long it works on a wafer (s).
     ProcessTime(f64),
 }
 
@@ -165,7 +165,7 @@ impl Station<'_> {
         }
     }
 
-    /// The noise of its taught points, as the file says [µm].
+    /// The noise of its taught points, as the file says (µm).
     fn taught_noise(&self) -> Option<f64> {
         let noise = self.table.get("taught")?.as_table_like()?.get("noise_um")?.as_value()?;
         noise.as_float().or_else(|| noise.as_integer().map(|whole| whole as f64))
@@ -199,7 +199,7 @@ impl Station<'_> {
         true
     }
 
-    /// The pitch that a drift tells, where the station has slots and no pitch of its own [mm].
+    /// The pitch that a drift tells, where the station has slots and no pitch of its own (mm).
     fn drifted_pitch(&self, first: &Value, last: Option<&Value>) -> Option<f64> {
         let slots = self.table.get("slots").and_then(Item::as_integer)?;
         if slots < 2 || self.table.contains_key("pitch_mm") {
@@ -218,7 +218,7 @@ fn replace(old: &mut Value, mut new: Value) {
     *old = new;
 }
 
-/// A length without the round-off of sums and turns, of far less than a nanometre [mm].
+/// A length without the round-off of sums and turns, of far less than a nanometre (mm).
 fn tidy(mm: f64) -> f64 {
     const FRACTIONS: f64 = 1e9;
     (mm * FRACTIONS).round() / FRACTIONS

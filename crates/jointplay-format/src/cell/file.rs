@@ -18,7 +18,7 @@ use crate::place::Error;
 /// Longer texts are refused unread.
 pub const MAX_BYTES: usize = 1_000_000;
 
-/// Standard gravity [m/s²].
+/// Standard gravity (m/s²).
 const GRAVITY: f64 = 9.80665;
 
 /// Materials by name: Young's modulus in GPa, Poisson's ratio, density in kg/m³.
@@ -26,7 +26,7 @@ const GRAVITY: f64 = 9.80665;
 /// Silicon is not isotropic; these are the means over the directions of a (100) wafer's plane.
 ///
 /// # Source
-/// [Hopcroft] for silicon
+/// \[Hopcroft\] for silicon
 const MATERIALS: [(&str, [f64; 3]); 2] =
     [("silicon", [148.0, 0.18, 2329.0]), ("glass", [73.0, 0.23, 2480.0])];
 

@@ -19,7 +19,7 @@ pub(super) fn lean(table: &Table) -> (f64, Option<jointplay_core::spatial::Tilt>
     (yaw, tilt)
 }
 
-/// The points of a list [m].
+/// The points of a list (m).
 pub(super) fn points(entry: &Entry, reader: &Reader) -> Option<Vec<Vector3<f64>>> {
     // All are read before one that is wrong ends it, so that each is told of.
     let points: Vec<_> = entry.list(reader)?.iter().map(|point| point.point(reader)).collect();

@@ -22,7 +22,7 @@ use crate::units::{deg, m_from_mm, mm, shift, um};
 /// Most slots of a station.
 const MOST_SLOTS: usize = 1000;
 
-/// How far taught points may be from their plane where nothing else is said [µm].
+/// How far taught points may be from their plane where nothing else is said (µm).
 const TAUGHT_THRESHOLD_UM: f64 = 100.0;
 
 /// How much of its pitch a station may be off between its first and last slot.

@@ -8,7 +8,7 @@ use super::file::{FrameTable, JointTable, Numbers};
 use super::problem::{Error, Problem};
 use super::values::Values;
 
-/// How far from perpendicular the axes of a universal joint may be [rad].
+/// How far from perpendicular the axes of a universal joint may be (rad).
 const PERPENDICULAR: f64 = 1e-6;
 
 /// The keys that place a joint on a link.

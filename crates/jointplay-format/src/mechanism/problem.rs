@@ -134,7 +134,7 @@ pub enum Problem {
         "`second_axis` is {degrees:.6}° from the axis, but has to be perpendicular to it (90°, within 1e-6 rad)"
     )]
     NotPerpendicular {
-        /// The angle between them [deg].
+        /// The angle between them (deg).
         degrees: f64,
     },
     /// A key that this kind needs.

@@ -18,7 +18,7 @@ use crate::place;
 /// A mechanism as read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MechanismFile {
-    /// The mechanism [m, rad].
+    /// The mechanism (m, rad).
     pub mechanism: Mechanism,
     /// Where it comes from.
     pub source: Option<String>,

@@ -109,7 +109,7 @@ impl AngleUnit {
     }
 }
 
-/// The largest length [m] and the largest angle [rad] that a file may name: far from where squares overflow.
+/// The largest length (m) and the largest angle (rad) that a file may name: far from where squares overflow.
 const LARGEST: f64 = 1e6;
 /// Numbers of mechanism files lie within this, in their own unit, so that no product of them overflows.
 const LARGEST_NUMBER: f64 = 1e12;
@@ -227,7 +227,7 @@ impl Values<'_> {
         Ok(Vector3::new(number(x)?, number(y)?, number(z)?))
     }
 
-    /// A point [m].
+    /// A point (m).
     pub(super) fn point(
         &self,
         key: &'static str,

@@ -18,15 +18,15 @@ pub const MAX_BYTES: usize = 1_000_000;
 /// How deep blocks may stand within each other.
 pub const MAX_DEPTH: usize = 32;
 
-/// The farthest that an axis may be sent, a turn or a slide alike [deg or mm].
+/// The farthest that an axis may be sent, a turn or a slide alike (deg or mm).
 const FARTHEST: f64 = 1e6;
-/// The longest pause: a day [s].
+/// The longest pause: a day (s).
 const LONGEST_WAIT: f64 = 86_400.0;
-/// The steepest tilt; at a right angle there are no rods [deg].
+/// The steepest tilt; at a right angle there are no rods (deg).
 const STEEPEST: f64 = 89.0;
-/// The slowest speed that ends within a working day [%].
+/// The slowest speed that ends within a working day (%).
 const SLOWEST: f64 = 0.01;
-/// The widest corner, as wide as a robot [mm].
+/// The widest corner, as wide as a robot (mm).
 const WIDEST_BLEND: f64 = 1000.0;
 /// The largest number of a slot, far beyond any station's.
 const MOST_SLOTS: i64 = 100_000;

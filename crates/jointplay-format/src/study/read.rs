@@ -20,9 +20,9 @@ pub const MAX_BYTES: usize = 1_000_000;
 
 /// The longest length that a study may name [mm]: a kilometre, far from where squares overflow.
 const LONGEST_MM: f64 = 1e6;
-/// The steepest angle that may be asked for [deg]; at a right angle there are no rods.
+/// The steepest angle that may be asked for (deg); at a right angle there are no rods.
 const STEEPEST_DEG: f64 = 89.999;
-/// The most turns that a yaw may count [deg].
+/// The most turns that a yaw may count (deg).
 const YAWS_DEG: f64 = 1e6;
 
 /// A study as read.

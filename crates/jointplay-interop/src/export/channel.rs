@@ -15,7 +15,7 @@ pub(super) struct Channel {
     pub(super) rates: Vec<f64>,
 }
 
-/// Intervals are not halved below this [s].
+/// Intervals are not halved below this (s).
 const SHORTEST: f64 = 1e-3;
 /// Shares of an interval at which its cubic is compared with the function.
 const PROBES: [f64; 3] = [0.25, 0.5, 0.75];
@@ -33,7 +33,7 @@ pub(super) fn cubic([v0, v1]: [f64; 2], [r0, r1]: [f64; 2], width: f64, since: f
 /// Intervals between breaks are halved until the cubics are within their tolerances; then keys that follow from their neighbours are left out, channel by channel.
 ///
 /// # Arguments
-/// * `breaks` – growing times at which a derivative of a channel may jump; first and last are the ends [s]
+/// * `breaks` – growing times at which a derivative of a channel may jump; first and last are the ends (s)
 /// * `tolerances` – for each channel, in its unit
 ///
 /// # Errors

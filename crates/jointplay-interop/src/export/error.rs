@@ -9,7 +9,7 @@ pub enum Error {
     /// A rate that is none.
     #[error("{rate} samples a second are none; ask for a rate above 0, such as 100")]
     Rate {
-        /// What was asked for [Hz].
+        /// What was asked for (Hz).
         rate: f64,
     },
     /// More samples than anybody reads.
@@ -23,7 +23,7 @@ pub enum Error {
     /// The robot is nowhere for the positions of a sample.
     #[error("at {time:.3} s the robot cannot be placed: {source}")]
     Placing {
-        /// When [s].
+        /// When (s).
         time: f64,
         /// Why.
         source: Box<CellError>,

@@ -25,7 +25,7 @@ use jointplay_format::units::um;
 /// Rods, platform and links are drawn by simple shapes where the cell gives them no bodies.
 ///
 /// # Arguments
-/// * `rate` – keys a second, between which viewers interpolate by cubics; the last key is the end of the motion [Hz]
+/// * `rate` – keys a second, between which viewers interpolate by cubics; the last key is the end of the motion (Hz)
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::TooManyPoses`], [`Error::Placing`], [`Error::TooLarge`]

@@ -73,7 +73,7 @@ struct File {
 /// The motion as an MCAP file; its clock begins at 0.
 ///
 /// # Arguments
-/// * `rate` – samples a second; the last one is the end of the motion [Hz]
+/// * `rate` – samples a second; the last one is the end of the motion (Hz)
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::TooManyPoses`], [`Error::Placing`], [`Error::Mcap`]

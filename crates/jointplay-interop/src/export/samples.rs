@@ -11,7 +11,7 @@ use jointplay_report::table::{Column, Values};
 /// All columns: time, line of the program, step; position, speed and acceleration of each axis; the wafer centre of each effector; and how many violations there are, where there are any.
 ///
 /// # Arguments
-/// * `rate` – rows a second; the last row is the end of the motion [Hz]
+/// * `rate` – rows a second; the last row is the end of the motion (Hz)
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Placing`]
@@ -26,7 +26,7 @@ const PART: usize = 1 << 16;
 /// The table of [`samples`], a part after the other: what is held does not grow with the duration.
 ///
 /// # Arguments
-/// * `rate` – rows a second; the last row is the end of the motion [Hz]
+/// * `rate` – rows a second; the last row is the end of the motion (Hz)
 /// * `take` – takes the next rows, as columns that are the same in all parts
 ///
 /// # Errors
@@ -47,7 +47,7 @@ pub fn samples_in_parts<E: From<Error>>(
 /// The same with rows between the even times, so that lines drawn from row to row are the motion: at the ends of steps, at peaks of speeds and where accelerations bend.
 ///
 /// # Arguments
-/// * `rate` – rows a second at least [Hz]
+/// * `rate` – rows a second at least (Hz)
 ///
 /// # Errors
 /// As [`samples`].
@@ -63,9 +63,9 @@ pub fn samples_with_peaks(
 /// [`samples`], or [`samples_with_peaks`], of a stretch of time.
 ///
 /// # Arguments
-/// * `rate` – rows a second at least [Hz]
+/// * `rate` – rows a second at least (Hz)
 /// * `peaks` – whether there are rows between the even times
-/// * `from`, `to` – first and last time; rows outside are left out [s]
+/// * `from`, `to` – first and last time; rows outside are left out (s)
 ///
 /// # Errors
 /// As [`samples`].
@@ -85,7 +85,7 @@ pub fn samples_within(
     table(motion_export, times.map(|time| motion.sample_at(time)))
 }
 
-/// Sample times between which velocities and accelerations are straight lines, within a share of the limits without a wafer [s].
+/// Sample times between which velocities and accelerations are straight lines, within a share of the limits without a wafer (s).
 fn peak_times(motion_export: &MotionExport<'_>, rate: f64, interval: [f64; 2]) -> Vec<f64> {
     let limits = motion_export.cell.robot.axes.iter().map(|axis| &axis.empty);
     motion_export.motion.peak_times(rate, interval, limits)
@@ -154,10 +154,10 @@ fn table(
     Ok(columns)
 }
 
-/// Where the wafer centre of each effector goes: x and y in the base frame at even times [m].
+/// Where the wafer centre of each effector goes: x and y in the base frame at even times (m).
 ///
 /// # Arguments
-/// * `rate` – points a second [Hz]
+/// * `rate` – points a second (Hz)
 ///
 /// # Errors
 /// As [`samples`].

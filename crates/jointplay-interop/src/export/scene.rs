@@ -12,7 +12,7 @@ use super::error::Error;
 use super::motion_export::MotionExport;
 use super::samples::{loaded, placed};
 
-/// How much before and after a sample it is looked where things are, to find how fast they go [s].
+/// How much before and after a sample it is looked where things are, to find how fast they go (s).
 const MOMENT: f64 = 1e-5;
 
 /// Most poses of frames that are held at once: 112 bytes each.
@@ -25,7 +25,7 @@ pub(super) struct Track {
     pub(super) of: Part,
     /// Index of the track that its poses are told in; `None` for the base.
     pub(super) parent: Option<usize>,
-    /// Origin in the parent, at each time [m].
+    /// Origin in the parent, at each time (m).
     pub(super) places: Vec<[f64; 3]>,
     /// Unit quaternion x, y, z, w in the parent, at each time; neighbours on the same side.
     pub(super) turns: Vec<[f64; 4]>,
@@ -38,7 +38,7 @@ pub(super) struct Track {
 /// How fast a frame goes in its parent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Rate {
-    /// Of its origin [m/s].
+    /// Of its origin (m/s).
     pub(super) place: [f64; 3],
     /// Of its unit quaternion, a second.
     pub(super) turn: [f64; 4],
@@ -48,7 +48,7 @@ pub(super) struct Rate {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RestingWafer {
     pub(super) slot: SlotId,
-    /// From when on, and until when [s].
+    /// From when on, and until when (s).
     pub(super) from: f64,
     pub(super) to: f64,
 }
@@ -68,7 +68,7 @@ pub(super) enum Part {
 
 /// All frames that move.
 pub(super) struct Scene {
-    /// [s].
+    /// (s).
     pub(super) times: Vec<f64>,
     /// Parents before children.
     pub(super) tracks: Vec<Track>,
@@ -275,7 +275,7 @@ impl Wafers {
         named.map(|(k, wafer)| Track::new(&wafer.name, Part::Wafer(k), None))
     }
 
-    /// Hands over what is handed over until a time [s].
+    /// Hands over what is handed over until a time (s).
     fn until(&mut self, motion_export: &MotionExport<'_>, time: f64) -> Result<(), Error> {
         let motion = motion_export.motion;
         while self.step < motion.steps.len() && motion.times[self.step + 1] <= time {
@@ -339,7 +339,7 @@ impl Wafers {
 pub struct Frame {
     /// What it is called.
     pub name: String,
-    /// Its origin [m].
+    /// Its origin (m).
     pub place: [f64; 3],
     /// Its unit quaternion x, y, z, w.
     pub turn: [f64; 4],
@@ -348,8 +348,8 @@ pub struct Frame {
 /// Where all would be at a moment of the motion if the axes stood elsewhere, and who carries a wafer then.
 ///
 /// # Arguments
-/// * `time` – the moment that tells which wafers are where [s]
-/// * `positions` – of all axes, rods first ([m], [rad])
+/// * `time` – the moment that tells which wafers are where (s)
+/// * `positions` – of all axes, rods first ((m), (rad))
 ///
 /// # Errors
 /// [`Error::Placing`]

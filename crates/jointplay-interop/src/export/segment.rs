@@ -9,11 +9,11 @@ use super::motion_export::MotionExport;
 use super::samples::{loaded, placed};
 use super::scene::rounded;
 
-/// How far cubics may be from the positions of axes between two keys [m or rad].
+/// How far cubics may be from the positions of axes between two keys (m or rad).
 const AXIS: f64 = 1e-8;
-/// How far cubics may be from the numbers of a pose between two keys [m], and for the vector part of a unit quaternion.
+/// How far cubics may be from the numbers of a pose between two keys (m), and for the vector part of a unit quaternion.
 const POSE: f64 = 2e-8;
-/// How much before and after a time it is looked where things are, to find how fast they move [s].
+/// How much before and after a time it is looked where things are, to find how fast they move (s).
 const MOMENT: f64 = 1e-5;
 /// Numbers of a pose: origin x, y, z, then the vector part x, y, z of a unit quaternion whose scalar part is positive.
 pub(super) const POSE_NUMBERS: usize = 6;
@@ -85,7 +85,7 @@ impl Segment {
     }
 }
 
-/// Origin [m] and vector part of the unit quaternion of a pose; noise of round-off is left out.
+/// Origin (m) and vector part of the unit quaternion of a pose; noise of round-off is left out.
 pub(super) fn numbers_of(pose: &Pose) -> [f64; POSE_NUMBERS] {
     let turn = UnitQuaternion::from_rotation_matrix(&pose.rotation).into_inner();
     let turn = if turn.w < 0.0 { -turn.imag() } else { turn.imag() };

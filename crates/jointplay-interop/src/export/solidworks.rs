@@ -21,7 +21,7 @@ const MARK: &str = "NOT-SAFE-";
 /// The macro gives their motion to the motors of a motion study that have the names of the axes.
 ///
 /// # Arguments
-/// * `rate` – lines a second; the last line is the end of the motion [Hz]
+/// * `rate` – lines a second; the last line is the end of the motion (Hz)
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`]
@@ -52,7 +52,7 @@ pub fn motors(motion_export: &MotionExport<'_>) -> Vec<String> {
 ///
 /// # Arguments
 /// * `axis` – which, by index
-/// * `rate` – lines a second; the last line is the end of the motion [Hz]
+/// * `rate` – lines a second; the last line is the end of the motion (Hz)
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`]; within, those of the writer

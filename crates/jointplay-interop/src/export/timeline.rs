@@ -65,7 +65,7 @@ pub struct Window {
     pub key: String,
     /// Its steps.
     pub steps: Range<usize>,
-    /// When it starts [s].
+    /// When it starts (s).
     pub start: f64,
     /// Index of its first instruction.
     pub instruction: usize,

@@ -7,9 +7,9 @@ use jointplay_report::explain_violation;
 /// Something that is wrong with a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViolationNote {
-    /// From when on [s].
+    /// From when on (s).
     pub from: f64,
-    /// Until when [s].
+    /// Until when (s).
     pub to: f64,
     /// What it is.
     pub message: String,

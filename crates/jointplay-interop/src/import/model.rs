@@ -6,7 +6,7 @@ use jointplay_format::mechanism::{AngleUnit, Expected, LengthUnit, MechanismFile
 /// A model as taken over.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Imported {
-    /// The mechanism [m, rad].
+    /// The mechanism (m, rad).
     pub mechanism: Mechanism,
     /// Which kind of file it was.
     pub dialect: Dialect,

@@ -20,7 +20,7 @@ pub fn is_model(text: &str) -> bool {
 /// [`Error`] with the place: text that is no XML, unusable values, or what would change the mechanism if it were ignored.
 ///
 /// # Source
-/// [MJCF], [SDFormat], [URDF]
+/// \[MJCF\], \[SDFormat\], \[URDF\]
 pub fn parse(text: &str) -> Result<Imported, Error> {
     if text.len() > MAX_BYTES {
         let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };

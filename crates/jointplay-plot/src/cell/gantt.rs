@@ -11,14 +11,14 @@ use crate::svg::{Anchor, INK, Svg, px};
 use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
 use crate::{Colour, Error, png};
 
-/// Margin on the right [px].
+/// Margin on the right (px).
 const MARGIN: f64 = 16.0;
-/// Height of a row, and of the bar in it [px].
+/// Height of a row, and of the bar in it (px).
 const ROW: f64 = 16.0;
 const BAR: f64 = 10.0;
-/// Height of the ticks below the rows, with their labels and the gap to the next band [px].
+/// Height of the ticks below the rows, with their labels and the gap to the next band (px).
 const TICKS: f64 = 36.0;
-/// Smallest duration of a band [s].
+/// Smallest duration of a band (s).
 const SHORTEST: f64 = 60.0;
 /// Largest number of bands.
 const MOST_BANDS: f64 = 12.0;
@@ -26,9 +26,9 @@ const MOST_BANDS: f64 = 12.0;
 /// A time interval of one kind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interval {
-    /// Start [s].
+    /// Start (s).
     pub from: f64,
-    /// End [s].
+    /// End (s).
     pub to: f64,
     /// Its kind.
     pub kind: IntervalKind,
@@ -54,7 +54,7 @@ pub struct Gantt {
     pub axes: Vec<String>,
     /// Intervals of instructions, motions and violations.
     pub intervals: Vec<Interval>,
-    /// Duration of the trajectory [s].
+    /// Duration of the trajectory (s).
     pub duration: f64,
     /// Title above the picture; empty for none.
     pub title: String,
@@ -68,7 +68,7 @@ impl Gantt {
     /// # Arguments
     /// * `cell` – the cell of the trajectory
     /// * `lines` – text of the program, for the labels of instructions
-    /// * `violations` – start and end of each violation [s]
+    /// * `violations` – start and end of each violation (s)
     #[must_use]
     pub fn new(
         title: &str,

@@ -4,7 +4,7 @@ use jointplay_cell::geometry::Shape;
 use jointplay_core::spatial::Pose;
 use nalgebra::Point3;
 
-/// Corners of the least convex polygon about a shape at its place, seen from above, counter-clockwise; none for nothing [m].
+/// Corners of the least convex polygon about a shape at its place, seen from above, counter-clockwise; none for nothing (m).
 pub(super) fn outline(shape: &Shape, at: &Pose) -> Vec<[f64; 2]> {
     let surface = shape.surface();
     let mut points: Vec<[f64; 2]> = surface

@@ -3,17 +3,17 @@
 use crate::path::{Rectangle, Spot};
 use crate::text::{HALF_CAPITAL, TICK, width};
 
-/// Distance between a station and its label [px].
+/// Distance between a station and its label (px).
 const GAP: f64 = 8.0;
-/// Height of a label with its margin [px].
+/// Height of a label with its margin (px).
 const HEIGHT: f64 = 1.4 * TICK;
 
 /// A circle on the page.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Circle {
-    /// Centre on the page [px].
+    /// Centre on the page (px).
     pub(super) center: Spot,
-    /// Radius [px].
+    /// Radius (px).
     pub(super) radius: f64,
 }
 
@@ -22,7 +22,7 @@ pub(super) struct Circle {
 pub(super) struct Obstacles {
     /// Outlines of stations, and reaches of effectors.
     pub(super) circles: Vec<Circle>,
-    /// Paths of wafer centres [px].
+    /// Paths of wafer centres (px).
     pub(super) paths: Vec<Vec<Spot>>,
     /// Labels placed already.
     pub(super) labels: Vec<Rectangle>,

@@ -9,26 +9,26 @@ use crate::svg::{Anchor, INK, RIM, Svg, path_data, px};
 use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
 use crate::{Colour, Error, png};
 
-/// Margin around the picture and between stations [px].
+/// Margin around the picture and between stations (px).
 const MARGIN: f64 = 24.0;
-/// Height of the description of a station [px].
+/// Height of the description of a station (px).
 const WORDS: f64 = 3.0 * ROW + 10.0;
-/// Height of a line of the description [px].
+/// Height of a line of the description (px).
 const ROW: f64 = 18.0;
 /// Height of a station's drawing, as a share of its width.
 const HIGH: f64 = 0.5;
-/// Rotation of the base to the right, and elevation of the viewer [rad].
+/// Rotation of the base to the right, and elevation of the viewer (rad).
 const TURN: f64 = 0.5;
 const ELEVATION: f64 = 0.42;
-/// Drawn tilt of the steepest station [rad].
+/// Drawn tilt of the steepest station (rad).
 const DRAWN_TILT: f64 = 0.2;
 /// Drawn distance of the worst point from its plane, in radii of the disc.
 const DRAWN_DISTANCE: f64 = 0.3;
-/// Tilts below this are round-off and are not exaggerated [rad].
+/// Tilts below this are round-off and are not exaggerated (rad).
 const LEAST_TILT: f64 = 1e-8;
-/// Distances below this are round-off and are not exaggerated [m].
+/// Distances below this are round-off and are not exaggerated (m).
 const LEAST_DISTANCE: f64 = 1e-9;
-/// Length of the axes [px].
+/// Length of the axes (px).
 const AXES: f64 = 26.0;
 /// Corners of a circle.
 const CORNERS: u32 = 72;
@@ -63,12 +63,12 @@ struct Exaggeration {
 struct Frame {
     middle: (f64, f64),
     scale: f64,
-    /// Half of the width available for labels [px].
+    /// Half of the width available for labels (px).
     half: f64,
 }
 
 impl Frame {
-    /// A vector from the middle of the disc [m].
+    /// A vector from the middle of the disc (m).
     fn at(&self, v: &Vector3<f64>) -> (f64, f64) {
         let (right, away) =
             (v.x * TURN.cos() + v.y * TURN.sin(), v.y * TURN.cos() - v.x * TURN.sin());
@@ -239,7 +239,7 @@ fn points(svg: &mut Svg, frame: &Frame, fit: &PlaneFit, turn: &Rotation3<f64>, o
     }
 }
 
-/// A box on the page [px].
+/// A box on the page (px).
 #[derive(Clone, Copy)]
 struct Box2 {
     middle: (f64, f64),
@@ -254,7 +254,7 @@ impl Box2 {
         Self { middle, half }
     }
 
-    /// Area that it has in common with another [px²].
+    /// Area that it has in common with another (px²).
     fn overlap(&self, other: &Self) -> f64 {
         let x = self.half.0 + other.half.0 - (self.middle.0 - other.middle.0).abs();
         let y = self.half.1 + other.half.1 - (self.middle.1 - other.middle.1).abs();
@@ -262,7 +262,7 @@ impl Box2 {
     }
 }
 
-/// Taught points relative to their centre [m].
+/// Taught points relative to their centre (m).
 fn places(fit: Option<&PlaneFit>) -> impl Iterator<Item = Vector3<f64>> {
     fit.into_iter().flat_map(|fit| fit.points.iter().map(|point| point - fit.center))
 }

@@ -13,15 +13,15 @@ use crate::svg::{Anchor, INK, RIM, Svg, element, path_data, px};
 use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
 use crate::{Colour, Error, png};
 
-/// Margin around the cell, for labels [px].
+/// Margin around the cell, for labels (px).
 const MARGIN: f64 = 40.0;
-/// Height of a line of the legend [px].
+/// Height of a line of the legend (px).
 const ROW: f64 = 20.0;
-/// Height of the axes and the scale [px].
+/// Height of the axes and the scale (px).
 const FOOT: f64 = 56.0;
 /// Largest height of the cell, as a share of the page width.
 const HIGH: f64 = 1.0;
-/// Length of the axes [px].
+/// Length of the axes (px).
 const AXES: f64 = 26.0;
 
 const FORBIDDEN: &str = " fill=\"#d55e00\" fill-opacity=\"0.12\" stroke=\"#d55e00\" stroke-width=\"1.2\" stroke-dasharray=\"6 3\"";
@@ -38,9 +38,9 @@ const ROBOT: &str = " fill=\"#ececec\" stroke=\"#5c5c5c\" stroke-width=\"1.2\"";
 pub struct EffectorPath {
     /// The effector.
     pub effector: EffectorId,
-    /// Least and greatest distance of its wafer centre from the base axis [m].
+    /// Least and greatest distance of its wafer centre from the base axis (m).
     pub reach: [f64; 2],
-    /// Path of its wafer centre in the base frame [m].
+    /// Path of its wafer centre in the base frame (m).
     pub points: Vec<[f64; 2]>,
 }
 
@@ -51,7 +51,7 @@ pub struct TopView<'a> {
     pub cell: &'a Cell,
     /// Reaches and paths of its effectors.
     pub paths: Vec<EffectorPath>,
-    /// Positions of violations in the base frame [m].
+    /// Positions of violations in the base frame (m).
     pub violations: Vec<[f64; 2]>,
     /// Bodies and zones involved in violations; only fixed ones are drawn.
     pub violating: Vec<EntityId>,
@@ -144,7 +144,7 @@ impl<'a> TopView<'a> {
         png::paint(&self.to_svg()?, width_px)
     }
 
-    /// Corners of the visible part of the base plane [m].
+    /// Corners of the visible part of the base plane (m).
     fn extent(&self) -> Result<([f64; 2], [f64; 2]), Error> {
         let reach = self.paths.iter().map(|path| path.reach[1]).fold(self.platform(), f64::max);
         let mut points = vec![[-reach, -reach], [reach, reach]];
@@ -177,7 +177,7 @@ impl<'a> TopView<'a> {
         }
     }
 
-    /// Radius of the platform [m].
+    /// Radius of the platform (m).
     fn platform(&self) -> f64 {
         self.cell.robot.gpr.platform().mean_radius()
     }
@@ -394,7 +394,7 @@ impl<'a> TopView<'a> {
     }
 }
 
-/// Width of a legend entry with the gap after it [px].
+/// Width of a legend entry with the gap after it (px).
 fn entry_width(text: &str) -> f64 {
     26.0 + width(text, TICK) + 16.0
 }

@@ -7,9 +7,9 @@ use super::view::View;
 /// An orthographic projection onto the page.
 pub(super) struct Camera {
     frame: [Vector3<f64>; 3],
-    /// Length of one size [px].
+    /// Length of one size (px).
     pub(super) scale: f64,
-    /// Position of the mechanism's centre [px].
+    /// Position of the mechanism's centre (px).
     middle: (f64, f64),
 }
 
@@ -17,13 +17,13 @@ impl Camera {
     /// A projection along a view.
     ///
     /// # Arguments
-    /// * `scale` – length of one size of the mechanism [px]
-    /// * `middle` – position of the mechanism's centre [px]
+    /// * `scale` – length of one size of the mechanism (px)
+    /// * `middle` – position of the mechanism's centre (px)
     pub(super) fn new(view: View, scale: f64, middle: (f64, f64)) -> Self {
         Self { frame: view.frame(), scale, middle }
     }
 
-    /// Position of a point on the page [px].
+    /// Position of a point on the page (px).
     pub(super) fn spot(&self, point: &Vector3<f64>) -> (f64, f64) {
         let [right, up, _] = &self.frame;
         (self.middle.0 + point.dot(right) * self.scale, self.middle.1 - point.dot(up) * self.scale)

@@ -17,7 +17,7 @@ pub(super) struct Material {
     edge: Colour,
 }
 
-/// Width of a line of play [px].
+/// Width of a line of play (px).
 pub(super) const GAP: f64 = 3.0;
 
 /// A passive joint.
@@ -46,7 +46,7 @@ impl Material {
         )
     }
 
-    /// A patch of it for a legend [px].
+    /// A patch of it for a legend (px).
     pub(super) fn swatch(self) -> String {
         element("M0 -5h18v10h-18z", &self.attributes(self.side))
     }
@@ -161,7 +161,7 @@ pub(super) fn gap(ends: [Vector3<f64>; 2], camera: &Camera, width: f64) -> Item 
     Item { depth, points: ends.to_vec(), drawn }
 }
 
-/// The head of an arrow with its tip slightly beyond `tip`, along `direction` [px].
+/// The head of an arrow with its tip slightly beyond `tip`, along `direction` (px).
 fn head(tip: (f64, f64), direction: (f64, f64), length: f64) -> String {
     let at = |along: f64, aside: f64| {
         (
@@ -190,13 +190,13 @@ fn rail(camera: &Camera, at: Vector3<f64>, axis: Vector3<f64>, reach: f64) -> It
     Item { depth: camera.depth(&at) - 0.3 * reach, points: ends.to_vec(), drawn }
 }
 
-/// A circle [px].
+/// A circle (px).
 pub(super) fn circle((x, y): (f64, f64), r: f64) -> String {
     let (r, d) = (px(r), px(2.0 * r));
     format!("M{} {}m-{r} 0a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0z", px(x), px(y))
 }
 
-/// A circle of this radius [px] square to an axis in space.
+/// A circle of this radius (px) square to an axis in space.
 fn ellipse((x, y): (f64, f64), axis: &Vector3<f64>, r: f64, camera: &Camera) -> String {
     let side = camera.across(axis);
     let flat = r * camera.toward(axis).abs();

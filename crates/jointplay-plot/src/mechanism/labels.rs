@@ -12,12 +12,12 @@ const MANY: usize = 16;
 /// A name on the page.
 pub(super) struct Name {
     pub(super) text: String,
-    /// Left end of its base line [px].
+    /// Left end of its base line (px).
     pub(super) at: (f64, f64),
     pub(super) play: bool,
 }
 
-/// A rectangle on the page [px].
+/// A rectangle on the page (px).
 #[derive(Clone, Copy)]
 struct Room {
     x: f64,
@@ -42,11 +42,11 @@ impl Room {
 /// The part of the page that labels may use.
 #[derive(Clone, Copy)]
 pub(super) struct LabelArea {
-    /// Width of the page [px].
+    /// Width of the page (px).
     pub(super) width: f64,
-    /// Upper edge [px].
+    /// Upper edge (px).
     pub(super) top: f64,
-    /// Lower edge [px].
+    /// Lower edge (px).
     pub(super) bottom: f64,
 }
 

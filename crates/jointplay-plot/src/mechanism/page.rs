@@ -13,15 +13,15 @@ use crate::scale_bar::scale_bar;
 use crate::svg::{Anchor, INK, RIM, Svg, element, path_data, px};
 use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
 
-/// Margin around the mechanism, for labels [px].
+/// Margin around the mechanism, for labels (px).
 const MARGIN: f64 = 46.0;
-/// Height of axes, scale and legend [px].
+/// Height of axes, scale and legend (px).
 const FOOT: f64 = 74.0;
 /// Largest height of the mechanism, as a share of the page width.
 const HIGH: f64 = 0.72;
 /// Largest length of the scale, as a share of the page width.
 const SCALE: f64 = 0.2;
-/// Length of the axes [px].
+/// Length of the axes (px).
 const AXES: f64 = 26.0;
 
 /// The whole picture.

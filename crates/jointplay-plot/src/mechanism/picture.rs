@@ -40,9 +40,9 @@ use super::view::View;
 pub struct MechanismPicture<'a> {
     /// The mechanism.
     pub mechanism: &'a Mechanism,
-    /// Its configuration (f + M) [m, rad].
+    /// Its configuration (f + M) (m, rad).
     pub coordinates: DVector<f64>,
-    /// Another configuration whose links are drawn faintly (f + M) [m, rad].
+    /// Another configuration whose links are drawn faintly (f + M) (m, rad).
     pub ghost: Option<DVector<f64>>,
     /// Play scale, shown in the legend; `None` draws the configuration to scale.
     pub exaggeration: Option<f64>,
@@ -50,7 +50,7 @@ pub struct MechanismPicture<'a> {
     pub view: Option<View>,
     /// Title above the picture; empty for none.
     pub title: String,
-    /// Width [px].
+    /// Width (px).
     pub width: f64,
 }
 
@@ -98,7 +98,7 @@ impl<'a> MechanismPicture<'a> {
         self
     }
 
-    /// The picture with another width [px].
+    /// The picture with another width (px).
     #[must_use]
     pub fn with_width(mut self, width: f64) -> Self {
         self.width = width;

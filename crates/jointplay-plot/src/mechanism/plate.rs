@@ -10,14 +10,14 @@ use crate::svg::{element, path_data, px};
 const LINK: [&str; 2] = ["#bfd4e6", "#4a6580"];
 const BASE: [&str; 2] = ["url(#base)", "#5c5c5c"];
 pub(super) const GHOST: [&str; 2] = ["#f3f6f9", "#8fa3b5"];
-/// Width of an edge [px].
+/// Width of an edge (px).
 pub(super) const EDGE: f64 = 1.1;
 /// What is nearer to a line than this is on it, in sizes.
 pub(super) const STRAIGHT: f64 = 1e-6;
 
 /// A link drawn as a plate.
 pub(super) struct Plate {
-    /// Its outline on the page [px].
+    /// Its outline on the page (px).
     pub(super) outline: Vec<(f64, f64)>,
     /// Mean of its corners, in sizes.
     pub(super) middle: Vector3<f64>,

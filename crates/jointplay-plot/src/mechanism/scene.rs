@@ -8,7 +8,7 @@ use crate::Error;
 
 /// Joints closer than this coincide, in sizes.
 const TOGETHER: f64 = 1e-3;
-/// Directions within this angle are parallel [rad].
+/// Directions within this angle are parallel (rad).
 const PARALLEL: f64 = 1e-3;
 /// Displacement of a prismatic joint away from a coincident joint, in sizes.
 const ASIDE: f64 = 0.3;
@@ -32,9 +32,9 @@ pub(super) struct Scene {
     pub(super) gaps: Vec<[Vector3<f64>; 2]>,
     /// Play scale.
     pub(super) exaggeration: Option<f64>,
-    /// Centre of the mechanism [m].
+    /// Centre of the mechanism (m).
     middle: Vector3<f64>,
-    /// The length of one size [m].
+    /// The length of one size (m).
     pub(super) size: f64,
     /// Radius of a joint.
     pub(super) radius: f64,

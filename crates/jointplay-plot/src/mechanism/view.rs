@@ -11,15 +11,15 @@ use crate::path::{Spot, crossing};
 /// The direction from the mechanism to the viewer, with z up in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
-    /// Azimuth of the eye, from x toward y [rad].
+    /// Azimuth of the eye, from x toward y (rad).
     pub azimuth: f64,
-    /// Elevation of the eye above the xy plane [rad].
+    /// Elevation of the eye above the xy plane (rad).
     pub elevation: f64,
 }
 
 /// Directions nearer to parallel than this count as parallel.
 const PARALLEL: f64 = 1e-6;
-/// Angle between the view of a planar mechanism and its normal, so that hinges show their direction [rad].
+/// Angle between the view of a planar mechanism and its normal, so that hinges show their direction (rad).
 const OBLIQUITY: f64 = 25.0 * PI / 180.0;
 /// The default view.
 const USUAL: View = View { azimuth: -60.0 * PI / 180.0, elevation: 25.0 * PI / 180.0 };

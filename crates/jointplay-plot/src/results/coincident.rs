@@ -2,7 +2,7 @@
 
 use crate::Curve;
 
-/// Distance below which two curves are drawn on top of each other [px].
+/// Distance below which two curves are drawn on top of each other (px).
 const INDISTINGUISHABLE: f64 = 0.5;
 
 /// The curves, with those that are nowhere farther apart than half a pixel merged into the first of them.
@@ -12,7 +12,7 @@ const INDISTINGUISHABLE: f64 = 0.5;
 /// # Arguments
 /// * `curves` – curves of one panel, over the same abscissae
 /// * `unit` – unit of the ordinates
-/// * `height` – height of the panel [px]
+/// * `height` – height of the panel (px)
 pub(super) fn merged(curves: Vec<Curve>, unit: &str, height: f64) -> Vec<Curve> {
     let ordinates = || curves.iter().flat_map(|curve| &curve.y).copied().filter(|y| y.is_finite());
     let range =

@@ -5,9 +5,9 @@ use jointplay_study::{Order, Samples, Series, SeriesKind};
 use super::{coincident, symbol};
 use crate::{Axis, Curve, Dash, Figure, Panel, Style, rod_style};
 
-/// Height of a panel that shows one curve of a raster [px].
+/// Height of a panel that shows one curve of a raster (px).
 const RASTER_PANEL: f64 = 120.0;
-/// Width of a curve with many steep strokes [px].
+/// Width of a curve with many steep strokes (px).
 const THIN: f64 = 1.0;
 
 /// Rod lengths (Fig. 5).
@@ -95,7 +95,7 @@ fn axis_label(samples: &Samples) -> String {
     format!("tilt direction (deg); from each to the next, tilt angle from {from}° to {to}°{back}")
 }
 
-/// Position of each sample along the axis of tilt directions [deg].
+/// Position of each sample along the axis of tilt directions (deg).
 #[expect(clippy::cast_precision_loss, reason = "a sample number, far below 2⁵³")]
 fn positions(samples: &Samples) -> Vec<f64> {
     let count = samples.samples_per_row;

@@ -19,7 +19,7 @@ use jointplay_format::study::{Column, Source};
 
 /// What a file begins and ends with.
 pub(super) const MAGIC: &[u8; 4] = b"PAR1";
-/// Length of the end of a file: how long what it says is, and the magic number [bytes].
+/// Length of the end of a file: how long what it says is, and the magic number (bytes).
 const TAIL: usize = 8;
 
 /// What a file says of one chunk.

@@ -124,17 +124,17 @@ pub(crate) struct SamplesRequest {
     /// Text of the program; default: that of the file.
     #[serde(default)]
     pub(crate) program: Option<String>,
-    /// Sampling rate [Hz].
+    /// Sampling rate (Hz).
     #[serde(default = "default_rate")]
     #[schema(required = false, default = 25.0, minimum = 0.1, maximum = 10000)]
     pub(crate) rate_hz: f64,
     /// Additional samples at extrema of velocities and at kinks of accelerations, so that linear interpolation reproduces the motion.
     #[serde(default)]
     pub(crate) peaks: bool,
-    /// Start of the time range; default: start of the motion [s].
+    /// Start of the time range; default: start of the motion (s).
     #[serde(default)]
     pub(crate) from_s: Option<f64>,
-    /// End of the time range; default: end of the motion [s].
+    /// End of the time range; default: end of the motion (s).
     #[serde(default)]
     pub(crate) to_s: Option<f64>,
 }
@@ -144,7 +144,7 @@ fn default_rate() -> f64 {
 }
 
 impl SamplesRequest {
-    /// The sampling rate, checked [Hz].
+    /// The sampling rate, checked (Hz).
     pub(crate) fn rate(&self) -> Result<f64, Problem> {
         if (0.1..=10_000.0).contains(&self.rate_hz) {
             return Ok(self.rate_hz);
@@ -200,7 +200,7 @@ pub(crate) struct PlanDocument {
     pub(crate) instructions: usize,
     /// Number of violations.
     pub(crate) violations: usize,
-    /// Time intervals with violations; adjacent intervals are merged [s].
+    /// Time intervals with violations; adjacent intervals are merged (s).
     pub(crate) violations_s: Vec<Pair>,
     /// The motion in windows; empty without a motion.
     pub(crate) windows: Vec<WindowDocument>,
@@ -230,7 +230,7 @@ pub(crate) struct PlanDocument {
 pub(crate) struct WindowDocument {
     /// Hash of its contents, which `cell/windows/{key}` returns.
     pub(crate) key: String,
-    /// Start time [s].
+    /// Start time (s).
     pub(crate) start_s: f64,
     /// Number of its first motion, from 1.
     pub(crate) step: usize,
@@ -319,10 +319,10 @@ pub(crate) struct StationRequest {
     pub(crate) cell: Option<String>,
     /// Name of the station.
     pub(crate) station: String,
-    /// Centre of the lowest wafer in the base frame [m]; a station defined by its first and last slot is translated.
+    /// Centre of the lowest wafer in the base frame (m); a station defined by its first and last slot is translated.
     #[serde(default)]
     pub(crate) position_m: Option<Triple>,
-    /// Yaw [rad].
+    /// Yaw (rad).
     #[serde(default)]
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) yaw_rad: Option<f64>,
@@ -350,11 +350,11 @@ pub(crate) struct TaughtByFields {
     /// Text of the program; default: that of the file.
     #[serde(default)]
     pub(crate) program: Option<String>,
-    /// Time of the program that determines the locations of the wafers [s].
+    /// Time of the program that determines the locations of the wafers (s).
     #[serde(default)]
     #[schema(required = false, default = 0.0)]
     pub(crate) time_s: f64,
-    /// Positions of all axes, rods first [m or rad].
+    /// Positions of all axes, rods first (m or rad).
     #[schema(max_items = 11)]
     pub(crate) positions: Vec<f64>,
     /// Effector that reaches into the station; default: the first one.
@@ -372,10 +372,10 @@ pub(crate) struct TaughtByFields {
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TiltXyFields {
-    /// Component about x [rad].
+    /// Component about x (rad).
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_x_rad: f64,
-    /// Component about y [rad].
+    /// Component about y (rad).
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_y_rad: f64,
 }
@@ -384,10 +384,10 @@ pub(crate) struct TiltXyFields {
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TaughtFields {
-    /// The points, three or more, in the base frame [m].
+    /// The points, three or more, in the base frame (m).
     #[schema(max_items = 1000)]
     pub(crate) points_m: Vec<Triple>,
-    /// Maximum distance of a point from the plane [m].
+    /// Maximum distance of a point from the plane (m).
     #[schema(exclusive_minimum = 0, maximum = 1000)]
     pub(crate) threshold_m: f64,
 }
@@ -422,10 +422,10 @@ impl TaughtFields {
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TiltFields {
-    /// Azimuth of the tilt [rad].
+    /// Azimuth of the tilt (rad).
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) yaw_rad: f64,
-    /// Angle of the tilt [rad].
+    /// Angle of the tilt (rad).
     #[schema(exclusive_minimum = -1.5707963267948966, exclusive_maximum = 1.5707963267948966)]
     pub(crate) pitch_rad: f64,
 }

@@ -12,7 +12,7 @@ use crate::wire::cell_jogged::AxisKind;
 /// Kinematic chain of a robot: the poses of its frames follow from it and from the channels of a window.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct ChainDocument {
-    /// Intersections of the rod axes with the base plane, x and y [m].
+    /// Intersections of the rod axes with the base plane, x and y (m).
     pub(crate) base_points_m: Vec<Pair>,
     /// Its arms.
     pub(crate) arms: Vec<ArmChain>,
@@ -21,7 +21,7 @@ pub(crate) struct ChainDocument {
 /// An arm.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct ArmChain {
-    /// Position of its first joint in the platform frame [m].
+    /// Position of its first joint in the platform frame (m).
     pub(crate) mount_m: Triple,
     /// Joints from the platform outward.
     pub(crate) joints: Vec<JointChain>,
@@ -34,13 +34,13 @@ pub(crate) struct ArmChain {
 pub(crate) struct JointChain {
     /// Revolute about z, or prismatic along x.
     pub(crate) kind: AxisKind,
-    /// Joint value with all axes at zero [m or rad].
+    /// Joint value with all axes at zero (m or rad).
     pub(crate) zero: f64,
     /// Axes that drive it.
     pub(crate) drives: Vec<DriveChain>,
-    /// Position of the next joint in the frame of its link, x and y [m].
+    /// Position of the next joint in the frame of its link, x and y (m).
     pub(crate) next_m: Pair,
-    /// Offset of its link along z [m].
+    /// Offset of its link along z (m).
     pub(crate) rise_m: f64,
 }
 
@@ -58,9 +58,9 @@ pub(crate) struct DriveChain {
 pub(crate) struct EffectorChain {
     /// Name.
     pub(crate) name: String,
-    /// Origin [m].
+    /// Origin (m).
     pub(crate) center_m: Triple,
-    /// Rotation about z [rad].
+    /// Rotation about z (rad).
     pub(crate) heading_rad: f64,
 }
 
@@ -73,7 +73,7 @@ pub(crate) struct HeldDocument {
     /// Index of the station and number of the slot; `null` for a wafer on an effector.
     #[schema(required = true, min_items = 2, max_items = 2)]
     pub(crate) slot: Option<Vec<usize>>,
-    /// Origin [m] and vector part of its unit quaternion: in the wafer frame of the effector, or in the base frame.
+    /// Origin (m) and vector part of its unit quaternion: in the wafer frame of the effector, or in the base frame.
     #[schema(min_items = 6, max_items = 6)]
     pub(crate) pose: Vec<f64>,
 }

@@ -27,11 +27,11 @@ pub(crate) struct JogRequest {
     /// Text of the program; default: that of the file.
     #[serde(default)]
     pub(crate) program: Option<String>,
-    /// Time of the program from which the robot is jogged; it determines which effectors are loaded [s].
+    /// Time of the program from which the robot is jogged; it determines which effectors are loaded (s).
     #[serde(default)]
     #[schema(required = false, default = 0.0)]
     pub(crate) time_s: f64,
-    /// Start positions of all axes, rods first [m or rad]; default: those at `time_s`.
+    /// Start positions of all axes, rods first (m or rad); default: those at `time_s`.
     #[serde(default)]
     #[schema(value_type = Option<Vec<f64>>, max_items = 11)]
     pub(crate) from: Option<Vec<f64>>,
@@ -95,7 +95,7 @@ pub(crate) struct AxesJog {
     /// Kind of the target.
     #[expect(dead_code, reason = "read before the other fields")]
     kind: AxesKind,
-    /// Positions of all axes, rods first [m or rad].
+    /// Positions of all axes, rods first (m or rad).
     #[schema(max_items = 11)]
     pub(crate) positions: Vec<f64>,
 }
@@ -113,13 +113,13 @@ pub(crate) struct PlatformJog {
     /// Kind of the target.
     #[expect(dead_code, reason = "read before the other fields")]
     kind: PlatformKind,
-    /// Height at which its plane crosses the base axis [m].
+    /// Height at which its plane crosses the base axis (m).
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) height_m: f64,
-    /// Tilt about x [rad].
+    /// Tilt about x (rad).
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_x_rad: f64,
-    /// Tilt about y [rad].
+    /// Tilt about y (rad).
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_y_rad: f64,
 }
@@ -137,15 +137,15 @@ pub(crate) struct WorldJog {
     /// Kind of the target.
     #[expect(dead_code, reason = "read before the other fields")]
     kind: WorldKind,
-    /// Centre of its lower face [m].
+    /// Centre of its lower face (m).
     pub(crate) center_m: Triple,
-    /// Tilt about x [rad].
+    /// Tilt about x (rad).
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_x_rad: f64,
-    /// Tilt about y [rad].
+    /// Tilt about y (rad).
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_y_rad: f64,
-    /// Heading from x, before the tilt [rad]; ignored if the arm determines it.
+    /// Heading from x, before the tilt (rad); ignored if the arm determines it.
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) heading_rad: f64,
 }
@@ -163,16 +163,16 @@ pub(crate) struct SlotJog {
     /// Kind of the target.
     #[expect(dead_code, reason = "read before the other fields")]
     kind: SlotKind,
-    /// R: radial distance from the slot, about the rotation axis of the arm; negative toward the axis [m].
+    /// R: radial distance from the slot, about the rotation axis of the arm; negative toward the axis (m).
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) radial_m: f64,
-    /// T: angle about the rotation axis of the arm, from the slot [rad].
+    /// T: angle about the rotation axis of the arm, from the slot (rad).
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) turn_rad: f64,
-    /// Z: height above the support plane of the slot [m].
+    /// Z: height above the support plane of the slot (m).
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) height_m: f64,
-    /// Heading relative to the inward direction of the slot [rad]; ignored if the arm determines it.
+    /// Heading relative to the inward direction of the slot (rad); ignored if the arm determines it.
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) yaw_rad: f64,
 }

@@ -47,13 +47,13 @@ pub(crate) struct AxisDocument {
     pub(crate) name: String,
     /// Type.
     pub(crate) kind: AxisKind,
-    /// Position [m or rad].
+    /// Position (m or rad).
     pub(crate) position: f64,
-    /// Lower limit [m or rad].
+    /// Lower limit (m or rad).
     pub(crate) min: f64,
-    /// Upper limit [m or rad].
+    /// Upper limit (m or rad).
     pub(crate) max: f64,
-    /// Home position [m or rad].
+    /// Home position (m or rad).
     pub(crate) home: f64,
 }
 
@@ -70,15 +70,15 @@ pub(crate) enum AxisKind {
 /// The platform.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PlatformDocument {
-    /// Height at which its plane crosses the base axis [m].
+    /// Height at which its plane crosses the base axis (m).
     pub(crate) height_m: f64,
-    /// Tilt about x [rad].
+    /// Tilt about x (rad).
     pub(crate) about_x_rad: f64,
-    /// Tilt about y [rad].
+    /// Tilt about y (rad).
     pub(crate) about_y_rad: f64,
-    /// Tilt angle [rad].
+    /// Tilt angle (rad).
     pub(crate) tilt_rad: f64,
-    /// Tilt limit [rad].
+    /// Tilt limit (rad).
     pub(crate) tilt_max_rad: f64,
 }
 
@@ -91,13 +91,13 @@ pub(crate) struct EffectorDocument {
     pub(crate) loaded: bool,
     /// Whether the heading of the wafer is free.
     pub(crate) heading_free: bool,
-    /// Centre of the lower face of the wafer [m].
+    /// Centre of the lower face of the wafer (m).
     pub(crate) center_m: Triple,
-    /// Tilt of the wafer about x [rad].
+    /// Tilt of the wafer about x (rad).
     pub(crate) about_x_rad: f64,
-    /// Tilt of the wafer about y [rad].
+    /// Tilt of the wafer about y (rad).
     pub(crate) about_y_rad: f64,
-    /// Heading of the wafer from x, before the tilt [rad].
+    /// Heading of the wafer from x, before the tilt (rad).
     pub(crate) heading_rad: f64,
     /// Why the droop of the arm is unknown in this pose, so that the arm is assumed to be rigid; `null` if it is known.
     #[schema(required = true)]
@@ -111,13 +111,13 @@ pub(crate) struct FromSlotDocument {
     pub(crate) station: String,
     /// Number of the slot.
     pub(crate) slot: usize,
-    /// R: radial distance from the slot, about the rotation axis of the arm [m].
+    /// R: radial distance from the slot, about the rotation axis of the arm (m).
     pub(crate) radial_m: f64,
-    /// T: angle about the rotation axis of the arm, from the slot [rad].
+    /// T: angle about the rotation axis of the arm, from the slot (rad).
     pub(crate) turn_rad: f64,
-    /// Z: height above the support plane of the slot [m].
+    /// Z: height above the support plane of the slot (m).
     pub(crate) height_m: f64,
-    /// Heading relative to the inward direction of the slot [rad].
+    /// Heading relative to the inward direction of the slot (rad).
     pub(crate) yaw_rad: f64,
     /// Pose of the station for which the wafer would rest in the slot.
     pub(crate) station_if_here: StationPose,
@@ -126,15 +126,15 @@ pub(crate) struct FromSlotDocument {
 /// Pose of a station, in the terms of a cell file.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct StationPose {
-    /// Centre of the lowest wafer, for the current tilt of the station [m].
+    /// Centre of the lowest wafer, for the current tilt of the station (m).
     pub(crate) point_m: Triple,
-    /// Centre of the lowest wafer, for the tilt of the wafer [m].
+    /// Centre of the lowest wafer, for the tilt of the wafer (m).
     pub(crate) position_m: Triple,
-    /// Yaw [rad].
+    /// Yaw (rad).
     pub(crate) yaw_rad: f64,
-    /// Azimuth of the tilt [rad].
+    /// Azimuth of the tilt (rad).
     pub(crate) tilt_yaw_rad: f64,
-    /// Tilt angle [rad].
+    /// Tilt angle (rad).
     pub(crate) tilt_pitch_rad: f64,
 }
 
@@ -147,7 +147,7 @@ pub(crate) struct BranchDocument {
     pub(crate) selection: SelectionName,
     /// Description.
     pub(crate) description: String,
-    /// Positions of all axes, rods first [m or rad].
+    /// Positions of all axes, rods first (m or rad).
     pub(crate) positions: Vec<f64>,
 }
 
@@ -201,7 +201,7 @@ pub(crate) enum StoppedKind {
 pub(crate) struct FrameDocument {
     /// Name.
     pub(crate) name: String,
-    /// Origin in the parent frame [m].
+    /// Origin in the parent frame (m).
     pub(crate) origin_m: Triple,
     /// Unit quaternion x, y, z, w in the parent frame.
     #[schema(min_items = 4, max_items = 4)]

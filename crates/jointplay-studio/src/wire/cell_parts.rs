@@ -21,7 +21,7 @@ use super::cell_jogged::{AxisDocument, axes};
 pub(crate) struct RobotParts {
     /// Name.
     pub(crate) name: String,
-    /// Tilt limit of the platform [rad].
+    /// Tilt limit of the platform (rad).
     pub(crate) tilt_max_rad: f64,
     /// All axes at the home position, rods first.
     pub(crate) axes: Vec<AxisDocument>,
@@ -49,13 +49,13 @@ pub(crate) struct StationDocument {
     pub(crate) slots: usize,
     /// Names of the effectors that may use it.
     pub(crate) effectors: Vec<String>,
-    /// Yaw [rad].
+    /// Yaw (rad).
     pub(crate) yaw_rad: f64,
-    /// Tilt: component about x [rad].
+    /// Tilt: component about x (rad).
     pub(crate) about_x_rad: f64,
-    /// Tilt: component about y [rad].
+    /// Tilt: component about y (rad).
     pub(crate) about_y_rad: f64,
-    /// Taught points of its plane [m].
+    /// Taught points of its plane (m).
     pub(crate) taught_m: Vec<Triple>,
     /// Its degrees of freedom, without those that taught points determine.
     pub(crate) freedoms: Vec<FreedomName>,
@@ -99,7 +99,7 @@ pub(crate) struct ZoneDocument {
     pub(crate) rule: RuleName,
     /// Its shape.
     pub(crate) shape: ShapeDocument,
-    /// Origin of the shape in the base frame [m].
+    /// Origin of the shape in the base frame (m).
     pub(crate) origin_m: Triple,
 }
 
@@ -125,7 +125,7 @@ pub(crate) struct BodyDocument {
     pub(crate) station: Option<String>,
     /// Its shape.
     pub(crate) shape: ShapeDocument,
-    /// Origin of the shape in the parent frame [m].
+    /// Origin of the shape in the parent frame (m).
     pub(crate) origin_m: Triple,
 }
 
@@ -135,19 +135,19 @@ pub(crate) struct BodyDocument {
 pub(crate) enum ShapeDocument {
     /// A box.
     Box {
-        /// Half edge lengths [m].
+        /// Half edge lengths (m).
         half_m: Triple,
     },
     /// A cylinder along z.
     Cylinder {
-        /// Radius [m].
+        /// Radius (m).
         radius_m: f64,
-        /// Half height [m].
+        /// Half height (m).
         half_height_m: f64,
     },
     /// A capsule: all points within a radius of a line segment.
     Capsule {
-        /// Radius [m].
+        /// Radius (m).
         radius_m: f64,
     },
     /// The convex hull of points.

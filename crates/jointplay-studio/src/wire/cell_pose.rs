@@ -24,7 +24,7 @@ pub(crate) struct PoseDistanceDocument {
     /// Names of both.
     #[schema(min_items = 2, max_items = 2)]
     pub(crate) bodies: Vec<String>,
-    /// Distance, 0 in contact [m].
+    /// Distance, 0 in contact (m).
     pub(crate) distance_m: f64,
 }
 

@@ -42,10 +42,10 @@ pub(crate) struct TiltCommand {
     /// Kind of the command.
     #[expect(dead_code, reason = "known before it is read")]
     kind: TiltKind,
-    /// Azimuth of the tilt, from x toward y [rad].
+    /// Azimuth of the tilt, from x toward y (rad).
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) yaw_rad: f64,
-    /// Angle of the tilt [rad].
+    /// Angle of the tilt (rad).
     #[schema(exclusive_minimum = -1.5707963267948966, exclusive_maximum = 1.5707963267948966)]
     pub(crate) pitch_rad: f64,
     /// Height of the platform; default: the working height of the robot.
@@ -66,10 +66,10 @@ pub(crate) struct TiltXyCommand {
     /// Kind of the command.
     #[expect(dead_code, reason = "known before it is read")]
     kind: TiltXyKind,
-    /// Component about x [rad].
+    /// Component about x (rad).
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_x_rad: f64,
-    /// Component about y [rad].
+    /// Component about y (rad).
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_y_rad: f64,
     /// Height of the platform; default: the working height of the robot.
@@ -90,7 +90,7 @@ pub(crate) struct RodsCommand {
     /// Kind of the command.
     #[expect(dead_code, reason = "known before it is read")]
     kind: RodsKind,
-    /// q_1, q_2, q_3 [m].
+    /// q_1, q_2, q_3 (m).
     pub(crate) rods_m: Rods,
 }
 
@@ -100,7 +100,7 @@ pub(crate) struct RodsCommand {
 pub(crate) struct Height {
     /// Reference point.
     pub(crate) kind: HeightKind,
-    /// The height [m].
+    /// The height (m).
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) value_m: f64,
 }
@@ -120,7 +120,7 @@ pub(crate) enum HeightKind {
 pub(crate) enum Target {
     /// A tilt at a height.
     Tilt { tilt: Tilt, height: Height },
-    /// Rod lengths [m].
+    /// Rod lengths (m).
     Rods([f64; 3]),
 }
 
@@ -160,7 +160,7 @@ pub(crate) fn height(asked: Option<Height>, gpr: &Gpr, field: &str) -> Result<He
     Ok(height)
 }
 
-/// Checks three rod lengths [m].
+/// Checks three rod lengths (m).
 pub(crate) fn rods(rods: [f64; 3], field: &str) -> Result<[f64; 3], Problem> {
     for (k, &rod) in rods.iter().enumerate() {
         length(rod, &format!("{field}[{k}]"))?;

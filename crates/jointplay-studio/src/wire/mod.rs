@@ -39,31 +39,31 @@ pub(crate) struct Triple(pub(crate) [f64; 3]);
 #[expect(dead_code, reason = "used by the OpenAPI description only")]
 pub(crate) struct Binary(Vec<u8>);
 
-/// q_1, q_2, q_3 [m].
+/// q_1, q_2, q_3 (m).
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, ToSchema)]
 #[schema(value_type = Vec<RodLength>, min_items = 3, max_items = 3)]
 pub(crate) struct Rods(pub(crate) [f64; 3]);
 
-/// A rod length [m].
+/// A rod length (m).
 #[derive(ToSchema)]
 #[schema(minimum = -1000, maximum = 1000)]
 #[expect(dead_code, reason = "used by the OpenAPI description only")]
 struct RodLength(f64);
 
-/// A pitch [rad].
+/// A pitch (rad).
 #[derive(ToSchema)]
 #[schema(exclusive_minimum = -1.5707963267948966, exclusive_maximum = 1.5707963267948966)]
 #[expect(dead_code, reason = "used by the OpenAPI description only")]
 pub(crate) struct Pitch(f64);
 
-/// Largest magnitude of a length in a request [m].
+/// Largest magnitude of a length in a request (m).
 pub(crate) const MAX_LENGTH: f64 = 1000.0;
-/// Largest magnitude of an angle in a request, except for pitches [rad].
+/// Largest magnitude of an angle in a request, except for pitches (rad).
 pub(crate) const MAX_ANGLE: f64 = 1000.0;
-/// Exclusive upper limit of the magnitude of a pitch [rad].
+/// Exclusive upper limit of the magnitude of a pitch (rad).
 pub(crate) const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
 
-/// Checks a length [m].
+/// Checks a length (m).
 pub(crate) fn length(value: f64, field: &str) -> Result<f64, Problem> {
     if value.abs() <= MAX_LENGTH {
         return Ok(value);
@@ -72,7 +72,7 @@ pub(crate) fn length(value: f64, field: &str) -> Result<f64, Problem> {
     Err(Problem::field(field, detail))
 }
 
-/// Checks an angle [rad].
+/// Checks an angle (rad).
 pub(crate) fn angle(value: f64, field: &str) -> Result<f64, Problem> {
     if value.abs() <= MAX_ANGLE {
         return Ok(value);
@@ -81,7 +81,7 @@ pub(crate) fn angle(value: f64, field: &str) -> Result<f64, Problem> {
     Err(Problem::field(field, detail))
 }
 
-/// Checks a pitch [rad].
+/// Checks a pitch (rad).
 pub(crate) fn pitch(value: f64, field: &str) -> Result<f64, Problem> {
     if value.abs() < RIGHT_ANGLE {
         return Ok(value);

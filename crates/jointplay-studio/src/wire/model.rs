@@ -91,7 +91,7 @@ pub(crate) struct ModelChoice {
     /// Weight of angles relative to lengths.
     #[schema(required = false)]
     pub(crate) metric: MetricName,
-    /// Characteristic length instead of that of the metric [m].
+    /// Characteristic length instead of that of the metric (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 1e-12, maximum = 1e6)]
     pub(crate) characteristic_length_m: Option<f64>,

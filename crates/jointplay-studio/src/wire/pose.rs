@@ -52,16 +52,16 @@ fn one_model() -> Vec<ModelChoice> {
 /// One pose, with all values of its display.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PoseDocument {
-    /// q_1, q_2, q_3 [m].
+    /// q_1, q_2, q_3 (m).
     pub(crate) rods_m: Triple,
     /// Tilt of the plane through the balls, which does not depend on the model.
     pub(crate) tilt: TiltDocument,
-    /// Height at which the plane through the balls crosses the base axis [m].
+    /// Height at which the plane through the balls crosses the base axis (m).
     pub(crate) axis_height_m: f64,
-    /// The ball centres in the base frame [m].
+    /// The ball centres in the base frame (m).
     #[schema(min_items = 3, max_items = 3)]
     pub(crate) balls_m: [Triple; 3],
-    /// L_12, L_23, L_31 between the balls [m].
+    /// L_12, L_23, L_31 between the balls (m).
     pub(crate) sides_m: Triple,
     /// Limits that the pose violates.
     pub(crate) limits_broken: Vec<BrokenLimitDocument>,
@@ -79,13 +79,13 @@ pub(crate) struct PoseDocument {
 /// A tilt by azimuth and angle, and as rotation vector.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct TiltDocument {
-    /// Azimuth of the tilt [rad].
+    /// Azimuth of the tilt (rad).
     pub(crate) yaw_rad: f64,
-    /// Angle of the tilt, not negative [rad].
+    /// Angle of the tilt, not negative (rad).
     pub(crate) pitch_rad: f64,
-    /// Component about x [rad].
+    /// Component about x (rad).
     pub(crate) about_x_rad: f64,
-    /// Component about y [rad].
+    /// Component about y (rad).
     pub(crate) about_y_rad: f64,
 }
 
@@ -97,9 +97,9 @@ pub(crate) struct BrokenLimitDocument {
     pub(crate) limb: Option<usize>,
     /// Value, in m for a rod and in rad for the tilt.
     pub(crate) found: f64,
-    /// Lower limit [m or rad].
+    /// Lower limit (m or rad).
     pub(crate) min: f64,
-    /// Upper limit [m or rad].
+    /// Upper limit (m or rad).
     pub(crate) max: f64,
     /// Description, in mm and degrees.
     pub(crate) message: String,
@@ -108,7 +108,7 @@ pub(crate) struct BrokenLimitDocument {
 /// A pose of the platform frame in the base frame.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PlacedDocument {
-    /// Platform centre [m].
+    /// Platform centre (m).
     pub(crate) origin_m: Triple,
     /// Rows of the rotation matrix base_from_platform.
     #[schema(min_items = 3, max_items = 3)]
@@ -120,7 +120,7 @@ pub(crate) struct PlacedDocument {
 pub(crate) struct ApproximateDocument {
     /// Pose of the platform.
     pub(crate) pose: PlacedDocument,
-    /// Vectors from each ball to its socket in the base frame [m].
+    /// Vectors from each ball to its socket in the base frame (m).
     #[schema(min_items = 3, max_items = 3)]
     pub(crate) gaps_m: [Triple; 3],
 }
@@ -143,24 +143,24 @@ pub(crate) struct ModelDocument {
 pub(crate) struct AnswerDocument {
     /// Pose of the platform.
     pub(crate) pose: PlacedDocument,
-    /// Offset of the platform centre from the base axis, x and y [m].
+    /// Offset of the platform centre from the base axis, x and y (m).
     pub(crate) center_shift_m: Pair,
-    /// Twist about the platform normal, beyond the shortest rotation to the normal [rad].
+    /// Twist about the platform normal, beyond the shortest rotation to the normal (rad).
     pub(crate) twist_rad: f64,
     /// Displacements X of the virtual joints, in the order of the robot document, in m and rad.
     pub(crate) virtual_joints: Vec<f64>,
-    /// The displaced sockets in the platform frame [m].
+    /// The displaced sockets in the platform frame (m).
     #[schema(min_items = 3, max_items = 3)]
     pub(crate) sockets_m: [Pair; 3],
-    /// Norm of the displacement of the virtual joints, in the metric [m].
+    /// Norm of the displacement of the virtual joints, in the metric (m).
     pub(crate) displacement_m: f64,
-    /// Characteristic length of the metric [m].
+    /// Characteristic length of the metric (m).
     pub(crate) characteristic_length_m: f64,
     /// The solver used; it differs from the requested one if there is no closed form.
     pub(crate) solver: SolverName,
     /// Number of iterations; 0 for a closed form.
     pub(crate) iterations: usize,
-    /// Largest difference between a side and its virtual length [m].
+    /// Largest difference between a side and its virtual length (m).
     pub(crate) residual_m: f64,
     /// Displacement from the level pose with its first-order bounds, if requested.
     #[schema(required = true)]
@@ -173,9 +173,9 @@ pub(crate) struct AnswerDocument {
 /// Displacement of the virtual joints from the level pose at the same axis height, with its first-order bounds.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PlayDocument {
-    /// Exact ‖ΔX‖ from the level pose, in the metric [m].
+    /// Exact ‖ΔX‖ from the level pose, in the metric (m).
     pub(crate) displacement_m: f64,
-    /// ‖ΔP‖ of that motion [m].
+    /// ‖ΔP‖ of that motion (m).
     pub(crate) motion_m: f64,
     /// Bounds with derivatives at the start, the midpoint and the end of the motion.
     #[schema(min_items = 3, max_items = 3)]
@@ -193,11 +193,11 @@ pub(crate) struct PlayDocument {
 pub(crate) struct BoundsDocument {
     /// Where the derivatives are taken.
     pub(crate) derivatives_at: DerivativePoint,
-    /// σ_min ‖V₃ᵀΔP‖ [m].
+    /// σ_min ‖V₃ᵀΔP‖ (m).
     pub(crate) lower_m: f64,
-    /// σ_max ‖V₃ᵀΔP‖ [m].
+    /// σ_max ‖V₃ᵀΔP‖ (m).
     pub(crate) upper_m: f64,
-    /// ‖∂X/∂P ΔP‖ [m].
+    /// ‖∂X/∂P ΔP‖ (m).
     pub(crate) linear_m: f64,
     /// Whether the displacement lies between the bounds.
     pub(crate) holds: bool,

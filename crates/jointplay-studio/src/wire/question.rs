@@ -14,7 +14,7 @@ pub(crate) const MAX_PITCHES: usize = 10_000;
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ForwardRequest {
-    /// q_1, q_2, q_3 [m].
+    /// q_1, q_2, q_3 (m).
     pub(crate) rods_m: Rods,
     /// The model.
     #[serde(default, deserialize_with = "strict::object")]
@@ -44,7 +44,7 @@ pub(crate) struct CommandRequest {
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MobilityRequest {
-    /// q_1, q_2, q_3; default: all at the working height of the robot [m].
+    /// q_1, q_2, q_3; default: all at the working height of the robot (m).
     pub(crate) rods_m: Option<Rods>,
     /// Virtualization whose mobility with free virtual joints is added.
     pub(crate) virtualization: Option<VirtualizationName>,
@@ -57,14 +57,14 @@ pub(crate) struct MobilityRequest {
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct CompareRequest {
-    /// Azimuth of all tilts [rad].
+    /// Azimuth of all tilts (rad).
     #[serde(default)]
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) yaw_rad: f64,
-    /// The tilts [rad].
+    /// The tilts (rad).
     #[schema(value_type = Vec<Pitch>, min_items = 1, max_items = 10000)]
     pub(crate) pitches_rad: Vec<f64>,
-    /// Axis height of all tilts; default: the working height of the robot [m].
+    /// Axis height of all tilts; default: the working height of the robot (m).
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) axis_height_m: Option<f64>,
     /// Solver of the virtual displacements.
@@ -75,7 +75,7 @@ pub(crate) struct CompareRequest {
     #[serde(default)]
     #[schema(required = false)]
     pub(crate) metric: MetricName,
-    /// Characteristic length instead of that of the metric [m].
+    /// Characteristic length instead of that of the metric (m).
     #[schema(minimum = 1e-12, maximum = 1e6)]
     pub(crate) characteristic_length_m: Option<f64>,
     /// Whether to ignore the limits of the robot; violated limits are listed.

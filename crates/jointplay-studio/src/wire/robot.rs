@@ -20,9 +20,9 @@ pub(crate) struct RobotDocument {
     pub(crate) limbs: Vec<LimbDocument>,
     /// Limits of rods and tilt.
     pub(crate) limits: LimitsDocument,
-    /// Axis height at which the robot works [m].
+    /// Axis height at which the robot works (m).
     pub(crate) working_height_m: f64,
-    /// Mean of the socket radii [m].
+    /// Mean of the socket radii (m).
     pub(crate) mean_socket_radius_m: f64,
     /// Mobility by the Kutzbach criterion.
     pub(crate) kutzbach_mobility: i64,
@@ -98,24 +98,24 @@ impl MeshDocument {
 /// One limb.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct LimbDocument {
-    /// Intersection of the rod axis with the base plane, in the base frame [m].
+    /// Intersection of the rod axis with the base plane, in the base frame (m).
     pub(crate) base_point_m: Pair,
-    /// Distance of the nominal socket from the platform centre [m].
+    /// Distance of the nominal socket from the platform centre (m).
     pub(crate) socket_radius_m: f64,
-    /// Direction of the nominal socket, from x toward y of the platform [rad].
+    /// Direction of the nominal socket, from x toward y of the platform (rad).
     pub(crate) socket_angle_rad: f64,
-    /// The nominal socket in the platform frame [m].
+    /// The nominal socket in the platform frame (m).
     pub(crate) socket_m: Pair,
 }
 
 /// Limits of rods and tilt.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct LimitsDocument {
-    /// Shortest rod [m].
+    /// Shortest rod (m).
     pub(crate) rod_min_m: f64,
-    /// Longest rod [m].
+    /// Longest rod (m).
     pub(crate) rod_max_m: f64,
-    /// Largest tilt toward any azimuth [rad].
+    /// Largest tilt toward any azimuth (rad).
     pub(crate) tilt_max_rad: f64,
 }
 
@@ -135,9 +135,9 @@ pub(crate) struct JointDocument {
     pub(crate) symbol: &'static str,
     /// Index of its limb, from 0.
     pub(crate) limb: usize,
-    /// Linear [m] or angular [rad].
+    /// Linear (m) or angular (rad).
     pub(crate) motion: MotionName,
-    /// Nominal coordinate [m or rad].
+    /// Nominal coordinate (m or rad).
     pub(crate) nominal: f64,
 }
 

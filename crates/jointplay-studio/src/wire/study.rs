@@ -102,13 +102,13 @@ enum RasterKind {
 pub(crate) struct RasterMotion {
     /// Order of the poses.
     kind: RasterKind,
-    /// Yaw angles, in degrees so that steps are exact decimals; default: 0 to 360 by 10 [deg].
+    /// Yaw angles, in degrees so that steps are exact decimals; default: 0 to 360 by 10 (deg).
     #[serde(default, deserialize_with = "strict::maybe")]
     yaw_deg: Option<Steps>,
-    /// Pitch angles; default: -2 to 2 by 0.2 [deg].
+    /// Pitch angles; default: -2 to 2 by 0.2 (deg).
     #[serde(default, deserialize_with = "strict::maybe")]
     pitch_deg: Option<Steps>,
-    /// Height at which the platform plane crosses the base axis; default: the working height of the robot [m].
+    /// Height at which the platform plane crosses the base axis; default: the working height of the robot (m).
     #[schema(minimum = -1000, maximum = 1000)]
     axis_height_m: Option<f64>,
 }
@@ -142,7 +142,7 @@ pub(crate) struct KeysMotion {
     #[serde(deserialize_with = "strict::objects")]
     #[schema(min_items = 2, max_items = 1000)]
     keys: Vec<KeyFields>,
-    /// Minimum sampling rate [Hz].
+    /// Minimum sampling rate (Hz).
     #[schema(exclusive_minimum = 0, maximum = 100000)]
     rate_hz: f64,
 }
@@ -151,16 +151,16 @@ pub(crate) struct KeysMotion {
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct KeyFields {
-    /// Tilt about x [rad].
+    /// Tilt about x (rad).
     #[schema(minimum = -1.1, maximum = 1.1)]
     about_x_rad: f64,
-    /// Tilt about y [rad].
+    /// Tilt about y (rad).
     #[schema(minimum = -1.1, maximum = 1.1)]
     about_y_rad: f64,
-    /// Height at which the platform plane crosses the base axis; default: the working height of the robot [m].
+    /// Height at which the platform plane crosses the base axis; default: the working height of the robot (m).
     #[schema(minimum = -1000, maximum = 1000)]
     axis_height_m: Option<f64>,
-    /// Duration of the motion from the previous pose; ignored for the first pose [s].
+    /// Duration of the motion from the previous pose; ignored for the first pose (s).
     #[schema(minimum = 0, maximum = 100000)]
     duration_s: f64,
 }
@@ -175,7 +175,7 @@ pub(crate) enum Samples {
 
 /// A commanded pose.
 pub(crate) struct Commanded {
-    /// Time, for a motion with time stamps [s].
+    /// Time, for a motion with time stamps (s).
     pub(crate) time: f64,
     /// Tilt of the platform.
     pub(crate) tilt: Tilt,
@@ -296,15 +296,15 @@ pub(crate) struct ColumnName {
 /// Contents of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Source {
-    /// Time [s].
+    /// Time (s).
     Time,
-    /// Commanded yaw [rad].
+    /// Commanded yaw (rad).
     Yaw,
-    /// Commanded pitch [rad].
+    /// Commanded pitch (rad).
     Pitch,
-    /// Commanded height [m].
+    /// Commanded height (m).
     Height,
-    /// A rod [m].
+    /// A rod (m).
     Rod(usize),
     /// Result of the model, in SI units.
     Model(Quantity),

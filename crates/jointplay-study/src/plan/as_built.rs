@@ -9,13 +9,13 @@ use super::random::{DIMENSION_STREAMS, Stream};
 /// A dimension of a limb.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
-    /// r_k [m].
+    /// r_k (m).
     SocketRadius,
-    /// β_k [rad].
+    /// β_k (rad).
     SocketAngle,
-    /// e_b1 coordinate of B_k [m].
+    /// e_b1 coordinate of B_k (m).
     BaseX,
-    /// e_b2 coordinate of B_k [m].
+    /// e_b2 coordinate of B_k (m).
     BaseY,
 }
 
@@ -34,16 +34,16 @@ pub enum RodsFrom {
     AsBuilt,
 }
 
-/// Difference of each dimension of each limb from the design, drawn for every limb separately ([m], [rad]).
+/// Difference of each dimension of each limb from the design, drawn for every limb separately ((m), (rad)).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tolerances {
-    /// Of r_k [m].
+    /// Of r_k (m).
     pub socket_radius: Option<Variation>,
-    /// Of β_k [rad].
+    /// Of β_k (rad).
     pub socket_angle: Option<Variation>,
-    /// Of the e_b1 coordinate of B_k [m].
+    /// Of the e_b1 coordinate of B_k (m).
     pub base_x: Option<Variation>,
-    /// Of the e_b2 coordinate of B_k [m].
+    /// Of the e_b2 coordinate of B_k (m).
     pub base_y: Option<Variation>,
 }
 

@@ -134,9 +134,9 @@ fn models(plan: &Plan, len: usize) -> Result<Vec<Model>, Error> {
 struct Work<'a> {
     plan: &'a Plan,
     inputs: &'a Inputs,
-    /// [m].
+    /// (m).
     rods: [Vec<f64>; 3],
-    /// [m].
+    /// (m).
     sides: [Vec<f64>; 3],
     /// Status of the inverse kinematics.
     unreached: Vec<Status>,

@@ -37,9 +37,9 @@ pub struct Tilts {
 pub struct Plan {
     /// The robot as designed.
     pub gpr: Gpr,
-    /// Height at which the platform plane crosses the base axis, as commanded [m].
+    /// Height at which the platform plane crosses the base axis, as commanded (m).
     pub height: Variation,
-    /// Tilts, as commanded [rad].
+    /// Tilts, as commanded (rad).
     pub tilt: Tilts,
     /// How dimensions of the robot differ from the design.
     pub tolerances: Tolerances,

@@ -10,13 +10,13 @@ use crate::Error;
 pub(super) struct Inputs {
     /// Draw of each.
     pub(super) draw: Vec<u64>,
-    /// [m].
+    /// (m).
     pub(super) height: Vec<f64>,
-    /// As the plan has them [rad].
+    /// As the plan has them (rad).
     pub(super) angles: [Vec<f64>; 2],
-    /// [rad].
+    /// (rad).
     pub(super) yaw: Vec<f64>,
-    /// [rad].
+    /// (rad).
     pub(super) pitch: Vec<f64>,
 }
 

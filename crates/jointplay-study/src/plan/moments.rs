@@ -6,7 +6,7 @@
 ///    m = m_a + (m_b − m_a) n_b / n        S = S_a + S_b + (m_b − m_a)² n_a n_b / n
 /// ```
 /// # Source
-/// [Chan]
+/// \[Chan\]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moments {
     /// How many numbers.

@@ -11,17 +11,17 @@ use crate::Error;
 /// A number that each sample has, in its SI unit; indices count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutputQuantity {
-    /// Height, as commanded [m].
+    /// Height, as commanded (m).
     Height,
-    /// First angle of the tilt, as commanded [rad].
+    /// First angle of the tilt, as commanded (rad).
     FirstAngle,
-    /// Second angle of the tilt, as commanded [rad].
+    /// Second angle of the tilt, as commanded (rad).
     SecondAngle,
-    /// Rod q_k [m].
+    /// Rod q_k (m).
     Rod(usize),
-    /// Side L_12, L_23 or L_31 [m].
+    /// Side L_12, L_23 or L_31 (m).
     Side(usize),
-    /// A dimension of a limb as it is built ([m], [rad]).
+    /// A dimension of a limb as it is built ((m), (rad)).
     Built {
         /// Which limb.
         limb: usize,
@@ -42,13 +42,13 @@ pub enum OutputQuantity {
 pub enum PlatformQuantity {
     /// A quantity of the core.
     Quantity(Quantity),
-    /// Distance of O_p from the base axis [m].
+    /// Distance of O_p from the base axis (m).
     CenterShift,
-    /// Tilt about e_b1 [rad].
+    /// Tilt about e_b1 (rad).
     TiltX,
-    /// Tilt about e_b2 [rad].
+    /// Tilt about e_b2 (rad).
     TiltY,
-    /// Angle between the platform normal and the one commanded [rad].
+    /// Angle between the platform normal and the one commanded (rad).
     TiltError,
 }
 

@@ -26,7 +26,7 @@ const STREAM: u64 = u64::MAX;
 /// As [`compute`].
 ///
 /// # Source
-/// [HyndmanFan], definition 7
+/// \[HyndmanFan\], definition 7
 pub fn quantiles(plan: &Plan, shares: &[f64]) -> Result<Vec<Vec<Option<f64>>>, Error> {
     let samples = chosen(plan)?;
     let blocks: Vec<_> = samples

@@ -19,7 +19,7 @@ const WORDS: u128 = 4;
 /// So neither another quantity that is drawn, nor chunks, threads or a run taken up again change a draw.
 ///
 /// # Source
-/// [ChaCha]
+/// \[ChaCha\]
 pub(super) struct Stream {
     keystream: ChaCha20Rng,
     next: Option<u64>,
@@ -55,7 +55,7 @@ impl Stream {
     ///    √(−2 ln u_1) cos(2π u_2)        u_1 in 0…1 without 0, u_2 in 0…1 without 1
     /// ```
     /// # Source
-    /// [BoxMuller]
+    /// \[BoxMuller\]
     pub(super) fn normal(&mut self, draw: u64) -> f64 {
         let [first, second] = self.pair(draw);
         let radius = (-2.0 * (1.0 - fraction(first)).ln()).sqrt();

@@ -6,7 +6,7 @@ use jointplay_validation::cases::{HEIGHT, RADIUS, tilt};
 use jointplay_validation::printed::{ByL, Step, ThirdColumn, iterate};
 
 const STEPS: usize = 10;
-/// Residuals below this one are round-off [m].
+/// Residuals below this one are round-off (m).
 const ROUND_OFF: f64 = 1e-16;
 
 /// Residual and distance from the right answer, step by step.

@@ -41,7 +41,7 @@ pub(crate) fn angular_parts() -> Figure {
     Figure::new("Angular parts at a tilt of 2°").with_panel(parts).with_panel(sideways)
 }
 
-/// Displacement of socket 1 at right angles to its radius, not a number where it vanishes [µm].
+/// Displacement of socket 1 at right angles to its radius, not a number where it vanishes (µm).
 fn across(model: &dyn Virtualization, solver: Solver, yaw: f64) -> f64 {
     let gpr = Gpr::paper().without_limit_checks();
     let x = pose(model, solver, Metric::Paper, yaw, 2.0).solution.virtual_joints;

@@ -107,7 +107,7 @@ pub(crate) fn against_tilt() -> Result<Figure, Error> {
     Ok(Figure::new("Shift of the centre of the platform").with_panel(shifts).with_panel(azimuths))
 }
 
-/// Azimuths without jumps of a whole turn [°].
+/// Azimuths without jumps of a whole turn (°).
 fn azimuths_deg(shifts: impl Iterator<Item = Vector2<f64>>) -> Vec<f64> {
     let mut last: Option<f64> = None;
     shifts

@@ -20,7 +20,7 @@ use crate::robot::arm_chain::{ArmChain, AxisCoefficients};
 use crate::robot::hybrid_robot::{EffectorId, HybridRobot, RODS};
 use crate::robot::positions::Positions;
 
-/// Largest distance of a branch from its target [m].
+/// Largest distance of a branch from its target (m).
 const RESIDUAL: f64 = 1e-12;
 
 /// Tolerance of limits as a share of the range: positions computed to lie on a limit do not violate it by round-off.
@@ -77,8 +77,8 @@ impl HybridRobot {
     /// All motor positions that bring the wafer of an effector over a point, the rods keeping their positions in `near`.
     ///
     /// # Arguments
-    /// * `point` – the wafer's centre in the platform plane [m]
-    /// * `heading` – its heading from the platform's x axis [rad]
+    /// * `point` – the wafer's centre in the platform plane (m)
+    /// * `heading` – its heading from the platform's x axis (rad)
     ///
     /// # Errors
     /// As [`Self::inverse`].
@@ -256,7 +256,7 @@ impl HybridRobot {
         }
     }
 
-    /// Duration of the slowest axis from one set of positions to another, at its velocity limit without a wafer [s].
+    /// Duration of the slowest axis from one set of positions to another, at its velocity limit without a wafer (s).
     fn time_between(&self, from: &[f64], to: &[f64]) -> f64 {
         let axes = self.axes.iter().zip(from.iter().zip(to));
         axes.map(|(axis, (from, to))| (to - from).abs() / axis.empty.velocity).fold(0.0, f64::max)

@@ -14,9 +14,9 @@ const STRETCHED: f64 = 1e-14;
 pub(super) struct PairSolution {
     pub(super) pair: [f64; 2],
     pub(super) configuration: Configuration,
-    /// Both link vectors; for a prismatic pair the whole span, and its direction [m].
+    /// Both link vectors; for a prismatic pair the whole span, and its direction (m).
     pub(super) link_vectors: [Vector2<f64>; 2],
-    /// Distance of the configuration from its ends: the cosine of the elbow angle, or the reach ahead of the first joint [m].
+    /// Distance of the configuration from its ends: the cosine of the elbow angle, or the reach ahead of the first joint (m).
     pub(super) end_distance: f64,
 }
 
@@ -33,7 +33,7 @@ fn within(frame: &Vector2<f64>, vector: &Vector2<f64>) -> Vector2<f64> {
 }
 
 impl Decomposition {
-    /// All values of the pair that span `point` [m] in configurations that agree with a given one.
+    /// All values of the pair that span `point` (m) in configurations that agree with a given one.
     ///
     /// # Arguments
     /// * `like` – values of the pair that decide where any direction would do

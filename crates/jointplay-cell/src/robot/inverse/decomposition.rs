@@ -24,9 +24,9 @@ pub(super) enum Pair {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Link {
     pub(super) link_vector: usize,
-    /// Length [m].
+    /// Length (m).
     pub(super) length: f64,
-    /// Direction where the unknown is zero [rad].
+    /// Direction where the unknown is zero (rad).
     pub(super) angle: f64,
 }
 
@@ -34,9 +34,9 @@ pub(super) struct Link {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct CarriedLink {
     pub(super) link_vector: usize,
-    /// Direction in which the pair moves the link where both unknowns are zero: the mean of the links' directions [rad].
+    /// Direction in which the pair moves the link where both unknowns are zero: the mean of the links' directions (rad).
     pub(super) middle: f64,
-    /// The link vector in the frame of that direction, its x not negative [m].
+    /// The link vector in the frame of that direction, its x not negative (m).
     pub(super) vector: Vector2<f64>,
 }
 

@@ -10,25 +10,25 @@ use crate::robot::angle::wrap_angle;
 use crate::robot::hybrid_robot::{EffectorId, HybridRobot};
 use crate::robot::positions::Positions;
 
-/// Residual below which nothing is corrected: round-off of a metre [m and rad].
+/// Residual below which nothing is corrected: round-off of a metre (m and rad).
 const EXACT: f64 = 1e-13;
 
 /// Largest number of Newton steps; one or two are usual.
 const MOST_STEPS: usize = 8;
 
-/// Characteristic length by which angles are weighed against lengths [m].
+/// Characteristic length by which angles are weighed against lengths (m).
 const ARM: f64 = 0.1;
 
 /// Residual of a pose with respect to a target.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Missing {
-    /// Displacement to the centre [m].
+    /// Displacement to the centre (m).
     pub(super) center: Vector3<f64>,
-    /// Rotation vector that lays the wafer into the plane, about an axis within the plane [rad].
+    /// Rotation vector that lays the wafer into the plane, about an axis within the plane (rad).
     pub(super) tilt: Vector3<f64>,
-    /// Heading of the wafer [rad].
+    /// Heading of the wafer (rad).
     pub(super) heading: f64,
-    /// Rotation about the normal to the heading asked for [rad].
+    /// Rotation about the normal to the heading asked for (rad).
     pub(super) turn: f64,
 }
 

@@ -14,10 +14,10 @@ use crate::robot::arm_chain::{ArmChain, AxisCoefficients, perpendicular, turned}
 /// Largest number of descent steps; three to five are usual, more only out of a nearly stretched arm.
 const MOST_STEPS: usize = 100;
 
-/// Longest step of a free angle: beyond it the second-order model is too inaccurate [rad].
+/// Longest step of a free angle: beyond it the second-order model is too inaccurate (rad).
 const LONGEST: f64 = 1.0;
 
-/// Step below which the descent has converged [rad].
+/// Step below which the descent has converged (rad).
 const NONE: f64 = 1e-9;
 
 /// Elbow cost above which a start is useless: within 3° of the stretched arm the pair moves too fast for any free angle to lead out.
@@ -37,9 +37,9 @@ pub(super) struct Redundant<'a> {
     decomposition: &'a Decomposition,
     revolutions: &'a Revolutions,
     ranges: &'a Ranges,
-    /// Vector that free links and pair have to span [m].
+    /// Vector that free links and pair have to span (m).
     point: Vector2<f64>,
-    /// Angle of the last link, where a heading prescribes it [rad].
+    /// Angle of the last link, where a heading prescribes it (rad).
     last: Option<f64>,
     /// Indices of the links whose angles are free.
     free: [Option<usize>; 2],
@@ -57,9 +57,9 @@ pub(super) struct Redundant<'a> {
 struct CostedPose {
     unknown: AxisCoefficients,
     found: PairSolution,
-    /// Vector that the pair spans [m].
+    /// Vector that the pair spans (m).
     point: Vector2<f64>,
-    /// Free link vectors [m].
+    /// Free link vectors (m).
     link_vectors: [Vector2<f64>; 2],
     /// Position of each axis, from −1 at one limit to 1 at the other.
     shares: Each,

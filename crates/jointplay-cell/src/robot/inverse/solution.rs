@@ -10,11 +10,11 @@ use crate::robot::positions::Positions;
 /// Target of a wafer, in the base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WaferTarget {
-    /// Centre of the wafer, in the plane that it rests on [m].
+    /// Centre of the wafer, in the plane that it rests on (m).
     pub center: Vector3<f64>,
     /// Upward normal of that plane, of any length.
     pub normal: Vector3<f64>,
-    /// Heading of the wafer about the normal, from the shortest rotation of level to the normal [rad]; `None` leaves it to the arm.
+    /// Heading of the wafer about the normal, from the shortest rotation of level to the normal (rad); `None` leaves it to the arm.
     pub heading: Option<f64>,
 }
 
@@ -53,17 +53,17 @@ pub struct Branch {
     pub violations: Vec<LimitViolation>,
     /// Whether the branch is taken, and why not.
     pub selection: BranchSelection,
-    /// Duration of the slowest axis to the branch at its velocity limit without a wafer [s].
+    /// Duration of the slowest axis to the branch at its velocity limit without a wafer (s).
     pub distance: f64,
-    /// Distance of the wafer's centre from the target [m].
+    /// Distance of the wafer's centre from the target (m).
     pub residual: f64,
-    /// Angle between the wafer's plane and that of the target [rad].
+    /// Angle between the wafer's plane and that of the target (rad).
     pub normal_residual: f64,
     /// Number of Newton steps of the whole chain; 0 where the closed form was exact.
     pub corrections: usize,
-    /// Heading of the wafer, as in [`WaferTarget::heading`] [rad].
+    /// Heading of the wafer, as in [`WaferTarget::heading`] (rad).
     pub heading: f64,
-    /// Difference of the heading from the one asked for, where the arm cannot choose it [rad].
+    /// Difference of the heading from the one asked for, where the arm cannot choose it (rad).
     pub heading_difference: f64,
 }
 
@@ -87,18 +87,18 @@ pub enum LimitViolation {
     Axis {
         /// Index of the axis.
         axis: usize,
-        /// Position of the axis [m or rad].
+        /// Position of the axis (m or rad).
         position: f64,
-        /// Least position of the axis [m or rad].
+        /// Least position of the axis (m or rad).
         min: f64,
-        /// Largest position of the axis [m or rad].
+        /// Largest position of the axis (m or rad).
         max: f64,
     },
     /// The platform tilts too far.
     Tilt {
-        /// Tilt of the platform [rad].
+        /// Tilt of the platform (rad).
         pitch: f64,
-        /// Largest tilt of the platform [rad].
+        /// Largest tilt of the platform (rad).
         max: f64,
     },
 }
@@ -162,16 +162,16 @@ impl fmt::Display for Configuration {
 /// Reason why no positions reach a target, whatever the limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutOfReach {
-    /// Distance that the links have to span, from the joint that they rotate about [m].
+    /// Distance that the links have to span, from the joint that they rotate about (m).
     pub distance: f64,
-    /// Least distance that the links span [m].
+    /// Least distance that the links span (m).
     pub min: f64,
-    /// Largest distance that the links span [m].
+    /// Largest distance that the links span (m).
     pub max: f64,
 }
 
 impl OutOfReach {
-    /// Distance of the target from the nearest point that the links reach [m].
+    /// Distance of the target from the nearest point that the links reach (m).
     #[must_use]
     pub fn missing(&self) -> f64 {
         (self.min - self.distance).max(self.distance - self.max).max(0.0)

@@ -21,7 +21,7 @@ use crate::output;
 use crate::progress::Progress;
 use crate::source::{STANDARD, label, read_text};
 
-/// A sampling rate [Hz].
+/// A sampling rate (Hz).
 #[derive(Clone, Copy)]
 pub(super) struct Rate(pub(super) f64);
 

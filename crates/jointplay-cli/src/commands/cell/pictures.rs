@@ -11,7 +11,7 @@ use super::input::Planned;
 use crate::failure::Failure;
 use crate::figure::svg_and_png;
 
-/// Sampling rate of the paths of wafer centres [Hz].
+/// Sampling rate of the paths of wafer centres (Hz).
 const PATH_RATE: f64 = 50.0;
 /// Largest number of points of a path: more are not visible.
 const MAX_PATH_POINTS: f64 = 40_000.0;

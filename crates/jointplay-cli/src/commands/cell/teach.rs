@@ -60,7 +60,7 @@ pub(super) struct Teach {
     write: bool,
 }
 
-/// A point [m].
+/// A point (m).
 #[derive(Clone, Debug)]
 struct Point(Vector3<f64>);
 

@@ -66,7 +66,7 @@ pub(crate) struct StudyCommand {
     pub(crate) format: FormatArgs,
 }
 
-/// Tables of at least this size are announced before the computation starts [bytes].
+/// Tables of at least this size are announced before the computation starts (bytes).
 const ANNOUNCED_SIZE: f64 = 1e10;
 
 /// Set by Ctrl-C.

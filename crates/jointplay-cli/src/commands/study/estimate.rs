@@ -12,15 +12,15 @@ use crate::failure::Failure;
 const MEASURED_SAMPLES: u64 = 8192;
 /// Consecutive samples in each measured run.
 const RUN_LENGTH: u64 = 64;
-/// Typical size of one number in a table [bytes].
+/// Typical size of one number in a table (bytes).
 const NUMBER_SIZE: f64 = 15.0;
 
 /// Expected size and duration of a study, measured on a few samples.
 pub(super) struct Estimate {
     pub(super) samples: u64,
-    /// Size of the table [bytes].
+    /// Size of the table (bytes).
     pub(super) bytes: f64,
-    /// Duration [s].
+    /// Duration (s).
     pub(super) time: f64,
 }
 
@@ -51,7 +51,7 @@ impl Estimate {
     }
 }
 
-/// Approximate size of the table of a study, without any measurement [bytes].
+/// Approximate size of the table of a study, without any measurement (bytes).
 pub(super) fn rough_size(file: &StudyFile) -> Result<f64, Failure> {
     Ok(file.plan.samples()? as f64 * file.columns.len() as f64 * NUMBER_SIZE)
 }

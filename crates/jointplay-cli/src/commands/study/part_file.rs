@@ -22,7 +22,7 @@ use crate::source::read_text;
 const MARK_EVERY: Duration = Duration::from_millis(500);
 /// Lower bound of the interval, in durations of the last marking: the footer of a long Parquet table takes time to write.
 const MARK_PAUSE: u32 = 20;
-/// Largest accepted marker [bytes].
+/// Largest accepted marker (bytes).
 const LARGEST_MARKER: u64 = 1 << 32;
 
 /// An incomplete table and its marker.
@@ -279,7 +279,7 @@ impl PartFile {
     }
 }
 
-/// Size of the table of an interrupted run [bytes]; 0 without one.
+/// Size of the table of an interrupted run (bytes); 0 without one.
 pub(super) fn written(out: &Path) -> f64 {
     let Names { path, .. } = names(out);
     path.metadata().map_or(0.0, |found| found.len() as f64)

@@ -7,9 +7,9 @@ use crate::spatial::Pose;
 /// Kind of a joint coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coordinate {
-    /// A slide [m].
+    /// A slide (m).
     Slide,
-    /// A turn [rad].
+    /// A turn (rad).
     Turn,
 }
 
@@ -20,7 +20,7 @@ pub enum Factor {
     Turn {
         /// Direction of the axis.
         axis: Unit<Vector3<f64>>,
-        /// A point of it [m].
+        /// A point of it (m).
         point: Vector3<f64>,
     },
     /// A slide along an axis.
@@ -30,7 +30,7 @@ pub enum Factor {
     },
     /// A turn about z with an advance along z.
     Screw {
-        /// Advance for one radian [m/rad].
+        /// Advance for one radian (m/rad).
         lead: f64,
     },
     /// A rotation about the origin.
@@ -59,7 +59,7 @@ impl Factor {
         }
     }
 
-    /// Its transform at some coordinates [m, rad].
+    /// Its transform at some coordinates (m, rad).
     #[must_use]
     pub fn transform(&self, q: &[f64]) -> Pose {
         match self {

@@ -7,26 +7,26 @@ use super::factor::{Coordinate, Factor};
 /// The z axis of the joint frame is the axis, where there is one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointKind {
-    /// A turn about z [rad].
+    /// A turn about z (rad).
     Revolute,
-    /// A slide along z [m].
+    /// A slide along z (m).
     Prismatic,
-    /// A turn about z [rad] with an advance along it.
+    /// A turn about z (rad) with an advance along it.
     Helical {
-        /// Advance for a turn of one radian [m/rad].
+        /// Advance for a turn of one radian (m/rad).
         lead: f64,
     },
-    /// A slide along z [m], then a turn about z [rad].
+    /// A slide along z (m), then a turn about z (rad).
     Cylindrical,
-    /// A turn about z [rad], then one about the turned x [rad].
+    /// A turn about z (rad), then one about the turned x (rad).
     Universal,
-    /// A rotation: rotation vector in the joint frame [rad, rad, rad].
+    /// A rotation: rotation vector in the joint frame (rad, rad, rad).
     Spherical,
-    /// Slides along x and y [m, m], then a turn about z [rad].
+    /// Slides along x and y (m, m), then a turn about z (rad).
     Planar,
     /// Nothing.
     Fixed,
-    /// A displacement along x, y, z [m, m, m], then a rotation vector [rad, rad, rad].
+    /// A displacement along x, y, z (m, m, m), then a rotation vector (rad, rad, rad).
     Floating,
 }
 

@@ -230,7 +230,7 @@ impl PositionSolver {
     /// Moves passive and virtual joints until all loops are closed.
     ///
     /// # Arguments
-    /// * `coordinates` – (f + M) commanded coordinates at their values, the others near; takes the solution, or the best iterate where there is none [m, rad]
+    /// * `coordinates` – (f + M) commanded coordinates at their values, the others near; takes the solution, or the best iterate where there is none (m, rad)
     /// * `solver` – which of the virtual displacements that close the loops; nothing to choose where there are no virtual joints
     ///
     /// # Errors

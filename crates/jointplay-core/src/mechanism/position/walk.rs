@@ -72,7 +72,7 @@ enum Motion {
     Turn(usize),
     /// Along a direction.
     Slide(Vector3<f64>),
-    /// About z: which of the turns, and the advance along it for one radian [m/rad].
+    /// About z: which of the turns, and the advance along it for one radian (m/rad).
     Screw(usize, f64),
     /// Any rotation: which of the balls.
     Ball(usize),

@@ -162,7 +162,7 @@ impl JointRow {
 /// ```
 pub(super) struct Linear {
     pub(super) joints: Vec<JointRow>,
-    /// Twist of each coordinate in the base frame, the linear part at the point of its joint [m].
+    /// Twist of each coordinate in the base frame, the linear part at the point of its joint (m).
     pub(super) screws: Vec<Twist>,
     factor: Llt<usize, f64>,
     /// δ²

@@ -52,7 +52,7 @@ pub struct SparseMobility {
     pub largest_zero: Option<f64>,
     /// Values at or below this one count as zero.
     pub threshold: f64,
-    /// Length by which lengths and angles are compared [m].
+    /// Length by which lengths and angles are compared (m).
     pub characteristic_length: f64,
 }
 
@@ -215,7 +215,7 @@ impl SparseSystem<'_> {
     /// A joint on no loop costs nothing: the time for a tree is proportional to its joints.
     ///
     /// # Source
-    /// [GolubVanLoan], section 8.2, for the iteration; the bounds as in [`crate::mobility::finite_mobility`]
+    /// \[GolubVanLoan\], section 8.2, for the iteration; the bounds as in [`crate::mobility::finite_mobility`]
     pub fn mobility(&self, relative_threshold: f64) -> Result<SparseMobility, Error> {
         let residual = self.residual();
         if residual.is_nan() || residual > ACCEPTED_RESIDUAL {

@@ -20,7 +20,7 @@ pub struct SparseSystem<'a> {
     pub(super) kinematics: Kinematics<'a>,
     pub(super) pattern: Pattern,
     pub(super) length: f64,
-    /// Middle of the joints of each link, in its own frame [m].
+    /// Middle of the joints of each link, in its own frame (m).
     pub(super) middles: Vec<Vector3<f64>>,
     /// Pose of each link in the base frame.
     pub(super) poses: Vec<Pose>,
@@ -31,7 +31,7 @@ impl<'a> SparseSystem<'a> {
     /// The mechanism with links where the joints of the spanning tree put them.
     ///
     /// # Arguments
-    /// * `coordinates` – (f + M) of the joints, then of the virtual joints [m, rad]
+    /// * `coordinates` – (f + M) of the joints, then of the virtual joints (m, rad)
     ///
     /// # Errors
     /// [`Error::LengthMismatch`], [`Error::NotFinite`].
@@ -52,7 +52,7 @@ impl<'a> SparseSystem<'a> {
         &self.kinematics
     }
 
-    /// (f + M) coordinates of joints, then virtual joints [m, rad].
+    /// (f + M) coordinates of joints, then virtual joints (m, rad).
     #[must_use]
     pub fn coordinates(&self) -> &DVector<f64> {
         &self.coordinates
@@ -64,7 +64,7 @@ impl<'a> SparseSystem<'a> {
         &self.poses
     }
 
-    /// Unit of mismatches: root mean square distance of the joints of a link from their middle, or the user's [m].
+    /// Unit of mismatches: root mean square distance of the joints of a link from their middle, or the user's (m).
     #[must_use]
     pub fn characteristic_length(&self) -> f64 {
         self.length

@@ -8,7 +8,7 @@ use super::{Dialect, Motions};
 use crate::export::error::Error;
 use crate::export::motion_export::MotionExport;
 
-/// Text that is held at a time [bytes].
+/// Text that is held at a time (bytes).
 const PART: usize = 1 << 20;
 
 impl Dialect {
@@ -17,7 +17,7 @@ impl Dialect {
     /// Durations add up to that of the motion: each is the difference of the times of its ends as they are rounded.
     ///
     /// # Arguments
-    /// * `rate` – points a second, where the dialect tells points [Hz]
+    /// * `rate` – points a second, where the dialect tells points (Hz)
     ///
     /// # Errors
     /// [`Error::Rate`], [`Error::TooManySamples`]
@@ -33,7 +33,7 @@ impl Dialect {
     /// The text of [`Self::write`], a part after the other: what is held does not grow with the duration.
     ///
     /// # Arguments
-    /// * `rate` – points a second, where the dialect tells points [Hz]
+    /// * `rate` – points a second, where the dialect tells points (Hz)
     /// * `take` – takes the next part
     ///
     /// # Errors

@@ -12,11 +12,11 @@ use super::material::Material;
 use super::numbers::single;
 use crate::export::scene::Part;
 
-/// Radius of what stands for a rod or a link without a body [m].
+/// Radius of what stands for a rod or a link without a body (m).
 const BAR: f64 = 0.008;
-/// Half the thickness of what stands for a platform without a body [m].
+/// Half the thickness of what stands for a platform without a body (m).
 const PLATE: f64 = 0.004;
-/// Half the thickness of what marks a slot, and how much wider than a wafer it is [m].
+/// Half the thickness of what marks a slot, and how much wider than a wafer it is (m).
 const SLOT: [f64; 2] = [0.000_2, 0.004];
 
 /// Meshes that are used more than once.

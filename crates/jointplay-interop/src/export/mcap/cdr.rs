@@ -6,7 +6,7 @@ const HEAD: [u8; 4] = [0, 1, 0, 0];
 /// A message in the making.
 pub(super) struct Cdr(Vec<u8>);
 
-/// Whole seconds and nanoseconds of a time [s].
+/// Whole seconds and nanoseconds of a time (s).
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -71,7 +71,7 @@ impl Cdr {
         }
     }
 
-    /// A time or a duration [s].
+    /// A time or a duration (s).
     pub(super) fn time(&mut self, time: f64) {
         let (sec, nanosec) = split(time);
         self.word(sec.cast_unsigned());

@@ -5,9 +5,9 @@ use jointplay_cell::trajectory::{Sample, Trajectory};
 /// Least and largest values of an axis over a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Envelope {
-    /// Of position, velocity and acceleration: least, then largest [m or rad, and these by s and s²].
+    /// Of position, velocity and acceleration: least, then largest (m or rad, and these by s and s²).
     pub bounds: [[f64; 2]; 3],
-    /// How long it moves [s].
+    /// How long it moves (s).
     pub moving: f64,
 }
 

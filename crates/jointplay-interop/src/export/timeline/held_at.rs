@@ -20,7 +20,7 @@ pub struct HeldAt {
     pub effector: Option<EffectorId>,
     /// The slot; `None` where an effector carries it.
     pub slot: Option<SlotId>,
-    /// Origin x, y, z [m] and vector part x, y, z of its unit quaternion, whose scalar part is positive: in the wafer frame of the effector, or in the base frame.
+    /// Origin x, y, z (m) and vector part x, y, z of its unit quaternion, whose scalar part is positive: in the wafer frame of the effector, or in the base frame.
     pub pose: [f64; POSE_NUMBERS],
 }
 

@@ -48,9 +48,9 @@ pub(super) struct Reader<'a> {
     pub(super) angles: Angles,
     pub(super) autolimits: bool,
     pub(super) defaults: Defaults<'a>,
-    /// Pose of each link in MuJoCo's reference configuration [m].
+    /// Pose of each link in MuJoCo's reference configuration (m).
     pub(super) world_from_link: Vec<Pose>,
-    /// Link and place of each site [m].
+    /// Link and place of each site (m).
     pub(super) sites: BTreeMap<&'a str, (usize, Pose)>,
 }
 
@@ -58,7 +58,7 @@ pub(super) struct Reader<'a> {
 struct Open<'a> {
     node: Node<'a, 'a>,
     parent: usize,
-    /// Where the frame that holds the body is on its parent [m].
+    /// Where the frame that holds the body is on its parent (m).
     parent_from_frame: Pose,
     class: Option<&'a str>,
 }
@@ -247,7 +247,7 @@ impl<'a> Reader<'a> {
     /// A joint of a body.
     ///
     /// # Arguments
-    /// * `before` – the body's place on the joint's first link, in the reference configuration [m]
+    /// * `before` – the body's place on the joint's first link, in the reference configuration (m)
     fn joint(&mut self, item: &Item<'a>, links: [usize; 2], before: Pose) -> Result<(), Error> {
         let (node, xml) = (item.node, self.draft.xml);
         let is_free = node.tag_name().name() == "freejoint";

@@ -34,13 +34,13 @@ struct Frame<'a> {
     /// The model or world around it.
     scope: usize,
     relative_to: usize,
-    /// As written [m].
+    /// As written (m).
     pose: Pose,
     /// Of a model: the frame inside it whose place is given in its stead.
     placed_by: Option<usize>,
     /// The frame with which it moves; of a link, itself.
     attached_to: usize,
-    /// [m]
+    /// (m)
     world_from: Pose,
     /// The link, or the world, with which it moves; `None` where attachments go in a circle.
     link: Option<usize>,
@@ -123,7 +123,7 @@ impl<'a> Frames<'a> {
         self.frames[frame].scope
     }
 
-    /// Pose in the world, in the reference configuration [m].
+    /// Pose in the world, in the reference configuration (m).
     pub(super) fn world_from(&self, frame: usize) -> Pose {
         self.frames[frame].world_from
     }
@@ -258,7 +258,7 @@ impl<'a> Frames<'a> {
         Ok(())
     }
 
-    /// Where a frame is in the one that it is relative to [m].
+    /// Where a frame is in the one that it is relative to (m).
     fn local(&self, frame: usize, locals: &mut [Option<Pose>]) -> Result<Pose, Error> {
         if let Some(known) = locals[frame] {
             return Ok(known);

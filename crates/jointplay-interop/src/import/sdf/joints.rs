@@ -15,7 +15,7 @@ use crate::import::xml::{
 };
 use jointplay_format::mechanism::frame::{pose, some_perpendicular};
 
-/// How far from perpendicular the axes of a universal joint may be [rad].
+/// How far from perpendicular the axes of a universal joint may be (rad).
 const PERPENDICULAR: f64 = 1e-6;
 
 /// Numbers from here on stand for no limit.
@@ -154,7 +154,7 @@ impl<'a> Reader<'a> {
         Ok(Unit::new_normalize(joint_from_other * direction.into_inner()))
     }
 
-    /// Advance for a radian [m/rad].
+    /// Advance for a radian (m/rad).
     ///
     /// The newer element counts metres per turn of a right-handed thread, the older one radians per metre of a left-handed one.
     fn lead(&self, joint: Node<'a, 'a>) -> Result<f64, Error> {
@@ -170,7 +170,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Least and greatest coordinate about an axis, where both are said [m, rad].
+    /// Least and greatest coordinate about an axis, where both are said (m, rad).
     fn limits(
         &mut self,
         joint: Node<'a, 'a>,
