@@ -39,7 +39,7 @@ impl AxisKind {
     fn verb(self) -> &'static str {
         match self {
             Self::Rotary => "turns",
-            Self::Linear => "prismatic_joints",
+            Self::Linear => "slides",
         }
     }
 }

@@ -481,15 +481,15 @@ fn names_that_are_not_there() {
     refuse("move four-bar --drive A=0:360:1e-3", "at most 100000 steps");
     refuse("move four-bar --drive A=0:360:1e-9", "values, at most");
     refuse("mobility four-bar --q-mm 1,2,3", "--q-mm and --virtualization");
-    refuse("mobility gpr --at A=1", "--at and --set are for mechanism files");
+    refuse("mobility gpr --at A=1", "--at and --set apply to mechanism files");
     refuse("mobility --set a=1", "--set needs a mechanism file");
-    refuse("mobility gpr --tolerance 1e-3", "--tolerance is for mechanism files");
-    refuse("mobility --tolerance 1e-3", "--tolerance is for mechanism files");
-    refuse("mobility four-bar --tolerance 0.5", "0.5 is not within 1e-11 to 1e-2");
-    refuse("assemble four-bar --tolerance=-1e-3", "is not within 1e-11 to 1e-2");
+    refuse("mobility gpr --tolerance 1e-3", "--tolerance applies to mechanism files");
+    refuse("mobility --tolerance 1e-3", "--tolerance applies to mechanism files");
+    refuse("mobility four-bar --tolerance 0.5", "must be from 1e-11 to 1e-2, got 0.5");
+    refuse("assemble four-bar --tolerance=-1e-3", "must be from 1e-11 to 1e-2");
     refuse("assemble four-bar --tolerance x", "invalid number");
     refuse("sensitivity four-bar --command A=1", "no virtual joints");
-    refuse("sensitivity gpr-mechanism", "nothing is commanded");
+    refuse("sensitivity gpr-mechanism", "no command is given");
     refuse("catalogue show benett", "did you mean `bennett`?");
     refuse("assemble missing.toml", "cannot read missing.toml");
 }

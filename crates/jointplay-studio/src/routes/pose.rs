@@ -13,7 +13,7 @@ use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::pose::{
-    AnswerDocument, MOST_MODELS, MobilityDocument, ModelDocument, PoseDocument, PoseRequest,
+    AnswerDocument, MAX_MODELS, MobilityDocument, ModelDocument, PoseDocument, PoseRequest,
 };
 use crate::wire::{self, ModelChoice, Rods};
 
@@ -50,8 +50,8 @@ fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
         bounds,
     } = request;
     let asked = choices.len();
-    if !(1..=MOST_MODELS).contains(&asked) {
-        let detail = format!("{asked} models are asked, from 1 to {MOST_MODELS} may be");
+    if !(1..=MAX_MODELS).contains(&asked) {
+        let detail = format!("{asked} models are given, 1 to {MAX_MODELS} are allowed");
         return Err(Problem::field("models", detail));
     }
     let models: Vec<(&ModelChoice, SolveOptions)> = choices

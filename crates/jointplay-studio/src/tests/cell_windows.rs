@@ -82,7 +82,7 @@ fn a_long_plan_is_small_and_its_lists_are_paged() {
     assert_eq!(last["instructions"].as_array().unwrap().len(), 100);
     assert_eq!(last["instructions"][99]["number"], 401);
     assert_eq!(page("instructions", "9").json()["instructions"], json!([]));
-    assert_eq!(page("violations", "0").json(), json!({ "of": 0, "violations": [] }));
+    assert_eq!(page("violations", "0").json(), json!({ "total": 0, "violations": [] }));
     for wrong in ["-1", "x", "1.5"] {
         assert_eq!(page("instructions", wrong).status, StatusCode::NOT_FOUND, "{wrong}");
     }

@@ -52,12 +52,12 @@ fn a_missing_mesh_is_an_error_at_the_start() {
     assert_eq!(get("/api/v1/meshes/base").status, StatusCode::NOT_FOUND);
     let folder = tempfile::tempdir().unwrap();
     refused("base.stl", Some(folder.path()), "cannot be read");
-    refused("base.stl", None, "not from a file");
+    refused("base.stl", None, "was not read from a file");
     std::fs::create_dir(folder.path().join("folder.stl")).unwrap();
     refused("folder.stl", Some(folder.path()), "not a file");
     let large = std::fs::File::create(folder.path().join("large.stl")).unwrap();
     large.set_len(50_000_001).unwrap();
-    refused("large.stl", Some(folder.path()), "longer than 50000000 bytes");
+    refused("large.stl", Some(folder.path()), "limit of 50000000 bytes");
 }
 
 #[cfg(unix)]

@@ -136,7 +136,7 @@ fn a_motion_stops_at_the_limits() {
         (&reached["rods_m"][0], &reached["stopped_by"]),
         (&0.501.into(), &Value::Array(vec![]))
     );
-    refused(POSE, &body("[1e9, 0.5, 0.5]"), 422, Some("from_rods_m[0]"), "too long");
+    refused(POSE, &body("[1e9, 0.5, 0.5]"), 422, Some("from_rods_m[0]"), "within ±1000 m");
 }
 
 #[test]
@@ -175,38 +175,42 @@ fn invalid_requests_name_their_field() {
         |body: &str, field: Option<&str>, detail: &str| refused(POSE, body, 422, field, detail);
     bad("[]", None, "expected an object");
     bad("{}", None, "missing field `command`");
-    bad(r#"{"command": 3}"#, Some("command"), "an object is needed");
+    bad(r#"{"command": 3}"#, Some("command"), "expected an object with a `kind`");
     bad(r#"{"command": {}}"#, Some("command"), r#"known: "tilt", "tilt_xy", "rods""#);
-    bad(r#"{"command": {"kind": "tolt"}}"#, Some("command.kind"), r#""tolt" is not known"#);
+    bad(r#"{"command": {"kind": "tolt"}}"#, Some("command.kind"), r#"unknown kind "tolt""#);
     let tilt = |fields: &str| format!(r#"{{"command": {{"kind": "tilt", {fields}}}}}"#);
     bad(&tilt(r#""yaw_rad": 1"#), Some("command"), "missing field `pitch_rad`");
     bad(&tilt(r#""yaw_rad": "a", "pitch_rad": 0"#), Some("command.yaw_rad"), "expected f64");
     bad(&tilt(r#""yaw_rad": 1e9, "pitch_rad": 0"#), Some("command.yaw_rad"), "within ±1000 rad");
-    bad(&tilt(r#""yaw_rad": 0, "pitch_rad": 1.6"#), Some("command.pitch_rad"), "too steep");
+    bad(
+        &tilt(r#""yaw_rad": 0, "pitch_rad": 1.6"#),
+        Some("command.pitch_rad"),
+        "must be between -π/2 and π/2",
+    );
     let high = r#""yaw_rad": 0, "pitch_rad": 0, "height": {"kind": "axis", "value_m": 1e4}"#;
     bad(&tilt(high), Some("command.height.value_m"), "within ±1000 m");
     let array = r#""yaw_rad": 0, "pitch_rad": 0, "height": ["axis", 0.5]"#;
     bad(&tilt(array), Some("command.height"), "expected an object");
     let turns = r#"{"command": {"kind": "tilt_xy", "about_x_rad": 1.5, "about_y_rad": 1.5}}"#;
-    bad(turns, Some("command"), "too steep");
+    bad(turns, Some("command"), "must be between -π/2 and π/2");
     let rods = |rods: &str| format!(r#"{{"command": {{"kind": "rods", "rods_m": {rods}}}}}"#);
     bad(&rods("[0.5, 0.5]"), Some("command.rods_m"), "length 3");
-    bad(&rods("[0.5, 0.5, 2000]"), Some("command.rods_m[2]"), "2e3 m is too long");
+    bad(&rods("[0.5, 0.5, 2000]"), Some("command.rods_m[2]"), "got 2e3 m");
     let model = |model: &str| {
         format!(r#"{{"command": {{"kind": "rods", "rods_m": [1, 1, 1]}}, "models": {model}}}"#)
     };
-    bad(&model("[]"), Some("models"), "from 1 to 16");
+    bad(&model("[]"), Some("models"), "1 to 16 are allowed");
     bad(&model("[[]]"), Some("models[0]"), "expected an object");
     bad(&model(r#"[{}, {"solver": "x"}]"#), Some("models[1].solver"), "`closed-form`");
     bad(&model(r#"[{"colour": 1}]"#), Some("models[0].colour"), "unknown field");
     let length = r#"[{}, {"characteristic_length_m": 0}]"#;
-    bad(&model(length), Some("models[1].characteristic_length_m"), "not within");
-    refused(POSE, "{", 400, None, "no JSON");
+    bad(&model(length), Some("models[1].characteristic_length_m"), "must be within 1e-12 to 1e6 m");
+    refused(POSE, "{", 400, None, "not valid JSON");
     refused(
         POSE,
         r#"{"command": {"kind": "rods", "rods_m": [1e999, 1, 1]}}"#,
         400,
         None,
-        "no JSON",
+        "not valid JSON",
     );
 }

@@ -9,7 +9,7 @@ fn a_pose_beyond_a_limit_is_rejected() {
     let rods = r#"{"rods_m": [0.5, 0.501, 0.8]}"#;
     refused(FORWARD, rods, 409, None, "rod 3 is 800.000000 mm long, allowed are 246 to 754 mm");
     let tilt = r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 0.03}}"#;
-    refused("/api/v1/inverse", tilt, 409, None, "\"ignore_limits\": true computes past them");
+    refused("/api/v1/inverse", tilt, 409, None, "\"ignore_limits\": true to ignore them");
     refused("/api/v1/sensitivity", tilt, 409, None, "the tilt is 1.718873°");
     let rods = r#"{"rods_m": [0.5, 0.51, 0.5]}"#;
     refused("/api/v1/mobility", rods, 409, None, "the tilt is");
@@ -43,7 +43,7 @@ fn invalid_requests_name_their_field() {
     let bad = |path: &str, body: &str, field: &str, detail: &str| {
         refused(&format!("/api/v1/{path}"), body, 422, Some(field), detail);
     };
-    bad("forward", r#"{"rods_m": [0.5, 0.5, 1e9]}"#, "rods_m[2]", "too long");
+    bad("forward", r#"{"rods_m": [0.5, 0.5, 1e9]}"#, "rods_m[2]", "within ±1000 m");
     bad("forward", r#"{"rods_m": [1, 1, 1], "model": []}"#, "model", "expected an object");
     bad(
         "forward",
@@ -52,14 +52,19 @@ fn invalid_requests_name_their_field() {
         "`radius`",
     );
     let length = r#"{"rods_m": [1, 1, 1], "model": {"characteristic_length_m": -1}}"#;
-    bad("forward", length, "model.characteristic_length_m", "not within");
-    bad("inverse", r#"{"command": {"kind": "level"}}"#, "command.kind", "\"level\" is not known");
+    bad("forward", length, "model.characteristic_length_m", "must be within 1e-12 to 1e6 m");
+    bad("inverse", r#"{"command": {"kind": "level"}}"#, "command.kind", "unknown kind \"level\"");
     bad("mobility", r#"{"virtualization": "cubic"}"#, "virtualization", "`radial`");
     bad("mobility", r#"{"rods_m": [1, 1]}"#, "rods_m", "length 3");
-    bad("compare", r#"{"pitches_rad": []}"#, "pitches_rad", "from 1 to 10000");
-    bad("compare", r#"{"pitches_rad": [0, 2]}"#, "pitches_rad[1]", "too steep");
-    bad("compare", r#"{"pitches_rad": [0], "axis_height_m": 1e9}"#, "axis_height_m", "too long");
+    bad("compare", r#"{"pitches_rad": []}"#, "pitches_rad", "1 to 10000 are allowed");
+    bad("compare", r#"{"pitches_rad": [0, 2]}"#, "pitches_rad[1]", "must be between -π/2 and π/2");
+    bad(
+        "compare",
+        r#"{"pitches_rad": [0], "axis_height_m": 1e9}"#,
+        "axis_height_m",
+        "within ±1000 m",
+    );
     let length = r#"{"pitches_rad": [0], "characteristic_length_m": 0}"#;
-    bad("compare", length, "characteristic_length_m", "not within");
+    bad("compare", length, "characteristic_length_m", "must be within 1e-12 to 1e6 m");
     refused("/api/v1/sensitivity", "{}", 422, None, "missing field `command`");
 }

@@ -140,14 +140,14 @@ fn invalid_studies_name_their_field() {
     let bad = |motion: &str, field: &str, detail: &str| {
         refused(STUDY, &format!(r#"{{"motion": {motion}}}"#), 422, Some(field), detail);
     };
-    bad("1", "motion", "an object is needed");
+    bad("1", "motion", "expected an object with a `kind`");
     bad(r#"{"kind": "spiral"}"#, "motion.kind", r#"known: "raster", "serpentine", "keys""#);
     let steps = |name: &str, from: f64, to: f64, step: f64| {
         format!(r#"{{"kind": "raster", "{name}": {{"from": {from}, "to": {to}, "step": {step}}}}}"#)
     };
     bad(&steps("yaw_deg", 0.0, 360.0, 7.0), "motion.yaw_deg", "miss 360");
     bad(&steps("pitch_deg", 2.0, -2.0, 0.1), "motion.pitch_deg", "does not lead");
-    bad(&steps("pitch_deg", 0.0, 90.0, 10.0), "motion.pitch_deg", "too steep");
+    bad(&steps("pitch_deg", 0.0, 90.0, 10.0), "motion.pitch_deg", "must be between -π/2 and π/2");
     bad(&steps("yaw_deg", 0.0, 360.0, 1e-9), "motion.yaw_deg", "at most 1000000");
     let long = r#"{"kind": "raster", "yaw_deg": {"from": 0, "to": 360, "step": 0.001}}"#;
     bad(long, "motion", "at most 5000000 are allowed");
@@ -157,13 +157,23 @@ fn invalid_studies_name_their_field() {
     bad(&keys(&format!("[{key}, {key}]")), "motion", "duration of a key pose is 0");
     bad(&keys(&format!("[{key}, 3]")), "motion.keys[1]", "expected an object");
     let steep = key.replacen('0', "2", 1);
-    bad(&keys(&format!("[{key}, {steep}]")), "motion.keys[1].about_x_rad", "too steep");
+    bad(
+        &keys(&format!("[{key}, {steep}]")),
+        "motion.keys[1].about_x_rad",
+        "must be between -π/2 and π/2",
+    );
     let long = key.replace(r#""duration_s": 0"#, r#""duration_s": 1e300"#);
     bad(&keys(&format!("[{key}, {long}]")), "motion", "at most 5000000");
     let body = r#"{"motion": {"kind": "raster"}, "quantities": ["rods", "colour"]}"#;
     refused(STUDY, body, 422, Some("quantities[1]"), "unknown variant `colour`");
     let body = r#"{"motion": {"kind": "raster"}, "model": {"characteristic_length_m": 0}}"#;
-    refused(STUDY, body, 422, Some("model.characteristic_length_m"), "not within");
+    refused(
+        STUDY,
+        body,
+        422,
+        Some("model.characteristic_length_m"),
+        "must be within 1e-12 to 1e6 m",
+    );
 }
 
 /// A study of two million samples.

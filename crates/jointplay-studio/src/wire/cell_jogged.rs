@@ -7,7 +7,7 @@ use jointplay::cell::robot::{
 use jointplay::cell::station::{SlotId, teach};
 use jointplay::cell::wafer::{DroopError, Unreachable};
 use jointplay::cell::workcell::Cell;
-use jointplay::format::cell::explain::{explain_branch, explain_stopped};
+use jointplay::format::cell::explain::{explain_branch, explain_droop, explain_stopped};
 use jointplay::interop::export::Frame;
 use jointplay::nalgebra::Vector3;
 use jointplay::spatial::{Pose, Tilt};
@@ -319,7 +319,7 @@ pub(crate) fn effector(
         about_x_rad,
         about_y_rad,
         heading_rad: target.heading.unwrap_or_default(),
-        droop_unknown: unknown.map(|why| why.to_string()),
+        droop_unknown: unknown.as_ref().map(explain_droop),
     }
 }
 

@@ -15,7 +15,7 @@ use super::{CommandFields, ModelChoice, Pair, Rods, Triple};
 use crate::strict;
 
 /// Maximum number of models in a request.
-pub(crate) const MOST_MODELS: usize = 16;
+pub(crate) const MAX_MODELS: usize = 16;
 
 /// Request of one pose.
 #[derive(Deserialize, ToSchema)]
