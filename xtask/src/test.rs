@@ -5,7 +5,7 @@
 mod ahead;
 
 use self::ahead::Ahead;
-use crate::{book, cell, deps, page, python, studio, tidy};
+use crate::{book, cell, circles, deps, page, python, studio, tidy};
 use std::io::{self, IsTerminal};
 use std::path::Path;
 use std::process::Command;
@@ -64,6 +64,7 @@ pub(crate) fn run(root: &Path) -> bool {
         // Already in this program: no need to start it again.
         "xtask tidy" => tidy::run(root),
         "xtask deps" => deps::run(root),
+        "xtask circles" => circles::run(root),
         CLIPPY => {
             ahead.start(root);
             run_cargo(step, root)
@@ -87,6 +88,7 @@ fn steps(examples: &[String]) -> Vec<Step> {
             "xtask deps",
             "drop the import, or move the code to the ring it belongs to (ARCHITECTURE.md)",
         ),
+        Step::new("xtask circles", "move the item that both files need to a file of its own"),
         Step::new(
             CLIPPY,
             "correct what clippy names above; much of it `cargo clippy --fix --workspace --all-targets --all-features` does",
@@ -225,6 +227,7 @@ mod tests {
             "cargo fmt --all --check",
             "cargo xtask tidy",
             "cargo xtask deps",
+            "cargo xtask circles",
             "cargo clippy --workspace --all-targets --all-features -- -D warnings",
             "cargo clippy --workspace --lib --bins --test cli -- -D warnings",
             "PROPTEST_RNG_SEED=\"1\" cargo test --workspace --all-features",

@@ -7,7 +7,8 @@ use jointplay::spatial::{Pose, Tilt};
 use jointplay::study::parallel;
 use jointplay::virtualization::{Planar, Polar, Radial, SolveOptions, Solver, Virtualization};
 
-use crate::{Work, gpr};
+use crate::gpr;
+use crate::work::Work;
 
 /// Arguments of `gpr bulk`.
 pub(crate) const USAGE: &str = "expected gpr bulk WHAT [COPIES [cores]]: joints, pose, least, planar, planar-pose, radial, radial-pose or inverse, how often the poses are repeated, and whether all cores share them";

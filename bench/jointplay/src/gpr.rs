@@ -14,7 +14,7 @@ use jointplay::nalgebra::{DVector, Unit, Vector3};
 use jointplay::spatial::{Pose, Tilt};
 use jointplay::virtualization::{Metric, Polar, SolveOptions, Solver, solve};
 
-use crate::Work;
+use crate::work::Work;
 
 /// Height of the platform plane on the base axis (m).
 pub(crate) const HEIGHT: f64 = 0.5;

@@ -8,8 +8,8 @@ use jointplay::mechanism::{
 };
 use jointplay::nalgebra::DVector;
 
-use crate::Work;
 use crate::tree::Tree;
+use crate::work::Work;
 
 /// Positions along the drive.
 const STEPS: usize = 200;

@@ -16,6 +16,7 @@ mod linkage;
 mod scaling;
 mod tree;
 mod words;
+mod work;
 
 use std::fmt::Write as _;
 use std::io::{BufRead as _, Write as _};
@@ -25,17 +26,7 @@ use std::process::ExitCode;
 use jointplay::mechanism::ReliefSolver;
 use jointplay::virtualization::Solver;
 
-/// Work that is solved repeatedly.
-trait Work {
-    /// Solves everything; returns how many were solved.
-    fn solve(&mut self) -> usize;
-    /// Solves so many positions, by a call each that waits for the one before, or many at a time in one call; returns how many were solved, `None` where that is not measured.
-    fn call(&mut self, _times: usize) -> Option<usize> {
-        None
-    }
-    /// The numbers of the last answers, `None` for what was not solved.
-    fn answers(&self) -> Vec<Option<Vec<f64>>>;
-}
+use work::Work;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::allowed_collisions::ContactRule;
+use super::interval_motion_bound::IntervalMotionBound;
 use super::link_poses::LinkPoses;
 use super::motion_bound::{DisplacementBound, MotionBoundModel};
 use super::motion_bound_coefficients::MotionBoundCoefficients;
@@ -220,50 +221,6 @@ struct DistanceBound {
     is_exact: bool,
     /// Lower bound of the gap along the platform's normal, along which arms do not move (m).
     along_normal: f64,
-}
-
-/// Bound of the relative motion of a pair in an interval.
-#[derive(Clone, Copy)]
-struct IntervalMotionBound {
-    /// Travel in any direction (m).
-    total: f64,
-    /// Travel along the platform's normal (m).
-    along_normal: f64,
-    /// Travel by the rods alone (m).
-    platform: f64,
-    /// Travel by changes of the arms' deflection alone (m).
-    deflection: f64,
-    /// Horizontal part of `deflection` (m).
-    lateral_deflection: f64,
-    /// Rotation of the platform's normal (rad).
-    normal_rotation: f64,
-    /// Deviation of the arms' part of the motion from the chord (m).
-    chord_deviation: f64,
-}
-
-impl IntervalMotionBound {
-    /// Bound for either half of the interval: travel is bounded by the largest speed over the whole time, and so is additive over halves.
-    fn half(self) -> Self {
-        let Self {
-            total,
-            along_normal,
-            platform,
-            deflection,
-            lateral_deflection,
-            normal_rotation,
-            chord_deviation,
-        } = self;
-        Self {
-            total: 0.5 * total,
-            along_normal: 0.5 * along_normal,
-            platform: 0.5 * platform,
-            deflection: 0.5 * deflection,
-            lateral_deflection: 0.5 * lateral_deflection,
-            normal_rotation: 0.5 * normal_rotation,
-            // Not additive: kept as it is, which is an upper bound for each half.
-            chord_deviation,
-        }
-    }
 }
 
 /// Lower bound of the distance in an interval, from bounds at its ends and the travel between them (m).

@@ -32,6 +32,7 @@ mod axis_states;
 mod broad_phase;
 mod conservative_advancement;
 mod in_plane_motion;
+mod interval_motion_bound;
 mod link_poses;
 mod motion_bound;
 mod motion_bound_coefficients;
