@@ -142,7 +142,14 @@ pub fn paper() -> Robot {
 /// # Errors
 /// The first of the errors that [`parse_all`] returns.
 pub fn parse(text: &str) -> Result<Robot, Error> {
-    parse_all(text).map_err(|mut errors| errors.swap_remove(0))
+    parse_all(text).map_err(|mut errors| {
+        // A misspelled key is unknown and missing: the first error names the key that is there.
+        let is_missing = |error: &Error| {
+            matches!(&*error.problem, Problem::Common(FileProblem::MissingKey { .. }))
+        };
+        let first = errors.iter().position(|error| !is_missing(error)).unwrap_or(0);
+        errors.swap_remove(first)
+    })
 }
 
 /// Reads a robot file.

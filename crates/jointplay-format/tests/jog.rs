@@ -65,7 +65,7 @@ fn motors_stop_at_their_limits_and_rods_at_those_of_the_tilt() {
     let jogged = cell.jog_axes(&from, &to).unwrap();
     let tilt = cell.robot.gpr.plane_tilt(&[jogged.positions[0], from[1], from[2]]);
     near(tilt.pitch, cell.robot.gpr.limits().tilt_max, 1e-9);
-    assert!(explain_stopped(&cell, &jogged.stopped.unwrap())[0].starts_with("the tilt is"));
+    assert!(explain_stopped(&cell, &jogged.stopped.unwrap())[0].starts_with("tilt of "));
     assert_eq!(cell.jog_axes(&from, &from).unwrap().stopped, None);
     assert!(cell.jog_axes(&from, &from[1..]).is_err());
 }

@@ -660,13 +660,13 @@ fn stations_are_taught_and_written_back() {
     let tilt = station["tilt_pitch_deg"].as_f64().unwrap();
     assert!((tilt - 0.01_f64.atan().to_degrees()).abs() < 1e-9, "{tilt}");
     assert_eq!(station["plane"]["verdict"], "fits");
-    assert!(sandbox.read("example.toml").contains("# A work cell to try things on"));
+    assert!(sandbox.read("example.toml").contains("# An example cell"));
 
     let before = sandbox.read("example.toml");
     sandbox.done(&format!("cell teach example.toml --station ALIGN {points} --write"));
     let after = sandbox.read("example.toml");
     assert_ne!(before, after);
-    assert!(after.contains("# A work cell to try things on"), "comments stay");
+    assert!(after.contains("# An example cell"), "comments stay");
     let again = sandbox.json("cell teach example.toml --station ALIGN");
     assert_eq!(again["stations"][0], *station);
 

@@ -181,7 +181,7 @@ fn a_second_run_replaces_its_own_files_on_request_only() {
     let before = sandbox.read("paper-study/samples-radial.csv");
     let refused = sandbox.run("simulate --yaw-step-deg 90");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("holds files already"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("contains files"), "{}", refused.stderr);
     assert!(refused.stderr.contains("--force"), "{}", refused.stderr);
     assert_eq!(sandbox.read("paper-study/samples-radial.csv"), before);
 

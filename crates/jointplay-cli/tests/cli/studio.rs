@@ -83,7 +83,7 @@ fn it_serves_until_it_is_interrupted() {
     // A browser keeps its connections open; that must not keep the server.
     let _idle = TcpStream::connect(&studio.address).unwrap();
     let (code, rest) = studio.interrupt();
-    assert_eq!((code, rest.as_str()), (Some(0), "  Ctrl-C ends it\n"));
+    assert_eq!((code, rest.as_str()), (Some(0), "  press Ctrl-C to stop\n"));
     assert_eq!(sandbox.names(""), [""; 0]);
 }
 
