@@ -169,7 +169,7 @@ fn a_cell_from_above() {
     let expected = [
         "wall",
         "door",
-        "in a violation",
+        "in violation",
         "a cell",
         "port, 25 slots",
         "aligner, 0.802°",
@@ -219,7 +219,7 @@ fn stations_as_they_were_taught() {
         "a cell: stations",
         "port",
         "tilt 0.5729° toward 180.0°",
-        "4 points up to 20.0 µm off (allowed 100.0), tilt ±5649 µrad:",
+        "4 points, distances up to 20.0 µm (allowed 100.0), tilt ±5649 µrad:",
         "unproven",
         "1: +20.0 µm",
         "4: -20.0 µm",
@@ -236,7 +236,7 @@ fn stations_as_they_were_taught() {
     assert!(!svg.contains(VERMILLION));
     let scattered = taught(2e-5, 1e-5);
     let svg = Taught::new(&scattered).to_svg().unwrap();
-    check(&svg, &["4 points up to 20.0 µm off (allowed 10.0), tilt ±5649 µrad: scattered"]);
+    check(&svg, &["4 points, distances up to 20.0 µm (allowed 10.0), tilt ±5649 µrad: scattered"]);
     assert_eq!(svg.matches(VERMILLION).count(), 8);
     let even = taught(0.0, 1e-5);
     let mut one = Taught::new(&even);
