@@ -16,7 +16,7 @@ pub const MAX_CALLS: usize = 64;
 pub(super) const WHOLE: &str = "the program";
 
 /// Location and kind of an unbounded construct.
-type UnboundedProgram = (Place, ProgramProblem);
+type UnboundedProgram = (Place, Box<ProgramProblem>);
 
 /// Checks that a program expands to at most [`MAX_INSTRUCTIONS`], nested to at most [`MAX_CALLS`].
 ///
@@ -37,7 +37,8 @@ pub(super) fn check_bounds(
 }
 
 fn too_long(place: Place, what: &'static str, found: u64) -> UnboundedProgram {
-    (place, ProgramProblem::TooLong { what, found: Count(found), allowed: MAX_INSTRUCTIONS })
+    let problem = ProgramProblem::TooLong { what, found: Count(found), allowed: MAX_INSTRUCTIONS };
+    (place, Box::new(problem))
 }
 
 /// Size of an expanded block.
@@ -95,8 +96,7 @@ impl BlockCounter<'_> {
         if depth <= MAX_CALLS {
             return Ok(());
         }
-        let problem = ProgramProblem::TooDeep { allowed: MAX_CALLS };
-        Err((place, problem))
+        Err((place, Box::new(ProgramProblem::TooDeep { allowed: MAX_CALLS })))
     }
 
     fn routine(
@@ -109,7 +109,7 @@ impl BlockCounter<'_> {
             let circle = self.running[from..].iter().chain([&index]);
             let name = |&routine: &usize| self.program.routines[routine].name.text.clone();
             let problem = ProgramProblem::Recursive { routines: circle.map(name).collect() };
-            return Err((place, problem));
+            return Err((place, Box::new(problem)));
         }
         if let Some(&known) = self.known.get(&index) {
             return Ok(known);

@@ -47,10 +47,10 @@ pub(super) fn resolve(
         };
         // No single instruction is the cause.
         let whole = matches!(
-            problem,
+            *problem,
             ProgramProblem::TooDeep { .. } | ProgramProblem::TooLong { what: WHOLE, .. }
         );
-        errors.push(ProgramError { place, problem, more: 0 });
+        errors.push(ProgramError { place, problem: *problem, more: 0 });
         if whole || !resolved.exclude(place) {
             break;
         }
