@@ -292,7 +292,7 @@ pub(crate) async fn parquet(state: &AppState, study: Study) -> Result<Body, Prob
 
 /// The problem of a build without Parquet.
 #[cfg(not(feature = "parquet"))]
-pub(crate) async fn parquet(_: &App, _: Study) -> Result<Body, Problem> {
+pub(crate) async fn parquet(_: &AppState, _: Study) -> Result<Body, Problem> {
     let detail =
         "this build has no Parquet support: build with --features parquet, or use `study.csv`";
     Err(Problem::unavailable(axum::http::StatusCode::NOT_IMPLEMENTED, detail))
