@@ -261,7 +261,7 @@ pub(crate) fn yaw(degrees: f64) -> f64 {
     (degrees % 360.0).to_radians()
 }
 
-/// The longest length accepted by a flag [mm]: one kilometre, far below overflow of squares.
+/// The longest length accepted by a flag (mm): one kilometre, far below overflow of squares.
 const LONGEST_MM: f64 = 1e6;
 
 /// A length (mm).

@@ -2,6 +2,7 @@
 
 use jointplay_core::gpr::{Gpr, Limb, Limits};
 use nalgebra::Vector2;
+use toml::de::DeValue;
 
 use crate::explain::explain;
 use crate::file_problem::FileProblem;
@@ -200,7 +201,9 @@ fn read(top: &Table, has_kind: bool) -> Option<Robot> {
         table.finish();
         height
     });
-    if top.needed("limb").is_some() && tables.len() != 3 {
+    // A value of another type has its own error.
+    let is_list = |entry: Entry| matches!(entry.value.get_ref(), DeValue::Array(_));
+    if top.needed("limb").is_some_and(is_list) && tables.len() != 3 {
         let span = tables.get(3).or(tables.last()).map_or(0..0, |table| table.span.clone());
         reader.report(span, Problem::LimbCount { found: tables.len() });
     }

@@ -529,7 +529,7 @@ fn mcap_has_every_sample_and_the_steps() {
 /// Times, and three values for each.
 type Keys = (Vec<f32>, Vec<f32>);
 
-/// What a viewer makes of an animated node at a time [s]: place and turn.
+/// What a viewer makes of an animated node at a time (s): place and turn.
 struct Animated<'a> {
     root: &'a Value,
     /// By node and path.

@@ -175,7 +175,7 @@ fn a_cell_from_above() {
         "aligner, 0.802°",
         "wafer centre of A",
         "reach of A",
-        "keep out",
+        "keep-out zone",
         "body",
         "violation",
     ];
@@ -220,7 +220,7 @@ fn stations_as_they_were_taught() {
         "port",
         "tilt 0.5729° toward 180.0°",
         "4 points, distances up to 20.0 µm (allowed 100.0), tilt ±5649 µrad:",
-        "unproven",
+        "unverified",
         "1: +20.0 µm",
         "4: -20.0 µm",
         "aligner",

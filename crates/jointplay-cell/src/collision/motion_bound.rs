@@ -223,7 +223,7 @@ impl MotionBoundModel {
         by_rod.sum::<Vector2<f64>>().norm()
     }
 
-    /// Upper bound of the rotation of the platform's normal between two samples [rad]: the travel of the plane's slope.
+    /// Upper bound of the rotation of the platform's normal between two samples (rad): the travel of the plane's slope.
     fn normal_rotation(&self, dt: f64, [from, to]: [&[AxisState; RODS]; 2]) -> f64 {
         let deviations = |states: &[AxisState; RODS], order: usize| -> [f64; RODS] {
             let mean = (states[0][order] + states[1][order] + states[2][order]) / 3.0;

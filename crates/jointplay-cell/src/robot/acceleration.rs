@@ -9,7 +9,7 @@ use super::hybrid_robot::{EffectorId, HybridRobot, RODS};
 use super::positions::Positions;
 use crate::CellError;
 
-/// Half of the time step of differences [s]: short against changes by jerk, long against round-off.
+/// Half of the time step of differences (s): short against changes by jerk, long against round-off.
 const STEP: f64 = 1e-4;
 
 /// Positions, velocities and accelerations of all axes at one time, rods first.

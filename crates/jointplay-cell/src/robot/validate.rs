@@ -82,7 +82,7 @@ impl HybridRobot {
         }
     }
 
-    /// Checks the conditions of [`Self::validated`]; the error names the part that violates one.
+    /// Checks the conditions of [`Self::checked`]; the error names the part that violates one.
     ///
     /// # Errors
     /// The first condition that is violated.

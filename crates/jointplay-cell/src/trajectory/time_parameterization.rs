@@ -385,7 +385,7 @@ fn start_times(pieces: &[Piece]) -> Vec<f64> {
     std::iter::once(0.0).chain(ends).collect()
 }
 
-/// The moving average of a parameterization over a window of time [s]: pieces of constant jerk.
+/// The moving average of a parameterization over a window of time (s): pieces of constant jerk.
 ///
 /// ```text
 ///    s̈(t)  =  (ṡ(t) − ṡ(t − w)) / w        s⃛(t)  =  (s̈(t) − s̈(t − w)) / w

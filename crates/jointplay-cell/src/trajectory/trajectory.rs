@@ -67,7 +67,7 @@ impl Trajectory {
         self.segments[step].duration() - overlaps.previous - overlaps.next
     }
 
-    /// Index of the step that is executed at a time [s]: where two steps meet the later one, after the end the last one.
+    /// Index of the step that is executed at a time (s): where two steps meet the later one, after the end the last one.
     #[must_use]
     pub fn step_at(&self, time: f64) -> usize {
         let begun = self.times[..self.steps.len().max(1)].partition_point(|&start| start <= time);

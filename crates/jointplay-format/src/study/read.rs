@@ -18,7 +18,7 @@ use crate::{catalogue, mechanism, place};
 /// Longer texts are refused unread.
 pub const MAX_BYTES: usize = 1_000_000;
 
-/// The longest length that a study may name [mm]: a kilometre, far from where squares overflow.
+/// The longest length that a study may name (mm): a kilometre, far from where squares overflow.
 const LONGEST_MM: f64 = 1e6;
 /// The steepest angle that may be asked for (deg); at a right angle there are no rods.
 const STEEPEST_DEG: f64 = 89.999;
