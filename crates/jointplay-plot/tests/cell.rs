@@ -236,7 +236,8 @@ fn stations_as_they_were_taught() {
     assert!(!svg.contains(VERMILLION));
     let scattered = taught(2e-5, 1e-5);
     let svg = Taught::new(&scattered).to_svg().unwrap();
-    check(&svg, &["4 points, distances up to 20.0 µm (allowed 10.0), tilt ±5649 µrad: scattered"]);
+    let lines = ["4 points, distances up to 20.0 µm (allowed 10.0), tilt ±5649 µrad:", "scattered"];
+    check(&svg, &lines);
     assert_eq!(svg.matches(VERMILLION).count(), 8);
     let even = taught(0.0, 1e-5);
     let mut one = Taught::new(&even);
