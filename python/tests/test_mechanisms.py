@@ -266,7 +266,7 @@ def test_joint_limits_are_an_answer():
 
 def test_limits_of_robots_and_mechanisms_have_one_base_class():
     mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
-    for ask in (lambda: jp.Gpr().inverse(30, 1.5), lambda: mechanism.assemble({"rod 1": 0.3, "rod 2": 0.3, "rod 3": 0.3})):
+    for ask in (lambda: jp.Gpr.paper().inverse(30, 1.5), lambda: mechanism.assemble({"rod 1": 0.3, "rod 2": 0.3, "rod 3": 0.3})):
         with pytest.raises(jp.BeyondLimitsError) as caught:
             ask()
         assert caught.value.limits_broken

@@ -173,7 +173,7 @@ pub(crate) fn motion<'py>(
         stopped = summary.stopped,
         message = summary.message,
     );
-    skin::result(py, "DrivenMotion", &fields)
+    skin::result(py, "Motion", &fields)
 }
 
 pub(crate) fn suggestions<'py>(

@@ -13,7 +13,7 @@ use crate::errors;
 use crate::model::ModelNames;
 
 /// Where the platform is for three rods, with everything that led to it.
-#[pyclass(name = "PlatformPose", module = "jointplay", frozen, eq)]
+#[pyclass(name = "Forward", module = "jointplay", frozen, eq)]
 #[derive(PartialEq)]
 pub(crate) struct PyForward {
     pose: PlatformPose,
@@ -146,7 +146,7 @@ impl PyForward {
     fn __repr__(&self) -> String {
         let origin = self.pose.base_from_platform.translation.vector;
         format!(
-            "PlatformPose(yaw_rad={:?}, pitch_rad={:?}, origin_m=[{:?}, {:?}, {:?}], virtualization={:?})",
+            "Forward(yaw_rad={:?}, pitch_rad={:?}, origin_m=[{:?}, {:?}, {:?}], virtualization={:?})",
             self.yaw_rad(),
             self.pitch_rad(),
             origin.x,
