@@ -41,6 +41,7 @@ fn step(instruction: usize, from: &[f64], to: &[f64]) -> Step {
         path: Path::PointToPoint,
         speed: 1.0,
         blend: 0.0,
+        postures: None,
         line_speed: None,
         loaded: vec![A],
         handover: None,

@@ -43,6 +43,7 @@ fn step(from: &[f64], to: &[f64], path: Path, speed: f64, loaded: bool) -> Step 
         path,
         speed,
         blend: 0.0,
+        postures: None,
         line_speed: None,
         loaded: if loaded { vec![A] } else { Vec::new() },
         handover: None,

@@ -116,6 +116,7 @@ impl<'a> SceneAtTime<'a> {
             path: reaches.map_or(Path::PointToPoint, |(id, ..)| Path::Line(id)),
             speed: 1.0,
             blend: 0.0,
+            postures: None,
             line_speed: None,
             loaded: loaded.collect(),
             handover: None,

@@ -136,6 +136,7 @@ fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Traj
         path: Path::PointToPoint,
         speed: 1.0,
         blend: 0.0,
+        postures: None,
         line_speed: None,
         loaded: cell.carried.clone(),
         handover: None,

@@ -40,7 +40,7 @@ pub use handover_deflection::{HandoverDeflection, handover_deflections};
 pub(crate) use ik_cache::IkCache;
 pub use problem::{Count, Leveling, ProgramError, ProgramProblem};
 pub use resolve::name_errors;
-pub use step::{Handover, Path, Phase, Step};
+pub use step::{Handover, LinePostures, Path, Phase, Step};
 pub use syntax::{
     AxisTarget, Command, Instruction, Name, Place, Program, Routine, SlotName, SlotNumber,
 };

@@ -2,6 +2,7 @@
 
 use super::Place;
 use crate::robot::{AxisKind, LimitViolation};
+use crate::station::BlockedLine;
 use crate::wafer::{SagError, Unreachable};
 
 /// An error of a program in its cell.
@@ -206,6 +207,18 @@ pub enum ProgramProblem {
         effector: String,
         /// The reason.
         source: Box<SagError>,
+    },
+    /// A line into a station that no motion of the arm's motors follows.
+    #[error(
+        "effector {effector} cannot follow the line into {station}: it stops at {} of it, {} m from the axis that the arm turns about", .blocked.share, .blocked.reach
+    )]
+    BlockedLine {
+        /// Name of the station.
+        station: String,
+        /// Name of the effector.
+        effector: String,
+        /// Where the line ends, and what would make it possible.
+        blocked: Box<BlockedLine>,
     },
     /// A target that the effector does not reach.
     #[error("effector {effector}, {}, does not reach {target}: {source}", if *.loaded { "loaded" } else { "empty" })]

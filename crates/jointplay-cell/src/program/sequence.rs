@@ -10,9 +10,10 @@ use super::ik_cache::IkCache;
 use super::occupancy::slot_name;
 use super::problem::Leveling;
 use super::resolve::effector_name;
-use super::{Handover, Path, Phase, Place, ProgramProblem, Step};
-use crate::robot::{AxisKind, EffectorId, RODS, WaferTarget};
-use crate::station::{SlotId, Waypoints};
+use super::{Handover, LinePostures, Path, Phase, Place, ProgramProblem, Step};
+use crate::robot::{ArmChain, AxisKind, EffectorId, RODS, Redundancy, WaferTarget};
+use crate::station::LinePoint::{Retracted, Slot, Via};
+use crate::station::{LinePoint, SlotId, StationPostures, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
@@ -47,6 +48,8 @@ pub(super) struct MotionSequencer<'c> {
     sag: BTreeMap<EffectorId, f64>,
     /// Motors that extend the arm, with their positions where the arm is retracted for a station and the platform level.
     retracted: BTreeMap<(EffectorId, usize), Vec<(usize, f64)>>,
+    /// Share of the line into a station at which the arm is.
+    line_share: f64,
     instruction: usize,
     place: Place,
     loaded: Vec<EffectorId>,
@@ -59,6 +62,8 @@ struct Goal<'g> {
     effector: EffectorId,
     target: &'g WaferTarget,
     slot: SlotId,
+    /// Where the target is on the line into the station.
+    point: LinePoint,
 }
 
 impl<'c> MotionSequencer<'c> {
@@ -76,6 +81,7 @@ impl<'c> MotionSequencer<'c> {
             turning: (0..axes.len()).map(|axis| turns_arms(cell, axis)).collect(),
             sag: BTreeMap::new(),
             retracted: BTreeMap::new(),
+            line_share: 0.0,
             instruction: 0,
             place: Place::default(),
             loaded: Vec::new(),
@@ -131,8 +137,7 @@ impl<'c> MotionSequencer<'c> {
         }
         let mut target = WaferTarget::of(&pose);
         target.center += Vector3::from(by);
-        let reached = self.ik_cache.reach(self.cell, effector, &target, loaded, &self.positions);
-        let to = reached.map_err(stopped)?;
+        let to = self.reach(effector, &target, loaded).map_err(stopped)?;
         self.tucked = false;
         self.move_to(Phase::Move, to, Path::Line(effector));
         Ok(())
@@ -164,7 +169,7 @@ impl<'c> MotionSequencer<'c> {
         } else {
             ("the retracted pose below", &waypoints.retracted_below)
         };
-        self.approach(Goal { what, effector, target, slot })
+        self.approach(Goal { what, effector, target, slot, point: Retracted })
     }
 
     /// GET: picks the wafer of a slot; `wait` is the dwell in front of the slot.
@@ -176,27 +181,27 @@ impl<'c> MotionSequencer<'c> {
     ) -> Result<(), ProgramProblem> {
         self.loaded.retain(|&id| id != effector);
         let waypoints = self.waypoints(effector, slot)?;
-        let goal = |what, target| Goal { what, effector, target, slot };
+        let goal = |what, point, target| Goal { what, effector, target, slot, point };
         let first = self.steps.len();
-        self.approach(goal("the retracted pose below", &waypoints.retracted_below))?;
+        self.approach(goal("the retracted pose below", Retracted, &waypoints.retracted_below))?;
         if let Some(wait) = wait {
             self.dwell(wait);
         }
-        for via in &waypoints.via_below {
-            self.line(Phase::Extend, goal("a via point below", via))?;
+        for (k, via) in waypoints.via_below.iter().enumerate() {
+            self.line(Phase::Extend, goal("a via point below", Via(k), via))?;
         }
-        self.line(Phase::Extend, goal("the pose below", &waypoints.below))?;
+        self.line(Phase::Extend, goal("the pose below", Slot, &waypoints.below))?;
         // The empty effector lifts to where the mean plane of the loaded wafer will be that of the slot.
         let resting = self.compensated_sag(effector, &waypoints.resting)?;
-        self.line(Phase::Lift, goal("the resting pose in", &resting))?;
+        self.line(Phase::Lift, goal("the resting pose in", Slot, &resting))?;
         self.hand_over(Handover::Picked(effector, slot));
         self.loaded.push(effector);
         self.loaded.sort_unstable();
-        self.line(Phase::Lift, goal("the pose above", &waypoints.above))?;
-        for via in waypoints.via_above.iter().rev() {
-            self.line(Phase::Retract, goal("a via point above", via))?;
+        self.line(Phase::Lift, goal("the pose above", Slot, &waypoints.above))?;
+        for (k, via) in waypoints.via_above.iter().enumerate().rev() {
+            self.line(Phase::Retract, goal("a via point above", Via(k), via))?;
         }
-        self.line(Phase::Retract, goal("the retracted pose above", &waypoints.retracted_above))?;
+        self.line(Phase::Retract, goal("the retracted pose above", Retracted, &waypoints.retracted_above))?;
         self.level();
         self.mark_in_station(slot, first);
         Ok(())
@@ -213,22 +218,22 @@ impl<'c> MotionSequencer<'c> {
             self.loaded.sort_unstable();
         }
         let waypoints = self.waypoints(effector, slot)?;
-        let goal = |what, target| Goal { what, effector, target, slot };
+        let goal = |what, point, target| Goal { what, effector, target, slot, point };
         let first = self.steps.len();
-        self.approach(goal("the retracted pose above", &waypoints.retracted_above))?;
-        for via in &waypoints.via_above {
-            self.line(Phase::Extend, goal("a via point above", via))?;
+        self.approach(goal("the retracted pose above", Retracted, &waypoints.retracted_above))?;
+        for (k, via) in waypoints.via_above.iter().enumerate() {
+            self.line(Phase::Extend, goal("a via point above", Via(k), via))?;
         }
-        self.line(Phase::Extend, goal("the pose above", &waypoints.above))?;
-        self.line(Phase::Lower, goal("the resting pose in", &waypoints.resting))?;
+        self.line(Phase::Extend, goal("the pose above", Slot, &waypoints.above))?;
+        self.line(Phase::Lower, goal("the resting pose in", Slot, &waypoints.resting))?;
         self.hand_over(Handover::Placed(effector, slot));
         let left = self.steps.len() - 1;
         self.loaded.retain(|&id| id != effector);
-        self.line(Phase::Lower, goal("the pose below", &waypoints.below))?;
-        for via in waypoints.via_below.iter().rev() {
-            self.line(Phase::Retract, goal("a via point below", via))?;
+        self.line(Phase::Lower, goal("the pose below", Slot, &waypoints.below))?;
+        for (k, via) in waypoints.via_below.iter().enumerate().rev() {
+            self.line(Phase::Retract, goal("a via point below", Via(k), via))?;
         }
-        self.line(Phase::Retract, goal("the retracted pose below", &waypoints.retracted_below))?;
+        self.line(Phase::Retract, goal("the retracted pose below", Retracted, &waypoints.retracted_below))?;
         self.level();
         self.mark_in_station(slot, first);
         Ok(left)
@@ -282,6 +287,7 @@ impl<'c> MotionSequencer<'c> {
             self.push(Phase::Turn, turned, Path::PointToPoint);
         }
         self.move_to(Phase::Enter, to, Path::PointToPoint);
+        self.line_share = 0.0;
         Ok(())
     }
 
@@ -355,11 +361,51 @@ impl<'c> MotionSequencer<'c> {
     }
 
     fn positions_at(&mut self, goal: Goal<'_>) -> Result<Vec<f64>, ProgramProblem> {
-        let Goal { what, effector, target, slot } = goal;
+        let Goal { what, effector, target, slot, point } = goal;
         let loaded = self.loaded.contains(&effector);
         let target = if loaded { self.compensated_sag(effector, target)? } else { *target };
-        let reached = self.ik_cache.reach(self.cell, effector, &target, loaded, &self.positions);
+        let reached = match self.postures(effector, slot.station)? {
+            Some(postures) => {
+                let chain = ArmChain::new(&self.cell.robot, effector);
+                let near = postures.near(&chain, point, &self.positions);
+                let redundancy = Redundancy::AsNear;
+                self.ik_cache.reach(self.cell, effector, &target, loaded, &near, redundancy)
+            }
+            None => self.reach(effector, &target, loaded),
+        };
         reached.map_err(|source| self.unreachable(what, effector, slot, loaded, source))
+    }
+
+    /// Positions that bring the wafer of an effector to a target, from the present ones.
+    fn reach(
+        &mut self,
+        effector: EffectorId,
+        target: &WaferTarget,
+        loaded: bool,
+    ) -> Result<Vec<f64>, Unreachable> {
+        let redundancy = Redundancy::AwayFromLimits;
+        self.ik_cache.reach(self.cell, effector, target, loaded, &self.positions, redundancy)
+    }
+
+    /// Postures of an arm along the line into a station; `None` where the arm has no choice.
+    fn postures(
+        &mut self,
+        effector: EffectorId,
+        station: usize,
+    ) -> Result<Option<StationPostures>, ProgramProblem> {
+        let found = self.ik_cache.postures(self.cell, effector, station);
+        let found = found.map_err(|source| {
+            let slot = SlotId { station, slot: 1 };
+            self.unreachable("the line into", effector, slot, false, source)
+        })?;
+        match found.as_ref() {
+            Ok(postures) => Ok(postures.clone()),
+            Err(blocked) => Err(ProgramProblem::BlockedLine {
+                station: self.cell.stations[station].name.clone(),
+                effector: effector_name(&self.cell.robot, effector).to_owned(),
+                blocked: Box::new(blocked.clone()),
+            }),
+        }
     }
 
     /// A Cartesian line to a goal.
@@ -368,7 +414,19 @@ impl<'c> MotionSequencer<'c> {
         if phase == Phase::Retract {
             self.snap_to_retracted(&mut to, goal.effector, goal.slot.station);
         }
+        let from = self.line_share;
         self.push(phase, to, Path::Line(goal.effector));
+        if let Some(postures) = self.postures(goal.effector, goal.slot.station)?
+            && let Some(step) = self.steps.last_mut()
+        {
+            let share = postures.share(goal.point);
+            step.postures = Some(LinePostures {
+                path: postures.path,
+                shares: [from, share],
+                keeps_heading: postures.keeps_heading,
+            });
+            self.line_share = share;
+        }
         if matches!(phase, Phase::Lift | Phase::Lower) {
             let speed = self.cell.stations[goal.slot.station].stroke.speed;
             if let Some(step) = self.steps.last_mut() {
@@ -396,6 +454,7 @@ impl<'c> MotionSequencer<'c> {
             path,
             speed: self.speed,
             blend: self.blend,
+            postures: None,
             line_speed: None,
             loaded: self.loaded.clone(),
             handover: None,

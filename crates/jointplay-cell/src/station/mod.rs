@@ -3,8 +3,11 @@
 mod description;
 mod fingerprint;
 mod leveling;
+mod postures;
 pub mod teach;
 mod waypoints;
 
 pub use description::{Approach, Origin, SlotId, Station, Stroke};
+pub use postures::{BlockedLine, LineRemedy};
+pub(crate) use postures::{LinePoint, StationPostures};
 pub use waypoints::Waypoints;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::blend::Blend;
 use super::blend_planner::{BlendPlanner, SlowedSegments};
-use super::cartesian_path::CartesianLine;
+use super::cartesian_path::{CartesianLine, PostureSpline};
 use super::error::{StepError, StepErrorKind, TrajectoryError};
 use super::limits::{axis_moves_effector, scaled_axis_limits};
 use super::options::TrajectoryOptions;
@@ -280,7 +280,9 @@ fn plan_line(
     let variables: Vec<usize> =
         (0..robot.axes.len()).filter(|&axis| axis_moves_effector(robot, axis, effector)).collect();
     // Three rods and two motors place the centre and the plane; a third motor also determines the heading.
-    let heading_is_free = variables.len() >= RODS + 3;
+    let heading_is_free = variables.len() >= RODS + 3
+        && step.postures.as_ref().is_none_or(|postures| postures.keeps_heading);
+    let postures = step.postures.as_ref().map(|postures| PostureSpline::new(&chain, postures));
     let turn: f64 = robot.arms[effector.arm]
         .joints
         .iter()
@@ -296,6 +298,7 @@ fn plan_line(
         pose: &pose,
         jacobian: &jacobian,
         max_deviation: options.line_deviation,
+        postures: postures.as_ref(),
     };
     let path = line.follow()?;
     let limits: Vec<KinematicLimits> =

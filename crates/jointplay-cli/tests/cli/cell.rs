@@ -305,7 +305,7 @@ fn a_motion_longer_than_a_day_is_refused_before_it_is_sampled() {
 
 #[test]
 fn what_is_offered_for_programs_runs_them_and_lines_that_fail_say_what_is_missing() {
-    let offered = jointplay::format::cell::robot::names_for_programs();
+    let offered = jointplay::format::cell::robot::names();
     assert_eq!(offered.collect::<Vec<_>>(), ["dual-arm", "radial-arm"]);
     let sandbox = sandbox(&[("robot = \"dual-arm\"", "robot = \"nothing\"")]);
     let run = sandbox.run("cell check example.toml");

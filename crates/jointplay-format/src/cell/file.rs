@@ -146,7 +146,7 @@ fn read_robot(named: &Entry, reader: &Reader, files: &mut Files) -> Option<Hybri
         named.report(reader, Fault::File { name: name.to_owned(), why });
         None
     };
-    let known = || robot::names_for_programs().map(str::to_owned).collect::<Vec<_>>();
+    let known = || robot::names().map(str::to_owned).collect::<Vec<_>>();
     let text = match catalogue::find(name) {
         Some(entry) if entry.kind().as_deref() == Some(robot::KIND) => entry.text.to_owned(),
         Some(_) => {

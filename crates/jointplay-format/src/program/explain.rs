@@ -1,7 +1,8 @@
 //! What is wrong with a program in its cell, shown in its text.
 
 use jointplay_cell::program::{Leveling, Place, ProgramError, ProgramProblem};
-use jointplay_cell::robot::HybridRobot;
+use jointplay_cell::robot::{Axis, AxisKind, HybridRobot};
+use jointplay_cell::station::LineRemedy;
 
 use super::lexer::{Token, line_at};
 use crate::cell::explain::{explain_limit, explain_sag, explain_unreachable_pose};
@@ -43,6 +44,14 @@ fn message(robot: &HybridRobot, error: &ProgramError) -> String {
             let remedy = leveling.as_ref().map_or_else(String::new, remedy);
             format!("effector {effector}, {load}, does not reach {target}: {why}{remedy}")
         }
+        ProgramProblem::BlockedLine { station, effector, blocked } => {
+            format!(
+                "effector {effector} cannot follow the line into {station}: its arm stops {:.1} % along the line, with the wafer {:.1} mm from the axis that the arm turns about{}",
+                blocked.share * 1e2,
+                blocked.reach * 1e3,
+                line_remedies(robot, station, &blocked.remedies)
+            )
+        }
         ProgramProblem::Sag { effector, source } => {
             format!("effector {effector} does not carry the wafer: {}", explain_sag(source))
         }
@@ -50,6 +59,33 @@ fn message(robot: &HybridRobot, error: &ProgramError) -> String {
         _ => return error.to_string(),
     };
     problem + &error.repetitions()
+}
+
+/// The changes of a station or robot that make a line possible.
+fn line_remedies(robot: &HybridRobot, station: &str, remedies: &[LineRemedy]) -> String {
+    if remedies.is_empty() {
+        return "; no single change of retract distance, radius, heading or limit makes it possible"
+            .to_owned();
+    }
+    let remedy = |remedy: &LineRemedy| match remedy {
+        LineRemedy::Retract(reach) => format!("set retract_mm = {:.0} of {station}", reach * 1e3),
+        LineRemedy::Radius(reach) => {
+            format!("move {station} to {:.0} mm from that axis", reach * 1e3)
+        }
+        LineRemedy::FreeHeading => {
+            format!("set approach = \"radial\" of {station}, so that the wafer may turn")
+        }
+        LineRemedy::Limits { axis, min, max } => {
+            let Axis { name, kind, .. } = &robot.axes[*axis];
+            let (factor, unit) = match kind {
+                AxisKind::Rotary => (1_f64.to_degrees(), "deg"),
+                AxisKind::Linear => (1e3, "mm"),
+            };
+            format!("let {name} move from {:.0} to {:.0} {unit}", min * factor, max * factor)
+        }
+    };
+    let all: Vec<String> = remedies.iter().map(remedy).collect();
+    format!("; any of these helps: {}", all.join(", or "))
 }
 
 fn remedy(leveling: &Leveling) -> String {

@@ -11,7 +11,7 @@ use super::redundant::Redundant;
 use super::revolutions::{Ranges, Revolutions};
 use super::solution::{
     Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach,
-    ReachDirection, WaferTarget,
+    ReachDirection, Redundancy, WaferTarget,
 };
 use crate::CellError;
 use crate::robot::angle::wrap_angle;
@@ -55,6 +55,20 @@ impl HybridRobot {
         target: &WaferTarget,
         near: &[f64],
     ) -> Result<Inverse, CellError> {
+        self.inverse_by(id, target, near, Redundancy::AwayFromLimits)
+    }
+
+    /// As [`Self::inverse`], with the positions chosen where the arm is redundant.
+    ///
+    /// # Errors
+    /// As [`Self::inverse`].
+    pub fn inverse_by(
+        &self,
+        id: EffectorId,
+        target: &WaferTarget,
+        near: &[f64],
+        redundancy: Redundancy,
+    ) -> Result<Inverse, CellError> {
         self.check_effector(id)?;
         self.check_positions(near)?;
         let normal = upward(target)?;
@@ -71,7 +85,7 @@ impl HybridRobot {
         }
         let raised = Translation3::new(0.0, 0.0, height) * pose;
         let (point, heading) = within(&raised, &below, target);
-        self.finished(id, &chain, target, &normal, point, heading, start, near)
+        self.finished(id, &chain, target, &normal, point, heading, start, near, redundancy)
     }
 
     /// All motor positions that bring the wafer of an effector over a point, the rods keeping their positions in `near`.
@@ -103,7 +117,17 @@ impl HybridRobot {
         let target = WaferTarget { center, normal, heading: turned };
         upward(&target)?;
         let start = Positions::new(near);
-        self.finished(id, &chain, &target, &normal, point, heading, start, near)
+        self.finished(
+            id,
+            &chain,
+            &target,
+            &normal,
+            point,
+            heading,
+            start,
+            near,
+            Redundancy::AwayFromLimits,
+        )
     }
 
     #[expect(
@@ -120,6 +144,7 @@ impl HybridRobot {
         heading: Option<f64>,
         start: Positions,
         near: &[f64],
+        redundancy: Redundancy,
     ) -> Result<Inverse, CellError> {
         let ranges = self.ranges(chain);
         let own_near = chain.own(near);
@@ -177,7 +202,8 @@ impl HybridRobot {
         match &decomposition {
             Some(decomposition) => {
                 configuration = decomposition.configuration(chain, &own_near);
-                let solver = Solver { chain, decomposition, ranges: &ranges, near: &own_near };
+                let near = &own_near;
+                let solver = Solver { chain, decomposition, ranges: &ranges, near, redundancy };
                 out_of_reach = solver.solve(point, heading, &mut add);
             }
             None => {
@@ -217,7 +243,7 @@ impl HybridRobot {
         Ok(is_free(&chain, Decomposition::new(&chain).as_ref()))
     }
 
-    fn ranges(&self, chain: &ArmChain) -> Ranges {
+    pub(super) fn ranges(&self, chain: &ArmChain) -> Ranges {
         let mut ranges = Ranges { min: [0.0; 4], max: [0.0; 4], count: chain.axes().len() };
         for (a, &axis) in chain.axes().iter().enumerate() {
             (ranges.min[a], ranges.max[a]) = (self.axes[axis].min, self.axes[axis].max);
@@ -276,6 +302,7 @@ struct Solver<'a> {
     decomposition: &'a Decomposition,
     ranges: &'a Ranges,
     near: &'a AxisCoefficients,
+    redundancy: Redundancy,
 }
 
 impl Solver<'_> {
@@ -300,7 +327,11 @@ impl Solver<'_> {
                 self.near,
             );
             for configuration in bends(decomposition) {
-                if let Some(own) = redundant.away_from_limits(configuration) {
+                let found = match self.redundancy {
+                    Redundancy::AwayFromLimits => redundant.away_from_limits(configuration),
+                    Redundancy::AsNear => redundant.as_near(configuration),
+                };
+                if let Some(own) = found {
                     revolutions.within(&own, self.ranges, |own| add(own, configuration));
                 }
             }
