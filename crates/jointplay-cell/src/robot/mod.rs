@@ -35,7 +35,7 @@ pub use hybrid_robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits, MAX_ARMS,
     MAX_AXES, MAX_JOINTS, RODS,
 };
-pub(crate) use inverse::{NoPosturePath, PlanarPath};
+pub(crate) use inverse::PlanarPath;
 pub use inverse::PosturePath;
 pub use inverse::{
     Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use jointplay_core::spatial::tilt_rotation;
 use nalgebra::{Vector2, Vector3};
 
-use super::description::{Approach, SlotId};
+use super::description::SlotId;
 use super::waypoints::Waypoints;
 use crate::robot::{ArmChain, EffectorId, PlanarPath, PosturePath};
 use crate::wafer::Unreachable;

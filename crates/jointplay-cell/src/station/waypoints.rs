@@ -177,7 +177,12 @@ impl Cell {
         near: &[f64],
     ) -> Result<Vector3<f64>, Unreachable> {
         let frame = self.stations[slot.station].slot_frame(slot.slot);
-        let positions = self.reach(effector, target, true, near)?.positions;
+        // An arm whose posture is planned for the whole line need not be within limits in the one found here.
+        let positions = if self.robot.has_posture_paths(effector) {
+            self.reach_beyond_limits(effector, target, true, near)?.positions
+        } else {
+            self.reach(effector, target, true, near)?.positions
+        };
         let rods = [positions[0], positions[1], positions[2]];
         let platform = self.robot.model.forward(&self.robot.gpr, rods).map_err(CellError::from)?;
         let mount = self.robot.arms[effector.arm].mount;

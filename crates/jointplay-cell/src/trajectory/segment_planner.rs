@@ -11,6 +11,7 @@ use super::limits::{axis_moves_effector, scaled_axis_limits};
 use super::options::TrajectoryOptions;
 use super::segment::Segment;
 use super::segment_key::{moves, segment_key, shared_key};
+use super::slip::slowed_for_slip;
 use super::synchronized::synchronized_profile;
 use super::time_parameterization::TimeParameterization;
 use super::trajectory::Trajectory;
@@ -253,13 +254,14 @@ fn plan_dwell(duration: f64, step: &Step) -> Planned<Segment> {
 
 /// The segment of a step that moves.
 fn plan_segment(cell: &Cell, step: &Step, options: &TrajectoryOptions) -> Planned<Segment> {
-    match step.path {
-        Path::Line(effector) => plan_line(cell, step, effector, options),
+    let segment = match step.path {
+        Path::Line(effector) => plan_line(cell, step, effector, options)?,
         _ => {
             let limits = |axis| scaled_axis_limits(&cell.robot, axis, step);
-            Ok(Segment::PointToPoint(synchronized_profile(&step.from, &step.to, limits)?))
+            Segment::PointToPoint(synchronized_profile(&step.from, &step.to, limits)?)
         }
-    }
+    };
+    Ok(slowed_for_slip(cell, step, segment))
 }
 
 /// The segment of a Cartesian line: path first, then its parameter over time.

@@ -17,6 +17,7 @@ mod droop;
 mod fingerprint;
 mod friction;
 mod model;
+mod monotone_cubic;
 mod plate;
 mod sag;
 mod unreachable;

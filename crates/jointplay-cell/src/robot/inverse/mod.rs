@@ -23,7 +23,7 @@ mod redundant;
 mod revolutions;
 mod solution;
 
-pub(crate) use posture_path::{NoPosturePath, PlanarPath};
+pub(crate) use posture_path::PlanarPath;
 pub use posture_path::PosturePath;
 pub use solution::{
     Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach,
