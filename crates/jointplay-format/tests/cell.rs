@@ -130,7 +130,7 @@ fn what_is_wrong_is_told_with_its_place_and_what_is_possible() {
     refuse(
         "robot = \"dual-arm\"",
         "robot = \"dual\"",
-        "robot with arms \"dual\" is not known (did you mean `dual-arm`?); known: dual-arm, radial-arm, or a file ….toml",
+        "robot with arms \"dual\" is not known (did you mean `dual-arm`?); known: dual-arm, radial-arm, scara-3r, scara-4r, or a file ….toml",
     );
     refuse("robot = \"dual-arm\"", "robot = \"mine.toml\"", "nobody has mine.toml");
     refuse("robot = \"dual-arm\"", "robot = \"../mine.toml\"", "within the cell file's folder");
