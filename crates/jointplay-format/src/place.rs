@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use serde::de::DeserializeOwned;
-
 /// Most names listed in a message.
 const MOST_LISTED: usize = 16;
 
@@ -85,6 +83,53 @@ impl<P: std::fmt::Display> Error<P> {
     }
 }
 
+/// All errors of a file in the order of their places, at least one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Errors<P>(Vec<Error<P>>);
+
+impl<P: std::fmt::Display> Errors<P> {
+    /// The messages with file, line, column and carets, one below the other.
+    #[must_use]
+    pub fn with_excerpt(&self, file: &str) -> String {
+        self.0.iter().map(|error| error.with_excerpt(file)).collect::<Vec<_>>().join("\n")
+    }
+}
+
+impl<P: std::fmt::Display> std::fmt::Display for Errors<P> {
+    fn fmt(&self, to: &mut std::fmt::Formatter) -> std::fmt::Result {
+        for (index, error) in self.0.iter().enumerate() {
+            let line_break = if index > 0 { "\n" } else { "" };
+            write!(to, "{line_break}line {}: {error}", error.place.line)?;
+        }
+        Ok(())
+    }
+}
+
+impl<P: std::fmt::Debug + std::fmt::Display> std::error::Error for Errors<P> {}
+
+impl<P> From<Vec<Error<P>>> for Errors<P> {
+    fn from(errors: Vec<Error<P>>) -> Self {
+        Self(errors)
+    }
+}
+
+impl<P> std::ops::Deref for Errors<P> {
+    type Target = [Error<P>];
+
+    fn deref(&self) -> &[Error<P>] {
+        &self.0
+    }
+}
+
+impl<P> IntoIterator for Errors<P> {
+    type Item = Error<P>;
+    type IntoIter = std::vec::IntoIter<Error<P>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter()
+    }
+}
+
 /// What can be wrong with the form of any file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -99,99 +144,18 @@ pub enum Form {
         /// All keys known there.
         known: Vec<String>,
     },
-    /// Not TOML, a missing key, or a value of the wrong type.
+    /// Invalid TOML.
     #[error("{message}")]
     Malformed {
-        /// What the TOML reader says.
+        /// The message of the TOML parser.
         message: String,
     },
-}
-
-/// Reads TOML into the tables of a file.
-pub fn read<T: DeserializeOwned, P: From<Form>>(text: &str) -> Result<T, Error<P>> {
-    toml::from_str(text).map_err(|error| {
-        let span = error.span().unwrap_or(0..0);
-        let form = form(error.message(), text.get(span.clone()).unwrap_or_default());
-        Error::at(text, span, form.into())
-    })
 }
 
 /// A message of the TOML reader about syntax, as one of ours.
 pub(crate) fn malformed(message: &str) -> Form {
     let message = message.replace('\n', " ");
-    let too_large = message.contains("too large to fit") || message.contains("too small to fit");
-    let message = if too_large {
-        "the whole number is too large: write it with a decimal point".to_owned()
-    } else {
-        message
-    };
     Form::Malformed { message }
-}
-
-/// A message of the TOML reader as one of ours.
-///
-/// # Arguments
-/// * `found` – the part of the file that the message is about
-fn form(message: &str, found: &str) -> Form {
-    // serde names the unknown key and the known ones between backticks; a test holds it to that.
-    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    match quoted.split_first() {
-        // The reader passes dates on as tables with a key of its own.
-        Some((&key, _)) if key.starts_with("$__") => {
-            Form::Malformed { message: "found a date, which has no place here".to_owned() }
-        }
-        Some((&key, known)) if message.starts_with("unknown field") => Form::UnknownKey {
-            key: key.to_owned(),
-            nearest: nearest(key, known.iter().copied()),
-            known: known.iter().map(|&name| name.to_owned()).collect(),
-        },
-        Some((&key, _)) if message.starts_with("missing field") => {
-            Form::Malformed { message: format!("missing key `{key}`") }
-        }
-        _ => match misfit(message, found) {
-            Some(message) => Form::Malformed { message },
-            None => malformed(message),
-        },
-    }
-}
-
-/// A message about a value of the wrong type, in the words of TOML instead of those of Rust.
-fn misfit(message: &str, found: &str) -> Option<String> {
-    let (head, needed) = message.rsplit_once(", expected ")?;
-    let value = ["invalid type: ", "invalid value: ", "invalid length "]
-        .into_iter()
-        .find_map(|prefix| head.strip_prefix(prefix))?;
-    let needed = match needed {
-        "f64" | "f32" => "a number",
-        "i64" | "i32" => "a whole number",
-        "usize" | "u64" | "u32" | "u16" | "u8" => "a whole number of 0 or more",
-        "a sequence" => "a list",
-        "a map" => "a table",
-        "a boolean" => "true or false",
-        "a string" => "a text",
-        other if other.starts_with("struct ") => "a table",
-        other if other.contains("toml") || other.contains("Spanned") => "another value",
-        other => other,
-    };
-    let quoted = value.split('`').nth(1).unwrap_or_default();
-    let value = if value.starts_with("integer") || value.starts_with("floating point") {
-        let shown = quoted.parse().map_or_else(|_| quoted.to_owned(), crate::number::number);
-        format!("the number {shown}")
-    } else if value.starts_with("boolean") {
-        quoted.to_owned()
-    } else if let Some(text) = value.strip_prefix("string ") {
-        format!("the text {}", shortened(text))
-    } else {
-        let first = found.trim_start().chars().next().unwrap_or_default();
-        match value {
-            "map" if first.is_ascii_digit() => "a date".to_owned(),
-            "map" => "a table".to_owned(),
-            "sequence" => "a list".to_owned(),
-            length if length.parse::<usize>().is_ok() => "a list".to_owned(),
-            _ => "another value".to_owned(),
-        }
-    };
-    Some(format!("expected {needed}, found {value}"))
 }
 
 /// A text for a message, with `…` in place of what is beyond forty characters.

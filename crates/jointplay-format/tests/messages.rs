@@ -9,7 +9,7 @@ type Read = fn(&str) -> Option<String>;
 
 /// One file of every kind, with its reader.
 fn files() -> Vec<(&'static str, String, Read)> {
-    fn all(problems: Vec<cell::Problem>) -> String {
+    fn all(problems: cell::Errors) -> String {
         problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
     }
     let mechanism: Read = |text| mechanism::parse(text).err().map(|error| error.to_string());

@@ -1,6 +1,6 @@
 //! Numbers written as formulas of parameters: `"a * cos(alpha) / 2"`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use crate::number::number;
@@ -74,7 +74,12 @@ pub enum ExpressionProblem {
 }
 
 impl ExpressionError {
-    /// The same about an unknown name, where more names are known than have a value yet.
+    /// Whether the error is an unknown name that is one of these.
+    pub(crate) fn is_about(&self, names: &BTreeSet<String>) -> bool {
+        matches!(&self.problem, ExpressionProblem::UnknownName { name, .. } if names.contains(name))
+    }
+
+    /// The error with the known names, if it is about an unknown one.
     pub(crate) fn among<'a>(mut self, names: impl Iterator<Item = &'a str> + Clone) -> Self {
         if let ExpressionProblem::UnknownName { name, nearest: likest, known } = &mut self.problem {
             let names = names.chain(["pi"]);
@@ -90,6 +95,8 @@ impl ExpressionError {
 pub(crate) struct Scope {
     pub(crate) angle: AngleUnit,
     pub(crate) values: BTreeMap<String, f64>,
+    /// All parameters of the file, also those without a value.
+    pub(crate) parameters: BTreeSet<String>,
 }
 
 /// A formula, as steps of a machine with a stack: long formulas need no deep recursion.
@@ -175,7 +182,7 @@ impl Expression {
         })
     }
 
-    /// Its value: a finite number.
+    /// Its value: a finite number. [`ExpressionError::among`] adds the known names to an error.
     pub(crate) fn evaluate(&self, scope: &Scope) -> Result<f64, ExpressionError> {
         const COMPLETE: &str = "the parser gives each operator its operands";
         let mut stack: Vec<f64> = Vec::new();
@@ -183,12 +190,9 @@ impl Expression {
             let value = match step {
                 Step::Number(value) => *value,
                 Step::Name(name, span) => *scope.values.get(name).ok_or_else(|| {
-                    let known = || scope.values.keys().map(String::as_str);
-                    let problem = ExpressionProblem::UnknownName {
-                        name: name.clone(),
-                        nearest: nearest(name, known().chain(["pi"])),
-                        known: known().chain(["pi"]).map(str::to_owned).collect(),
-                    };
+                    let name = name.clone();
+                    let problem =
+                        ExpressionProblem::UnknownName { name, nearest: None, known: Vec::new() };
                     ExpressionError { span: span.clone(), problem }
                 })?,
                 Step::Negate => -stack.pop().expect(COMPLETE),
@@ -446,7 +450,9 @@ mod tests {
 
     fn value(text: &str, angle: AngleUnit) -> Result<f64, ExpressionError> {
         let values = [("a".to_owned(), 0.22), ("alpha".to_owned(), 90.0), ("ψ".to_owned(), 7.0)];
-        Expression::parse(text)?.evaluate(&Scope { angle, values: values.into() })
+        let scope = Scope { angle, values: values.into(), parameters: BTreeSet::new() };
+        let names = scope.values.keys().map(String::as_str);
+        Expression::parse(text)?.evaluate(&scope).map_err(|error| error.among(names))
     }
 
     #[track_caller]

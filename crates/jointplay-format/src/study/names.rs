@@ -5,6 +5,7 @@ use jointplay_core::virtualization::{VirtualJointKind, Virtualization};
 use jointplay_study::plan::{Dimension, OutputQuantity, Plan, PlatformQuantity, TiltForm};
 
 use super::Problem;
+use crate::file_problem::FileProblem;
 use crate::place::nearest;
 use crate::units::Unit;
 
@@ -213,12 +214,12 @@ pub(super) fn resolve(
             known.push(usual);
         }
     }
-    Err(Problem::Unknown {
-        what: "quantity",
+    Err(Problem::Common(FileProblem::Unknown {
+        what: "quantity".to_owned(),
         found: name.to_owned(),
         nearest: nearest(name, known.iter().map(String::as_str)),
         known,
-    })
+    }))
 }
 
 /// Columns of what is commanded, with what is wanted for them.

@@ -1,39 +1,23 @@
 //! What can be wrong in a study file.
 
+use crate::file_problem::FileProblem;
 use crate::number::number;
-use crate::place::{Form, listed, suggestion};
+use crate::place::{self, listed};
 use crate::{robot, steps};
 
-/// Why a text is no study, and where.
-pub type Error = crate::place::Error<Problem>;
+/// An error of a study file with its place.
+pub type Error = place::Error<Problem>;
+
+/// All errors of a study file.
+pub type Errors = place::Errors<Problem>;
 
 /// What can be wrong in a study file; numbers are in the units of the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// Not TOML, an unknown or missing key, or a value of the wrong type.
+    /// An error that every file can have.
     #[error(transparent)]
-    Form(#[from] Form),
-    /// More text than a study needs.
-    #[error("the text has {found} bytes, but at most {allowed} are allowed")]
-    TooLong {
-        /// How many there are.
-        found: usize,
-        /// How many may be.
-        allowed: usize,
-    },
-    /// A word that is none of the known ones.
-    #[error("{what} {found:?} is not known{}; known: {}", suggestion(nearest), listed(known))]
-    Unknown {
-        /// What it should name.
-        what: &'static str,
-        /// What was found.
-        found: String,
-        /// The known one most like it.
-        nearest: Option<String>,
-        /// All that could stand there.
-        known: Vec<String>,
-    },
+    Common(#[from] FileProblem),
     /// A quantity without its unit, or with one that it cannot have.
     #[error("`{quantity}` needs a unit: {}", units.join(", "))]
     Unit {
@@ -47,26 +31,6 @@ pub enum Problem {
     Name {
         /// What was found.
         found: String,
-    },
-    /// A number that is NaN or infinite.
-    #[error("`{key}` has a value that is {}, but needs finite numbers", number(*.value))]
-    NotFinite {
-        /// Which key.
-        key: &'static str,
-        /// What was found.
-        value: f64,
-    },
-    /// A number that is too large or too small.
-    #[error("`{key}` has {}, but needs numbers from {} to {}", number(*.value), number(*.min), number(*.max))]
-    Beyond {
-        /// Which key.
-        key: &'static str,
-        /// What was found.
-        value: f64,
-        /// Least allowed.
-        min: f64,
-        /// Greatest allowed.
-        max: f64,
     },
     /// A range that is none.
     #[error("`{key}`: {source}")]
@@ -114,13 +78,13 @@ pub enum Problem {
     #[error("`{key}` is empty, but needs at least one entry")]
     Empty {
         /// Which key.
-        key: &'static str,
+        key: String,
     },
     /// The same entry a second time.
     #[error("`{key}` has {found:?} twice")]
     Twice {
         /// Which key.
-        key: &'static str,
+        key: String,
         /// What was found.
         found: String,
     },
@@ -141,16 +105,6 @@ pub enum Problem {
         "`samples` says how often random numbers are drawn, but nothing is random; a grid has as many samples as places"
     )]
     NothingRandom,
-    /// A count that is not positive, or a negative seed.
-    #[error("`{key}` is {found}, but has to be at least {least}")]
-    Count {
-        /// Which key.
-        key: &'static str,
-        /// What was found.
-        found: i64,
-        /// Least allowed.
-        least: i64,
-    },
     /// Tolerances that give none.
     #[error("there are no tolerances here; known: {}", listed(known))]
     NoTolerances {
@@ -166,17 +120,21 @@ pub enum Problem {
         /// Why.
         message: String,
     },
-    /// A robot file that is none.
-    #[error("line {line} of the robot {name:?} is wrong: {source}")]
+    /// An invalid robot file.
+    #[error("{}", invalid_robot(name, errors))]
     RobotFile {
         /// How the study calls it.
         name: String,
-        /// Which line of it, counted from 1.
-        line: usize,
-        /// What is wrong.
-        source: Box<robot::Problem>,
+        /// The errors of the robot file.
+        errors: place::Errors<robot::Problem>,
     },
     /// More samples than can be counted.
     #[error("{0}")]
     Plan(jointplay_study::Error),
+}
+
+fn invalid_robot(name: &str, errors: &[place::Error<robot::Problem>]) -> String {
+    let message = |error: &place::Error<_>| format!("line {}: {error}", error.place.line);
+    let messages: Vec<String> = errors.iter().map(message).collect();
+    format!("the robot {name:?} is invalid: {}", messages.join("; "))
 }
