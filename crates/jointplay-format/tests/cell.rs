@@ -10,7 +10,7 @@ use jointplay_cell::station::{Approach, Origin, SlotId, Stroke};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Tilt;
-use jointplay_format::cell::{Change, EXAMPLE, Errors, MAX_TRIANGLES, read, set_station};
+use jointplay_format::cell::{Change, EXAMPLE, Errors, MAX_TRIANGLES, Problem, read, set_station};
 use jointplay_format::program;
 use nalgebra::Vector3;
 use proptest::prelude::*;

@@ -86,7 +86,7 @@ fn bad_studies_are_refused_with_their_place() {
     refuse("\"gpr\"", "\"delta\"", 3, "of the kind \"mechanism\"");
     let broken = |_: &str| Ok("kind = \"gpr\"\nlimb = 3".to_owned());
     let error = parse(STUDY, broken).err().unwrap();
-    assert!(error.to_string().contains("the robot \"gpr\" is invalid: line 2:"), "{error}");
+    assert!(error.to_string().contains("the robot \"gpr\" is invalid: line 1:"), "{error}");
     refuse("\"gpr\"", "\"gprs\"", 3, "not in the catalogue");
     refuse("\"planar\",", "\"planer\",", 4, "did you mean `planar`?");
     refuse("[\"planar\", \"polar\"]", "[]", 4, "`virtualizations` is empty");
