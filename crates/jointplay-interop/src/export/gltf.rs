@@ -6,12 +6,12 @@ mod material;
 mod numbers;
 mod parts;
 
-use jointplay_cell::program::{HandoverDeflection, handover_deflections};
-use jointplay_cell::station::SlotId;
-use jointplay_cell::workcell::Cell;
 use gltf_json::animation::Animation;
 use gltf_json::scene::UnitQuaternion;
 use gltf_json::{Asset, Index, Node, Root, Scene as SceneOfNodes};
+use jointplay_cell::program::{HandoverDeflection, handover_deflections};
+use jointplay_cell::station::SlotId;
+use jointplay_cell::workcell::Cell;
 use serde_json::{Map, Value, json};
 
 use self::document::Document;
@@ -19,8 +19,8 @@ use self::numbers::{extras, single};
 use self::parts::{Parts, slot_name};
 use super::error::Error;
 use super::motion_export::MotionExport;
-use super::violation_note::ViolationNote;
 use super::scene::{RestingWafer, Scene, Track};
+use super::violation_note::ViolationNote;
 use jointplay_format::units::um;
 
 /// The cell with its motion as binary glTF: rods, platform, links, wafers, stations, bodies and zones; one animation, as long as the motion.
@@ -102,9 +102,7 @@ fn notes(motion_export: &MotionExport<'_>) -> Value {
     let mut notes = Map::new();
     notes.insert("duration_s".to_owned(), json!(motion_export.motion.duration()));
     if let Some(warning) = motion_export.warning() {
-        let note = |note: &ViolationNote| {
-            json!({ "from_s": note.from, "to_s": note.to, "message": note.message })
-        };
+        let note = |note: &ViolationNote| json!({ "from_s": note.from, "to_s": note.to, "message": note.message });
         notes.insert("warning".to_owned(), json!(warning));
         let violations = motion_export.violation_notes.iter().map(note).collect();
         notes.insert("violations".to_owned(), violations);

@@ -1,8 +1,6 @@
 //! Materials of the parts.
 
-use gltf_json::material::{
-    AlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor,
-};
+use gltf_json::material::{AlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
 use gltf_json::validation::Checked::Valid;
 
 /// Appearances of the parts.

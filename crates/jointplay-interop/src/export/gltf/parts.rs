@@ -1,13 +1,13 @@
 //! What is seen: bodies of the cell, and simple shapes for what it gives none.
 
-use jointplay_cell::geometry::Shape;
-use jointplay_cell::station::Station;
-use jointplay_cell::workcell::{Body, Carrier, Cell, ZoneRule};
-use jointplay_core::spatial::Pose;
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::scene::UnitQuaternion;
 use gltf_json::validation::Checked::Valid;
 use gltf_json::{Index, Mesh, Node};
+use jointplay_cell::geometry::Shape;
+use jointplay_cell::station::Station;
+use jointplay_cell::workcell::{Body, Carrier, Cell, ZoneRule};
+use jointplay_core::spatial::Pose;
 use serde_json::json;
 
 use super::document::Document;
@@ -147,7 +147,13 @@ fn bodies(
 
 impl Document {
     /// A shape at its place, as a node; none where it has no surface.
-    fn show(&mut self, name: &str, shape: &Shape, at: &Pose, material: Material) -> Vec<Index<Node>> {
+    fn show(
+        &mut self,
+        name: &str,
+        shape: &Shape,
+        at: &Pose,
+        material: Material,
+    ) -> Vec<Index<Node>> {
         let mesh = self.mesh_at(name, shape, &Pose::identity(), material);
         mesh.map(|mesh| self.node(name, mesh, at)).into_iter().collect()
     }
