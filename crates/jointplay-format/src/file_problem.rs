@@ -26,9 +26,9 @@ pub enum FileProblem {
         /// The key.
         key: String,
     },
-    /// A value of the wrong type.
+    /// A value of another type than needed.
     #[error("`{key}` has to be {needed}, but is {found}")]
-    WrongType {
+    TypeMismatch {
         /// The key.
         key: String,
         /// The type needed.

@@ -1,4 +1,4 @@
-//! Where in a file something is wrong, for every file of TOML that is read strictly.
+//! Errors of files with their places: line, column and excerpt.
 
 use std::ops::Range;
 
@@ -8,17 +8,17 @@ const MOST_LISTED: usize = 16;
 /// Longest part of a line that a message shows, in characters.
 const LONGEST_LINE: usize = 160;
 
-/// Longest part of it before the place that is meant, in characters.
+/// Longest part of a line before the place, in characters.
 const LONGEST_BEFORE: usize = 80;
 
-/// Where in a file something is wrong.
+/// A position in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
     /// Line, counted from 1.
     pub line: usize,
     /// Column in characters, counted from 1.
     pub column: usize,
-    /// How many characters are meant.
+    /// Number of characters.
     pub width: usize,
     /// The line itself.
     pub text: String,
@@ -41,13 +41,13 @@ impl Place {
     }
 }
 
-/// Why a file is refused, and where.
+/// An error of a file with its place.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{problem}")]
 pub struct Error<P> {
     /// Where in the file.
     pub place: Place,
-    /// What is wrong there.
+    /// The error.
     pub problem: Box<P>,
 }
 
@@ -60,13 +60,13 @@ impl<P> Error<P> {
 }
 
 impl<P: std::fmt::Display> Error<P> {
-    /// The whole message: file, line and column, the line itself, and a caret under what is meant.
+    /// The whole message: file, line and column, the line itself, and carets under the place.
     #[must_use]
     pub fn with_excerpt(&self, file: &str) -> String {
         let Place { line, column, width, text } = &self.place;
         let number = line.to_string();
         let gutter = " ".repeat(number.len());
-        // Of a long line only what stands around the place; tabs as one space each, as the carets count them.
+        // Of a long line only the part around the place; a tab is one space, as for the carets.
         let skipped = column.saturating_sub(LONGEST_BEFORE + 1);
         let visible = |letter: char| if letter.is_control() { ' ' } else { letter };
         let shown: String = text.chars().map(visible).skip(skipped).take(LONGEST_LINE).collect();
@@ -130,7 +130,7 @@ impl<P> IntoIterator for Errors<P> {
     }
 }
 
-/// What can be wrong with the form of any file.
+/// Errors in the form of any file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Form {
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn of_a_long_line_the_part_around_the_place_is_shown() {
-        let text = format!("{}\twrong{}", "a".repeat(500), "b".repeat(500));
+        let text = format!("{}\tfault{}", "a".repeat(500), "b".repeat(500));
         let error = Error::at(&text, 501..506, Form::Malformed { message: "no".to_owned() });
         let shown = error.with_excerpt("x");
         let lines: Vec<Vec<char>> = shown.lines().map(|line| line.chars().collect()).collect();
@@ -214,7 +214,7 @@ mod tests {
         assert_eq!(lines[2].len(), "1 | ".len() + LONGEST_LINE + 2);
         let carets = lines[3].iter().position(|&letter| letter == '^').unwrap();
         assert_eq!(lines[3].len() - carets, 5);
-        assert_eq!(lines[2][carets..carets + 5].iter().collect::<String>(), "wrong");
+        assert_eq!(lines[2][carets..carets + 5].iter().collect::<String>(), "fault");
         assert!(!shown.contains('\t'));
     }
 }

@@ -18,28 +18,28 @@ pub enum AngleUnit {
     Radian,
 }
 
-/// Why a text has no value, and which of its bytes are to blame.
+/// An error of an expression with the bytes that it is about.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{problem}")]
 pub(crate) struct ExpressionError {
-    /// Bytes of the expression that are meant.
+    /// Bytes of the expression that the error is about.
     pub(crate) span: Range<usize>,
-    /// What is wrong.
+    /// The error.
     pub(crate) problem: ExpressionProblem,
 }
 
-/// What can be wrong in an expression.
+/// Errors of an expression.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExpressionProblem {
-    /// A name that stands for nothing.
+    /// An unknown name.
     #[error("unknown name `{name}`{}; known here: {}", suggestion(nearest), listed(known))]
     UnknownName {
         /// The name found.
         name: String,
         /// The known name most like it.
         nearest: Option<String>,
-        /// All that could stand there.
+        /// All known names.
         known: Vec<String>,
     },
     /// Something else where a part of a formula should be.
@@ -47,9 +47,9 @@ pub enum ExpressionProblem {
     Syntax {
         /// Column in characters within the expression, counted from 1.
         column: usize,
-        /// What could stand there.
+        /// The parts of a formula allowed there.
         expected: &'static str,
-        /// What stands there.
+        /// The character found.
         found: String,
     },
     /// A function with too few or too many arguments.
@@ -90,7 +90,7 @@ impl ExpressionError {
     }
 }
 
-/// What names stand for.
+/// Values of names, and the unit of angles.
 #[derive(Debug, Clone)]
 pub(crate) struct Scope {
     pub(crate) angle: AngleUnit,
@@ -146,7 +146,7 @@ const FUNCTIONS: [(&str, Function); 12] = [
     ("hypot", Function::Hypot),
 ];
 
-/// Whether a parameter can have this name: expressions could not tell others apart.
+/// Whether a parameter can have this name: expressions cannot refer to other names.
 pub(crate) fn is_free_name(name: &str) -> bool {
     let mut characters = name.chars();
     characters.next().is_some_and(starts_name)
@@ -225,7 +225,7 @@ impl Expression {
 }
 
 impl Function {
-    /// How many arguments it takes, and that said.
+    /// Number of arguments, and its text for messages.
     fn arity(self) -> (std::ops::RangeInclusive<usize>, &'static str) {
         match self {
             Self::Atan2 | Self::Hypot => (2..=2, "2 arguments"),
@@ -257,7 +257,7 @@ impl Function {
             Self::Atan2 => turn(x.atan2(arguments[1])),
             Self::Sqrt => x.sqrt(),
             Self::Abs => x.abs(),
-            // Unlike `f64::min`, lets no NaN vanish.
+            // Unlike `f64::min`, the result is NaN if an argument is.
             Self::Min => arguments.iter().copied().reduce(f64_least).unwrap_or(x),
             Self::Max => -arguments.iter().map(|x| -x).reduce(f64_least).unwrap_or(-x),
             Self::Hypot => x.hypot(arguments[1]),
@@ -328,7 +328,7 @@ impl Parser<'_> {
         self.chain(['*', '/'], Self::signed)
     }
 
-    /// Operands between operators of one rank, reckoned from left to right.
+    /// Operands between operators of one rank, evaluated from left to right.
     fn chain(
         &mut self,
         operators: [char; 2],

@@ -1,4 +1,4 @@
-//! Joints that close loops of an open chain, from a file beside it.
+//! Joints that close loops of an open chain, from a loop closure file.
 
 use jointplay_core::mechanism::{Joint, Kinematics, Mechanism, MechanismError};
 use jointplay_core::spatial::Pose;
@@ -13,12 +13,12 @@ use super::read::{FALLBACK_UNITS, joint_tables};
 use super::tree::{Entry, Reader, Table};
 use super::values::Values;
 
-/// The kind that a file of loops says it is.
+/// The `kind` of a loop closure file.
 const KIND: &str = "loops";
 
-/// Closes an open chain to loops by the joints of a file, as a URDF needs that can write trees only.
+/// Closes loops of an open chain by the joints of a file, for formats such as URDF that have trees only.
 ///
-/// A joint is placed on one of the links by `in`, or else in the base frame, where all links stand at zero; or on each of its links by `frames`.
+/// A joint is placed on one of the links by `in`, or without it in the base frame, with all joint coordinates at zero; or on each of its links by `frames`.
 ///
 /// # Errors
 /// All errors in the order of their places in `text`: those of a mechanism file, links that the chain does not have, and a mechanism that already has loops.

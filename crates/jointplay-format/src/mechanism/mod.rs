@@ -1,4 +1,4 @@
-//! Mechanism files: TOML that says links, joints and virtual joints, with parameters and formulas.
+//! Mechanism files: TOML with links, joints and virtual joints, parameters and formulas.
 //!
 //! ```
 //! let file = jointplay_format::mechanism::parse(r#"

@@ -1,4 +1,4 @@
-//! What can be wrong in a mechanism file.
+//! Errors of mechanism files.
 
 use jointplay_core::mechanism::MechanismError;
 
@@ -12,7 +12,7 @@ pub type Error = crate::place::Error<Problem>;
 /// All errors of a mechanism file.
 pub type Errors = crate::place::Errors<Problem>;
 
-/// What can be wrong in a mechanism file; numbers are in the units of the file.
+/// Errors of a mechanism file; numbers are in the units of the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
@@ -25,31 +25,31 @@ pub enum Problem {
     /// Links and joints that make no mechanism.
     #[error(transparent)]
     Mechanism(#[from] MechanismError),
-    /// An empty name, or one with characters that would upset a terminal.
+    /// A name that is empty or has control characters.
     #[error("`{key}` is empty or has control characters in it: {found:?}")]
     Name {
-        /// Which key.
+        /// The key.
         key: String,
-        /// What was found.
+        /// The value found.
         found: String,
     },
-    /// A name of a joint that commands could not tell from others.
+    /// A joint name that is ambiguous in commands.
     #[error(
         "a joint cannot be called {found:?}: `,` and `=` separate commands, and `[0]` is a freedom of a joint"
     )]
     JointName {
-        /// What was found.
+        /// The value found.
         found: String,
     },
-    /// A parameter that expressions could not name.
+    /// A parameter name that expressions cannot contain.
     #[error(
         "no parameter can be called {found:?}: a name is letters, digits and `_`, does not start with a digit, and is neither `pi` nor a function"
     )]
     ParameterName {
-        /// What was found.
+        /// The value found.
         found: String,
     },
-    /// Parameters that need each other.
+    /// Parameters that depend on each other.
     #[error("parameters refer to each other in a circle: {}", names.join(" → "))]
     Cycle {
         /// The circle; the first name is also the last.
@@ -58,7 +58,7 @@ pub enum Problem {
     /// A direction of length zero.
     #[error("`{key}` is a direction, but all its numbers are 0")]
     NoDirection {
-        /// Which key.
+        /// The key.
         key: String,
     },
     /// A direction of the joint frame's x along its z.
@@ -72,7 +72,7 @@ pub enum Problem {
         /// The angle between them (deg).
         degrees: f64,
     },
-    /// A key that says nothing here.
+    /// A key without effect here.
     #[error("`{key}` does not belong here: {why}")]
     Misplaced {
         /// The key.
@@ -80,13 +80,13 @@ pub enum Problem {
         /// Why, and what to write instead.
         why: String,
     },
-    /// Loops for a mechanism that is no open chain.
+    /// A loop closure file for a mechanism that is no open chain.
     #[error(
-        "the mechanism has {} already: a file of loops closes an open chain, in which all links have one place at zero",
+        "the mechanism has {} already: a loop closure file requires an open chain",
         counted(*.found, "loop")
     )]
     HasLoops {
-        /// How many there are.
+        /// Number of loops found.
         found: usize,
     },
     /// A lower limit that is not below its upper limit.

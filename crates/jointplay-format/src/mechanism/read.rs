@@ -20,17 +20,17 @@ use crate::file_problem::FileProblem;
 pub struct MechanismFile {
     /// The mechanism (m, rad).
     pub mechanism: Mechanism,
-    /// Where it comes from.
+    /// Source of the mechanism.
     pub source: Option<String>,
-    /// The units of the file, in which to speak to its reader.
+    /// The units of the file, for messages.
     pub units: Units,
     /// Values of all parameters, in the order and the units of the file.
     pub parameters: Vec<(String, f64)>,
-    /// What the file says that an analysis should find.
+    /// Expected results of an analysis.
     pub expected: Expected,
 }
 
-/// What a file says that an analysis should find; `None` where it says nothing.
+/// Expected results of an analysis, from the file; `None` where the file has none.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Expected {
     /// Freedoms of all joints together.
@@ -274,7 +274,7 @@ mod tests {
         assert_eq!(v2.clearance, Some(f64::to_radians(0.5)));
         let point = Vector3::new(0.11, 0.0, 0.0);
         assert_eq!(v2.motion, VirtualMotion::Turn { axis: Vector3::z_axis(), point });
-        assert_eq!(file.source.as_deref(), Some("[Nobody]"));
+        assert_eq!(file.source.as_deref(), Some("[Source]"));
         assert_eq!(file.expected.kutzbach, Some(-2));
         let of = |name: &str, value| (name.to_owned(), value);
         assert_eq!(file.parameters, [of("half", 110.0), of("a", 220.0), of("alpha", 90.0)]);
@@ -292,7 +292,7 @@ mod tests {
         assert!(parse_with(SAMPLE, &[("a".to_owned(), f64::NAN)]).is_err());
     }
 
-    /// Replaces a piece of the sample, and reads the message and what stands above the carets.
+    /// Replaces a piece of the sample; expects an error with a message, at the text `blamed`.
     #[track_caller]
     fn refuse(from: &str, to: &str, blamed: &str, message: &str) {
         assert!(SAMPLE.contains(from), "{from:?} is not in the file");
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_words_are_refused_with_the_known_ones() {
+    fn unknown_words_are_refused_with_the_known_ones() {
         refuse("axis = [0, 0, 2]", "axes = [0, 0, 2]", "axes", "did you mean `axis`?");
         refuse("\"mechanism\"", "\"mechansim\"", "\"mechansim\"", "known: mechanism");
         refuse("\"mm\"", "\"cm\"", "\"cm\"", "known: m, mm, um, in");
@@ -322,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_formulas_are_refused_with_their_place() {
+    fn invalid_formulas_are_refused_with_their_place() {
         refuse("\"-a * cos(alpha)\"", "\"-a * cos(alhpa)\"", "alhpa", "did you mean `alpha`?");
         refuse("\"-a * cos(alpha)\"", "\"-a * ?\"", "?", "column 6 of the expression");
         refuse("\"a / 2\"", "\"b / 2\"", "b", "unknown name `b`; known here: a, alpha, half, pi");
@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_numbers_are_refused() {
+    fn invalid_numbers_are_refused() {
         refuse("[0, 0, 2]", "[0, 0, 0]", "[0, 0, 0]", "all its numbers are 0");
         refuse("[0, 0, 2]", "[0, 2]", "[0, 2]", "has 2 entries, but needs 3");
         refuse("[0, 0, 2]", "[0, 0, inf]", "inf", "`axis` is infinite");

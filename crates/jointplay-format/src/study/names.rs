@@ -14,11 +14,11 @@ use crate::units::Unit;
 pub struct Column {
     /// Its name, with the unit at its end.
     pub name: String,
-    /// What stands in it.
+    /// The source of its values.
     pub source: Source,
 }
 
-/// What stands in a column.
+/// The source of the values of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// The number of the sample.
@@ -51,7 +51,7 @@ struct Term {
     wanted: OutputQuantity,
 }
 
-/// A name that stands for several.
+/// A name of several quantities.
 struct Group {
     name: &'static str,
     units: &'static [Unit],

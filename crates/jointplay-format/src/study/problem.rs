@@ -1,4 +1,4 @@
-//! What can be wrong in a study file.
+//! Errors of study files.
 
 use crate::file_problem::FileProblem;
 use crate::number::number;
@@ -11,7 +11,7 @@ pub type Error = place::Error<Problem>;
 /// All errors of a study file.
 pub type Errors = place::Errors<Problem>;
 
-/// What can be wrong in a study file; numbers are in the units of the file.
+/// Errors of a study file; numbers are in the units of the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
@@ -26,26 +26,26 @@ pub enum Problem {
         /// Its name with each unit that it can have.
         units: Vec<String>,
     },
-    /// A name with characters that would upset a terminal.
+    /// A name with control characters.
     #[error("the name has control characters in it: {found:?}")]
     Name {
-        /// What was found.
+        /// The value found.
         found: String,
     },
     /// A range that is none.
     #[error("`{key}`: {source}")]
     Range {
-        /// Which key.
+        /// The key.
         key: &'static str,
-        /// What is wrong with it.
+        /// The error of the range.
         source: steps::Error,
     },
-    /// Something that says no values.
+    /// A value that is neither numbers nor a distribution.
     #[error(
         "`{key}` has to be a number, a range \"FROM:TO:STEP\", a list of numbers, {{ uniform = [FROM, TO] }} or {{ normal = [MEAN, DEVIATION] }}"
     )]
     Spread {
-        /// Which key.
+        /// The key.
         key: &'static str,
     },
     /// A tolerance that is not drawn.
@@ -53,13 +53,13 @@ pub enum Problem {
         "`{key}` has to be drawn: {{ uniform = [FROM, TO] }} or {{ normal = [MEAN, DEVIATION] }}, as differences from the robot file"
     )]
     NotDrawn {
-        /// Which key.
+        /// The key.
         key: &'static str,
     },
     /// A range to draw from whose ends do not ascend.
     #[error("`{key}`: uniform from {} to {} is no range; the first has to be the smaller", number(*.from), number(*.to))]
     Reversed {
-        /// Which key.
+        /// The key.
         key: &'static str,
         /// From.
         from: f64,
@@ -69,26 +69,26 @@ pub enum Problem {
     /// A standard deviation of zero or less.
     #[error("`{key}`: a standard deviation of {} is not positive", number(*.value))]
     Deviation {
-        /// Which key.
+        /// The key.
         key: &'static str,
-        /// What was found.
+        /// The value found.
         value: f64,
     },
     /// An empty list.
     #[error("`{key}` is empty, but needs at least one entry")]
     Empty {
-        /// Which key.
+        /// The key.
         key: String,
     },
     /// The same entry a second time.
     #[error("`{key}` has {found:?} twice")]
     Twice {
-        /// Which key.
+        /// The key.
         key: String,
-        /// What was found.
+        /// The value found.
         found: String,
     },
-    /// Not exactly two angles that say a tilt.
+    /// Angles other than two that describe a tilt.
     #[error(
         "a pose has either `yaw_deg` and `pitch_deg`, or `tilt_x_deg` and `tilt_y_deg`; found: {}",
         listed(found)
@@ -98,11 +98,11 @@ pub enum Problem {
         found: Vec<String>,
     },
     /// Random poses or dimensions without a number of draws.
-    #[error("what is drawn at random needs `samples`, how often")]
+    #[error("random values need `samples`, the number of draws")]
     NoSamples,
     /// A number of draws where nothing is drawn.
     #[error(
-        "`samples` says how often random numbers are drawn, but nothing is random; a grid has as many samples as places"
+        "`samples` is the number of random draws, but nothing is random; a grid has one sample for each pose"
     )]
     NothingRandom,
     /// Tolerances that give none.

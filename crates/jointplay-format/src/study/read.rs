@@ -56,7 +56,7 @@ pub fn robot_of(name: &str) -> Result<String, String> {
     match catalogue::find(name) {
         Some(entry) => Ok(entry.text.to_owned()),
         None => Err(format!(
-            "robot {name:?} is not in the catalogue; a study takes \"gpr\", or a file beside it whose name ends in .toml"
+            "robot {name:?} is not in the catalogue; a study takes \"gpr\", or a file in its folder whose name ends in .toml"
         )),
     }
 }

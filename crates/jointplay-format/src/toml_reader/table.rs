@@ -171,7 +171,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         reader.report(self.span(), problem);
     }
 
-    /// Reports a value of the wrong type.
+    /// Reports a value of another type.
     pub fn type_error<P: From<FileProblem> + PartialEq>(
         &self,
         reader: &Reader<'_, P>,
@@ -199,7 +199,7 @@ impl<'r, 'a> Entry<'r, 'a> {
             DeValue::Table(_) => "a table".to_owned(),
         };
         let key = self.key.to_owned();
-        self.report(reader, FileProblem::WrongType { key, needed: needed.to_owned(), found });
+        self.report(reader, FileProblem::TypeMismatch { key, needed: needed.to_owned(), found });
     }
 
     /// Whether the value is a text.
@@ -251,7 +251,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         self.within(reader, value, allowed)
     }
 
-    /// The number that a value stands for, if it is allowed.
+    /// A number read from the value, if it is allowed; another number is reported.
     pub fn within<P: From<FileProblem> + PartialEq>(
         &self,
         reader: &Reader<'_, P>,

@@ -35,7 +35,7 @@ use jointplay_format::units::um;
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::TooManyPoses`], [`Error::Placing`], [`Error::TooLarge`]
 ///
 /// # Numerics
-/// Numbers are single precision, as glTF has them; keys that follow from their neighbours are left out.
+/// Numbers are single precision, as glTF has them; keys that follow from their neighbours are omitted.
 pub fn gltf(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<u8>, Error> {
     let scene = Scene::of(motion_export, rate, true)?;
     let mut document = Document::default();

@@ -1,4 +1,4 @@
-//! What is seen: bodies of the cell, and simple shapes for what it gives none.
+//! Visible parts: bodies of the cell, and simple shapes for parts without bodies.
 
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::scene::UnitQuaternion;
@@ -15,9 +15,9 @@ use super::material::Material;
 use super::numbers::{extras, single};
 use crate::export::scene::Part;
 
-/// Radius of what stands for a rod or a link without a body (m).
+/// Radius of the shape of a rod or a link without a body (m).
 const BAR: f64 = 0.008;
-/// Half the thickness of what stands for a platform without a body (m).
+/// Half the thickness of the shape of a platform without a body (m).
 const PLATE: f64 = 0.004;
 /// Half the thickness of what marks a slot, and how much wider than a wafer it is (m).
 const SLOT: [f64; 2] = [0.000_2, 0.004];
@@ -30,7 +30,7 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// Nodes of what moves with a track.
+    /// Nodes of the part that moves with a track.
     pub(super) fn of_track(
         &mut self,
         document: &mut Document,
@@ -90,7 +90,7 @@ impl Parts {
         }
     }
 
-    /// Nodes of what stands still: bodies, stations, zones.
+    /// Nodes of the stationary parts: bodies, stations, zones.
     pub(super) fn of_world(&mut self, document: &mut Document, cell: &Cell) -> Vec<Index<Node>> {
         let mut nodes = bodies(document, cell, Carrier::World, Material::Body);
         for station in &cell.stations {
@@ -121,12 +121,12 @@ impl Parts {
     }
 }
 
-/// What the node of a slot is called.
+/// The name of the node of a slot.
 pub(super) fn slot_name(station: &Station, slot: usize) -> String {
     format!("{} {slot}", station.name)
 }
 
-/// Nodes of the bodies with one carrier; those of stations tell which.
+/// Nodes of the bodies with one carrier; those of stations name their station.
 fn bodies(
     document: &mut Document,
     cell: &Cell,
