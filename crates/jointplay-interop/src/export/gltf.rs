@@ -16,7 +16,7 @@ use self::numbers::single;
 use self::parts::{Parts, slot_name};
 use super::error::Error;
 use super::motion_export::MotionExport;
-use super::scene::{RestingWafer, Scene, Track};
+use super::scene::{Scene, SlotStay, Track};
 use jointplay_format::units::um;
 
 /// The cell with its motion as binary glTF: rods, platform, links, wafers, stations, bodies and zones; one animation, as long as the motion.
@@ -67,12 +67,12 @@ fn standing(track: &Track, cell: &Cell) -> Value {
         node["translation"] = json!(place.map(single));
         node["rotation"] = json!(turn.map(single));
     }
-    let told = |&RestingWafer { slot: SlotId { station, slot }, from, to }: &RestingWafer| {
+    let told = |&SlotStay { slot: SlotId { station, slot }, from, to }: &SlotStay| {
         let name = slot_name(&cell.stations[station], slot);
         json!({ "slot": name, "from_s": from, "to_s": to })
     };
-    if !track.rests.is_empty() {
-        node["extras"] = json!({ "lies": track.rests.iter().map(told).collect::<Vec<_>>() });
+    if !track.slot_stays.is_empty() {
+        node["extras"] = json!({ "lies": track.slot_stays.iter().map(told).collect::<Vec<_>>() });
     }
     node
 }
