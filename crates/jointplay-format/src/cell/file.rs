@@ -11,13 +11,11 @@ use jointplay_cell::{CellError, CellPart, InvalidPart};
 use super::effectors::{Effectors, effectors, named_effectors};
 use super::explain::explain;
 use super::files::{Files, read_named_file};
-use super::problem::{Fault, Problem};
+use super::problem::{Errors, Fault};
 use super::tree::{AllowedRange, Entry, Reader, Table};
 use super::{bodies, robot, stations};
 use crate::catalogue;
-use crate::file_problem::FileProblem;
 use crate::number::number;
-use crate::place::Error;
 
 /// Longer texts are refused unread.
 pub const MAX_BYTES: usize = 1_000_000;
@@ -41,12 +39,11 @@ const MATERIALS: [(&str, [f64; 3]); 2] =
 ///
 /// # Errors
 /// All that is wrong, each with its place: TOML that is malformed, keys that are missing, unknown or of the wrong kind, names that are not known, files that cannot be had or read, and what does not fit together.
-pub fn read(text: &str, files: &mut Files) -> Result<Cell, Vec<Problem>> {
-    if text.len() > MAX_BYTES {
-        let fault = FileProblem::TooLong { found: text.len(), allowed: MAX_BYTES };
-        return Err(vec![Error::at("", 0..0, fault.into())]);
-    }
+pub fn read(text: &str, files: &mut Files) -> Result<Cell, Errors> {
     let reader = Reader::new(text);
+    if !reader.has_at_most(MAX_BYTES) {
+        return reader.done(None);
+    }
     let document = reader.parse();
     let top = Table::new(&reader, "a cell", document.get_ref(), 0..0);
     let cell = whole(&top, files);

@@ -13,7 +13,7 @@ use jointplay::cell::{
 };
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::number::counted;
-use jointplay::format::{cell, place, program};
+use jointplay::format::{cell, program};
 use jointplay::interop::export::{self, MotionExport, ViolationNote};
 use jointplay::report;
 
@@ -65,7 +65,7 @@ impl CellSource {
         folder: Option<PathBuf>,
     ) -> Result<Self, Failure> {
         let read = cell::read(&text, &mut |name| read_relative(folder.as_deref(), name));
-        let cell = read.map_err(|problems| Failure::Invalid(diagnostics(&problems, &label)))?;
+        let cell = read.map_err(|problems| Failure::invalid(&problems, &label))?;
         Ok(Self { cell, label, stem, text, folder })
     }
 }
@@ -140,7 +140,7 @@ impl InputArgs {
         if problems.is_empty() {
             return Ok(Input { cell: cell?, program, text, label });
         }
-        let syntax_errors = diagnostics(&problems, &label);
+        let syntax_errors = Diagnostic::list(&problems, &label);
         Err(match cell {
             Ok(source) => {
                 let unknown_names = name_errors(&source.cell, &program);
@@ -308,14 +308,6 @@ fn with_progress(reporter: Reporter) -> IncrementalPlanner {
         JobProgress::Started { jobs } => reporter.parts(jobs),
         JobProgress::JobDone => reporter.part_done(),
     })
-}
-
-/// The diagnostics of a file.
-pub(super) fn diagnostics<P: std::fmt::Display>(
-    problems: &[place::Error<P>],
-    label: &str,
-) -> Vec<Diagnostic> {
-    problems.iter().map(|one| Diagnostic::new(one, label)).collect()
 }
 
 /// The diagnostic of an error of a program in its cell.
