@@ -53,9 +53,15 @@ fn one(values: &Values, table: &Table, kind: Option<JointKind>) -> Option<Pose> 
     };
     let point_read = point.map(|entry| values.point(&entry));
     let axis_read = axis.map(|entry| values.direction(&entry));
-    let x_entry = if kind == Some(K::Universal) { second_axis } else { zero };
-    let x_read = x_entry.map(|entry| values.direction(&entry));
+    // A misplaced direction is not read; for a joint of unknown kind, none is misplaced.
+    let is_universal = kind.map(|kind| kind == K::Universal);
+    let zero_read = zero.filter(|_| is_universal != Some(true));
+    let zero_read = zero_read.map(|entry| values.direction(&entry));
+    let second_read = second_axis.filter(|_| is_universal != Some(false));
+    let second_read = second_read.map(|entry| values.direction(&entry));
     let kind = kind?;
+    let (x_entry, x_read) =
+        if kind == K::Universal { (second_axis, second_read) } else { (zero, zero_read) };
     // A slide is the same wherever its line lies, and so are all motions and none.
     let is_anywhere = matches!(kind, K::Prismatic | K::Fixed | K::Floating);
     let has_axis = !matches!(kind, K::Spherical | K::Fixed | K::Floating);

@@ -382,6 +382,15 @@ mod tests {
     }
 
     #[test]
+    fn directions_of_a_joint_of_unknown_kind_are_checked() {
+        let text =
+            SAMPLE.replace("\"universal\"", "3").replace("second_axis = [1,", "second_axis = [");
+        let errors = parse(&text).unwrap_err();
+        let lines: Vec<usize> = errors.iter().map(|error| error.place.line).collect();
+        assert_eq!(lines, [33, 37], "{errors}");
+    }
+
+    #[test]
     fn links_that_make_no_mechanism_are_refused() {
         refuse("[\"arm\", \"cross\"]", "[\"arm\", \"arm\"]", "[\"arm\", \"arm\"]", "to itself");
         for joint in ["crank[0]", "crank,cardan", "crank=1"] {
