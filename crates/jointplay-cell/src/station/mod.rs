@@ -4,7 +4,9 @@ mod description;
 mod fingerprint;
 mod leveling;
 pub mod teach;
+mod validate;
 mod waypoints;
 
 pub use description::{Approach, Origin, SlotId, Station, Stroke};
+pub use validate::MAX_SLOTS;
 pub use waypoints::Waypoints;

@@ -20,6 +20,7 @@ mod model;
 mod plate;
 mod sag;
 mod unreachable;
+mod validate;
 
 pub use compensation::CompensatedPose;
 pub use deflection::apply_deflection;
@@ -29,3 +30,4 @@ pub use friction::FrictionMargin;
 pub use model::{Droop, DroopRow, Material, Support, Wafer};
 pub use sag::{Sag, SagError, sag};
 pub use unreachable::{RejectedBranch, Unreachable};
+pub use validate::check_thin_plate;

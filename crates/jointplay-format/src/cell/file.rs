@@ -1,11 +1,15 @@
 //! From text to a cell.
 
+use std::ops::Range;
+
 use jointplay_cell::robot::{EffectorId, HybridRobot};
 use jointplay_cell::station::SlotId;
-use jointplay_cell::wafer::{Material, Wafer};
+use jointplay_cell::wafer::{Material, Wafer, check_thin_plate};
 use jointplay_cell::workcell::Cell;
+use jointplay_cell::{CellError, CellPart, InvalidPart};
 
 use super::effectors::{Effectors, effectors, named_effectors};
+use super::explain::explain;
 use super::files::{Files, read_named_file};
 use super::problem::{Errors, Fault};
 use super::tree::{AllowedRange, Entry, Reader, Table};
@@ -44,7 +48,33 @@ pub fn read(text: &str, files: &mut Files) -> Result<Cell, Errors> {
     let top = Table::new(&reader, "a cell", document.get_ref(), 0..0);
     let cell = whole(&top, files);
     top.finish();
+    // Values that can be read one by one may still be invalid together.
+    if reader.is_clean()
+        && let Some(Err(invalid)) = cell.as_ref().map(Cell::validate)
+    {
+        for InvalidPart { part, error } in invalid {
+            reader.report(span_of(&top, part), Fault::Unfit(explain(&error)));
+        }
+    }
     reader.done(cell)
+}
+
+/// Location of a part of a cell.
+fn span_of(top: &Table, part: CellPart) -> Range<usize> {
+    let nth = |key, index| top.tables(key).get(index).map(|table: &Table| table.span.clone());
+    let entry = |key| top.entry(key).map(|entry| entry.span());
+    let found = match part {
+        CellPart::Cell => entry("budgets"),
+        CellPart::Robot(_) => entry("robot"),
+        CellPart::Wafer => entry("wafer"),
+        CellPart::Station(index) => nth("station", index),
+        CellPart::Body(index) => nth("body", index),
+        CellPart::Zone(index) => nth("zone", index),
+        CellPart::AllowedPair(_) => entry("may_touch"),
+        CellPart::Occupied(_) => entry("station"),
+        CellPart::Carried(_) => entry("carried"),
+    };
+    found.unwrap_or(0..0)
 }
 
 fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
@@ -197,7 +227,7 @@ fn wafer(table: &Table) -> Option<Wafer> {
     });
     table.finish();
     let (diameter, thickness) = (diameter?, thickness?);
-    if thickness > diameter / 10.0 {
+    if let Err(CellError::NotThin { .. }) = check_thin_plate(thickness, diameter) {
         let why = format!(
             "a wafer {} mm thick and {} mm wide is no thin plate: its thickness may be a tenth of its diameter at most",
             number(crate::units::mm(thickness)),

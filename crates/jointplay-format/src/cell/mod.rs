@@ -13,7 +13,6 @@ mod mesh;
 mod pose;
 mod problem;
 pub mod robot;
-mod solid;
 mod stations;
 mod tree;
 mod unique;

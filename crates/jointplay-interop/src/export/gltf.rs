@@ -19,7 +19,7 @@ use self::numbers::{extras, single};
 use self::parts::{Parts, slot_name};
 use super::error::Error;
 use super::motion_export::MotionExport;
-use super::scene::{RestingWafer, Scene, Track};
+use super::scene::{Scene, SlotStay, Track};
 use super::violation_note::ViolationNote;
 use jointplay_format::units::um;
 
@@ -72,12 +72,12 @@ fn initial_node(track: &Track, cell: &Cell) -> Node {
         node.translation = Some(place.map(single));
         node.rotation = Some(UnitQuaternion(turn.map(single)));
     }
-    let in_slot = |&RestingWafer { slot: SlotId { station, slot }, from, to }: &RestingWafer| {
+    let in_slot = |&SlotStay { slot: SlotId { station, slot }, from, to }: &SlotStay| {
         let name = slot_name(&cell.stations[station], slot);
         json!({ "slot": name, "from_s": from, "to_s": to })
     };
-    if !track.rests.is_empty() {
-        let lies: Vec<Value> = track.rests.iter().map(in_slot).collect();
+    if !track.slot_stays.is_empty() {
+        let lies: Vec<Value> = track.slot_stays.iter().map(in_slot).collect();
         node.extras = extras(&json!({ "lies": lies }));
     }
     node

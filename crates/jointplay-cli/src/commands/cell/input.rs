@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::cell::check::{CheckOptions, Report, Verdict};
+use jointplay::cell::check::{Report, Verdict};
 use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, name_errors};
 use jointplay::cell::robot::EffectorId;
-use jointplay::cell::trajectory::{StepError, Trajectory, TrajectoryOptions};
+use jointplay::cell::trajectory::{StepError, Trajectory};
 use jointplay::cell::workcell::Cell;
-use jointplay::cell::{IncrementalPlanner, Progress as JobProgress};
+use jointplay::cell::{
+    IncrementalPlanner, PlanError, PlanOptions, PlanStage, Progress as JobProgress,
+};
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::number::counted;
 use jointplay::format::{cell, program};
@@ -187,25 +189,23 @@ impl InputArgs {
         let progress = Progress::new(1);
         let mut planner = with_progress(progress.reporter());
         let reporter = progress.reporter();
-        reporter.stage("expanding");
+        let on_stage = |stage| {
+            reporter.stage(match stage {
+                PlanStage::Expansion => "expanding",
+                PlanStage::Trajectory => "timing",
+                PlanStage::Check => "checking",
+            });
+        };
         let cell = &input.cell.cell;
-        let steps =
-            planner.expand(cell, &input.program).map_err(|errors| input.refused(&errors))?;
-        if steps.is_empty() {
+        let options = PlanOptions { on_stage: &on_stage, ..PlanOptions::default() };
+        let planned = planner.plan(cell, &input.program, &options);
+        let (motion, report) = planned.map_err(|error| input.failure(&error))?;
+        if motion.steps.is_empty() {
             return Err(Failure::Robot(format!(
                 "{}: the program contains no motion (all axes stay at home)",
                 input.label
             )));
         }
-        reporter.stage("timing");
-        let motion = planner.plan_trajectory(cell, steps, &TrajectoryOptions::default()).map_err(
-            |error| {
-                let explained = |one: &StepError| (one.place, explain_step(&cell.robot, one));
-                Failure::Infeasible(input.at(error.steps.iter().map(explained)))
-            },
-        )?;
-        reporter.stage("checking");
-        let report = planner.check(cell, &motion, &CheckOptions::default());
         drop(progress);
         let violation_notes = export::violation_notes(cell, &report);
         Ok(Planned { input, motion, report, violation_notes })
@@ -229,6 +229,18 @@ impl Input {
             }
         }
         all
+    }
+
+    fn failure(&self, error: &PlanError) -> Failure {
+        match error {
+            PlanError::Program(errors) => self.refused(errors),
+            PlanError::Trajectory(error) => {
+                let robot = &self.cell.cell.robot;
+                let explained = |one: &StepError| (one.place, explain_step(robot, one));
+                Failure::Infeasible(self.at(error.steps.iter().map(explained)))
+            }
+            PlanError::Cell(_) | PlanError::Interrupted(_) => Failure::Robot(error.to_string()),
+        }
     }
 
     /// The failure for errors of the program in its cell: infeasible if all of them concern reach and limits, else invalid input.
