@@ -26,15 +26,21 @@ pub enum FileProblem {
         /// The key.
         key: String,
     },
-    /// A value of the wrong type.
+    /// A value of another type than needed.
     #[error("`{key}` has to be {needed}, but is {found}")]
-    WrongType {
+    TypeMismatch {
         /// The key.
         key: String,
         /// The type needed.
         needed: String,
         /// The value found.
         found: String,
+    },
+    /// A whole number beyond 64 bits.
+    #[error("`{key}` is too large for a whole number: write it with a decimal point")]
+    IntegerTooLarge {
+        /// The key.
+        key: String,
     },
     /// A number out of range, infinite or NaN.
     #[error("`{key}` is {}, but has to be {needed}", number(*.value))]

@@ -95,7 +95,8 @@ fn every_robot_of_the_catalogue_runs_a_lot_without_violating_a_limit() {
     for robot in names() {
         for retract_mm in [10.0, 250.0] {
             let cell = cell_of(robot, &stations(700.0), "radial", retract_mm);
-            let trajectory = planned(&cell, LOT).unwrap_or_else(|error| panic!("{robot}: {error:?}"));
+            let trajectory =
+                planned(&cell, LOT).unwrap_or_else(|error| panic!("{robot}: {error:?}"));
             let report = check(&cell, &trajectory, &CheckOptions { rate: 200.0, near: 0.0 });
             assert!(report.violations.is_empty(), "{robot} {retract_mm}: {:?}", report.violations);
         }
@@ -149,9 +150,7 @@ fn each_change_that_the_message_of_a_blocked_line_names_makes_the_line_possible(
         assert!(message.contains("set approach = \"radial\" of S0"), "{message}");
         for remedy in &blocked.remedies {
             let changed = match *remedy {
-                LineRemedy::Retract(reach) => {
-                    cell_of(robot, &[at], "line", (reach * 1e3).round())
-                }
+                LineRemedy::Retract(reach) => cell_of(robot, &[at], "line", (reach * 1e3).round()),
                 LineRemedy::Radius(reach) => {
                     cell_of(robot, &[At { distance_mm: reach * 1e3, ..at }], "line", 150.0)
                 }
@@ -191,8 +190,7 @@ impl ThreeLinks {
     /// Positions with the wafer at a point, its effector in a direction, by an elbow.
     fn positions(&self, point: [f64; 2], direction: f64, elbow: f64) -> Vec<[f64; 3]> {
         let [first, second, effector] = self.lengths;
-        let (x, y) =
-            (point[0] - effector * direction.cos(), point[1] - effector * direction.sin());
+        let (x, y) = (point[0] - effector * direction.cos(), point[1] - effector * direction.sin());
         let cosine = (x * x + y * y - first * first - second * second) / (2.0 * first * second);
         // Two degrees from the stretched and from the folded arm.
         if cosine.abs() > 0.9994 {
@@ -204,9 +202,9 @@ impl ThreeLinks {
         let within = |axis: usize, angle: f64| {
             let margin = 0.01;
             let [min, max] = self.limits[axis];
-            (-2..=2).map(move |k| angle + TAU * f64::from(k)).filter(move |q| {
-                (min + margin..=max - margin).contains(q)
-            })
+            (-2..=2)
+                .map(move |k| angle + TAU * f64::from(k))
+                .filter(move |q| (min + margin..=max - margin).contains(q))
         };
         let mut found = Vec::new();
         for a in within(0, shoulder) {

@@ -10,7 +10,7 @@ use jointplay_cell::station::{Approach, Origin, SlotId, Stroke};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Tilt;
-use jointplay_format::cell::{Change, EXAMPLE, MAX_TRIANGLES, Problem, read, set_station};
+use jointplay_format::cell::{Change, EXAMPLE, Errors, MAX_TRIANGLES, Problem, read, set_station};
 use jointplay_format::program;
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -19,7 +19,7 @@ fn no_files(name: &str) -> Result<Vec<u8>, String> {
     Err(format!("nobody has {name}"))
 }
 
-fn problems(text: &str) -> Vec<Problem> {
+fn problems(text: &str) -> Errors {
     read(text, &mut no_files).unwrap_err()
 }
 
@@ -225,7 +225,7 @@ fn a_station_without_its_keys_says_which() {
 }
 
 /// The example with other lines in place of those that place LP1.
-fn placed(lines: &str) -> Result<Cell, Vec<Problem>> {
+fn placed(lines: &str) -> Result<Cell, Errors> {
     let from = "position_mm = [-495.0, 495.0, 500.0]";
     assert!(EXAMPLE.contains(from));
     read(&EXAMPLE.replacen(from, lines, 1), &mut no_files)
@@ -476,7 +476,7 @@ station = [
 ";
     let stations = |text: &str| {
         let found = read(text, &mut no_files);
-        let told = |problems: Vec<Problem>| panic!("{}", problems[0].with_excerpt("x.toml"));
+        let told = |problems: Errors| panic!("{}", problems[0].with_excerpt("x.toml"));
         found.unwrap_or_else(told).stations
     };
     assert!(matches!(stations(text)[1].origin, Origin::Drift(_)));

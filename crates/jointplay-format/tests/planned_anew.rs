@@ -342,10 +342,9 @@ impl Change {
 }
 
 fn planned(memory: &mut IncrementalPlanner, cell: &Cell, text: &str) -> (Trajectory, Report) {
-    let steps = memory.expand(cell, &program::parse(text).unwrap()).unwrap();
-    let motion = memory.plan_trajectory(cell, steps, &TrajectoryOptions::default()).unwrap();
-    let report = memory.check(cell, &motion, &CheckOptions { rate: 100.0, near: 0.05 });
-    (motion, report)
+    let check = CheckOptions { rate: 100.0, near: 0.05 };
+    let options = PlanOptions { check, ..PlanOptions::default() };
+    memory.plan(cell, &program::parse(text).unwrap(), &options).unwrap()
 }
 
 proptest! {
@@ -377,18 +376,18 @@ fn a_plan_is_stopped_anywhere_and_planned_again_to_the_bit() {
     let program = program::parse(SHORT).unwrap();
     let check = CheckOptions { rate: 100.0, near: 0.05 };
     let options = PlanOptions { check, ..PlanOptions::default() };
-    let whole = IncrementalPlanner::default().plan(&cell, &program, &options, &|| false).unwrap();
+    let whole = IncrementalPlanner::default().plan(&cell, &program, &options).unwrap();
     let (mut memory, mut stopped) = (IncrementalPlanner::default(), 0);
     for most in [0, 1, 3, 10, 20, 30, 40, 60, 80, 100, 10_000] {
         let polls = AtomicUsize::new(0);
         let stop = || polls.fetch_add(1, Ordering::Relaxed) >= most;
-        match memory.plan(&cell, &program, &options, &stop) {
+        match memory.plan(&cell, &program, &PlanOptions { stop: &stop, ..options }) {
             Err(PlanError::Interrupted(_)) => stopped += 1,
             found => assert_eq!(format!("{:?}", found.unwrap()), format!("{whole:?}")),
         }
     }
     assert!(stopped >= 6, "{stopped}");
-    let again = memory.plan(&cell, &program, &options, &|| false).unwrap();
+    let again = memory.plan(&cell, &program, &options).unwrap();
     assert_eq!(format!("{again:?}"), format!("{whole:?}"));
 }
 

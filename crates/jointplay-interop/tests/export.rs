@@ -129,6 +129,7 @@ fn motion(cell: &Cell) -> Trajectory {
         path,
         speed: 1.0,
         blend: 0.0,
+        postures: None,
         line_speed: None,
         loaded: vec![],
         handover: None,

@@ -5,6 +5,7 @@ use jointplay_core::spatial::Pose;
 use crate::EntityId;
 use crate::geometry::{Collider, ColliderCache, Interval, PlacedCollider};
 use crate::incremental::{Fingerprint, Fingerprinted};
+use crate::program::WaferLocation;
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 
@@ -27,6 +28,15 @@ pub(crate) enum Parent {
 impl Parent {
     pub(crate) fn moves(self) -> bool {
         !matches!(self, Self::World | Self::Slot(_))
+    }
+}
+
+impl From<WaferLocation> for Parent {
+    fn from(location: WaferLocation) -> Self {
+        match location {
+            WaferLocation::Slot(slot) => Self::Slot(slot),
+            WaferLocation::Effector(id) => Self::Effector(id),
+        }
     }
 }
 
@@ -54,8 +64,6 @@ pub(crate) struct CollisionObject {
     pub(super) base_from_fixed_parent: Pose,
     /// Axis-aligned box in the base frame, for objects that do not move.
     pub(crate) aabb: [Interval; 3],
-    /// Whether this wafer was placed into a slot.
-    pub(crate) was_placed: bool,
 }
 
 impl CollisionObject {
@@ -76,7 +84,6 @@ impl CollisionObject {
             role,
             base_from_fixed_parent: Pose::identity(),
             aabb: [Interval { min: 0.0, max: 0.0 }; 3],
-            was_placed: false,
         };
         object.set_fixed_pose(Pose::identity(), cache);
         object

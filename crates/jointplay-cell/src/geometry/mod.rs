@@ -19,6 +19,7 @@ mod fingerprint;
 mod interval;
 mod shape;
 mod triangulate;
+mod validate;
 
 pub(crate) use collider::{Collider, PlacedCollider};
 pub(crate) use collider_cache::ColliderCache;

@@ -10,7 +10,7 @@ use super::resolved::{
     ResolvedCommand, ResolvedInstruction, ResolvedProgram, ResolvedSlot, ResolvedSlotNumber,
 };
 use super::sequence::MotionSequencer;
-use super::{Path, Place, Program, ProgramError, ProgramProblem, Step};
+use super::{Handover, Path, Place, Program, ProgramError, ProgramProblem, Step};
 use crate::incremental::{Interrupted, Stop, uninterrupted};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
@@ -193,16 +193,15 @@ impl ProgramExpander<'_> {
             self.occupancy.invalidate();
             return;
         };
-        for problem in self.occupancy.before_get(effector, slot) {
+        let handover = Handover::Picked(effector, slot);
+        for problem in self.occupancy.problems(handover) {
             self.errors.add(place, problem);
         }
         let process_time = self.sequencer.cell.stations[slot.station].process_time;
         let since = self.occupancy.placed_by(slot).filter(|_| process_time > 0.0);
         let wait = since.map(|since| Path::ProcessDwell { since, seconds: process_time });
         let done = self.sequencer.get(effector, slot, wait);
-        self.report(place, done);
-        // The command counts as executed also where it failed: so one mistake does not cause errors in later lines.
-        self.occupancy.get(effector, slot, place);
+        self.hand_over(handover, place, done);
     }
 
     fn put(&mut self, place: Place, to: ResolvedSlot, effector: EffectorId, passes: &[u64]) {
@@ -210,12 +209,18 @@ impl ProgramExpander<'_> {
             self.occupancy.invalidate();
             return;
         };
-        for problem in self.occupancy.before_put(effector, slot) {
+        let handover = Handover::Placed(effector, slot);
+        for problem in self.occupancy.problems(handover) {
             self.errors.add(place, problem);
         }
         let done = self.sequencer.put(effector, slot);
+        self.hand_over(handover, place, done);
+    }
+
+    /// Applies a hand-over at the end of the step that the sequencer returned.
+    fn hand_over(&mut self, handover: Handover, place: Place, done: Result<usize, ProgramProblem>) {
         let step = done.as_ref().ok().copied();
         self.report(place, done.map(|_| ()));
-        self.occupancy.put(effector, slot, place, step);
+        self.occupancy.apply(handover, place, step);
     }
 }

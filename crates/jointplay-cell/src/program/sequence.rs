@@ -172,13 +172,16 @@ impl<'c> MotionSequencer<'c> {
         self.approach(Goal { what, effector, target, slot, point: Retracted })
     }
 
-    /// GET: picks the wafer of a slot; `wait` is the dwell in front of the slot.
+    /// GET: picks the wafer of a slot; returns the index of the step at whose end the effector carries it.
+    ///
+    /// # Arguments
+    /// * `wait` – dwell in front of the slot
     pub(super) fn get(
         &mut self,
         effector: EffectorId,
         slot: SlotId,
         wait: Option<Path>,
-    ) -> Result<(), ProgramProblem> {
+    ) -> Result<usize, ProgramProblem> {
         self.loaded.retain(|&id| id != effector);
         let waypoints = self.waypoints(effector, slot)?;
         let goal = |what, point, target| Goal { what, effector, target, slot, point };
@@ -194,17 +197,20 @@ impl<'c> MotionSequencer<'c> {
         // The empty effector lifts to where the mean plane of the loaded wafer will be that of the slot.
         let resting = self.compensated_sag(effector, &waypoints.resting)?;
         self.line(Phase::Lift, goal("the resting pose in", Slot, &resting))?;
-        self.hand_over(Handover::Picked(effector, slot));
+        let picked = self.hand_over(Handover::Picked(effector, slot));
         self.loaded.push(effector);
         self.loaded.sort_unstable();
         self.line(Phase::Lift, goal("the pose above", Slot, &waypoints.above))?;
         for (k, via) in waypoints.via_above.iter().enumerate().rev() {
             self.line(Phase::Retract, goal("a via point above", Via(k), via))?;
         }
-        self.line(Phase::Retract, goal("the retracted pose above", Retracted, &waypoints.retracted_above))?;
+        self.line(
+            Phase::Retract,
+            goal("the retracted pose above", Retracted, &waypoints.retracted_above),
+        )?;
         self.level();
         self.mark_in_station(slot, first);
-        Ok(())
+        Ok(picked)
     }
 
     /// PUT: places the wafer into a slot; returns the index of the step at whose end it rests there.
@@ -226,17 +232,19 @@ impl<'c> MotionSequencer<'c> {
         }
         self.line(Phase::Extend, goal("the pose above", Slot, &waypoints.above))?;
         self.line(Phase::Lower, goal("the resting pose in", Slot, &waypoints.resting))?;
-        self.hand_over(Handover::Placed(effector, slot));
-        let left = self.steps.len() - 1;
+        let placed = self.hand_over(Handover::Placed(effector, slot));
         self.loaded.retain(|&id| id != effector);
         self.line(Phase::Lower, goal("the pose below", Slot, &waypoints.below))?;
         for (k, via) in waypoints.via_below.iter().enumerate().rev() {
             self.line(Phase::Retract, goal("a via point below", Via(k), via))?;
         }
-        self.line(Phase::Retract, goal("the retracted pose below", Retracted, &waypoints.retracted_below))?;
+        self.line(
+            Phase::Retract,
+            goal("the retracted pose below", Retracted, &waypoints.retracted_below),
+        )?;
         self.level();
         self.mark_in_station(slot, first);
-        Ok(left)
+        Ok(placed)
     }
 
     fn waypoints(
@@ -462,11 +470,11 @@ impl<'c> MotionSequencer<'c> {
         });
     }
 
-    /// Sets the hand-over at the end of the last step.
-    fn hand_over(&mut self, handover: Handover) {
-        if let Some(step) = self.steps.last_mut() {
-            step.handover = Some(handover);
-        }
+    /// Sets the hand-over at the end of the last step, a line, and returns the index of that step.
+    fn hand_over(&mut self, handover: Handover) -> usize {
+        let last = self.steps.len() - 1;
+        self.steps[last].handover = Some(handover);
+        last
     }
 
     /// Marks the steps from an index on that are within the station.

@@ -10,6 +10,7 @@ use super::hybrid_robot::{
     MAX_JOINTS, RODS,
 };
 use crate::CellError;
+use crate::conditions::{count, finite, in_range, positive, unique};
 use crate::wafer::Droop;
 
 /// Largest number of effectors of an arm.
@@ -307,55 +308,4 @@ fn check_droop(droop: &Droop, of: impl Fn(&str) -> String) -> Result<(), CellErr
             Ok(())
         }
     }
-}
-
-fn finite(what: String, value: f64) -> Result<f64, CellError> {
-    if value.is_finite() { Ok(value) } else { Err(CellError::NotFinite { what, value }) }
-}
-
-fn positive(what: String, value: f64, unit: &'static str) -> Result<(), CellError> {
-    if finite(what.clone(), value)? > 0.0 {
-        Ok(())
-    } else {
-        Err(CellError::NotPositive { what, value, unit })
-    }
-}
-
-fn in_range(
-    what: String,
-    value: f64,
-    min: f64,
-    max: f64,
-    unit: &'static str,
-) -> Result<(), CellError> {
-    if (min..=max).contains(&value) {
-        Ok(())
-    } else {
-        Err(CellError::OutOfRange { what, value, min, max, unit })
-    }
-}
-
-fn count(what: &str, found: usize, min: usize, max: usize) -> Result<(), CellError> {
-    if (min..=max).contains(&found) {
-        Ok(())
-    } else {
-        Err(CellError::Count { what: what.to_owned(), found, min, max })
-    }
-}
-
-/// Checks that names are unique; the error has the index of a name that is empty or repeated.
-fn unique<'a>(
-    what: &'static str,
-    names: impl Iterator<Item = &'a String>,
-) -> Result<(), (usize, CellError)> {
-    let mut known = BTreeSet::new();
-    for (index, name) in names.enumerate() {
-        if name.trim().is_empty() {
-            return Err((index, CellError::NoName { what: format!("one of the {what}") }));
-        }
-        if !known.insert(name) {
-            return Err((index, CellError::NameTwice { what, name: name.clone() }));
-        }
-    }
-    Ok(())
 }

@@ -129,11 +129,7 @@ impl Cell {
     }
 
     /// The line into the lowest slot of a station, in the plane of the arm over a platform parallel to the slot.
-    fn planar_line(
-        &self,
-        effector: EffectorId,
-        station: usize,
-    ) -> Result<PlanarPath, Unreachable> {
+    fn planar_line(&self, effector: EffectorId, station: usize) -> Result<PlanarPath, Unreachable> {
         let home: Vec<f64> = self.robot.axes.iter().map(|axis| axis.home).collect();
         let slot = SlotId { station, slot: 1 };
         let axis = self.turning_axis(effector, slot, &home)?;

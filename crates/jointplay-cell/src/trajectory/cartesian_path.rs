@@ -52,7 +52,8 @@ impl PostureSpline {
         let [from, to] = self.shares;
         let postures = self.spline.positions(from + s * (to - from));
         for (k, &axis) in self.axes.iter().enumerate() {
-            straight[axis] += postures[k] - (self.ends[0][k] + s * (self.ends[1][k] - self.ends[0][k]));
+            straight[axis] +=
+                postures[k] - (self.ends[0][k] + s * (self.ends[1][k] - self.ends[0][k]));
         }
     }
 }

@@ -22,7 +22,11 @@ impl CubicPiece {
     ///
     /// # Source
     /// \[FritschButland\]
-    pub(super) fn new(before: Option<Measured>, ends: [Measured; 2], after: Option<Measured>) -> Self {
+    pub(super) fn new(
+        before: Option<Measured>,
+        ends: [Measured; 2],
+        after: Option<Measured>,
+    ) -> Self {
         let [from, to] = ends;
         let own = Secant::of(from, to);
         let slopes = [
@@ -136,7 +140,10 @@ mod tests {
         ];
         for (k, position, expected) in EXPECTED {
             for (found, expected) in piece(k).at(position).into_iter().zip(expected) {
-                assert!((found - expected).abs() < 1e-11 * expected.abs().max(1e-3), "{k} {found} {expected}");
+                assert!(
+                    (found - expected).abs() < 1e-11 * expected.abs().max(1e-3),
+                    "{k} {found} {expected}"
+                );
             }
         }
     }
@@ -147,8 +154,8 @@ mod tests {
             let [low, high] = [VALUES[k].min(VALUES[k + 1]), VALUES[k].max(VALUES[k + 1])];
             let [mut rate, mut bend] = [0.0_f64; 2];
             for step in 0..=1000 {
-                let position = POSITIONS[k]
-                    + (POSITIONS[k + 1] - POSITIONS[k]) * f64::from(step) / 1000.0;
+                let position =
+                    POSITIONS[k] + (POSITIONS[k + 1] - POSITIONS[k]) * f64::from(step) / 1000.0;
                 let [value, first, second] = piece(k).at(position);
                 assert!((low - 1e-18..=high + 1e-18).contains(&value), "{k} {value}");
                 (rate, bend) = (rate.max(first.abs()), bend.max(second.abs()));

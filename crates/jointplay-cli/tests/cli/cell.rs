@@ -335,7 +335,8 @@ fn every_robot_of_the_catalogue_runs_in_the_example_cell_and_a_blocked_line_name
         // Where the folded arm sweeps through a zone of the example, the answer is no, and the lot is planned all the same.
         assert!(run.code <= 1 && run.stdout.contains("wafers"), "{robot}: {}", run.stderr);
     }
-    let line = with_robot(&sandbox, "scara-3r").replace("retract_mm = 10.0", "retract_mm = 10.0\napproach = \"line\"");
+    let line = with_robot(&sandbox, "scara-3r")
+        .replace("retract_mm = 10.0", "retract_mm = 10.0\napproach = \"line\"");
     sandbox.write("one.toml", &line);
     let run = sandbox.run("cell check one.toml");
     assert_eq!(run.code, 2, "{}", run.stderr);

@@ -6,6 +6,9 @@ use crate::place::Error;
 /// What is wrong with a file, and where.
 pub type Problem = Error<Fault>;
 
+/// All errors of a file.
+pub type Errors = crate::place::Errors<Fault>;
+
 /// What can be wrong in a cell file or in the file of a robot with arms; numbers are in the units of the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]

@@ -185,10 +185,8 @@ impl<'a> PostureSearch<'a> {
         decomposition: &'a Decomposition,
         path: &'a PlanarPath,
     ) -> Self {
-        let is_free = [
-            decomposition.last.is_some() && path.heading.is_none(),
-            decomposition.first.is_some(),
-        ];
+        let is_free =
+            [decomposition.last.is_some() && path.heading.is_none(), decomposition.first.is_some()];
         let count = is_free.iter().filter(|free| **free).count();
         let [grid, reach] = [GRID, REACH].map(|both| both[count.saturating_sub(1)]);
         let intervals = (path.length() / SAMPLE_DISTANCE).ceil() as usize;
@@ -276,15 +274,11 @@ impl<'a> PostureSearch<'a> {
         let mut layer = Layer { postures: Vec::new(), cells: vec![0] };
         for i in 0..self.grid[0] {
             for j in 0..self.grid[1] {
-                let free = [
-                    TAU * i as f64 / self.grid[0] as f64,
-                    TAU * j as f64 / self.grid[1] as f64,
-                ];
+                let free =
+                    [TAU * i as f64 / self.grid[0] as f64, TAU * j as f64 / self.grid[1] as f64];
                 let spanned = self.spanned(&point, free);
                 let any = Configuration::default();
-                if let Ok(found) =
-                    self.decomposition.span(self.chain, &spanned, any, [0.0; 2])
-                {
+                if let Ok(found) = self.decomposition.span(self.chain, &spanned, any, [0.0; 2]) {
                     for found in found.iter().flatten() {
                         let own = self.decomposition.positions(&self.unknown(found, free));
                         self.revolutions.within(&own, &self.ranges, |own| {
@@ -424,8 +418,7 @@ impl<'a> PostureSearch<'a> {
     fn posture_near(&self, share: f64, free: [f64; 2], near: &Posture) -> Option<Posture> {
         let spanned = self.spanned(&self.path.at(share), free);
         let pair = [near.unknown[0], near.unknown[1]];
-        let found =
-            self.decomposition.span(self.chain, &spanned, near.configuration, pair).ok()?;
+        let found = self.decomposition.span(self.chain, &spanned, near.configuration, pair).ok()?;
         let found = found.into_iter().flatten().next()?;
         let unknown = self.decomposition.wrapped(&self.unknown(&found, free), &near.unknown);
         let own = self.decomposition.positions(&unknown);
@@ -534,11 +527,12 @@ impl Smoothing<'_> {
         let slopes: Vec<PostureSlopes> = (0..self.postures.len()).map(|k| self.slopes(k)).collect();
         let mut jacobian = DMatrix::zeros(rows, self.postures.len() * free.len());
         let mut row = 0;
-        let mut add = |row: usize, k: usize, factor: f64, of: &dyn Fn(&PostureSlopes, usize) -> f64| {
-            for (column, &f) in free.iter().enumerate() {
-                jacobian[(row, k * free.len() + column)] += factor * of(&slopes[k], f);
-            }
-        };
+        let mut add =
+            |row: usize, k: usize, factor: f64, of: &dyn Fn(&PostureSlopes, usize) -> f64| {
+                for (column, &f) in free.iter().enumerate() {
+                    jacobian[(row, k * free.len() + column)] += factor * of(&slopes[k], f);
+                }
+            };
         for a in 0..self.search.ranges.count {
             add(row, 0, HOME_WEIGHT.sqrt() * slowness[a], &|slopes, f| slopes.own[f][a]);
             row += 1;

@@ -3,13 +3,12 @@
 use jointplay_cell::robot::{Arm, Axis, HybridRobot, RODS, RobotPart};
 
 use super::super::explain::explain as explain_cell;
-use super::super::problem::{Fault, Problem};
+use super::super::problem::{Errors, Fault};
 use super::super::tree::{Reader, Table};
 use super::arm::read_arm;
 use super::axes::{motor, rod_axes, tell_twice};
 use super::base::{platform, three_rods};
 use super::words::{KIND, ROD_NAMES};
-use crate::file_problem::FileProblem;
 
 /// Longest text that is read in bytes.
 const MAX_BYTES: usize = 1_000_000;
@@ -18,10 +17,9 @@ const MAX_BYTES: usize = 1_000_000;
 ///
 /// # Errors
 /// All that is wrong with it, in order of place.
-pub fn parse(text: &str) -> Result<HybridRobot, Vec<Problem>> {
+pub fn parse(text: &str) -> Result<HybridRobot, Errors> {
     let reader = Reader::new(text);
-    if text.len() > MAX_BYTES {
-        reader.report(0..0, FileProblem::TooLong { found: text.len(), allowed: MAX_BYTES });
+    if !reader.has_at_most(MAX_BYTES) {
         return reader.done(None);
     }
     let file = reader.parse();
@@ -119,7 +117,7 @@ mod tests {
 
     const DUAL: &str = include_str!("../../../../../robots/dual-arm.toml");
 
-    fn told(problems: &[Problem]) -> String {
+    fn told(problems: &Errors) -> String {
         problems.iter().map(|problem| problem.with_excerpt("x.toml") + "\n").collect()
     }
 
