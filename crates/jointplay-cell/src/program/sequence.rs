@@ -10,7 +10,7 @@ use super::ik_cache::IkCache;
 use super::occupancy::slot_name;
 use super::problem::Leveling;
 use super::resolve::effector_name;
-use super::{Handover, Path, Phase, Place, ProgramProblem, Step};
+use super::{Handover, Path, Phase, ProgramProblem, SourceLocation, Step};
 use crate::robot::{AxisKind, EffectorId, RODS, WaferTarget};
 use crate::station::{SlotId, Waypoints};
 use crate::wafer::Unreachable;
@@ -48,7 +48,7 @@ pub(super) struct MotionSequencer<'c> {
     /// Motors that extend the arm, with their positions where the arm is retracted for a station and the platform level.
     retracted: BTreeMap<(EffectorId, usize), Vec<(usize, f64)>>,
     instruction: usize,
-    place: Place,
+    place: SourceLocation,
     loaded: Vec<EffectorId>,
 }
 
@@ -77,13 +77,18 @@ impl<'c> MotionSequencer<'c> {
             sag: BTreeMap::new(),
             retracted: BTreeMap::new(),
             instruction: 0,
-            place: Place::default(),
+            place: SourceLocation::default(),
             loaded: Vec::new(),
         }
     }
 
     /// Starts an instruction, to which the next steps belong, with the effectors that carry a wafer.
-    pub(super) fn start(&mut self, instruction: usize, place: Place, loaded: Vec<EffectorId>) {
+    pub(super) fn start(
+        &mut self,
+        instruction: usize,
+        place: SourceLocation,
+        loaded: Vec<EffectorId>,
+    ) {
         (self.instruction, self.place, self.loaded) = (instruction, place, loaded);
     }
 

@@ -1,6 +1,6 @@
 //! Steps: elementary moves and dwells of all axes.
 
-use super::Place;
+use super::SourceLocation;
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 
@@ -62,7 +62,7 @@ pub struct Step {
     /// Index of the instruction in the order of execution.
     pub instruction: usize,
     /// Location of the instruction in the text.
-    pub place: Place,
+    pub place: SourceLocation,
     /// Part of the instruction.
     pub phase: Phase,
     /// Positions of all axes at its start (m and rad).
