@@ -1,6 +1,6 @@
 //! Velocities and accelerations of wafers against differences of their poses.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 mod common;
 

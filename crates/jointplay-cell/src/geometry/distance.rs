@@ -251,7 +251,7 @@ mod tests {
         for round in 0..20_000 {
             let halves = [0, 1].map(|_| [0, 1, 2].map(|_| 0.005 + 0.15 * random().powi(2)));
             let turn = 3.0 * random();
-            // Parallel planes, by bits or to round-off, at a small tilt, or at any tilt.
+            // Parallel planes, by bits or to round-off, slightly tilted, or in any orientation.
             let tilt = [0.0, 1e-16, 1e-12, 1e-6, 1e-3, 1.0][round % 6];
             let tilt = Vector3::new(tilt * random(), tilt * random(), 0.0);
             let common = Rotation3::new(Vector3::new(random(), random(), random()) * 0.01);

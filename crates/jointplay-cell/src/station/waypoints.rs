@@ -68,7 +68,7 @@ impl Station {
         let target = |center: Vector3<f64>| WaferTarget { center, normal, heading };
         let resting = frame.translation.vector;
         let out = self.outward(&frame, axis);
-        let far = |axis| resting + out * self.retract_distance(-within(&frame, axis), &out);
+        let far = |axis| resting + out * self.distance_out(-within(&frame, axis), &out);
         let via = |lift: f64| {
             let place =
                 |via: &[f64; 3]| target((frame * Point3::from(*via)).coords + normal * lift);
@@ -102,7 +102,7 @@ impl Station {
     ///
     /// # Arguments
     /// * `resting` – from the axis to the resting position, within the slot's plane (m)
-    fn retract_distance(&self, resting: Vector3<f64>, out: &Vector3<f64>) -> f64 {
+    fn distance_out(&self, resting: Vector3<f64>, out: &Vector3<f64>) -> f64 {
         // |resting + t out|² = reach², the smaller root.
         let along = resting.dot(out);
         let rest = resting.norm_squared() - self.retract_reach * self.retract_reach;
@@ -121,7 +121,7 @@ fn within(frame: &Pose, [x, y]: [f64; 2]) -> Vector3<f64> {
 impl Cell {
     /// Waypoints for a slot, on the line along which the arm extends at the platform's tilt.
     ///
-    /// The axis of a tilted arm intersects the slot's plane next to the robot's axis: by 3 mm at a height of 150 mm over the platform and 1°, which is much for a wafer that is retracted to a few millimetres.
+    /// The axis of a tilted arm intersects the slot's plane at a distance from the robot's axis: 3 mm at a height of 150 mm over the platform and 1°, which is much for a wafer that is retracted to a few millimetres.
     /// The retract distance is measured from that intersection, within the plane: so the arm's motors have the same positions at any tilt.
     ///
     /// # Arguments

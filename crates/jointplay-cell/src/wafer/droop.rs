@@ -22,7 +22,7 @@ pub struct Deflection {
 pub enum DroopError {
     /// The reach is outside the measured table.
     #[error(
-        "the droop at a reach of {reach} m is not known: the table covers {min} to {max} m; measure there, or give a cantilever"
+        "the droop at a reach of {reach} m is not known: the table ranges from {min} to {max} m; measure there, or give a cantilever"
     )]
     Reach {
         /// Reach asked for (m).
@@ -34,7 +34,7 @@ pub enum DroopError {
     },
     /// The load is above the measured load, or negative.
     #[error(
-        "the droop under {load} kg is not known: the table covers 0 to {max} kg; measure with more, or give a cantilever"
+        "the droop under {load} kg is not known: the table ranges from 0 to {max} kg; measure with more, or give a cantilever"
     )]
     Load {
         /// Load asked for (kg).

@@ -150,7 +150,7 @@ mod tests {
         for (support, lever) in SUPPORTS.iter().zip(LEVER_ARMS) {
             let grip =
                 |wrench: &RequiredWrench| friction_check(wrench, &wafer(), support, FRICTION);
-            // Friction alone holds a wafer in straight motion, at any position of the pads.
+            // Friction alone holds a wafer that moves straight, wherever the pads are.
             let straight = grip(&level(Vector2::new(1.2, -0.5), 0.0));
             near(straight.required, 1.3, 1e-12);
             near(straight.available, FRICTION * GRAVITY, 1e-12);

@@ -138,19 +138,24 @@ impl<'r, 'a, P: From<FileProblem> + PartialEq> Table<'r, 'a, P> {
     /// Reports all keys that were never asked for.
     pub fn finish(&self) {
         let known = self.known.borrow();
-        for key in self.table.keys() {
+        let is_unknown = |key: &&Spanned<_>| {
+            let name: &std::borrow::Cow<str> = key.get_ref();
+            !known.contains(&name.as_ref())
+        };
+        let mut unknown: Vec<_> = self.table.keys().filter(is_unknown).collect();
+        // Of very many, the first in the file are listed.
+        unknown.sort_by_key(|key| key.span().start);
+        for key in unknown {
             let name: &str = key.get_ref();
-            if !known.contains(&name) {
-                let fault = || {
-                    let form = Form::UnknownKey {
-                        key: name.to_owned(),
-                        nearest: nearest(name, known.iter().copied()),
-                        known: known.iter().map(|&name| name.to_owned()).collect(),
-                    };
-                    FileProblem::from(form).into()
+            let fault = || {
+                let form = Form::UnknownKey {
+                    key: name.to_owned(),
+                    nearest: nearest(name, known.iter().copied()),
+                    known: known.iter().map(|&name| name.to_owned()).collect(),
                 };
-                self.reader.report_with(key.span(), fault);
-            }
+                FileProblem::from(form).into()
+            };
+            self.reader.report_with(key.span(), fault);
         }
     }
 }
