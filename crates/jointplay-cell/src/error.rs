@@ -1,4 +1,4 @@
-//! What can be wrong with a description, as facts.
+//! Errors of descriptions, as facts.
 
 use jointplay_core::spatial::Tilt;
 
@@ -91,22 +91,22 @@ pub enum CellError {
         max: usize,
     },
     /// A motor that moves nothing.
-    #[error("axis {axis} moves no joint; let a joint be driven by it, or leave it out")]
+    #[error("axis {axis} moves no joint; drive a joint by it, or remove it")]
     IdleAxis {
         /// Its name.
         axis: String,
     },
     /// A motor whose zero, kind or limits contradict what it is there for.
     #[error("axis {axis}: {why}")]
-    WrongAxis {
+    InvalidAxis {
         /// Its name.
         axis: String,
-        /// What is wrong and what to try.
+        /// The contradiction, and how to remove it.
         why: String,
     },
-    /// An arm whose motors cannot bring the wafer to places beside each other.
+    /// An arm whose motors cannot move the wafer in two directions of its plane.
     #[error(
-        "the motors of arm {arm} move the wafer of effector {effector} along {directions} of the 2 directions of their plane; let a second motor turn or slide a joint of its own"
+        "the motors of arm {arm} move the wafer of effector {effector} along {directions} of the 2 directions of their plane; a second motor has to drive a joint of its own"
     )]
     NotMovable {
         /// Name of the arm.
@@ -184,7 +184,7 @@ pub enum CellError {
     },
     /// Positions for another number of axes.
     #[error("{found} positions are given, but the robot has {expected} axes")]
-    WrongLength {
+    LengthMismatch {
         /// How many were given.
         found: usize,
         /// How many axes there are.

@@ -11,7 +11,7 @@ use common::{A, GRAVITY};
 use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, check};
 use jointplay_cell::geometry::Shape;
-use jointplay_cell::program::{Handover, Path, Phase, Place, Step};
+use jointplay_cell::program::{Handover, Path, Phase, SourceLocation, Step};
 use jointplay_cell::robot::{PlatformModel, WaferTarget};
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
@@ -34,7 +34,7 @@ fn cell() -> Cell {
 fn step(instruction: usize, from: &[f64], to: &[f64]) -> Step {
     Step {
         instruction,
-        place: Place { line: instruction + 10, column: 1 },
+        place: SourceLocation { line: instruction + 10, column: 1 },
         phase: Phase::Move,
         from: from.to_vec(),
         to: to.to_vec(),

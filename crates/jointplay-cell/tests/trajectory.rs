@@ -5,7 +5,7 @@
 mod common;
 
 use common::A;
-use jointplay_cell::program::{Path, Phase, Place, Step};
+use jointplay_cell::program::{Path, Phase, SourceLocation, Step};
 use jointplay_cell::robot::{KinematicLimits, RODS, WaferTarget};
 use jointplay_cell::trajectory::{
     MAX_DURATION, Sample, StepErrorKind, Trajectory, TrajectoryOptions, axis_limits,
@@ -36,7 +36,7 @@ fn cell(kind: usize, droop: Droop) -> Cell {
 fn step(from: &[f64], to: &[f64], path: Path, speed: f64, loaded: bool) -> Step {
     Step {
         instruction: 0,
-        place: Place { line: 1, column: 1 },
+        place: SourceLocation { line: 1, column: 1 },
         phase: Phase::Move,
         from: from.to_vec(),
         to: to.to_vec(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use jointplay::cell::check::Report;
 use jointplay::cell::program::{
-    Command, Instruction, Place, Program, ProgramError, expand, name_errors,
+    Command, Instruction, Program, ProgramError, SourceLocation, expand, name_errors,
 };
 use jointplay::cell::trajectory::{
     Trajectory, TrajectoryError, TrajectoryOptions, plan_trajectory,
@@ -218,7 +218,7 @@ impl PlanningError {
                 add(Diagnostic::new(SourceText::Program, &error.place, error.to_string()));
             }),
             Self::Times(error) => error.steps.iter().for_each(|one| {
-                let Place { line, column } = one.place;
+                let SourceLocation { line, column } = one.place;
                 let message = explain_step(&cell.robot, one);
                 add(Diagnostic { source: SourceText::Program, line, column, width: 0, message });
             }),
@@ -229,7 +229,7 @@ impl PlanningError {
 
 /// A motion with the robot at rest at home.
 pub(crate) fn rest_at_home(cell: &Cell) -> Option<Trajectory> {
-    let place = Place { line: 1, column: 1 };
+    let place = SourceLocation { line: 1, column: 1 };
     let wait = Instruction { place, command: Command::Wait { seconds: 1.0 } };
     let program = Program { body: vec![wait], routines: Vec::new() };
     let steps = expand(cell, &program).ok()?;

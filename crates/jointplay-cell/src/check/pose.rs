@@ -7,7 +7,7 @@ use super::segments::SegmentChecks;
 use crate::collision::Scene;
 use crate::geometry::ColliderCache;
 use crate::incremental::{Execution, uninterrupted};
-use crate::program::{Path, Phase, Place, Step, WaferLocations};
+use crate::program::{Path, Phase, SourceLocation, Step, WaferLocations};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::trajectory::{Trajectory, straight};
@@ -113,7 +113,7 @@ impl<'a> SceneAtTime<'a> {
         let loaded = cell.robot.effectors().filter(|&id| scene.held_wafer(id).is_some());
         let template = Step {
             instruction: 0,
-            place: Place::default(),
+            place: SourceLocation::default(),
             phase: reaches.map_or(Phase::Move, |(.., phase)| phase),
             from: Vec::new(),
             to: Vec::new(),

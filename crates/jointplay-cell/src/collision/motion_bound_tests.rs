@@ -18,7 +18,7 @@ use super::sampled_segment::SampledSegment;
 use super::scene::Scene;
 use crate::EntityId;
 use crate::geometry::{ColliderCache, Shape};
-use crate::program::{Path, Phase, Place, Step};
+use crate::program::{Path, Phase, SourceLocation, Step};
 use crate::robot::{AxisKind, PlatformModel, RODS};
 use crate::trajectory::{Sample, Trajectory, TrajectoryOptions, plan_trajectory, straight};
 use crate::wafer::{Droop, DroopRow};
@@ -129,7 +129,7 @@ fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Traj
     }
     let step = Step {
         instruction: 0,
-        place: Place::default(),
+        place: SourceLocation::default(),
         phase: Phase::Move,
         from,
         to,

@@ -3,7 +3,7 @@
 use jointplay_core::spatial::Pose;
 
 use crate::EntityId;
-use crate::geometry::{Collider, ColliderCache, Interval, PlacedCollider};
+use crate::geometry::{CachedCollider, Collider, ColliderCache, Interval, PlacedCollider};
 use crate::incremental::{Fingerprint, Fingerprinted};
 use crate::program::WaferLocation;
 use crate::robot::EffectorId;
@@ -70,15 +70,15 @@ impl CollisionObject {
     /// An object at the origin of the base frame.
     pub(super) fn new(
         entity: EntityId,
-        (collider_number, collider): (u64, Collider),
+        collider: CachedCollider,
         parent: Parent,
         role: Role,
         cache: &mut ColliderCache,
     ) -> Self {
         let mut object = Self {
             entity,
-            collider,
-            collider_number,
+            collider: collider.collider,
+            collider_number: collider.number,
             fixed_number: 0,
             parent,
             role,

@@ -63,7 +63,7 @@ impl<'a> Scene<'a> {
                         cache,
                     ));
                 }
-                ZoneRule::Safe => safe_zones.push((index, collider.1)),
+                ZoneRule::Safe => safe_zones.push((index, collider.collider)),
             }
         }
         // The lower face of a wafer is in the xy plane of its frame.
@@ -117,8 +117,16 @@ impl<'a> Scene<'a> {
         let base_from_platform = platform.base_from_platform;
         let loaded = |id: EffectorId| self.held_wafer(id).is_some();
         for arm in 0..robot.arms.len() {
-            let placed = (arm, &base_from_platform);
-            self.cell.append_arm_poses(placed, positions, loaded, |found| found, &mut buffer)?;
+            let base_from_platform = &base_from_platform;
+            let resolve = |found| found;
+            self.cell.append_arm_poses(
+                arm,
+                base_from_platform,
+                positions,
+                loaded,
+                resolve,
+                &mut buffer,
+            )?;
         }
         Ok(LinkPoses { base_from_platform, normal: platform.normal(), poses: buffer })
     }

@@ -44,6 +44,6 @@ pub use problem::{Count, Leveling, ProgramError, ProgramProblem};
 pub use resolve::name_errors;
 pub use step::{Handover, LinePostures, Path, Phase, Step};
 pub use syntax::{
-    AxisTarget, Command, Instruction, Name, Place, Program, Routine, SlotName, SlotNumber,
+    AxisTarget, Command, Instruction, Name, Program, Routine, SlotName, SlotNumber, SourceLocation,
 };
 pub use wafer_locations::{WaferLocation, WaferLocations, WaferStay, WaferTransfer};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::step::Handover;
 use super::wafer_locations::{WaferLocation, WaferLocations};
-use super::{Place, ProgramProblem};
+use super::{ProgramProblem, SourceLocation};
 use crate::program::resolve::effector_name;
 use crate::robot::EffectorId;
 use crate::station::SlotId;
@@ -28,7 +28,7 @@ pub(super) struct WaferOccupancy<'c> {
     /// Whether all other occupancies are unknown.
     is_unknown: bool,
     /// Instruction that last changed a location.
-    changed: BTreeMap<WaferLocation, Place>,
+    changed: BTreeMap<WaferLocation, SourceLocation>,
 }
 
 impl<'c> WaferOccupancy<'c> {
@@ -83,7 +83,7 @@ impl<'c> WaferOccupancy<'c> {
         self.locations.stays(wafer).last()?.since
     }
 
-    /// Problems of a hand-over, that of the effector first: a wafer is missing, or one is in the way.
+    /// Problems of a hand-over, that of the effector first: a wafer is missing, or its destination is occupied.
     pub(super) fn problems(&self, handover: Handover) -> Vec<ProgramProblem> {
         let (Handover::Picked(id, slot) | Handover::Placed(id, slot)) = handover;
         let (hand, place) = (WaferLocation::Effector(id), WaferLocation::Slot(slot));
@@ -117,7 +117,7 @@ impl<'c> WaferOccupancy<'c> {
     /// Applies a hand-over, at the end of a step if the motion to it exists.
     ///
     /// It counts as executed also where it has a problem, so that one mistake does not cause errors in later lines.
-    pub(super) fn apply(&mut self, handover: Handover, place: Place, step: Option<usize>) {
+    pub(super) fn apply(&mut self, handover: Handover, place: SourceLocation, step: Option<usize>) {
         let (from, to) = (handover.source(), handover.destination());
         let is_assumed = self.is_assumed(from) || self.is_assumed(to);
         let applied = match step {

@@ -1,6 +1,6 @@
 //! Errors of a program in its cell.
 
-use super::Place;
+use super::SourceLocation;
 use crate::robot::{AxisKind, LimitViolation};
 use crate::station::BlockedLine;
 use crate::wafer::{SagError, Unreachable};
@@ -10,7 +10,7 @@ use crate::wafer::{SagError, Unreachable};
 #[error("{problem}{}", self.repetitions())]
 pub struct ProgramError {
     /// Location in the text.
-    pub place: Place,
+    pub place: SourceLocation,
     /// The problem at its first occurrence.
     pub problem: ProgramProblem,
     /// Number of further occurrences at this location.

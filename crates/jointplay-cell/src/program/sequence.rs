@@ -10,7 +10,7 @@ use super::ik_cache::IkCache;
 use super::occupancy::slot_name;
 use super::problem::Leveling;
 use super::resolve::effector_name;
-use super::{Handover, LinePostures, Path, Phase, Place, ProgramProblem, Step};
+use super::{Handover, LinePostures, Path, Phase, ProgramProblem, SourceLocation, Step};
 use crate::robot::{ArmChain, AxisKind, EffectorId, RODS, Redundancy, WaferTarget};
 use crate::station::LinePoint::{Retracted, Slot, Via};
 use crate::station::{LinePoint, SlotId, StationPostures, Waypoints};
@@ -51,7 +51,7 @@ pub(super) struct MotionSequencer<'c> {
     /// Share of the line into a station at which the arm is.
     line_share: f64,
     instruction: usize,
-    place: Place,
+    place: SourceLocation,
     loaded: Vec<EffectorId>,
 }
 
@@ -83,13 +83,18 @@ impl<'c> MotionSequencer<'c> {
             retracted: BTreeMap::new(),
             line_share: 0.0,
             instruction: 0,
-            place: Place::default(),
+            place: SourceLocation::default(),
             loaded: Vec::new(),
         }
     }
 
     /// Starts an instruction, to which the next steps belong, with the effectors that carry a wafer.
-    pub(super) fn start(&mut self, instruction: usize, place: Place, loaded: Vec<EffectorId>) {
+    pub(super) fn start(
+        &mut self,
+        instruction: usize,
+        place: SourceLocation,
+        loaded: Vec<EffectorId>,
+    ) {
         (self.instruction, self.place, self.loaded) = (instruction, place, loaded);
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::Place;
+use super::SourceLocation;
 use crate::robot::{EffectorId, PosturePath};
 use crate::station::SlotId;
 
@@ -75,7 +75,7 @@ pub struct Step {
     /// Index of the instruction in the order of execution.
     pub instruction: usize,
     /// Location of the instruction in the text.
-    pub place: Place,
+    pub place: SourceLocation,
     /// Part of the instruction.
     pub phase: Phase,
     /// Positions of all axes at its start (m and rad).

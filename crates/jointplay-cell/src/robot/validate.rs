@@ -159,7 +159,7 @@ impl HybridRobot {
         if index < RODS {
             if *kind != AxisKind::Linear {
                 let why = "the first three axes are those of the rods, and have to slide";
-                return Err(CellError::WrongAxis { axis: name.clone(), why: why.to_owned() });
+                return Err(CellError::InvalidAxis { axis: name.clone(), why: why.to_owned() });
             }
             let limits = self.gpr.limits();
             let (least, most) = (limits.rod_min, limits.rod_max);
@@ -184,7 +184,7 @@ impl HybridRobot {
             self.check_joint(joint, of).map_err(RobotPart::Joint(index, k).at_fault())?;
             motors.extend(joint.drives.iter().map(|&(axis, _)| axis));
         }
-        // More motors than joints could not be told apart: their positions would be arbitrary.
+        // More motors than joints could not be distinguished: their positions would be arbitrary.
         count(&of("motors"), motors.len(), 1, arm.joints.len()).map_err(&at_fault)?;
         for (k, effector) in arm.effectors.iter().enumerate() {
             let id = EffectorId { arm: index, effector: k };
@@ -216,17 +216,20 @@ impl HybridRobot {
                 });
             }
             let Axis { name, kind, .. } = &self.axes[axis];
-            let wrong = |why| CellError::WrongAxis { axis: name.clone(), why };
+            let invalid = |why| CellError::InvalidAxis { axis: name.clone(), why };
             if finite(of("a ratio"), ratio)? == 0.0 {
-                return Err(wrong(format!("{} is 0; leave it out", of("its ratio to the value"))));
+                return Err(invalid(format!("{} is 0; remove it", of("its ratio to the value"))));
             }
             if !driven.insert(axis) {
-                return Err(wrong(format!("it drives {} twice; add the ratios", of("the value"))));
+                return Err(invalid(format!(
+                    "it drives {} twice; add the ratios",
+                    of("the value")
+                )));
             }
             if *kind != joint.kind {
                 let (axis, value) = (kind.verb(), joint.kind.verb());
                 let joint = of("the value");
-                return Err(wrong(format!(
+                return Err(invalid(format!(
                     "it {axis}, but {joint} {value}; an axis drives its like"
                 )));
             }

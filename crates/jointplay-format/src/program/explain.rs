@@ -1,6 +1,6 @@
 //! What is wrong with a program in its cell, shown in its text.
 
-use jointplay_cell::program::{Leveling, Place, ProgramError, ProgramProblem};
+use jointplay_cell::program::{Leveling, ProgramError, ProgramProblem, SourceLocation};
 use jointplay_cell::robot::{Axis, AxisKind, HybridRobot};
 use jointplay_cell::station::LineRemedy;
 
@@ -95,7 +95,7 @@ fn remedy(leveling: &Leveling) -> String {
 }
 
 /// The line of a place, and how much of it is meant.
-fn shown(text: &str, at: Place) -> place::Place {
+fn shown(text: &str, at: SourceLocation) -> place::Place {
     let line = line_at(text, at.line);
     let token = line.as_ref().and_then(|line| line.tokens.iter().find(|it| it.column == at.column));
     place::Place {

@@ -42,7 +42,7 @@ impl HybridRobot {
     /// * `near` – present positions of all axes; motors of other effectors keep them
     ///
     /// # Errors
-    /// [`CellError::NormalNotUp`], [`CellError::NoSuchEffector`], [`CellError::WrongLength`], [`CellError::NotFinite`], and those of the platform model.
+    /// [`CellError::NormalNotUp`], [`CellError::NoSuchEffector`], [`CellError::LengthMismatch`], [`CellError::NotFinite`], and those of the platform model.
     ///
     /// # Numerics
     /// In closed form, only the list of branches is allocated. A branch farther than 10⁻¹³ m from the target is corrected by Newton's method on all axes, and rejected if it stays farther than 10⁻¹² m.
@@ -254,7 +254,7 @@ impl HybridRobot {
     /// Limits that positions violate, that of the tilt last.
     ///
     /// # Errors
-    /// [`CellError::WrongLength`], [`CellError::NotFinite`]
+    /// [`CellError::LengthMismatch`], [`CellError::NotFinite`]
     pub fn limit_violations(&self, positions: &[f64]) -> Result<Vec<LimitViolation>, CellError> {
         self.check_positions(positions)?;
         let mut violations = Vec::new();

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::cell::check::{Report, Verdict};
-use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, name_errors};
+use jointplay::cell::program::{
+    Program, ProgramError, ProgramProblem, SourceLocation, name_errors,
+};
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::trajectory::{StepError, Trajectory};
 use jointplay::cell::workcell::Cell;
@@ -214,12 +216,12 @@ impl InputArgs {
 
 impl Input {
     /// A message with its line of the program and a caret.
-    pub(super) fn excerpt(&self, at: Place, message: &str) -> String {
+    pub(super) fn excerpt(&self, at: SourceLocation, message: &str) -> String {
         report::excerpt(&self.text, at, message, &self.label)
     }
 
     /// Diagnostics at positions of the program, without duplicates.
-    fn at(&self, messages: impl Iterator<Item = (Place, String)>) -> Vec<Diagnostic> {
+    fn at(&self, messages: impl Iterator<Item = (SourceLocation, String)>) -> Vec<Diagnostic> {
         let mut all: Vec<Diagnostic> = Vec::new();
         for (at, message) in messages {
             let (file, excerpt) = (self.label.clone(), self.excerpt(at, &message));

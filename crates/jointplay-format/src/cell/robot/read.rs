@@ -289,7 +289,7 @@ mod tests {
         refuse("drives = { RA = 1 }", "drives = { q1 = 1 }", "q1", "known: T, RA, RB");
         refuse("drives = { RA = 1 }", "drives = [1]", "[1]", "such as { T = 1, R = -2 }");
         refuse("drives = { RA = 1 }", "drives = {}", "[[arm.joint]]", "there are 0, but 1 to 4");
-        refuse("drives = { RA = 1 }", "drives = { RA = 0 }", "[[arm.joint]]", "is 0; leave it out");
+        refuse("drives = { RA = 1 }", "drives = { RA = 0 }", "[[arm.joint]]", "is 0; remove it");
         refuse(
             "kind = \"turn\"\nrange",
             "kind = \"trun\"\nrange",
