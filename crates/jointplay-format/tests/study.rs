@@ -96,7 +96,7 @@ fn bad_studies_are_refused_with_their_place() {
     refuse("12.5", "\"rad\"", 6, "the metric has to be");
     refuse("samples = 100", "samples = 0", 7, "`samples` is 0, but has to be at least 1");
     refuse("= 100", "= 9000000000000000000", 7, "more samples than can be counted");
-    refuse("samples = 100\n", "", 11, "needs `samples`");
+    refuse("samples = 100\n", "", 11, "need `samples`");
     refuse("seed = 9", "seed = -9", 8, "`seed` is -9, but has to be at least 0");
     refuse("seed = 9", "sead = 9", 8, "did you mean `seed`?");
     refuse("center_shift_um", "centre_shift_um", 9, "did you mean `center_shift_mm`?");
