@@ -326,7 +326,9 @@ fn process_dwell_counts_from_the_placing_of_the_wafer() {
     let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
     let mut to = from.clone();
     to[3] += 0.5;
-    let wait = |since, seconds| step(&to, &to, Path::ProcessDwell { since, seconds }, 1.0, false);
+    let wait = |placed_at_step, seconds| {
+        step(&to, &to, Path::ProcessDwell { placed_at_step, seconds }, 1.0, false)
+    };
     let go = || step(&from, &to, Path::PointToPoint, 1.0, false);
     let still = step(&to, &to, Path::Dwell(2.0), 1.0, false);
     let motion = plan_trajectory(
