@@ -13,7 +13,7 @@ const ORTHOGONAL: f64 = 1e-15;
 /// Singular values of ∂X/∂P in the metric, the largest first; with them, where they were found.
 ///
 /// ```text
-///    C^−½ ∂X/∂P = −(E C^½)† A        A Aᵀ = L Lᵀ        σ(C^−½ ∂X/∂P) = 1 / σ(C^½ Eᵀ L⁻ᵀ)
+///    C^−½ ∂X/∂P = (E C^½)† A        A Aᵀ = L Lᵀ        σ(C^−½ ∂X/∂P) = 1 / σ(C^½ Eᵀ L⁻ᵀ)
 /// ```
 /// E: derivative of the squared sides with respect to the virtual joints, C = W⁻¹: inverse weights of the metric, A: derivative of the squared sides with respect to the balls.
 ///
