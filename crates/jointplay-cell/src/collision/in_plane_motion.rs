@@ -26,9 +26,9 @@ const STEP: f64 = 1e-4;
 pub(crate) enum InPlaneMotion {
     /// Bound of the planar model, in closed form.
     Planar {
-        /// Σ |b̂_k| |b_k| / N_0: largest rotation about the normal per strain of the triangle of ball centres.
+        /// Σ |p_k'| |b_k'| / N_0: largest rotation about the normal per strain of the triangle of ball centres.
         ///
-        /// b_k, b̂_k: base point and socket k from the centroids of their triangles; N_0: largest Σ (T b̂_k) · b_k over all rotations T.
+        /// b_k', p_k': base point and socket k from the centroids of their triangles; N_0: largest Σ (U p_k') · b_k' over all rotations U.
         twist_per_strain: f64,
         /// Distance of the centroid of the base points from the base axis (m).
         base_centroid_offset: f64,

@@ -109,11 +109,12 @@ impl MotionBoundCoefficients {
     /// Coefficients by the joints after the first `common_joints`, and by the deflection of the arm, which all of its joints change.
     ///
     /// ```text
-    ///    |δ̇|  ≤  d' |ṙ|  +  R (s' |ṙ| + s |u̇| + s |φ̇|)  +  |ψ̇| (d + R s)
+    ///    |δ̇|  ≤  f' |ϱ̇|  +  a (φ' |ϱ̇| + φ |v̇| / max(|v|, r₀) + φ |ψ̇|)  +  |ω| (f + a φ)
     /// ```
-    /// δ: deflection of a point; r: extension, the distance of the wafer's centre from the first joint; d, s: drop and slope at the extension (`droop.at`), d', s': their derivatives by it (`droop.rate`);
-    /// R: distance of the point from the wafer's centre (`from_center`); u: horizontal unit vector across the extension, with s |u̇| ≤ `turn` |v̇| + s |φ̇₁|, v: extension as a vector, φ₁: rotation by the first joint (`at_first`);
-    /// φ, ψ: rotations of the last link (`at_last`) and of the common ancestor (`at_common`).
+    /// Symbols as in the chapter "Deflection" of `docs/explanation/collision-guarantee.md`:
+    /// δ: displacement of a point by the deflection; a: its distance from the wafer's centre (`from_center`); ϱ: reach, the extension of the arm from its first joint to that centre;
+    /// f, φ: drop and slope at the reach (`droop.at`), f', φ': their derivatives by it (`droop.rate`); v: horizontal part of the reach, r₀: [`MIN_REACH`], with φ / max(|v|, r₀) ≤ `turn`;
+    /// ψ: rotation of the last link (`at_last`); ω: rotation of the common ancestor (`at_common`).
     fn with_deflection(cell: &Cell, extent: ObjectExtent, common_joints: usize) -> Self {
         let robot = &cell.robot;
         let ObjectExtent { parent, from_origin, from_center } = extent;
