@@ -70,8 +70,8 @@ impl Errors {
         let here = self.0.entry(place).or_default();
         let kind = discriminant(&problem);
         match here.iter_mut().find(|error| discriminant(&error.problem) == kind) {
-            Some(first) => first.more += 1,
-            None => here.push(ProgramError { place, problem, more: 0 }),
+            Some(first) => first.repetitions += 1,
+            None => here.push(ProgramError { place, problem, repetitions: 0 }),
         }
     }
 }
