@@ -14,7 +14,7 @@ pub fn axis_moves_effector(robot: &HybridRobot, axis: usize, effector: EffectorI
             .any(|&(driver, ratio)| driver == axis && ratio != 0.0)
 }
 
-/// Limits of an axis in a step, scaled by the step's share of speed.
+/// Limits of an axis in a step, scaled by [`Step::speed_scaling`].
 #[must_use]
 pub fn scaled_axis_limits(robot: &HybridRobot, axis: usize, step: &Step) -> KinematicLimits {
     let limits = axis_limits(robot, axis, step);
