@@ -35,7 +35,7 @@ pub(crate) enum InPlaneMotion {
     Sampled(Vec<(f64, InPlaneRates)>),
 }
 
-/// InPlaneRates by the slope of the platform's plane, at most.
+/// Upper bounds of the rates of in-plane motion per unit change of the plane's slope.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct InPlaneRates {
     /// Displacement of the platform's origin, without that of the plane's height on the base axis (m).
