@@ -233,6 +233,7 @@ mod tests {
             "cargo xtask tidy",
             "cargo xtask deps",
             "cargo xtask circles",
+            "cargo xtask words",
             "cargo clippy --workspace --all-targets --all-features -- -D warnings",
             "cargo clippy --workspace --lib --bins --test cli -- -D warnings",
             "PROPTEST_RNG_SEED=\"1\" cargo test --workspace --all-features",
