@@ -19,7 +19,7 @@ const STEP: f64 = 1e-4;
 /// Bounds of the platform's motion beyond the shortest rotation to its normal, as its plane's slope changes.
 ///
 /// The slope s is the gradient of the plane's height, |s| = tan α.
-/// See "Motion bounds" in `docs/explanation/collision-guarantee.md` for the inequalities and their proof.
+/// See "Platform" in `docs/explanation/collision-guarantee.md` for the inequalities and their proof.
 #[derive(Debug, Clone)]
 pub(crate) enum InPlaneMotion {
     /// Bound of the planar model, in closed form.

@@ -1,6 +1,6 @@
 //! Motion bounds: upper bounds of the travel of any point of an object between two samples.
 //!
-//! The inequalities and their proofs are in the chapter "Motion bounds" of `docs/explanation/kinematics.md`.
+//! The inequalities and their proofs are in `docs/explanation/collision-guarantee.md`.
 
 use std::ops::Range;
 
