@@ -298,7 +298,7 @@ impl<'r, 'a> Entry<'r, 'a> {
             DeValue::Table(_) => "a table".to_owned(),
         };
         let key = self.key.to_owned();
-        self.report(reader, FileProblem::WrongType { key, needed: needed.to_owned(), found });
+        self.report(reader, FileProblem::TypeMismatch { key, needed: needed.to_owned(), found });
     }
 
     /// Whether the value is a text.

@@ -161,7 +161,7 @@ fn what_is_wrong_is_told_with_its_place_and_what_is_possible() {
     refuse("wafers = \"all\"", "wafers = [3, 3]", "slot 3 is listed twice");
     refuse("wafers = \"all\"", "effectors = [\"C\"]", "effector \"C\" is not known; known: A, B");
     refuse("wafers = \"all\"", "approach = \"straight\"", "approach \"straight\" is not known");
-    refuse("name = \"LP2\"", "name = \"LP1\"", "station \"LP1\" is there twice");
+    refuse("name = \"LP2\"", "name = \"LP1\"", "station \"LP1\" is defined twice");
     refuse("name = \"LP2\"", "name = \"load port\"", "a name is letters, digits");
     refuse("retract_mm = 10.0", "retract_mm = 800.0", "is only 700.036 mm from the robot's axis");
     refuse(

@@ -244,10 +244,7 @@ fn sizes_are_limited() {
     assert!(parse(&deep(MAX_DEPTH)).is_ok());
     let message = refused(&deep(MAX_DEPTH + 2));
     assert_eq!(message.lines().count(), 2, "{message}");
-    assert!(
-        message.contains("33:1: blocks stand within each other more than 32 deep"),
-        "{message}"
-    );
+    assert!(message.contains("33:1: blocks are nested more than 32 deep"), "{message}");
 }
 
 #[test]

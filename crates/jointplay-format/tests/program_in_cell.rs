@@ -388,8 +388,8 @@ fn a_support_beyond_the_wafer_is_told_in_mm() {
     wide.robot.arms[1].effectors[0].support = Support::TwoRails { distance: 0.3011 };
     assert_eq!(
         wrong(&wide, "GET port-1 SLOT 1 WITH A\nGET port-1 SLOT 2 WITH B"),
-        "1:1: effector A does not carry the wafer: a circle of three points with a radius of 152.500 mm does not carry a wafer of 300.000 mm: it has to be more than 0 and at most 150.000 mm\n\
-         2:1: effector B does not carry the wafer: a distance of two rails of 301.100 mm does not carry a wafer of 300.000 mm: it has to be more than 0 and at most 300.000 mm\n"
+        "1:1: effector A does not carry the wafer: a circle of three points with a radius of 152.500 mm does not support a wafer of 300.000 mm: it must be more than 0 and at most 150.000 mm\n\
+         2:1: effector B does not carry the wafer: a distance of two rails of 301.100 mm does not support a wafer of 300.000 mm: it must be more than 0 and at most 300.000 mm\n"
     );
 }
 

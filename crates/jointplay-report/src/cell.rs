@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::distance::{DistanceReport, distance};
 use crate::nearest::{NearestReport, nearest};
-use crate::violation::{explain_violation, told};
+use crate::violation::{explain_violation, in_display_unit};
 use jointplay_format::cell::robot::virtualization_name;
 use jointplay_format::place;
 use jointplay_format::units::{mm, um};
@@ -372,7 +372,7 @@ pub fn excerpt(program: &str, at: Place, message: &str, file: &str) -> String {
 }
 
 fn violation(cell: &Cell, one: &Violation) -> ViolationReport {
-    let (unit, worst) = told(one, one.worst);
+    let (unit, worst) = in_display_unit(one, one.worst);
     let counts = !unit.is_empty() && one.worst.is_finite();
     ViolationReport {
         kind: one.kind.to_string(),
@@ -384,7 +384,7 @@ fn violation(cell: &Cell, one: &Violation) -> ViolationReport {
         end_s: one.end,
         worst_s: one.worst_time,
         worst: counts.then_some(worst),
-        limit: counts.then(|| told(one, one.limit).1),
+        limit: counts.then(|| in_display_unit(one, one.limit).1),
         unit,
         message: explain_violation(cell, one),
     }

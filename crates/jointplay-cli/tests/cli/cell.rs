@@ -572,10 +572,7 @@ fn a_program_that_moves_nothing_is_refused() {
 #[test]
 fn missing_files_of_a_cell_are_searched_next_to_it() {
     for (named, line) in [
-        (
-            "robot = \"mine.toml\"",
-            "the file \"mine.toml\" cannot be had: there is no such file in ",
-        ),
+        ("robot = \"mine.toml\"", "cannot read the file \"mine.toml\": there is no such file in "),
         (
             "robot = \"dual-am\"",
             "robot with arms \"dual-am\" is not known (did you mean `dual-arm`?)",

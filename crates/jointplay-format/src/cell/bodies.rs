@@ -11,7 +11,7 @@ use jointplay_core::spatial::{Pose, Tilt};
 
 use super::files::Files;
 use super::mesh;
-use super::pose::{lean, points};
+use super::pose::{points, yaw_and_tilt};
 use super::problem::Fault;
 use super::solid::is_solid;
 use super::tree::{AllowedRange, Entry, Table};
@@ -19,7 +19,7 @@ use super::unique::unique;
 use crate::file_problem::FileProblem;
 use crate::units::m_from_mm;
 
-/// Most bodies, and most zones: their pairs are what is checked.
+/// Largest number of bodies, and of zones; the number of checked pairs grows with its square.
 const MOST_BODIES: usize = 400;
 
 /// All bodies.
@@ -71,7 +71,7 @@ pub(super) fn zones(top: &Table, files: &mut Files) -> Vec<Zone> {
     zones
 }
 
-/// The names in all tables of a key, whether the rest of them can be read or not.
+/// The names in all tables of a key, including tables with errors.
 fn names_of(top: &Table, key: &'static str) -> Vec<String> {
     let name_of = |table: Table| Some(table.entry("name")?.value.get_ref().as_str()?.to_owned());
     top.tables(key).into_iter().filter_map(name_of).collect()
@@ -87,14 +87,14 @@ fn few<'r, 'a>(top: &Table<'r, 'a>, key: &'static str) -> Vec<Table<'r, 'a>> {
     tables
 }
 
-/// Pairs of bodies whose distance is not asked for, by index.
+/// Pairs of bodies that may touch each other, by index.
 pub(super) fn pairs(top: &Table, bodies: &[Body]) -> Vec<[usize; 2]> {
     let reader = top.reader;
     let Some(entry) = top.entry("may_touch") else { return Vec::new() };
     let names = names_of(top, "body");
     let index = |entry: &Entry| {
         let name = entry.text(reader)?;
-        // A body that could not be read was told of already.
+        // A body with errors was reported already.
         if !names.iter().any(|known| known == name) {
             entry.unknown(reader, "body", name, &names);
         }
@@ -112,7 +112,7 @@ pub(super) fn pairs(top: &Table, bodies: &[Body]) -> Vec<[usize; 2]> {
     entry.list(reader).unwrap_or_default().into_iter().filter_map(pair).collect()
 }
 
-/// What a body moves with, and the station in whose frame its place counts.
+/// The carrier of a body, and the station in whose frame its pose is given.
 fn carrier(
     table: &Table,
     robot: Option<&HybridRobot>,
@@ -131,7 +131,7 @@ fn carrier(
         (Some(station), None, None) => {
             let name = station.text(reader)?;
             let Some(found) = stations.iter().position(|known| known.name == name) else {
-                // A station that could not be read was told of already.
+                // A station with errors was reported already.
                 if !names.iter().any(|known| known == name) {
                     station.unknown(reader, "station", name, names);
                 }
@@ -158,7 +158,7 @@ fn carrier(
 
 fn pose(table: &Table) -> Pose {
     let position = table.entry("position_mm").and_then(|entry| entry.point(table.reader));
-    let (yaw, tilt) = lean(table);
+    let (yaw, tilt) = yaw_and_tilt(table);
     frame(position.unwrap_or_default(), &tilt.unwrap_or(Tilt::LEVEL).normal(), yaw)
 }
 
@@ -203,7 +203,7 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
         "convex" => inner.needed("points_mm").and_then(|entry| {
             let points = points(&entry, reader)?;
             if !is_solid(&points) {
-                let why = "a convex body needs 4 points or more that do not lie in one plane";
+                let why = "a convex body needs at least 4 points that do not lie in one plane";
                 entry.report(reader, Fault::Unfit(why.to_owned()));
                 return None;
             }

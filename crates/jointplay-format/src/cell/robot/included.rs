@@ -9,9 +9,9 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     catalogue::entries().iter().filter(of_kind).map(|entry| entry.name)
 }
 
-/// Those of them that programs with stations run on.
+/// Names of the robots with arms in the catalogue that are offered for programs with stations.
 ///
-/// The arms of the others have more motors than a straight line into a station determines, and their lines are followed by a local method that mostly gets stuck: they are jogged and posed, but not offered for programs.
+/// The arms of the others have more motors than a straight line into a station determines, and the local method for such lines often fails: they are only jogged and posed.
 pub fn names_for_programs() -> impl Iterator<Item = &'static str> {
     names().filter(|name| !POSED_ONLY.contains(name))
 }
