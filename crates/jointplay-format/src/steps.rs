@@ -21,7 +21,7 @@ pub enum Error {
         /// What was found.
         value: f64,
     },
-    /// A step that is zero or has the wrong sign.
+    /// A step that is zero or has the opposite sign of the range.
     #[error("a step of {} does not lead from {} to {}", number(*.step), number(*.from), number(*.to))]
     Direction {
         /// First value.

@@ -87,11 +87,11 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
     }
 }
 
-/// Decimals of a value in a message: micrometres of a length in mm, nanometres of one in µm.
+/// Decimals of a value in a message, before more are needed to distinguish it from its limit.
 const DECIMALS: usize = 3;
-/// Most decimals of two values that differ by less than [`DECIMALS`] show.
+/// Largest number of decimals.
 const MOST_DECIMALS: usize = 12;
-/// Lengths below are in µm in a message (mm).
+/// Shorter lengths are in µm in a message (mm).
 const SHORTEST_IN_MM: f64 = 0.1;
 
 /// The worst value and the limit of a violation, with enough decimals to differ.

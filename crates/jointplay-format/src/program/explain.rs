@@ -21,7 +21,7 @@ pub fn explain(robot: &HybridRobot, text: &str, error: &ProgramError) -> Error<E
     let mut message = message(robot, error);
     if let ProgramProblem::Unknown { found, known, .. } = &error.problem {
         let lower = found.to_lowercase();
-        // Names are case sensitive, and a wrong case is a common typing error.
+        // Names are case sensitive, and incorrect case is a common typing error.
         let alike = known.iter().find(|name| name.to_lowercase() == lower);
         let nearest = alike.cloned().or_else(|| nearest(found, known.iter().map(String::as_str)));
         message += &suggestion(&nearest);

@@ -1,4 +1,4 @@
-//! What holds a wafer.
+//! Supports of wafers.
 
 use std::hash::{Hash, Hasher};
 
@@ -10,21 +10,21 @@ use jointplay_core::spatial::Pose;
 use crate::export::scene::{Held, rounded};
 use crate::export::segment::{POSE_NUMBERS, numbers_of};
 
-/// Where a wafer lies is noted to this fraction of a metre, and of the vector part of its quaternion.
+/// Fraction of a metre to which the pose of a wafer is rounded, and of the vector part of its quaternion.
 const PLACES: f64 = 1e9;
 
-/// What holds a wafer, and its frame there.
+/// Support of a wafer, and the wafer's pose there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldAt {
-    /// The effector; `None` where it lies in a slot.
+    /// The effector; `None` for a wafer in a slot.
     pub effector: Option<EffectorId>,
-    /// The slot; `None` where an effector carries it.
+    /// The slot; `None` for a wafer on an effector.
     pub slot: Option<SlotId>,
     /// Origin x, y, z (m) and vector part x, y, z of its unit quaternion, whose scalar part is positive: in the wafer frame of the effector, or in the base frame.
     pub pose: [f64; POSE_NUMBERS],
 }
 
-/// Where all wafers are before a program starts, in the order of a cell's wafers.
+/// Initial supports of all wafers, in the order of a cell's wafers.
 #[must_use]
 pub fn wafers_at_start(cell: &Cell) -> Vec<HeldAt> {
     let in_slots = cell.occupied.iter().map(|&slot| {
@@ -50,7 +50,7 @@ impl HeldAt {
             Held::InSlot(at) => (None, at),
             Held::On(id, at) => (Some(*id), at),
         };
-        // The same place after any number of moves.
+        // Rounded, so that the pose is the same after any number of hand-offs.
         Self { effector, slot, pose: numbers_of(pose).map(|number| rounded(number, PLACES)) }
     }
 }
