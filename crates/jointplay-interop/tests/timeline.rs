@@ -60,10 +60,11 @@ fn check(cell: &Cell, text: &str) {
     let axes = cell.robot.axes.len();
     let (mut worst, mut worst_axis, mut looks) = (0_f64, 0_f64, 0);
     for (index, window) in timeline.windows.iter().enumerate() {
-        let (window, numbers) = unpacked(&timeline.content(&motion_export, &[], index).unwrap());
+        let (description, numbers) =
+            unpacked(&timeline.content(&motion_export, &[], index).unwrap());
         let mut start = window.start;
-        for (k, step) in window["steps"].as_array().unwrap().iter().enumerate() {
-            let segment = &window["segments"][step["segment"].as_u64().unwrap() as usize];
+        for (k, step) in description["steps"].as_array().unwrap().iter().enumerate() {
+            let segment = &description["segments"][step["segment"].as_u64().unwrap() as usize];
             let duration = segment["duration_s"].as_f64().unwrap();
             let described = &motion.steps[window.steps.start + k];
             assert!((start - motion.times[window.steps.start + k]).abs() < 1e-9);
@@ -75,7 +76,11 @@ fn check(cell: &Cell, text: &str) {
                     .unwrap()
                     .iter()
                     .map(|one| {
-                        value(&window["channels"][one.as_u64().unwrap() as usize], &numbers, since)
+                        value(
+                            &description["channels"][one.as_u64().unwrap() as usize],
+                            &numbers,
+                            since,
+                        )
                     })
                     .collect();
                 let sample = motion.sample_at(start + since);
