@@ -34,18 +34,18 @@ def main():
     parser.add_argument("--rounds", type=int, default=7, help="rounds, of which the best counts (default 7)")
     parser.add_argument("--only", choices=WORKS, action="append", help="this work alone; may be repeated")
     parser.add_argument("--out", type=Path, default=HERE / "results", help="folder for the results")
-    told = parser.parse_args()
-    if told.rounds < 1:
+    arguments = parser.parse_args()
+    if arguments.rounds < 1:
         parser.error("--rounds has to be at least 1")
     missing = {**install(), **build()}
     BUILD.joinpath("missing.json").write_text(json.dumps(missing))
-    only = told.only or WORKS
-    command = [PYTHON, HERE / "harness" / "compare.py", BUILD, told.out, str(told.rounds), *only]
+    only = arguments.only or WORKS
+    command = [PYTHON, HERE / "harness" / "compare.py", BUILD, arguments.out, str(arguments.rounds), *only]
     return subprocess.run(command, env=one_thread()).returncode
 
 
 def one_thread():
-    """The environment, with libraries held to one thread: all rates are those of one core."""
+    """The environment, with libraries limited to one thread: all rates are those of one core."""
     names = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"]
     return {**os.environ, **{name: "1" for name in names}, "PYTHONPATH": str(HERE / "harness")}
 
@@ -79,7 +79,7 @@ def build():
     if made.returncode != 0:
         sys.exit(f"jointplay does not build:\n{made.stderr}")
     artifacts = [json.loads(line) for line in made.stdout.splitlines() if line.startswith("{")]
-    binary = next(told["executable"] for told in artifacts if told.get("executable"))
+    binary = next(artifact["executable"] for artifact in artifacts if artifact.get("executable"))
     link(BUILD / "jointplay", Path(binary))
     compiler = [os.environ.get("CXX", "c++"), "-std=c++17", "-O3", "-DNDEBUG", f"-I{prefix}/include/eigen3"]
     # The definitions are those that Pinocchio's own build files ask of its users.
@@ -108,7 +108,7 @@ def build():
 
 
 def build_wheel():
-    """Builds jointplay's Python package and installs it; the version does not tell whether it is the newest, so always anew."""
+    """Builds jointplay's Python package and installs it; the version does not show whether it is the newest, so it is always rebuilt."""
     wheels = BUILD / "wheels"
     shutil.rmtree(wheels, ignore_errors=True)
     maturin = [PYTHON, "-m", "maturin", "build", "--profile", "dist", "--quiet", "--interpreter", PYTHON, "--out", wheels]
@@ -133,10 +133,10 @@ def link(path, target):
 
 
 def reason(done):
-    """The first line of what a failed command said that looks like the reason."""
+    """The first line of the output of a failed command that looks like the reason."""
     lines = [line.strip() for line in done.stderr.splitlines() if line.strip()]
-    telling = [line for line in lines if "rror" in line] or lines[-1:] or ["it said nothing"]
-    return telling[0][:300]
+    reasons = [line for line in lines if "rror" in line] or lines[-1:] or ["no output"]
+    return reasons[0][:300]
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ function sources(folder) {
 function script(path) {
   const text = readFileSync(path, 'utf8');
   if (!path.endsWith('.svelte')) return text;
-  // A module imported in the markup by `import('…')` counts as well.
+  // A module imported in the markup by `import('…')` is included.
   const scripts = [...text.matchAll(/<script\b[^>]*>([\s\S]*?)<\/script>/g)].map((found) => found[1]);
   const lazy = [...text.matchAll(/\bimport\('([^']+)'\)/g)].map((found) => `import '${found[1]}';`);
   return [...scripts, ...lazy].join('\n');

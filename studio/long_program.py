@@ -1,4 +1,4 @@
-"""Time and memory of the studio's server for a long program, beside those of `jointplay cell check`.
+"""Time and memory of the studio's server for a long program, compared with those of `jointplay cell check`.
 
     python3 studio/long_program.py target/release/jointplay 10000
 
@@ -21,9 +21,9 @@ EXAMPLE = Path(__file__).parent.parent / "cells" / "example.toml"
 
 
 def program(lines: int) -> str:
-    ways = (("LP1", "LP2"), ("LP2", "LP1"))
+    routes = (("LP1", "LP2"), ("LP2", "LP1"))
     move = "TRANSFER {} SLOT 1 TO {} SLOT 1 WITH A\n"
-    return "HOME\n" + "".join(move.format(*ways[k % 2]) for k in range(lines))
+    return "HOME\n" + "".join(move.format(*routes[k % 2]) for k in range(lines))
 
 
 def checked(command: str, cell: Path, text: Path) -> tuple[float, int]:

@@ -14,12 +14,12 @@ const ROOT = resolve(STUDIO, '..');
 const HOME = resolve(ROOT, 'target/page');
 const CHROMIUMS = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
 
-const say = (text) => console.log(`--- ${text}`);
+const log = (text) => console.log(`--- ${text}`);
 
 function run(command, words, options = {}) {
   const { status, error } = spawnSync(command, words, { stdio: 'inherit', cwd: STUDIO, ...options });
   if (status === 0) return;
-  say(`failed: ${command} ${words.join(' ')}${error ? `: ${error.message}` : ''}`);
+  log(`failed: ${command} ${words.join(' ')}${error ? `: ${error.message}` : ''}`);
   process.exit(1);
 }
 
@@ -28,7 +28,7 @@ function packages() {
   const lock = createHash('sha256').update(readFileSync(resolve(STUDIO, 'package-lock.json'))).digest('hex');
   const stamp = resolve(STUDIO, 'node_modules/.installed');
   if (existsSync(stamp) && readFileSync(stamp, 'utf8') === lock) return;
-  say('npm ci');
+  log('npm ci');
   run('npm', ['ci', '--no-progress'], { env: { ...process.env, npm_config_cache: resolve(HOME, 'npm') } });
   writeFileSync(stamp, lock);
 }
@@ -37,7 +37,7 @@ function packages() {
 function chromium() {
   const known = () => [process.env.CHROMIUM, ...CHROMIUMS].find((path) => path && existsSync(path));
   if (!known() && existsSync('/usr/bin/apt-get')) {
-    say('no Chromium found: installing that of Debian by apt-get');
+    log('no Chromium found: installing that of Debian by apt-get');
     const sudo = process.getuid?.() === 0 ? [] : ['sudo'];
     const apt = (...words) => run([...sudo, 'apt-get'][0], [...sudo, 'apt-get', ...words].slice(1), { env: { ...process.env, DEBIAN_FRONTEND: 'noninteractive' } });
     apt('update', '-qq');
@@ -45,7 +45,7 @@ function chromium() {
   }
   const found = known();
   if (!found) {
-    say('no Chromium found: install it and set CHROMIUM to its path');
+    log('no Chromium found: install it and set CHROMIUM to its path');
     process.exit(1);
   }
   return found;
@@ -60,12 +60,12 @@ const [word] = process.argv.slice(2);
 if (word === '--prepare') process.exit(0);
 if (word) {
   run('npm', ['run', '--silent', 'e2e'], { env: { ...process.env, JOINTPLAY_COMMAND: resolve(word), CHROMIUM: browser } });
-  say(`tested in the browser in ${seconds()}`);
+  log(`tested in the browser in ${seconds()}`);
 } else {
   const scripts = [['build', '--', '--outDir', resolve(HOME, 'built')], ['check'], ['test']];
   for (const script of scripts) {
-    say(script[0]);
+    log(script[0]);
     run('npm', ['run', '--silent', ...script]);
   }
-  say(`built and checked in ${seconds()}`);
+  log(`built and checked in ${seconds()}`);
 }

@@ -1,6 +1,6 @@
 """Hold the studio's server to its own OpenAPI description.
 
-Starts `jointplay studio`, lets schemathesis send it thousands of requests, right and wrong ones, and ends it by Ctrl-C.
+Starts `jointplay studio`, has schemathesis send it thousands of requests, valid and invalid ones, and ends it by Ctrl-C.
 Everything that it makes and downloads is in `target/studio`; with `--prepare` it only fetches schemathesis.
 """
 

@@ -9,7 +9,7 @@ const server = process.env.JOINTPLAY_STUDIO ?? 'http://127.0.0.1:4816';
 const UPLOT_CONTEXT = ['can.getContext("2d")', 'can.getContext("2d", { willReadFrequently: true })'] as const;
 
 /**
- * Lets uPlot draw on the CPU: without a graphics card, browsers take seconds for long lines on an accelerated canvas.
+ * Makes uPlot draw on the CPU: without a graphics card, browsers take seconds for long lines on an accelerated canvas.
  * uPlot has no option for the attributes of its context.
  */
 const uplotOnCpu: Plugin = {

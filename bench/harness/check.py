@@ -1,6 +1,6 @@
-"""Looks at answers from outside, the same way for every program.
+"""Checks the answers of every program by the same independent equations.
 
-The equations here stand for themselves: points and their distances, solved by NumPy, with nothing from any worker.
+The equations here are independent: points and their distances, solved by NumPy, with nothing from any worker.
 """
 
 import numpy as np
@@ -14,33 +14,33 @@ def gpr(work, answers, newton, least):
 
     Gaps are of sides, and of sockets from balls where there is a pose; distances are from reference solutions, a turn counted as its arc at the socket.
     """
-    told = [k for k, answer in enumerate(answers) if answer]
-    if not told:
+    answered = [k for k, answer in enumerate(answers) if answer]
+    if not answered:
         return {"answered": 0, "closed": 0}
-    rows = np.array([answers[k] for k in told])
-    x, rods = rows[:, -6:], work.poses[told]
+    rows = np.array([answers[k] for k in answered])
+    x, rods = rows[:, -6:], work.poses[answered]
     gaps = np.abs(lengths(sockets(work, x)) - lengths(balls(work, rods))).max(axis=1)
     if rows.shape[1] == 18:
         rotation, point = rows[:, :9].reshape(-1, 3, 3), rows[:, 9:12]
-        flat = np.concatenate([sockets(work, x), np.zeros((len(told), 3, 1))], axis=2)
+        flat = np.concatenate([sockets(work, x), np.zeros((len(answered), 3, 1))], axis=2)
         placed = flat @ rotation.transpose(0, 2, 1) + point[:, None, :]
         gaps = np.maximum(gaps, np.abs(placed - balls(work, rods)).max(axis=(1, 2)))
     arc = np.concatenate([np.ones(3), work.radius])
     return {
-        "answered": len(told),
+        "answered": len(answered),
         "closed": int((gaps <= work.gap).sum()),
         "largest_gap_m": float(gaps.max()),
         "median_gap_m": float(np.median(gaps)),
-        "from_newton_m": float(np.abs((x - newton[told]) * arc).max()),
-        "from_least_m": float(np.abs((x - least[told]) * arc).max()),
+        "from_newton_m": float(np.abs((x - newton[answered]) * arc).max()),
+        "from_least_m": float(np.abs((x - least[answered]) * arc).max()),
     }
 
 
 def inverse(work, answers):
-    """How far rods are from those told, which jointplay found pose by pose."""
-    told = [k for k, answer in enumerate(answers) if answer]
-    apart = np.abs(np.array([answers[k] for k in told]) - work.poses[told]).max(axis=1)
-    return {"answered": len(told), "closed": int((apart <= work.gap).sum()), "largest_gap_m": float(apart.max())}
+    """Differences of rod lengths from those that jointplay found pose by pose."""
+    answered = [k for k, answer in enumerate(answers) if answer]
+    apart = np.abs(np.array([answers[k] for k in answered]) - work.poses[answered]).max(axis=1)
+    return {"answered": len(answered), "closed": int((apart <= work.gap).sum()), "largest_gap_m": float(apart.max())}
 
 
 def reference(work, least):

@@ -14,7 +14,7 @@ import mjcf
 import report
 import robot
 import robot_report
-import work as told
+import work as workload
 import workers
 
 HERE = Path(__file__).resolve().parent
@@ -50,7 +50,7 @@ def linkages(build, folder, rounds):
     for name in LINKAGES:
         note(name)
         path = folder / f"{name}.txt"
-        work = told.Linkage.read(path)
+        work = workload.Linkage.read(path)
         path.with_suffix(".xml").write_text(mjcf.linkage(work))
         commands = {
             "jointplay": [build / "jointplay", "linkage", name],
@@ -71,9 +71,9 @@ def linkages(build, folder, rounds):
 
 
 def words(build, folder):
-    """What each program says of mechanisms, by program."""
+    """The results of each program on mechanisms, by program."""
     subprocess.run([build / "jointplay", "words", folder], check=True)
-    said = {"jointplay": json.loads((folder / "jointplay.json").read_text())}
+    results = {"jointplay": json.loads((folder / "jointplay.json").read_text())}
     for name in ["pinocchio", "mujoco", "drake", "exudyn"]:
         note(f"asking {name}")
         try:
@@ -82,10 +82,10 @@ def words(build, folder):
             )
             answers = [line for line in done.stdout.splitlines() if line.startswith("answer ")]
             lines = done.stderr.strip().splitlines() or [f"ended with {done.returncode}"]
-            said[name] = json.loads(answers[0].removeprefix("answer ")) if answers else {"failed": lines[-1][:300]}
+            results[name] = json.loads(answers[0].removeprefix("answer ")) if answers else {"failed": lines[-1][:300]}
         except subprocess.TimeoutExpired:
-            said[name] = {"failed": "no answer in five minutes"}
-    return said
+            results[name] = {"failed": "no answer in five minutes"}
+    return results
 
 
 def scaling(build):
@@ -105,7 +105,7 @@ def scaling(build):
 def circumstances(missing):
     """When, where, and with which versions."""
 
-    def said(*command):
+    def output(*command):
         """The first line that a command prints."""
         try:
             return subprocess.run(command, capture_output=True, text=True).stdout.splitlines()[0]
@@ -119,8 +119,8 @@ def circumstances(missing):
         except importlib.metadata.PackageNotFoundError:
             versions[package] = None
     versions["python"] = platform.python_version()
-    versions["rustc"] = said("rustc", "--version").removeprefix("rustc ")
-    versions["C++ compiler"] = said(os.environ.get("CXX", "c++"), "--version")
+    versions["rustc"] = output("rustc", "--version").removeprefix("rustc ")
+    versions["C++ compiler"] = output(os.environ.get("CXX", "c++"), "--version")
     models = [line for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")]
     return {
         "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="minutes"),

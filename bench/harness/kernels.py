@@ -27,14 +27,14 @@ def build(build_folder, peers, python, run, reason):
     work = build_folder / "work"
     run([build_folder / "jointplay", "write", work])
     paths = f"{peers.parent / 'harness'}:{peers}"
-    told = run(
+    done = run(
         [python, peers / "closed" / "casadi_source.py", work / "gpr.txt", generated],
         env={**os.environ, "PYTHONPATH": paths},
     )
-    if told.returncode == 0:
+    if done.returncode == 0:
         kernels.append(("casadi", "casadi.c", [f'-DGENERATED="{generated}"']))
     else:
-        missing["CasADi, C"] = reason(told)
+        missing["CasADi, C"] = reason(done)
     inputs = [*peers.glob("*.hpp"), *peers.glob("closed*"), *(peers / "closed").iterdir(), generated]
     newest = max((path.stat().st_mtime for path in inputs if path.is_file()), default=0.0)
     built = []
@@ -48,11 +48,11 @@ def build(build_folder, peers, python, run, reason):
                     if done.returncode != 0:
                         missing[f"C, {binary.name}"] = reason(done)
                         continue
-                told = [word for word in defined if "GENERATED" not in word]
-                flags = " ".join([*FLAGS, math, *told])
+                used = [word for word in defined if "GENERATED" not in word]
+                flags = " ".join([*FLAGS, math, *used])
                 answers = ANSWERS.get(source, ["x", "pose", "least"])
-                told = {"kernel": name, "compiler": version, "flags": flags, "answers": answers}
-                built.append({**told, "binary": str(binary)})
+                facts = {"kernel": name, "compiler": version, "flags": flags, "answers": answers}
+                built.append({**facts, "binary": str(binary)})
     build_folder.joinpath("closed.json").write_text(json.dumps(built))
     return missing
 
@@ -61,8 +61,8 @@ def compilers(run):
     """C compilers that are there, and how they call themselves."""
     clangs = sorted(Path("/usr/bin").glob("clang-[0-9]*"), key=lambda path: int(path.name.split("-")[1]))
     names = [os.environ.get("CC", "cc"), *(["clang"] if not clangs else [str(clangs[-1])])]
-    said = {name: run([name, "--version"]).stdout.split("\n")[0] for name in names}
-    return {name: version for name, version in said.items() if version}
+    versions = {name: run([name, "--version"]).stdout.split("\n")[0] for name in names}
+    return {name: version for name, version in versions.items() if version}
 
 
 def compile_one(run, compiler, flags, peers, source, binary):

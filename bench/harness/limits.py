@@ -32,7 +32,7 @@ def machine(build, footprints, rounds, folder, note):
     asked |= {f"copy {size}": [build / "machine", "copy", size] for size in footprints}
     found = workers.compare(asked, rounds, folder, note)
     return {
-        name: told["answers"][0][0] / min(told["cpu_s"]) if "cpu_s" in told else None for name, told in found.items()
+        name: result["answers"][0][0] / min(result["cpu_s"]) if "cpu_s" in result else None for name, result in found.items()
     }
 
 
@@ -95,8 +95,8 @@ def sort(executed, files):
 
 def disassembled(path):
     """Text of each instruction of a file by its address."""
-    told = subprocess.run(["objdump", "-d", "--no-show-raw-insn", path], capture_output=True, text=True)
-    pairs = (line.split(":\t", 1) for line in told.stdout.splitlines() if ":\t" in line)
+    listing = subprocess.run(["objdump", "-d", "--no-show-raw-insn", path], capture_output=True, text=True)
+    pairs = (line.split(":\t", 1) for line in listing.stdout.splitlines() if ":\t" in line)
     return {int(address, 16): text for address, text in pairs}
 
 

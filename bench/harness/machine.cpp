@@ -1,6 +1,6 @@
 // What this core can do at most, as a worker: `machine copy BYTES`, `machine fma 0`, `machine divide 0`, `machine root 0`.
 //
-// Says "ready", answers "run N" by doing N times as much, and "tell FILE" by how much one time is: bytes read and
+// Prints "ready", answers "run N" by doing N times as much, and "write FILE" by how much one time is: bytes read and
 // written, or operations.
 #include <immintrin.h>
 
@@ -72,7 +72,7 @@ int main(int count, char** words) {
     std::istringstream said(line);
     std::string ask, rest;
     said >> ask >> rest;
-    if (ask == "tell") {
+    if (ask == "write") {
       std::ofstream(rest) << amount << "\n";
     } else {
       for (int left = std::stoi(rest); left > 0; --left) {

@@ -29,9 +29,9 @@ def gpr(work):
 
 
 def linkage(work, inside=None, after=""):
-    """The tree of bodies; the loops stay open, for whoever closes them.
+    """The tree of bodies; the loops stay open, for the caller to close.
 
-    `inside` has more to say of bodies by their index, −1 for the world; `after` follows the bodies.
+    `inside` has further elements of bodies by their index, −1 for the world; `after` follows the bodies.
     """
     inside = inside or {}
     children = {parent: [] for parent in range(-1, len(work.bodies))}
@@ -54,5 +54,5 @@ def linkage(work, inside=None, after=""):
 
     tree = "\n".join(write(child) for child in children[-1])
     if order != sorted(order):
-        raise ValueError("bodies have to be told depth first")
+        raise ValueError("bodies must be listed depth first")
     return f"{HEAD}\n{inside.get(-1, '')}{tree}\n</worldbody>{after}</mujoco>"

@@ -19,12 +19,12 @@ def write(out, name, document, lines):
 def about(document, command):
     """Where the numbers come from, as lines of Markdown."""
     machine, versions = document["machine"], document["versions"]
-    told = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
+    listed = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
     lines = [
         f"Command: `{command}`.",
         f"Run on {document['date'][:10]}, {machine['processor']}, {machine['cores']} cores, {machine['system']}, "
         f"load average {machine['load_average'][0]:.1f} at the start.",
-        f"Versions: {told}.",
+        f"Versions: {listed}.",
     ]
     lines += [f"Missing: {name}, {why}." for name, why in document["missing"].items()]
     return lines
@@ -64,7 +64,7 @@ def linkages(out, document):
         *about(document, "python3 bench/run.py --only linkages"),
         *method(document),
         "",
-        "Catalogue mechanisms without virtual joints; 200 positions on the way of their drives there and back, each searched from the one before, the same guess for every program.",
+        "Catalogue mechanisms without virtual joints; 200 positions along the motion of their drives, forward and back, each searched from the one before, the same guess for every program.",
         "Closed: all gaps of points below 10⁻¹³ m, those of hinge directions below 10⁻¹³ rad, computed by one function of the bench.",
         "",
         "Time for a position, in µs; in brackets as a multiple of jointplay's.",
@@ -102,7 +102,7 @@ def linkages(out, document):
     lines += [
         "",
         "jointplay is `PositionSolver`, which ends at 10⁻¹³ of the characteristic length, and finds the rank itself.",
-        "Of Pinocchio, MuJoCo and Drake the kinematics and Jacobians are used, with Newton's iteration of the bench; a hinge that closes a loop is five equations, a ball three; the compiled ones solve them by LU where they are square and by normal equations where not, the quickest ways for mechanisms whose ranks are known.",
+        "Of Pinocchio, MuJoCo and Drake the kinematics and Jacobians are used, with Newton's iteration of the bench; a hinge that closes a loop is five equations, a ball three; the compiled ones solve them by LU where they are square and by normal equations where not, the fastest methods for mechanisms whose ranks are known.",
         "Exudyn closes loops by its own joints, with `ignoreSingularJacobian` where hinges are redundant.",
         "",
         "![Time for a position](linkages.svg)",
@@ -126,25 +126,25 @@ def linkages(out, document):
 
 
 def words(out, document):
-    said = document["work"]
+    results = document["work"]
     truth, pinocchio, mujoco, drake, exudyn = (
-        said[name] for name in ("jointplay", "pinocchio", "mujoco", "drake", "exudyn")
+        results[name] for name in ("jointplay", "pinocchio", "mujoco", "drake", "exudyn")
     )
 
     def cell(peer, name, text):
-        """What a program says of a mechanism, or why it says nothing."""
-        told = {"error": peer["failed"]} if "failed" in peer else peer[name]
-        return f"error: {told['error']}" if "error" in told else text(told)
+        """The result of a program on a mechanism, or the reason why it has none."""
+        result = {"error": peer["failed"]} if "failed" in peer else peer[name]
+        return f"error: {result['error']}" if "error" in result else text(result)
 
     lines = [
-        "# What programs say of mechanisms",
+        "# Mechanisms: results of each program",
         "",
         *about(document, "python3 bench/run.py --only words"),
         "",
         "Pinocchio, MuJoCo, Drake and Exudyn are general programs for dynamics; counting freedoms is no aim of the first three.",
         "Each is asked what it can be asked of the same mechanism in the same closed configuration.",
         "",
-        "- *jointplay*: freedoms of all joints, rank, mobility to first order, mobility for real, redundancy (`jointplay mobility`).",
+        "- *jointplay*: freedoms of all joints, rank, instantaneous mobility, finite mobility, redundancy (`jointplay mobility`).",
         "- *Pinocchio*: velocities of the open tree, rows of its constraint Jacobian, and the rank that NumPy finds of it; then whether `constraintDynamics` is finite with proximal μ = 0 and with μ = 10⁻¹².",
         "- *MuJoCo*: velocities of the open tree, rows of its equality constraints, and the rank that NumPy finds of them; accelerations, and warnings given.",
         "- *Drake*: velocities of the open tree, and constraints, as `MultibodyPlant` counts them.",
@@ -152,7 +152,7 @@ def words(out, document):
         "",
         "Pinocchio, MuJoCo and Drake close a hinge by two points on its axis, which is one row more than needed.",
         "",
-        "| mechanism | jointplay: freedoms, rank, first order, **for real**, redundancy | Pinocchio: velocities, rows, rank; μ = 0; μ = 10⁻¹² | MuJoCo: velocities, rows, rank; accelerations; warnings | Drake: velocities, constraints | Exudyn: freedoms, redundant |",
+        "| mechanism | jointplay: freedoms, rank, instantaneous, **finite**, redundancy | Pinocchio: velocities, rows, rank; μ = 0; μ = 10⁻¹² | MuJoCo: velocities, rows, rank; accelerations; warnings | Drake: velocities, constraints | Exudyn: freedoms, redundant |",
         "| --- | --- | --- | --- | --- | --- |",
     ]
     for own in truth["mechanisms"]:
@@ -163,59 +163,59 @@ def words(out, document):
             cell(
                 pinocchio,
                 name,
-                lambda told: (
-                    f"{told['velocities']}, {told['rows']}, {told['rank_of_its_jacobian']}; "
-                    f"{told['accelerations_mu_0']}; {told['accelerations_mu_1e-12']}"
+                lambda result: (
+                    f"{result['velocities']}, {result['rows']}, {result['rank_of_its_jacobian']}; "
+                    f"{result['accelerations_mu_0']}; {result['accelerations_mu_1e-12']}"
                 ),
             ),
             cell(
                 mujoco,
                 name,
-                lambda told: (
-                    f"{told['velocities']}, {told['rows']}, {told['rank_of_its_jacobian']}; "
-                    f"{told['accelerations']}; {told['warnings']}"
+                lambda result: (
+                    f"{result['velocities']}, {result['rows']}, {result['rank_of_its_jacobian']}; "
+                    f"{result['accelerations']}; {result['warnings']}"
                 ),
             ),
-            cell(drake, name, lambda told: f"{told['velocities']}, {told['constraints']}"),
-            cell(exudyn, name, lambda told: f"{told['degree_of_freedom']}, {told['redundant_constraints']}"),
+            cell(drake, name, lambda result: f"{result['velocities']}, {result['constraints']}"),
+            cell(exudyn, name, lambda result: f"{result['degree_of_freedom']}, {result['redundant_constraints']}"),
         ]
         lines.append(f"| {' | '.join(cells)} |")
     lines += ["", *conclusions(truth["mechanisms"], pinocchio, exudyn), ""]
     lines += [
-        "## The level robot without virtual joints, asked to rise and to lean",
+        "## The level robot without virtual joints, commanded to rise and to tilt",
         "",
         "Its rods go up by 10 mm, which they can; then to the lengths of a tilt of 2°, for which there is no configuration.",
         "",
-        "| program | how it is asked | to rise | to lean |",
+        "| program | method | to rise | to tilt |",
         "| --- | --- | --- | --- |",
     ]
 
     def asked(name, how, text, own=None):
-        peer = said[name]
-        answers = [cell(peer, f"gpr-asked-to-{what}", text) for what in ("rise", "lean")]
+        peer = results[name]
+        answers = [cell(peer, f"gpr-asked-to-{what}", text) for what in ("rise", "tilt")]
         lines.append(f"| {own or name} | {how} | {' | '.join(answers)} |")
 
-    lines.append(f"| jointplay | `jointplay assemble` | {truth['asked_to']['rise']} | {truth['asked_to']['lean']} |")
+    lines.append(f"| jointplay | `jointplay assemble` | {truth['asked_to']['rise']} | {truth['asked_to']['tilt']} |")
     asked(
         "pinocchio",
         "Newton's iteration of the bench on its constraints",
-        lambda told: f"ends {told['gap_mm']:.2g} mm open",
+        lambda result: f"ends {result['gap_mm']:.2g} mm open",
         "Pinocchio",
     )
     asked(
         "mujoco",
         "servos on the rods, ten seconds",
-        lambda told: (
-            f"comes to rest {told['gap_mm']:.2g} mm open, rods {told['rods_off_mm']:.1g} mm off, {told['warnings']} warnings"
+        lambda result: (
+            f"settles {result['gap_mm']:.2g} mm open, rods {result['rods_off_mm']:.1g} mm off, {result['warnings']} warnings"
         ),
         "MuJoCo",
     )
-    asked("drake", "`InverseKinematics`, SNOPT", lambda told: f"`{told['said']}`", "Drake")
+    asked("drake", "`InverseKinematics`, SNOPT", lambda result: f"`{result['status']}`", "Drake")
     for how in ("default", "ignoring singular Jacobians"):
-        asked("exudyn", f"static solver, {how}", lambda told: f"`{told[how]}`", "Exudyn")
+        asked("exudyn", f"static solver, {how}", lambda result: f"`{result[how]}`", "Exudyn")
     lines += [
         "",
-        "Pinocchio has no position solver for loops of its own; whoever writes the iteration has to notice the gap.",
+        "Pinocchio has no position solver for loops of its own; the author of the iteration has to check the gap.",
         "MuJoCo's constraints are soft by design; its user has to read the gap.",
     ]
     write(out, "words", document, lines)
@@ -246,7 +246,7 @@ def scaling(out, document):
         *about(document, "python3 bench/run.py --only scaling"),
         "The shortest of as many times as fit into 0.3 s, one core; on another machine only the ratios mean something.",
         "",
-        "Scissor lifts and rows of Bennett linkages, in ms: *mobility* is mobility to first order and for real, *drive* ten steps over 0.1 rad.",
+        "Scissor lifts and rows of Bennett linkages, in ms: *mobility* is instantaneous and finite mobility, *drive* ten steps over 0.1 rad.",
         "Dense algebra is not asked beyond 30 loops.",
     ]
     for family, rows in document["work"].items():
@@ -273,13 +273,13 @@ def scaling(out, document):
 
 
 def conclusions(mechanisms, pinocchio, exudyn):
-    """What the table of mechanisms comes to."""
+    """Conclusions from the table of mechanisms."""
     lines = [
-        "Velocities less rank are the freedoms to first order; a user of Pinocchio or MuJoCo finds them so, for neither says them."
+        "Velocities less rank are the instantaneous mobility; users of Pinocchio or MuJoCo compute it so, for neither reports it."
     ]
     answers = {own["name"]: pinocchio.get(own["name"], {}) for own in mechanisms}
     redundant = [
-        name for name, told in answers.items() if "rows" in told and told["rank_of_its_jacobian"] < told["rows"]
+        name for name, result in answers.items() if "rows" in result and result["rank_of_its_jacobian"] < result["rows"]
     ]
     if redundant:
         saved = [f"*{name}*" for name in redundant if answers[name]["accelerations_mu_0"] == "finite"]
@@ -287,20 +287,21 @@ def conclusions(mechanisms, pinocchio, exudyn):
             f"Redundant rows make Pinocchio's accelerations NaN where μ = 0, without an exception, in {len(redundant) - len(saved)} of {len(redundant)} mechanisms"
             + (f"; round-off saves {' and '.join(saved)}." if saved else ".")
         )
-        lines.append("With μ > 0 they do no harm, and are not told.")
-    lines.append("MuJoCo's rows are soft, and redundant ones are not told.")
+        lines.append("With μ > 0 they do no harm, and are not reported.")
+    lines.append("MuJoCo's rows are soft, and redundant ones are not reported.")
     counted = [(own, exudyn.get(own["name"], {})) for own in mechanisms]
-    counted = [(own, told) for own, told in counted if "degree_of_freedom" in told]
+    counted = [(own, result) for own, result in counted if "degree_of_freedom" in result]
     if counted:
         agree = sum(
-            (told["degree_of_freedom"], told["redundant_constraints"]) == (own["instantaneous"], own["redundancy"])
-            for own, told in counted
+            (result["degree_of_freedom"], result["redundant_constraints"]) == (own["instantaneous"], own["redundancy"])
+            for own, result in counted
         )
         lines.append(
-            f"Exudyn says freedoms and redundancy itself; both are jointplay's, to first order, in {agree} of {len(mechanisms)} mechanisms."
+            f"Exudyn reports freedoms and redundancy itself; both equal jointplay's instantaneous ones in {agree} of {len(mechanisms)} mechanisms."
         )
-    shaky = [f"*{own['name']}*" for own in mechanisms if own["finite"] != own["instantaneous"]]
-    lines.append(f"That fewer freedoms are for real, at {' and '.join(shaky)}, jointplay alone says.")
+    infinitesimal = [f"*{own['name']}*" for own in mechanisms if own["finite"] != own["instantaneous"]]
+    names = " and ".join(infinitesimal)
+    lines.append(f"Only jointplay reports that the finite mobility is smaller, at {names}.")
     return lines
 
 

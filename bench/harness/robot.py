@@ -9,7 +9,7 @@ from pathlib import Path
 import check
 import limits
 import mjcf
-import work as told
+import work as workload
 import workers
 
 PEERS = Path(__file__).resolve().parent.parent / "peers"
@@ -96,7 +96,7 @@ BULK = {
     "radial, X and pose": ("radial-pose", 3, 11),
     "inverse": ("inverse", 2, 3),
 }
-# Those that stand in a family too, and are not timed twice.
+# Those that are also in a family, and are not timed twice.
 SAME = {
     "polar, X": ("closed", "jointplay, bulk"),
     "polar, X and pose": ("closed", "jointplay, bulk, with pose"),
@@ -131,7 +131,7 @@ CALLED = {
 
 def work(build, folder, rounds, note):
     path = folder / "gpr.txt"
-    work = told.Gpr.read(path)
+    work = workload.Gpr.read(path)
     path.with_suffix(".xml").write_text(mjcf.gpr(work))
     kernels, tried = quickest(build, path, note)
     families = commands(build, path, kernels)
@@ -172,7 +172,7 @@ def million(build, path, rounds, note):
 
 
 def moments(commands, rounds, note):
-    """Times of many single runs, of which one may have the machine to itself: what cores share is told by the clock on the wall alone."""
+    """Times of many single runs, of which one may have the machine to itself: only the wall clock shows what cores share."""
     results, started = {}, {}
     for name, command in commands.items():
         note(f"starting {name}")
@@ -253,7 +253,7 @@ def quickest(build, path, note):
 
 
 def calls(families, note):
-    """CPU time of one call from where its caller stands, each waiting for the one before: the middle of many batches."""
+    """CPU time of one call as its caller measures it, each waiting for the one before: the median of many batches."""
     results = {}
     for name, (kind, family, worker_name) in CALLED.items():
         note(f"calling {name}")

@@ -13,22 +13,22 @@ FAMILIES = {
 WHAT = {
     "closed": [
         "Three equations for the sides, F(X) = 0, in six unknowns; each program solves them by the paper's iteration X ← X + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ (L² − L(X)²) with the exact Jacobian, until each side is within 10⁻⁹ mm.",
-        "*With pose*: the platform is placed as well.",
+        "*With pose*: the pose of the platform is included.",
     ],
     "least": [
         "The same equations, solved to the X that is nearest to nominal in the metric, where optimisers end.",
         "jointplay, C, Numba, JAX, NumPy and the generated C go by Gauss–Newton, X ← X₀ + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ (J (X − X₀) + L² − L(X)²); the others are general optimisers with exact derivatives.",
     ],
     "general": [
-        "Programs that know links and joints, not these equations; jointplay's entry is `PositionSolver`, which knows nothing of them either, and goes on to round-off.",
+        "Programs that know links and joints, not these equations; jointplay's entry is `PositionSolver`, which does not know them either, and iterates to round-off.",
     ],
 }
 NOTES = {
     "closed": [
         "*jointplay, one by one*: `virtualization::solve`, and with pose `Gpr::forward`; *bulk*: `Gpr::forward_many`, whose pose is origin, normal and twist.",
-        "*C, vectors over poses*: 8 or 16 poses in the vectors of the compiler, or a loop without branches under `#pragma omp simd`. *C, by hand*: pose by pose. Both use the law of cosines, series for the sines of small turns, a first step made once for all, and one division for a 3×3 system. *C, textbook* leaves out the series and the first step.",
+        "*C, vectors over poses*: 8 or 16 poses in the vectors of the compiler, or a loop without branches under `#pragma omp simd`. *C, by hand*: pose by pose. Both use the law of cosines, series for the sines of small turns, a first step computed once for all poses, and one division for a 3×3 system. *C, textbook* omits the series and the first step.",
         "*Numba*, *JAX*, *NumPy* use the same formulas, Numba and JAX the same series; *CasADi* derives them and generates C, which is compiled like the rest.",
-        "Of C, every kernel is built by every compiler found, with `-O3 -march=native`, with and without `-ffast-math`; the quickest counts, all stand below.",
+        "Of C, every kernel is built by every compiler found, with `-O3 -march=native`, with and without `-ffast-math`; the fastest counts, all are below.",
     ],
     "least": [
         "*SciPy*, *Drake, SNOPT* and *CasADi* get the problem in millimetres, derivatives included, and tolerances at which every side is within 10⁻⁹ mm.",
@@ -37,7 +37,7 @@ NOTES = {
         "*Pinocchio, C++*, *MuJoCo, C*, *Pinocchio, Python*, *Drake, Newton*: kinematics and Jacobians of the library, Newton's iteration of the bench on them; the compiled ones with Eigen at fixed sizes. These libraries have no position solver for loops of their own; MuJoCo's constraints are soft.",
         "*Drake, SNOPT*: `InverseKinematics` with the displacement as cost, feasibility tolerance 10⁻¹³.",
         "*Exudyn, static*: `MainSolverStatic` with springs at the virtual joints, whose equilibrium is the least displacement.",
-        "*SciPy*: `least_squares`, as someone does it who has nothing else.",
+        "*SciPy*: `least_squares`, as a user without other libraries does it.",
     ],
 }
 
@@ -51,7 +51,7 @@ def report(out, document):
         *method(document),
         "",
         f"The robot of the catalogue with the six virtual joints of the polar model, ρ = 1 mm, in {work['poses']} poses: yaw 0° to 359° by 1°, pitch −2° to 2° by 0.1° but for level, height 500 mm.",
-        "Rods are given; virtual joints, and the pose where it is said, are found, each pose from nominal.",
+        "Rods are given; virtual joints, and the pose where stated, are found, each pose from nominal.",
         "",
         "*Closed*, gaps and distances are computed from each program's answer by one function of the bench with equations of its own: gaps are of sides, and of sockets from balls where there is a pose.",
         "*From Newton* and *from least* is how far X is at most from a reference found without haste, a turn counted as its arc at the socket.",
@@ -92,13 +92,13 @@ def table(results, poses):
 
 
 def million(work):
-    told = work["million"]
-    poses = told["copies"] * work["poses"]
+    result = work["million"]
+    poses = result["copies"] * work["poses"]
     lines = [
         "## jointplay, many poses at a time",
         "",
         f"`Gpr::forward_many` and `Gpr::inverse_many`: the {work['poses']} poses on one core, as above; then {poses} poses, more than the caches hold, on one core in CPU time, and shared by all {work['cores']} (`study::parallel`) by the clock on the wall, in the best of many runs.",
-        "*Gain* is one core's time on the wall over that of all; with other work on the machine all are rarely free at once, and it says little. The last column compares the CPU time of one with that of all together: below one, sharing costs.",
+        "*Gain* is one core's time on the wall over that of all; with other work on the machine all are rarely free at once, and it means little. The last column compares the CPU time of one with that of all together: below one, sharing costs.",
         "",
         f"| computed | {work['poses']} poses, one core | {poses} poses, one core | all cores | gain | CPU time, one to all |",
         "| --- | ---: | ---: | ---: | ---: | ---: |",
@@ -106,7 +106,7 @@ def million(work):
     few = {**work["bulk"], "polar, X, from Python": work["families"]["closed"]["jointplay, bulk, from Python"]}
     for name, result in few.items():
         cells = [f"failed: {result['failed']}" if "failed" in result else quantity(rate(result, work["poses"]))]
-        one, every = (told["results"][f"{name}, {cores}"] for cores in ("one core", "all cores"))
+        one, every = (result["results"][f"{name}, {cores}"] for cores in ("one core", "all cores"))
         if "failed" in one or "failed" in every:
             cells += [f"failed: {one.get('failed', every.get('failed'))}", "–", "–", "–"]
         else:
@@ -116,8 +116,8 @@ def million(work):
     return lines
 
 
-def limits(told):
-    machine = told["machine"]
+def limits(result):
+    machine = result["machine"]
 
     def giga(name, unit):
         return f"{machine[name] / 1e9:.3g} G{unit}" if machine.get(name) else "–"
@@ -136,7 +136,7 @@ def limits(told):
         "| computed | instructions | operations | divisions, roots | bytes | allowed by bytes | by operations | by divisions and roots | poses/s | share |",
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
-    for name, figure in told["figures"].items():
+    for name, figure in result["figures"].items():
         if "failed" in figure:
             lines.append(f"| {name} | {' | '.join('–' * 8)} | failed: {figure['failed']} |")
             continue
@@ -153,14 +153,14 @@ def calls(results):
     lines = [
         "## One pose",
         "",
-        "Time of a single call from where its caller stands, each call waiting for the answer of the one before: the middle of the batches, CPU time.",
+        "Time of a single call as its caller measures it, each call waiting for the answer of the one before: the median of the batches, CPU time.",
         "",
         "| call | time |",
         "| --- | ---: |",
     ]
     for name, result in results.items():
-        told = f"failed: {result['failed']}" if "failed" in result else time(result["median_s"])
-        lines.append(f"| {name} | {told} |")
+        shown = f"failed: {result['failed']}" if "failed" in result else time(result["median_s"])
+        lines.append(f"| {name} | {shown} |")
     return lines
 
 

@@ -1,6 +1,6 @@
-"""What each program says of mechanisms when it is asked what it can be asked: `words.py PROGRAM FOLDER`, as JSON.
+"""The results of each program on mechanisms, as far as it computes them: `words.py PROGRAM FOLDER`, as JSON.
 
-Every mechanism stands in one closed configuration; then the level robot without virtual joints is asked to rise, and to lean.
+Every mechanism is in one closed configuration; then the level robot without virtual joints is commanded to rise, and to tilt.
 """
 
 import contextlib
@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import work as told
+import work as workload
 
 MECHANISMS = [
     "four-bar",
@@ -23,7 +23,7 @@ MECHANISMS = [
     "gpr-level",
     "gpr-tilted",
 ]
-ASKED = ["gpr-asked-to-rise", "gpr-asked-to-lean"]
+ASKED = ["gpr-asked-to-rise", "gpr-asked-to-tilt"]
 PEERS = Path(__file__).resolve().parent.parent / "peers"
 sys.path.append(str(PEERS))
 # Points of a hinge that closes a loop, along its axis [m]: where a program closes loops by points alone.
@@ -82,7 +82,7 @@ def pinocchio():
         return a
 
     def derivative(model, data, constraints, datas, q):
-        """Jacobian of all constraints; Pinocchio wants to be told to place each of them first."""
+        """Jacobian of all constraints; Pinocchio requires a call that places each of them first."""
         pin.computeJointJacobians(model, data, q)
         for constraint, constraint_data in zip(constraints, datas):
             constraint.calc(model, data, constraint_data)
@@ -171,7 +171,7 @@ def mujoco():
         at = [model.joint(f"joint{rod}").qposadr[0] for rod in rods]
         goal = data.qpos[at]
         mj.mj_resetData(model, data)
-        # The rods go there in five seconds and then stand for five.
+        # The rods move there in five seconds and then dwell for five.
         while data.time < 10.0:
             data.ctrl[:] = goal * min(data.time / 5.0, 1.0)
             mj.mj_step(model, data)
@@ -218,7 +218,7 @@ def drake():
                 program.AddBoundingBoxConstraint(goal[at], goal[at], q[at])
         result = SnoptSolver().Solve(program, goal)
         info = result.get_solver_details().info
-        return {"said": f"{result.get_solution_result().name}, SNOPT info {info}"}
+        return {"status": f"{result.get_solution_result().name}, SNOPT info {info}"}
 
     return one, asked
 
@@ -263,17 +263,17 @@ def exudyn():
 
 
 def main(program, folder):
-    # Programs print on their own; only the answer is to stand on standard output.
+    # Programs print messages of their own; only the answer may be on standard output.
     with contextlib.redirect_stdout(io.StringIO()):
         one, asked = {"pinocchio": pinocchio, "mujoco": mujoco, "drake": drake, "exudyn": exudyn}[program]()
-        said = {}
+        results = {}
         for name in [*MECHANISMS, *ASKED]:
             ask = asked if name in ASKED else one
             try:
-                said[name] = ask(told.Linkage.read(folder / f"{name}.txt"))
+                results[name] = ask(workload.Linkage.read(folder / f"{name}.txt"))
             except Exception as error:
-                said[name] = {"error": " ".join(f"{type(error).__name__}: {error}".split())[:300]}
-    print("answer", json.dumps(said))
+                results[name] = {"error": " ".join(f"{type(error).__name__}: {error}".split())[:300]}
+    print("answer", json.dumps(results))
 
 
 if __name__ == "__main__":

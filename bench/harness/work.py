@@ -1,6 +1,6 @@
-"""The work of the bench as told in text, and how a Python worker answers.
+"""The workload of the bench in text form, and the protocol of a Python worker.
 
-A worker says `ready`, then answers `run N` by doing all of its work N times, and `tell FILE` by writing its answers; some also answer `call N` by N single calls.
+A worker prints `ready`, then answers `run N` by doing all of its work N times, and `write FILE` by writing its answers; some also answer `call N` by N single calls.
 """
 
 import sys
@@ -46,10 +46,10 @@ class Gpr:
 
     @classmethod
     def read(cls, path):
-        told = Numbers(path)
-        limbs = told.numbers(15).reshape(3, 5)
-        metric, height, gap = map(float, told.numbers(3))
-        poses = told.numbers(3 * told.count()).reshape(-1, 3)
+        numbers = Numbers(path)
+        limbs = numbers.numbers(15).reshape(3, 5)
+        metric, height, gap = map(float, numbers.numbers(3))
+        poses = numbers.numbers(3 * numbers.count()).reshape(-1, 3)
         return cls(limbs[:, 0], limbs[:, 1:3], limbs[:, 3:5], metric, height, gap, poses)
 
     def balls(self, rods):
@@ -102,17 +102,17 @@ class Linkage:
 
     @classmethod
     def read(cls, path):
-        told = Numbers(path)
-        body_count, cut_count = told.count(), told.count()
-        bodies = [Body(told.count(), told.word(), told.word() == "1", *told.frame()) for _ in range(body_count)]
+        numbers = Numbers(path)
+        body_count, cut_count = numbers.count(), numbers.count()
+        bodies = [Body(numbers.count(), numbers.word(), numbers.word() == "1", *numbers.frame()) for _ in range(body_count)]
         cuts = []
         for _ in range(cut_count):
-            kind, *where = told.word(), told.count(), told.count()
-            cuts.append(Cut(kind, tuple(where), (told.frame(), told.frame())))
-        gap = float(told.word())
-        steps = told.count()
+            kind, *where = numbers.word(), numbers.count(), numbers.count()
+            cuts.append(Cut(kind, tuple(where), (numbers.frame(), numbers.frame())))
+        gap = float(numbers.word())
+        steps = numbers.count()
         width = sum(body.width for body in bodies)
-        return cls(bodies, cuts, gap, told.numbers(steps * width).reshape(steps, width))
+        return cls(bodies, cuts, gap, numbers.numbers(steps * width).reshape(steps, width))
 
     def place(self, values):
         """Rotation and point of each body."""
@@ -168,7 +168,7 @@ def quaternion(rotation):
 
 
 def least_step(gap, platform, virtual_part, compliance):
-    """The step of platform and virtual joints that closes the gap to first order, the virtual joints at their least.
+    """The step of platform and virtual joints that closes the linearized gap, with the least virtual joints.
 
     The platform is free: what it cannot reach is left to the virtual joints.
     """
@@ -199,11 +199,11 @@ def serve(solve, stride=1, call=None, rows=None):
             for k in range(int(rest)):
                 call(k)
             print("done", flush=True)
-        elif what == "tell":
+        elif what == "write":
             with open(rest, "w") as file:
                 for answer in rows(answers):
-                    told = [] if answer is None else answer
-                    print(*(f"{number:.17g}" for number in told), file=file)
+                    row = [] if answer is None else answer
+                    print(*(f"{number:.17g}" for number in row), file=file)
             print("done", flush=True)
         else:
-            sys.exit(f"say run N, call N or tell FILE, not {line!r}")
+            sys.exit(f"expected run N, call N or write FILE, not {line!r}")

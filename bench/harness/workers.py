@@ -26,8 +26,8 @@ class Worker:
             stderr=self.errors,
             text=True,
         )
-        said = self._answer("ready")
-        self.stride = int(said[0]) if said else 1
+        answer = self._answer("ready")
+        self.stride = int(answer[0]) if answer else 1
         self.repeats = 1
 
     def _answer(self, expected):
@@ -39,7 +39,7 @@ class Worker:
         code = self.process.wait()
         self.errors.seek(0)
         lines = [line.strip() for line in self.errors if line.strip()]
-        raise Failed(f"ended with {code}: {lines[-1][:300] if lines else 'it said nothing'}")
+        raise Failed(f"ended with {code}: {lines[-1][:300] if lines else 'no output'}")
 
     def _ask(self, line):
         try:
@@ -78,7 +78,7 @@ class Worker:
 
     def answers(self, path):
         """Every answer as a list of numbers, empty where there is none."""
-        self._ask(f"tell {path}")
+        self._ask(f"write {path}")
         return [[float(word) for word in line.split()] for line in Path(path).read_text().splitlines()]
 
     def close(self):

@@ -5,7 +5,7 @@ import sys
 import casadi as ca
 import closed_equations as closed
 import numpy as np
-import work as told
+import work as workload
 
 # Every so many poses only: at this speed all of them take long.
 STRIDE = 40
@@ -30,7 +30,7 @@ OPTIONS = {
 
 
 def main(solver, path):
-    work = told.Gpr.read(path)
+    work = workload.Gpr.read(path)
     own = closed.constants(work)
     y, wanted = ca.SX.sym("y", 6), ca.SX.sym("w", 3)
     values, _ = closed.scaled_sides(ca, own, ca.vertsplit(y))
@@ -48,7 +48,7 @@ def main(solver, path):
         answers[::STRIDE] = [closed.from_scaled(own, np.array(y).ravel()) for y in found]
         return answers
 
-    told.serve(every, STRIDE, rows=rows)
+    workload.serve(every, STRIDE, rows=rows)
 
 
 if __name__ == "__main__":

@@ -46,7 +46,7 @@ class Closed : public Work {
   }
 
   // The pose where it is asked for, rotation and point before X; else X alone.
-  void tell(const std::string& path) override {
+  void write(const std::string& path) override {
     const size_t count = rods_[0].size();
     answers_.assign(count, {});
     for (size_t at = 0; at < count; ++at) {
@@ -54,7 +54,7 @@ class Closed : public Work {
       for (size_t m = 7; m < columns_.size(); ++m) answers_[at].push_back(columns_[m][at]);
       for (size_t m = 0; m < 6; ++m) answers_[at].push_back(columns_[m][at]);
     }
-    Work::tell(path);
+    Work::write(path);
   }
 
  private:

@@ -9,7 +9,7 @@ import sys
 
 import closed_equations
 import numpy as np
-import work as told
+import work as workload
 from pydrake import symbolic
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
@@ -65,7 +65,7 @@ def answer(work, plant, context, platform, joints):
 
 
 def gpr(path):
-    work = told.Gpr.read(path)
+    work = workload.Gpr.read(path)
     plant, platform, sockets, joints = robot(work)
     context = plant.CreateDefaultContext()
     world = plant.world_frame()
@@ -80,7 +80,7 @@ def gpr(path):
     def one(rods):
         balls = work.balls(rods)
         q = rest
-        for _ in range(told.ITERATIONS):
+        for _ in range(workload.ITERATIONS):
             plant.SetPositions(context, q)
             points = np.array([plant.EvalBodyPoseInWorld(context, s).translation() for s in sockets])
             gap = (points - balls).ravel()
@@ -94,7 +94,7 @@ def gpr(path):
                     for s in sockets
                 ]
             )
-            step = told.least_step(gap, jacobian[:, passive], jacobian[:, own], compliance)
+            step = workload.least_step(gap, jacobian[:, passive], jacobian[:, own], compliance)
             v = np.empty(12)
             v[passive], v[own] = step
             q = q + plant.MapVelocityToQDot(context, v)
@@ -106,7 +106,7 @@ def gpr(path):
 
 
 def snopt(path):
-    work = told.Gpr.read(path)
+    work = workload.Gpr.read(path)
     plant, platform, sockets, joints = robot(work)
     context = plant.CreateDefaultContext()
     world = plant.world_frame()
@@ -141,7 +141,7 @@ def snopt(path):
 
 def closed(path):
     """The least displacement under the closed equations, written once as symbols."""
-    work = told.Gpr.read(path)
+    work = workload.Gpr.read(path)
     own = closed_equations.constants(work)
     program, solver = MathematicalProgram(), SnoptSolver()
     y, wanted = program.NewContinuousVariables(6), program.NewContinuousVariables(3)
@@ -193,7 +193,7 @@ def positions(work, plant, joints, values):
         own, first = values[at : at + one.width], joint.position_start()
         at += one.width
         if one.kind == "S":
-            r = told.ball(own)
+            r = workload.ball(own)
             q[first : first + 3] = (
                 np.arctan2(r[2, 1], r[2, 2]),
                 np.arctan2(-r[2, 0], np.hypot(r[2, 1], r[2, 2])),
@@ -205,7 +205,7 @@ def positions(work, plant, joints, values):
 
 
 def linkage(path):
-    work = told.Linkage.read(path)
+    work = workload.Linkage.read(path)
     plant, bodies, joints = tree(work, time_step=0.0)
     world = plant.world_frame()
     sides = []
@@ -224,16 +224,16 @@ def linkage(path):
         for k in range(joint.velocity_start(), joint.velocity_start() + joint.num_velocities())
     ]
 
-    def tell(q):
+    def values_at(q):
         values = []
         for one, joint in zip(work.bodies, joints):
             first = joint.position_start()
             if one.kind == "S":
                 x, y, z = q[first : first + 3]
-                upright = told.turn(z)
-                level = told.turn(y)[np.ix_([1, 2, 0], [1, 2, 0])]
-                ahead = told.turn(x)[np.ix_([2, 0, 1], [2, 0, 1])]
-                values.extend(told.quaternion(upright @ level @ ahead))
+                upright = workload.turn(z)
+                level = workload.turn(y)[np.ix_([1, 2, 0], [1, 2, 0])]
+                ahead = workload.turn(x)[np.ix_([2, 0, 1], [2, 0, 1])]
+                values.extend(workload.quaternion(upright @ level @ ahead))
             else:
                 values.append(q[first])
         return values
@@ -241,7 +241,7 @@ def linkage(path):
     starts = [positions(work, plant, joints, guess) for guess in work.guesses]
 
     def one(q):
-        for _ in range(told.ITERATIONS):
+        for _ in range(workload.ITERATIONS):
             plant.SetPositions(context, q)
             gap, rows = [], []
             for cut, (first, second) in zip(work.cuts, sides):
@@ -251,7 +251,7 @@ def linkage(path):
                     gap.append(a.rotation().matrix()[:, :2].T @ b.rotation().matrix()[:, 2])
             gap = np.concatenate(gap)
             if not np.abs(gap).max() > work.gap:
-                return tell(q)
+                return values_at(q)
             for cut, (first, second) in zip(work.cuts, sides):
                 velocity = [
                     plant.CalcJacobianSpatialVelocity(
@@ -274,4 +274,4 @@ def linkage(path):
 
 
 if __name__ == "__main__":
-    told.serve(*{"gpr": gpr, "snopt": snopt, "closed": closed, "linkage": linkage}[sys.argv[1]](sys.argv[2]))
+    workload.serve(*{"gpr": gpr, "snopt": snopt, "closed": closed, "linkage": linkage}[sys.argv[1]](sys.argv[2]))

@@ -9,7 +9,7 @@ import sys
 import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
-import work as told
+import work as workload
 
 Z = exu.JointType.RevoluteZ
 TURNS = [exu.JointType.RevoluteX, exu.JointType.RevoluteY, exu.JointType.RevoluteZ]
@@ -87,7 +87,7 @@ def solved(mbs, told_to, solver, start):
 
 
 def gpr(path):
-    work = told.Gpr.read(path)
+    work = workload.Gpr.read(path)
     tree = Tree()
     link = -1
     for kind in SLIDES + TURNS:
@@ -95,7 +95,7 @@ def gpr(path):
     platform, sockets = link, []
     for k in range(3):
         heading = np.arctan2(work.direction[k, 1], work.direction[k, 0])
-        turn = tree.add(platform, Z, rotation=told.turn(heading))
+        turn = tree.add(platform, Z, rotation=workload.turn(heading))
         sockets.append(tree.add(turn, SLIDES[0], point=(work.radius[k], 0, 0)))
     stiffness = np.concatenate([np.zeros(6), 1 / work.compliance])
     mbs, node, body = tree.build(stiffness)
@@ -118,18 +118,18 @@ def gpr(path):
         if q is None:
             return None
         x, y, z = q[3:6]
-        rotation = turn_x(x) @ turn_y(y) @ told.turn(z)
+        rotation = turn_x(x) @ turn_y(y) @ workload.turn(z)
         return [*rotation.ravel(), *(q[:3] + [0, 0, work.height]), *(work.radius + q[7::2]), *q[6::2]]
 
     return lambda: [one(rods) for rods in work.poses]
 
 
 def turn_x(angle):
-    return told.turn(angle)[np.ix_([2, 0, 1], [2, 0, 1])]
+    return workload.turn(angle)[np.ix_([2, 0, 1], [2, 0, 1])]
 
 
 def turn_y(angle):
-    return told.turn(angle)[np.ix_([1, 2, 0], [1, 2, 0])]
+    return workload.turn(angle)[np.ix_([1, 2, 0], [1, 2, 0])]
 
 
 def closed_tree(work, held):
@@ -176,7 +176,7 @@ def coordinates(work, values):
         own = values[at : at + one.width]
         at += one.width
         if one.kind == "S":
-            r = told.ball(own)
+            r = workload.ball(own)
             q += [np.arctan2(-r[1, 2], r[2, 2]), np.arcsin(r[0, 2]), np.arctan2(-r[0, 1], r[0, 0])]
         else:
             q.append(own[0])
@@ -184,21 +184,21 @@ def coordinates(work, values):
 
 
 def values(work, q):
-    """Coordinates as they are told, a ball's as a quaternion."""
-    told_values, at = [], 0
+    """Coordinates as they are written, a ball's as a quaternion."""
+    written_values, at = [], 0
     for one in work.bodies:
         if one.kind == "S":
             x, y, z = q[at : at + 3]
-            told_values.extend(told.quaternion(turn_x(x) @ turn_y(y) @ told.turn(z)))
+            written_values.extend(workload.quaternion(turn_x(x) @ turn_y(y) @ workload.turn(z)))
             at += 3
         else:
-            told_values.append(q[at])
+            written_values.append(q[at])
             at += 1
-    return np.array(told_values)
+    return np.array(written_values)
 
 
 def linkage(path):
-    work = told.Linkage.read(path)
+    work = workload.Linkage.read(path)
     mbs, drives = closed_tree(work, held=True)
     told_to, solver = settings(work.gap), exu.MainSolverStatic()
     starts = [coordinates(work, guess) for guess in work.guesses]
@@ -213,4 +213,4 @@ def linkage(path):
 
 
 if __name__ == "__main__":
-    told.serve({"gpr": gpr, "linkage": linkage}[sys.argv[1]](sys.argv[2]))
+    workload.serve({"gpr": gpr, "linkage": linkage}[sys.argv[1]](sys.argv[2]))

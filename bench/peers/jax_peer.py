@@ -1,7 +1,7 @@
 """The closed equations in JAX, all poses at once on one thread: `python jax_peer.py x FILE` or `least FILE`.
 
-Newton's first two steps stand without a loop, with the series for sine and cosine: so XLA fuses them into few passes.
-What is not done then goes through a loop with JAX's own sine and cosine.
+Newton's first two steps are without a loop, with the series for sine and cosine: so XLA fuses them into few passes.
+Poses that have not converged then pass a loop with JAX's own sine and cosine.
 """
 
 import os
@@ -14,7 +14,7 @@ os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
 import closed_equations as closed
 import jax
 import jax.numpy as jnp
-import work as told
+import work as workload
 
 jax.config.update("jax_enable_x64", True)
 
@@ -53,7 +53,7 @@ def newton(own, rods):
 
     def going(state):
         _, ended, steps = state
-        return (ended > 1).any() & (steps < told.ITERATIONS)
+        return (ended > 1).any() & (steps < workload.ITERATIONS)
 
     x, ended, _ = jax.lax.while_loop(going, again, (x, ended, 0))
     return x, ended * own.gap
@@ -81,7 +81,7 @@ def least(own, rods):
 
     def going(state):
         _, ended, moved, steps = state
-        return ((ended > 1) | (moved > own.gap**2)).any() & (steps < told.ITERATIONS)
+        return ((ended > 1) | (moved > own.gap**2)).any() & (steps < workload.ITERATIONS)
 
     far = jnp.full_like(rods[0], jnp.inf)
     x, ended, _, _ = jax.lax.while_loop(going, again, (x, far, far, 0))
@@ -89,7 +89,7 @@ def least(own, rods):
 
 
 def main(what, path):
-    work = told.Gpr.read(path)
+    work = workload.Gpr.read(path)
     own = closed.constants(work)
     function = {"x": newton, "least": least}[what]
     kernel = jax.jit(lambda rods: function(own, rods))
@@ -103,7 +103,7 @@ def main(what, path):
         return jax.block_until_ready(kernel(single[k % len(single)]))
 
     solve(), call(0)
-    told.serve(solve, call=call, rows=lambda found: closed.answers(*found, own.gap))
+    workload.serve(solve, call=call, rows=lambda found: closed.answers(*found, own.gap))
 
 
 if __name__ == "__main__":

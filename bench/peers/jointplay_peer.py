@@ -4,11 +4,11 @@ import sys
 
 import jointplay
 import numpy as np
-import work as told
+import work as workload
 
 
 def main(path, copies="1", threads="1"):
-    work = told.Gpr.read(path)
+    work = workload.Gpr.read(path)
     gpr = robot(work)
     asked = {"virtualization": "polar", "solver": "newton", "metric": work.metric}
     rods = np.asfortranarray(np.tile(work.poses, (int(copies), 1)))
@@ -25,11 +25,11 @@ def main(path, copies="1", threads="1"):
     def rows(found):
         return [list(x) if status == 0 else None for x, status in zip(found.virtual_joints, found.status)]
 
-    told.serve(solve, call=call, rows=rows)
+    workload.serve(solve, call=call, rows=rows)
 
 
 def robot(work):
-    """The robot as told, which limits nothing here."""
+    """The robot of the workload, without limits."""
     return jointplay.Gpr(
         socket_radius_m=work.radius,
         socket_angle_rad=np.arctan2(work.direction[:, 1], work.direction[:, 0]),

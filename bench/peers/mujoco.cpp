@@ -66,7 +66,7 @@ class Gpr : public Work {
         gap.segment<3>(3 * k) = Eigen::Map<const Vector3d>(d->xpos + 3 * bodies_[k]) - ball;
       }
       if (!(gap.cwiseAbs().maxCoeff() > work_.gap)) {
-        tell(answer);
+        write(answer);
         return true;
       }
       mj_comPos(m, d);
@@ -94,7 +94,7 @@ class Gpr : public Work {
     return false;
   }
 
-  void tell(std::vector<double>& answer) const {
+  void write(std::vector<double>& answer) const {
     const mjData* d = mujoco_.data;
     answer.assign(d->xmat + 9, d->xmat + 18);
     answer.insert(answer.end(), d->xpos + 3, d->xpos + 6);

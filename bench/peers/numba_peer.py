@@ -10,7 +10,7 @@ import sys
 import closed_equations as closed
 import numba
 import numpy as np
-import work as told
+import work as workload
 
 fast = numba.njit(fastmath=True, error_model="numpy", inline="always")
 whole = numba.njit(fastmath=True, error_model="numpy")
@@ -107,7 +107,7 @@ def kernels(own):
         w0, w1, w2 = wanted(a, b, c)
         l0, l1, l2, p0, p1, p2 = begin(w0, w1, w2)
         settled, share = not least, math.inf
-        for _ in range(told.ITERATIONS):
+        for _ in range(workload.ITERATIONS):
             at0, at1, at2 = far(l0, l1, l2, p0, p1, p2)
             b0, b1, b2 = w0 - at0[0], w1 - at1[0], w2 - at2[0]
             share = ended(b0, b1, b2)
@@ -157,7 +157,7 @@ def kernels(own):
 
 
 def main(what, path):
-    work = told.Gpr.read(path)
+    work = workload.Gpr.read(path)
     functions, one = kernels(closed.constants(work))
     kernel = functions[what]
     columns = np.ascontiguousarray(work.poses.T)
@@ -174,7 +174,7 @@ def main(what, path):
         return one(*single[k % count], what == "least")
 
     solve(), call(0)
-    told.serve(solve, call=call, rows=lambda found: closed.answers(*found, work.gap))
+    workload.serve(solve, call=call, rows=lambda found: closed.answers(*found, work.gap))
 
 
 if __name__ == "__main__":

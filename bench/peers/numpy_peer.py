@@ -5,7 +5,7 @@ import sys
 
 import closed_equations as closed
 import numpy as np
-import work as told
+import work as workload
 
 # Poses at a time: their numbers stay in the cache.
 BLOCK = 1200
@@ -15,7 +15,7 @@ def iterate(own, wanted, least):
     """X of a block and its residual; poses that are done step on with those that are not, which costs less than to part them."""
     x = closed.start(own, wanted)
     settled = not least
-    for _ in range(told.ITERATIONS):
+    for _ in range(workload.ITERATIONS):
         at = closed.sides(np, own, x)
         b = [wanted[k] - at[k][0] for k in range(3)]
         share = np.maximum(np.abs(b[0]) / own.half_gap[0], np.abs(b[1]) / own.half_gap[1])
@@ -37,7 +37,7 @@ def iterate(own, wanted, least):
 def one(own, wanted):
     """X of a single pose by Newton's iteration in plain numbers: arrays cost more than they save."""
     x = closed.start(own, wanted)
-    for _ in range(told.ITERATIONS):
+    for _ in range(workload.ITERATIONS):
         at = closed.sides(math, own, x)
         b = [wanted[k] - at[k][0] for k in range(3)]
         share = max(abs(gap) / allowed for gap, allowed in zip(b, own.half_gap))
@@ -48,7 +48,7 @@ def one(own, wanted):
 
 
 def main(what, path):
-    work = told.Gpr.read(path)
+    work = workload.Gpr.read(path)
     own, columns = closed.constants(work), np.ascontiguousarray(work.poses.T)
     count = columns.shape[1]
     x, residual = np.empty((6, count)), np.empty(count)
@@ -64,7 +64,7 @@ def main(what, path):
     def call(k):
         return one(own, closed.halves(own, single[k % count]))
 
-    told.serve(solve, call=call, rows=lambda found: closed.answers(*found, own.gap))
+    workload.serve(solve, call=call, rows=lambda found: closed.answers(*found, own.gap))
 
 
 if __name__ == "__main__":

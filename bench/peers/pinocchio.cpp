@@ -63,7 +63,7 @@ class Gpr : public Work {
         gap.segment<3>(3 * k) = data_.oMi[slides_[k]].translation() - ball;
       }
       if (!(gap.cwiseAbs().maxCoeff() > work_.gap)) {
-        tell(answer);
+        write(answer);
         return true;
       }
       pin::computeJointJacobians(model_, data_);
@@ -95,7 +95,7 @@ class Gpr : public Work {
     return false;
   }
 
-  void tell(std::vector<double>& answer) const {
+  void write(std::vector<double>& answer) const {
     const auto& pose = data_.oMi[platform_];
     answer.resize(18);
     for (int row = 0; row < 3; ++row) {
@@ -175,7 +175,7 @@ class Linkage : public Work {
       pin::forwardKinematics(model_, data_, q_);
       fill(false);
       if (!(gap_.cwiseAbs().maxCoeff() > work_.gap)) {
-        tell(answer);
+        write(answer);
         return true;
       }
       pin::computeJointJacobians(model_, data_);
@@ -240,7 +240,7 @@ class Linkage : public Work {
     }
   }
 
-  void tell(std::vector<double>& answer) const {
+  void write(std::vector<double>& answer) const {
     for (size_t body = 0; body < joints_.size(); ++body) {
       const int first = model_.idx_qs[joints_[body]];
       const bool ball = work_.bodies[body].kind == 'S';

@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pinocchio as pin
-import work as told
+import work as workload
 
 
 def cross_columns(linear, angular, point):
@@ -18,7 +18,7 @@ def cross_columns(linear, angular, point):
 
 
 def gpr(path):
-    work = told.Gpr.read(path)
+    work = workload.Gpr.read(path)
     model = pin.Model()
     platform = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "platform")
     slides = []
@@ -35,7 +35,7 @@ def gpr(path):
     def one(rods):
         balls = work.balls(rods)
         q = rest
-        for _ in range(told.ITERATIONS):
+        for _ in range(workload.ITERATIONS):
             pin.forwardKinematics(model, data, q)
             points = np.array([data.oMi[slide].translation for slide in slides])
             gap = (points - balls).ravel()
@@ -52,7 +52,7 @@ def gpr(path):
                 rows.append(moved[:, :6])
                 own = slice(2 * k, 2 * k + 2)
                 virtual_part[3 * k : 3 * k + 3, own] = moved[:, 6 + 2 * k : 8 + 2 * k]
-            step = told.least_step(gap, np.vstack(rows), virtual_part, compliance)
+            step = workload.least_step(gap, np.vstack(rows), virtual_part, compliance)
             q = pin.integrate(model, q, np.concatenate(step))
         return None
 
@@ -60,7 +60,7 @@ def gpr(path):
 
 
 def linkage(path):
-    work = told.Linkage.read(path)
+    work = workload.Linkage.read(path)
     kinds = {"R": pin.JointModelRZ, "P": pin.JointModelPZ, "S": pin.JointModelSpherical}
     model, joints = pin.Model(), []
     for index, body in enumerate(work.bodies):
@@ -71,7 +71,7 @@ def linkage(path):
     free, order = [], []
     for body, joint in zip(work.bodies, joints):
         q, v = model.idx_qs[joint], model.idx_vs[joint]
-        # Told w, x, y, z; Pinocchio keeps x, y, z, w.
+        # The workload has w, x, y, z; Pinocchio has x, y, z, w.
         order.extend([q + 3, q, q + 1, q + 2] if body.kind == "S" else [q])
         free.extend([] if body.driven else range(v, v + model.nvs[joint]))
     frames = [[pin.SE3(*frame) for frame in cut.frames] for cut in work.cuts]
@@ -101,7 +101,7 @@ def linkage(path):
     def one(guess):
         q = np.empty(model.nq)
         q[order] = guess
-        for _ in range(told.ITERATIONS):
+        for _ in range(workload.ITERATIONS):
             pin.forwardKinematics(model, data, q)
             sides = list(placed())
             gap = []
@@ -133,4 +133,4 @@ def linkage(path):
 
 
 if __name__ == "__main__":
-    told.serve({"gpr": gpr, "linkage": linkage}[sys.argv[1]](sys.argv[2]))
+    workload.serve({"gpr": gpr, "linkage": linkage}[sys.argv[1]](sys.argv[2]))

@@ -1,7 +1,7 @@
-"""The work of the bench as someone does it who has only scipy: least squares over the coordinates.
+"""The workload of the bench by means of scipy alone: least squares over the coordinates.
 
 python scipy_peer.py gpr FILE, python scipy_peer.py linkage FILE; slsqp FILE and trust-constr FILE for the closed equations of the robot
-The robot's least displacement is asked for by weak springs beside the gaps, then the gaps are closed alone; of the closed equations, by an optimiser.
+The robot's least displacement is found by weak springs in addition to the gaps, then the gaps are closed alone; of the closed equations, by an optimiser.
 """
 
 import math
@@ -9,7 +9,7 @@ import sys
 
 import closed_equations
 import numpy as np
-import work as told
+import work as workload
 from scipy.optimize import NonlinearConstraint, least_squares, minimize
 
 # Every so many poses only: at this speed all of them take minutes.
@@ -18,13 +18,13 @@ TIGHT = {"xtol": 1e-15, "ftol": 1e-15, "gtol": 1e-15}
 
 
 def gpr(path):
-    work = told.Gpr.read(path)
+    work = workload.Gpr.read(path)
 
     def pose(unknowns):
         vector, point = unknowns[:3], np.array([0, 0, work.height]) + unknowns[3:6] * scale
         angle = np.linalg.norm(vector)
         quaternion = np.append(np.cos(angle / 2), np.sinc(angle / (2 * np.pi)) / 2 * vector)
-        return told.ball(quaternion), point
+        return workload.ball(quaternion), point
 
     scale = work.radius.mean()
     heading = np.arctan2(work.direction[:, 1], work.direction[:, 0])
@@ -59,7 +59,7 @@ def gpr(path):
 
 def closed(path, method):
     """The least displacement under the closed equations, with exact derivatives."""
-    work = told.Gpr.read(path)
+    work = workload.Gpr.read(path)
     own = closed_equations.constants(work)
 
     def values(y):
@@ -91,7 +91,7 @@ def closed(path, method):
 
 
 def linkage(path):
-    work = told.Linkage.read(path)
+    work = workload.Linkage.read(path)
     at = np.cumsum([0] + [body.width for body in work.bodies])
     free = np.concatenate([range(a, b) for body, a, b in zip(work.bodies, at, at[1:]) if not body.driven])
     balls = [slice(a, a + 4) for body, a in zip(work.bodies, at) if body.kind == "S"]
@@ -122,6 +122,6 @@ if __name__ == "__main__":
     what, path = sys.argv[1:]
     if what in ("slsqp", "trust-constr"):
         solve, rows = closed(path, {"slsqp": "SLSQP"}.get(what, what))
-        told.serve(solve, STRIDE, rows=rows)
+        workload.serve(solve, STRIDE, rows=rows)
     else:
-        told.serve(*{"gpr": gpr, "linkage": linkage}[what](path))
+        workload.serve(*{"gpr": gpr, "linkage": linkage}[what](path))

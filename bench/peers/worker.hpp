@@ -1,6 +1,6 @@
 // What the compiled workers of the bench share: the work as told, and how they answer.
 //
-// A worker says "ready", then answers "run N" by doing all of its work N times, and "tell FILE" by writing its answers;
+// A worker prints "ready", then answers "run N" by doing all of its work N times, and "write FILE" by writing its answers;
 // some also answer "call N" by N single calls.
 #pragma once
 
@@ -98,7 +98,7 @@ class Work {
   // Solves that many positions by a call each; how many were solved.
   virtual int call(int) { throw std::runtime_error("this worker does not answer single calls"); }
 
-  virtual void tell(const std::string& path) {
+  virtual void write(const std::string& path) {
     FILE* out = std::fopen(path.c_str(), "w");
     if (!out) throw std::runtime_error("cannot write " + path);
     for (const auto& answer : answers_) {
@@ -135,11 +135,11 @@ int serve(int count, char** words, Make make) {
         std::cout << "done " << solved << std::endl;
       } else if (what == "call") {
         std::cout << "done " << work->call(std::stoi(rest)) << std::endl;
-      } else if (what == "tell") {
-        work->tell(rest);
+      } else if (what == "write") {
+        work->write(rest);
         std::cout << "done" << std::endl;
       } else {
-        throw std::runtime_error("say run N, call N or tell FILE");
+        throw std::runtime_error("expected run N, call N or write FILE");
       }
     }
   } catch (const std::exception& error) {

@@ -97,13 +97,13 @@ test('an excessive tilt of a station is fixed, and saving preserves comments', a
   await until('it can be kept', () => page.getByTestId('save').isEnabled());
   await checkResult('sound');
   await page.getByTestId('save').click();
-  await until('it is kept', () => page.getByTestId('save').isDisabled());
+  await until('it is saved', () => page.getByTestId('save').isDisabled());
   const kept = readFileSync(join(fixture.folder, 'mine.toml'), 'utf8');
   expect(kept).toContain('-494');
   expect(kept.match(/^\s*#/gm)).toEqual(EXAMPLE_CELL.match(/^\s*#/gm));
 });
 
-/** What the server says of a jog of the texts in the files. */
+/** The server's answer to a jog of the texts in the files. */
 async function asked(question: object): Promise<{ axes: { name: string; position: number }[]; from_slot: Record<string, number> | null; effectors: { center_m: number[] }[] }> {
   const answer = await fetch(`${fixture.server.address}api/v1/cell/jog`, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(question) });
   expect(answer.status).toBe(200);
@@ -125,12 +125,12 @@ test('jogging an axis moves the 3D model and stops at limits with a message', as
   await until('it is seen', async () => (await origin('upper link 4')).some((part, k) => Math.abs(part - before[k]!) > 1e-3));
   const { axes } = await asked({ to: { kind: 'axes', positions: [0.5, 0.5, 0.5, (2 * Math.PI) / 180, (-40 * Math.PI) / 180, (-40 * Math.PI) / 180] } });
   expect(axes.find(({ name }) => name === 'T')!.position).toBeCloseTo((2 * Math.PI) / 180, 12);
-  // Typed beyond its stops it goes up to them.
+  // A value beyond the stops is limited to them.
   await page.getByTestId('field-jog-RA').fill('95');
   await page.getByTestId('field-jog-RA').press('Enter');
   await until('it is at its stop', async () => (await value('RA')) === 80);
   await page.locator('#jog-fields [role=alert]', { hasText: 'RA ranges from -45 to 80 °' }).waitFor();
-  // One rod alone meets the limit of tilt, which the server tells.
+  // One rod alone meets the limit of tilt, which the server reports.
   await page.getByTestId('field-jog-q1').fill('520');
   await page.getByTestId('field-jog-q1').press('Enter');
   await page.getByTestId('jog-stopped').filter({ hasText: 'tilt of' }).filter({ hasText: 'limit 1.5000°' }).waitFor();
@@ -210,7 +210,7 @@ const choose = async (name: string) => {
   await page.getByRole('tab', { name: 'Parts' }).click();
   await page.getByTestId('parts').getByRole('button', { name: new RegExp(`^${name}`) }).click();
 };
-/** Drags a handle, and says what there is to say before it is let go. */
+/** Drags a handle, and calls `held` before the handle is released. */
 async function drag(freedom: string, up: number, held: () => Promise<void> = async () => undefined): Promise<void> {
   await until(`there is a handle for ${freedom}`, async () => (await grip(freedom)) !== null);
   const from = (await grip(freedom))!;
@@ -230,7 +230,7 @@ test('a station is dragged by the handles of its degrees of freedom in one undo 
   const z = async () => Number(await page.getByTestId('station-ALIGN-z').inputValue());
   expect(await z()).toBe(600);
   await drag('height', 12, async () => expect(await z(), 'the field follows').toBeGreaterThan(601));
-  await until('it is planned anew', async () => (await page.getByTestId('planned').textContent())!.startsWith('Planned') && (await z()) > 601);
+  await until('it is replanned', async () => (await page.getByTestId('planned').textContent())!.startsWith('Planned') && (await z()) > 601);
   await page.getByRole('button', { name: 'Undo' }).click();
   await until('one step takes it back', async () => (await z()) === 600);
   await checkResult('sound');
@@ -254,18 +254,18 @@ test('wafers and bodies of a station move with it during a drag and after planni
   });
   await checkResult('sound');
   // Single precision is what the file of the picture has.
-  await until('the server says the same', async () => (await places()).every((place, k) => place.every((value, i) => Math.abs(value - shown[k]![i]!) < 1e-6)));
+  await until('the server reports the same', async () => (await places()).every((place, k) => place.every((value, i) => Math.abs(value - shown[k]![i]!) < 1e-6)));
   await page.getByRole('button', { name: 'Undo' }).click();
   await until('it is back', async () => off(await places()).every((by) => by.every((value) => Math.abs(value) < 1e-3)));
   const pitch = await field('pitch');
   await drag('about_y', 20, async () => {
-    await until('it leans', async () => Math.abs((await field('pitch')) - pitch) > 0.05);
+    await until('it is tilted', async () => Math.abs((await field('pitch')) - pitch) > 0.05);
     shown = await places();
-    // The slot on top goes far as the station leans about its lowest.
+    // The slot on top moves far as the station tilts about its lowest.
     expect(Math.hypot(...off(shown)[2]!)).toBeGreaterThan(0.2);
   });
   await checkResult('sound');
-  await until('the server says the same', async () => (await places()).every((place, k) => place.every((value, i) => Math.abs(value - shown[k]![i]!) < 1e-6)));
+  await until('the server reports the same', async () => (await places()).every((place, k) => place.every((value, i) => Math.abs(value - shown[k]![i]!) < 1e-6)));
   await page.getByRole('button', { name: 'Undo' }).click();
   await until('it is back', async () => off(await places()).every((by) => by.every((value) => Math.abs(value) < 1e-3)));
 });
@@ -282,7 +282,7 @@ test('a station defined by its first and last slot keeps its definition when it 
   const kept = async () => {
     await checkResult('sound');
     await page.getByTestId('save').click();
-    await until('it is kept', () => page.getByTestId('save').isDisabled());
+    await until('it is saved', () => page.getByTestId('save').isDisabled());
     const [, first, last] = /drift = \{ first_mm = \[(.*?)\], last_mm = \[(.*?)\] \} # as measured/.exec(readFileSync(join(fixture.folder, 'mine.toml'), 'utf8'))!;
     return [first!, last!].map((words) => words.split(',').map(Number));
   };
@@ -292,7 +292,7 @@ test('a station defined by its first and last slot keeps its definition when it 
   expect(last![2]! - first![2]!).toBeCloseTo(240, 9);
   expect(last!.slice(0, 2)).toEqual([-495.5, -492]);
   await drag('about_x', 8);
-  await until('it leans otherwise', async () => Math.abs(Number(await page.getByTestId('station-LP2-pitch').inputValue()) - 0.726) > 0.02);
+  await until('its tilt changes', async () => Math.abs(Number(await page.getByTestId('station-LP2-pitch').inputValue()) - 0.726) > 0.02);
   const [still, turned] = await kept();
   expect(still).toEqual(first);
   expect(turned).not.toEqual(last);
@@ -328,7 +328,7 @@ test('positions and velocities are plotted over the time range of the chart', as
   await page.getByTestId('plot-revolute').getByRole('button', { name: /in °$/ }).click();
   const shown = await page.getByTestId('value-T_deg').getAttribute('data-value');
   const { axes } = await asked({ time_s: at });
-  expect(Number(shown), 'told at the very time').toBeCloseTo((axes.find(({ name }) => name === 'T')!.position * 180) / Math.PI, 6);
+  expect(Number(shown), 'the position at that time').toBeCloseTo((axes.find(({ name }) => name === 'T')!.position * 180) / Math.PI, 6);
   await page.getByTestId('plot-revolute').getByRole('button', { name: /^T\b/ }).click();
   expect(await page.getByTestId('plot-revolute').getByRole('button', { name: /^T\b/ }).getAttribute('aria-pressed')).toBe('false');
   await page.getByTestId('plot-revolute').locator('.u-over').hover();
@@ -374,7 +374,7 @@ test('an invalid cell is opened, its error is marked, and it is fixed', async ()
   writeFileSync(join(fixture.folder, 'steep.program'), SHORT_PROGRAM);
   const other = await serve(0, ['--cell', join(fixture.folder, 'steep.toml')]);
   const second = await page.context().newPage();
-  const said = complaints(second);
+  const messages = complaints(second);
   try {
     await second.goto(other.address);
     await second.getByTestId('diagnostics').getByText('tilts 2.000°').waitFor();
@@ -387,9 +387,9 @@ test('an invalid cell is opened, its error is marked, and it is fixed', async ()
     await until('it is sound', async () => (await second.getByTestId('check-result').getAttribute('data-state')) === 'sound');
     await until('it is drawn', async () => (await partNames(second)).length > 0);
     await second.getByTestId('save').click();
-    await until('it is kept', () => second.getByTestId('save').isDisabled());
+    await until('it is saved', () => second.getByTestId('save').isDisabled());
     expect(readFileSync(join(fixture.folder, 'steep.toml'), 'utf8')).toBe(EXAMPLE_CELL);
-    expect(said).toEqual([]);
+    expect(messages).toEqual([]);
   } finally {
     await second.close();
     await other.stop();

@@ -100,13 +100,13 @@ test('teaching in contact requires a confirmation and adds a comment to the file
   await asked.filter({ hasText: 'wall' }).filter({ hasText: 'blade-A' }).waitFor();
   expect(await page.getByTestId('save').isDisabled(), 'nothing is changed').toBe(true);
   await asked.getByRole('button', { name: 'Cancel' }).click();
-  await until('the question is gone', async () => (await asked.count()) === 0);
+  await until('the question is closed', async () => (await asked.count()) === 0);
   expect(await page.getByTestId('save').isDisabled()).toBe(true);
   // The question is about this pose: another one withdraws it.
   await teach.click();
   await asked.waitFor();
   await set('RA', 58);
-  await until('the question is gone', async () => (await asked.count()) === 0);
+  await until('the question is closed', async () => (await asked.count()) === 0);
   await teach.click();
   await page.getByTestId('contact-confirm').click();
   await page.getByTestId('text-cell').locator('.cm-line', { hasText: NOTE }).filter({ hasText: 'wall' }).waitFor();

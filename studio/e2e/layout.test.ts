@@ -67,7 +67,7 @@ for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], 
         await page.getByText('With ideal joints, this robot can only translate').waitFor();
         await page.getByRole('button', { name: 'Close this explanation' }).click();
       }
-      // The panels are there, below where there is no room beside.
+      // The panels are there, below where there is no room at the side.
       await page.getByTestId('slider-pitch').scrollIntoViewIfNeeded();
       const slider = (await page.getByTestId('slider-pitch').boundingBox())!;
       expect(slider.width).toBeGreaterThan(60);

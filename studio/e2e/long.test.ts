@@ -110,7 +110,7 @@ test('an edit of a long program transfers only changed data', async () => {
   // One line more at the end.
   await page.getByTestId('text-program').locator('.cm-content').click();
   await page.keyboard.press('Control+End');
-  await until('nothing is under way', async () => planned(page));
+  await until('no plan is running', async () => planned(page));
   const before = await page.getByTestId('cell-time').getAttribute('max');
   bytes = 0;
   seen.length = 0;

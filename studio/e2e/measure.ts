@@ -9,7 +9,7 @@ import { browse, drawn, ROOT, serve, until } from './studio';
 
 const median = (values: number[]) => [...values].sort((a, b) => a - b)[values.length >> 1] as number;
 const rows: [string, string][] = [];
-const say = (what: string, found: string) => rows.push([what, found]);
+const report = (what: string, found: string) => rows.push([what, found]);
 const ms = (value: number) => `${value.toFixed(1)} ms`;
 const range = (values: number[]) => `${Math.min(...values).toFixed(0)} to ${Math.max(...values).toFixed(0)} ms`;
 
@@ -22,7 +22,7 @@ test('the robot alone', async () => {
   const dist = resolve(ROOT, 'crates/jointplay-studio/page');
   const files = readdirSync(dist, { recursive: true, withFileTypes: true }).filter((entry) => entry.isFile());
   const weight = files.reduce((sum, { parentPath, name }) => sum + gzipSync(readFileSync(resolve(parentPath, name))).length, 0);
-  say('page, compressed by gzip', `${(weight / 1024).toFixed(0)} KiB`);
+  report('page, compressed by gzip', `${(weight / 1024).toFixed(0)} KiB`);
 
   const browser = await browse();
   const warm = await browser.newPage();
@@ -35,9 +35,9 @@ test('the robot alone', async () => {
   await until('panels', () => page.evaluate(() => document.querySelector('aside') !== null));
   const panels = performance.now();
   await drawn(page);
-  say('`jointplay studio` to its address', ms(up - begun));
-  say('to panels with numbers', ms(panels - begun));
-  say('to the first picture', ms(performance.now() - begun));
+  report('`jointplay studio` to its address', ms(up - begun));
+  report('to panels with numbers', ms(panels - begun));
+  report('to the first picture', ms(performance.now() - begun));
   await new Promise((wait) => setTimeout(wait, 2000));
 
   const steps = await page.evaluate(async () => {
@@ -57,10 +57,10 @@ test('the robot alone', async () => {
     }
     return found.slice(20);
   });
-  say('slider to drawn picture, median', ms(median(steps.map(({ total }) => total))));
-  say('of it the request and its answer', ms(median(steps.map(({ server }) => server))));
+  report('slider to drawn picture, median', ms(median(steps.map(({ total }) => total))));
+  report('of it the request and its answer', ms(median(steps.map(({ server }) => server))));
 
-  say('of it the page’s own work at the picture', ms(median(steps.map(({ page }) => page))));
+  report('of it the page’s own work at the picture', ms(median(steps.map(({ page }) => page))));
 
   const count = () => page.getByTestId('sample').getAttribute('data-count');
   await page.getByTestId('motion').selectOption('raster');
@@ -84,7 +84,7 @@ test('the robot alone', async () => {
     const end = performance.now();
     const seconds = (end - start) / 1000;
     const pictures = (probe.frames - from) / seconds;
-    // A browser without a graphics card still draws what it was told before: frames come at their pace again once it is done.
+    // A browser without a graphics card still draws earlier commands: frames come at their pace again once it is done.
     let last = end;
     for (let calm = 0; calm < 5; ) {
       await new Promise((next) => requestAnimationFrame(next));
@@ -94,8 +94,8 @@ test('the robot alone', async () => {
     }
     return { frames: frames / seconds, pictures, calm_ms: performance.now() - end };
   });
-  say('playing 7,581 samples with six plots', `${play.frames.toFixed(0)} frames/s, ${play.pictures.toFixed(0)} pictures/s`);
-  say('from pause until all is drawn', ms(play.calm_ms));
+  report('playing 7,581 samples with six plots', `${play.frames.toFixed(0)} frames/s, ${play.pictures.toFixed(0)} pictures/s`);
+  report('from pause until all is drawn', ms(play.calm_ms));
 
   await page.evaluate(() => {
     const seen = { longest: 0, last: performance.now() };
@@ -118,9 +118,9 @@ test('the robot alone', async () => {
     const { memory } = performance as unknown as { memory: { usedJSHeapSize: number } };
     return { longest: seen.longest, heap: memory.usedJSHeapSize };
   });
-  say('1,008,021 samples computed, sent and plotted', `${(took / 1000).toFixed(1)} s`);
-  say('longest pause between frames meanwhile', ms(longest));
-  say('memory of scripts afterwards', `${(heap / 2 ** 20).toFixed(0)} MiB`);
+  report('1,008,021 samples computed, sent and plotted', `${(took / 1000).toFixed(1)} s`);
+  report('longest pause between frames meanwhile', ms(longest));
+  report('memory of scripts afterwards', `${(heap / 2 ** 20).toFixed(0)} MiB`);
   await browser.close();
   await server.stop();
 });
@@ -143,7 +143,7 @@ test('plans of the example cell', async () => {
     return { took: performance.now() - start, answer };
   };
   const first = await plan(cell);
-  say('first plan and its answer, nobody else there', ms(first.took));
+  report('first plan and its answer, no other page', ms(first.took));
   const { stations } = JSON.parse(first.answer) as { stations: { name: string; position_mm: number[] }[] };
   for (const station of STATIONS) {
     const [x, y, z] = stations.find(({ name }) => name === station)!.position_mm.map((value) => value / 1000) as [number, number, number];
@@ -152,7 +152,7 @@ test('plans of the example cell', async () => {
       const moved = await ask('cell/station', { cell, station, position_m: [x + i * 1e-5, y, z] });
       found.push((await plan((JSON.parse(moved) as { cell: string }).cell)).took);
     }
-    say(`${station} moved, the plan and its answer`, range(found.slice(1)));
+    report(`${station} moved, the plan and its answer`, range(found.slice(1)));
     await plan(cell);
   }
   await server.stop();
@@ -190,11 +190,11 @@ test('the example cell in a browser', async () => {
         }, station),
       );
       await calm(drawn);
-      // The browser may still be drawing what the page has told it.
+      // The browser may still be drawing the last commands of the page.
       await new Promise((wait) => setTimeout(wait, 2000));
     }
-    say(`${station} moved by a number typed, to the check result`, range(found.slice(1).map(({ total }) => total)));
-    say('of it the plan and its answer', range(found.slice(1).map(({ server }) => server)));
+    report(`${station} moved by a number typed, to the check result`, range(found.slice(1).map(({ total }) => total)));
+    report('of it the plan and its answer', range(found.slice(1).map(({ server }) => server)));
   }
   await browser.close();
   await server.stop();

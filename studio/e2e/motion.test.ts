@@ -111,7 +111,7 @@ test('a serpentine and a motion through key poses are computed', async () => {
   await page.getByTestId('add-pose').click();
   expect(await page.getByLabel('seconds of pose 5').isVisible()).toBe(true);
   await page.keyboard.press('Control+z');
-  await until('the pose is gone', async () => (await page.getByLabel('seconds of pose 5').count()) === 0);
+  await until('the pose is removed', async () => (await page.getByLabel('seconds of pose 5').count()) === 0);
   await page.getByRole('button', { name: 'Poses' }).click();
 });
 
@@ -131,7 +131,7 @@ test('an invalid motion is reported', async () => {
   await page.getByTestId('yaw-step').press('Enter');
   await loaded(777);
   await page.getByRole('button', { name: 'Range' }).click();
-  // The browser itself notes that the server said no.
+  // The browser itself logs that the server refused.
   heard.splice(0, heard.length, ...heard.filter((line) => !line.includes('422')));
 });
 
@@ -201,7 +201,7 @@ test('the recording of a motion has the duration of the motion', async () => {
       video.onloadeddata = ready;
       video.onerror = () => failed(new Error(video.error?.message));
     });
-    // A film that was streamed tells its length only at its end.
+    // A streamed film has its length only at its end.
     video.currentTime = 1e6;
     await new Promise((ready) => (video.onseeked = ready));
     return { seconds: video.currentTime, width: video.videoWidth };
@@ -216,7 +216,7 @@ test('the recording of a motion has the duration of the motion', async () => {
 
 test('a link restores motion and sample', async () => {
   await page.getByTestId('scrub').fill('123');
-  await until('the link says so', () => page.evaluate(() => window.location.hash.includes('sample=123')));
+  await until('the link contains the sample', () => page.evaluate(() => window.location.hash.includes('sample=123')));
   const link = page.url();
   await page.goto('about:blank');
   await page.goto(link);

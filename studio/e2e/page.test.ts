@@ -53,7 +53,7 @@ async function type(name: string, text: string): Promise<void> {
 test('the introduction is visible, and the values equal those of the command line', async () => {
   await open('#pose=rods,500,501,502&model=polar,newton,paper&play=500');
   expect(await page.getByText('With ideal joints, this robot can only translate').isVisible()).toBe(true);
-  const said = JSON.parse(
+  const reported = JSON.parse(
     execFileSync(COMMAND, ['forward', '--q-mm', '500,501,502', '--virtualization', 'polar', '--solver', 'newton', '--format', 'json'], {
       encoding: 'utf8',
     }),
@@ -61,14 +61,14 @@ test('the introduction is visible, and the values equal those of the command lin
   const joints = await page.getByTestId('joints').locator('[data-value]').all();
   const shown = await Promise.all(joints.map(async (joint) => Number(await joint.getAttribute('data-value'))));
   // Compared to the twelfth digit: the command prints mm and degrees.
-  said.virtual_joints.l_mm.forEach((mm: number, k: number) => expect(shown[k]! * 1e3).toBeCloseTo(mm, 10));
-  said.virtual_joints.phi_deg.forEach((deg: number, k: number) => expect((shown[3 + k]! * 180) / Math.PI).toBeCloseTo(deg, 10));
+  reported.virtual_joints.l_mm.forEach((mm: number, k: number) => expect(shown[k]! * 1e3).toBeCloseTo(mm, 10));
+  reported.virtual_joints.phi_deg.forEach((deg: number, k: number) => expect((shown[3 + k]! * 180) / Math.PI).toBeCloseTo(deg, 10));
   const shift = page.getByTestId('shift-polar');
-  expect(Number(await shift.getAttribute('data-x')) * 1e3).toBeCloseTo(said.platform.center_shift_mm[0], 10);
-  expect(Number(await shift.getAttribute('data-y')) * 1e3).toBeCloseTo(said.platform.center_shift_mm[1], 10);
+  expect(Number(await shift.getAttribute('data-x')) * 1e3).toBeCloseTo(reported.platform.center_shift_mm[0], 10);
+  expect(Number(await shift.getAttribute('data-y')) * 1e3).toBeCloseTo(reported.platform.center_shift_mm[1], 10);
   await page.getByRole('tab', { name: 'Direction, angle' }).click();
-  expect(await value('yaw')).toBeCloseTo(said.platform.yaw_deg, 3);
-  expect(await value('pitch')).toBeCloseTo(said.platform.pitch_deg, 3);
+  expect(await value('yaw')).toBeCloseTo(reported.platform.yaw_deg, 3);
+  expect(await value('pitch')).toBeCloseTo(reported.platform.pitch_deg, 3);
 });
 
 test('each jog of the robot is one undo step', async () => {
@@ -107,7 +107,7 @@ test('the robot stops at limits with a message', async () => {
   await open();
   await type('pitch', '3');
   expect(await page.getByText('Tilt angle α ranges from -1.5 to 1.5 °').isVisible()).toBe(true);
-  // One rod alone tilts the platform: it goes as far as the tilt may.
+  // One rod alone tilts the platform: it moves as far as the limit of tilt allows.
   await open('#pose=rods,500,500,500');
   await type('rod-1', '520');
   await page.getByRole('alert').filter({ hasText: 'Stopped at a limit: the tilt is' }).waitFor();
@@ -161,7 +161,7 @@ test('the platform is dragged by its three handles', async () => {
   await open('#pose=xy,0,0,500,axis');
   await drawn(page, 'pose.tilt.pitch_rad < 1e-9 && Math.abs(pose.axis_height_m - 0.5) < 1e-9');
   const canvas = page.locator('.scene canvas').first();
-  // The handles are found as a person finds them: by what the pointer says over them.
+  // The handles are found as users find them: by the tooltip over them.
   const found = new Map(
     await canvas.evaluate((canvas) => {
       const seen = new Map<string, { x: number; y: number }>();
@@ -169,8 +169,8 @@ test('the platform is dragged by its three handles', async () => {
       for (let y = box.top + 10; y < box.top + box.height * 0.6; y += 6)
         for (let x = box.left + 330; x < box.right - 100; x += 6) {
           canvas.dispatchEvent(new PointerEvent('pointermove', { clientX: x, clientY: y }));
-          const says = (canvas as HTMLElement).title;
-          if (says && !seen.has(says)) seen.set(says, { x, y });
+          const tooltip = (canvas as HTMLElement).title;
+          if (tooltip && !seen.has(tooltip)) seen.set(tooltip, { x, y });
         }
       return [...seen];
     }),
@@ -305,7 +305,7 @@ test('settings persist between visits', async () => {
   await page.getByLabel('Theme').selectOption('dark');
   await page.getByLabel('Length unit').selectOption('inch');
   await type('yaw', '77');
-  await until('the link says so', () => page.evaluate(() => window.location.hash.includes('77')));
+  await until('the link contains the number', () => page.evaluate(() => window.location.hash.includes('77')));
   await page.goto('about:blank');
   await page.goto(server.address);
   await drawn(page);
@@ -358,7 +358,7 @@ test('the page shows a lost connection and recovers after a restart of the serve
   server = await serve(server.port);
   await page.getByTestId('disconnected').waitFor({ state: 'hidden' });
   await drawn(page, 'pose.tilt.pitch_rad < 1e-9');
-  // The browser itself notes requests that found nobody.
+  // The browser itself notes requests without an answer.
   heard.splice(0, heard.length, ...heard.filter((line) => !line.includes('ERR_CONNECTION_REFUSED')));
 });
 

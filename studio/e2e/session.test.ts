@@ -23,7 +23,7 @@ beforeEach(async () => {
   await checkResult('sound');
 });
 afterEach(async () => {
-  // The browser itself notes requests that found nobody.
+  // The browser itself notes requests without an answer.
   expect(heard.filter((line) => !line.includes('ERR_CONNECTION_REFUSED'))).toEqual([]);
   await page.context().close();
 });
@@ -39,7 +39,7 @@ async function append(words: string): Promise<void> {
   await page.keyboard.insertText(words);
 }
 
-/** Lets no plan through until it is told to. */
+/** Blocks requests of plans until the returned function is called. */
 async function hold(): Promise<() => Promise<void>> {
   let release = () => undefined as void;
   const released = new Promise<void>((done) => (release = done));
@@ -121,7 +121,7 @@ test('dragging a station makes the result outdated', async () => {
   await page.getByTestId('parts').getByRole('button', { name: /^ALIGN/ }).click();
   const grip = () => page.evaluate(() => window.jointplay.probe.cell!.grip('height' as never));
   await until('there is a handle', async () => (await grip()) !== null);
-  // Its size and the picture come to rest before it is taken hold of.
+  // Its size and the picture are settled before it is dragged.
   await until('all is drawn', async () => (await page.getByTestId('planned').innerText()).startsWith('Planned'));
   let from = { x: NaN, y: NaN };
   await until('it rests', async () => {
@@ -146,7 +146,7 @@ test('dragging a station makes the result outdated', async () => {
 
 test('without a server the result is outdated and saving fails; the page recovers by itself', async () => {
   await fixture.server.stop();
-  // Nobody does anything: the page notices by itself.
+  // Without any input, the page notices by itself.
   await outdated();
   await page.getByTestId('disconnected').waitFor();
   await append('# while away\n');
@@ -159,7 +159,7 @@ test('without a server the result is outdated and saving fails; the page recover
   await page.getByTestId('disconnected').waitFor({ state: 'hidden' });
   await page.getByTestId('save').click();
   await until('it is saved', async () => readFileSync(fixture.programFile, 'utf8') === `${SHORT_PROGRAM}# while away\n`);
-  await until('the note is gone', async () => (await page.getByRole('alert').count()) === 0);
+  await until('the note is closed', async () => (await page.getByRole('alert').count()) === 0);
   // The new server does not know the plan of the old one, so that the texts are sent whole; the browser notes the answer.
   heard = heard.filter((line) => !line.includes('409'));
 });

@@ -5,7 +5,7 @@ export default defineConfig({
   test: {
     include: ['e2e/**/*.test.ts'],
     fileParallelism: false,
-    // Each wait within a test has a limit of its own, and says what it waited for.
+    // Each wait within a test has a limit of its own, and its message names the awaited state.
     testTimeout: 0,
     hookTimeout: 0,
     reporters: ['verbose'],

@@ -4,7 +4,7 @@ use jointplay::bulk::{Column, Quantity, Status};
 use jointplay::gpr::Gpr;
 use jointplay::nalgebra::{Rotation3, Translation3, Vector3};
 use jointplay::spatial::{Pose, Tilt};
-use jointplay::study::parallel;
+use jointplay::study::parallel::{self, PoseColumns};
 use jointplay::virtualization::{Planar, Polar, Radial, SolveOptions, Solver, Virtualization};
 
 use crate::gpr;
@@ -162,7 +162,7 @@ impl Inverse {
         let rods = self.rods.each_mut().map(|column| &mut column[..poses]);
         let status = &mut self.status[..poses];
         let done = if self.shared {
-            parallel::inverse_many(&self.gpr, [yaw, pitch, height], status, rods)
+            parallel::inverse_many(&self.gpr, PoseColumns { yaw, pitch, height }, status, rods)
         } else {
             self.gpr.inverse_many(yaw, pitch, height, status, rods)
         };

@@ -3,7 +3,7 @@
 //! `write FOLDER` writes the work for every program, `words FOLDER` the analyses of mechanisms by jointplay; `gpr METHOD SOLVER` and `linkage NAME` do the work.
 //! The methods are `own` (pose by pose, with the platform's pose), `joints` (virtual joints alone), `general` (as any mechanism), with newton or least-norm as the solver; and `bulk WHAT`, many poses at a time.
 //! `scaling FAMILY LOOPS` prints the times for mechanisms of many loops.
-//! A worker prints `ready`, then answers `run N` by doing all of its work N times, and `tell FILE` by writing its answers; some also answer `call N` by N single calls.
+//! A worker prints `ready`, then answers `run N` by doing all of its work N times, and `write FILE` by writing its answers; some also answer `call N` by N single calls.
 
 // The families know the façade by the name of the crate below it.
 extern crate jointplay as jointplay_core;
@@ -113,7 +113,7 @@ fn serve(work: &mut dyn Work) -> Outcome {
                 let solved = work.call(times.parse()?).ok_or("this work is not called singly")?;
                 writeln!(out, "done {solved}")?;
             }
-            Some(("tell", path)) => {
+            Some(("write", path)) => {
                 let mut text = String::new();
                 for answer in work.answers() {
                     let numbers: Vec<String> =
@@ -123,7 +123,7 @@ fn serve(work: &mut dyn Work) -> Outcome {
                 std::fs::write(path, text)?;
                 writeln!(out, "done")?;
             }
-            _ => return Err(format!("expected run N, call N or tell FILE, got {line:?}").into()),
+            _ => return Err(format!("expected run N, call N or write FILE, got {line:?}").into()),
         }
         out.flush()?;
     }

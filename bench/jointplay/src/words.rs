@@ -48,7 +48,7 @@ pub(crate) fn write(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
 
     // The rigid robot, commanded to rise and to tilt: rods at those lengths, everything else where it was.
     let mut asked = serde_json::Map::new();
-    for (name, lengths) in [("rise", [RISE; 3]), ("lean", rods)] {
+    for (name, lengths) in [("rise", [RISE; 3]), ("tilt", rods)] {
         let mut start = level.clone();
         start.rows_mut(0, 3).copy_from_slice(&lengths);
         let text = Tree::of(&rigid).text(&gpr::RODS, 1e-12, std::slice::from_ref(&start));

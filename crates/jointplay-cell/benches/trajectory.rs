@@ -14,7 +14,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use jointplay_cell::check::{CheckOptions, check};
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::{
-    Command, Instruction, Name, Place, Program, SlotName, SlotNumber, Step, expand,
+    Command, Instruction, Name, Program, SlotName, SlotNumber, SourceLocation, Step, expand,
 };
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
@@ -85,7 +85,7 @@ fn cell() -> Cell {
 }
 
 fn lot(cell: &Cell) -> Vec<Step> {
-    let place = Place { line: 1, column: 1 };
+    let place = SourceLocation { line: 1, column: 1 };
     let name = |text: &str| Name { text: text.to_owned(), place };
     let slot = |station: &str, number| SlotName {
         station: name(station),

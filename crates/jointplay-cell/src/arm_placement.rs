@@ -25,7 +25,8 @@ impl Cell {
     /// Those of `resolve`.
     pub(crate) fn append_arm_poses<E>(
         &self,
-        (arm, base_from_platform): (usize, &Pose),
+        arm: usize,
+        base_from_platform: &Pose,
         positions: &[f64],
         loaded: impl Fn(EffectorId) -> bool,
         resolve: impl Fn(Result<Deflection, DroopError>) -> Result<Deflection, E>,
@@ -74,7 +75,8 @@ impl Cell {
         for (arm, described) in self.robot.arms.iter().enumerate() {
             let mut links = Vec::with_capacity(described.joints.len() + 2);
             let Ok(()) = self.append_arm_poses::<Infallible>(
-                (arm, &base_from_platform),
+                arm,
+                &base_from_platform,
                 positions,
                 |id| loaded.contains(&id),
                 |found| Ok(found.unwrap_or_default()),

@@ -1,4 +1,6 @@
-//! What can be wrong with a description, as facts.
+//! Errors of descriptions, as facts.
+
+use jointplay_core::spatial::Tilt;
 
 /// Why a description makes no robot, station or cell. Lengths are in m, angles in rad.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -89,22 +91,22 @@ pub enum CellError {
         max: usize,
     },
     /// A motor that moves nothing.
-    #[error("axis {axis} moves no joint; let a joint be driven by it, or leave it out")]
+    #[error("axis {axis} moves no joint; drive a joint by it, or remove it")]
     IdleAxis {
         /// Its name.
         axis: String,
     },
     /// A motor whose zero, kind or limits contradict what it is there for.
     #[error("axis {axis}: {why}")]
-    WrongAxis {
+    InvalidAxis {
         /// Its name.
         axis: String,
-        /// What is wrong and what to try.
+        /// The contradiction, and how to remove it.
         why: String,
     },
-    /// An arm whose motors cannot bring the wafer to places beside each other.
+    /// An arm whose motors cannot move the wafer in two directions of its plane.
     #[error(
-        "the motors of arm {arm} move the wafer of effector {effector} along {directions} of the 2 directions of their plane; let a second motor turn or slide a joint of its own"
+        "the motors of arm {arm} move the wafer of effector {effector} along {directions} of the 2 directions of their plane; a second motor has to drive a joint of its own"
     )]
     NotMovable {
         /// Name of the arm.
@@ -113,6 +115,64 @@ pub enum CellError {
         effector: String,
         /// Independent directions found, 0 or 1.
         directions: usize,
+    },
+    /// A wafer that is no thin plate.
+    #[error(
+        "the wafer is {thickness} m thick and {diameter} m wide, but a thin plate of that diameter is at most {allowed} m thick"
+    )]
+    NotThin {
+        /// Diameter (m).
+        diameter: f64,
+        /// Thickness found (m).
+        thickness: f64,
+        /// Largest thickness (m).
+        allowed: f64,
+    },
+    /// Points of a convex hull that do not span a volume.
+    #[error(
+        "the {points} points of a convex hull are in one plane; a hull needs 4 points or more that span a volume"
+    )]
+    FlatHull {
+        /// Number of points.
+        points: usize,
+    },
+    /// A station at which an arm cannot be retracted.
+    #[error(
+        "the retract distance of station {station} is {found} m, but has to be less than the distance of its wafer from the robot's axis, {reach} m"
+    )]
+    RetractReach {
+        /// Name of the station.
+        station: String,
+        /// Retract distance found (m).
+        found: f64,
+        /// Distance of the wafer in the lowest slot from the robot's axis (m).
+        reach: f64,
+    },
+    /// A station that tilts further than the platform.
+    #[error("station {station} tilts by {} rad, but the robot tilts by at most {max} rad; level the station", tilt.pitch)]
+    StationTilt {
+        /// Name of the station.
+        station: String,
+        /// Tilt of the station.
+        tilt: Tilt,
+        /// Largest tilt of the robot (rad).
+        max: f64,
+    },
+    /// A slot that the cell does not have.
+    #[error(
+        "there is no slot {slot} of station {station}: stations are counted from 0, slots from 1"
+    )]
+    NoSuchSlot {
+        /// Index of the station.
+        station: usize,
+        /// Number of the slot.
+        slot: usize,
+    },
+    /// A slot or effector with several wafers at the start.
+    #[error("{location} has several wafers at the start, but supports one")]
+    SeveralWafers {
+        /// The slot or effector.
+        location: String,
     },
     /// An effector that the robot does not have.
     #[error("there is no effector {effector} on an arm {arm}, counted from 0")]
@@ -124,7 +184,7 @@ pub enum CellError {
     },
     /// Positions for another number of axes.
     #[error("{found} positions are given, but the robot has {expected} axes")]
-    WrongLength {
+    LengthMismatch {
         /// How many were given.
         found: usize,
         /// How many axes there are.

@@ -4,7 +4,7 @@ use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use nalgebra::{Rotation3, Unit, Vector3};
 
-use crate::robot::{EffectorId, LimitViolation, RODS, WaferTarget};
+use crate::robot::{EffectorId, LimitViolation, RODS, WaferTarget, wrap_angle};
 use crate::station::SlotId;
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
@@ -99,7 +99,7 @@ impl Cell {
     /// * `from`, `to` – positions of all axes, rods first ((m), (rad))
     ///
     /// # Errors
-    /// [`CellError::WrongLength`], [`CellError::NotFinite`]
+    /// [`CellError::LengthMismatch`], [`CellError::NotFinite`]
     pub fn jog_axes(&self, from: &[f64], to: &[f64]) -> Result<JogOutcome, CellError> {
         let robot = &self.robot;
         robot.limit_violations(from)?;
@@ -153,7 +153,7 @@ impl Cell {
             center: start.center.lerp(&to.center, share),
             normal: start.normal.lerp(&to.normal.normalize(), share),
             heading: match (start.heading, to.heading) {
-                (Some(from), Some(to)) => Some(from + share * shortest(to - from)),
+                (Some(from), Some(to)) => Some(from + share * wrap_angle(to - from)),
                 _ => to.heading,
             },
         };
@@ -179,7 +179,7 @@ impl Cell {
         let view = self.slot_view(effector, slot);
         let (start, normal) = (view.relative_pose(&pose), pose.rotation * Vector3::z());
         let between = |from: f64, to: f64, share: f64| from + share * (to - from);
-        let turned = |from: f64, to: f64, share: f64| from + share * shortest(to - from);
+        let turned = |from: f64, to: f64, share: f64| from + share * wrap_angle(to - from);
         let free = self.robot.heading_is_free(effector)?;
         let path = |share: f64| {
             let part = SlotRelativePose {
@@ -247,10 +247,4 @@ impl Cell {
         }
         Ok(JogOutcome { positions, stopped: Some(Stopped::Place(why)) })
     }
-}
-
-/// The equivalent rotation of at most half a revolution (rad).
-fn shortest(angle: f64) -> f64 {
-    let turns = (angle / std::f64::consts::TAU).round();
-    angle - turns * std::f64::consts::TAU
 }

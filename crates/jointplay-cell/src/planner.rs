@@ -1,11 +1,10 @@
 //! Incremental planning: expansion, trajectory and check of a program, with results of the previous plan reused.
 
 use crate::check::{CheckCache, CheckOptions, Report};
-use crate::incremental::{
-    CacheStats, Execution, Interrupted, Observer, Progress, Stop, uninterrupted,
-};
-use crate::program::{IkCache, Program, ProgramError, Step, expand_by};
+use crate::incremental::{CacheStats, Execution, Interrupted, Observer, Progress, Stop};
+use crate::program::{IkCache, Program, ProgramError, expand_by};
 use crate::trajectory::{SegmentCache, Trajectory, TrajectoryError, TrajectoryOptions};
+use crate::validate::InvalidPart;
 use crate::workcell::Cell;
 
 /// Plans and checks programs; what did not change since the previous plan is not computed again.
@@ -32,17 +31,42 @@ pub struct IncrementalPlanner {
 }
 
 /// Options of [`IncrementalPlanner::plan`].
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct PlanOptions {
+#[derive(Clone, Copy)]
+pub struct PlanOptions<'a> {
     /// Options of the trajectory.
     pub trajectory: TrajectoryOptions,
     /// Options of the check.
     pub check: CheckOptions,
+    /// Polled between instructions and between segments; true stops the computation.
+    pub stop: Stop<'a>,
+    /// Called at the start of each stage.
+    pub on_stage: &'a dyn Fn(PlanStage),
+}
+
+/// Stage of a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlanStage {
+    /// From the program to steps.
+    Expansion,
+    /// From steps to the trajectory.
+    Trajectory,
+    /// Check of the trajectory.
+    Check,
+}
+
+impl Default for PlanOptions<'_> {
+    fn default() -> Self {
+        let (trajectory, check) = (TrajectoryOptions::default(), CheckOptions::default());
+        Self { trajectory, check, stop: &|| false, on_stage: &|_| {} }
+    }
 }
 
 /// Why [`IncrementalPlanner::plan`] returns no trajectory.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
+    /// The cell is invalid.
+    #[error("the description of the cell has {} errors, the first: {}", .0.len(), .0.first().map_or_else(String::new, ToString::to_string))]
+    Cell(Vec<InvalidPart>),
     /// The computation was stopped.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
@@ -75,50 +99,9 @@ impl IncrementalPlanner {
         }
     }
 
-    /// Expands a program, as [`expand`](crate::program::expand).
-    ///
-    /// # Errors
-    /// As [`expand`](crate::program::expand).
-    pub fn expand(
-        &mut self,
-        cell: &Cell,
-        program: &Program,
-    ) -> Result<Vec<Step>, Vec<ProgramError>> {
-        uninterrupted(expand_by(cell, program, &mut self.ik_cache, &|| false))
-    }
-
-    /// Plans the trajectory of steps, as [`plan_trajectory`](crate::trajectory::plan_trajectory).
-    ///
-    /// # Errors
-    /// As [`plan_trajectory`](crate::trajectory::plan_trajectory).
-    pub fn plan_trajectory(
-        &mut self,
-        cell: &Cell,
-        steps: Vec<Step>,
-        options: &TrajectoryOptions,
-    ) -> Result<Trajectory, TrajectoryError> {
-        let execution = Execution { stop: &|| false, observer: &*self.observer };
-        uninterrupted(self.segment_cache.plan_trajectory(cell, steps, options, execution))
-    }
-
-    /// CheckCache a trajectory, as [`check`](crate::check::check).
-    #[must_use]
-    pub fn check(
-        &mut self,
-        cell: &Cell,
-        trajectory: &Trajectory,
-        options: &CheckOptions,
-    ) -> Report {
-        let execution = Execution { stop: &|| false, observer: &*self.observer };
-        uninterrupted(self.checks.check(cell, trajectory, options, execution))
-    }
-
-    /// Expands, plans and checks a program; the computation can be stopped.
+    /// Validates the cell, then expands, plans and checks a program; the computation can be stopped.
     ///
     /// Results computed before a stop are reused by the next plan.
-    ///
-    /// # Arguments
-    /// * `stop` – polled between instructions and between segments; true stops the computation
     ///
     /// # Errors
     /// [`PlanError`]
@@ -126,15 +109,18 @@ impl IncrementalPlanner {
         &mut self,
         cell: &Cell,
         program: &Program,
-        options: &PlanOptions,
-        stop: Stop<'_>,
+        options: &PlanOptions<'_>,
     ) -> Result<(Trajectory, Report), PlanError> {
-        let PlanOptions { trajectory, check } = options;
+        let PlanOptions { trajectory, check, stop, on_stage } = *options;
         let execution = Execution { stop, observer: &*self.observer };
+        cell.validate().map_err(PlanError::Cell)?;
+        on_stage(PlanStage::Expansion);
         let steps = expand_by(cell, program, &mut self.ik_cache, stop)?;
         let steps = steps.map_err(PlanError::Program)?;
-        let planned = self.segment_cache.plan_trajectory(cell, steps, trajectory, execution)??;
-        let report = self.checks.check(cell, &planned, check, execution)?;
+        on_stage(PlanStage::Trajectory);
+        let planned = self.segment_cache.plan_trajectory(cell, steps, &trajectory, execution)??;
+        on_stage(PlanStage::Check);
+        let report = self.checks.check(cell, &planned, &check, execution)?;
         Ok((planned, report))
     }
 

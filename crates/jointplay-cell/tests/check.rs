@@ -1,6 +1,6 @@
 //! Every limit crossed once, each with its message; a wall that only a swept check sees; slip by hand.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 #[expect(dead_code, reason = "one kind of robot is enough here")]
 mod common;
@@ -11,7 +11,7 @@ use common::{A, GRAVITY};
 use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, check};
 use jointplay_cell::geometry::Shape;
-use jointplay_cell::program::{Handover, Path, Phase, Place, Step};
+use jointplay_cell::program::{Handover, Path, Phase, SourceLocation, Step};
 use jointplay_cell::robot::{PlatformModel, WaferTarget};
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
@@ -34,13 +34,14 @@ fn cell() -> Cell {
 fn step(instruction: usize, from: &[f64], to: &[f64]) -> Step {
     Step {
         instruction,
-        place: Place { line: instruction + 10, column: 1 },
+        place: SourceLocation { line: instruction + 10, column: 1 },
         phase: Phase::Move,
         from: from.to_vec(),
         to: to.to_vec(),
         path: Path::PointToPoint,
         speed: 1.0,
         blend: 0.0,
+        postures: None,
         line_speed: None,
         loaded: vec![A],
         handover: None,
@@ -72,15 +73,15 @@ fn kinds(report: &Report) -> BTreeSet<Kind> {
 
 /// Checks the turn in a cell that was changed since, and that just this is broken.
 #[track_caller]
-fn breaks(change: impl FnOnce(&mut Cell), kind: Kind, says: &str) -> Report {
+fn breaks(change: impl FnOnce(&mut Cell), kind: Kind, message: &str) -> Report {
     let mut cell = cell();
     let motion = turn(&cell);
     change(&mut cell);
     let report = check(&cell, &motion, &CheckOptions::default());
     assert_eq!(kinds(&report), BTreeSet::from([kind]), "{:#?}", report.violations);
     assert_eq!(report.verdict, Verdict::Broken);
-    let said = report.violations[0].describe(&cell);
-    assert!(said.contains(says) && said.starts_with("line 10,"), "{said}");
+    let description = report.violations[0].describe(&cell);
+    assert!(description.contains(message) && description.starts_with("line 10,"), "{description}");
     assert!(report.violations.windows(2).all(|pair| pair[0].start <= pair[1].start));
     let counted: usize = report.by_instruction.iter().map(|row| row.violations).sum();
     assert_eq!(counted, report.violations.len());
@@ -170,8 +171,8 @@ fn tilt_play_and_droop_have_their_messages() {
 fn a_platform_that_cannot_be_placed_has_its_message() {
     let hasty = SolveOptions { solver: Solver::Newton, max_iterations: 0, ..Default::default() };
     let model = PlatformModel { virtualization: BuiltIn::Polar, options: hasty };
-    let says = "platform: the newton iteration did not converge in 0 steps: the sides are";
-    let report = breaks(|cell| cell.robot.model = model, Kind::Platform, says);
+    let message = "platform: the newton iteration did not converge in 0 steps: the sides are";
+    let report = breaks(|cell| cell.robot.model = model, Kind::Platform, message);
     // All the time, in both instructions, and nothing else is known meanwhile.
     assert_eq!(report.violations.len(), 2);
     assert_eq!((report.violations[0].start, report.violations[1].end), (0.0, report.duration));
@@ -180,7 +181,7 @@ fn a_platform_that_cannot_be_placed_has_its_message() {
 }
 
 #[test]
-fn a_wafer_slips_where_the_hand_computation_says() {
+fn a_wafer_slips_as_computed_by_hand() {
     let mut cell = cell();
     for axis in &mut cell.robot.axes {
         axis.loaded.velocity = 3.0;
@@ -188,8 +189,8 @@ fn a_wafer_slips_where_the_hand_computation_says() {
     let motion = turn(&cell);
     let center =
         cell.wafer_pose(A, &motion.sample_at(0.0).positions, true).unwrap().translation.vector;
-    // The wafer goes round the first joint, level: tangential and radial acceleration of its middle,
-    // and the turning of a disc about it, borne by its edge, where the pressure stands off by the height of its middle.
+    // The wafer moves around the first joint, level: tangential and radial acceleration of its middle,
+    // and the turning of a disc about it, borne by its edge, where the pressure has an offset of the height of its middle.
     let mount = cell.robot.arms[0].mount;
     let platform = cell.robot.forward(&motion.sample_at(0.0).positions).unwrap().platform;
     let joint = platform.base_from_platform * nalgebra::Point3::from(mount);
@@ -229,7 +230,7 @@ fn a_wafer_slips_where_the_hand_computation_says() {
     }
 }
 
-/// A thin upright wall across the way of the arm's tip, at an angle of T.
+/// A thin upright wall across the path of the arm's tip, at an angle of T.
 fn wall(name: &str, cell: &Cell, angle: f64, radius: f64, thickness: f64) -> Body {
     let positions = [0.5, 0.5, 0.5, angle, 0.9];
     let wafer = cell.wafer_pose(A, &positions, false).unwrap().translation.vector;
@@ -267,12 +268,12 @@ fn a_wall_between_two_samples_is_seen() {
         let link = chain.base_from_link[0][0];
         (link.translation.vector, link.rotation * Vector3::x())
     };
-    // Half way between the samples 0.40 s and 0.41 s of a hundred a second, where the pin goes millimetres a sample.
+    // In the middle between the samples 0.40 s and 0.41 s of a hundred a second, where the pin moves millimetres a sample.
     let (joint, out) = link(0.405);
     let (_, before) = link(0.40);
     let (_, after) = link(0.41);
-    let way = 0.25 * before.angle(&after);
-    assert!(way > 4e-3, "{way}");
+    let travel = 0.25 * before.angle(&after);
+    assert!(travel > 4e-3, "{travel}");
     let along = Rotation3::from_axis_angle(&Vector3::z_axis(), out.y.atan2(out.x));
     let place = joint + out * 0.25;
     cell.bodies.push(Body {
@@ -296,7 +297,7 @@ fn a_wall_between_two_samples_is_seen() {
         BTreeSet::from([Kind::Collision]),
         "no sample is near enough itself"
     );
-    // Beside the way, nothing is hit.
+    // Next to the path, nothing collides.
     cell.bodies[1].carrier_from_shape.translation.vector += out * 0.03;
     let report = check(&cell, &motion, &CheckOptions { rate: 4000.0, near: 0.05 });
     assert_eq!(report.verdict, Verdict::Sound, "{:#?}", report.violations);
@@ -355,12 +356,12 @@ fn least_distances_are_those_of_all_samples() {
         .collect();
     let mut followed = [0; 3];
     for round in 0..600 {
-        // Long and thin, as walls are, near somewhere on the way and often along it.
+        // Long and thin, as walls are, near a part of the path and often along it.
         let near = balls[(random() * balls.len() as f64) as usize % balls.len()];
         let half = [0.02 + 0.4 * random(), 0.002 + 0.05 * random(), 0.01 + 0.1 * random()];
         let spin = 6.3 * random();
-        let lean = if round % 2 == 0 { 0.0 } else { random() };
-        let turn = Rotation3::from_euler_angles(lean, 0.3 * lean, spin);
+        let tilt = if round % 2 == 0 { 0.0 } else { random() };
+        let turn = Rotation3::from_euler_angles(tilt, 0.3 * tilt, spin);
         let off = turn * Vector3::new(0.0, half[1] + 0.06 * random(), 0.0);
         let base_from_wall = Pose::from_parts((near + off).into(), turn);
         let (carrier, frames): (Carrier, Vec<Pose>) = match round % 3 {
@@ -401,7 +402,10 @@ fn least_distances_are_those_of_all_samples() {
             .iter()
             .find(|row| names(&cell, &row.entities).contains(&"wall".to_string()));
         let Some(found) = found else {
-            assert!(least >= CheckOptions::default().near - 1e-9, "{round}: {least} is not told");
+            assert!(
+                least >= CheckOptions::default().near - 1e-9,
+                "{round}: {least} is not reported"
+            );
             continue;
         };
         followed[round % 3] += usize::from(least > 1e-3);
@@ -416,7 +420,7 @@ fn least_distances_are_those_of_all_samples() {
     assert!(followed.iter().all(|&count| count > 40), "{followed:?}");
 }
 
-/// Rows of a droop that comes and goes with the reach, by drop or by slope.
+/// Rows of a droop that varies with the reach, by drop or by slope.
 fn waves(drop: f64, slope: f64) -> Droop {
     let row = |k: u32| {
         let up = f64::from(k % 2);
@@ -473,7 +477,7 @@ fn least_distances_are_those_of_all_samples_however_steep_the_droop() {
             times.iter().filter_map(|&time| still(&cell, time)).fold(f64::INFINITY, f64::min);
         let report = check(&cell, &motion, &options);
         let Some(found) = report.distances.first() else {
-            assert!(least >= options.near - 1e-9, "{round}: {least} is not told");
+            assert!(least >= options.near - 1e-9, "{round}: {least} is not reported");
             continue;
         };
         followed += usize::from(least > 1e-3 && least < 0.9 * options.near);
@@ -490,14 +494,14 @@ fn least_distances_are_those_of_all_samples_however_steep_the_droop() {
 
 #[test]
 fn bodies_too_near_touching_allowed_and_zones() {
-    let standing = cell();
-    let thick = |cell: &mut Cell| cell.bodies.push(wall("wall", &standing, 0.9, 0.6, 0.01));
+    let fixed = cell();
+    let thick = |cell: &mut Cell| cell.bodies.push(wall("wall", &fixed, 0.9, 0.6, 0.01));
     let report = breaks(thick, Kind::Collision, "wafer of A and wall collide");
     assert!(report.violations[0].worst < 0.0);
     assert!(report.by_instruction[0].nearest.as_ref().unwrap().distance == 0.0);
     // Above the wafer by half of the clearance.
     let above = |cell: &mut Cell| {
-        let mut body = wall("lamp", &standing, 0.9, 0.6, 0.01);
+        let mut body = wall("lamp", &fixed, 0.9, 0.6, 0.01);
         body.carrier_from_shape.translation.vector.z += 0.05 + 775e-6 + 5e-4;
         cell.bodies.push(body);
     };
@@ -509,7 +513,7 @@ fn bodies_too_near_touching_allowed_and_zones() {
         base_from_shape: pose,
         shape,
     };
-    let body = wall("", &standing, 0.9, 0.6, 0.01);
+    let body = wall("", &fixed, 0.9, 0.6, 0.01);
     let keep_out = zone(ZoneRule::KeepOut, "door", body.shape, body.carrier_from_shape);
     breaks(|cell| cell.zones.push(keep_out), Kind::KeepOut, "is in keep-out zone door");
     let safe = zone(ZoneRule::Safe, "yard", Shape::Box { half: [0.2; 3] }, at(0.0, 0.0, 0.6));
@@ -705,7 +709,7 @@ fn slow_turn(factor: f64) -> (Cell, Trajectory) {
 
 #[test]
 fn windows_of_samples_change_nothing() {
-    // 44 s each way: three windows at 1000 samples a second, one at 100.
+    // 44 s in each direction: three windows at 1000 samples a second, one at 100.
     let (mut cell, motion) = slow_turn(50.0);
     let length = motion.times[1];
     assert!(length > 35.0 && length < 60.0, "{length}");
@@ -848,8 +852,8 @@ fn a_pose_that_is_lost_between_two_samples_is_reported() {
 }
 
 #[test]
-fn a_keep_out_zone_tells_how_deep() {
-    // The wafer's flat disc over a box that ends 3 mm above its lower face: up is the shortest way out.
+fn a_keep_out_zone_reports_the_penetration_depth() {
+    // The wafer's flat disc over a box that ends 3 mm above its lower face: up is the shortest separation.
     let mut cell = cell();
     cell.wafer.thickness = 1e-3;
     let motion = turn(&cell);
@@ -865,7 +869,7 @@ fn a_keep_out_zone_tells_how_deep() {
     cell.carried = vec![A];
     let report = check(&cell, &motion, &CheckOptions::default());
     let found = report.violations.iter().find(|one| one.kind == Kind::KeepOut).unwrap();
-    // Its thickness adds to the way down, its tilt is none.
+    // Its thickness adds to the separation downwards; it has no tilt.
     assert!((found.worst + 3e-3).abs() < 2e-5, "{found:?}");
     assert!(found.message(&cell).contains("penetration depth"), "{}", found.message(&cell));
 }
@@ -899,12 +903,12 @@ fn the_far_end_of_a_long_body_changes_no_distance() {
     };
     let [long, short] = [100.0, 3.0].map(bar);
     assert!(!short.violations.is_empty() && !short.distances.is_empty());
-    let told = |report: &Report| -> Vec<(Kind, Vec<EntityId>, usize)> {
+    let listed = |report: &Report| -> Vec<(Kind, Vec<EntityId>, usize)> {
         let one =
             |v: &jointplay_cell::check::Violation| (v.kind, v.entities.clone(), v.instruction);
         report.violations.iter().map(one).collect()
     };
-    assert_eq!(told(&long), told(&short));
+    assert_eq!(listed(&long), listed(&short));
     for (one, other) in long.violations.iter().zip(&short.violations) {
         assert!((one.start - other.start).abs() < 2e-3 && (one.end - other.end).abs() < 2e-3);
         assert!((one.worst - other.worst).abs() < 1e-4, "{one:?} {other:?}");

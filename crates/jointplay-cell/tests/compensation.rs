@@ -1,6 +1,6 @@
 //! A wafer on a drooping arm lies at its target, and what cannot be compensated is returned.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 mod common;
 
@@ -154,5 +154,5 @@ fn out_of_reach_error_has_the_span() {
         cell.reach(A, &target, true, &near).unwrap_err().to_string()
     };
     assert!(at(2.0).contains("but span 0 to 0.7 m"), "{}", at(2.0));
-    assert!(at(0.66).contains("the table goes from 0.2 to 0.6 m"), "{}", at(0.66));
+    assert!(at(0.66).contains("the table ranges from 0.2 to 0.6 m"), "{}", at(0.66));
 }

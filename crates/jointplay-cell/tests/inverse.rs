@@ -1,6 +1,6 @@
 //! Properties of the inverse kinematics over random robots, positions and tilts.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 #[expect(dead_code, reason = "robots are enough here")]
 mod common;
@@ -311,10 +311,10 @@ fn branch_selection_names_the_reason() {
     let at = positions(&robot, Tilt::LEVEL, 0.5, [0.5, 0.75, 0.4, 0.0, 0.0]);
     let target = target_of(&robot.effector_pose(&at, A).unwrap(), true);
     let found = robot.inverse(A, &target, &at).unwrap();
-    let standings: Vec<BranchSelection> =
+    let selections: Vec<BranchSelection> =
         found.branches.iter().map(|branch| branch.selection).collect();
     assert_eq!(found.chosen().unwrap().configuration.to_string(), "elbow right");
-    assert!(standings.contains(&BranchSelection::OtherElbow), "{found:#?}");
+    assert!(selections.contains(&BranchSelection::OtherElbow), "{found:#?}");
 
     // The other elbow from the other side; and once it violates a limit, this elbow with the limit.
     let other = found.branches.iter().find(|b| b.selection == BranchSelection::OtherElbow).unwrap();
@@ -410,7 +410,7 @@ fn displacements_of_other_effectors_are_returned() {
     assert!((effect.tilting() - 0.014).abs() < 1e-12);
     assert_eq!(effect.after, robot.effector_pose(&to, other).unwrap());
     assert!(effect.shift().norm() > 1e-3);
-    assert_eq!(to[5], at[5], "its own motor stands still");
+    assert_eq!(to[5], at[5], "its own motor does not move");
 }
 
 #[test]
@@ -418,16 +418,18 @@ fn invalid_targets_are_rejected() {
     let robot = kind(0, [0.2, 0.2, 0.3]);
     let at = positions(&robot, Tilt::LEVEL, 0.5, [0.5; 5]);
     let good = target_of(&robot.effector_pose(&at, A).unwrap(), false);
-    let told = |target: WaferTarget| robot.inverse(A, &target, &at).unwrap_err().to_string();
+    let refusal = |target: WaferTarget| robot.inverse(A, &target, &at).unwrap_err().to_string();
     let down = WaferTarget { normal: -Vector3::z(), ..good };
-    assert!(told(down).contains("does not point up"));
-    assert!(told(WaferTarget { normal: Vector3::zeros(), ..good }).contains("does not point up"));
+    assert!(refusal(down).contains("does not point up"));
+    assert!(
+        refusal(WaferTarget { normal: Vector3::zeros(), ..good }).contains("does not point up")
+    );
     let nan = WaferTarget { center: Vector3::repeat(f64::NAN), ..good };
-    assert_eq!(told(nan), "the wafer's centre is NaN, but has to be a finite number");
+    assert_eq!(refusal(nan), "the wafer's centre is NaN, but has to be a finite number");
     let nan = WaferTarget { heading: Some(f64::INFINITY), ..good };
-    assert_eq!(told(nan), "the heading is inf, but has to be a finite number");
-    let nobody = EffectorId { arm: 0, effector: 1 };
-    assert!(robot.inverse(nobody, &good, &at).unwrap_err().to_string().contains("no effector 1"));
+    assert_eq!(refusal(nan), "the heading is inf, but has to be a finite number");
+    let missing = EffectorId { arm: 0, effector: 1 };
+    assert!(robot.inverse(missing, &good, &at).unwrap_err().to_string().contains("no effector 1"));
     let short = robot.inverse(A, &good, &at[..4]).unwrap_err().to_string();
     assert_eq!(short, "4 positions are given, but the robot has 5 axes");
     assert!(robot.forward(&[f64::NAN; 5]).unwrap_err().to_string().contains("axis q1 is NaN"));

@@ -1,5 +1,5 @@
 //! The range of distances that effectors reach, against many positions of their motors.
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 #[expect(dead_code, reason = "robots are enough here")]
 mod common;

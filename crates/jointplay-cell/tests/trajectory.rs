@@ -1,11 +1,11 @@
 //! Trajectories keep all limits at every sample, agree with their own differences, and end exactly at their goals.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 mod common;
 
 use common::A;
-use jointplay_cell::program::{Path, Phase, Place, Step};
+use jointplay_cell::program::{Path, Phase, SourceLocation, Step};
 use jointplay_cell::robot::{KinematicLimits, RODS, WaferTarget};
 use jointplay_cell::trajectory::{
     MAX_DURATION, Sample, StepErrorKind, Trajectory, TrajectoryOptions, axis_limits,
@@ -36,13 +36,14 @@ fn cell(kind: usize, droop: Droop) -> Cell {
 fn step(from: &[f64], to: &[f64], path: Path, speed: f64, loaded: bool) -> Step {
     Step {
         instruction: 0,
-        place: Place { line: 1, column: 1 },
+        place: SourceLocation { line: 1, column: 1 },
         phase: Phase::Move,
         from: from.to_vec(),
         to: to.to_vec(),
         path,
         speed,
         blend: 0.0,
+        postures: None,
         line_speed: None,
         loaded: if loaded { vec![A] } else { Vec::new() },
         handover: None,
@@ -152,7 +153,7 @@ proptest! {
         kind in 0..common::KINDS,
         shares in shares(),
         tilts in [tilt(), tilt()],
-        way in [-0.06..0.06, -0.06..0.06, -0.02..0.02],
+        displacement in [-0.06..0.06, -0.06..0.06, -0.02..0.02],
         droops: bool,
         loaded: bool,
     ) {
@@ -161,7 +162,7 @@ proptest! {
         let from = positions(&cell, tilts[0], 0.5, shares);
         let start = cell.wafer_pose(A, &from, loaded).unwrap();
         let target = WaferTarget {
-            center: start.translation.vector + Vector3::from(way),
+            center: start.translation.vector + Vector3::from(displacement),
             normal: tilts[1].normal(),
             heading: None,
         };
@@ -204,7 +205,7 @@ proptest! {
         kind in 0..common::KINDS,
         shares in [shares(), shares(), shares()],
         tilts in [tilt(), tilt(), tilt()],
-        way in [-0.06..0.06, -0.06..0.06, -0.02..0.02],
+        displacement in [-0.06..0.06, -0.06..0.06, -0.02..0.02],
         speeds in prop::array::uniform4(0.2..1.0),
         radii in prop::array::uniform4(0.0..0.03),
         loaded: bool,
@@ -213,7 +214,7 @@ proptest! {
         let [a, b, c] = [0, 1, 2].map(|k| positions(&cell, tilts[k], 0.5, shares[k]));
         let start = cell.wafer_pose(A, &b, loaded).unwrap();
         let target = WaferTarget {
-            center: start.translation.vector + Vector3::from(way),
+            center: start.translation.vector + Vector3::from(displacement),
             normal: tilts[2].normal(),
             heading: None,
         };
@@ -273,7 +274,7 @@ fn blended_wafer_stays_within_the_blend_radius() {
             .map(|s| cell.wafer_pose(A, &s.positions, true).unwrap().translation.vector)
             .collect()
     };
-    let way = centers(&apart);
+    let path = centers(&apart);
     let mut before = apart.duration();
     for radius in [0.002, 0.02] {
         let motion = plan_trajectory(&cell, steps(radius), &options).unwrap();
@@ -285,12 +286,12 @@ fn blended_wafer_stays_within_the_blend_radius() {
         let stated =
             (0..4).filter_map(|k| motion.blend(k)).map(|one| one.deviation).fold(0.0, f64::max);
         assert!(stated <= radius && motion.blend(2).is_none());
-        let strays = centers(&motion)
+        let deviation = centers(&motion)
             .iter()
-            .map(|c| way.iter().map(|w| (w - c).norm()).fold(f64::INFINITY, f64::min))
+            .map(|c| path.iter().map(|w| (w - c).norm()).fold(f64::INFINITY, f64::min))
             .fold(0.0, f64::max);
         // The unblended path is known at points a millimetre apart.
-        assert!(strays <= stated + 1e-3, "{strays} {stated}");
+        assert!(deviation <= stated + 1e-3, "{deviation} {stated}");
         // Positions and velocities are continuous where one step ends and the next begins.
         let all: Vec<Sample> = motion.samples(4000.0).collect();
         for pair in all.windows(2) {
@@ -353,12 +354,16 @@ fn trajectory_error_lists_all_invalid_steps() {
         step(&from, &from, Path::Dwell(f64::NAN), 1.0, false),
     ];
     let error = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap_err();
-    let said: Vec<String> = error.steps.iter().map(ToString::to_string).collect();
-    assert_eq!(said.len(), 4, "{said:#?}");
-    assert!(said[0].contains("share of speed is 0"), "{}", said[0]);
-    assert!(said[1].contains("axis 3 starts at"), "{}", said[1]);
-    assert!(said[2].contains("has to end in the positions in which it starts"), "{}", said[2]);
-    assert!(said[3].contains("waits NaN s"), "{}", said[3]);
+    let messages: Vec<String> = error.steps.iter().map(ToString::to_string).collect();
+    assert_eq!(messages.len(), 4, "{messages:#?}");
+    assert!(messages[0].contains("share of speed is 0"), "{}", messages[0]);
+    assert!(messages[1].contains("axis 3 starts at"), "{}", messages[1]);
+    assert!(
+        messages[2].contains("has to end in the positions in which it starts"),
+        "{}",
+        messages[2]
+    );
+    assert!(messages[3].contains("waits NaN s"), "{}", messages[3]);
 }
 
 #[test]
@@ -370,9 +375,9 @@ fn line_with_a_branch_jump_is_rejected() {
     let level = Tilt { yaw: 0.0, pitch: 0.0 };
     let from = positions(&cell, level, 0.5, shares);
     let start = cell.wafer_pose(A, &from, false).unwrap();
-    let way = Vector3::new(0.01986070640874278, -0.05178173816321386, 0.0);
+    let displacement = Vector3::new(0.01986070640874278, -0.05178173816321386, 0.0);
     let target = WaferTarget {
-        center: start.translation.vector + way,
+        center: start.translation.vector + displacement,
         normal: level.normal(),
         heading: None,
     };

@@ -1,6 +1,6 @@
 //! Velocities and accelerations of wafers against differences of their poses.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 mod common;
 
@@ -130,7 +130,7 @@ fn invalid_axis_motions_are_rejected() {
         cell.friction_margin(id, &motion).map(|margin| margin.required)
     };
     assert_eq!(of(&still, id), Ok(0.0));
-    let short = CellError::WrongLength { found: 4, expected: 5 };
+    let short = CellError::LengthMismatch { found: 4, expected: 5 };
     assert_eq!(of(&still[1..], id), Err(Unreachable::Robot(short)));
     let error = of(&[0.0, 0.0, 0.0, f64::NAN, 0.0], id).unwrap_err().to_string();
     assert!(error.contains('T'), "{error}");

@@ -33,7 +33,7 @@ impl RobotArgs {
         let Some(path) = &self.robot else { return Ok(robot::paper()) };
         let source = Source::read(path, LARGEST_ROBOT_FILE)?;
         source.require(&[Kind::ThreeRods], "a three-rod robot")?;
-        robot::parse(&source.text).map_err(|error| Failure::at(&error, &source.label))
+        robot::parse(&source.text).map_err(|errors| Failure::invalid(&errors, &source.label))
     }
 
     /// The robot given as FILE instead of --robot.

@@ -109,6 +109,11 @@ impl Diagnostic {
         let (message, excerpt) = (error.to_string(), error.with_excerpt(file));
         Self { file: file.to_owned(), line, column, message, excerpt }
     }
+
+    /// The errors of a file.
+    pub(crate) fn list<P: std::fmt::Display>(errors: &[place::Error<P>], file: &str) -> Vec<Self> {
+        errors.iter().map(|error| Self::new(error, file)).collect()
+    }
 }
 
 /// Largest number of errors listed in text; JSON lists all.
@@ -201,6 +206,11 @@ impl Failure {
     /// An error at one position of a file.
     pub(crate) fn at<P: std::fmt::Display>(error: &place::Error<P>, file: &str) -> Self {
         Self::Invalid(vec![Diagnostic::new(error, file)])
+    }
+
+    /// All errors of a file.
+    pub(crate) fn invalid<P: std::fmt::Display>(errors: &[place::Error<P>], file: &str) -> Self {
+        Self::Invalid(Diagnostic::list(errors, file))
     }
 
     fn exit_code(&self) -> u8 {

@@ -149,7 +149,7 @@ impl Input {
         let replaced: Vec<(String, f64)> =
             set.iter().map(|one| (one.name.clone(), one.value)).collect();
         let file = mechanism::parse_with(&source.text, &replaced)
-            .map_err(|error| Failure::at(&error, &source.label))?;
+            .map_err(|errors| Failure::invalid(&errors, &source.label))?;
         let coordinates = Coordinates::of(&file);
         Ok(Self { file, coordinates, tolerance: None })
     }

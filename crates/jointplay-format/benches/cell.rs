@@ -4,11 +4,11 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use jointplay_cell::IncrementalPlanner;
 use jointplay_cell::check::{CheckOptions, check};
 use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
+use jointplay_cell::{IncrementalPlanner, PlanOptions};
 use jointplay_format::{cell, program};
 
 fn lot(criterion: &mut Criterion) {
@@ -44,11 +44,7 @@ fn lot(criterion: &mut Criterion) {
         let cells = [cell::EXAMPLE, &moved]
             .map(|text| cell::read(text, &mut |_| Err(String::new())).unwrap());
         let mut memory = IncrementalPlanner::default();
-        let mut plan = |cell: &Cell| {
-            let steps = memory.expand(cell, &read).unwrap();
-            let motion = memory.plan_trajectory(cell, steps, &options).unwrap();
-            memory.check(cell, &motion, &CheckOptions::default())
-        };
+        let mut plan = |cell: &Cell| memory.plan(cell, &read, &PlanOptions::default()).unwrap();
         plan(&cells[0]);
         let mut round = 0;
         group.bench_function(format!("replan, {name} moved"), |bench| {

@@ -36,6 +36,12 @@ pub enum FileProblem {
         /// The value found.
         found: String,
     },
+    /// A whole number beyond 64 bits.
+    #[error("`{key}` is too large for a whole number: write it with a decimal point")]
+    IntegerTooLarge {
+        /// The key.
+        key: String,
+    },
     /// A number that is out of range, infinite or NaN.
     #[error("`{key}` is {}, but has to be {needed}", number(*.value))]
     OutOfRange {

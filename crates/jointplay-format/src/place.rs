@@ -1,8 +1,6 @@
-//! Where in a file something is wrong, for every file of TOML that is read strictly.
+//! Errors of files with their places: line, column and excerpt.
 
 use std::ops::Range;
-
-use serde::de::DeserializeOwned;
 
 /// Most names listed in a message.
 const MOST_LISTED: usize = 16;
@@ -10,17 +8,17 @@ const MOST_LISTED: usize = 16;
 /// Longest part of a line that a message shows, in characters.
 const LONGEST_LINE: usize = 160;
 
-/// Longest part of it before the place that is meant, in characters.
+/// Longest part of a line before the place, in characters.
 const LONGEST_BEFORE: usize = 80;
 
-/// Where in a file something is wrong.
+/// A position in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
     /// Line, counted from 1.
     pub line: usize,
     /// Column in characters, counted from 1.
     pub column: usize,
-    /// How many characters are meant.
+    /// Number of characters.
     pub width: usize,
     /// The line itself.
     pub text: String,
@@ -43,13 +41,13 @@ impl Place {
     }
 }
 
-/// Why a file is refused, and where.
+/// An error of a file with its place.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{problem}")]
 pub struct Error<P> {
     /// Where in the file.
     pub place: Place,
-    /// What is wrong there.
+    /// The error.
     pub problem: Box<P>,
 }
 
@@ -62,13 +60,13 @@ impl<P> Error<P> {
 }
 
 impl<P: std::fmt::Display> Error<P> {
-    /// The whole message: file, line and column, the line itself, and a caret under what is meant.
+    /// The whole message: file, line and column, the line itself, and carets under the place.
     #[must_use]
     pub fn with_excerpt(&self, file: &str) -> String {
         let Place { line, column, width, text } = &self.place;
         let number = line.to_string();
         let gutter = " ".repeat(number.len());
-        // Of a long line only what stands around the place; tabs as one space each, as the carets count them.
+        // Of a long line only the part around the place; a tab is one space, as for the carets.
         let skipped = column.saturating_sub(LONGEST_BEFORE + 1);
         let visible = |letter: char| if letter.is_control() { ' ' } else { letter };
         let shown: String = text.chars().map(visible).skip(skipped).take(LONGEST_LINE).collect();
@@ -85,7 +83,54 @@ impl<P: std::fmt::Display> Error<P> {
     }
 }
 
-/// What can be wrong with the form of any file.
+/// All errors of a file in the order of their places, at least one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Errors<P>(Vec<Error<P>>);
+
+impl<P: std::fmt::Display> Errors<P> {
+    /// The messages with file, line, column and carets, one below the other.
+    #[must_use]
+    pub fn with_excerpt(&self, file: &str) -> String {
+        self.0.iter().map(|error| error.with_excerpt(file)).collect::<Vec<_>>().join("\n")
+    }
+}
+
+impl<P: std::fmt::Display> std::fmt::Display for Errors<P> {
+    fn fmt(&self, to: &mut std::fmt::Formatter) -> std::fmt::Result {
+        for (index, error) in self.0.iter().enumerate() {
+            let line_break = if index > 0 { "\n" } else { "" };
+            write!(to, "{line_break}line {}: {error}", error.place.line)?;
+        }
+        Ok(())
+    }
+}
+
+impl<P: std::fmt::Debug + std::fmt::Display> std::error::Error for Errors<P> {}
+
+impl<P> From<Vec<Error<P>>> for Errors<P> {
+    fn from(errors: Vec<Error<P>>) -> Self {
+        Self(errors)
+    }
+}
+
+impl<P> std::ops::Deref for Errors<P> {
+    type Target = [Error<P>];
+
+    fn deref(&self) -> &[Error<P>] {
+        &self.0
+    }
+}
+
+impl<P> IntoIterator for Errors<P> {
+    type Item = Error<P>;
+    type IntoIter = std::vec::IntoIter<Error<P>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter()
+    }
+}
+
+/// Errors in the form of any file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Form {
@@ -99,99 +144,18 @@ pub enum Form {
         /// All keys known there.
         known: Vec<String>,
     },
-    /// Not TOML, a missing key, or a value of the wrong type.
+    /// Invalid TOML.
     #[error("{message}")]
     Malformed {
-        /// What the TOML reader says.
+        /// The message of the TOML parser.
         message: String,
     },
-}
-
-/// Reads TOML into the tables of a file.
-pub fn read<T: DeserializeOwned, P: From<Form>>(text: &str) -> Result<T, Error<P>> {
-    toml::from_str(text).map_err(|error| {
-        let span = error.span().unwrap_or(0..0);
-        let form = form(error.message(), text.get(span.clone()).unwrap_or_default());
-        Error::at(text, span, form.into())
-    })
 }
 
 /// A message of the TOML reader about syntax, as one of ours.
 pub(crate) fn malformed(message: &str) -> Form {
     let message = message.replace('\n', " ");
-    let too_large = message.contains("too large to fit") || message.contains("too small to fit");
-    let message = if too_large {
-        "the whole number is too large: write it with a decimal point".to_owned()
-    } else {
-        message
-    };
     Form::Malformed { message }
-}
-
-/// A message of the TOML reader as one of ours.
-///
-/// # Arguments
-/// * `found` – the part of the file that the message is about
-fn form(message: &str, found: &str) -> Form {
-    // serde names the unknown key and the known ones between backticks; a test holds it to that.
-    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    match quoted.split_first() {
-        // The reader passes dates on as tables with a key of its own.
-        Some((&key, _)) if key.starts_with("$__") => {
-            Form::Malformed { message: "found a date, which has no place here".to_owned() }
-        }
-        Some((&key, known)) if message.starts_with("unknown field") => Form::UnknownKey {
-            key: key.to_owned(),
-            nearest: nearest(key, known.iter().copied()),
-            known: known.iter().map(|&name| name.to_owned()).collect(),
-        },
-        Some((&key, _)) if message.starts_with("missing field") => {
-            Form::Malformed { message: format!("missing key `{key}`") }
-        }
-        _ => match misfit(message, found) {
-            Some(message) => Form::Malformed { message },
-            None => malformed(message),
-        },
-    }
-}
-
-/// A message about a value of the wrong type, in the words of TOML instead of those of Rust.
-fn misfit(message: &str, found: &str) -> Option<String> {
-    let (head, needed) = message.rsplit_once(", expected ")?;
-    let value = ["invalid type: ", "invalid value: ", "invalid length "]
-        .into_iter()
-        .find_map(|prefix| head.strip_prefix(prefix))?;
-    let needed = match needed {
-        "f64" | "f32" => "a number",
-        "i64" | "i32" => "a whole number",
-        "usize" | "u64" | "u32" | "u16" | "u8" => "a whole number of 0 or more",
-        "a sequence" => "a list",
-        "a map" => "a table",
-        "a boolean" => "true or false",
-        "a string" => "a text",
-        other if other.starts_with("struct ") => "a table",
-        other if other.contains("toml") || other.contains("Spanned") => "another value",
-        other => other,
-    };
-    let quoted = value.split('`').nth(1).unwrap_or_default();
-    let value = if value.starts_with("integer") || value.starts_with("floating point") {
-        let shown = quoted.parse().map_or_else(|_| quoted.to_owned(), crate::number::number);
-        format!("the number {shown}")
-    } else if value.starts_with("boolean") {
-        quoted.to_owned()
-    } else if let Some(text) = value.strip_prefix("string ") {
-        format!("the text {}", shortened(text))
-    } else {
-        let first = found.trim_start().chars().next().unwrap_or_default();
-        match value {
-            "map" if first.is_ascii_digit() => "a date".to_owned(),
-            "map" => "a table".to_owned(),
-            "sequence" => "a list".to_owned(),
-            length if length.parse::<usize>().is_ok() => "a list".to_owned(),
-            _ => "another value".to_owned(),
-        }
-    };
-    Some(format!("expected {needed}, found {value}"))
 }
 
 /// A text for a message, with `…` in place of what is beyond forty characters.
@@ -242,7 +206,7 @@ mod tests {
 
     #[test]
     fn of_a_long_line_the_part_around_the_place_is_shown() {
-        let text = format!("{}\twrong{}", "a".repeat(500), "b".repeat(500));
+        let text = format!("{}\tfault{}", "a".repeat(500), "b".repeat(500));
         let error = Error::at(&text, 501..506, Form::Malformed { message: "no".to_owned() });
         let shown = error.with_excerpt("x");
         let lines: Vec<Vec<char>> = shown.lines().map(|line| line.chars().collect()).collect();
@@ -250,7 +214,7 @@ mod tests {
         assert_eq!(lines[2].len(), "1 | ".len() + LONGEST_LINE + 2);
         let carets = lines[3].iter().position(|&letter| letter == '^').unwrap();
         assert_eq!(lines[3].len() - carets, 5);
-        assert_eq!(lines[2][carets..carets + 5].iter().collect::<String>(), "wrong");
+        assert_eq!(lines[2][carets..carets + 5].iter().collect::<String>(), "fault");
         assert!(!shown.contains('\t'));
     }
 }

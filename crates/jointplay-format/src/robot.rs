@@ -72,8 +72,11 @@ impl Mesh {
     }
 }
 
-/// An error of a robot file, with its place.
+/// An error of a robot file with its place.
 pub type Error = crate::place::Error<Problem>;
+
+/// All errors of a robot file.
+pub type Errors = crate::place::Errors<Problem>;
 
 /// Errors of robot files.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -141,23 +144,8 @@ pub fn paper() -> Robot {
 /// Reads a robot file.
 ///
 /// # Errors
-/// The first of the errors that [`parse_all`] returns.
-pub fn parse(text: &str) -> Result<Robot, Error> {
-    parse_all(text).map_err(|mut errors| {
-        // A misspelled key is unknown and missing: the first error names the key that is there.
-        let is_missing = |error: &Error| {
-            matches!(&*error.problem, Problem::Common(FileProblem::MissingKey { .. }))
-        };
-        let first = errors.iter().position(|error| !is_missing(error)).unwrap_or(0);
-        errors.swap_remove(first)
-    })
-}
-
-/// Reads a robot file.
-///
-/// # Errors
 /// All errors in the order of their places, at least one: invalid TOML, missing or unknown keys, values of another type, numbers that are out of range or define no robot.
-pub fn parse_all(text: &str) -> Result<Robot, Vec<Error>> {
+pub fn parse(text: &str) -> Result<Robot, Errors> {
     let reader = Reader::new(text);
     let document = reader.parse();
     let top = Table::new(&reader, "a robot", document.get_ref(), 0..0);
@@ -330,7 +318,7 @@ mod tests {
         {
             let error = with(&format!("kind = \"gpr\"\nplatform_mesh = \"{path}\"")).unwrap_err();
             assert!(error.to_string().contains("within the robot file's folder"), "{error}");
-            assert_eq!(error.place.line, 7);
+            assert_eq!(error[0].place.line, 7);
         }
         for path in ["base.step", "base", "stl"] {
             let error = with(&format!("kind = \"gpr\"\nbase_mesh = \"{path}\"")).unwrap_err();
@@ -342,7 +330,7 @@ mod tests {
     #[track_caller]
     fn refuse(from: &str, to: &str, line: usize, message: &str) {
         assert!(PAPER.contains(from), "{from:?} is not in the file");
-        let errors = parse_all(&PAPER.replacen(from, to, 1)).unwrap_err();
+        let errors = parse(&PAPER.replacen(from, to, 1)).unwrap_err();
         let found = errors
             .iter()
             .any(|error| error.to_string().contains(message) && error.place.line == line);
@@ -355,14 +343,13 @@ mod tests {
         let text = PAPER
             .replacen("socket_radius_mm = 93.218", "socket_radius_mm = \"93\"\ncolor = 3", 1)
             .replacen("tilt_deg = 1.5", "tilt_deg = nan", 1);
-        let errors = parse_all(&text).unwrap_err();
+        let errors = parse(&text).unwrap_err();
         let found: Vec<(usize, String)> =
             errors.iter().map(|error| (error.place.line, error.to_string())).collect();
         assert_eq!(found.len(), 3, "{found:?}");
         assert!(found[0].1.contains("has to be a number") && found[0].0 == 13, "{found:?}");
         assert!(found[1].1.contains("unknown key `color`") && found[1].0 == 14, "{found:?}");
         assert!(found[2].1.contains("`tilt_deg` is not a number") && found[2].0 == 29, "{found:?}");
-        assert_eq!(parse(&text).unwrap_err(), errors[0]);
     }
 
     #[test]

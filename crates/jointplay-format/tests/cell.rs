@@ -10,7 +10,7 @@ use jointplay_cell::station::{Approach, Origin, SlotId, Stroke};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Tilt;
-use jointplay_format::cell::{Change, EXAMPLE, MAX_TRIANGLES, Problem, read, set_station};
+use jointplay_format::cell::{Change, EXAMPLE, Errors, MAX_TRIANGLES, Problem, read, set_station};
 use jointplay_format::program;
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -19,7 +19,7 @@ fn no_files(name: &str) -> Result<Vec<u8>, String> {
     Err(format!("there is no {name}"))
 }
 
-fn problems(text: &str) -> Vec<Problem> {
+fn problems(text: &str) -> Errors {
     read(text, &mut no_files).unwrap_err()
 }
 
@@ -131,7 +131,7 @@ fn errors_name_their_place_and_the_allowed_values() {
     refuse(
         "robot = \"dual-arm\"",
         "robot = \"dual\"",
-        "robot with arms \"dual\" is not known (did you mean `dual-arm`?); known: dual-arm, radial-arm, or a file ….toml",
+        "robot with arms \"dual\" is not known (did you mean `dual-arm`?); known: dual-arm, radial-arm, scara-3r, scara-4r, or a file ….toml",
     );
     refuse("robot = \"dual-arm\"", "robot = \"mine.toml\"", "there is no mine.toml");
     refuse("robot = \"dual-arm\"", "robot = \"../mine.toml\"", "within the cell file's folder");
@@ -226,7 +226,7 @@ fn missing_keys_of_a_station_are_named() {
 }
 
 /// The example with other lines in place of the position of LP1.
-fn placed(lines: &str) -> Result<Cell, Vec<Problem>> {
+fn placed(lines: &str) -> Result<Cell, Errors> {
     let from = "position_mm = [-495.0, 495.0, 500.0]";
     assert!(EXAMPLE.contains(from));
     read(&EXAMPLE.replacen(from, lines, 1), &mut no_files)
@@ -477,7 +477,7 @@ station = [
 ";
     let stations = |text: &str| {
         let found = read(text, &mut no_files);
-        let fail = |problems: Vec<Problem>| panic!("{}", problems[0].with_excerpt("x.toml"));
+        let fail = |problems: Errors| panic!("{}", problems[0].with_excerpt("x.toml"));
         found.unwrap_or_else(fail).stations
     };
     assert!(matches!(stations(text)[1].origin, Origin::Drift(_)));

@@ -9,7 +9,7 @@ type Read = fn(&str) -> Option<String>;
 
 /// One file of every kind, with its reader.
 fn files() -> Vec<(&'static str, String, Read)> {
-    fn all(problems: Vec<cell::Problem>) -> String {
+    fn all(problems: cell::Errors) -> String {
         problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
     }
     let mechanism: Read = |text| mechanism::parse(text).err().map(|error| error.to_string());
@@ -182,6 +182,83 @@ fn after_an_error_of_syntax_nothing_else_is_reported_of_a_cell() {
         let problems = read(&changed.join("\n"));
         assert_eq!(problems.len(), 1, "{line}: {problems:?}");
         assert_eq!(problems[0].place.line, number + 1, "{line}: {}", problems[0]);
+    }
+}
+
+/// Phrases of the library that parses TOML into types.
+const PHRASES: [&str; 6] =
+    ["invalid type", "invalid value", "missing field", "unknown field", "at line", "expected a "];
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn mutated_files_are_refused_in_the_words_of_the_field(
+        file in 0..100_usize,
+        cuts in proptest::collection::vec(
+            (0.0..1.0, 0..30_usize, "[-\\[\\]\"={},.0-9a\n ]{0,3}|1979-05-27|nan|true"), 1..4
+        ),
+    ) {
+        let mut files = files();
+        let (kind, mut text, read) = files.swap_remove(file % files.len());
+        for (part, length, replacement) in cuts {
+            let start = text.floor_char_boundary((part * text.len() as f64) as usize);
+            let end = text.floor_char_boundary((start + length).min(text.len()));
+            text.replace_range(start..end, &replacement);
+        }
+        if let Some(message) = read(&text) {
+            proptest::prop_assert!(!message.is_empty(), "{kind}");
+            // Syntax errors are in the words of TOML.
+            let is_about_syntax = toml::de::DeTable::parse(&text).is_err();
+            let phrase = PHRASES.iter().find(|phrase| message.contains(**phrase));
+            proptest::prop_assert!(is_about_syntax || phrase.is_none(), "{kind}: {message}");
+        }
+    }
+
+    #[test]
+    fn unknown_keys_of_two_tables_are_both_reported(
+        file in 0..100_usize, one in 0..1000_usize, other in 0..1000_usize,
+    ) {
+        let mut files = files();
+        let (kind, text, read) = files.swap_remove(file % files.len());
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let is_header = |line: &String| line.starts_with('[') && line != "[parameters]";
+        let headers: Vec<usize> = (0..lines.len()).filter(|&k| is_header(&lines[k])).collect();
+        if headers.len() < 2 {
+            return Ok(());
+        }
+        let (one, other) = (one % headers.len(), other % headers.len());
+        for (index, key) in [(one, "unknown_one = 1"), (other, "unknown_other = 1")] {
+            lines[headers[index]] += "\n";
+            lines[headers[index]] += key;
+        }
+        let message = read(&lines.join("\n")).unwrap_or_default();
+        for key in ["`unknown_one`", "`unknown_other`"] {
+            proptest::prop_assert!(message.contains(key), "{kind}: {message}");
+        }
+    }
+
+    #[test]
+    fn invalid_values_of_two_keys_are_both_reported(one in 0..1000_usize, other in 0..1000_usize) {
+        let text = include_str!("../src/mechanism/sample.toml");
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        // A date is invalid for every key.
+        let is_key = |line: &String| line.contains(" = ") && !line.starts_with(' ');
+        let keys: Vec<usize> = (0..lines.len()).filter(|&k| is_key(&lines[k])).collect();
+        let chosen = [keys[one % keys.len()], keys[other % keys.len()]];
+        for line in chosen {
+            let key = lines[line].split(" = ").next().unwrap_or_default().to_owned();
+            // `frames` has several lines.
+            if key == "frames" || key == "kind" && line == 0 {
+                return Ok(());
+            }
+            lines[line] = format!("{key} = 1979-05-27");
+        }
+        let errors = mechanism::parse(&lines.join("\n")).unwrap_err();
+        for line in chosen {
+            let is_reported = errors.iter().any(|error| error.place.line == line + 1);
+            proptest::prop_assert!(is_reported, "line {}: {errors}", line + 1);
+        }
     }
 }
 

@@ -3,8 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "tests may")]
 
 use jointplay_cell::program::{
-    AxisTarget, Command, Instruction, MAX_CALLS, Name, Place, Program, Routine, SlotName,
-    SlotNumber,
+    AxisTarget, Command, Instruction, MAX_CALLS, Name, Program, Routine, SlotName, SlotNumber,
+    SourceLocation,
 };
 use jointplay_cell::robot::AxisKind;
 use jointplay_core::spatial::Tilt;
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 
 /// A name whose place is of no matter.
 fn name(text: &str) -> Name {
-    Name { text: text.to_owned(), place: Place::default() }
+    Name { text: text.to_owned(), place: SourceLocation::default() }
 }
 
 fn slot(station: &str, slot: Option<SlotNumber>) -> SlotName {
@@ -21,14 +21,14 @@ fn slot(station: &str, slot: Option<SlotNumber>) -> SlotName {
 }
 
 fn fixed(number: usize) -> Option<SlotNumber> {
-    Some(SlotNumber::Fixed { number, place: Place::default() })
+    Some(SlotNumber::Fixed { number, place: SourceLocation::default() })
 }
 
 /// The same program without the places of its parts.
 fn anywhere(mut program: Program) -> Program {
     program.body.iter_mut().for_each(forget);
     for routine in &mut program.routines {
-        routine.name.place = Place::default();
+        routine.name.place = SourceLocation::default();
         routine.body.iter_mut().for_each(forget);
     }
     program
@@ -36,22 +36,22 @@ fn anywhere(mut program: Program) -> Program {
 
 fn forget(instruction: &mut Instruction) {
     fn at(slot: &mut SlotName) {
-        slot.station.place = Place::default();
+        slot.station.place = SourceLocation::default();
         match &mut slot.slot {
-            Some(SlotNumber::Fixed { place, .. }) => *place = Place::default(),
-            Some(SlotNumber::Counted { counter, .. }) => counter.place = Place::default(),
+            Some(SlotNumber::Fixed { place, .. }) => *place = SourceLocation::default(),
+            Some(SlotNumber::Counted { counter, .. }) => counter.place = SourceLocation::default(),
             None => {}
         }
     }
     fn of(name: &mut Option<Name>) {
         if let Some(name) = name {
-            name.place = Place::default();
+            name.place = SourceLocation::default();
         }
     }
-    instruction.place = Place::default();
+    instruction.place = SourceLocation::default();
     match &mut instruction.command {
         Command::Move { targets } => {
-            targets.iter_mut().for_each(|target| target.axis.place = Place::default());
+            targets.iter_mut().for_each(|target| target.axis.place = SourceLocation::default());
         }
         Command::MoveLine { effector, .. } => of(effector),
         Command::Get { from: slot, effector }
@@ -67,10 +67,10 @@ fn forget(instruction: &mut Instruction) {
         }
         Command::Swap { at: slot, get, put } => {
             at(slot);
-            get.place = Place::default();
-            put.place = Place::default();
+            get.place = SourceLocation::default();
+            put.place = SourceLocation::default();
         }
-        Command::Call { routine } => routine.place = Place::default(),
+        Command::Call { routine } => routine.place = SourceLocation::default(),
         Command::Repeat { counter, body, .. } => {
             of(counter);
             body.iter_mut().for_each(forget);
@@ -163,18 +163,18 @@ fn blocks_contain_the_lines_up_to_their_end() {
     let text = "\u{feff}call twice\r\n\r\nROUTINE twice # here\r\n  repeat 2 as n\r\n    REPEAT 3\n HOME\nEND\n  END\nEND\nHOME";
     let program = parse(text).unwrap();
     assert_eq!(program.body.len(), 2);
-    assert_eq!(program.body[1].place, Place { line: 10, column: 1 });
+    assert_eq!(program.body[1].place, SourceLocation { line: 10, column: 1 });
     let [routine] = &program.routines[..] else { panic!() };
     assert_eq!(
         routine.name,
-        Name { text: "twice".to_owned(), place: Place { line: 3, column: 9 } }
+        Name { text: "twice".to_owned(), place: SourceLocation { line: 3, column: 9 } }
     );
     let Command::Repeat { times: 2, counter: Some(counter), body } = &routine.body[0].command
     else {
         panic!()
     };
     assert_eq!(counter.text, "n");
-    assert_eq!(routine.body[0].place, Place { line: 4, column: 3 });
+    assert_eq!(routine.body[0].place, SourceLocation { line: 4, column: 3 });
     let Command::Repeat { times: 3, counter: None, body } = &body[0].command else { panic!() };
     assert_eq!(body[0].command, Command::Home);
 }
@@ -336,7 +336,8 @@ fn commands() -> impl Strategy<Value = Command> {
 }
 
 fn bodies(commands: impl Strategy<Value = Command>) -> impl Strategy<Value = Vec<Instruction>> {
-    let instruction = commands.prop_map(|command| Instruction { place: Place::default(), command });
+    let instruction =
+        commands.prop_map(|command| Instruction { place: SourceLocation::default(), command });
     proptest::collection::vec(instruction, 0..4)
 }
 

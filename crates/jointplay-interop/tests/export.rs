@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::check::{CheckOptions, PoseContext, check_pose};
-use jointplay_cell::program::{Handover, Path, Phase, Place, Step, expand};
+use jointplay_cell::program::{Handover, Path, Phase, SourceLocation, Step, expand};
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
     PlatformModel,
@@ -122,13 +122,14 @@ fn motion(cell: &Cell) -> Trajectory {
     (out[3], out[4]) = (0.7, 1.1);
     let step = |instruction: usize, phase, from: &[f64], to: &[f64], path| Step {
         instruction,
-        place: Place { line: instruction + 1, column: 1 },
+        place: SourceLocation { line: instruction + 1, column: 1 },
         phase,
         from: from.to_vec(),
         to: to.to_vec(),
         path,
         speed: 1.0,
         blend: 0.0,
+        postures: None,
         line_speed: None,
         loaded: vec![],
         handover: None,

@@ -73,12 +73,13 @@ fn a_loop_joint_is_given_by_a_frame_on_each_link() {
 fn refuse(from: &str, to: &str, blamed: &str, message: &str) {
     assert!(LOOPS.contains(from), "{from:?} is not in the file");
     let chain = parse(CRANKS).unwrap().mechanism;
-    let error = with_loops(&chain, &LOOPS.replacen(from, to, 1)).unwrap_err();
-    let shown = error.with_excerpt("loops.toml");
-    assert!(error.to_string().contains(message), "{shown}");
-    let place = &error.place;
-    let found: String = place.text.chars().skip(place.column - 1).take(place.width).collect();
-    assert_eq!(found, blamed, "{shown}");
+    let errors = with_loops(&chain, &LOOPS.replacen(from, to, 1)).unwrap_err();
+    let is_blamed = errors.iter().any(|error| {
+        let place = &error.place;
+        let found: String = place.text.chars().skip(place.column - 1).take(place.width).collect();
+        error.to_string().contains(message) && found == blamed
+    });
+    assert!(is_blamed, "{}", errors.with_excerpt("loops.toml"));
 }
 
 #[test]

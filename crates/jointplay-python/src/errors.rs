@@ -36,17 +36,21 @@ pub(crate) fn unknown_name(py: Python<'_>, what: &str, found: &str, known: &[Str
     new(py, "UnknownNameError", &message, facts())
 }
 
-/// Why a file is refused, with the place in it.
+/// A `FileError` with the messages of all errors of a file, and the place of the first.
 pub(crate) fn file<P: std::fmt::Display>(
     py: Python<'_>,
     label: &str,
-    error: &place::Error<P>,
+    errors: &[place::Error<P>],
 ) -> PyErr {
     let facts = || {
-        let place = &error.place;
-        Ok(fields!(py; file = label, line = place.line, column = place.column))
+        let (line, column) = errors.first().map_or((0, 0), |error| {
+            let place = &error.place;
+            (place.line, place.column)
+        });
+        Ok(fields!(py; file = label, line = line, column = column))
     };
-    new(py, "FileError", &error.with_excerpt(label), facts())
+    let messages: Vec<String> = errors.iter().map(|error| error.with_excerpt(label)).collect();
+    new(py, "FileError", &messages.join("\n"), facts())
 }
 
 /// An error of the core.

@@ -447,7 +447,7 @@ impl PyGpr {
 
 impl PyGpr {
     fn parse(py: Python<'_>, text: &str, label: &str) -> PyResult<Self> {
-        let robot = robot::parse(text).map_err(|error| errors::file(py, label, &error))?;
+        let robot = robot::parse(text).map_err(|found| errors::file(py, label, &found))?;
         Ok(Self { name: robot.name, gpr: robot.gpr })
     }
 }

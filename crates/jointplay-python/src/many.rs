@@ -2,7 +2,7 @@
 
 use jointplay::bulk::{Column, Quantity, Status, StatusCounts, parts};
 use jointplay::gpr::Gpr;
-use jointplay::study::parallel;
+use jointplay::study::parallel::{self, PoseColumns};
 use jointplay::virtualization::SolveOptions;
 use numpy::PyArray;
 use pyo3::prelude::*;
@@ -216,9 +216,9 @@ pub(crate) fn inverse<'py>(
         let [yaw, pitch, height] = columns;
         match &threads {
             Threads::Here => gpr.inverse_many(yaw, pitch, height, status, rods),
-            Threads::Pool(pool) => {
-                pool.install(|| parallel::inverse_many(gpr, columns, status, rods))
-            }
+            Threads::Pool(pool) => pool.install(|| {
+                parallel::inverse_many(gpr, PoseColumns { yaw, pitch, height }, status, rods)
+            }),
         }
     })?;
     let fields = fields!(py; rods_m = output.array);

@@ -249,7 +249,7 @@ impl PyMechanism {
         parameters: Vec<(String, f64)>,
     ) -> PyResult<Self> {
         let file = mechanism::parse_with(&text, &parameters)
-            .map_err(|error| errors::file(py, label, &error))?;
+            .map_err(|found| errors::file(py, label, &found))?;
         let coordinates = Coordinates::of(&file);
         Ok(Self { file, coordinates, text, parameters, closing: None, ignored: Vec::new() })
     }
@@ -261,12 +261,12 @@ impl PyMechanism {
         label: &str,
         closing: Option<(String, String)>,
     ) -> PyResult<Self> {
-        let model = import::parse(&text).map_err(|error| errors::file(py, label, &error))?;
+        let model = import::parse(&text).map_err(|error| errors::file(py, label, &[error]))?;
         let ignored = model.ignored.clone();
         let mut file = model.into_file();
         if let Some((label, text)) = &closing {
             file.mechanism = mechanism::with_loops(&file.mechanism, text)
-                .map_err(|error| errors::file(py, label, &error))?;
+                .map_err(|found| errors::file(py, label, &found))?;
         }
         let coordinates = Coordinates::of(&file);
         let closing = closing.map(|(_, text)| text);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use jointplay_cell::check::{Report, Share, Verdict, Violation};
-use jointplay_cell::program::{HandoverDeflection, Place, handover_deflections};
+use jointplay_cell::program::{HandoverDeflection, SourceLocation, handover_deflections};
 use jointplay_cell::robot::AxisKind;
 use jointplay_cell::station::Origin;
 use jointplay_cell::trajectory::{Blend, LineDeviation, Trajectory};
@@ -362,7 +362,7 @@ fn most<T>(all: &[T], of: impl Fn(&T) -> f64) -> f64 {
 /// # Arguments
 /// * `file` – name of the program
 #[must_use]
-pub fn excerpt(program: &str, at: Place, message: &str, file: &str) -> String {
+pub fn excerpt(program: &str, at: SourceLocation, message: &str, file: &str) -> String {
     let text = program.lines().nth(at.line.wrapping_sub(1)).unwrap_or_default();
     let command = text.split('#').next().unwrap_or_default().trim_end();
     let width = command.chars().count().saturating_sub(at.column.saturating_sub(1));

@@ -131,7 +131,7 @@ fn short(value: f64, decimals: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use jointplay_cell::program::{Phase, Place};
+    use jointplay_cell::program::{Phase, SourceLocation};
 
     #[test]
     fn numbers_have_three_decimals_or_two_significant_digits() {
@@ -153,7 +153,7 @@ mod tests {
             kind: Kind::Clearance,
             entities: Vec::new(),
             instruction: 0,
-            place: Place::default(),
+            place: SourceLocation::default(),
             step: 0,
             phase: Phase::Move,
             start: 0.0,

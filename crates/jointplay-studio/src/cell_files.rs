@@ -47,7 +47,7 @@ impl CellFiles {
     #[must_use]
     pub fn errors(&self) -> Vec<String> {
         let label = self.path.as_ref().map_or_else(String::new, |path| path.display().to_string());
-        let problems = self.parse(&self.cell).err().unwrap_or_default();
+        let Err(problems) = self.parse(&self.cell) else { return Vec::new() };
         problems.iter().map(|problem| problem.with_excerpt(&label)).collect()
     }
 
@@ -88,7 +88,7 @@ impl CellFiles {
     }
 
     /// Parses the text of a cell file; files that it names are looked up in the folder of this cell file.
-    pub(crate) fn parse(&self, text: &str) -> Result<Cell, Vec<cell::Problem>> {
+    pub(crate) fn parse(&self, text: &str) -> Result<Cell, cell::Errors> {
         let folder = self.path.as_deref().and_then(Path::parent);
         cell::read(text, &mut |name| {
             let folder = folder.ok_or("the built-in example has no folder to read files from")?;

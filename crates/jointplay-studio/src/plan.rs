@@ -4,10 +4,15 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
 use jointplay::cell::check::Report;
-use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, name_errors};
-use jointplay::cell::trajectory::{Trajectory, TrajectoryError, TrajectoryOptions};
+use jointplay::cell::program::{
+    Command, Instruction, Program, ProgramError, SourceLocation, expand, name_errors,
+};
+use jointplay::cell::trajectory::{
+    Trajectory, TrajectoryError, TrajectoryOptions, plan_trajectory,
+};
 use jointplay::cell::workcell::Cell;
-use jointplay::cell::{IncrementalPlanner, Interrupted, PlanError, PlanOptions, Stop};
+use jointplay::cell::{IncrementalPlanner, Interrupted, InvalidPart, PlanError, PlanOptions, Stop};
+use jointplay::format::cell::explain::explain;
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::program;
 use jointplay::interop::export::{self, MotionExport, Timeline, ViolationNote};
@@ -115,12 +120,14 @@ impl Plan {
         let readable = errors.is_empty();
         plan.diagnostics.append(&mut errors);
         let Some(cell) = plan.cell.as_ref().filter(|_| readable) else { return Ok(plan) };
-        let error = match memory.plan(cell, &program, &PlanOptions::default(), stop) {
+        let options = PlanOptions { stop, ..PlanOptions::default() };
+        let error = match memory.plan(cell, &program, &options) {
             Ok((motion, report)) => {
                 plan.take(motion, &report, last, stop)?;
                 return Ok(plan);
             }
             Err(PlanError::Interrupted(interrupted)) => return Err(interrupted),
+            Err(PlanError::Cell(invalid)) => PlanningError::Cell(invalid),
             Err(PlanError::Program(errors)) => PlanningError::Steps(errors),
             Err(PlanError::Trajectory(error)) => PlanningError::Times(error),
         };
@@ -186,6 +193,7 @@ pub(crate) fn key(cell: &str, program: &str) -> String {
 
 /// Why a program has no motion.
 enum PlanningError {
+    Cell(Vec<InvalidPart>),
     Steps(Vec<ProgramError>),
     Times(TrajectoryError),
 }
@@ -200,12 +208,17 @@ impl PlanningError {
             }
         };
         match self {
+            // A cell that was read from a text is valid.
+            Self::Cell(invalid) => invalid.iter().for_each(|one| {
+                let message = explain(&one.error);
+                add(Diagnostic { source: SourceText::Cell, line: 1, column: 1, width: 0, message });
+            }),
             Self::Steps(errors) => errors.iter().for_each(|error| {
                 let error = program::explain(&cell.robot, text, error);
                 add(Diagnostic::new(SourceText::Program, &error.place, error.to_string()));
             }),
             Self::Times(error) => error.steps.iter().for_each(|one| {
-                let Place { line, column } = one.place;
+                let SourceLocation { line, column } = one.place;
                 let message = explain_step(&cell.robot, one);
                 add(Diagnostic { source: SourceText::Program, line, column, width: 0, message });
             }),
@@ -216,10 +229,9 @@ impl PlanningError {
 
 /// A motion with the robot at rest at home.
 pub(crate) fn rest_at_home(cell: &Cell) -> Option<Trajectory> {
-    let place = Place { line: 1, column: 1 };
+    let place = SourceLocation { line: 1, column: 1 };
     let wait = Instruction { place, command: Command::Wait { seconds: 1.0 } };
     let program = Program { body: vec![wait], routines: Vec::new() };
-    let mut memory = IncrementalPlanner::default();
-    let steps = memory.expand(cell, &program).ok()?;
-    memory.plan_trajectory(cell, steps, &TrajectoryOptions::default()).ok()
+    let steps = expand(cell, &program).ok()?;
+    plan_trajectory(cell, steps, &TrajectoryOptions::default()).ok()
 }

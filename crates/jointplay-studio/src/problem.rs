@@ -110,9 +110,9 @@ impl Problem {
 impl From<jointplay::Error> for Problem {
     fn from(error: jointplay::Error) -> Self {
         use jointplay::Error as E;
-        let wrong =
+        let is_invalid_input =
             matches!(error, E::NotFinite { .. } | E::PitchTooLarge { .. } | E::OutOfRange { .. });
-        if wrong {
+        if is_invalid_input {
             Self::new(StatusCode::UNPROCESSABLE_ENTITY, Kind::Input, explain(&error))
         } else {
             Self::new(StatusCode::CONFLICT, Kind::Unsolved, explain(&error))

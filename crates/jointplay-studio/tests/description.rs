@@ -8,9 +8,9 @@ fn the_description_checked_in_is_the_one_served() {
         std::fs::write(file, &served).unwrap();
     }
     let kept = std::fs::read_to_string(file).unwrap_or_default();
-    // Not `assert_eq!`: nobody wants to read both from end to end.
+    // Not `assert_eq!`, which would print both documents completely.
     assert!(
         kept == served,
-        "studio/openapi.json is not what the server says of itself; write it anew by\n  INSTA_UPDATE=always cargo test -p jointplay-studio --test description\nand the page's types by `npm run types` in studio"
+        "studio/openapi.json differs from the description of the server; rewrite it by\n  INSTA_UPDATE=always cargo test -p jointplay-studio --test description\nand the page's types by `npm run types` in studio"
     );
 }

@@ -12,6 +12,17 @@ pub const MOST_THREADS: usize = 1024;
 /// Poses that a core takes at a time: enough to hide handing them out, few enough to stay in its cache.
 const PART: usize = 4096;
 
+/// Poses of the platform as columns of equal length.
+#[derive(Debug, Clone, Copy)]
+pub struct PoseColumns<'a> {
+    /// Yaw of the tilt (rad).
+    pub yaw: Column<'a>,
+    /// Pitch of the tilt (rad).
+    pub pitch: Column<'a>,
+    /// Height on the axis (m).
+    pub height: Column<'a>,
+}
+
 /// [`Gpr::inverse_many`] over the cores of the current thread pool.
 ///
 /// Poses are independent of each other, so that the result is the same to the bit for any number of threads.
@@ -20,10 +31,11 @@ const PART: usize = 4096;
 /// As [`Gpr::inverse_many`].
 pub fn inverse_many(
     gpr: &Gpr,
-    [yaw, pitch, height]: [Column<'_>; 3],
+    poses: PoseColumns<'_>,
     status: &mut [Status],
     rods: [&mut [f64]; 3],
 ) -> Result<StatusCounts, Error> {
+    let PoseColumns { yaw, pitch, height } = poses;
     let [q_1, q_2, q_3] = rods;
     let columns = vec![q_1, q_2, q_3];
     in_parts([yaw, pitch, height], status, columns, |[yaw, pitch, height], status, columns| {

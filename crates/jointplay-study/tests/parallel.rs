@@ -5,7 +5,7 @@ use jointplay_core::Error;
 use jointplay_core::bulk::{Column, Quantity, Status, StatusCounts};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{Polar, SolveOptions, Solver};
-use jointplay_study::parallel;
+use jointplay_study::parallel::{self, PoseColumns};
 
 /// More than two parts, the last of them neither full nor a whole number of lanes; one tilt in a thousand has no rods.
 const POSES: usize = 9_001;
@@ -25,7 +25,8 @@ fn with_threads(threads: usize) -> (Vec<Vec<u64>>, Vec<Status>, StatusCounts) {
     let (mut x, mut twist) = (vec![0.0; POSES], vec![0.0; POSES]);
     let tally = pool.install(|| {
         let gpr = Gpr::paper().without_limit_checks();
-        let given = [yaw[..].into(), pitch[..].into(), Column::constant(&0.5, POSES)];
+        let height = Column::constant(&0.5, POSES);
+        let given = PoseColumns { yaw: yaw[..].into(), pitch: pitch[..].into(), height };
         let columns = rods.each_mut().map(|column| &mut column[..]);
         let tally = parallel::inverse_many(&gpr, given, &mut status, columns).unwrap();
         assert_eq!((tally.count(Status::PitchTooLarge), tally.failed()), (9, 9));

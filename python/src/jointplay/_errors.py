@@ -66,7 +66,7 @@ class UnknownNameError(InputError):
 
 
 class FileError(InputError):
-    """A file is invalid, with the position of the error."""
+    """A file is invalid; the message lists all errors, the attributes give the position of the first."""
 
     file: str
     """Name of the file."""

@@ -73,7 +73,7 @@ export class Study {
           this.count = count;
           this.version += 1;
         }
-        // Batches that have arrived are read without a pause; this lets the page handle events in between.
+        // Batches that have arrived are read without a pause; the page handles events in between.
         if (now - resumed > MAX_BLOCKING_MS) {
           await new Promise((next) => setTimeout(next));
           resumed = performance.now();

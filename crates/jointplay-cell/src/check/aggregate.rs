@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use super::report::{InstructionResult, MinimumDistance, Report, Share, Verdict};
 use super::segment_findings::{SegmentFindings, update_peak};
 use crate::EntityId;
-use crate::collision::{PairResults, Role, Scene, distance_tolerance};
+use crate::collision::{PairResults, Scene, distance_tolerance};
 use crate::trajectory::Trajectory;
 use crate::violation::{Kind, Subject, Violation, ViolationInterval};
 use crate::workcell::Cell;
@@ -204,7 +204,10 @@ impl<'a> Aggregator<'a> {
     }
 
     /// The report of all steps.
-    pub(super) fn into_report(mut self, scene: &Scene<'_>) -> Report {
+    ///
+    /// # Arguments
+    /// * `wafers` – number of different wafers that were placed
+    pub(super) fn into_report(mut self, scene: &Scene<'_>, wafers: usize) -> Report {
         self.end_instruction(scene);
         let mut violations = self.violations;
         violations.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.kind.cmp(&b.kind)));
@@ -229,9 +232,7 @@ impl<'a> Aggregator<'a> {
             .into_iter()
             .map(|(pair, nearest)| minimum_distance(scene, pair, nearest))
             .collect();
-        let wafers =
-            scene.objects.iter().filter(|object| object.role == Role::Wafer && object.was_placed);
-        let (wafers, duration) = (wafers.count(), self.motion.duration());
+        let duration = self.motion.duration();
         let hourly = (wafers > 0 && duration > 0.0).then(|| 3600.0 * wafers as f64 / duration);
         Report {
             verdict: if violations.is_empty() { Verdict::Sound } else { Verdict::Broken },

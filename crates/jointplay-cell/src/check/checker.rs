@@ -14,6 +14,7 @@ use crate::incremental::{
     CacheStats, Execution, Fingerprint, GenerationalCache, Interrupted, compute_missing,
     parallel_map, uninterrupted,
 };
+use crate::program::WaferLocations;
 use crate::trajectory::Trajectory;
 use crate::workcell::{Cell, Zone, ZoneRule};
 
@@ -61,18 +62,21 @@ impl CheckCache {
         self.distances.begin(&shared);
         let mut aggregator = Aggregator::new(cell, trajectory);
         let mut scene = Scene::new(cell, &mut self.colliders);
+        let locations = WaferLocations::of_steps(cell, &trajectory.steps);
         for first in (0..trajectory.steps.len()).step_by(BATCH) {
             let steps = first..(first + BATCH).min(trajectory.steps.len());
             let colliders = &mut self.colliders;
-            let (checks, keys) =
-                SegmentChecks::new(trajectory, steps, options, scene, colliders, execution)?;
+            let transfers = locations.transfers_in(&steps);
+            let (checks, keys) = SegmentChecks::new(
+                trajectory, steps, transfers, options, scene, colliders, execution,
+            )?;
             self.check_batch(&checks, &keys, first, execution, &mut aggregator)?;
             scene = checks.into_last_scene();
         }
         self.colliders.end();
         self.findings.end();
         self.distances.end();
-        Ok(aggregator.into_report(&scene))
+        Ok(aggregator.into_report(&scene, locations.placed_wafers()))
     }
 
     /// Checks successive segments, from the step `first` on.
@@ -156,11 +160,15 @@ impl CheckCache {
 }
 
 /// Checks all segments once, without a cache.
+///
+/// # Arguments
+/// * `placed_wafers` – number of different wafers that were placed before
 pub(super) fn check_uncached(
     cell: &Cell,
     trajectory: &Trajectory,
     checks: SegmentChecks<'_>,
     keys: &[SegmentKey],
+    placed_wafers: usize,
 ) -> Report {
     let mut aggregator = Aggregator::new(cell, trajectory);
     for (step, key) in keys.iter().enumerate() {
@@ -173,7 +181,7 @@ pub(super) fn check_uncached(
         let scene = checks.scene(key);
         aggregator.add(scene, step, &findings, &distances, &candidates.objects);
     }
-    aggregator.into_report(&checks.into_last_scene())
+    aggregator.into_report(&checks.into_last_scene(), placed_wafers)
 }
 
 /// Inputs that all segments share.

@@ -7,7 +7,7 @@ use super::segments::SegmentChecks;
 use crate::collision::Scene;
 use crate::geometry::ColliderCache;
 use crate::incremental::{Execution, uninterrupted};
-use crate::program::{Path, Phase, Place, Step};
+use crate::program::{Path, Phase, SourceLocation, Step, WaferLocations};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::trajectory::{Trajectory, straight};
@@ -86,6 +86,8 @@ struct SceneAtTime<'a> {
     cell: &'a Cell,
     colliders: ColliderCache,
     scene: Scene<'a>,
+    /// Number of different wafers that were placed before.
+    placed_wafers: usize,
     template: Step,
 }
 
@@ -96,9 +98,11 @@ impl<'a> SceneAtTime<'a> {
         colliders.begin();
         let mut scene = Scene::new(cell, &mut colliders);
         let ended = motion.times.iter().skip(1).take_while(|&&end| end <= time).count();
-        for handover in motion.steps.iter().take(ended).filter_map(|step| step.handover) {
-            scene.apply_handover(handover, &mut colliders);
+        let locations = WaferLocations::of_steps(cell, &motion.steps[..ended]);
+        for transfer in locations.transfers() {
+            scene.move_wafer(transfer, &mut colliders);
         }
+        let placed_wafers = locations.placed_wafers();
         let current = motion.steps.get(ended.min(motion.steps.len().saturating_sub(1)));
         let of_step = current.and_then(|step| match step.path {
             Path::Line(id) => Some((id, step.slot?, step.phase)),
@@ -109,19 +113,20 @@ impl<'a> SceneAtTime<'a> {
         let loaded = cell.robot.effectors().filter(|&id| scene.held_wafer(id).is_some());
         let template = Step {
             instruction: 0,
-            place: Place::default(),
+            place: SourceLocation::default(),
             phase: reaches.map_or(Phase::Move, |(.., phase)| phase),
             from: Vec::new(),
             to: Vec::new(),
             path: reaches.map_or(Path::PointToPoint, |(id, ..)| Path::Line(id)),
             speed: 1.0,
             blend: 0.0,
+            postures: None,
             line_speed: None,
             loaded: loaded.collect(),
             handover: None,
             slot: reaches.map(|(_, slot, _)| slot),
         };
-        Self { cell, colliders, scene, template }
+        Self { cell, colliders, scene, placed_wafers, template }
     }
 
     fn report(&mut self, [from, to]: [&[f64]; 2], options: &CheckOptions) -> (Trajectory, Report) {
@@ -132,12 +137,13 @@ impl<'a> SceneAtTime<'a> {
         let (steps, starts) = uninterrupted(SegmentChecks::new(
             &motion,
             0..motion.steps.len(),
+            &[],
             options,
             scene,
             &mut self.colliders,
             execution,
         ));
-        let report = check_uncached(self.cell, &motion, steps, &starts);
+        let report = check_uncached(self.cell, &motion, steps, &starts, self.placed_wafers);
         (motion, report)
     }
 

@@ -1,7 +1,7 @@
 //! Report of a check.
 
 use crate::EntityId;
-use crate::program::Place;
+use crate::program::SourceLocation;
 use crate::violation::Violation;
 
 /// Result of a check.
@@ -44,8 +44,8 @@ pub struct MinimumDistance {
 pub struct InstructionResult {
     /// Index of the instruction in the order of execution.
     pub instruction: usize,
-    /// Place of the instruction in the program text.
-    pub place: Place,
+    /// SourceLocation of the instruction in the program text.
+    pub place: SourceLocation,
     /// Indices of the steps.
     pub steps: std::ops::Range<usize>,
     /// Start time (s).

@@ -11,7 +11,7 @@ use crate::collision::{
 };
 use crate::geometry::ColliderCache;
 use crate::incremental::{Execution, Fingerprint, Interrupted, parallel_map};
-use crate::program::Phase;
+use crate::program::{Phase, WaferTransfer};
 use crate::trajectory::Trajectory;
 
 /// Successive segments of a trajectory, with their scenes.
@@ -35,10 +35,12 @@ pub(super) struct SegmentKey {
 
 impl<'a> SegmentChecks<'a> {
     /// # Arguments
+    /// * `transfers` – of wafers at the ends of these steps
     /// * `scene` – before the first of the steps
     pub(super) fn new(
         trajectory: &'a Trajectory,
         steps: Range<usize>,
+        transfers: &[WaferTransfer],
         options: &'a CheckOptions,
         scene: Scene<'a>,
         cache: &mut ColliderCache,
@@ -47,13 +49,14 @@ impl<'a> SegmentChecks<'a> {
         let cell = scene.cell;
         let mut scenes = vec![scene];
         let mut scene_of = Vec::with_capacity(steps.len());
-        for step in &trajectory.steps[steps.clone()] {
+        let mut transfers = transfers.iter().peekable();
+        for step in steps.clone() {
             execution.check_interruption()?;
             let last = scenes.len() - 1;
             scene_of.push(last);
-            if let Some(handover) = step.handover {
+            if let Some(transfer) = transfers.next_if(|transfer| transfer.step == step) {
                 let mut next = scenes[last].clone();
-                next.apply_handover(handover, cache);
+                next.move_wafer(transfer, cache);
                 scenes.push(next);
             }
         }

@@ -165,12 +165,8 @@ impl SegmentDistanceQuery<'_> {
         }
     }
 
-    fn colliders<'b>(
-        &'b self,
-        poses: &'b LinkPoses,
-        [a, b]: [usize; 2],
-    ) -> [PlacedCollider<'b>; 2] {
-        [a, b].map(|object| self.scene.collider_at(self.objects[object], poses))
+    fn colliders<'b>(&'b self, poses: &'b LinkPoses, pair: [usize; 2]) -> [PlacedCollider<'b>; 2] {
+        pair.map(|object| self.scene.collider_at(self.objects[object], poses))
     }
 }
 

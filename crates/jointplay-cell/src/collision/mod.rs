@@ -53,7 +53,6 @@ pub(crate) use conservative_advancement::{
 pub(crate) use link_poses::PoseError;
 pub(crate) use motion_bound::MotionBoundModel;
 pub(crate) use motion_bound_coefficients::{MotionBoundCoefficients, droop_bounds};
-pub(crate) use object::Role;
 pub(crate) use sample_times::SampleWindows;
 pub(crate) use sampled_segment::SampledSegment;
 pub(crate) use scene::Scene;

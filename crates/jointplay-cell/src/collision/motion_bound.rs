@@ -290,7 +290,7 @@ fn dot(coefficients: &[f64; MAX_AXES], quantities: &[f64; MAX_AXES]) -> f64 {
 
 /// Upper bound of the magnitude between two values of a quantity whose rate is bounded.
 ///
-/// The travel at a speed bounded in this way is additive over parts of the interval: in half of the time at most half.
+/// The travel at a speed with this bound is additive over parts of the interval: in half of the time at most half.
 fn bound_between(dt: f64, [first, last]: [f64; 2], rate: f64) -> f64 {
     0.5 * (first.abs() + last.abs() + dt * rate)
 }

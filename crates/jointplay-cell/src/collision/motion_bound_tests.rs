@@ -18,7 +18,7 @@ use super::sampled_segment::SampledSegment;
 use super::scene::Scene;
 use crate::EntityId;
 use crate::geometry::{ColliderCache, Shape};
-use crate::program::{Path, Phase, Place, Step};
+use crate::program::{Path, Phase, SourceLocation, Step};
 use crate::robot::{AxisKind, PlatformModel, RODS};
 use crate::trajectory::{Sample, Trajectory, TrajectoryOptions, plan_trajectory, straight};
 use crate::wafer::{Droop, DroopRow};
@@ -129,13 +129,14 @@ fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Traj
     }
     let step = Step {
         instruction: 0,
-        place: Place::default(),
+        place: SourceLocation::default(),
         phase: Phase::Move,
         from,
         to,
         path: Path::PointToPoint,
         speed: 1.0,
         blend: 0.0,
+        postures: None,
         line_speed: None,
         loaded: cell.carried.clone(),
         handover: None,

@@ -3,8 +3,9 @@
 use jointplay_core::spatial::Pose;
 
 use crate::EntityId;
-use crate::geometry::{Collider, ColliderCache, Interval, PlacedCollider};
+use crate::geometry::{CachedCollider, Collider, ColliderCache, Interval, PlacedCollider};
 use crate::incremental::{Fingerprint, Fingerprinted};
+use crate::program::WaferLocation;
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 
@@ -27,6 +28,15 @@ pub(crate) enum Parent {
 impl Parent {
     pub(crate) fn moves(self) -> bool {
         !matches!(self, Self::World | Self::Slot(_))
+    }
+}
+
+impl From<WaferLocation> for Parent {
+    fn from(location: WaferLocation) -> Self {
+        match location {
+            WaferLocation::Slot(slot) => Self::Slot(slot),
+            WaferLocation::Effector(id) => Self::Effector(id),
+        }
     }
 }
 
@@ -54,29 +64,26 @@ pub(crate) struct CollisionObject {
     pub(super) base_from_fixed_parent: Pose,
     /// Axis-aligned box in the base frame, for objects that do not move.
     pub(crate) aabb: [Interval; 3],
-    /// Whether this wafer was placed into a slot.
-    pub(crate) was_placed: bool,
 }
 
 impl CollisionObject {
     /// An object at the origin of the base frame.
     pub(super) fn new(
         entity: EntityId,
-        (collider_number, collider): (u64, Collider),
+        collider: CachedCollider,
         parent: Parent,
         role: Role,
         cache: &mut ColliderCache,
     ) -> Self {
         let mut object = Self {
             entity,
-            collider,
-            collider_number,
+            collider: collider.collider,
+            collider_number: collider.number,
             fixed_number: 0,
             parent,
             role,
             base_from_fixed_parent: Pose::identity(),
             aabb: [Interval { min: 0.0, max: 0.0 }; 3],
-            was_placed: false,
         };
         object.set_fixed_pose(Pose::identity(), cache);
         object

@@ -9,7 +9,7 @@ use super::link_poses::{LinkPoses, PoseError};
 use super::object::{CollisionObject, Parent, Role};
 use crate::EntityId;
 use crate::geometry::{Collider, ColliderCache, PlacedCollider, Shape};
-use crate::program::Handover;
+use crate::program::{WaferLocation, WaferLocations, WaferTransfer};
 use crate::robot::{ArmChain, EffectorId};
 use crate::workcell::{Carrier, Cell, ZoneRule};
 
@@ -18,6 +18,8 @@ use crate::workcell::{Carrier, Cell, ZoneRule};
 pub(crate) struct Scene<'a> {
     pub(crate) cell: &'a Cell,
     pub(crate) objects: Vec<Arc<CollisionObject>>,
+    /// Index of the object of the first wafer; `None` where wafers have no collider.
+    first_wafer: Option<usize>,
     /// Effectors that hold a wafer, with the index of its object.
     held: Vec<(EffectorId, usize)>,
     /// Safe zones, by index in the cell.
@@ -61,7 +63,7 @@ impl<'a> Scene<'a> {
                         cache,
                     ));
                 }
-                ZoneRule::Safe => safe_zones.push((index, collider.1)),
+                ZoneRule::Safe => safe_zones.push((index, collider.collider)),
             }
         }
         // The lower face of a wafer is in the xy plane of its frame.
@@ -71,19 +73,22 @@ impl<'a> Scene<'a> {
             Vector3::new(0.0, 0.0, half_height).into(),
             nalgebra::Rotation3::identity(),
         );
+        let mut first_wafer = None;
         if let Some(disc) = cache.get(&disc, &middle) {
-            for &slot in &cell.occupied {
-                let (entity, parent) = (EntityId::Wafer(slot), Parent::Slot(slot));
-                let mut object =
-                    CollisionObject::new(entity, disc.clone(), parent, Role::Wafer, cache);
-                object.set_fixed_pose(cell.stations[slot.station].slot_frame(slot.slot), cache);
+            first_wafer = Some(objects.len());
+            let locations = WaferLocations::at_start(cell);
+            for wafer in locations.wafers() {
+                let (entity, location) = (locations.origin(wafer), locations.location(wafer));
+                let (disc, parent) = (disc.clone(), Parent::from(location));
+                let mut object = CollisionObject::new(entity, disc, parent, Role::Wafer, cache);
+                match location {
+                    WaferLocation::Slot(slot) => {
+                        let frame = cell.stations[slot.station].slot_frame(slot.slot);
+                        object.set_fixed_pose(frame, cache);
+                    }
+                    WaferLocation::Effector(id) => held.push((id, objects.len())),
+                }
                 objects.push(object);
-            }
-            for &id in &cell.carried {
-                held.push((id, objects.len()));
-                let (entity, parent) = (EntityId::HeldWafer(id), Parent::Effector(id));
-                let disc = disc.clone();
-                objects.push(CollisionObject::new(entity, disc, parent, Role::Wafer, cache));
             }
         }
         let chains_of = |arm: usize| {
@@ -92,7 +97,7 @@ impl<'a> Scene<'a> {
         };
         let chains = (0..cell.robot.arms.len()).map(|arm| chains_of(arm).collect()).collect();
         let objects = objects.into_iter().map(Arc::new).collect();
-        Self { cell, objects, held, safe_zones, chains }
+        Self { cell, objects, first_wafer, held, safe_zones, chains }
     }
 
     /// Poses of all moving bodies at axis positions.
@@ -112,8 +117,16 @@ impl<'a> Scene<'a> {
         let base_from_platform = platform.base_from_platform;
         let loaded = |id: EffectorId| self.held_wafer(id).is_some();
         for arm in 0..robot.arms.len() {
-            let placed = (arm, &base_from_platform);
-            self.cell.append_arm_poses(placed, positions, loaded, |found| found, &mut buffer)?;
+            let base_from_platform = &base_from_platform;
+            let resolve = |found| found;
+            self.cell.append_arm_poses(
+                arm,
+                base_from_platform,
+                positions,
+                loaded,
+                resolve,
+                &mut buffer,
+            )?;
         }
         Ok(LinkPoses { base_from_platform, normal: platform.normal(), poses: buffer })
     }
@@ -184,23 +197,18 @@ impl<'a> Scene<'a> {
     }
 
     /// Attaches a wafer to its new parent at a hand-off.
-    pub(crate) fn apply_handover(&mut self, handover: Handover, cache: &mut ColliderCache) {
-        let (from, to) = match handover {
-            Handover::Picked(id, slot) => (Parent::Slot(slot), Parent::Effector(id)),
-            Handover::Placed(id, slot) => (Parent::Effector(id), Parent::Slot(slot)),
-        };
-        let Some(index) = self.objects.iter().position(|object| object.parent == from) else {
-            return;
-        };
-        match handover {
-            Handover::Picked(id, _) => self.held.push((id, index)),
-            Handover::Placed(id, _) => self.held.retain(|(by, _)| *by != id),
-        }
+    pub(crate) fn move_wafer(&mut self, transfer: &WaferTransfer, cache: &mut ColliderCache) {
+        let Some(first) = self.first_wafer else { return };
+        let index = first + transfer.wafer;
+        self.held.retain(|&(_, wafer)| wafer != index);
         let object = Arc::make_mut(&mut self.objects[index]);
-        object.parent = to;
-        if let Parent::Slot(slot) = to {
-            object.set_fixed_pose(self.cell.stations[slot.station].slot_frame(slot.slot), cache);
-            object.was_placed = true;
+        object.parent = Parent::from(transfer.to);
+        match transfer.to {
+            WaferLocation::Effector(id) => self.held.push((id, index)),
+            WaferLocation::Slot(slot) => {
+                let frame = self.cell.stations[slot.station].slot_frame(slot.slot);
+                object.set_fixed_pose(frame, cache);
+            }
         }
     }
 }

@@ -16,6 +16,14 @@ pub(crate) struct ColliderCache {
     count: u64,
 }
 
+/// A collider with its number.
+#[derive(Clone)]
+pub(crate) struct CachedCollider {
+    /// Number in the cache; equal colliders have equal numbers.
+    pub(crate) number: u64,
+    pub(crate) collider: Collider,
+}
+
 impl ColliderCache {
     pub(crate) fn begin(&mut self) {
         self.colliders.begin(&Fingerprint::default());
@@ -27,7 +35,7 @@ impl ColliderCache {
         &mut self,
         shape: &Shape,
         parent_from_shape: &Pose,
-    ) -> Option<(u64, Collider)> {
+    ) -> Option<CachedCollider> {
         let compute = || {
             self.count += 1;
             Ok::<_, Infallible>((self.count, Collider::new(shape, parent_from_shape)))
@@ -35,7 +43,7 @@ impl ColliderCache {
         let Ok(found) = self
             .colliders
             .get_or_compute(Fingerprint::default().with(parent_from_shape).with(shape), compute);
-        Some((found.0, found.1.clone()?))
+        Some(CachedCollider { number: found.0, collider: found.1.clone()? })
     }
 
     /// Number of a collider at a fixed pose.

@@ -251,11 +251,11 @@ mod tests {
         for round in 0..20_000 {
             let halves = [0, 1].map(|_| [0, 1, 2].map(|_| 0.005 + 0.15 * random().powi(2)));
             let turn = 3.0 * random();
-            // Parallel planes, by bits or to round-off, leaning a little, or anyhow.
-            let lean = [0.0, 1e-16, 1e-12, 1e-6, 1e-3, 1.0][round % 6];
-            let lean = Vector3::new(lean * random(), lean * random(), 0.0);
+            // Parallel planes, by bits or to round-off, slightly tilted, or in any orientation.
+            let tilt = [0.0, 1e-16, 1e-12, 1e-6, 1e-3, 1.0][round % 6];
+            let tilt = Vector3::new(tilt * random(), tilt * random(), 0.0);
             let common = Rotation3::new(Vector3::new(random(), random(), random()) * 0.01);
-            let rotation = Rotation3::new(lean) * Rotation3::new(Vector3::z() * turn);
+            let rotation = Rotation3::new(tilt) * Rotation3::new(Vector3::z() * turn);
             let above = halves[0][2] + halves[1][2] + 0.02 * random().abs();
             let shift = Vector3::new(0.2 * random(), 0.2 * random(), above);
             let poses = [

@@ -19,9 +19,10 @@ mod fingerprint;
 mod interval;
 mod shape;
 mod triangulate;
+mod validate;
 
 pub(crate) use collider::{Collider, PlacedCollider};
-pub(crate) use collider_cache::ColliderCache;
+pub(crate) use collider_cache::{CachedCollider, ColliderCache};
 pub(crate) use distance::{
     bounding_sphere_gap, distance, penetration_depth, separation, separation_along, signed_distance,
 };

@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cylinder_stands_upright() {
+    fn the_axis_of_a_cylinder_is_vertical() {
         let surface = Shape::Cylinder { radius: 0.2, half_height: 0.05 }.surface();
         let highest = surface.vertices.iter().map(|at| at[2]).reduce(f64::max).unwrap();
         assert!((highest - 0.05).abs() < 1e-15);

@@ -44,7 +44,7 @@ impl<T> GenerationalCache<T> {
         }
     }
 
-    /// The result for a fingerprint, computed if it is missing; an error is not kept.
+    /// The result for a fingerprint, computed if it is missing; errors are not cached.
     pub(crate) fn get_or_compute<E>(
         &mut self,
         fingerprint: Fingerprint,

@@ -8,7 +8,7 @@ use super::fingerprint::{Fingerprint, Fingerprinted};
 
 /// Value with an identity that no other value of this process has or will have.
 ///
-/// It stands in fingerprints for contents that are too large to copy; results do not depend on its number.
+/// It represents in fingerprints contents that are too large to copy; results do not depend on its number.
 pub(crate) struct Unique<T> {
     identity: u64,
     value: T,

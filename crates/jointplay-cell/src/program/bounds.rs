@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::problem::Count;
 use super::resolved::{ResolvedCommand, ResolvedInstruction, ResolvedProgram};
-use super::{Place, Program, ProgramProblem};
+use super::{Program, ProgramProblem, SourceLocation};
 
 /// Largest number of instructions of an expanded program.
 pub const MAX_INSTRUCTIONS: u64 = 20_000;
@@ -16,7 +16,7 @@ pub const MAX_CALLS: usize = 64;
 pub(super) const WHOLE: &str = "the program";
 
 /// Location and kind of an unbounded construct.
-type UnboundedProgram = (Place, Box<ProgramProblem>);
+type UnboundedProgram = (SourceLocation, Box<ProgramProblem>);
 
 /// Checks that a program expands to at most [`MAX_INSTRUCTIONS`], nested to at most [`MAX_CALLS`].
 ///
@@ -32,11 +32,11 @@ pub(super) fn check_bounds(
     if extent.instructions <= MAX_INSTRUCTIONS {
         return Ok(());
     }
-    let place = program.body.first().map_or_else(Place::default, |first| first.place);
+    let place = program.body.first().map_or_else(SourceLocation::default, |first| first.place);
     Err(too_long(place, WHOLE, extent.instructions))
 }
 
-fn too_long(place: Place, what: &'static str, found: u64) -> UnboundedProgram {
+fn too_long(place: SourceLocation, what: &'static str, found: u64) -> UnboundedProgram {
     let problem = ProgramProblem::TooLong { what, found: Count(found), allowed: MAX_INSTRUCTIONS };
     (place, Box::new(problem))
 }
@@ -92,7 +92,7 @@ impl BlockCounter<'_> {
         Ok(sum)
     }
 
-    fn enter(&self, place: Place, depth: usize) -> Result<(), UnboundedProgram> {
+    fn enter(&self, place: SourceLocation, depth: usize) -> Result<(), UnboundedProgram> {
         if depth <= MAX_CALLS {
             return Ok(());
         }
@@ -101,7 +101,7 @@ impl BlockCounter<'_> {
 
     fn routine(
         &mut self,
-        place: Place,
+        place: SourceLocation,
         index: usize,
         outer: usize,
     ) -> Result<BlockSize, UnboundedProgram> {

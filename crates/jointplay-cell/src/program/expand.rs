@@ -10,7 +10,7 @@ use super::resolved::{
     ResolvedCommand, ResolvedInstruction, ResolvedProgram, ResolvedSlot, ResolvedSlotNumber,
 };
 use super::sequence::MotionSequencer;
-use super::{Path, Place, Program, ProgramError, ProgramProblem, Step};
+use super::{Handover, Path, Program, ProgramError, ProgramProblem, SourceLocation, Step};
 use crate::incremental::{Interrupted, Stop, uninterrupted};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
@@ -25,7 +25,7 @@ use crate::workcell::Cell;
 /// A wafer in a station with a process time is picked when the process is over: a dwell in front of the slot waits for it.
 ///
 /// # Errors
-/// All errors of the program in this cell, each once with its location: unknown names, programs without end, wafers that are missing or in the way, targets out of reach and violated limits.
+/// All errors of the program in this cell, each once with its location: unknown names, programs without end, wafers that are missing or block their destination, targets out of reach and violated limits.
 pub fn expand(cell: &Cell, program: &Program) -> Result<Vec<Step>, Vec<ProgramError>> {
     uninterrupted(expand_by(cell, program, &mut IkCache::default(), &|| false))
 }
@@ -63,10 +63,10 @@ pub(crate) fn expand_by(
 
 /// Errors, each kind once at a location.
 #[derive(Default)]
-struct Errors(BTreeMap<Place, Vec<ProgramError>>);
+struct Errors(BTreeMap<SourceLocation, Vec<ProgramError>>);
 
 impl Errors {
-    fn add(&mut self, place: Place, problem: ProgramProblem) {
+    fn add(&mut self, place: SourceLocation, problem: ProgramProblem) {
         let here = self.0.entry(place).or_default();
         let kind = discriminant(&problem);
         match here.iter_mut().find(|error| discriminant(&error.problem) == kind) {
@@ -120,7 +120,7 @@ impl ProgramExpander<'_> {
         Ok(())
     }
 
-    fn execute(&mut self, place: Place, command: &ResolvedCommand, passes: &[u64]) {
+    fn execute(&mut self, place: SourceLocation, command: &ResolvedCommand, passes: &[u64]) {
         match *command {
             ResolvedCommand::Home => self.sequencer.home(),
             ResolvedCommand::Move(ref targets) => {
@@ -161,7 +161,7 @@ impl ProgramExpander<'_> {
         }
     }
 
-    fn report(&mut self, place: Place, done: Result<(), ProgramProblem>) {
+    fn report(&mut self, place: SourceLocation, done: Result<(), ProgramProblem>) {
         if let Err(problem) = done {
             self.errors.add(place, problem);
         }
@@ -188,34 +188,56 @@ impl ProgramExpander<'_> {
         None
     }
 
-    fn get(&mut self, place: Place, from: ResolvedSlot, effector: EffectorId, passes: &[u64]) {
+    fn get(
+        &mut self,
+        place: SourceLocation,
+        from: ResolvedSlot,
+        effector: EffectorId,
+        passes: &[u64],
+    ) {
         let Some(slot) = self.slot(from, passes) else {
             self.occupancy.invalidate();
             return;
         };
-        for problem in self.occupancy.before_get(effector, slot) {
+        let handover = Handover::Picked(effector, slot);
+        for problem in self.occupancy.problems(handover) {
             self.errors.add(place, problem);
         }
         let process_time = self.sequencer.cell.stations[slot.station].process_time;
         let since = self.occupancy.placed_by(slot).filter(|_| process_time > 0.0);
         let wait = since.map(|since| Path::ProcessDwell { since, seconds: process_time });
         let done = self.sequencer.get(effector, slot, wait);
-        self.report(place, done);
-        // The command counts as executed also where it failed: so one mistake does not cause errors in later lines.
-        self.occupancy.get(effector, slot, place);
+        self.hand_over(handover, place, done);
     }
 
-    fn put(&mut self, place: Place, to: ResolvedSlot, effector: EffectorId, passes: &[u64]) {
+    fn put(
+        &mut self,
+        place: SourceLocation,
+        to: ResolvedSlot,
+        effector: EffectorId,
+        passes: &[u64],
+    ) {
         let Some(slot) = self.slot(to, passes) else {
             self.occupancy.invalidate();
             return;
         };
-        for problem in self.occupancy.before_put(effector, slot) {
+        let handover = Handover::Placed(effector, slot);
+        for problem in self.occupancy.problems(handover) {
             self.errors.add(place, problem);
         }
         let done = self.sequencer.put(effector, slot);
+        self.hand_over(handover, place, done);
+    }
+
+    /// Applies a hand-over at the end of the step that the sequencer returned.
+    fn hand_over(
+        &mut self,
+        handover: Handover,
+        place: SourceLocation,
+        done: Result<usize, ProgramProblem>,
+    ) {
         let step = done.as_ref().ok().copied();
         self.report(place, done.map(|_| ()));
-        self.occupancy.put(effector, slot, place, step);
+        self.occupancy.apply(handover, place, step);
     }
 }

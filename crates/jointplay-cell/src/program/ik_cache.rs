@@ -4,10 +4,13 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use crate::incremental::{CacheStats, Fingerprint, GenerationalCache};
-use crate::robot::{EffectorId, WaferTarget};
-use crate::station::{SlotId, Station, Waypoints};
+use crate::robot::{EffectorId, Redundancy, WaferTarget};
+use crate::station::{BlockedLine, SlotId, Station, StationPostures, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
+
+/// Postures along the line into a station, or why there are none.
+type FoundPostures = Result<Option<StationPostures>, BlockedLine>;
 
 /// Inverse kinematics of the last program, by what it depends on.
 #[derive(Default)]
@@ -19,6 +22,7 @@ pub(crate) struct IkCache {
     /// Numbers of the stations of this program.
     numbers: Vec<u64>,
     waypoints: GenerationalCache<Waypoints>,
+    postures: GenerationalCache<FoundPostures>,
     reachable: GenerationalCache<Vec<f64>>,
 }
 
@@ -28,6 +32,7 @@ impl IkCache {
         shared.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(&cell.plane_threshold);
         self.stations.begin(&Fingerprint::default());
         self.waypoints.begin(&shared);
+        self.postures.begin(&shared);
         self.reachable.begin(&shared);
         let number = |station: &Station| {
             let inputs = Fingerprint::default().with(station);
@@ -43,6 +48,7 @@ impl IkCache {
     pub(super) fn end(&mut self) {
         self.stations.end();
         self.waypoints.end();
+        self.postures.end();
         self.reachable.end();
     }
 
@@ -59,7 +65,18 @@ impl IkCache {
         self.waypoints.get_or_compute(inputs, || cell.waypoints(effector, slot, near))
     }
 
-    /// As [`Cell::reach`], the positions alone.
+    /// As [`Cell::station_postures`].
+    pub(super) fn postures(
+        &mut self,
+        cell: &Cell,
+        effector: EffectorId,
+        station: usize,
+    ) -> Result<Arc<FoundPostures>, Unreachable> {
+        let inputs = Fingerprint::default().with(&effector).with(&self.numbers[station]);
+        self.postures.get_or_compute(inputs, || cell.station_postures(effector, station))
+    }
+
+    /// As [`Cell::reach_by`], the positions alone.
     pub(super) fn reach(
         &mut self,
         cell: &Cell,
@@ -67,10 +84,15 @@ impl IkCache {
         target: &WaferTarget,
         loaded: bool,
         near: &[f64],
+        redundancy: Redundancy,
     ) -> Result<Vec<f64>, Unreachable> {
         let mut inputs = Fingerprint::default().with(&effector).with(&loaded);
+        inputs.add(&(redundancy == Redundancy::AsNear));
         inputs.add(&target.center).add(&target.normal).add(&target.heading).add(near);
-        let reach = || cell.reach(effector, target, loaded, near).map(|found| found.positions);
+        let reach = || {
+            let found = cell.reach_by(effector, target, loaded, near, redundancy);
+            found.map(|found| found.positions)
+        };
         self.reachable.get_or_compute(inputs, reach).map(|positions| positions.to_vec())
     }
 

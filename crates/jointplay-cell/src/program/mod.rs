@@ -13,7 +13,8 @@
 //! | `resolved`, `resolve` | names resolved in the cell |
 //! | `bounds` | bounds on the expansion |
 //! | `step` | steps: moves and dwells of all axes |
-//! | `occupancy` | wafers on effectors and in slots during the expansion |
+//! | `wafer_locations` | locations of all wafers during the steps of a program |
+//! | `occupancy` | occupancy of effectors and slots during the expansion, also after errors |
 //! | `ik_cache` | inverse kinematics of the last program |
 //! | `sequence` | motion sequences of instructions |
 //! | `expand` | from instructions to steps |
@@ -32,6 +33,7 @@ mod resolved;
 mod sequence;
 mod step;
 mod syntax;
+mod wafer_locations;
 
 pub use bounds::{MAX_CALLS, MAX_INSTRUCTIONS};
 pub use expand::expand;
@@ -40,7 +42,8 @@ pub use handover_deflection::{HandoverDeflection, handover_deflections};
 pub(crate) use ik_cache::IkCache;
 pub use problem::{Count, Leveling, ProgramError, ProgramProblem};
 pub use resolve::name_errors;
-pub use step::{Handover, Path, Phase, Step};
+pub use step::{Handover, LinePostures, Path, Phase, Step};
 pub use syntax::{
-    AxisTarget, Command, Instruction, Name, Place, Program, Routine, SlotName, SlotNumber,
+    AxisTarget, Command, Instruction, Name, Program, Routine, SlotName, SlotNumber, SourceLocation,
 };
+pub use wafer_locations::{WaferLocation, WaferLocations, WaferStay, WaferTransfer};

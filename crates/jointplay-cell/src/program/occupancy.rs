@@ -1,137 +1,139 @@
-//! Wafers on effectors and in slots during the expansion of a program.
+//! Occupancy of effectors and slots during the expansion of a program, also after lines with errors.
 
 use std::collections::BTreeMap;
 
-use super::{Place, ProgramProblem};
+use super::step::Handover;
+use super::wafer_locations::{WaferLocation, WaferLocations};
+use super::{ProgramProblem, SourceLocation};
 use crate::program::resolve::effector_name;
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::workcell::Cell;
 
-/// Whether an effector or a slot holds a wafer.
+/// Occupancy of an effector or a slot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Holds {
-    Nothing,
-    Wafer,
+enum Occupancy {
+    Empty,
+    Occupied,
     /// Unknown, because a line with an error may have changed it.
     Unknown,
 }
 
-/// State of an effector or a slot, and the location of its last change.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Holding {
-    holds: Holds,
-    since: Option<Place>,
-}
-
-/// Wafers on effectors and in slots at one instruction of a program.
+/// Locations of wafers at one instruction of a program, and assumptions where the program has errors.
 pub(super) struct WaferOccupancy<'c> {
     cell: &'c Cell,
-    effectors: BTreeMap<EffectorId, Holding>,
-    slots: BTreeMap<SlotId, Holding>,
-    /// State of effectors and slots that are not listed.
-    elsewhere: Holds,
-    /// Steps at whose end wafers were placed, for stations that process them.
-    placed: BTreeMap<SlotId, usize>,
+    locations: WaferLocations,
+    /// Locations whose occupancy is assumed, because a line with an error changed it.
+    assumed: BTreeMap<WaferLocation, Occupancy>,
+    /// Whether all other occupancies are unknown.
+    is_unknown: bool,
+    /// Instruction that last changed a location.
+    changed: BTreeMap<WaferLocation, SourceLocation>,
 }
 
 impl<'c> WaferOccupancy<'c> {
     pub(super) fn new(cell: &'c Cell) -> Self {
-        let full = Holding { holds: Holds::Wafer, since: None };
         Self {
             cell,
-            effectors: cell.carried.iter().map(|&id| (id, full)).collect(),
-            slots: cell.occupied.iter().map(|&slot| (slot, full)).collect(),
-            elsewhere: Holds::Nothing,
-            placed: BTreeMap::new(),
+            locations: WaferLocations::at_start(cell),
+            assumed: BTreeMap::new(),
+            is_unknown: false,
+            changed: BTreeMap::new(),
         }
     }
 
-    /// Makes all states unknown, after a line with an error.
+    /// Makes the occupancy of all locations unknown, after a line with an error.
     pub(super) fn invalidate(&mut self) {
-        self.effectors.values_mut().chain(self.slots.values_mut()).for_each(|state| {
-            state.holds = Holds::Unknown;
-        });
-        self.elsewhere = Holds::Unknown;
-        self.placed.clear();
+        self.assumed.clear();
+        self.is_unknown = true;
     }
 
-    fn effector(&self, id: EffectorId) -> Holding {
-        let other = Holding { holds: self.elsewhere, since: None };
-        self.effectors.get(&id).copied().unwrap_or(other)
+    fn occupancy(&self, location: WaferLocation) -> Occupancy {
+        match self.assumed.get(&location) {
+            Some(&assumed) => assumed,
+            None if self.is_unknown => Occupancy::Unknown,
+            None if self.locations.occupant(location).is_some() => Occupancy::Occupied,
+            None => Occupancy::Empty,
+        }
     }
 
-    fn slot(&self, slot: SlotId) -> Holding {
-        self.slots.get(&slot).copied().unwrap_or(Holding { holds: self.elsewhere, since: None })
+    fn is_assumed(&self, location: WaferLocation) -> bool {
+        self.is_unknown || self.assumed.contains_key(&location)
+    }
+
+    /// Line of the instruction that last changed a location.
+    fn changed_in(&self, location: WaferLocation) -> Option<usize> {
+        self.changed.get(&location).map(|place| place.line)
     }
 
     /// Effectors that carry a wafer, in order.
     pub(super) fn loaded(&self) -> Vec<EffectorId> {
-        let loaded = self.effectors.iter().filter(|(_, state)| state.holds == Holds::Wafer);
-        loaded.map(|(&id, _)| id).collect()
+        let is_loaded =
+            |&id: &EffectorId| self.occupancy(WaferLocation::Effector(id)) == Occupancy::Occupied;
+        self.cell.robot.effectors().filter(is_loaded).collect()
     }
 
     /// Step at whose end the wafer in a slot was placed; `None` where the program did not place it.
     pub(super) fn placed_by(&self, slot: SlotId) -> Option<usize> {
-        self.placed.get(&slot).copied()
+        let location = WaferLocation::Slot(slot);
+        if self.is_assumed(location) {
+            return None;
+        }
+        let wafer = self.locations.occupant(location)?;
+        self.locations.stays(wafer).last()?.since
     }
 
-    /// Problems of picking a wafer.
-    pub(super) fn before_get(&self, id: EffectorId, slot: SlotId) -> Vec<ProgramProblem> {
+    /// Problems of a hand-over, that of the effector first: a wafer is missing, or its destination is occupied.
+    pub(super) fn problems(&self, handover: Handover) -> Vec<ProgramProblem> {
+        let (Handover::Picked(id, slot) | Handover::Placed(id, slot)) = handover;
+        let (hand, place) = (WaferLocation::Effector(id), WaferLocation::Slot(slot));
+        let picks = matches!(handover, Handover::Picked(..));
         let mut problems = Vec::new();
-        let (hand, place) = (self.effector(id), self.slot(slot));
-        if hand.holds == Holds::Wafer {
-            problems.push(ProgramProblem::EffectorLoaded {
-                effector: effector_name(&self.cell.robot, id).to_owned(),
-                since: hand.since.map(|place| place.line),
-            });
+        let effector = || effector_name(&self.cell.robot, id).to_owned();
+        let since = self.changed_in(hand);
+        match self.occupancy(hand) {
+            Occupancy::Occupied if picks => {
+                problems.push(ProgramProblem::EffectorLoaded { effector: effector(), since });
+            }
+            Occupancy::Empty if !picks => {
+                problems.push(ProgramProblem::EffectorEmpty { effector: effector(), since });
+            }
+            _ => {}
         }
-        if place.holds == Holds::Nothing {
-            problems.push(ProgramProblem::EmptySlot {
-                slot: slot_name(self.cell, slot),
-                since: place.since.map(|place| place.line),
-            });
+        let slot = || slot_name(self.cell, slot);
+        let since = self.changed_in(place);
+        match self.occupancy(place) {
+            Occupancy::Empty if picks => {
+                problems.push(ProgramProblem::EmptySlot { slot: slot(), since });
+            }
+            Occupancy::Occupied if !picks => {
+                problems.push(ProgramProblem::SlotOccupied { slot: slot(), since });
+            }
+            _ => {}
         }
         problems
     }
 
-    /// Problems of placing a wafer.
-    pub(super) fn before_put(&self, id: EffectorId, slot: SlotId) -> Vec<ProgramProblem> {
-        let mut problems = Vec::new();
-        let (hand, place) = (self.effector(id), self.slot(slot));
-        if hand.holds == Holds::Nothing {
-            problems.push(ProgramProblem::EffectorEmpty {
-                effector: effector_name(&self.cell.robot, id).to_owned(),
-                since: hand.since.map(|place| place.line),
-            });
+    /// Applies a hand-over, at the end of a step if the motion to it exists.
+    ///
+    /// It counts as executed also where it has a problem, so that one mistake does not cause errors in later lines.
+    pub(super) fn apply(&mut self, handover: Handover, place: SourceLocation, step: Option<usize>) {
+        let (from, to) = (handover.source(), handover.destination());
+        let is_assumed = self.is_assumed(from) || self.is_assumed(to);
+        let applied = match step {
+            Some(step) if !is_assumed => self.locations.apply(step, handover),
+            _ => None,
+        };
+        if applied.is_none() {
+            self.assumed.insert(from, Occupancy::Empty);
+            self.assumed.insert(to, Occupancy::Occupied);
         }
-        if place.holds == Holds::Wafer {
-            problems.push(ProgramProblem::SlotOccupied {
-                slot: slot_name(self.cell, slot),
-                since: place.since.map(|place| place.line),
-            });
-        }
-        problems
-    }
-
-    /// Moves the wafer from the slot to the effector.
-    pub(super) fn get(&mut self, id: EffectorId, slot: SlotId, place: Place) {
-        self.effectors.insert(id, Holding { holds: Holds::Wafer, since: Some(place) });
-        self.slots.insert(slot, Holding { holds: Holds::Nothing, since: Some(place) });
-        self.placed.remove(&slot);
-    }
-
-    /// Moves the wafer from the effector to the slot, at the end of a step if that is known.
-    pub(super) fn put(&mut self, id: EffectorId, slot: SlotId, place: Place, step: Option<usize>) {
-        self.effectors.insert(id, Holding { holds: Holds::Nothing, since: Some(place) });
-        self.slots.insert(slot, Holding { holds: Holds::Wafer, since: Some(place) });
-        if let Some(step) = step {
-            self.placed.insert(slot, step);
-        }
+        self.changed.insert(from, place);
+        self.changed.insert(to, place);
     }
 }
 
-/// A slot as messages call it.
+/// Name of a slot in messages.
 pub(super) fn slot_name(cell: &Cell, slot: SlotId) -> String {
     let station = &cell.stations[slot.station];
     match station.slots {

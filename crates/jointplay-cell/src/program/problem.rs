@@ -1,7 +1,8 @@
 //! Errors of a program in its cell.
 
-use super::Place;
+use super::SourceLocation;
 use crate::robot::{AxisKind, LimitViolation};
+use crate::station::BlockedLine;
 use crate::wafer::{SagError, Unreachable};
 
 /// An error of a program in its cell.
@@ -9,7 +10,7 @@ use crate::wafer::{SagError, Unreachable};
 #[error("{problem}{}", self.repetitions())]
 pub struct ProgramError {
     /// Location in the text.
-    pub place: Place,
+    pub place: SourceLocation,
     /// The problem at its first occurrence.
     pub problem: ProgramProblem,
     /// Number of further occurrences at this location.
@@ -206,6 +207,18 @@ pub enum ProgramProblem {
         effector: String,
         /// The reason.
         source: Box<SagError>,
+    },
+    /// A line into a station that no motion of the arm's motors follows.
+    #[error(
+        "effector {effector} cannot follow the line into {station}: it stops at {} of it, {} m from the axis that the arm turns about", .blocked.share, .blocked.reach
+    )]
+    BlockedLine {
+        /// Name of the station.
+        station: String,
+        /// Name of the effector.
+        effector: String,
+        /// Where the line ends, and what would make it possible.
+        blocked: Box<BlockedLine>,
     },
     /// A target that the effector does not reach.
     #[error("effector {effector}, {}, does not reach {target}: {source}", if *.loaded { "loaded" } else { "empty" })]

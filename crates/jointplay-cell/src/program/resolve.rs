@@ -7,8 +7,8 @@ use super::resolved::{
     ResolvedCommand, ResolvedInstruction, ResolvedProgram, ResolvedSlot, ResolvedSlotNumber,
 };
 use super::{
-    AxisTarget, Command, Instruction, Name, Place, Program, ProgramError, ProgramProblem, SlotName,
-    SlotNumber,
+    AxisTarget, Command, Instruction, Name, Program, ProgramError, ProgramProblem, SlotName,
+    SlotNumber, SourceLocation,
 };
 use crate::robot::{EffectorId, HybridRobot};
 use crate::workcell::Cell;
@@ -88,7 +88,7 @@ struct Resolver<'p> {
 type Counters<'p> = Vec<Option<&'p Name>>;
 
 impl<'p> Resolver<'p> {
-    fn error(&mut self, place: Place, problem: ProgramProblem) {
+    fn error(&mut self, place: SourceLocation, problem: ProgramProblem) {
         self.errors.push(ProgramError { place, problem, more: 0 });
     }
 
@@ -229,7 +229,7 @@ impl<'p> Resolver<'p> {
 
     fn within(
         &mut self,
-        place: Place,
+        place: SourceLocation,
         what: &'static str,
         value: f64,
         ok: bool,
@@ -284,7 +284,12 @@ impl<'p> Resolver<'p> {
     }
 
     /// The only element of a list, or an error.
-    fn only_one(&mut self, place: Place, where_: &str, ids: &[EffectorId]) -> Option<EffectorId> {
+    fn only_one(
+        &mut self,
+        place: SourceLocation,
+        where_: &str,
+        ids: &[EffectorId],
+    ) -> Option<EffectorId> {
         if let &[only] = ids {
             return Some(only);
         }
@@ -296,7 +301,7 @@ impl<'p> Resolver<'p> {
     /// A slot and the effector that uses it.
     fn at(
         &mut self,
-        place: Place,
+        place: SourceLocation,
         slot: &'p SlotName,
         effector: Option<&Name>,
         counters: &Counters<'p>,
@@ -318,7 +323,7 @@ impl<'p> Resolver<'p> {
         Some((slot, effector))
     }
 
-    fn may_use(&mut self, place: Place, effector: EffectorId, station: usize) -> bool {
+    fn may_use(&mut self, place: SourceLocation, effector: EffectorId, station: usize) -> bool {
         let station = &self.cell.stations[station];
         let may = station.effectors.contains(&effector);
         if !may {
@@ -333,7 +338,7 @@ impl<'p> Resolver<'p> {
     }
 
     /// The only effector that may use two stations.
-    fn for_both(&mut self, place: Place, from: usize, to: usize) -> Option<EffectorId> {
+    fn for_both(&mut self, place: SourceLocation, from: usize, to: usize) -> Option<EffectorId> {
         let (one, other) = (&self.cell.stations[from], &self.cell.stations[to]);
         let may = one.effectors.iter().filter(|id| other.effectors.contains(id));
         let both: Vec<EffectorId> = may.copied().collect();

@@ -2,7 +2,7 @@
 
 use jointplay_core::spatial::Tilt;
 
-use super::syntax::Place;
+use super::syntax::SourceLocation;
 use crate::robot::EffectorId;
 
 /// A program with its names resolved.
@@ -13,7 +13,7 @@ pub(super) struct ResolvedProgram {
 
 /// An instruction with its names resolved.
 pub(super) struct ResolvedInstruction {
-    pub(super) place: Place,
+    pub(super) place: SourceLocation,
     pub(super) command: ResolvedCommand,
 }
 
@@ -65,7 +65,7 @@ pub(super) enum ResolvedCommand {
 pub(super) struct ResolvedSlot {
     pub(super) station: usize,
     pub(super) number: ResolvedSlotNumber,
-    pub(super) place: Place,
+    pub(super) place: SourceLocation,
 }
 
 /// Number of a slot, possibly by a counter.
@@ -82,12 +82,12 @@ pub(super) enum ResolvedSlotNumber {
 
 impl ResolvedProgram {
     /// Marks the REPEAT or CALL at a location as unresolved; returns whether there is one.
-    pub(super) fn exclude(&mut self, place: Place) -> bool {
+    pub(super) fn exclude(&mut self, place: SourceLocation) -> bool {
         std::iter::once(&mut self.body).chain(&mut self.routines).any(|body| exclude(body, place))
     }
 }
 
-fn exclude(body: &mut [ResolvedInstruction], place: Place) -> bool {
+fn exclude(body: &mut [ResolvedInstruction], place: SourceLocation) -> bool {
     body.iter_mut().any(|instruction| match &mut instruction.command {
         command @ (ResolvedCommand::Repeat { .. } | ResolvedCommand::Call(_))
             if instruction.place == place =>

@@ -10,9 +10,10 @@ use super::ik_cache::IkCache;
 use super::occupancy::slot_name;
 use super::problem::Leveling;
 use super::resolve::effector_name;
-use super::{Handover, Path, Phase, Place, ProgramProblem, Step};
-use crate::robot::{AxisKind, EffectorId, RODS, WaferTarget};
-use crate::station::{SlotId, Waypoints};
+use super::{Handover, LinePostures, Path, Phase, ProgramProblem, SourceLocation, Step};
+use crate::robot::{ArmChain, AxisKind, EffectorId, RODS, Redundancy, WaferTarget};
+use crate::station::LinePoint::{Retracted, Slot, Via};
+use crate::station::{LinePoint, SlotId, StationPostures, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
@@ -47,8 +48,10 @@ pub(super) struct MotionSequencer<'c> {
     sag: BTreeMap<EffectorId, f64>,
     /// Motors that extend the arm, with their positions where the arm is retracted for a station and the platform level.
     retracted: BTreeMap<(EffectorId, usize), Vec<(usize, f64)>>,
+    /// Share of the line into a station at which the arm is.
+    line_share: f64,
     instruction: usize,
-    place: Place,
+    place: SourceLocation,
     loaded: Vec<EffectorId>,
 }
 
@@ -59,6 +62,8 @@ struct Goal<'g> {
     effector: EffectorId,
     target: &'g WaferTarget,
     slot: SlotId,
+    /// Where the target is on the line into the station.
+    point: LinePoint,
 }
 
 impl<'c> MotionSequencer<'c> {
@@ -76,14 +81,20 @@ impl<'c> MotionSequencer<'c> {
             turning: (0..axes.len()).map(|axis| turns_arms(cell, axis)).collect(),
             sag: BTreeMap::new(),
             retracted: BTreeMap::new(),
+            line_share: 0.0,
             instruction: 0,
-            place: Place::default(),
+            place: SourceLocation::default(),
             loaded: Vec::new(),
         }
     }
 
     /// Starts an instruction, to which the next steps belong, with the effectors that carry a wafer.
-    pub(super) fn start(&mut self, instruction: usize, place: Place, loaded: Vec<EffectorId>) {
+    pub(super) fn start(
+        &mut self,
+        instruction: usize,
+        place: SourceLocation,
+        loaded: Vec<EffectorId>,
+    ) {
         (self.instruction, self.place, self.loaded) = (instruction, place, loaded);
     }
 
@@ -131,8 +142,7 @@ impl<'c> MotionSequencer<'c> {
         }
         let mut target = WaferTarget::of(&pose);
         target.center += Vector3::from(by);
-        let reached = self.ik_cache.reach(self.cell, effector, &target, loaded, &self.positions);
-        let to = reached.map_err(stopped)?;
+        let to = self.reach(effector, &target, loaded).map_err(stopped)?;
         self.tucked = false;
         self.move_to(Phase::Move, to, Path::Line(effector));
         Ok(())
@@ -164,42 +174,48 @@ impl<'c> MotionSequencer<'c> {
         } else {
             ("the retracted pose below", &waypoints.retracted_below)
         };
-        self.approach(Goal { what, effector, target, slot })
+        self.approach(Goal { what, effector, target, slot, point: Retracted })
     }
 
-    /// GET: picks the wafer of a slot; `wait` is the dwell in front of the slot.
+    /// GET: picks the wafer of a slot; returns the index of the step at whose end the effector carries it.
+    ///
+    /// # Arguments
+    /// * `wait` – dwell in front of the slot
     pub(super) fn get(
         &mut self,
         effector: EffectorId,
         slot: SlotId,
         wait: Option<Path>,
-    ) -> Result<(), ProgramProblem> {
+    ) -> Result<usize, ProgramProblem> {
         self.loaded.retain(|&id| id != effector);
         let waypoints = self.waypoints(effector, slot)?;
-        let goal = |what, target| Goal { what, effector, target, slot };
+        let goal = |what, point, target| Goal { what, effector, target, slot, point };
         let first = self.steps.len();
-        self.approach(goal("the retracted pose below", &waypoints.retracted_below))?;
+        self.approach(goal("the retracted pose below", Retracted, &waypoints.retracted_below))?;
         if let Some(wait) = wait {
             self.dwell(wait);
         }
-        for via in &waypoints.via_below {
-            self.line(Phase::Extend, goal("a via point below", via))?;
+        for (k, via) in waypoints.via_below.iter().enumerate() {
+            self.line(Phase::Extend, goal("a via point below", Via(k), via))?;
         }
-        self.line(Phase::Extend, goal("the pose below", &waypoints.below))?;
+        self.line(Phase::Extend, goal("the pose below", Slot, &waypoints.below))?;
         // The empty effector lifts to where the mean plane of the loaded wafer will be that of the slot.
         let resting = self.compensated_sag(effector, &waypoints.resting)?;
-        self.line(Phase::Lift, goal("the resting pose in", &resting))?;
-        self.hand_over(Handover::Picked(effector, slot));
+        self.line(Phase::Lift, goal("the resting pose in", Slot, &resting))?;
+        let picked = self.hand_over(Handover::Picked(effector, slot));
         self.loaded.push(effector);
         self.loaded.sort_unstable();
-        self.line(Phase::Lift, goal("the pose above", &waypoints.above))?;
-        for via in waypoints.via_above.iter().rev() {
-            self.line(Phase::Retract, goal("a via point above", via))?;
+        self.line(Phase::Lift, goal("the pose above", Slot, &waypoints.above))?;
+        for (k, via) in waypoints.via_above.iter().enumerate().rev() {
+            self.line(Phase::Retract, goal("a via point above", Via(k), via))?;
         }
-        self.line(Phase::Retract, goal("the retracted pose above", &waypoints.retracted_above))?;
+        self.line(
+            Phase::Retract,
+            goal("the retracted pose above", Retracted, &waypoints.retracted_above),
+        )?;
         self.level();
         self.mark_in_station(slot, first);
-        Ok(())
+        Ok(picked)
     }
 
     /// PUT: places the wafer into a slot; returns the index of the step at whose end it rests there.
@@ -213,25 +229,27 @@ impl<'c> MotionSequencer<'c> {
             self.loaded.sort_unstable();
         }
         let waypoints = self.waypoints(effector, slot)?;
-        let goal = |what, target| Goal { what, effector, target, slot };
+        let goal = |what, point, target| Goal { what, effector, target, slot, point };
         let first = self.steps.len();
-        self.approach(goal("the retracted pose above", &waypoints.retracted_above))?;
-        for via in &waypoints.via_above {
-            self.line(Phase::Extend, goal("a via point above", via))?;
+        self.approach(goal("the retracted pose above", Retracted, &waypoints.retracted_above))?;
+        for (k, via) in waypoints.via_above.iter().enumerate() {
+            self.line(Phase::Extend, goal("a via point above", Via(k), via))?;
         }
-        self.line(Phase::Extend, goal("the pose above", &waypoints.above))?;
-        self.line(Phase::Lower, goal("the resting pose in", &waypoints.resting))?;
-        self.hand_over(Handover::Placed(effector, slot));
-        let left = self.steps.len() - 1;
+        self.line(Phase::Extend, goal("the pose above", Slot, &waypoints.above))?;
+        self.line(Phase::Lower, goal("the resting pose in", Slot, &waypoints.resting))?;
+        let placed = self.hand_over(Handover::Placed(effector, slot));
         self.loaded.retain(|&id| id != effector);
-        self.line(Phase::Lower, goal("the pose below", &waypoints.below))?;
-        for via in waypoints.via_below.iter().rev() {
-            self.line(Phase::Retract, goal("a via point below", via))?;
+        self.line(Phase::Lower, goal("the pose below", Slot, &waypoints.below))?;
+        for (k, via) in waypoints.via_below.iter().enumerate().rev() {
+            self.line(Phase::Retract, goal("a via point below", Via(k), via))?;
         }
-        self.line(Phase::Retract, goal("the retracted pose below", &waypoints.retracted_below))?;
+        self.line(
+            Phase::Retract,
+            goal("the retracted pose below", Retracted, &waypoints.retracted_below),
+        )?;
         self.level();
         self.mark_in_station(slot, first);
-        Ok(left)
+        Ok(placed)
     }
 
     fn waypoints(
@@ -282,6 +300,7 @@ impl<'c> MotionSequencer<'c> {
             self.push(Phase::Turn, turned, Path::PointToPoint);
         }
         self.move_to(Phase::Enter, to, Path::PointToPoint);
+        self.line_share = 0.0;
         Ok(())
     }
 
@@ -355,11 +374,51 @@ impl<'c> MotionSequencer<'c> {
     }
 
     fn positions_at(&mut self, goal: Goal<'_>) -> Result<Vec<f64>, ProgramProblem> {
-        let Goal { what, effector, target, slot } = goal;
+        let Goal { what, effector, target, slot, point } = goal;
         let loaded = self.loaded.contains(&effector);
         let target = if loaded { self.compensated_sag(effector, target)? } else { *target };
-        let reached = self.ik_cache.reach(self.cell, effector, &target, loaded, &self.positions);
+        let reached = match self.postures(effector, slot.station)? {
+            Some(postures) => {
+                let chain = ArmChain::new(&self.cell.robot, effector);
+                let near = postures.near(&chain, point, &self.positions);
+                let redundancy = Redundancy::AsNear;
+                self.ik_cache.reach(self.cell, effector, &target, loaded, &near, redundancy)
+            }
+            None => self.reach(effector, &target, loaded),
+        };
         reached.map_err(|source| self.unreachable(what, effector, slot, loaded, source))
+    }
+
+    /// Positions that bring the wafer of an effector to a target, from the present ones.
+    fn reach(
+        &mut self,
+        effector: EffectorId,
+        target: &WaferTarget,
+        loaded: bool,
+    ) -> Result<Vec<f64>, Unreachable> {
+        let redundancy = Redundancy::AwayFromLimits;
+        self.ik_cache.reach(self.cell, effector, target, loaded, &self.positions, redundancy)
+    }
+
+    /// Postures of an arm along the line into a station; `None` where the arm has no choice.
+    fn postures(
+        &mut self,
+        effector: EffectorId,
+        station: usize,
+    ) -> Result<Option<StationPostures>, ProgramProblem> {
+        let found = self.ik_cache.postures(self.cell, effector, station);
+        let found = found.map_err(|source| {
+            let slot = SlotId { station, slot: 1 };
+            self.unreachable("the line into", effector, slot, false, source)
+        })?;
+        match found.as_ref() {
+            Ok(postures) => Ok(postures.clone()),
+            Err(blocked) => Err(ProgramProblem::BlockedLine {
+                station: self.cell.stations[station].name.clone(),
+                effector: effector_name(&self.cell.robot, effector).to_owned(),
+                blocked: Box::new(blocked.clone()),
+            }),
+        }
     }
 
     /// A Cartesian line to a goal.
@@ -368,7 +427,19 @@ impl<'c> MotionSequencer<'c> {
         if phase == Phase::Retract {
             self.snap_to_retracted(&mut to, goal.effector, goal.slot.station);
         }
+        let from = self.line_share;
         self.push(phase, to, Path::Line(goal.effector));
+        if let Some(postures) = self.postures(goal.effector, goal.slot.station)?
+            && let Some(step) = self.steps.last_mut()
+        {
+            let share = postures.share(goal.point);
+            step.postures = Some(LinePostures {
+                path: postures.path,
+                shares: [from, share],
+                keeps_heading: postures.keeps_heading,
+            });
+            self.line_share = share;
+        }
         if matches!(phase, Phase::Lift | Phase::Lower) {
             let speed = self.cell.stations[goal.slot.station].stroke.speed;
             if let Some(step) = self.steps.last_mut() {
@@ -396,6 +467,7 @@ impl<'c> MotionSequencer<'c> {
             path,
             speed: self.speed,
             blend: self.blend,
+            postures: None,
             line_speed: None,
             loaded: self.loaded.clone(),
             handover: None,
@@ -403,11 +475,11 @@ impl<'c> MotionSequencer<'c> {
         });
     }
 
-    /// Sets the hand-over at the end of the last step.
-    fn hand_over(&mut self, handover: Handover) {
-        if let Some(step) = self.steps.last_mut() {
-            step.handover = Some(handover);
-        }
+    /// Sets the hand-over at the end of the last step, a line, and returns the index of that step.
+    fn hand_over(&mut self, handover: Handover) -> usize {
+        let last = self.steps.len() - 1;
+        self.steps[last].handover = Some(handover);
+        last
     }
 
     /// Marks the steps from an index on that are within the station.

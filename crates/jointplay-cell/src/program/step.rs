@@ -1,7 +1,9 @@
 //! Steps: elementary moves and dwells of all axes.
 
-use super::Place;
-use crate::robot::EffectorId;
+use std::sync::Arc;
+
+use super::SourceLocation;
+use crate::robot::{EffectorId, PosturePath};
 use crate::station::SlotId;
 
 /// Path of the axes in a step.
@@ -56,13 +58,24 @@ pub enum Handover {
     Placed(EffectorId, SlotId),
 }
 
+/// Postures that a redundant arm takes along a line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinePostures {
+    /// Positions of the arm's motors along the whole line into a station.
+    pub path: Arc<PosturePath>,
+    /// Shares of that line at which the step starts and ends.
+    pub shares: [f64; 2],
+    /// Whether the wafer's heading changes evenly; otherwise it follows from the postures.
+    pub keeps_heading: bool,
+}
+
 /// A move or dwell of all axes, with all names resolved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
     /// Index of the instruction in the order of execution.
     pub instruction: usize,
     /// Location of the instruction in the text.
-    pub place: Place,
+    pub place: SourceLocation,
     /// Part of the instruction.
     pub phase: Phase,
     /// Positions of all axes at its start (m and rad).
@@ -75,6 +88,8 @@ pub struct Step {
     pub speed: f64,
     /// Largest distance of a wafer's centre from the unblended path where this step is blended with a neighbour that allows as much; 0 brings all axes to rest (m).
     pub blend: f64,
+    /// Postures along a line; `None` where each point of the line has those nearest to the straight path of the axes.
+    pub postures: Option<LinePostures>,
     /// Largest speed of the wafer's centre along a line (m/s); `None` where only the axes limit it.
     pub line_speed: Option<f64>,
     /// Effectors that carry a wafer during the step.

@@ -6,7 +6,7 @@ use crate::robot::AxisKind;
 
 /// Location in the text of a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, PartialOrd, Ord)]
-pub struct Place {
+pub struct SourceLocation {
     /// Line, counted from 1.
     pub line: usize,
     /// Column in characters, counted from 1.
@@ -19,7 +19,7 @@ pub struct Name {
     /// The text.
     pub text: String,
     /// Location.
-    pub place: Place,
+    pub place: SourceLocation,
 }
 
 /// A slot in a program: a station, and a slot number where the station has more than one.
@@ -39,7 +39,7 @@ pub enum SlotNumber {
         /// The number.
         number: usize,
         /// Location.
-        place: Place,
+        place: SourceLocation,
     },
     /// A number by the counter of an enclosing REPEAT: `n + offset`, or `offset − n` where it counts down.
     Counted {
@@ -74,7 +74,7 @@ pub struct Routine {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instruction {
     /// Location of its first token.
-    pub place: Place,
+    pub place: SourceLocation,
     /// The command.
     pub command: Command,
 }
@@ -114,7 +114,7 @@ pub enum Command {
         /// The effector; `None` for the only possible one.
         effector: Option<Name>,
     },
-    /// Place the wafer into a slot.
+    /// SourceLocation the wafer into a slot.
     Put {
         /// The slot.
         to: SlotName,

@@ -5,7 +5,7 @@ use jointplay_core::virtualization::{BuiltIn, Metric, SolveOptions, Solver};
 
 use super::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
-    PlatformModel,
+    PlatformModel, PosturePath,
 };
 use crate::incremental::{Fingerprint, Fingerprinted};
 
@@ -13,6 +13,13 @@ impl Fingerprinted for EffectorId {
     fn append_to(&self, fingerprint: &mut Fingerprint) {
         let Self { arm, effector } = self;
         fingerprint.add(arm).add(effector);
+    }
+}
+
+impl Fingerprinted for PosturePath {
+    fn append_to(&self, fingerprint: &mut Fingerprint) {
+        let Self { shares, positions } = self;
+        fingerprint.add(shares).add(positions);
     }
 }
 

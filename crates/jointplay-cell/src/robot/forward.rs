@@ -88,7 +88,7 @@ impl HybridRobot {
     /// * `positions` – positions of all axes, rods first ((m), (rad))
     ///
     /// # Errors
-    /// [`CellError::WrongLength`], [`CellError::NotFinite`], and those of the platform model.
+    /// [`CellError::LengthMismatch`], [`CellError::NotFinite`], and those of the platform model.
     pub fn forward(&self, positions: &[f64]) -> Result<ChainPose, CellError> {
         self.check_positions(positions)?;
         let platform = self.platform(positions)?;
@@ -196,7 +196,7 @@ impl HybridRobot {
     pub(super) fn check_each(&self, what: &str, values: &[f64]) -> Result<(), CellError> {
         if values.len() != self.axes.len() {
             let (found, expected) = (values.len(), self.axes.len());
-            return Err(CellError::WrongLength { found, expected });
+            return Err(CellError::LengthMismatch { found, expected });
         }
         match values.iter().zip(&self.axes).find(|(value, _)| !value.is_finite()) {
             Some((&value, axis)) => {

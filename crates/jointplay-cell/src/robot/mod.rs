@@ -35,9 +35,11 @@ pub use hybrid_robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits, MAX_ARMS,
     MAX_AXES, MAX_JOINTS, RODS,
 };
+pub(crate) use inverse::PlanarPath;
+pub use inverse::PosturePath;
 pub use inverse::{
     Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach,
-    ReachDirection, WaferTarget,
+    ReachDirection, Redundancy, WaferTarget,
 };
 pub use jacobian::EffectorJacobian;
 pub use model::PlatformModel;

@@ -10,6 +10,7 @@ use super::hybrid_robot::{
     MAX_JOINTS, RODS,
 };
 use crate::CellError;
+use crate::conditions::{count, finite, in_range, positive, unique};
 use crate::wafer::Droop;
 
 /// Largest number of effectors of an arm.
@@ -158,7 +159,7 @@ impl HybridRobot {
         if index < RODS {
             if *kind != AxisKind::Linear {
                 let why = "the first three axes are those of the rods, and have to slide";
-                return Err(CellError::WrongAxis { axis: name.clone(), why: why.to_owned() });
+                return Err(CellError::InvalidAxis { axis: name.clone(), why: why.to_owned() });
             }
             let limits = self.gpr.limits();
             let (least, most) = (limits.rod_min, limits.rod_max);
@@ -183,7 +184,7 @@ impl HybridRobot {
             self.check_joint(joint, of).map_err(RobotPart::Joint(index, k).at_fault())?;
             motors.extend(joint.drives.iter().map(|&(axis, _)| axis));
         }
-        // More motors than joints could not be told apart: their positions would be arbitrary.
+        // More motors than joints could not be distinguished: their positions would be arbitrary.
         count(&of("motors"), motors.len(), 1, arm.joints.len()).map_err(&at_fault)?;
         for (k, effector) in arm.effectors.iter().enumerate() {
             let id = EffectorId { arm: index, effector: k };
@@ -215,17 +216,20 @@ impl HybridRobot {
                 });
             }
             let Axis { name, kind, .. } = &self.axes[axis];
-            let wrong = |why| CellError::WrongAxis { axis: name.clone(), why };
+            let invalid = |why| CellError::InvalidAxis { axis: name.clone(), why };
             if finite(of("a ratio"), ratio)? == 0.0 {
-                return Err(wrong(format!("{} is 0; leave it out", of("its ratio to the value"))));
+                return Err(invalid(format!("{} is 0; remove it", of("its ratio to the value"))));
             }
             if !driven.insert(axis) {
-                return Err(wrong(format!("it drives {} twice; add the ratios", of("the value"))));
+                return Err(invalid(format!(
+                    "it drives {} twice; add the ratios",
+                    of("the value")
+                )));
             }
             if *kind != joint.kind {
                 let (axis, value) = (kind.verb(), joint.kind.verb());
                 let joint = of("the value");
-                return Err(wrong(format!(
+                return Err(invalid(format!(
                     "it {axis}, but {joint} {value}; an axis drives its like"
                 )));
             }
@@ -307,55 +311,4 @@ fn check_droop(droop: &Droop, of: impl Fn(&str) -> String) -> Result<(), CellErr
             Ok(())
         }
     }
-}
-
-fn finite(what: String, value: f64) -> Result<f64, CellError> {
-    if value.is_finite() { Ok(value) } else { Err(CellError::NotFinite { what, value }) }
-}
-
-fn positive(what: String, value: f64, unit: &'static str) -> Result<(), CellError> {
-    if finite(what.clone(), value)? > 0.0 {
-        Ok(())
-    } else {
-        Err(CellError::NotPositive { what, value, unit })
-    }
-}
-
-fn in_range(
-    what: String,
-    value: f64,
-    min: f64,
-    max: f64,
-    unit: &'static str,
-) -> Result<(), CellError> {
-    if (min..=max).contains(&value) {
-        Ok(())
-    } else {
-        Err(CellError::OutOfRange { what, value, min, max, unit })
-    }
-}
-
-fn count(what: &str, found: usize, min: usize, max: usize) -> Result<(), CellError> {
-    if (min..=max).contains(&found) {
-        Ok(())
-    } else {
-        Err(CellError::Count { what: what.to_owned(), found, min, max })
-    }
-}
-
-/// Checks that names are unique; the error has the index of a name that is empty or repeated.
-fn unique<'a>(
-    what: &'static str,
-    names: impl Iterator<Item = &'a String>,
-) -> Result<(), (usize, CellError)> {
-    let mut known = BTreeSet::new();
-    for (index, name) in names.enumerate() {
-        if name.trim().is_empty() {
-            return Err((index, CellError::NoName { what: format!("one of the {what}") }));
-        }
-        if !known.insert(name) {
-            return Err((index, CellError::NameTwice { what, name: name.clone() }));
-        }
-    }
-    Ok(())
 }

@@ -63,9 +63,9 @@ impl Station {
     /// Origin of the station if the centre of a wafer in one of its slots were here, the tilt and yaw of the frame unchanged, in the base frame (m).
     #[must_use]
     pub fn origin_under(&self, slot: usize, center: &Vector3<f64>) -> Vector3<f64> {
-        let beside =
+        let offset =
             self.slot_frame(slot).translation.vector - self.base_from_station.translation.vector;
-        center - beside
+        center - offset
     }
 }
 

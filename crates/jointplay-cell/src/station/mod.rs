@@ -3,8 +3,13 @@
 mod description;
 mod fingerprint;
 mod leveling;
+mod postures;
 pub mod teach;
+mod validate;
 mod waypoints;
 
 pub use description::{Approach, Origin, SlotId, Station, Stroke};
+pub use postures::{BlockedLine, LineRemedy};
+pub(crate) use postures::{LinePoint, StationPostures};
+pub use validate::MAX_SLOTS;
 pub use waypoints::Waypoints;

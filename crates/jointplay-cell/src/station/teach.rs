@@ -331,8 +331,8 @@ impl PlaneFit {
     /// The nominal frame laid into the plane: its origin moved vertically, its yaw unchanged.
     #[must_use]
     pub fn frame(&self, origin: &Vector3<f64>, yaw: f64) -> Pose {
-        let beside = origin - self.center;
-        let rise = -(self.normal.x * beside.x + self.normal.y * beside.y) / self.normal.z;
+        let offset = origin - self.center;
+        let rise = -(self.normal.x * offset.x + self.normal.y * offset.y) / self.normal.z;
         let in_plane = Vector3::new(origin.x, origin.y, self.center.z + rise);
         frame(in_plane, &self.normal, yaw)
     }

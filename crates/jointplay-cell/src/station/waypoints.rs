@@ -68,7 +68,7 @@ impl Station {
         let target = |center: Vector3<f64>| WaferTarget { center, normal, heading };
         let resting = frame.translation.vector;
         let out = self.outward(&frame, axis);
-        let far = |axis| resting + out * self.way_out(-within(&frame, axis), &out);
+        let far = |axis| resting + out * self.distance_out(-within(&frame, axis), &out);
         let via = |lift: f64| {
             let place =
                 |via: &[f64; 3]| target((frame * Point3::from(*via)).coords + normal * lift);
@@ -102,7 +102,7 @@ impl Station {
     ///
     /// # Arguments
     /// * `resting` – from the axis to the resting position, within the slot's plane (m)
-    fn way_out(&self, resting: Vector3<f64>, out: &Vector3<f64>) -> f64 {
+    fn distance_out(&self, resting: Vector3<f64>, out: &Vector3<f64>) -> f64 {
         // |resting + t out|² = reach², the smaller root.
         let along = resting.dot(out);
         let rest = resting.norm_squared() - self.retract_reach * self.retract_reach;
@@ -121,7 +121,7 @@ fn within(frame: &Pose, [x, y]: [f64; 2]) -> Vector3<f64> {
 impl Cell {
     /// Waypoints for a slot, on the line along which the arm extends at the platform's tilt.
     ///
-    /// The axis of a tilted arm intersects the slot's plane beside the robot's axis: by 3 mm at a height of 150 mm over the platform and 1°, which is much for a wafer that is retracted to a few millimetres.
+    /// The axis of a tilted arm intersects the slot's plane at a distance from the robot's axis: 3 mm at a height of 150 mm over the platform and 1°, which is much for a wafer that is retracted to a few millimetres.
     /// The retract distance is measured from that intersection, within the plane: so the arm's motors have the same positions at any tilt.
     ///
     /// # Arguments
@@ -177,7 +177,12 @@ impl Cell {
         near: &[f64],
     ) -> Result<Vector3<f64>, Unreachable> {
         let frame = self.stations[slot.station].slot_frame(slot.slot);
-        let positions = self.reach(effector, target, true, near)?.positions;
+        // An arm whose posture is planned for the whole line need not be within limits in the one found here.
+        let positions = if self.robot.has_posture_paths(effector) {
+            self.reach_beyond_limits(effector, target, true, near)?.positions
+        } else {
+            self.reach(effector, target, true, near)?.positions
+        };
         let rods = [positions[0], positions[1], positions[2]];
         let platform = self.robot.model.forward(&self.robot.gpr, rods).map_err(CellError::from)?;
         let mount = self.robot.arms[effector.arm].mount;
@@ -222,46 +227,48 @@ mod tests {
                     < 1e-15
             );
             let axis = [0.02, -0.01];
-            let way = station.waypoints(7, [axis; 3]);
+            let waypoints = station.waypoints(7, [axis; 3]);
             let height = |target: &WaferTarget| (frame.inverse() * Point3::from(target.center)).z;
             for (target, expected) in [
-                (&way.retracted_below, -0.004),
-                (&way.via_below[0], -0.004),
-                (&way.below, -0.004),
-                (&way.resting, 0.0),
-                (&way.above, 0.003),
-                (&way.via_above[0], 0.003),
+                (&waypoints.retracted_below, -0.004),
+                (&waypoints.via_below[0], -0.004),
+                (&waypoints.below, -0.004),
+                (&waypoints.resting, 0.0),
+                (&waypoints.above, 0.003),
+                (&waypoints.via_above[0], 0.003),
             ] {
                 assert!((height(target) - expected).abs() < 1e-15, "{approach:?} {target:?}");
             }
-            assert!((height(&way.retracted_above) - 0.003).abs() < 1e-15);
+            assert!((height(&waypoints.retracted_above) - 0.003).abs() < 1e-15);
             // Vertically below the line in the slot's plane, and at the distance from the axis that was asked for.
-            let out = way.retracted_below.center - way.below.center;
-            let retracted = way.resting.center + out - Vector3::new(axis[0], axis[1], 0.0);
+            let out = waypoints.retracted_below.center - waypoints.below.center;
+            let retracted = waypoints.resting.center + out - Vector3::new(axis[0], axis[1], 0.0);
             let normal = frame.rotation * Vector3::z();
-            let center = way.resting.center - Vector3::new(axis[0], axis[1], 0.0);
+            let center = waypoints.resting.center - Vector3::new(axis[0], axis[1], 0.0);
             let crossing = Vector3::z() * (normal.dot(&center) / normal.z);
             assert!(((retracted - crossing).norm() - 0.4).abs() < 1e-12);
-            assert!((way.retracted_above.center - way.above.center - out).norm() < 1e-15);
+            assert!(
+                (waypoints.retracted_above.center - waypoints.above.center - out).norm() < 1e-15
+            );
         }
     }
 
     #[test]
     fn approach_is_radial_or_along_the_station() {
         let radial = station(Approach::Radial, 0.2);
-        let way = radial.waypoints(1, [[0.0; 2]; 3]);
-        let (near, far) = (way.retracted_below.center.xy(), way.below.center.xy());
+        let waypoints = radial.waypoints(1, [[0.0; 2]; 3]);
+        let (near, far) = (waypoints.retracted_below.center.xy(), waypoints.below.center.xy());
         // Both on a line through the axis but for the small offset of the entering plane.
         assert!((near.x * far.y - near.y * far.x).abs() < 1e-4);
-        assert_eq!(way.resting.heading, None);
+        assert_eq!(waypoints.resting.heading, None);
         let line = station(Approach::Line, 0.45);
-        let way = line.waypoints(1, [[0.0; 2]; 3]);
+        let waypoints = line.waypoints(1, [[0.0; 2]; 3]);
         let along = line
             .base_from_station
-            .inverse_transform_vector(&(way.below.center - way.retracted_below.center));
+            .inverse_transform_vector(&(waypoints.below.center - waypoints.retracted_below.center));
         assert!(along.x.abs() < 1e-15 && along.z.abs() < 1e-15 && along.y > 0.0);
         assert!(
-            (way.resting.heading.unwrap_or(0.0) - (std::f64::consts::FRAC_PI_2 - 0.2)).abs()
+            (waypoints.resting.heading.unwrap_or(0.0) - (std::f64::consts::FRAC_PI_2 - 0.2)).abs()
                 < 1e-12
         );
     }
@@ -269,9 +276,9 @@ mod tests {
     #[test]
     fn approach_past_the_axis_retracts_to_its_nearest_point() {
         let station = station(Approach::Line, 0.01);
-        let way = station.waypoints(1, [[0.0; 2]; 3]);
+        let waypoints = station.waypoints(1, [[0.0; 2]; 3]);
         let inward = station.base_from_station.rotation * Vector3::y();
-        let retracted = way.retracted_below.center;
+        let retracted = waypoints.retracted_below.center;
         assert!(retracted.xy().norm() > 0.01);
         assert!(retracted.xy().dot(&inward.xy()).abs() < 1e-3);
     }

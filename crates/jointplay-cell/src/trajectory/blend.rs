@@ -1,6 +1,6 @@
 //! The overlap of two successive segments.
 
-/// Overlap of a step with the next, so that the axes do not come to rest between them.
+/// Overlap of a step with the next, so that the axes do not stop between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blend {
     /// Time during which both segments run (s).

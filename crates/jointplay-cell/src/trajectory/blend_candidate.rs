@@ -54,7 +54,7 @@ pub(super) struct BlendCandidate<'a> {
 }
 
 impl<'a> BlendCandidate<'a> {
-    /// Two steps with their segments; `None` where the robot has to come to rest between them: at a hand-over, before and after strokes in a slot, and at dwells.
+    /// Two steps with their segments; `None` where the robot has to stop between them: at a hand-over, before and after strokes in a slot, and at dwells.
     pub(super) fn new(
         conditions: BlendConditions<'a>,
         steps: [&'a Step; 2],

@@ -81,7 +81,7 @@ impl BlendPlanner {
         self.blends.begin(&shared);
         self.solids.begin();
         let solid = |zone: &Zone| self.solids.get(&zone.shape, &zone.base_from_shape);
-        self.safe_zones = zones().filter_map(solid).map(|(_, solid)| solid).collect();
+        self.safe_zones = zones().filter_map(solid).map(|solid| solid.collider).collect();
     }
 
     /// Ends a round of planning: results that it did not ask for are dropped.

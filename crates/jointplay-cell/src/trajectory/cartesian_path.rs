@@ -5,7 +5,8 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::spline::Spline;
 use crate::CellError;
-use crate::robot::{EffectorJacobian, wrap_angle};
+use crate::program::LinePostures;
+use crate::robot::{ArmChain, EffectorJacobian, PosturePath, wrap_angle};
 use crate::wafer::Unreachable;
 
 /// A straight line of a wafer, and the axes that follow it.
@@ -24,6 +25,37 @@ pub(crate) struct CartesianLine<'a> {
     pub(crate) jacobian: &'a dyn Fn(&[f64]) -> Result<EffectorJacobian, CellError>,
     /// Largest allowed distance of the wafer's centre from the straight line (m).
     pub(crate) max_deviation: f64,
+    /// Postures that the axes keep near to, where they are not those of their straight path.
+    pub(crate) postures: Option<&'a PostureSpline>,
+}
+
+/// Postures of an arm over the share of a line.
+pub(crate) struct PostureSpline {
+    /// Indices of the arm's axes.
+    axes: Vec<usize>,
+    spline: Spline,
+    /// Shares of the spline at both ends of the line.
+    shares: [f64; 2],
+    ends: [Vec<f64>; 2],
+}
+
+impl PostureSpline {
+    pub(crate) fn new(chain: &ArmChain, postures: &LinePostures) -> Self {
+        let PosturePath { shares, positions } = postures.path.as_ref();
+        let spline = Spline::through(shares, positions);
+        let ends = postures.shares.map(|share| spline.positions(share));
+        Self { axes: chain.axes().to_vec(), spline, shares: postures.shares, ends }
+    }
+
+    /// Moves the straight path of all axes at `s` to the postures; both ends of the line stay.
+    fn bend(&self, s: f64, straight: &mut [f64]) {
+        let [from, to] = self.shares;
+        let postures = self.spline.positions(from + s * (to - from));
+        for (k, &axis) in self.axes.iter().enumerate() {
+            straight[axis] +=
+                postures[k] - (self.ends[0][k] + s * (self.ends[1][k] - self.ends[0][k]));
+        }
+    }
 }
 
 /// Positions of all axes along a Cartesian line.
@@ -123,10 +155,10 @@ type PathPoint = (f64, Vec<f64>);
 impl CartesianLine<'_> {
     /// Positions of all axes along the line.
     ///
-    /// Of all positions that hold the wafer on the line, each point has those nearest to the straight path of the axes:
+    /// Of all positions that hold the wafer on the line, each point has those nearest to the straight path of the axes, or to given postures:
     ///
     /// ```text
-    ///    min |q − q_straight(s)|²   subject to   center(q) = c(s),  normal(q) = n(s),  heading(q) = h(s)
+    ///    min |q − q_reference(s)|²   subject to   center(q) = c(s),  normal(q) = n(s),  heading(q) = h(s)
     /// ```
     /// Both ends are met exactly, and the motion of an arm with redundant axes is distributed over all of them.
     /// The points are interpolated by a cubic spline, refined until it is within the allowed deviation.
@@ -203,11 +235,15 @@ impl CartesianLine<'_> {
             let ratio = (s - last) / (last - earlier);
             positions.iter().zip(older).map(|(new, old)| new + ratio * (new - old)).collect()
         } else {
-            positions
+            let mut guess: Vec<f64> = positions
                 .iter()
                 .zip(self.from.iter().zip(self.to))
                 .map(|(position, (from, to))| position + (s - last) * (to - from))
-                .collect()
+                .collect();
+            if let Some(postures) = self.postures {
+                postures.bend(s, &mut guess);
+            }
+            guess
         };
         match self.solve(target, s, &guess) {
             Ok(found) => {
@@ -236,9 +272,14 @@ impl CartesianLine<'_> {
         }
     }
 
-    /// Positions of all axes on their straight path at `s` (m or rad).
-    fn straight(&self, s: f64) -> impl Iterator<Item = f64> + '_ {
-        self.from.iter().zip(self.to).map(move |(from, to)| from + s * (to - from))
+    /// Positions of all axes at `s` that those on the line are nearest to: on their straight path, or the given postures (m or rad).
+    fn reference(&self, s: f64) -> Vec<f64> {
+        let ends = self.from.iter().zip(self.to);
+        let mut reference: Vec<f64> = ends.map(|(from, to)| from + s * (to - from)).collect();
+        if let Some(postures) = self.postures {
+            postures.bend(s, &mut reference);
+        }
+        reference
     }
 
     /// The positions nearest to the straight path of the axes that hold the wafer at `s`, from an initial guess.
@@ -246,12 +287,12 @@ impl CartesianLine<'_> {
     /// Newton's method on the stationarity conditions of the constrained minimum:
     ///
     /// ```text
-    ///    [ 1  Jᵀ ] [ Δq ]     [ q_straight − q ]
+    ///    [ 1  Jᵀ ] [ Δq ]     [ q_reference − q ]
     ///    [ J  0  ] [ λ  ]  =  [ −residual      ]
     /// ```
     fn solve(&self, target: &LineTarget, s: f64, guess: &[f64]) -> Result<Vec<f64>, PathError> {
-        let straight: Vec<f64> = self.straight(s).collect();
-        let mut q = straight.clone();
+        let reference = self.reference(s);
+        let mut q = reference.clone();
         for &axis in &self.variables {
             q[axis] = guess[axis];
         }
@@ -281,7 +322,7 @@ impl CartesianLine<'_> {
             loop {
                 let mut right = DVector::zeros(n + m);
                 for (row, &axis) in self.variables.iter().enumerate() {
-                    right[row] = straight[axis] - q[axis];
+                    right[row] = reference[axis] - q[axis];
                 }
                 for row in 0..m {
                     right[n + row] = -residual[row];

@@ -2,7 +2,7 @@
 
 use super::cartesian_path::PathError;
 use super::synchronized::NoProfile;
-use crate::program::Place;
+use crate::program::SourceLocation;
 
 /// Steps for which no trajectory exists.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -21,7 +21,7 @@ pub struct StepError {
     /// Index of its instruction in the order of execution.
     pub instruction: usize,
     /// Location of the instruction in the program's text.
-    pub place: Place,
+    pub place: SourceLocation,
     /// The error.
     pub kind: StepErrorKind,
 }

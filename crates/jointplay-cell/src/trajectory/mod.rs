@@ -14,6 +14,7 @@
 //! | `spline` | positions of all axes over a path parameter |
 //! | `cartesian_path` | straight lines of the wafer, followed by inverse kinematics |
 //! | `time_parameterization` | path parameter over time, within the limits of all axes |
+//! | `slip` | slowdown of segments on which a wafer would slip |
 //! | `segment` | motion of all axes in one step |
 //! | `blend`, `trajectory` | all segments on one clock |
 //! | `sampler` | states of the moving axes of a step at many times |
@@ -38,6 +39,7 @@ mod sampler;
 mod segment;
 mod segment_key;
 mod segment_planner;
+mod slip;
 mod spline;
 mod straight;
 mod synchronized;

@@ -5,7 +5,7 @@ use super::profile::AxisState;
 /// Positions of all axes with their first three derivatives, at one time of a trajectory.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sample {
-    /// Time since the start of the trajectory, or of the step where a function says so (s).
+    /// Time since the start of the trajectory, or of the step where a function states it (s).
     pub time: f64,
     /// Index of the step.
     pub step: usize,

@@ -1,7 +1,7 @@
 //! Fingerprints of segments.
 
 use crate::incremental::Fingerprint;
-use crate::program::{Path, Step};
+use crate::program::{LinePostures, Path, Step};
 use crate::workcell::Cell;
 
 use super::options::TrajectoryOptions;
@@ -23,6 +23,10 @@ pub(super) fn segment_key(step: &Step) -> Fingerprint {
     let mut inputs = Fingerprint::default();
     inputs.add(&effector).add(&step.from).add(&step.to);
     inputs.add(&step.speed).add(&step.line_speed).add(&step.loaded);
+    inputs.add(&step.postures.is_some());
+    if let Some(LinePostures { path, shares, keeps_heading }) = &step.postures {
+        inputs.add(path.as_ref()).add(shares).add(keeps_heading);
+    }
     inputs
 }
 

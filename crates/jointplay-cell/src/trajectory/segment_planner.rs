@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use super::blend::Blend;
 use super::blend_planner::{BlendPlanner, SlowedSegments};
-use super::cartesian_path::CartesianLine;
+use super::cartesian_path::{CartesianLine, PostureSpline};
 use super::error::{StepError, StepErrorKind, TrajectoryError};
 use super::limits::{axis_moves_effector, scaled_axis_limits};
 use super::options::TrajectoryOptions;
 use super::segment::Segment;
 use super::segment_key::{moves, segment_key, shared_key};
+use super::slip::slowed_for_slip;
 use super::synchronized::synchronized_profile;
 use super::time_parameterization::TimeParameterization;
 use super::trajectory::Trajectory;
@@ -253,13 +254,14 @@ fn plan_dwell(duration: f64, step: &Step) -> Planned<Segment> {
 
 /// The segment of a step that moves.
 fn plan_segment(cell: &Cell, step: &Step, options: &TrajectoryOptions) -> Planned<Segment> {
-    match step.path {
-        Path::Line(effector) => plan_line(cell, step, effector, options),
+    let segment = match step.path {
+        Path::Line(effector) => plan_line(cell, step, effector, options)?,
         _ => {
             let limits = |axis| scaled_axis_limits(&cell.robot, axis, step);
-            Ok(Segment::PointToPoint(synchronized_profile(&step.from, &step.to, limits)?))
+            Segment::PointToPoint(synchronized_profile(&step.from, &step.to, limits)?)
         }
-    }
+    };
+    Ok(slowed_for_slip(cell, step, segment))
 }
 
 /// The segment of a Cartesian line: path first, then its parameter over time.
@@ -280,7 +282,9 @@ fn plan_line(
     let variables: Vec<usize> =
         (0..robot.axes.len()).filter(|&axis| axis_moves_effector(robot, axis, effector)).collect();
     // Three rods and two motors place the centre and the plane; a third motor also determines the heading.
-    let heading_is_free = variables.len() >= RODS + 3;
+    let heading_is_free = variables.len() >= RODS + 3
+        && step.postures.as_ref().is_none_or(|postures| postures.keeps_heading);
+    let postures = step.postures.as_ref().map(|postures| PostureSpline::new(&chain, postures));
     let turn: f64 = robot.arms[effector.arm]
         .joints
         .iter()
@@ -296,6 +300,7 @@ fn plan_line(
         pose: &pose,
         jacobian: &jacobian,
         max_deviation: options.line_deviation,
+        postures: postures.as_ref(),
     };
     let path = line.follow()?;
     let limits: Vec<KinematicLimits> =

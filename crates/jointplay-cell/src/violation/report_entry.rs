@@ -2,7 +2,7 @@
 
 use super::kind::{Kind, Unit};
 use crate::EntityId;
-use crate::program::{Phase, Place};
+use crate::program::{Phase, SourceLocation};
 use crate::workcell::Cell;
 
 /// Violation of one limit over an interval of time, within one instruction.
@@ -14,8 +14,8 @@ pub struct Violation {
     pub entities: Vec<EntityId>,
     /// Index of the instruction in the order of execution.
     pub instruction: usize,
-    /// Place of the instruction in the program text.
-    pub place: Place,
+    /// SourceLocation of the instruction in the program text.
+    pub place: SourceLocation,
     /// Index of the step at the worst time.
     pub step: usize,
     /// Phase of that step.

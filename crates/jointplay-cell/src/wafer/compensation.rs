@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, Vector3};
 use super::deflection::deflection_rotation;
 use super::droop::Deflection;
 use super::unreachable::{RejectedBranch, Unreachable};
-use crate::robot::{ArmChain, Branch, Configuration, EffectorId, WaferTarget};
+use crate::robot::{ArmChain, Branch, Configuration, EffectorId, Inverse, Redundancy, WaferTarget};
 use crate::workcell::Cell;
 
 /// Largest distance from the target at which a wafer counts as there (m).
@@ -64,6 +64,50 @@ impl Cell {
         loaded: bool,
         near: &[f64],
     ) -> Result<CompensatedPose, Unreachable> {
+        self.reach_by(effector, target, loaded, near, Redundancy::AwayFromLimits)
+    }
+
+    /// As [`Self::reach`], with the positions chosen where the arm is redundant.
+    ///
+    /// # Errors
+    /// As [`Self::reach`].
+    pub fn reach_by(
+        &self,
+        effector: EffectorId,
+        target: &WaferTarget,
+        loaded: bool,
+        near: &[f64],
+        redundancy: Redundancy,
+    ) -> Result<CompensatedPose, Unreachable> {
+        let choose = |found: &Inverse| found.chosen().cloned();
+        self.reach_with(effector, target, loaded, near, redundancy, choose)
+    }
+
+    /// As [`Self::reach`], in any branch, within limits or not: for what does not depend on the motors.
+    ///
+    /// # Errors
+    /// As [`Self::reach`], without limits.
+    pub(crate) fn reach_beyond_limits(
+        &self,
+        effector: EffectorId,
+        target: &WaferTarget,
+        loaded: bool,
+        near: &[f64],
+    ) -> Result<CompensatedPose, Unreachable> {
+        let choose = |found: &Inverse| found.chosen().or(found.branches.first()).cloned();
+        let redundancy = Redundancy::AwayFromLimits;
+        self.reach_with(effector, target, loaded, near, redundancy, choose)
+    }
+
+    fn reach_with(
+        &self,
+        effector: EffectorId,
+        target: &WaferTarget,
+        loaded: bool,
+        near: &[f64],
+        redundancy: Redundancy,
+        choose: impl Fn(&Inverse) -> Option<Branch>,
+    ) -> Result<CompensatedPose, Unreachable> {
         self.robot.check_effector(effector)?;
         let chain = ArmChain::new(&self.robot, effector);
         let target_normal = target.normal.normalize();
@@ -74,7 +118,7 @@ impl Cell {
         let mut last_residual = f64::INFINITY;
         loop {
             aim.normal = clamped_tilt(&aim.normal, max_tilt);
-            let branch = self.branch_to(effector, &aim, near)?;
+            let branch = self.branch_to(effector, &aim, near, redundancy, &choose)?;
             let rigid = self.rigid_wafer(&chain, &branch.positions)?;
             let deflection = self.deflection(&rigid, loaded)?;
             iterations += 1;
@@ -124,10 +168,12 @@ impl Cell {
         effector: EffectorId,
         target: &WaferTarget,
         near: &[f64],
+        redundancy: Redundancy,
+        choose: &impl Fn(&Inverse) -> Option<Branch>,
     ) -> Result<Branch, Unreachable> {
-        let found = self.robot.inverse(effector, target, near)?;
-        if let Some(branch) = found.chosen() {
-            return Ok(branch.clone());
+        let found = self.robot.inverse_by(effector, target, near, redundancy)?;
+        if let Some(branch) = choose(&found) {
+            return Ok(branch);
         }
         let rejected = found.branches.into_iter().map(|branch| RejectedBranch {
             configuration: branch.configuration,

@@ -100,7 +100,7 @@ impl Cell {
         Ok(rigid.deflected(self.deflection(&rigid, loaded)?))
     }
 
-    /// As [`Self::wafer_pose`], the arm being rigid where its droop is not known; the error says why it is not.
+    /// As [`Self::wafer_pose`], with a rigid arm where its droop is not known; the error has the reason.
     ///
     /// # Errors
     /// As [`crate::robot::HybridRobot::forward`].

@@ -125,7 +125,7 @@ mod tests {
     const FRICTION: f64 = 0.4;
     const SUPPORTS: [Support; 3] =
         [Support::Edge, Support::ThreePoints { radius: 0.12 }, Support::TwoRails { distance: 0.2 }];
-    const LEVERS: [f64; 3] = [0.15, 0.12, 0.1];
+    const LEVER_ARMS: [f64; 3] = [0.15, 0.12, 0.1];
 
     fn wafer() -> Wafer {
         let material =
@@ -147,10 +147,10 @@ mod tests {
 
     #[test]
     fn friction_of_translation_rotation_and_slope_has_closed_forms() {
-        for (support, lever) in SUPPORTS.iter().zip(LEVERS) {
+        for (support, lever) in SUPPORTS.iter().zip(LEVER_ARMS) {
             let grip =
                 |wrench: &RequiredWrench| friction_check(wrench, &wafer(), support, FRICTION);
-            // Friction alone holds what goes straight, wherever the pads are.
+            // Friction alone holds a wafer that moves straight, wherever the pads are.
             let straight = grip(&level(Vector2::new(1.2, -0.5), 0.0));
             near(straight.required, 1.3, 1e-12);
             near(straight.available, FRICTION * GRAVITY, 1e-12);
@@ -162,8 +162,8 @@ mod tests {
             near(spinning.required, 0.15_f64.powi(2) / 2.0 * acceleration / lever, 1e-12);
             near(spinning.available, FRICTION * GRAVITY, 1e-12);
             // At rest on a slope: g sin α against µ g cos α.
-            let lean = Rotation3::from_axis_angle(&Vector3::y_axis(), 0.3);
-            let still = FrameMotion::still(Pose::from_parts(Translation3::identity(), lean));
+            let tilt = Rotation3::from_axis_angle(&Vector3::y_axis(), 0.3);
+            let still = FrameMotion::still(Pose::from_parts(Translation3::identity(), tilt));
             let resting = grip(&required_wrench(&still, &wafer(), GRAVITY));
             near(resting.required, GRAVITY * 0.3_f64.sin(), 1e-12);
             near(resting.available, FRICTION * GRAVITY * 0.3_f64.cos(), 1e-12);
@@ -185,7 +185,7 @@ mod tests {
         let turning = 0.15_f64.powi(2) / 2.0 * acceleration;
         // The centre of mass is above the pads: pressed forward by its height.
         let off = 0.5 * wafer().thickness * straight / GRAVITY;
-        for (support, lever) in SUPPORTS.iter().zip(LEVERS) {
+        for (support, lever) in SUPPORTS.iter().zip(LEVER_ARMS) {
             let found = friction_check(
                 &required_wrench(&round, &wafer(), GRAVITY),
                 &wafer(),
@@ -198,9 +198,9 @@ mod tests {
 
     #[test]
     fn precessing_wafer_needs_the_gyroscopic_moment() {
-        // ω = ω₁ e₃ + ω₂ n with the spin ω₂ and the lean fixed: the angular momentum H turns with ω₁, Ḣ = ω₁ e₃ × H.
-        let (around, spin, lean) = (2.0, -5.0, 0.4);
-        let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), lean);
+        // ω = ω₁ e₃ + ω₂ n with the spin ω₂ and the tilt fixed: the angular momentum H turns with ω₁, Ḣ = ω₁ e₃ × H.
+        let (around, spin, tilt) = (2.0, -5.0, 0.4);
+        let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), tilt);
         let n = turn * Vector3::z();
         let omega = Vector3::z() * around + n * spin;
         let alpha = (Vector3::z() * around).cross(&(n * spin));
@@ -304,7 +304,7 @@ mod tests {
         };
         for round in 0..240 {
             let support = &SUPPORTS[round % 3];
-            let lever = LEVERS[round % 3];
+            let lever = LEVER_ARMS[round % 3];
             let (direction, mix) = (random() * std::f64::consts::TAU, random());
             // The same needed by all: what is left over for turning.
             let needed = 0.999 * FRICTION * GRAVITY;

@@ -17,9 +17,11 @@ mod droop;
 mod fingerprint;
 mod friction;
 mod model;
+mod monotone_cubic;
 mod plate;
 mod sag;
 mod unreachable;
+mod validate;
 
 pub use compensation::CompensatedPose;
 pub use deflection::apply_deflection;
@@ -29,3 +31,4 @@ pub use friction::FrictionMargin;
 pub use model::{Droop, DroopRow, Material, Support, Wafer};
 pub use sag::{Sag, SagError, sag};
 pub use unreachable::{RejectedBranch, Unreachable};
+pub use validate::check_thin_plate;

@@ -113,5 +113,5 @@ fn close(chain: &Mechanism, loops: &Path) -> Result<Mechanism, Failure> {
     let source = Source::read(loops, MAX_BYTES)?;
     source.require(&[Kind::Loops], "a file of loops")?;
     let closed = mechanism::with_loops(chain, &source.text);
-    closed.map_err(|error| Failure::at(&error, &source.label))
+    closed.map_err(|errors| Failure::invalid(&errors, &source.label))
 }

@@ -168,7 +168,7 @@ impl Mobility {
             return Err(Failure::Usage(text.to_owned()));
         }
         let read = robot::parse(&source.text);
-        Ok(read.map_err(|error| Failure::at(&error, &source.label))?.gpr)
+        Ok(read.map_err(|errors| Failure::invalid(&errors, &source.label))?.gpr)
     }
 }
 

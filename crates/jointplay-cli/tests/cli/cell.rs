@@ -303,17 +303,9 @@ fn a_motion_longer_than_a_day_is_refused_before_it_is_sampled() {
     }
 }
 
-#[test]
-fn what_is_offered_for_programs_runs_them_and_lines_that_fail_say_what_is_missing() {
-    let offered = jointplay::format::cell::robot::names_for_programs();
-    assert_eq!(offered.collect::<Vec<_>>(), ["dual-arm", "radial-arm"]);
-    let sandbox = sandbox(&[("robot = \"dual-arm\"", "robot = \"nothing\"")]);
-    let run = sandbox.run("cell check example.toml");
-    assert!(run.stderr.contains("dual-arm") && !run.stderr.contains("scara"), "{}", run.stderr);
-
-    // By name they are planned anyway; a line that they cannot follow is reported in mm and degrees.
-    let robot = ("\"nothing\"", "\"scara-4r\"");
-    let text = sandbox.read("example.toml").replace(robot.0, robot.1);
+/// The example cell with another robot, without the bodies on links of the arms.
+fn with_robot(sandbox: &Sandbox, robot: &str) -> String {
+    let text = sandbox.read("example.toml").replace("\"dual-arm\"", &format!("\"{robot}\""));
     let links = ["on = { arm = \"upper\"", "on = { arm = \"lower\""];
     let mut blocks: Vec<&str> = text.split("\n[[").collect();
     blocks.retain(|block| !links.iter().any(|link| block.contains(link)));
@@ -327,18 +319,29 @@ fn what_is_offered_for_programs_runs_them_and_lines_that_fail_say_what_is_missin
         }
         within_pairs &= !line.starts_with(']');
     }
-    sandbox.write("one.toml", &lines.join("\n"));
-    sandbox.write(
-        "one.program",
-        "TRANSFER LP1 SLOT 3 TO ALIGN WITH A\nTRANSFER ALIGN TO LP2 SLOT 3 WITH A\n",
-    );
-    let run = sandbox.run("cell check one.toml");
-    assert_eq!(run.code, 1, "{}", run.stderr);
-    for words in ["% along the line, at x ", " mm", "retract_mm"] {
-        assert!(run.stderr.contains(words), "{words}: {}", run.stderr);
+    lines.join("\n")
+}
+
+#[test]
+fn every_robot_of_the_catalogue_runs_in_the_example_cell_and_a_blocked_line_names_its_remedies() {
+    let sandbox = sandbox(&[]);
+    for robot in jointplay::format::cell::robot::names() {
+        sandbox.write("one.toml", &with_robot(&sandbox, robot));
+        sandbox.write(
+            "one.program",
+            "TRANSFER LP1 SLOT 3 TO ALIGN WITH A\nTRANSFER ALIGN TO PM1 WITH A\nTRANSFER PM1 TO LP2 SLOT 3 WITH A\n",
+        );
+        let run = sandbox.run("cell check one.toml");
+        // Where the folded arm sweeps through a zone of the example, the answer is no, and the lot is planned all the same.
+        assert!(run.code <= 1 && run.stdout.contains("wafers"), "{robot}: {}", run.stderr);
     }
-    for words in ["m or rad", "iterations"] {
-        assert!(!run.stderr.contains(words), "{words}: {}", run.stderr);
+    let line = with_robot(&sandbox, "scara-3r")
+        .replace("retract_mm = 10.0", "retract_mm = 10.0\napproach = \"line\"");
+    sandbox.write("one.toml", &line);
+    let run = sandbox.run("cell check one.toml");
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    for words in ["% along the line", "approach = \"radial\"", "retract_mm = "] {
+        assert!(run.stderr.contains(words), "{words}: {}", run.stderr);
     }
 }
 
@@ -369,7 +372,7 @@ fn collisions_are_listed_in_groups_worst_first() {
 }
 
 #[test]
-fn a_loaded_move_that_is_too_fast_lets_the_wafer_slip() {
+fn a_loaded_move_that_would_be_too_fast_is_slowed_until_the_wafer_stays() {
     let sandbox = sandbox(&[("robot = \"dual-arm\"", "robot = \"fast.toml\"")]);
     let fast = include_str!("../../../../robots/dual-arm.toml").replace(
         "loaded = { velocity_deg_s = 150.0, acceleration_deg_s2 = 400.0, jerk_deg_s3 = 4000.0 }",
@@ -377,19 +380,12 @@ fn a_loaded_move_that_is_too_fast_lets_the_wafer_slip() {
     );
     sandbox.write("fast.toml", &fast);
     let run = sandbox.run("cell check example.toml --format json");
-    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert_eq!(run.code, 0, "{}", run.stderr);
     let report: Value = serde_json::from_str(&run.stdout).unwrap();
-    let slips: Vec<&Value> = report["violations"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .filter(|one| one["kind"] == "slip")
-        .collect();
-    assert!(!slips.is_empty(), "{}", run.stdout);
-    for one in slips {
-        assert!(one["worst"].as_f64().unwrap() > one["limit"].as_f64().unwrap(), "{one}");
-        assert!([2, 3].contains(&one["line"].as_u64().unwrap()), "{one}");
-    }
+    let shares = report["instructions"].as_array().unwrap().iter();
+    let shares = shares.filter_map(|row| row["slip"]["share"].as_f64());
+    let most = shares.fold(0.0, f64::max);
+    assert!((0.97..=1.0).contains(&most), "{most}");
     // The robot file is searched next to the cell, and nowhere else.
     let outside = "robot = \"../fast.toml\"";
     sandbox.write(
@@ -409,7 +405,7 @@ fn place_of(text: &str, words: &str) -> (usize, usize) {
 }
 
 #[test]
-fn three_faults_of_the_example_are_found_and_fixed() {
+fn two_faults_of_the_example_are_found_and_fixed() {
     let sandbox = sandbox(&[]);
     let sound = sandbox.read("example.toml");
     let broken = |from: &str, to: &str| {
@@ -459,21 +455,6 @@ fn three_faults_of_the_example_are_found_and_fixed() {
         let message = one["message"].as_str().unwrap();
         assert!(message.contains(names[0]) && message.contains("wall"), "{one}");
     }
-
-    // Loaded limits as high as the empty ones: the wafer slips on both its paths.
-    broken("robot = \"dual-arm\"", "robot = \"fast.toml\"");
-    let robot = include_str!("../../../../robots/dual-arm.toml");
-    let mut empty = "";
-    let fast = robot.lines().map(|line| {
-        if line.starts_with("empty = ") {
-            empty = line;
-        }
-        if line.starts_with("loaded = ") { empty.replace("empty", "loaded") } else { line.into() }
-    });
-    sandbox.write("fast.toml", &fast.collect::<Vec<_>>().join("\n"));
-    let lines: Vec<u64> =
-        violations("slip").iter().map(|one| one["line"].as_u64().unwrap()).collect();
-    assert!(lines.contains(&2) && lines.contains(&3), "{lines:?}");
 
     // Faster than the limits is no speed.
     sandbox.write("example.toml", &sound);

@@ -7,20 +7,17 @@ use jointplay_cell::robot::HybridRobot;
 use jointplay_cell::station::Station;
 use jointplay_cell::station::teach::frame;
 use jointplay_cell::workcell::{Body, Carrier, Zone, ZoneRule};
+use jointplay_cell::{CellError, MAX_BODIES};
 use jointplay_core::spatial::{Pose, Tilt};
 
 use super::files::Files;
 use super::mesh;
 use super::pose::{points, yaw_and_tilt};
 use super::problem::Fault;
-use super::solid::is_solid;
 use super::tree::{AllowedRange, Entry, Table};
 use super::unique::unique;
 use crate::file_problem::FileProblem;
 use crate::units::m_from_mm;
-
-/// Largest number of bodies, and of zones; the number of checked pairs grows with its square.
-const MOST_BODIES: usize = 400;
 
 /// All bodies.
 pub(super) fn bodies(
@@ -79,10 +76,10 @@ fn names_of(top: &Table, key: &'static str) -> Vec<String> {
 
 fn few<'r, 'a>(top: &Table<'r, 'a>, key: &'static str) -> Vec<Table<'r, 'a>> {
     let mut tables = top.tables(key);
-    if tables.len() > MOST_BODIES {
-        let (found, needed) = (tables.len(), format!("at most {MOST_BODIES}"));
-        tables[MOST_BODIES].report(FileProblem::Count { key: key.to_owned(), found, needed });
-        tables.truncate(MOST_BODIES);
+    if tables.len() > MAX_BODIES {
+        let (found, needed) = (tables.len(), format!("at most {MAX_BODIES}"));
+        tables[MAX_BODIES].report(FileProblem::Count { key: key.to_owned(), found, needed });
+        tables.truncate(MAX_BODIES);
     }
     tables
 }
@@ -201,13 +198,14 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
             })
         }
         "convex" => inner.needed("points_mm").and_then(|entry| {
-            let points = points(&entry, reader)?;
-            if !is_solid(&points) {
+            let points = points(&entry, reader)?.into_iter().map(Into::into).collect();
+            let hull = Shape::Convex { points };
+            if let Err(CellError::FlatHull { .. }) = hull.validate() {
                 let why = "a convex body needs at least 4 points that do not lie in one plane";
                 entry.report(reader, Fault::Unfit(why.to_owned()));
                 return None;
             }
-            Some(Shape::Convex { points: points.into_iter().map(Into::into).collect() })
+            Some(hull)
         }),
         _ => mesh::shape(&inner, files),
     };

@@ -30,6 +30,22 @@ pub fn explain(error: &CellError) -> String {
             with_unit(*min, unit),
             with_unit(*max, unit)
         ),
+        CellError::NotThin { diameter, thickness, allowed } => format!(
+            "the wafer is {} mm thick and {} mm wide, but a thin plate of that diameter is at most {} mm thick",
+            number(mm(*thickness)),
+            number(mm(*diameter)),
+            number(mm(*allowed))
+        ),
+        CellError::RetractReach { station, found, reach } => format!(
+            "the retract distance of station {station} is {} mm, but has to be less than the distance of its wafer from the robot's axis, {:.3} mm",
+            number(mm(*found)),
+            mm(*reach)
+        ),
+        CellError::StationTilt { station, tilt, max } => format!(
+            "station {station} tilts by {:.3}°, but the robot tilts by at most {:.3}°; level the station",
+            deg(tilt.pitch),
+            deg(*max)
+        ),
         CellError::Platform(error) => crate::explain::explain(error),
         other => other.to_string(),
     }
@@ -80,7 +96,7 @@ pub fn explain_limit(robot: &HybridRobot, limit: &LimitViolation) -> String {
 pub fn explain_out_of_reach(reach: &OutOfReach) -> String {
     let (distance, min, max) = (mm(reach.distance), mm(reach.min), mm(reach.max));
     format!(
-        "out of reach: the target is {distance:.3} mm from the axis of the arm, but the links reach from {min:.3} to {max:.3} mm; the nearest reachable point is {:.3} mm away",
+        "out of reach: the links would have to reach {distance:.3} mm from their joint, but reach {min:.3} to {max:.3} mm; the nearest reachable point is {:.3} mm away",
         mm(reach.missing())
     )
 }

@@ -1,19 +1,21 @@
 //! From text to a cell.
 
+use std::ops::Range;
+
 use jointplay_cell::robot::{EffectorId, HybridRobot};
 use jointplay_cell::station::SlotId;
-use jointplay_cell::wafer::{Material, Wafer};
+use jointplay_cell::wafer::{Material, Wafer, check_thin_plate};
 use jointplay_cell::workcell::Cell;
+use jointplay_cell::{CellError, CellPart, InvalidPart};
 
 use super::effectors::{Effectors, effectors, named_effectors};
+use super::explain::explain;
 use super::files::{Files, read_named_file};
-use super::problem::{Fault, Problem};
+use super::problem::{Errors, Fault};
 use super::tree::{AllowedRange, Entry, Reader, Table};
 use super::{bodies, robot, stations};
 use crate::catalogue;
-use crate::file_problem::FileProblem;
 use crate::number::number;
-use crate::place::Error;
 
 /// Longer texts are refused unread.
 pub const MAX_BYTES: usize = 1_000_000;
@@ -37,17 +39,42 @@ const MATERIALS: [(&str, [f64; 3]); 2] =
 ///
 /// # Errors
 /// All errors with their places: malformed TOML; missing or unknown keys; values of another type; unknown names; files that cannot be read; values that contradict each other.
-pub fn read(text: &str, files: &mut Files) -> Result<Cell, Vec<Problem>> {
-    if text.len() > MAX_BYTES {
-        let fault = FileProblem::TooLong { found: text.len(), allowed: MAX_BYTES };
-        return Err(vec![Error::at("", 0..0, fault.into())]);
-    }
+pub fn read(text: &str, files: &mut Files) -> Result<Cell, Errors> {
     let reader = Reader::new(text);
+    if !reader.has_at_most(MAX_BYTES) {
+        return reader.done(None);
+    }
     let document = reader.parse();
     let top = Table::new(&reader, "a cell", document.get_ref(), 0..0);
     let cell = whole(&top, files);
     top.finish();
+    // Values that can be read one by one may still be invalid together.
+    if reader.is_clean()
+        && let Some(Err(invalid)) = cell.as_ref().map(Cell::validate)
+    {
+        for InvalidPart { part, error } in invalid {
+            reader.report(span_of(&top, part), Fault::Unfit(explain(&error)));
+        }
+    }
     reader.done(cell)
+}
+
+/// Location of a part of a cell.
+fn span_of(top: &Table, part: CellPart) -> Range<usize> {
+    let nth = |key, index| top.tables(key).get(index).map(|table: &Table| table.span.clone());
+    let entry = |key| top.entry(key).map(|entry| entry.span());
+    let found = match part {
+        CellPart::Cell => entry("budgets"),
+        CellPart::Robot(_) => entry("robot"),
+        CellPart::Wafer => entry("wafer"),
+        CellPart::Station(index) => nth("station", index),
+        CellPart::Body(index) => nth("body", index),
+        CellPart::Zone(index) => nth("zone", index),
+        CellPart::AllowedPair(_) => entry("may_touch"),
+        CellPart::Occupied(_) => entry("station"),
+        CellPart::Carried(_) => entry("carried"),
+    };
+    found.unwrap_or(0..0)
 }
 
 fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
@@ -146,7 +173,7 @@ fn read_robot(named: &Entry, reader: &Reader, files: &mut Files) -> Option<Hybri
         named.report(reader, Fault::File { name: name.to_owned(), why });
         None
     };
-    let known = || robot::names_for_programs().map(str::to_owned).collect::<Vec<_>>();
+    let known = || robot::names().map(str::to_owned).collect::<Vec<_>>();
     let text = match catalogue::find(name) {
         Some(entry) if entry.kind().as_deref() == Some(robot::KIND) => entry.text.to_owned(),
         Some(_) => {
@@ -200,7 +227,7 @@ fn wafer(table: &Table) -> Option<Wafer> {
     });
     table.finish();
     let (diameter, thickness) = (diameter?, thickness?);
-    if thickness > diameter / 10.0 {
+    if let Err(CellError::NotThin { .. }) = check_thin_plate(thickness, diameter) {
         let why = format!(
             "a wafer {} mm thick and {} mm wide is no thin plate: its thickness may be a tenth of its diameter at most",
             number(crate::units::mm(thickness)),

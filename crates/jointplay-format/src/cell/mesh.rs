@@ -2,11 +2,11 @@
 
 use std::io::Cursor;
 
+use jointplay_cell::CellError;
 use jointplay_cell::geometry::Shape;
 
 use super::files::{Files, read_named_file};
 use super::problem::Fault;
-use super::solid::is_solid;
 use super::tree::Table;
 use crate::units::m_from_mm;
 
@@ -36,16 +36,16 @@ pub(super) fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
         mesh.map_err(|why| file.report(reader, Fault::File { name: name.to_owned(), why })).ok()?;
     let length = |value: f32| if is_mm { m_from_mm(f64::from(value)) } else { f64::from(value) };
     let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex.map(length)).collect();
-    if convex && !is_solid(&vertices.iter().map(|&vertex| vertex.into()).collect::<Vec<_>>()) {
+    if !convex {
+        return Some(Shape::Mesh { vertices, triangles: mesh.triangles });
+    }
+    let hull = Shape::Convex { points: vertices };
+    if let Err(CellError::FlatHull { .. }) = hull.validate() {
         let why = "its points lie in one plane, and make no convex body".to_owned();
         file.report(reader, Fault::File { name: name.to_owned(), why });
         return None;
     }
-    Some(if convex {
-        Shape::Convex { points: vertices }
-    } else {
-        Shape::Mesh { vertices, triangles: mesh.triangles }
-    })
+    Some(hull)
 }
 
 /// A surface in the unit of its file.

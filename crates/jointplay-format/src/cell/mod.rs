@@ -13,7 +13,6 @@ mod mesh;
 mod pose;
 mod problem;
 pub mod robot;
-mod solid;
 mod stations;
 mod tree;
 mod unique;
@@ -22,7 +21,7 @@ pub use edit::{Change, note_station, set_station};
 pub use file::{MAX_BYTES, read};
 pub use files::Files;
 pub use mesh::{MAX_MESH_BYTES, MAX_TRIANGLES};
-pub use problem::{Fault, Problem};
+pub use problem::{Errors, Fault, Problem};
 
 /// Example cell: a robot with two arms, two load ports, an aligner and a process station.
 pub const EXAMPLE: &str = include_str!("../../../../cells/example.toml");

@@ -6,6 +6,9 @@ use crate::place::Error;
 /// An error of a cell file or of the file of a robot with arms, with its place.
 pub type Problem = Error<Fault>;
 
+/// All errors of a file.
+pub type Errors = crate::place::Errors<Fault>;
+
 /// Errors of cell files and of files of robots with arms; numbers are in the units of the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]

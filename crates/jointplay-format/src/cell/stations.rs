@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use jointplay_cell::CellError;
 use jointplay_cell::robot::HybridRobot;
 use jointplay_cell::station::teach::{self, Verdict};
-use jointplay_cell::station::{Approach, Origin, Station, Stroke};
+use jointplay_cell::station::{Approach, MAX_SLOTS, Origin, Station, Stroke};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::{Pose, Tilt};
-use nalgebra::Vector3;
 
 use super::effectors::{Effectors, named_effectors};
 use super::explain::explain_teach;
@@ -19,17 +19,11 @@ use crate::file_problem::FileProblem;
 use crate::number::number;
 use crate::units::{deg, m_from_mm, mm, shift, um};
 
-/// Largest number of slots of a station.
-const MOST_SLOTS: usize = 1000;
-
 /// Default of the largest distance of taught points from their plane (µm).
 const TAUGHT_THRESHOLD_UM: f64 = 100.0;
 
 /// Largest relative deviation of the pitch between the first and the last slot.
 const PITCH_SHARE: f64 = 0.01;
-
-/// Relative tolerance on the robot's largest tilt.
-const SLACK: f64 = 1e-9;
 
 /// All stations, each with its occupied slots.
 pub(super) fn read(
@@ -62,7 +56,7 @@ fn station(
     effectors: Option<&Effectors>,
 ) -> Option<(Station, Vec<usize>)> {
     let reader = table.reader;
-    let slots = table.entry("slots").map_or(Some(1), |slots| slots.count(reader, 1, MOST_SLOTS));
+    let slots = table.entry("slots").map_or(Some(1), |slots| slots.count(reader, 1, MAX_SLOTS));
     let pitch =
         table.entry("pitch_mm").and_then(|pitch| pitch.number(reader, AllowedRange::Positive));
     let placed = place(table, slots.unwrap_or(1), pitch.map(m_from_mm));
@@ -105,7 +99,7 @@ fn station(
         process_time,
     };
     if let Some(robot) = robot {
-        check_tilt(table, &station, robot.gpr.limits().tilt_max, bare);
+        check_tilt(table, &station, robot, bare);
     }
     check_reach(table, &station);
     Some((station, wafers))
@@ -213,15 +207,12 @@ fn scattered(fit: &teach::PlaneFit) -> String {
 ///
 /// # Arguments
 /// * `bare` – the cell with robot, wafer and budgets, for the tilt that compensates the deflection of the arms
-fn check_tilt(table: &Table, station: &Station, tilt_max: f64, bare: Option<&Cell>) {
-    let tilt = Tilt::from_normal(&(station.base_from_station.rotation * Vector3::z()));
-    if tilt.pitch <= tilt_max * (1.0 + SLACK) {
-        return;
-    }
+fn check_tilt(table: &Table, station: &Station, robot: &HybridRobot, bare: Option<&Cell>) {
+    let Err(CellError::StationTilt { tilt, max, .. }) = station.check_tilt(robot) else { return };
     let from = ["tilt", "taught", "drift"].into_iter().find_map(|key| table.entry(key));
     let span = from.map_or(table.span.clone(), |entry| entry.span());
     let (pitch, yaw) = (deg(tilt.pitch), deg(tilt.yaw));
-    let excess = pitch - deg(tilt_max);
+    let excess = pitch - deg(max);
     let by = bare.and_then(|cell| cell.leveling(station)).map_or(excess, deg);
     // Rounded up, so that following the message suffices.
     let [by, for_arms] = [by.max(excess), by - excess].map(|angle| (angle * 1e3).ceil() * 1e-3);
@@ -233,19 +224,17 @@ fn check_tilt(table: &Table, station: &Station, tilt_max: f64, bare: Option<&Cel
     table.reader.report(span, Fault::Unfit(format!(
         "{} tilts {pitch:.3}° toward {yaw:.1}°, but the robot tilts by at most {:.3}°: level the station by at least {by:.3}°{arms}",
         table.whose,
-        deg(tilt_max),
+        deg(max),
     )));
 }
 
 fn check_reach(table: &Table, station: &Station) {
-    let center = station.slot_frame(1).translation.vector;
-    let reach = center.x.hypot(center.y);
-    if station.retract_reach >= reach {
+    if let Err(CellError::RetractReach { found, reach, .. }) = station.check_retract_reach() {
         table.report_at(
             "retract_mm",
             Fault::Unfit(format!(
                 "`retract_mm` is {}, but the wafer of {} is only {:.3} mm from the robot's axis",
-                number(mm(station.retract_reach)),
+                number(mm(found)),
                 table.whose,
                 reach * 1e3
             )),

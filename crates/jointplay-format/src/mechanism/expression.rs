@@ -1,6 +1,6 @@
 //! Numbers written as formulas of parameters: `"a * cos(alpha) / 2"`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use crate::number::number;
@@ -18,28 +18,28 @@ pub enum AngleUnit {
     Radian,
 }
 
-/// Why a text has no value, and which of its bytes are to blame.
+/// An error of an expression with the bytes that it is about.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{problem}")]
 pub(crate) struct ExpressionError {
-    /// Bytes of the expression that are meant.
+    /// Bytes of the expression that the error is about.
     pub(crate) span: Range<usize>,
-    /// What is wrong.
+    /// The error.
     pub(crate) problem: ExpressionProblem,
 }
 
-/// What can be wrong in an expression.
+/// Errors of an expression.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExpressionProblem {
-    /// A name that stands for nothing.
+    /// An unknown name.
     #[error("unknown name `{name}`{}; known here: {}", suggestion(nearest), listed(known))]
     UnknownName {
         /// The name found.
         name: String,
         /// The known name most like it.
         nearest: Option<String>,
-        /// All that could stand there.
+        /// All known names.
         known: Vec<String>,
     },
     /// Something else where a part of a formula should be.
@@ -47,9 +47,9 @@ pub enum ExpressionProblem {
     Syntax {
         /// Column in characters within the expression, counted from 1.
         column: usize,
-        /// What could stand there.
+        /// The parts of a formula allowed there.
         expected: &'static str,
-        /// What stands there.
+        /// The character found.
         found: String,
     },
     /// A function with too few or too many arguments.
@@ -74,7 +74,12 @@ pub enum ExpressionProblem {
 }
 
 impl ExpressionError {
-    /// The same about an unknown name, where more names are known than have a value yet.
+    /// Whether the error is an unknown name that is one of these.
+    pub(crate) fn is_about(&self, names: &BTreeSet<String>) -> bool {
+        matches!(&self.problem, ExpressionProblem::UnknownName { name, .. } if names.contains(name))
+    }
+
+    /// The error with the known names, if it is about an unknown one.
     pub(crate) fn among<'a>(mut self, names: impl Iterator<Item = &'a str> + Clone) -> Self {
         if let ExpressionProblem::UnknownName { name, nearest: likest, known } = &mut self.problem {
             let names = names.chain(["pi"]);
@@ -85,11 +90,13 @@ impl ExpressionError {
     }
 }
 
-/// What names stand for.
+/// Values of names, and the unit of angles.
 #[derive(Debug, Clone)]
 pub(crate) struct Scope {
     pub(crate) angle: AngleUnit,
     pub(crate) values: BTreeMap<String, f64>,
+    /// All parameters of the file, also those without a value.
+    pub(crate) parameters: BTreeSet<String>,
 }
 
 /// A formula, as steps of a machine with a stack: long formulas need no deep recursion.
@@ -139,7 +146,7 @@ const FUNCTIONS: [(&str, Function); 12] = [
     ("hypot", Function::Hypot),
 ];
 
-/// Whether a parameter can have this name: expressions could not tell others apart.
+/// Whether a parameter can have this name: expressions cannot refer to other names.
 pub(crate) fn is_free_name(name: &str) -> bool {
     let mut characters = name.chars();
     characters.next().is_some_and(starts_name)
@@ -175,7 +182,7 @@ impl Expression {
         })
     }
 
-    /// Its value: a finite number.
+    /// Its value: a finite number. [`ExpressionError::among`] adds the known names to an error.
     pub(crate) fn evaluate(&self, scope: &Scope) -> Result<f64, ExpressionError> {
         const COMPLETE: &str = "the parser gives each operator its operands";
         let mut stack: Vec<f64> = Vec::new();
@@ -183,12 +190,9 @@ impl Expression {
             let value = match step {
                 Step::Number(value) => *value,
                 Step::Name(name, span) => *scope.values.get(name).ok_or_else(|| {
-                    let known = || scope.values.keys().map(String::as_str);
-                    let problem = ExpressionProblem::UnknownName {
-                        name: name.clone(),
-                        nearest: nearest(name, known().chain(["pi"])),
-                        known: known().chain(["pi"]).map(str::to_owned).collect(),
-                    };
+                    let name = name.clone();
+                    let problem =
+                        ExpressionProblem::UnknownName { name, nearest: None, known: Vec::new() };
                     ExpressionError { span: span.clone(), problem }
                 })?,
                 Step::Negate => -stack.pop().expect(COMPLETE),
@@ -221,7 +225,7 @@ impl Expression {
 }
 
 impl Function {
-    /// How many arguments it takes, and that said.
+    /// Number of arguments, and its text for messages.
     fn arity(self) -> (std::ops::RangeInclusive<usize>, &'static str) {
         match self {
             Self::Atan2 | Self::Hypot => (2..=2, "2 arguments"),
@@ -253,7 +257,7 @@ impl Function {
             Self::Atan2 => turn(x.atan2(arguments[1])),
             Self::Sqrt => x.sqrt(),
             Self::Abs => x.abs(),
-            // Unlike `f64::min`, lets no NaN vanish.
+            // Unlike `f64::min`, the result is NaN if an argument is.
             Self::Min => arguments.iter().copied().reduce(f64_least).unwrap_or(x),
             Self::Max => -arguments.iter().map(|x| -x).reduce(f64_least).unwrap_or(-x),
             Self::Hypot => x.hypot(arguments[1]),
@@ -324,7 +328,7 @@ impl Parser<'_> {
         self.chain(['*', '/'], Self::signed)
     }
 
-    /// Operands between operators of one rank, reckoned from left to right.
+    /// Operands between operators of one rank, evaluated from left to right.
     fn chain(
         &mut self,
         operators: [char; 2],
@@ -446,7 +450,9 @@ mod tests {
 
     fn value(text: &str, angle: AngleUnit) -> Result<f64, ExpressionError> {
         let values = [("a".to_owned(), 0.22), ("alpha".to_owned(), 90.0), ("ψ".to_owned(), 7.0)];
-        Expression::parse(text)?.evaluate(&Scope { angle, values: values.into() })
+        let scope = Scope { angle, values: values.into(), parameters: BTreeSet::new() };
+        let names = scope.values.keys().map(String::as_str);
+        Expression::parse(text)?.evaluate(&scope).map_err(|error| error.among(names))
     }
 
     #[track_caller]

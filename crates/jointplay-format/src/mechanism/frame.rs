@@ -4,120 +4,115 @@ use jointplay_core::mechanism::JointKind;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Matrix3, Rotation3, Translation3, Unit, Vector3};
 
-use super::file::{FrameTable, JointTable, Numbers};
-use super::problem::{Error, Problem};
+use super::problem::Problem;
+use super::tree::{Entry, Table};
 use super::values::Values;
+use crate::file_problem::FileProblem;
 
 /// How far from perpendicular the axes of a universal joint may be (rad).
 const PERPENDICULAR: f64 = 1e-6;
 
 /// The keys that place a joint on a link.
-#[derive(Clone, Copy)]
-struct Placing<'a> {
-    point: Option<&'a Numbers>,
-    axis: Option<&'a Numbers>,
-    zero: Option<&'a Numbers>,
-    second_axis: Option<&'a Numbers>,
-}
+const KEYS: [&str; 4] = ["point", "axis", "zero", "second_axis"];
 
-/// The joint frame on both links of a joint.
-pub(super) fn both(
-    values: &Values,
-    table: &JointTable,
-    kind: JointKind,
-) -> Result<[Pose; 2], Error> {
-    let JointTable { point, axis, zero, second_axis, .. } = table;
-    let common = Placing {
-        point: point.as_ref(),
-        axis: axis.as_ref(),
-        zero: zero.as_ref(),
-        second_axis: second_axis.as_ref(),
+/// The joint frame on both links of a joint; errors of its numbers are reported also for a joint of unknown kind.
+pub(super) fn both(values: &Values, table: &Table, kind: Option<JointKind>) -> Option<[Pose; 2]> {
+    let Some(frames) = table.entry("frames") else {
+        let frame = one(values, table, kind)?;
+        return Some([frame, frame]);
     };
-    let Some(frames) = &table.frames else {
-        let frame = one(values, table, kind, common, table.name.span())?;
-        return Ok([frame, frame]);
-    };
-    let beside = [("point", point), ("axis", axis), ("zero", zero), ("second_axis", second_axis)];
-    for (key, numbers) in beside {
-        if let Some(numbers) = numbers {
+    for key in KEYS {
+        if let Some(entry) = table.entry(key) {
             let why = "`frames` places this joint on each of its links already".to_owned();
-            return Err(values.wrong(numbers.span(), Problem::Misplaced { key, why }));
+            entry.report(values.reader, Problem::Misplaced { key, why });
         }
     }
-    let [first, second] = frames.get_ref().as_slice() else {
-        let found = frames.get_ref().len();
-        let problem =
-            Problem::Count { key: "frames", found, needed: "2, one for each link".into() };
-        return Err(values.wrong(frames.span(), problem));
+    let list = frames.list(values.reader)?;
+    let frame = |entry: &Entry| {
+        let table_of_link = entry.table(values.reader, table.whose.as_str())?;
+        let frame = one(values, &table_of_link, kind);
+        table_of_link.finish();
+        frame
     };
-    let frame = |table_of_link: &toml::Spanned<FrameTable>| {
-        let FrameTable { point, axis, zero, second_axis } = table_of_link.get_ref();
-        let placing = Placing {
-            point: point.as_ref(),
-            axis: axis.as_ref(),
-            zero: zero.as_ref(),
-            second_axis: second_axis.as_ref(),
-        };
-        one(values, table, kind, placing, table_of_link.span())
+    let read: Vec<_> = list.iter().map(frame).collect();
+    let [first, second] = read.as_slice() else {
+        let (key, needed) = ("frames".to_owned(), "2, one for each link".to_owned());
+        frames.report(values.reader, FileProblem::Count { key, found: list.len(), needed });
+        return None;
     };
-    Ok([frame(first)?, frame(second)?])
+    Some([(*first)?, (*second)?])
 }
 
-fn one(
-    values: &Values,
-    table: &JointTable,
-    kind: JointKind,
-    placing: Placing,
-    span: std::ops::Range<usize>,
-) -> Result<Pose, Error> {
+fn one(values: &Values, table: &Table, kind: Option<JointKind>) -> Option<Pose> {
     use JointKind as K;
-    let missing = |key| {
-        let whose = format!("the {} joint {:?}", kind.name(), table.name.get_ref());
-        values.wrong(span.clone(), Problem::Missing { whose, key })
+    let [point, axis, zero, second_axis] = KEYS.map(|key| table.entry(key));
+    let misplaced = |entry: Option<Entry>, key: &'static str, why: String| {
+        if let Some(entry) = entry {
+            entry.report(values.reader, Problem::Misplaced { key, why });
+        }
     };
+    let point_read = point.map(|entry| values.point(&entry));
+    let axis_read = axis.map(|entry| values.direction(&entry));
+    // A misplaced direction is not read; for a joint of unknown kind, none is misplaced.
+    let is_universal = kind.map(|kind| kind == K::Universal);
+    let zero_read = zero.filter(|_| is_universal != Some(true));
+    let zero_read = zero_read.map(|entry| values.direction(&entry));
+    let second_read = second_axis.filter(|_| is_universal != Some(false));
+    let second_read = second_read.map(|entry| values.direction(&entry));
+    let kind = kind?;
+    let (x_entry, x_read) =
+        if kind == K::Universal { (second_axis, second_read) } else { (zero, zero_read) };
     // A slide is the same wherever its line lies, and so are all motions and none.
     let is_anywhere = matches!(kind, K::Prismatic | K::Fixed | K::Floating);
     let has_axis = !matches!(kind, K::Spherical | K::Fixed | K::Floating);
-    let point = match placing.point {
-        Some(point) => values.point("point", point)?,
-        None if is_anywhere => Vector3::zeros(),
-        None => return Err(missing("point")),
-    };
-    let z = match placing.axis {
-        Some(axis) => values.direction("axis", axis)?,
-        None if has_axis => return Err(missing("axis")),
+    if point.is_none() && !is_anywhere {
+        table.missing("point");
+    }
+    if axis.is_none() && has_axis {
+        table.missing("axis");
+    }
+    if kind == K::Universal {
+        misplaced(zero, "zero", "a universal joint has `second_axis` instead".to_owned());
+        if second_axis.is_none() {
+            table.missing("second_axis");
+        }
+    } else {
+        let why = format!("only universal joints have it, this one is {}", kind.name());
+        misplaced(second_axis, "second_axis", why);
+    }
+    let z = match axis_read {
+        Some(axis) => axis?,
+        None if has_axis => return None,
         None => Vector3::z_axis(),
     };
-    let x = if kind == K::Universal {
-        if let Some(zero) = placing.zero {
-            let why = "a universal joint has `second_axis` instead".to_owned();
-            return Err(values.wrong(zero.span(), Problem::Misplaced { key: "zero", why }));
-        }
-        let Some(second_axis) = placing.second_axis else { return Err(missing("second_axis")) };
-        let second = values.direction("second_axis", second_axis)?;
-        if second.dot(&z).abs() > PERPENDICULAR {
-            let degrees = second.dot(&z).clamp(-1.0, 1.0).acos().to_degrees();
-            return Err(values.wrong(second_axis.span(), Problem::NotPerpendicular { degrees }));
-        }
-        second
-    } else {
-        if let Some(second_axis) = placing.second_axis {
-            let why = format!("only universal joints have it, this one is {}", kind.name());
-            let problem = Problem::Misplaced { key: "second_axis", why };
-            return Err(values.wrong(second_axis.span(), problem));
-        }
-        match placing.zero {
-            None => some_perpendicular(z),
-            Some(zero) => {
-                let x = values.direction("zero", zero)?;
-                if x.cross(&z).norm() < PERPENDICULAR {
-                    return Err(values.wrong(zero.span(), Problem::ZeroAlongAxis));
-                }
-                x
+    let x = match (x_read, x_entry) {
+        (Some(x), Some(entry)) => {
+            let x = x?;
+            if let Some(problem) = invalid_x(kind, x, z) {
+                entry.report(values.reader, problem);
+                return None;
             }
+            x
         }
+        _ if kind == K::Universal => return None,
+        _ => some_perpendicular(z),
     };
-    Ok(pose(point, x, z))
+    let point = match point_read {
+        Some(point) => point?,
+        None if is_anywhere => Vector3::zeros(),
+        None => return None,
+    };
+    Some(pose(point, x, z))
+}
+
+/// Why a direction cannot be the x-axis of the joint frame, if it cannot.
+fn invalid_x(kind: JointKind, x: Unit<Vector3<f64>>, z: Unit<Vector3<f64>>) -> Option<Problem> {
+    if kind != JointKind::Universal {
+        return (x.cross(&z).norm() < PERPENDICULAR).then_some(Problem::ZeroAlongAxis);
+    }
+    (x.dot(&z).abs() > PERPENDICULAR).then(|| Problem::NotPerpendicular {
+        degrees: x.dot(&z).clamp(-1.0, 1.0).acos().to_degrees(),
+    })
 }
 
 /// The coordinate axis that is most nearly perpendicular to a direction; the first of equals.

@@ -1,41 +1,27 @@
-//! What every file of mechanisms begins with.
-
-use serde::Deserialize;
-use toml::Spanned;
+//! The beginning of every mechanism file and loop closure file: kind and units.
 
 use super::expression::AngleUnit;
-use super::file::UnitsTable;
-use super::kind::kind_of;
-use super::problem::{Error, Problem};
-use super::values::{LengthUnit, Units, choice};
-use crate::place;
+use super::tree::Table;
+use super::values::{LengthUnit, Units};
 
-/// Longest text that is read in bytes, so that a wrong file ends in a message and not in hours of work.
+/// Largest accepted text in bytes, so that reading takes limited time.
 pub const MAX_BYTES: usize = 4_000_000;
 
-/// Refuses a text that is too long or says that it is of another kind.
-///
-/// Before all else, lest a file of another kind be blamed for its keys.
-pub(super) fn check_kind(text: &str, kind: &str) -> Result<(), Error> {
-    if text.len() > MAX_BYTES {
-        let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };
-        return Err(Error::at(text, 0..0, problem));
-    }
-    let other = kind_of(text).filter(|found| found != kind);
-    if other.is_some() {
-        #[derive(Deserialize)]
-        struct Kind {
-            kind: Spanned<String>,
-        }
-        let Kind { kind: found } = place::read::<Kind, Problem>(text)?;
-        choice(text, "kind", &found, &[(kind, ())])?;
-    }
-    Ok(())
+/// Whether the file names another kind, which is reported; the keys of such a file are not checked.
+pub(super) fn has_other_kind(top: &Table, kind: &'static str) -> bool {
+    let Some(entry) = top.needed("kind") else { return false };
+    let is_text = entry.is_text();
+    entry.word(top.reader, "kind", &[(kind, ())]).is_none() && is_text
 }
 
-pub(super) fn units(text: &str, table: &UnitsTable) -> Result<Units, Error> {
-    Ok(Units {
-        length: choice(text, "unit of length", &table.length, &LengthUnit::ALL)?,
-        angle: choice(text, "unit of angle", &table.angle, &AngleUnit::ALL)?,
-    })
+/// The units of the file.
+pub(super) fn units(top: &Table) -> Option<Units> {
+    let table = top.needed("units")?.table(top.reader, "`units`")?;
+    let word = |key| table.needed(key);
+    let length =
+        word("length").and_then(|entry| entry.word(top.reader, "unit of length", &LengthUnit::ALL));
+    let angle =
+        word("angle").and_then(|entry| entry.word(top.reader, "unit of angle", &AngleUnit::ALL));
+    table.finish();
+    Some(Units { length: length?, angle: angle? })
 }

@@ -1,18 +1,18 @@
-//! Joints and virtual joints from their tables.
+//! Joints from their tables.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use jointplay_core::mechanism::{
-    Carrier, Joint, JointKind, LinearAndAngular, Mechanism, VirtualJoint, VirtualMotion,
-};
-use toml::Spanned;
+use jointplay_core::mechanism::joint::Coordinate;
+use jointplay_core::mechanism::{Joint, JointKind, LinearAndAngular};
+use toml::de::DeValue;
 
-use super::file::{JointTable, Number, OneOrMany, PlayTable, VirtualJointTable};
 use super::frame;
 use super::names::{joint_name, printable_name};
-use super::problem::{Error, Problem};
-use super::values::{Values, choice, unknown};
+use super::problem::Problem;
+use super::tree::{Entry, Table};
+use super::values::Values;
+use crate::file_problem::FileProblem;
 
 const KINDS: [(&str, JointKind); 9] = [
     ("revolute", JointKind::Revolute),
@@ -27,7 +27,7 @@ const KINDS: [(&str, JointKind); 9] = [
 ];
 
 /// Links in order of first mention, by name.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Links {
     pub(super) names: Vec<String>,
     indices: BTreeMap<String, usize>,
@@ -57,183 +57,175 @@ impl Links {
     }
 }
 
-/// A joint from its table; counts its links in.
-pub(super) fn joint(
-    values: &Values,
-    table: &JointTable,
-    links: &mut Links,
-) -> Result<Joint, Error> {
-    let name = joint_name(values.text, &table.name)?;
-    let [first, second] = table.links.get_ref().as_slice() else {
-        let problem = Problem::Count {
-            key: "links",
-            found: table.links.get_ref().len(),
-            needed: "2".to_owned(),
-        };
-        return Err(values.wrong(table.links.span(), problem));
-    };
-    let first = links.index(&printable_name(values.text, "links", first)?);
-    let second = links.index(&printable_name(values.text, "links", second)?);
-    let kind = kind(values, table)?;
-    Ok(Joint {
-        name,
-        kind,
-        links: [first, second],
-        frames: frame::both(values, table, kind)?,
-        actuated: table.actuated,
-        guess: guess(values, table, kind)?,
-        limits: limits(values, table, kind)?,
-        clearance: play(values, &table.clearance, |v| values.length(v), |v| values.angle(v))?,
-        stiffness: play(values, &table.stiffness, |v| v, |v| v)?,
+/// The table of a joint or virtual joint, named in messages by its `name`, with that name.
+pub(super) fn named(table: &mut Table, what: &str) -> Option<String> {
+    let entry = table.needed("name")?;
+    let name = joint_name(table.reader, &entry)?;
+    table.whose = format!("the {what} {name:?}");
+    table.span = entry.span();
+    Some(name)
+}
+
+/// A joint from its table; adds its links to `links`.
+pub(super) fn joint(values: &Values, table: &mut Table, links: &mut Links) -> Option<Joint> {
+    let name = named(table, "joint");
+    let kind = kind(values, table, name.as_deref());
+    let ends = table.needed("links").and_then(|entry| ends(values, &entry, links));
+    // Only loop closure files have it, and their reader evaluates it.
+    table.entry("in");
+    let frames = frame::both(values, table, kind);
+    let kind = lead(values, table, kind);
+    let actuated = table.entry("actuated").map(|entry| entry.flag(values.reader));
+    let limits = limits(values, table, kind);
+    let guess = guess(values, table, kind);
+    let clearance = linear_and_angular(values, table, "clearance");
+    let stiffness = linear_and_angular(values, table, "stiffness");
+    table.finish();
+    Some(Joint {
+        name: name?,
+        kind: kind?,
+        links: ends?,
+        frames: frames?,
+        actuated: actuated.unwrap_or(Some(false))?,
+        guess: guess?,
+        limits: limits?,
+        clearance: LinearAndAngular {
+            linear: clearance.linear.map(|value| values.length(value)),
+            angular: clearance.angular.map(|value| values.angle(value)),
+        },
+        stiffness,
     })
 }
 
-fn kind(values: &Values, table: &JointTable) -> Result<JointKind, Error> {
-    let kind = choice(values.text, "kind of joint", &table.kind, &KINDS)?;
-    match (kind, &table.lead) {
-        (JointKind::Helical { .. }, Some(lead)) => {
-            let lead = values.scalar("lead", lead, |lead| values.length(lead) / TAU)?;
-            Ok(JointKind::Helical { lead })
-        }
+/// The two links of a joint by index.
+fn ends(values: &Values, entry: &Entry, links: &mut Links) -> Option<[usize; 2]> {
+    let list = entry.list(values.reader)?;
+    if list.len() != 2 {
+        let (key, found, needed) = (entry.key.to_owned(), list.len(), "2".to_owned());
+        entry.report(values.reader, FileProblem::Count { key, found, needed });
+    }
+    let names: Vec<_> = list.iter().map(|entry| printable_name(values.reader, entry)).collect();
+    let names = names.into_iter().collect::<Option<Vec<_>>>()?;
+    let [first, second] = names.as_slice() else { return None };
+    Some([links.index(first), links.index(second)])
+}
+
+/// The kind of a joint, with a lead of zero.
+fn kind(values: &Values, table: &mut Table, name: Option<&str>) -> Option<JointKind> {
+    let kind = table.needed("kind")?.word(values.reader, "kind of joint", &KINDS)?;
+    if let Some(name) = name {
+        table.whose = format!("the {} joint {name:?}", kind.name());
+    }
+    Some(kind)
+}
+
+/// The kind of a joint with its lead.
+fn lead(values: &Values, table: &Table, kind: Option<JointKind>) -> Option<JointKind> {
+    let entry = table.entry("lead");
+    let lead = entry.map(|entry| values.number(&entry).map(|lead| values.length(lead) / TAU));
+    match (kind?, entry) {
+        (JointKind::Helical { .. }, Some(_)) => Some(JointKind::Helical { lead: lead?? }),
         (JointKind::Helical { .. }, None) => {
-            let whose = format!("the helical joint {:?}", table.name.get_ref());
-            Err(values.wrong(table.name.span(), Problem::Missing { whose, key: "lead" }))
+            table.missing("lead");
+            None
         }
-        (_, Some(lead)) => {
+        (kind, Some(entry)) => {
             let why = format!("only helical joints have it, this one is {}", kind.name());
-            Err(values.wrong(lead.span(), Problem::Misplaced { key: "lead", why }))
+            entry.report(values.reader, Problem::Misplaced { key: "lead", why });
+            None
         }
-        (_, None) => Ok(kind),
+        (kind, None) => Some(kind),
     }
 }
 
-fn guess(values: &Values, table: &JointTable, kind: JointKind) -> Result<Vec<f64>, Error> {
-    let Some(guess) = &table.guess else { return Ok(Vec::new()) };
-    let numbers = numbers(guess);
+fn guess(values: &Values, table: &Table, kind: Option<JointKind>) -> Option<Vec<f64>> {
+    let Some(guess) = table.entry("guess") else { return Some(Vec::new()) };
+    let entries = entries(&guess);
+    let numbers: Vec<_> = entries.iter().map(|entry| values.number(entry)).collect();
+    let kind = kind?;
     let coordinates = kind.coordinates();
     if numbers.len() != coordinates.len() {
-        return Err(values.wrong(guess.span(), count("guess", numbers.len(), kind)));
+        guess.report(values.reader, count("guess", numbers.len(), kind));
+        return None;
     }
-    let read = coordinates.iter().zip(numbers).map(|(&coordinate, (number, span))| {
-        let value = values.number("guess", number, span.clone())?;
-        values.within("guess", coordinate, value, span)
-    });
-    read.collect()
-}
-
-fn limits(values: &Values, table: &JointTable, kind: JointKind) -> Result<Vec<[f64; 2]>, Error> {
-    let Some(limits) = &table.limits else { return Ok(Vec::new()) };
-    let entries = limits.get_ref();
-    let coordinates = kind.coordinates();
-    let is_pair = |entry: &Spanned<OneOrMany>| matches!(entry.get_ref(), OneOrMany::Many(_));
-    let pairs: Vec<_> = if entries.iter().any(is_pair) {
-        entries.iter().map(|entry| (numbers(entry), entry.span())).collect()
-    } else {
-        vec![(entries.iter().flat_map(numbers).collect(), limits.span())]
+    let read = |((&coordinate, entry), number): ((&Coordinate, &Entry), Option<f64>)| {
+        values.coordinate(entry, coordinate, number?)
     };
-    if pairs.len() != coordinates.len() {
-        return Err(values.wrong(limits.span(), count("limits", pairs.len(), kind)));
-    }
-    let read = coordinates.iter().zip(pairs).map(|(&coordinate, (pair, span))| {
-        let [least, most] = pair.as_slice() else {
-            let needed = "pairs of least and greatest".to_owned();
-            let problem = Problem::Count { key: "limits", found: pair.len(), needed };
-            return Err(values.wrong(span, problem));
-        };
-        let min = values.number("limits", least.0, least.1.clone())?;
-        let max = values.number("limits", most.0, most.1.clone())?;
-        if min < max {
-            let within = |value, span| values.within("limits", coordinate, value, span);
-            Ok([within(min, least.1.clone())?, within(max, most.1.clone())?])
-        } else {
-            Err(values.wrong(span, Problem::LimitsReversed { min, max }))
-        }
-    });
-    read.collect()
+    let read: Vec<_> = coordinates.iter().zip(&entries).zip(numbers).map(read).collect();
+    read.into_iter().collect()
 }
 
-/// The one or many numbers, with their places.
-fn numbers(entry: &Spanned<OneOrMany>) -> Vec<(&Number, std::ops::Range<usize>)> {
-    match entry.get_ref() {
-        OneOrMany::One(number) => vec![(number, entry.span())],
-        OneOrMany::Many(list) => list.iter().map(|n| (n.get_ref(), n.span())).collect(),
+/// A lower and an upper limit in the units of the file, with their entries; no numbers for an invalid pair.
+struct Pair<'r, 'a> {
+    entries: Vec<Entry<'r, 'a>>,
+    numbers: Option<[f64; 2]>,
+}
+
+fn limits(values: &Values, table: &Table, kind: Option<JointKind>) -> Option<Vec<[f64; 2]>> {
+    let Some(limits) = table.entry("limits") else { return Some(Vec::new()) };
+    let list = limits.list(values.reader)?;
+    let is_pair = |entry: &Entry| matches!(entry.value.get_ref(), DeValue::Array(_));
+    let lists = if list.iter().any(is_pair) { list } else { vec![limits] };
+    let pairs: Vec<Pair> = lists.into_iter().map(|entry| pair(values, entry)).collect();
+    let kind = kind?;
+    let coordinates = kind.coordinates();
+    if pairs.len() != coordinates.len() {
+        limits.report(values.reader, count("limits", pairs.len(), kind));
+        return None;
+    }
+    let read = |(&coordinate, pair): (&Coordinate, &Pair)| {
+        let [min, max] = pair.numbers?;
+        let si = |index: usize, value| values.coordinate(&pair.entries[index], coordinate, value);
+        let (min, max) = (si(0, min), si(1, max));
+        Some([min?, max?])
+    };
+    let read: Vec<_> = coordinates.iter().zip(&pairs).map(read).collect();
+    read.into_iter().collect()
+}
+
+fn pair<'r, 'a>(values: &Values, entry: Entry<'r, 'a>) -> Pair<'r, 'a> {
+    let entries = entries(&entry);
+    let numbers: Vec<_> = entries.iter().map(|entry| values.number(entry)).collect();
+    let numbers = match numbers.as_slice() {
+        &[Some(min), Some(max)] if min < max => Some([min, max]),
+        &[Some(min), Some(max)] => {
+            entry.report(values.reader, Problem::LimitsReversed { min, max });
+            None
+        }
+        [_, _] => None,
+        _ => {
+            let needed = "pairs of least and greatest".to_owned();
+            let (key, found) = ("limits".to_owned(), numbers.len());
+            entry.report(values.reader, FileProblem::Count { key, found, needed });
+            None
+        }
+    };
+    Pair { entries, numbers }
+}
+
+/// The entries of a list, or the one value that is no list.
+fn entries<'r, 'a>(entry: &Entry<'r, 'a>) -> Vec<Entry<'r, 'a>> {
+    match entry.value.get_ref() {
+        DeValue::Array(list) => list.iter().map(|value| Entry { key: entry.key, value }).collect(),
+        _ => vec![*entry],
     }
 }
 
 /// That a list does not have an entry for each freedom.
-fn count(key: &'static str, found: usize, kind: JointKind) -> Problem {
+fn count(key: &str, found: usize, kind: JointKind) -> FileProblem {
     let of_each = if key == "limits" { "pairs, one" } else { "numbers, one" };
     let needed =
         format!("{} {of_each} for each freedom of a {} joint", kind.freedoms(), kind.name());
-    Problem::Count { key, found, needed }
+    FileProblem::Count { key: key.to_owned(), found, needed }
 }
 
-fn play(
-    values: &Values,
-    table: &PlayTable,
-    linear: impl Fn(f64) -> f64,
-    angular: impl Fn(f64) -> f64,
-) -> Result<LinearAndAngular, Error> {
-    Ok(LinearAndAngular {
-        linear: values.positive("linear", table.linear.as_ref(), linear)?,
-        angular: values.positive("angular", table.angular.as_ref(), angular)?,
-    })
-}
-
-/// A virtual joint from its table.
-pub(super) fn virtual_joint(
-    values: &Values,
-    table: &VirtualJointTable,
-    mechanism: &Mechanism,
-    indices: &BTreeMap<&str, usize>,
-) -> Result<VirtualJoint, Error> {
-    let name = joint_name(values.text, &table.name)?;
-    let wanted = table.joint.get_ref().as_str();
-    let Some(&index) = indices.get(wanted) else {
-        let names = mechanism.joints().iter().map(|joint| joint.name.as_str());
-        return Err(values.wrong(table.joint.span(), unknown("joint", wanted, names)));
+/// Two numbers in the units of the file; without the table neither.
+fn linear_and_angular(values: &Values, table: &Table, key: &'static str) -> LinearAndAngular {
+    let Some(table) = table.table(key, format!("`{key}`")) else {
+        return LinearAndAngular::default();
     };
-    let joint = &mechanism.joints()[index];
-    let carrier = match &table.on {
-        None => Carrier::Second,
-        Some(on) => {
-            let names = joint.links.map(|link| mechanism.links()[link].as_str());
-            let carriers = [(names[0], Carrier::First), (names[1], Carrier::Second)];
-            choice(values.text, "link of this joint", on, &carriers)?
-        }
-    };
-    let frame = &joint.frames[usize::from(carrier == Carrier::Second)];
-    let motion = match (&table.slide, &table.turn) {
-        (Some(slide), None) => {
-            if let Some(about) = &table.about {
-                let why = "only a `turn` has an axis to go through a point".to_owned();
-                return Err(values.wrong(about.span(), Problem::Misplaced { key: "about", why }));
-            }
-            VirtualMotion::Slide(values.direction("slide", slide)?)
-        }
-        (None, Some(turn)) => VirtualMotion::Turn {
-            axis: values.direction("turn", turn)?,
-            point: match &table.about {
-                Some(about) => values.point("about", about)?,
-                None => frame.translation.vector,
-            },
-        },
-        (Some(_), Some(turn)) => {
-            let why =
-                "a virtual joint has one freedom: state two, a `slide` and a `turn`".to_owned();
-            return Err(values.wrong(turn.span(), Problem::Misplaced { key: "turn", why }));
-        }
-        (None, None) => {
-            let whose = format!("the virtual joint {name:?}");
-            let problem = Problem::Missing { whose, key: "slide` or `turn" };
-            return Err(values.wrong(table.name.span(), problem));
-        }
-    };
-    let clearance =
-        values.positive("clearance", table.clearance.as_ref(), |value| match motion {
-            VirtualMotion::Slide(_) => values.length(value),
-            VirtualMotion::Turn { .. } => values.angle(value),
-        })?;
-    let stiffness = values.positive("stiffness", table.stiffness.as_ref(), |value| value)?;
-    Ok(VirtualJoint { name, joint: index, carrier, motion, clearance, stiffness })
+    let linear = values.positive(&table, "linear");
+    let angular = values.positive(&table, "angular");
+    table.finish();
+    LinearAndAngular { linear, angular }
 }

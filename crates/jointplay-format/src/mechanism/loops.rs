@@ -1,26 +1,27 @@
-//! Joints that close loops of an open chain, from a file beside it.
+//! Joints that close loops of an open chain, from a loop closure file.
 
-use jointplay_core::mechanism::{Kinematics, Mechanism};
+use jointplay_core::mechanism::{Joint, Kinematics, Mechanism, MechanismError};
+use jointplay_core::spatial::Pose;
 use nalgebra::DVector;
-use toml::Spanned;
+use toml::de::DeValue;
 
-use super::file::LoopsFile;
-use super::header::{check_kind, units};
+use super::header::{MAX_BYTES, has_other_kind, units};
 use super::joint::{Links, joint};
 use super::parameters;
-use super::problem::{Error, Problem};
-use super::values::{Values, choice, unknown};
-use crate::place;
+use super::problem::{Errors, Problem};
+use super::read::{FALLBACK_UNITS, joint_tables};
+use super::tree::{Entry, Reader, Table};
+use super::values::Values;
 
-/// The kind that a file of loops says it is.
+/// The `kind` of a loop closure file.
 const KIND: &str = "loops";
 
-/// Closes an open chain to loops by the joints of a file, as a URDF needs that can write trees only.
+/// Closes loops of an open chain by the joints of a file, for formats such as URDF that have trees only.
 ///
-/// A joint is placed on one of the links by `in`, or else in the base frame, where all links stand at zero; or on each of its links by `frames`.
+/// A joint is placed on one of the links by `in`, or without it in the base frame, with all joint coordinates at zero; or on each of its links by `frames`.
 ///
 /// # Errors
-/// [`Error`] with its place in `text`: as for a mechanism file, links that the chain does not have, and a mechanism that has loops already.
+/// All errors in the order of their places in `text`: those of a mechanism file, links that the chain does not have, and a mechanism that already has loops.
 ///
 /// # Example
 /// ```
@@ -47,64 +48,123 @@ const KIND: &str = "loops";
 /// assert_eq!(closed.loops(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn with_loops(chain: &Mechanism, text: &str) -> Result<Mechanism, Error> {
-    check_kind(text, KIND)?;
-    let file: LoopsFile = place::read(text)?;
-    choice(text, "kind", &file.kind, &[(KIND, ())])?;
-    let units = units(text, &file.units)?;
-    let scope = parameters::resolve(text, &file.parameters, &[], units.angle)?;
-    let values = Values { text, units, scope };
-    if chain.loops() > 0 {
-        return Err(values.wrong(file.kind.span(), Problem::HasLoops { found: chain.loops() }));
+pub fn with_loops(chain: &Mechanism, text: &str) -> Result<Mechanism, Errors> {
+    let reader = Reader::new(text);
+    if !reader.has_at_most(MAX_BYTES) {
+        return reader.done(None);
     }
+    let document = reader.parse();
+    let top = Table::new(&reader, "a file of loops", document.get_ref(), 0..0);
+    if !reader.is_clean() || has_other_kind(&top, KIND) {
+        return reader.done(None);
+    }
+    if chain.loops() > 0 {
+        top.report_at("kind", Problem::HasLoops { found: chain.loops() });
+        return reader.done(None);
+    }
+    let closed = closed(chain, &top);
+    top.finish();
+    reader.done(closed)
+}
+
+fn closed(chain: &Mechanism, top: &Table) -> Option<Mechanism> {
+    let reader = top.reader;
+    let units = units(top).unwrap_or(FALLBACK_UNITS);
+    let scope = parameters::resolve(top, &[], units.angle).scope;
+    let values = Values { reader, units, scope };
     let base_from_link = Kinematics::new(chain)
         .link_poses(&DVector::zeros(chain.joint_freedoms() + chain.virtual_joints().len()))
         .expect("zeros are finite, and as many as there are coordinates");
-    let mut links = Links::of(chain.links());
-    let known = |links: &Links, what: &'static str, name: &Spanned<String>| {
-        if links.has(name.get_ref()) {
-            return Ok(());
-        }
-        let names = chain.links().iter().map(String::as_str);
-        Err(values.wrong(name.span(), unknown(what, name.get_ref(), names)))
-    };
-    let mut joints = chain.joints().to_vec();
-    let mut places = Vec::new();
-    for table in &file.joint {
-        let table = table.get_ref();
-        table.links.get_ref().iter().try_for_each(|link| known(&links, "link", link))?;
-        let mut joint = joint(&values, table, &mut links)?;
-        if table.frames.is_none() {
-            let mut base_from = nalgebra::IsometryMatrix3::identity();
-            if let Some(link) = &table.r#in {
-                known(&links, "link", link)?;
-                base_from = base_from_link[links.index(link.get_ref())];
-            }
-            let base_from_joint = base_from * joint.frames[0];
-            joint.frames = joint.links.map(|link| base_from_link[link].inverse() * base_from_joint);
-        } else if let Some(link) = &table.r#in {
-            let why = "`frames` places this joint on each of its links already".to_owned();
-            return Err(values.wrong(link.span(), Problem::Misplaced { key: "in", why }));
-        }
-        places.push((joint.name.clone(), table.name.span()));
-        joints.push(joint);
-    }
+    let chain_links = ChainLinks { base_from_link, links: Links::of(chain.links()) };
+    let mut links = chain_links.links.clone();
+    let mut tables = joint_tables(top);
+    let added: Vec<Option<Joint>> = tables
+        .iter_mut()
+        .map(|table| closing_joint(&values, table, &chain_links, &mut links))
+        .collect();
+    let added = added.into_iter().collect::<Option<Vec<Joint>>>()?;
+    let joints = chain.joints().iter().cloned().chain(added).collect();
     let result = Mechanism::new(chain.name(), chain.links().to_vec(), joints)
         .and_then(|closed| closed.with_virtual_joints(chain.virtual_joints().to_vec()))
         .and_then(|closed| match chain.characteristic_length() {
             Some(length) => closed.with_characteristic_length(length),
             None => Ok(closed),
         });
-    result.map_err(|error| {
-        use jointplay_core::mechanism::MechanismError as E;
-        let about = match &error {
-            E::NameTwice { name }
-            | E::JoinedToItself { joint: name, .. }
-            | E::NotFinite { name, .. } => {
-                places.iter().rev().find(|(found, _)| found == name).map(|(_, span)| span.clone())
-            }
-            _ => None,
-        };
-        values.wrong(about.unwrap_or(file.kind.span()), error)
-    })
+    result.map_err(|error| report(top, &tables, error)).ok()
+}
+
+/// The links of an open chain at zero coordinates.
+struct ChainLinks {
+    base_from_link: Vec<Pose>,
+    links: Links,
+}
+
+/// A joint that closes a loop, with its frames on its links.
+fn closing_joint(
+    values: &Values,
+    table: &mut Table,
+    chain: &ChainLinks,
+    links: &mut Links,
+) -> Option<Joint> {
+    let are_known = are_links_known(values, table, chain);
+    let placing_link = table.entry("in").map(|entry| {
+        if table.entry("frames").is_some() {
+            let why = "`frames` places this joint on each of its links already".to_owned();
+            entry.report(values.reader, Problem::Misplaced { key: "in", why });
+            return None;
+        }
+        let name = entry.text(values.reader)?;
+        is_link_known(values, &entry, chain).then(|| name.to_owned())
+    });
+    let mut joint = joint(values, table, links)?;
+    if !are_known {
+        return None;
+    }
+    if table.entry("frames").is_none() {
+        let mut base_from = Pose::identity();
+        if let Some(link) = placing_link {
+            base_from = chain.base_from_link[links.index(&link?)];
+        }
+        let base_from_joint = base_from * joint.frames[0];
+        let frame = |link: usize| chain.base_from_link[link].inverse() * base_from_joint;
+        joint.frames = joint.links.map(frame);
+    }
+    Some(joint)
+}
+
+/// Whether the chain has all links that a joint names; unknown ones are reported.
+fn are_links_known(values: &Values, table: &Table, chain: &ChainLinks) -> bool {
+    let Some(DeValue::Array(list)) = table.entry("links").map(|entry| entry.value.get_ref()) else {
+        return true;
+    };
+    let entries = list.iter().map(|value| Entry { key: "links", value });
+    // All are looked up, so that each unknown one is reported.
+    entries.filter(|entry| !is_link_known(values, entry, chain)).count() == 0
+}
+
+fn is_link_known(values: &Values, entry: &Entry, chain: &ChainLinks) -> bool {
+    let Some(name) = entry.value.get_ref().as_str() else { return true };
+    let is_known = chain.links.has(name);
+    if !is_known {
+        entry.unknown(values.reader, "link", name, &chain.links.names);
+    }
+    is_known
+}
+
+/// Reports an error of the closed mechanism at the joint that it is about.
+fn report(top: &Table, tables: &[Table], error: MechanismError) {
+    use MechanismError as E;
+    let about = match &error {
+        E::NameTwice { name }
+        | E::JoinedToItself { joint: name, .. }
+        | E::NotFinite { name, .. } => {
+            let names = tables.iter().rev().filter_map(|table| table.entry("name"));
+            names.into_iter().find(|entry| entry.value.get_ref().as_str() == Some(name))
+        }
+        _ => None,
+    };
+    match about {
+        Some(entry) => entry.report(top.reader, error),
+        None => top.report_at("kind", error),
+    }
 }

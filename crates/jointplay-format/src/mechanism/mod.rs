@@ -1,4 +1,4 @@
-//! Mechanism files: TOML that says links, joints and virtual joints, with parameters and formulas.
+//! Mechanism files: TOML with links, joints and virtual joints, parameters and formulas.
 //!
 //! ```
 //! let file = jointplay_format::mechanism::parse(r#"
@@ -19,11 +19,10 @@
 //! let hinge = &file.mechanism.joints()[0];
 //! assert_eq!(hinge.frames[0].translation.x, 0.45);
 //! assert_eq!(hinge.limits, [[0.0, f64::to_radians(90.0)]]);
-//! # Ok::<(), jointplay_format::mechanism::Error>(())
+//! # Ok::<(), jointplay_format::mechanism::Errors>(())
 //! ```
 
 mod expression;
-mod file;
 pub mod frame;
 mod header;
 mod joint;
@@ -33,14 +32,16 @@ mod names;
 mod parameters;
 mod problem;
 mod read;
+mod tree;
 mod values;
+mod virtual_joint;
 mod write;
 
 pub use expression::{AngleUnit, ExpressionProblem};
 pub use header::MAX_BYTES;
 pub use kind::kind_of;
 pub use loops::with_loops;
-pub use problem::{Error, Problem};
+pub use problem::{Error, Errors, Problem};
 pub use read::{Expected, MechanismFile, parse, parse_with};
 pub use values::{LengthUnit, Units};
 pub use write::write;

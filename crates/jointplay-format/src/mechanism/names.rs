@@ -1,41 +1,35 @@
 //! Names and texts that can be printed.
 
-use toml::Spanned;
-
-use super::problem::{Error, Problem};
+use super::problem::Problem;
+use super::tree::{Entry, Reader, Table};
 
 /// A name of a joint, by which commands find it.
-pub(super) fn joint_name(text: &str, found: &Spanned<String>) -> Result<String, Error> {
-    let read = printable_name(text, "name", found)?;
-    if read.contains([',', '=', '[', ']']) {
-        return Err(Error::at(text, found.span(), Problem::JointName { found: read }));
+pub(super) fn joint_name(reader: &Reader, entry: &Entry) -> Option<String> {
+    let found = printable_name(reader, entry)?;
+    if found.contains([',', '=', '[', ']']) {
+        entry.report(reader, Problem::JointName { found });
+        return None;
     }
-    Ok(read)
+    Some(found)
 }
 
 /// A name that can be printed.
-pub(super) fn printable_name(
-    text: &str,
-    key: &'static str,
-    name: &Spanned<String>,
-) -> Result<String, Error> {
-    let found = name.get_ref().clone();
+pub(super) fn printable_name(reader: &Reader, entry: &Entry) -> Option<String> {
+    let found = entry.text(reader)?.to_owned();
     if found.trim().is_empty() || found.chars().any(char::is_control) {
-        return Err(Error::at(text, name.span(), Problem::Name { key, found }));
+        entry.report(reader, Problem::Name { key: entry.key.to_owned(), found });
+        return None;
     }
-    Ok(found)
+    Some(found)
 }
 
-/// Text that can be printed, of any number of lines.
-pub(super) fn prose(
-    text: &str,
-    key: &'static str,
-    prose: Option<&Spanned<String>>,
-) -> Result<Option<String>, Error> {
-    let Some(prose) = prose else { return Ok(None) };
-    let found = prose.get_ref().clone();
+/// An optional text that can be printed, of any number of lines.
+pub(super) fn prose(table: &Table, key: &'static str) -> Option<String> {
+    let entry = table.entry(key)?;
+    let found = entry.text(table.reader)?.to_owned();
     if found.chars().any(|character| character.is_control() && !"\r\n\t".contains(character)) {
-        return Err(Error::at(text, prose.span(), Problem::Name { key, found }));
+        entry.report(table.reader, Problem::Name { key: key.to_owned(), found });
+        return None;
     }
-    Ok(Some(found))
+    Some(found)
 }

@@ -1,95 +1,127 @@
 //! Values of parameters that refer to each other, in any order.
 
-use std::collections::BTreeMap;
-use std::ops::Range;
+use std::collections::{BTreeMap, BTreeSet};
 
-use toml::Spanned;
+use toml::de::DeValue;
 
 use super::expression::{AngleUnit, Expression, Scope, is_free_name};
-use super::file::Number;
-use super::problem::{Error, Problem};
-use super::values::{expression_error, unknown};
+use super::problem::Problem;
+use super::tree::{Entry, Table};
+use super::values::{evaluate, parse_expression};
+use crate::file_problem::FileProblem;
+use crate::place::nearest;
 
-/// A parameter that still waits for those it names.
-struct Waiting {
-    name: String,
-    span: Range<usize>,
+/// Largest number of cycles that are reported.
+const MOST_CYCLES: usize = 20;
+
+/// A parameter whose value depends on others.
+struct Waiting<'r, 'a> {
+    entry: Entry<'r, 'a>,
+    source: &'r str,
     expression: Expression,
 }
 
-/// The values of all parameters, in the units of the file; `replaced` wins over what the file says.
-pub(super) fn resolve(
-    text: &str,
-    table: &BTreeMap<Spanned<String>, Spanned<Number>>,
-    replaced: &[(String, f64)],
-    angle: AngleUnit,
-) -> Result<Scope, Error> {
-    let names = || table.keys().map(|name| name.get_ref().as_str());
-    let mut scope = Scope { angle, values: BTreeMap::new() };
-    for (name, value) in replaced {
-        let found = table.get_key_value(name.as_str());
-        let span = found.map_or(0..0, |(_, number)| number.span());
-        if found.is_none() {
-            return Err(Error::at(text, span, unknown("parameter", name, names())));
-        }
-        if !value.is_finite() {
-            let problem = Problem::NotFinite { key: name.clone(), value: *value };
-            return Err(Error::at(text, span, problem));
-        }
-        scope.values.insert(name.clone(), *value);
-    }
-    let mut waiting = Vec::new();
-    for (key, number) in table {
-        let (name, span) = (key.get_ref(), number.span());
-        if !is_free_name(name) {
-            let problem = Problem::ParameterName { found: name.clone() };
-            return Err(Error::at(text, key.span(), problem));
-        }
-        match number.get_ref() {
-            _ if scope.values.contains_key(name) => {}
-            Number::Value(value) if value.is_finite() => {
-                scope.values.insert(name.clone(), *value);
-            }
-            Number::Value(value) => {
-                let problem = Problem::NotFinite { key: name.clone(), value: *value };
-                return Err(Error::at(text, span, problem));
-            }
-            Number::Expression(source) => {
-                let expression = Expression::parse(source)
-                    .map_err(|error| expression_error(text, &span, source, error))?;
-                waiting.push(Waiting { name: name.clone(), span, expression });
-            }
-        }
-    }
-    for index in in_order(&waiting).map_err(|circle| {
-        let names = circle.iter().map(|&index| waiting[index].name.clone()).collect();
-        Error::at(text, waiting[circle[0]].span.clone(), Problem::Cycle { names })
-    })? {
-        let Waiting { name, span, expression } = &waiting[index];
-        let value = expression.evaluate(&scope).map_err(|error| {
-            let source = match table.get(name.as_str()).map(Spanned::get_ref) {
-                Some(Number::Expression(source)) => source,
-                _ => "",
-            };
-            expression_error(text, span, source, error.among(names()))
-        })?;
-        scope.values.insert(name.clone(), value);
-    }
-    Ok(scope)
+/// Parameters as read.
+pub(super) struct Parameters {
+    /// Values by name, in the units of the file.
+    pub(super) scope: Scope,
+    /// Names in the order of the file.
+    pub(super) order: Vec<String>,
 }
 
-/// An order in which each comes after all that it names, or else a circle, closed.
+/// The values of all parameters, in the units of the file; `replaced` takes precedence over the file.
+pub(super) fn resolve(top: &Table, replaced: &[(String, f64)], angle: AngleUnit) -> Parameters {
+    let reader = top.reader;
+    let table = top.table("parameters", "`[parameters]`");
+    let mut entries: Vec<_> = table.iter().flat_map(Table::entries).collect();
+    entries.sort_by_key(|(_, span)| span.start);
+    let order: Vec<String> = entries.iter().map(|(entry, _)| entry.key.to_owned()).collect();
+    let parameters: BTreeSet<String> = order.iter().cloned().collect();
+    entries.sort_by_key(|(entry, _)| entry.key);
+    let mut scope = Scope { angle, values: BTreeMap::new(), parameters };
+    for (name, value) in replaced {
+        let found = entries.iter().find(|(entry, _)| entry.key == name);
+        let span = found.map_or(0..0, |(entry, _)| entry.span());
+        let key = name.clone();
+        if found.is_none() {
+            let known = || scope.parameters.iter().map(String::as_str);
+            let problem = FileProblem::Unknown {
+                what: "parameter".to_owned(),
+                found: key,
+                nearest: nearest(name, known()),
+                known: known().map(str::to_owned).collect(),
+            };
+            reader.report(span, problem);
+        } else if !value.is_finite() {
+            let needed = "a finite number".to_owned();
+            reader.report(span, FileProblem::OutOfRange { key, value: *value, needed });
+        } else {
+            scope.values.insert(key, *value);
+        }
+    }
+    let mut waiting = Vec::new();
+    for (entry, span) in entries {
+        let name = entry.key;
+        if !is_free_name(name) {
+            reader.report(span, Problem::ParameterName { found: name.to_owned() });
+            continue;
+        }
+        if scope.values.contains_key(name) {
+            continue;
+        }
+        match entry.value.get_ref() {
+            DeValue::String(source) => {
+                if let Some(expression) = parse_expression(reader, &entry, source) {
+                    waiting.push(Waiting { entry, source, expression });
+                }
+            }
+            DeValue::Integer(_) | DeValue::Float(_) => match entry.any_number() {
+                Some(value) if value.is_finite() => {
+                    scope.values.insert(name.to_owned(), value);
+                }
+                Some(value) => {
+                    let (key, needed) = (name.to_owned(), "a finite number".to_owned());
+                    entry.report(reader, FileProblem::OutOfRange { key, value, needed });
+                }
+                None => entry.type_error(reader, "a number"),
+            },
+            _ => entry.type_error(reader, "a number or an expression"),
+        }
+    }
+    let Sorted { order: sequence, cycles } = sorted(&waiting);
+    for cycle in cycles {
+        let names = cycle.iter().map(|&index| waiting[index].entry.key.to_owned()).collect();
+        waiting[cycle[0]].entry.report(reader, Problem::Cycle { names });
+    }
+    for index in sequence {
+        let Waiting { entry, source, expression } = &waiting[index];
+        if let Some(value) = evaluate(reader, entry, source, expression, &scope) {
+            scope.values.insert(entry.key.to_owned(), value);
+        }
+    }
+    Parameters { scope, order }
+}
+
+/// Indices of parameters in the order of evaluation.
+struct Sorted {
+    order: Vec<usize>,
+    /// Parameters that need each other; the first of each is also its last.
+    cycles: Vec<Vec<usize>>,
+}
+
+/// Sorts parameters so that each comes after those that it names.
 ///
 /// Depth first with a stack of its own, for a chain of parameters can be as long as the file.
-fn in_order(waiting: &[Waiting]) -> Result<Vec<usize>, Vec<usize>> {
+fn sorted(waiting: &[Waiting]) -> Sorted {
     let index: BTreeMap<&str, usize> =
-        waiting.iter().enumerate().map(|(index, item)| (item.name.as_str(), index)).collect();
+        waiting.iter().enumerate().map(|(index, item)| (item.entry.key, index)).collect();
     let needs: Vec<Vec<usize>> = waiting
         .iter()
         .map(|item| item.expression.names().filter_map(|name| index.get(name).copied()).collect())
         .collect();
+    let mut cycles = Vec::new();
     let (mut order, mut done) = (Vec::new(), vec![false; waiting.len()]);
-    // Where in the path each item stands, while it does.
+    // The position of each item in the path, while the path contains it.
     let mut entered: Vec<Option<usize>> = vec![None; waiting.len()];
     for start in 0..waiting.len() {
         if done[start] {
@@ -108,14 +140,15 @@ fn in_order(waiting: &[Waiting]) -> Result<Vec<usize>, Vec<usize>> {
             };
             *next += 1;
             if let Some(first) = entered[need] {
-                let circle = path[first..].iter().map(|(item, _)| *item);
-                return Err(circle.chain([need]).collect());
-            }
-            if !done[need] {
+                if cycles.len() < MOST_CYCLES {
+                    let cycle = path[first..].iter().map(|(item, _)| *item);
+                    cycles.push(cycle.chain([need]).collect());
+                }
+            } else if !done[need] {
                 entered[need] = Some(path.len());
                 path.push((need, 0));
             }
         }
     }
-    Ok(order)
+    Sorted { order, cycles }
 }

@@ -1,36 +1,36 @@
 //! A mechanism from the text of its file.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
-use jointplay_core::mechanism::{Mechanism, MechanismError};
-use toml::Spanned;
+use jointplay_core::mechanism::{Joint, Mechanism, MechanismError};
 
-use super::file::File;
-use super::header::{check_kind, units};
-use super::joint::{Links, joint, virtual_joint};
+use super::expression::AngleUnit;
+use super::header::{MAX_BYTES, has_other_kind, units};
+use super::joint::{Links, joint};
 use super::names::{printable_name, prose};
-use super::parameters;
-use super::problem::{Error, Problem};
-use super::values::{Units, Values, choice, unknown};
-use crate::place;
+use super::parameters::{self, Parameters};
+use super::problem::{Errors, Problem};
+use super::tree::{Entry, Reader, Table};
+use super::values::{LengthUnit, Units, Values};
+use super::virtual_joint::{Joints, virtual_joint};
+use crate::file_problem::FileProblem;
 
 /// A mechanism as read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MechanismFile {
     /// The mechanism (m, rad).
     pub mechanism: Mechanism,
-    /// Where it comes from.
+    /// Source of the mechanism.
     pub source: Option<String>,
-    /// The units of the file, in which to speak to its reader.
+    /// The units of the file, for messages.
     pub units: Units,
     /// Values of all parameters, in the order and the units of the file.
     pub parameters: Vec<(String, f64)>,
-    /// What the file says that an analysis should find.
+    /// Expected results of an analysis.
     pub expected: Expected,
 }
 
-/// What a file says that an analysis should find; `None` where it says nothing.
+/// Expected results of an analysis, from the file; `None` where the file has none.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Expected {
     /// Freedoms of all joints together.
@@ -52,113 +52,189 @@ pub struct Expected {
 /// Reads a mechanism file.
 ///
 /// # Errors
-/// [`Error`] with the place: TOML that is malformed, keys that are missing, unknown or contradict each other, numbers out of range, links and joints that make no mechanism.
-pub fn parse(text: &str) -> Result<MechanismFile, Error> {
+/// All errors in the order of their places: invalid TOML, keys that are missing, unknown or contradictory, numbers out of range, links and joints that make no mechanism.
+pub fn parse(text: &str) -> Result<MechanismFile, Errors> {
     parse_with(text, &[])
 }
 
-/// Reads a mechanism file with other values for some of its parameters, as a study needs that sweeps them.
+/// Reads a mechanism file with other values for some of its parameters, for example for a sweep.
 ///
 /// # Arguments
 /// * `replaced` – names of parameters of the file, and their values in the units of the file
 ///
 /// # Errors
-/// As [`parse`]; and if the file has no parameter of a name.
-pub fn parse_with(text: &str, replaced: &[(String, f64)]) -> Result<MechanismFile, Error> {
-    check_kind(text, "mechanism")?;
-    let file: File = place::read(text)?;
-    choice(text, "kind", &file.kind, &[("mechanism", ())])?;
-    let units = units(text, &file.units)?;
-    let scope = parameters::resolve(text, &file.parameters, replaced, units.angle)?;
-    let values = Values { text, units, scope };
-    let mechanism = mechanism(&values, &file)?;
-    let mut order: Vec<_> = file.parameters.keys().collect();
-    order.sort_by_key(|name| name.span().start);
-    let value =
-        |name: &Spanned<String>| (name.get_ref().clone(), values.scope.values[name.get_ref()]);
-    Ok(MechanismFile {
+/// As [`parse`], and if the file has no parameter of a name.
+pub fn parse_with(text: &str, replaced: &[(String, f64)]) -> Result<MechanismFile, Errors> {
+    let reader = Reader::new(text);
+    if !reader.has_at_most(MAX_BYTES) {
+        return reader.done(None);
+    }
+    let document = reader.parse();
+    let top = Table::new(&reader, "a mechanism", document.get_ref(), 0..0);
+    if !reader.is_clean() || has_other_kind(&top, "mechanism") {
+        return reader.done(None);
+    }
+    let file = read(&top, replaced);
+    top.finish();
+    reader.done(file)
+}
+
+/// Units that allow the widest range, for the numbers of a file without valid units.
+pub(super) const FALLBACK_UNITS: Units =
+    Units { length: LengthUnit::Micrometer, angle: AngleUnit::Degree };
+
+fn read(top: &Table, replaced: &[(String, f64)]) -> Option<MechanismFile> {
+    let reader = top.reader;
+    let name = top.needed("name").and_then(|entry| printable_name(reader, &entry));
+    let source = prose(top, "source");
+    let units = units(top);
+    let base = top.needed("base").and_then(|entry| printable_name(reader, &entry));
+    let length = top.entry("characteristic_length");
+    let angle = units.unwrap_or(FALLBACK_UNITS).angle;
+    let Parameters { scope, order } = parameters::resolve(top, replaced, angle);
+    let expected = top.table("expected", "`[expected]`").map(|table| expected(&table));
+    let values = Values { reader, units: units.unwrap_or(FALLBACK_UNITS), scope };
+    let names = (name.as_deref().unwrap_or_default(), base.as_deref());
+    let mechanism = mechanism(&values, top, names);
+    let length = length.map(|_| values.positive(top, "characteristic_length"));
+    let mut mechanism = mechanism?;
+    name?;
+    if let Some(length) = length {
+        let placed = mechanism.with_characteristic_length(values.length(length?));
+        mechanism = placed.map_err(|error| top.report_at("characteristic_length", error)).ok()?;
+    }
+    let value = |name: String| {
+        let value = *values.scope.values.get(&name)?;
+        Some((name, value))
+    };
+    Some(MechanismFile {
         mechanism,
-        source: prose(text, "source", file.source.as_ref())?,
-        units,
-        parameters: order.into_iter().map(value).collect(),
-        expected: Expected {
-            freedoms: file.expected.freedoms,
-            rank: file.expected.rank,
-            kutzbach: file.expected.kutzbach,
-            instantaneous: file.expected.instantaneous,
-            finite: file.expected.finite,
-            redundancy: file.expected.redundancy,
-            note: prose(text, "note", file.expected.note.as_ref())?,
-        },
+        source,
+        units: units?,
+        parameters: order.into_iter().map(value).collect::<Option<_>>()?,
+        expected: expected.unwrap_or_default(),
     })
 }
 
-fn mechanism(values: &Values, file: &File) -> Result<Mechanism, Error> {
-    let text = values.text;
-    let title = printable_name(text, "name", &file.name)?;
-    let base = printable_name(text, "base", &file.base)?;
-    let mut links = Links::default();
-    links.index(&base);
-    let joints = file.joint.iter().map(|table| {
-        let table = table.get_ref();
-        if let Some(link) = &table.r#in {
-            let why = "all points are in the base frame; `frames` places a joint on its links";
-            let problem = Problem::Misplaced { key: "in", why: why.to_owned() };
-            return Err(values.wrong(link.span(), problem));
+/// The expected results of an analysis.
+fn expected(table: &Table) -> Expected {
+    let count = |key| {
+        let entry = table.entry(key)?;
+        let found = entry.integer(table.reader)?;
+        let count = usize::try_from(found).ok();
+        if count.is_none() {
+            let (key, needed) = (entry.key.to_owned(), "0 or more".to_owned());
+            let problem = FileProblem::OutOfRange { key, value: found as f64, needed };
+            entry.report(table.reader, problem);
         }
-        joint(values, table, &mut links)
-    });
-    let joints = joints.collect::<Result<Vec<_>, _>>()?;
+        count
+    };
+    let expected = Expected {
+        freedoms: count("freedoms"),
+        rank: count("rank"),
+        kutzbach: table.entry("kutzbach").and_then(|entry| entry.integer(table.reader)),
+        instantaneous: count("instantaneous"),
+        finite: count("finite"),
+        redundancy: count("redundancy"),
+        note: prose(table, "note"),
+    };
+    table.finish();
+    expected
+}
+
+/// The mechanism without its characteristic length.
+fn mechanism(
+    values: &Values,
+    top: &Table,
+    (title, base): (&str, Option<&str>),
+) -> Option<Mechanism> {
+    let mut links = Links::default();
+    if let Some(base) = base {
+        links.index(base);
+    }
+    let mut tables = joint_tables(top);
+    let joints: Vec<Option<Joint>> = tables
+        .iter_mut()
+        .map(|table| {
+            let why = "all points are in the base frame; `frames` places a joint on its links";
+            let misplaced = |entry: Entry| {
+                let problem = Problem::Misplaced { key: "in", why: why.to_owned() };
+                entry.report(values.reader, problem);
+            };
+            table.entry("in").map(misplaced);
+            joint(values, table, &mut links)
+        })
+        .collect();
+    let mut virtual_tables = top.tables("virtual_joint");
+    let known = Joints::new(&tables, &joints, &links.names);
+    let virtual_joints: Vec<_> =
+        virtual_tables.iter_mut().map(|table| virtual_joint(values, table, &known)).collect();
+    let base = base?;
+    let joints = joints.iter().cloned().collect::<Option<Vec<Joint>>>()?;
     if !joints.is_empty() && joints.iter().all(|joint| !joint.links.contains(&0)) {
-        let names = links.names[1..].iter().map(String::as_str);
-        return Err(values.wrong(file.base.span(), unknown("base", &base, names)));
+        let entry = top.entry("base")?;
+        entry.unknown(values.reader, "base", base, &links.names[1..]);
+        return None;
     }
-    let placed = |error| values.wrong(blame(file, &error), error);
-    let mechanism = Mechanism::new(title, links.names, joints).map_err(placed)?;
-    let names = mechanism.joints().iter().map(|joint| joint.name.as_str());
-    let indices: BTreeMap<&str, usize> = names.zip(0..).collect();
-    let virtual_joints = file
-        .virtual_joint
-        .iter()
-        .map(|table| virtual_joint(values, table.get_ref(), &mechanism, &indices));
-    let virtual_joints = virtual_joints.collect::<Result<Vec<_>, _>>()?;
-    let mechanism = mechanism.with_virtual_joints(virtual_joints).map_err(placed)?;
-    let length = file.characteristic_length.as_ref();
-    let to_si = |length| values.length(length);
-    match values.positive("characteristic_length", length, to_si)? {
-        Some(length) => mechanism.with_characteristic_length(length).map_err(placed),
-        None => Ok(mechanism),
-    }
+    let blamed = |error: MechanismError| {
+        values.reader.report(blame(top, &tables, &virtual_tables, &error), error);
+    };
+    let mechanism = Mechanism::new(title, links.names.clone(), joints).map_err(blamed).ok()?;
+    let virtual_joints = virtual_joints.into_iter().collect::<Option<Vec<_>>>()?;
+    mechanism.with_virtual_joints(virtual_joints).map_err(blamed).ok()
+}
+
+/// The tables of the joints, of which there is at least one.
+pub(super) fn joint_tables<'r, 'a>(top: &Table<'r, 'a>) -> Vec<Table<'r, 'a>> {
+    top.needed("joint");
+    top.tables("joint")
+}
+
+/// The links that a joint names.
+fn links<'r, 'a>(table: &Table<'r, 'a>) -> Vec<Entry<'r, 'a>> {
+    let list = table.entry("links").and_then(|entry| entry.list(table.reader));
+    list.unwrap_or_default()
 }
 
 /// The part of the file that an error of the mechanism is about.
-fn blame(file: &File, error: &MechanismError) -> Range<usize> {
+fn blame(
+    top: &Table,
+    joints: &[Table],
+    virtual_joints: &[Table],
+    error: &MechanismError,
+) -> Range<usize> {
     use MechanismError as E;
-    let joints = || file.joint.iter().map(Spanned::get_ref);
+    let is_named = |table: &&Table, name: &str| {
+        table.entry("name").and_then(|entry| entry.value.get_ref().as_str()) == Some(name)
+    };
+    let text = |entry: &Entry| entry.value.get_ref().as_str().map(str::to_owned);
+    let span = |table: &Table, key| Some(table.entry(key)?.span());
     let found = match error {
-        E::NameTwice { name } => {
-            let real = joints().map(|joint| &joint.name);
-            let imagined = file.virtual_joint.iter().map(|joint| &joint.get_ref().name);
-            real.chain(imagined).filter(|found| found.get_ref() == name).nth(1).map(Spanned::span)
-        }
-        E::NoSuchLink { joint, .. } | E::JoinedToItself { joint, .. } => joints()
+        E::NameTwice { name } => joints
+            .iter()
+            .chain(virtual_joints)
+            .filter(|table| is_named(table, name))
+            .nth(1)
+            .and_then(|table| span(table, "name")),
+        E::NoSuchLink { joint, .. } | E::JoinedToItself { joint, .. } => joints
+            .iter()
             .find(|table| {
-                table.name.get_ref() == joint && {
-                    let links = table.links.get_ref();
-                    links.first().map(Spanned::get_ref) == links.last().map(Spanned::get_ref)
-                }
+                let links = links(table);
+                is_named(table, joint)
+                    && links.first().and_then(text) == links.last().and_then(text)
             })
-            .map(|table| table.links.span()),
-        E::Dangling { link, .. } => joints()
-            .flat_map(|joint| joint.links.get_ref())
-            .find(|found| found.get_ref() == link)
-            .map(Spanned::span),
+            .and_then(|table| span(table, "links")),
+        E::Dangling { link, .. } => joints
+            .iter()
+            .flat_map(links)
+            .find(|entry| entry.value.get_ref().as_str() == Some(link))
+            .map(|entry| entry.span()),
         E::NotFinite { name, .. } => {
-            joints().find(|joint| joint.name.get_ref() == name).map(|joint| joint.name.span())
+            joints.iter().find(|table| is_named(table, name)).and_then(|table| span(table, "name"))
         }
         _ => None,
     };
-    found.unwrap_or_else(|| file.name.span())
+    found.or_else(|| span(top, "name")).unwrap_or(0..0)
 }
 
 #[cfg(test)]
@@ -198,7 +274,7 @@ mod tests {
         assert_eq!(v2.clearance, Some(f64::to_radians(0.5)));
         let point = Vector3::new(0.11, 0.0, 0.0);
         assert_eq!(v2.motion, VirtualMotion::Turn { axis: Vector3::z_axis(), point });
-        assert_eq!(file.source.as_deref(), Some("[Nobody]"));
+        assert_eq!(file.source.as_deref(), Some("[Source]"));
         assert_eq!(file.expected.kutzbach, Some(-2));
         let of = |name: &str, value| (name.to_owned(), value);
         assert_eq!(file.parameters, [of("half", 110.0), of("a", 220.0), of("alpha", 90.0)]);
@@ -211,26 +287,27 @@ mod tests {
         let file = parse_with(SAMPLE, &[("half".to_owned(), 7.0)]).unwrap();
         assert_eq!(file.mechanism.joints()[0].frames[0].translation.x, 0.007);
         let error = parse_with(SAMPLE, &[("alhpa".to_owned(), 1.0)]).unwrap_err();
-        let message =
-            "parameter \"alhpa\" is not known (did you mean `alpha`?); known: a, alpha, half";
+        let message = "line 1: parameter \"alhpa\" is not known (did you mean `alpha`?); known: a, alpha, half";
         assert_eq!(error.to_string(), message);
         assert!(parse_with(SAMPLE, &[("a".to_owned(), f64::NAN)]).is_err());
     }
 
-    /// Replaces a piece of the sample, and reads the message and what stands above the carets.
+    /// Replaces a piece of the sample; expects an error with a message, at the text `blamed`.
     #[track_caller]
     fn refuse(from: &str, to: &str, blamed: &str, message: &str) {
         assert!(SAMPLE.contains(from), "{from:?} is not in the file");
-        let error = parse(&SAMPLE.replacen(from, to, 1)).unwrap_err();
-        let shown = error.with_excerpt("x.toml");
-        assert!(error.to_string().contains(message), "{shown}");
-        let place = &error.place;
-        let found: String = place.text.chars().skip(place.column - 1).take(place.width).collect();
-        assert_eq!(found, blamed, "{shown}");
+        let errors = parse(&SAMPLE.replacen(from, to, 1)).unwrap_err();
+        let is_blamed = errors.iter().any(|error| {
+            let place = &error.place;
+            let found: String =
+                place.text.chars().skip(place.column - 1).take(place.width).collect();
+            error.to_string().contains(message) && found == blamed
+        });
+        assert!(is_blamed, "{}", errors.with_excerpt("x.toml"));
     }
 
     #[test]
-    fn wrong_words_are_refused_with_the_known_ones() {
+    fn unknown_words_are_refused_with_the_known_ones() {
         refuse("axis = [0, 0, 2]", "axes = [0, 0, 2]", "axes", "did you mean `axis`?");
         refuse("\"mechanism\"", "\"mechansim\"", "\"mechansim\"", "known: mechanism");
         refuse("\"mm\"", "\"cm\"", "\"cm\"", "known: m, mm, um, in");
@@ -245,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_formulas_are_refused_with_their_place() {
+    fn invalid_formulas_are_refused_with_their_place() {
         refuse("\"-a * cos(alpha)\"", "\"-a * cos(alhpa)\"", "alhpa", "did you mean `alpha`?");
         refuse("\"-a * cos(alpha)\"", "\"-a * ?\"", "?", "column 6 of the expression");
         refuse("\"a / 2\"", "\"b / 2\"", "b", "unknown name `b`; known here: a, alpha, half, pi");
@@ -257,16 +334,21 @@ mod tests {
     }
 
     #[test]
-    fn wrong_numbers_are_refused() {
+    fn invalid_numbers_are_refused() {
         refuse("[0, 0, 2]", "[0, 0, 0]", "[0, 0, 0]", "all its numbers are 0");
         refuse("[0, 0, 2]", "[0, 2]", "[0, 2]", "has 2 entries, but needs 3");
         refuse("[0, 0, 2]", "[0, 0, inf]", "inf", "`axis` is infinite");
         refuse("point = [1, 2, 3]", "point = [1, 2, 1e308]", "1e308", "within ±1e12");
         refuse("point = [1, 2, 3]", "point = [1, 2, 1e10]", "1e10", "within ±1000000000 mm");
-        refuse("guess = 30", "guess = 1e308", "1e308", "`guess` is 1e308, but has to lie within");
+        refuse("guess = 30", "guess = 1e308", "1e308", "`guess` is 1e308, but has to be within");
         refuse("[0, 0, 2]", "[0, 0, 1e308]", "1e308", "within ±1e12");
         refuse("[0, 0, 2]", "[0, 0, \"1e13\"]", "\"1e13\"", "within ±1e12");
-        refuse("[0, 0, 2]", "[0, 0, true]", "true", "expected a number or an expression");
+        refuse(
+            "[0, 0, 2]",
+            "[0, 0, true]",
+            "true",
+            "has to be a number or an expression, but is true",
+        );
         refuse("zero = [1, 0, 5]", "zero = [0, 0, 5]", "[0, 0, 5]", "parallel to the axis");
         let tilted = "second_axis = [1, 1e-5, 0]";
         refuse("second_axis = [1, 0, 0]", tilted, "[1, 1e-5, 0]", "is 89.999427° from the axis");
@@ -296,7 +378,16 @@ mod tests {
         refuse("slide = [1, 1, 0]", about, "[0, 0, 1]", "only a `turn`");
         let within = "point = [1, 2, 3]\nin = \"nut\"";
         refuse("point = [1, 2, 3]", within, "\"nut\"", "`in` does not belong here: all points");
-        refuse("units =", "# units =", "", "missing key `units`");
+        refuse("units =", "# units =", "", "a mechanism needs `units`");
+    }
+
+    #[test]
+    fn directions_of_a_joint_of_unknown_kind_are_checked() {
+        let text =
+            SAMPLE.replace("\"universal\"", "3").replace("second_axis = [1,", "second_axis = [");
+        let errors = parse(&text).unwrap_err();
+        let lines: Vec<usize> = errors.iter().map(|error| error.place.line).collect();
+        assert_eq!(lines, [33, 37], "{errors}");
     }
 
     #[test]
@@ -345,7 +436,7 @@ mod tests {
         assert_eq!(kind_of("kind = \"gpr\"\nname = = 3\n").as_deref(), Some("gpr"));
         assert_eq!(kind_of("name = 3\n[a]\nkind = \"gpr\"\nb = ="), None);
         let error = parse(crate::robot::PAPER).unwrap_err();
-        assert!(error.to_string().starts_with("kind \"gpr\" is not known"), "{error}");
+        assert!(error.to_string().starts_with("line 6: kind \"gpr\" is not known"), "{error}");
     }
 
     #[test]

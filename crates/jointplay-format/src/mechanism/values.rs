@@ -4,12 +4,13 @@ use std::ops::Range;
 
 use jointplay_core::mechanism::joint::Coordinate;
 use nalgebra::{Unit, Vector3};
-use toml::Spanned;
+use toml::de::DeValue;
 
 use super::expression::{AngleUnit, Expression, ExpressionError, Scope};
-use super::file::{Number, Numbers};
-use super::problem::{Error, Problem};
-use crate::place::nearest;
+use super::problem::Problem;
+use super::tree::{AllowedRange, Entry, Reader, Table};
+use crate::file_problem::FileProblem;
+use crate::number::number;
 use crate::units::shift;
 
 /// The unit of lengths in a file.
@@ -111,73 +112,41 @@ impl AngleUnit {
 
 /// The largest length (m) and the largest angle (rad) that a file may name: far from where squares overflow.
 const LARGEST: f64 = 1e6;
-/// Numbers of mechanism files lie within this, in their own unit, so that no product of them overflows.
-const LARGEST_NUMBER: f64 = 1e12;
 
-/// Reads numbers of one file.
-pub(super) struct Values<'a> {
-    pub(super) text: &'a str,
+/// Evaluates the numbers of one file.
+pub(super) struct Values<'r, 'a> {
+    pub(super) reader: &'r Reader<'a>,
     pub(super) units: Units,
     pub(super) scope: Scope,
 }
 
-impl Values<'_> {
-    pub(super) fn wrong(&self, span: Range<usize>, problem: impl Into<Problem>) -> Error {
-        Error::at(self.text, span, problem.into())
-    }
-
-    /// A finite number, in the units of the file.
-    pub(super) fn number(
-        &self,
-        key: &'static str,
-        number: &Number,
-        span: Range<usize>,
-    ) -> Result<f64, Error> {
-        match number {
-            Number::Value(value) if value.is_finite() => self.moderate(key, *value, span),
-            Number::Value(value) => {
-                let problem = Problem::NotFinite { key: key.to_owned(), value: *value };
-                Err(self.wrong(span, problem))
+impl Values<'_, '_> {
+    /// A finite number or expression, in the units of the file.
+    pub(super) fn number(&self, entry: &Entry) -> Option<f64> {
+        match entry.value.get_ref() {
+            DeValue::String(source) => {
+                let expression = parse_expression(self.reader, entry, source)?;
+                let value = evaluate(self.reader, entry, source, &expression, &self.scope)?;
+                entry.within(self.reader, value, AllowedRange::Any)
             }
-            Number::Expression(source) => Expression::parse(source)
-                .and_then(|expression| expression.evaluate(&self.scope))
-                .map_err(|error| expression_error(self.text, &span, source, error))
-                .and_then(|value| self.moderate(key, value, span.clone())),
+            DeValue::Integer(_) | DeValue::Float(_) => entry.number(self.reader, AllowedRange::Any),
+            _ => {
+                entry.type_error(self.reader, "a number or an expression");
+                None
+            }
         }
     }
 
-    /// A number that is not too large to be computed with.
-    fn moderate(&self, key: &'static str, value: f64, span: Range<usize>) -> Result<f64, Error> {
-        if value.abs() <= LARGEST_NUMBER {
-            return Ok(value);
-        }
-        Err(self.wrong(span, Problem::TooLarge { key, value, most: LARGEST_NUMBER }))
-    }
-
-    /// A number brought to SI units by `to_si`.
-    pub(super) fn scalar(
-        &self,
-        key: &'static str,
-        number: &Spanned<Number>,
-        to_si: impl Fn(f64) -> f64,
-    ) -> Result<f64, Error> {
-        self.number(key, number.get_ref(), number.span()).map(to_si)
-    }
-
-    /// A positive number, if there is one.
-    pub(super) fn positive(
-        &self,
-        key: &'static str,
-        number: Option<&Spanned<Number>>,
-        to_si: impl Fn(f64) -> f64,
-    ) -> Result<Option<f64>, Error> {
-        let Some(number) = number else { return Ok(None) };
-        let value = self.scalar(key, number, |value| value)?;
+    /// A positive number that is optional, in the units of the file.
+    pub(super) fn positive(&self, table: &Table, key: &'static str) -> Option<f64> {
+        let entry = table.entry(key)?;
+        let value = self.number(&entry)?;
         if value > 0.0 {
-            Ok(Some(to_si(value)))
-        } else {
-            Err(self.wrong(number.span(), Problem::NotPositive { key, value }))
+            return Some(value);
         }
+        let (key, needed) = (key.to_owned(), "positive".to_owned());
+        entry.report(self.reader, FileProblem::OutOfRange { key, value, needed });
+        None
     }
 
     /// Metres from a length of the file.
@@ -190,112 +159,101 @@ impl Values<'_> {
         self.units.angle.to_radians(value)
     }
 
-    /// Metres or radians from a joint coordinate of the file.
-    pub(super) fn coordinate(&self, coordinate: Coordinate, value: f64) -> f64 {
-        match coordinate {
-            Coordinate::Slide => self.length(value),
-            Coordinate::Turn => self.angle(value),
-        }
-    }
-
-    /// Metres or radians from a coordinate of the file, refused where no mechanism has it.
-    pub(super) fn within(
+    /// Metres or radians from a coordinate of the file; a value beyond the range of mechanisms is reported.
+    pub(super) fn coordinate(
         &self,
-        key: &'static str,
+        entry: &Entry,
         coordinate: Coordinate,
         value: f64,
-        span: Range<usize>,
-    ) -> Result<f64, Error> {
-        let si = self.coordinate(coordinate, value);
+    ) -> Option<f64> {
+        let si = match coordinate {
+            Coordinate::Slide => self.length(value),
+            Coordinate::Turn => self.angle(value),
+        };
         if si.abs() <= LARGEST {
-            return Ok(si);
+            return Some(si);
         }
         let (most, unit) = match coordinate {
             Coordinate::Slide => (self.units.length.from_meters(LARGEST), self.units.length.name()),
             Coordinate::Turn => (self.units.angle.from_radians(LARGEST), self.units.angle.name()),
         };
-        Err(self.wrong(span, Problem::Beyond { key, value, most, unit }))
+        let needed = format!("within ±{} {unit}", number(most));
+        let key = entry.key.to_owned();
+        entry.report(self.reader, FileProblem::OutOfRange { key, value, needed });
+        None
     }
 
-    fn vector(&self, key: &'static str, numbers: &Numbers) -> Result<Vector3<f64>, Error> {
-        let [x, y, z] = numbers.get_ref().as_slice() else {
-            let problem =
-                Problem::Count { key, found: numbers.get_ref().len(), needed: "3: x, y, z".into() };
-            return Err(self.wrong(numbers.span(), problem));
-        };
-        let number = |entry: &Spanned<Number>| self.scalar(key, entry, |value| value);
-        Ok(Vector3::new(number(x)?, number(y)?, number(z)?))
+    /// Three numbers in the units of the file, with their entries.
+    fn vector<'s, 'b>(&self, entry: &Entry<'s, 'b>) -> Option<[(Entry<'s, 'b>, f64); 3]> {
+        let list = entry.list(self.reader)?;
+        let numbers: Vec<_> =
+            list.iter().map(|entry| Some((*entry, self.number(entry)?))).collect();
+        if numbers.len() != 3 {
+            let (key, found) = (entry.key.to_owned(), numbers.len());
+            let needed = "3: x, y, z".to_owned();
+            entry.report(self.reader, FileProblem::Count { key, found, needed });
+        }
+        numbers.into_iter().collect::<Option<Vec<_>>>()?.try_into().ok()
     }
 
     /// A point (m).
-    pub(super) fn point(
-        &self,
-        key: &'static str,
-        numbers: &Numbers,
-    ) -> Result<Vector3<f64>, Error> {
-        let vector = self.vector(key, numbers)?;
-        for (&value, entry) in vector.iter().zip(numbers.get_ref()) {
-            self.within(key, Coordinate::Slide, value, entry.span())?;
-        }
-        Ok(vector.map(|value| self.length(value)))
+    pub(super) fn point(&self, entry: &Entry) -> Option<Vector3<f64>> {
+        let [x, y, z] = self
+            .vector(entry)?
+            .map(|(entry, value)| self.coordinate(&entry, Coordinate::Slide, value));
+        Some(Vector3::new(x?, y?, z?))
     }
 
     /// A direction, from numbers of any length but zero.
-    pub(super) fn direction(
-        &self,
-        key: &'static str,
-        numbers: &Numbers,
-    ) -> Result<Unit<Vector3<f64>>, Error> {
-        let vector = self.vector(key, numbers)?;
+    pub(super) fn direction(&self, entry: &Entry) -> Option<Unit<Vector3<f64>>> {
+        let vector = Vector3::from(self.vector(entry)?.map(|(_, value)| value));
         let largest = vector.amax();
         if largest == 0.0 {
-            return Err(self.wrong(numbers.span(), Problem::NoDirection { key }));
+            entry.report(self.reader, Problem::NoDirection { key: entry.key.to_owned() });
+            return None;
         }
         // Divided first, for squares of very large or small numbers are no numbers.
-        Ok(Unit::new_normalize(vector / largest))
+        Some(Unit::new_normalize(vector / largest))
     }
 }
 
-/// One of these words, by its name.
-pub(super) fn choice<T: Copy>(
-    text: &str,
-    what: &'static str,
-    word: &Spanned<String>,
-    known: &[(&str, T)],
-) -> Result<T, Error> {
-    let found = known.iter().find(|(name, _)| name == word.get_ref());
-    found.map(|(_, meaning)| *meaning).ok_or_else(|| {
-        let names = known.iter().map(|(name, _)| *name);
-        Error::at(text, word.span(), unknown(what, word.get_ref(), names))
-    })
+/// A formula from the value of a key.
+pub(super) fn parse_expression(reader: &Reader, entry: &Entry, source: &str) -> Option<Expression> {
+    let report = |error: ExpressionError| {
+        reader.report(expression_span(reader, entry, source, &error), error.problem);
+    };
+    Expression::parse(source).map_err(report).ok()
 }
 
-/// That a name is none of the known ones.
-pub(super) fn unknown<'a>(
-    what: &'static str,
-    found: &str,
-    known: impl Iterator<Item = &'a str> + Clone,
-) -> Problem {
-    Problem::Unknown {
-        what,
-        found: found.to_owned(),
-        nearest: nearest(found, known.clone()),
-        known: known.map(str::to_owned).collect(),
-    }
-}
-
-/// An error of an expression, placed in the file.
-pub(super) fn expression_error(
-    text: &str,
-    span: &Range<usize>,
+/// The value of a formula; a parameter without a value has its own error.
+pub(super) fn evaluate(
+    reader: &Reader,
+    entry: &Entry,
     source: &str,
-    error: ExpressionError,
-) -> Error {
-    let quoted = text.get(span.clone()).unwrap_or_default();
-    // Where the string is written without escapes, the very part of it that is wrong can be shown.
+    expression: &Expression,
+    scope: &Scope,
+) -> Option<f64> {
+    let report = |error: ExpressionError| {
+        if !error.is_about(&scope.parameters) {
+            let span = expression_span(reader, entry, source, &error);
+            let names = scope.parameters.iter().map(String::as_str);
+            reader.report_with(span, || error.among(names).problem.into());
+        }
+    };
+    expression.evaluate(scope).map_err(report).ok()
+}
+
+/// The bytes of the file that an error of an expression is about.
+fn expression_span(
+    reader: &Reader,
+    entry: &Entry,
+    source: &str,
+    error: &ExpressionError,
+) -> Range<usize> {
+    let span = entry.span();
+    let quoted = reader.slice(span.clone());
+    // Where the string is written without escapes, the invalid part of it can be shown.
     let is_plain = quoted.get(1..quoted.len().max(2) - 1) == Some(source);
     let start = span.start + 1;
-    let within = start + error.span.start..start + error.span.end;
-    let place = if is_plain { within } else { span.clone() };
-    Error::at(text, place, error.problem.into())
+    if is_plain { start + error.span.start..start + error.span.end } else { span }
 }

@@ -1,6 +1,6 @@
 //! Reads one line from left to right.
 
-use jointplay_cell::program::{Name, Place};
+use jointplay_cell::program::{Name, SourceLocation};
 
 use super::lexer::{Kind, Line, Token, unquoted};
 use super::problem::{Error, Problem};
@@ -31,10 +31,10 @@ impl<'l, 't> Cursor<'l, 't> {
     }
 
     /// Place of the next token, or the end of the line.
-    pub(super) fn place(&self) -> Place {
+    pub(super) fn place(&self) -> SourceLocation {
         let end = self.line.tokens.last().map_or(1, |last| last.column + last.width());
         let column = self.peek().map_or(end, |token| token.column);
-        Place { line: self.line.number, column }
+        SourceLocation { line: self.line.number, column }
     }
 
     /// A problem of the next token, or of the end of the line.

@@ -1,7 +1,8 @@
 //! Planning errors of a program, shown in its text.
 
-use jointplay_cell::program::{Leveling, Place, ProgramError, ProgramProblem};
-use jointplay_cell::robot::HybridRobot;
+use jointplay_cell::program::{Leveling, ProgramError, ProgramProblem, SourceLocation};
+use jointplay_cell::robot::{Axis, AxisKind, HybridRobot};
+use jointplay_cell::station::LineRemedy;
 
 use super::lexer::{Token, line_at};
 use crate::cell::explain::{explain_limit, explain_sag, explain_unreachable_pose};
@@ -43,6 +44,14 @@ fn message(robot: &HybridRobot, error: &ProgramError) -> String {
             let remedy = leveling.as_ref().map_or_else(String::new, remedy);
             format!("effector {effector}, {load}, does not reach {target}: {why}{remedy}")
         }
+        ProgramProblem::BlockedLine { station, effector, blocked } => {
+            format!(
+                "effector {effector} cannot follow the line into {station}: its arm stops {:.1} % along the line, with the wafer {:.1} mm from the axis that the arm turns about{}",
+                blocked.share * 1e2,
+                blocked.reach * 1e3,
+                line_remedies(robot, station, &blocked.remedies)
+            )
+        }
         ProgramProblem::Sag { effector, source } => {
             format!("effector {effector} does not carry the wafer: {}", explain_sag(source))
         }
@@ -52,6 +61,37 @@ fn message(robot: &HybridRobot, error: &ProgramError) -> String {
     problem + &error.repetitions()
 }
 
+/// The changes of a station or robot that make a line possible.
+fn line_remedies(robot: &HybridRobot, station: &str, remedies: &[LineRemedy]) -> String {
+    if remedies.is_empty() {
+        return "; no single change of retract distance, radius, heading or limit makes it possible"
+            .to_owned();
+    }
+    let remedy = |remedy: &LineRemedy| match remedy {
+        LineRemedy::Retract(reach) => format!("set retract_mm = {:.0} of {station}", reach * 1e3),
+        LineRemedy::Radius(reach) => {
+            format!("move {station} to {:.0} mm from that axis", reach * 1e3)
+        }
+        LineRemedy::FreeHeading => {
+            format!("set approach = \"radial\" of {station}, so that the wafer may turn")
+        }
+        LineRemedy::Limits { axis, min, max } => {
+            let Axis { name, kind, .. } = &robot.axes[*axis];
+            let (factor, unit) = match kind {
+                AxisKind::Rotary => (1_f64.to_degrees(), "deg"),
+                AxisKind::Linear => (1e3, "mm"),
+            };
+            format!(
+                "extend the range of {name} to [{:.0}, {:.0}] {unit}",
+                min * factor,
+                max * factor
+            )
+        }
+    };
+    let all: Vec<String> = remedies.iter().map(remedy).collect();
+    format!("; any of these helps: {}", all.join(", or "))
+}
+
 fn remedy(leveling: &Leveling) -> String {
     // Rounded up: a correction by less would not suffice.
     let angle = (leveling.angle.to_degrees() * 1e3).ceil() * 1e-3;
@@ -59,7 +99,7 @@ fn remedy(leveling: &Leveling) -> String {
 }
 
 /// The place in the text, with the width of the marked part.
-fn shown(text: &str, at: Place) -> place::Place {
+fn shown(text: &str, at: SourceLocation) -> place::Place {
     let line = line_at(text, at.line);
     let token = line.as_ref().and_then(|line| line.tokens.iter().find(|it| it.column == at.column));
     place::Place {

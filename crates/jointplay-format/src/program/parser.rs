@@ -1,7 +1,7 @@
 //! From text to a program.
 
 use jointplay_cell::program::{
-    AxisTarget, Command, Instruction, Name, Place, Program, Routine, SlotName, SlotNumber,
+    AxisTarget, Command, Instruction, Name, Program, Routine, SlotName, SlotNumber, SourceLocation,
 };
 use jointplay_cell::robot::AxisKind;
 use jointplay_core::spatial::Tilt;
@@ -161,7 +161,7 @@ impl Parser {
 
     /// Adds a complete block to the block around it.
     fn close(&mut self, Block { kind, place, body }: Block) {
-        let place = Place { line: place.line, column: place.column };
+        let place = SourceLocation { line: place.line, column: place.column };
         match kind {
             BlockKind::Repeat { times, counter } => {
                 self.push(Instruction { place, command: Command::Repeat { times, counter, body } });

@@ -11,8 +11,9 @@ mod names;
 mod problem;
 mod read;
 mod spread;
+mod tree;
 
 pub use examples::{Example, example, examples};
 pub use names::{Column, Source};
-pub use problem::{Error, Problem};
+pub use problem::{Error, Errors, Problem};
 pub use read::{MAX_BYTES, StudyFile, parse, robot_of};

@@ -5,6 +5,7 @@ use jointplay_core::virtualization::{VirtualJointKind, Virtualization};
 use jointplay_study::plan::{Dimension, OutputQuantity, Plan, PlatformQuantity, TiltForm};
 
 use super::Problem;
+use crate::file_problem::FileProblem;
 use crate::place::nearest;
 use crate::units::Unit;
 
@@ -13,11 +14,11 @@ use crate::units::Unit;
 pub struct Column {
     /// Its name, with the unit at its end.
     pub name: String,
-    /// What stands in it.
+    /// The source of its values.
     pub source: Source,
 }
 
-/// What stands in a column.
+/// The source of the values of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// The number of the sample.
@@ -50,7 +51,7 @@ struct Term {
     wanted: OutputQuantity,
 }
 
-/// A name that stands for several.
+/// A name of several quantities.
 struct Group {
     name: &'static str,
     units: &'static [Unit],
@@ -213,12 +214,12 @@ pub(super) fn resolve(
             known.push(usual);
         }
     }
-    Err(Problem::Unknown {
-        what: "quantity",
+    Err(Problem::Common(FileProblem::Unknown {
+        what: "quantity".to_owned(),
         found: name.to_owned(),
         nearest: nearest(name, known.iter().map(String::as_str)),
         known,
-    })
+    }))
 }
 
 /// Columns of what is commanded, with what is wanted for them.

@@ -1,39 +1,23 @@
-//! What can be wrong in a study file.
+//! Errors of study files.
 
+use crate::file_problem::FileProblem;
 use crate::number::number;
-use crate::place::{Form, listed, suggestion};
+use crate::place::{self, listed};
 use crate::{robot, steps};
 
-/// Why a text is no study, and where.
-pub type Error = crate::place::Error<Problem>;
+/// An error of a study file with its place.
+pub type Error = place::Error<Problem>;
 
-/// What can be wrong in a study file; numbers are in the units of the file.
+/// All errors of a study file.
+pub type Errors = place::Errors<Problem>;
+
+/// Errors of a study file; numbers are in the units of the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// Not TOML, an unknown or missing key, or a value of the wrong type.
+    /// An error that every file can have.
     #[error(transparent)]
-    Form(#[from] Form),
-    /// More text than a study needs.
-    #[error("the text has {found} bytes, but at most {allowed} are allowed")]
-    TooLong {
-        /// How many there are.
-        found: usize,
-        /// How many may be.
-        allowed: usize,
-    },
-    /// A word that is none of the known ones.
-    #[error("{what} {found:?} is not known{}; known: {}", suggestion(nearest), listed(known))]
-    Unknown {
-        /// What it should name.
-        what: &'static str,
-        /// What was found.
-        found: String,
-        /// The known one most like it.
-        nearest: Option<String>,
-        /// All that could stand there.
-        known: Vec<String>,
-    },
+    Common(#[from] FileProblem),
     /// A quantity without its unit, or with one that it cannot have.
     #[error("`{quantity}` needs a unit: {}", units.join(", "))]
     Unit {
@@ -42,46 +26,26 @@ pub enum Problem {
         /// Its name with each unit that it can have.
         units: Vec<String>,
     },
-    /// A name with characters that would upset a terminal.
+    /// A name with control characters.
     #[error("the name has control characters in it: {found:?}")]
     Name {
-        /// What was found.
+        /// The value found.
         found: String,
-    },
-    /// A number that is NaN or infinite.
-    #[error("`{key}` has a value that is {}, but needs finite numbers", number(*.value))]
-    NotFinite {
-        /// Which key.
-        key: &'static str,
-        /// What was found.
-        value: f64,
-    },
-    /// A number that is too large or too small.
-    #[error("`{key}` has {}, but needs numbers from {} to {}", number(*.value), number(*.min), number(*.max))]
-    Beyond {
-        /// Which key.
-        key: &'static str,
-        /// What was found.
-        value: f64,
-        /// Least allowed.
-        min: f64,
-        /// Greatest allowed.
-        max: f64,
     },
     /// A range that is none.
     #[error("`{key}`: {source}")]
     Range {
-        /// Which key.
+        /// The key.
         key: &'static str,
-        /// What is wrong with it.
+        /// The error of the range.
         source: steps::Error,
     },
-    /// Something that says no values.
+    /// A value that is neither numbers nor a distribution.
     #[error(
         "`{key}` has to be a number, a range \"FROM:TO:STEP\", a list of numbers, {{ uniform = [FROM, TO] }} or {{ normal = [MEAN, DEVIATION] }}"
     )]
     Spread {
-        /// Which key.
+        /// The key.
         key: &'static str,
     },
     /// A tolerance that is not drawn.
@@ -89,13 +53,13 @@ pub enum Problem {
         "`{key}` has to be drawn: {{ uniform = [FROM, TO] }} or {{ normal = [MEAN, DEVIATION] }}, as differences from the robot file"
     )]
     NotDrawn {
-        /// Which key.
+        /// The key.
         key: &'static str,
     },
     /// A range to draw from whose ends do not ascend.
     #[error("`{key}`: uniform from {} to {} is no range; the first has to be the smaller", number(*.from), number(*.to))]
     Reversed {
-        /// Which key.
+        /// The key.
         key: &'static str,
         /// From.
         from: f64,
@@ -105,26 +69,26 @@ pub enum Problem {
     /// A standard deviation of zero or less.
     #[error("`{key}`: a standard deviation of {} is not positive", number(*.value))]
     Deviation {
-        /// Which key.
+        /// The key.
         key: &'static str,
-        /// What was found.
+        /// The value found.
         value: f64,
     },
     /// An empty list.
     #[error("`{key}` is empty, but needs at least one entry")]
     Empty {
-        /// Which key.
-        key: &'static str,
+        /// The key.
+        key: String,
     },
     /// The same entry a second time.
     #[error("`{key}` has {found:?} twice")]
     Twice {
-        /// Which key.
-        key: &'static str,
-        /// What was found.
+        /// The key.
+        key: String,
+        /// The value found.
         found: String,
     },
-    /// Not exactly two angles that say a tilt.
+    /// Angles other than two that describe a tilt.
     #[error(
         "a pose has either `yaw_deg` and `pitch_deg`, or `tilt_x_deg` and `tilt_y_deg`; found: {}",
         listed(found)
@@ -134,23 +98,13 @@ pub enum Problem {
         found: Vec<String>,
     },
     /// Random poses or dimensions without a number of draws.
-    #[error("what is drawn at random needs `samples`, how often")]
+    #[error("random values need `samples`, the number of draws")]
     NoSamples,
     /// A number of draws where nothing is drawn.
     #[error(
-        "`samples` says how often random numbers are drawn, but nothing is random; a grid has as many samples as places"
+        "`samples` is the number of random draws, but nothing is random; a grid has one sample for each pose"
     )]
     NothingRandom,
-    /// A count that is not positive, or a negative seed.
-    #[error("`{key}` is {found}, but has to be at least {least}")]
-    Count {
-        /// Which key.
-        key: &'static str,
-        /// What was found.
-        found: i64,
-        /// Least allowed.
-        least: i64,
-    },
     /// Tolerances that give none.
     #[error("there are no tolerances here; known: {}", listed(known))]
     NoTolerances {
@@ -166,17 +120,21 @@ pub enum Problem {
         /// Why.
         message: String,
     },
-    /// A robot file that is none.
-    #[error("line {line} of the robot {name:?} is wrong: {source}")]
+    /// An invalid robot file.
+    #[error("{}", invalid_robot(name, errors))]
     RobotFile {
         /// How the study calls it.
         name: String,
-        /// Which line of it, counted from 1.
-        line: usize,
-        /// What is wrong.
-        source: Box<robot::Problem>,
+        /// The errors of the robot file.
+        errors: place::Errors<robot::Problem>,
     },
     /// More samples than can be counted.
     #[error("{0}")]
     Plan(jointplay_study::Error),
+}
+
+fn invalid_robot(name: &str, errors: &[place::Error<robot::Problem>]) -> String {
+    let message = |error: &place::Error<_>| format!("line {}: {error}", error.place.line);
+    let messages: Vec<String> = errors.iter().map(message).collect();
+    format!("the robot {name:?} is invalid: {}", messages.join("; "))
 }

@@ -4,16 +4,15 @@ use jointplay_core::virtualization::{
     Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
 };
 use jointplay_study::plan::{Plan, RodsFrom, TiltForm, Tilts, Tolerances, Variation};
-use serde::Deserialize;
-use toml::{Spanned, Value};
 
 use super::names::{self, Asked, Column};
 use super::spread::{self, Key};
-use super::{Error, Problem};
-use crate::place::nearest;
+use super::tree::{Entry, Reader, Table};
+use super::{Errors, Problem};
+use crate::file_problem::FileProblem;
 use crate::robot::{self, Robot};
 use crate::units::m_from_mm;
-use crate::{catalogue, mechanism, place};
+use crate::{catalogue, mechanism};
 
 /// Longer texts are refused unread.
 pub const MAX_BYTES: usize = 1_000_000;
@@ -24,6 +23,13 @@ const LONGEST_MM: f64 = 1e6;
 const STEEPEST_DEG: f64 = 89.999;
 /// The most turns that a yaw may count (deg).
 const YAWS_DEG: f64 = 1e6;
+
+/// A virtualization of the library.
+type Model = &'static (dyn Virtualization + Sync);
+
+/// All virtualizations, by name.
+const MODELS: [(&str, Model); 4] =
+    [("radial", &Radial), ("polar", &Polar), ("offset", &Offset), ("planar", &Planar)];
 
 /// A study as read.
 #[derive(Clone)]
@@ -42,42 +48,6 @@ pub struct StudyFile {
     pub columns: Vec<Column>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    kind: Spanned<String>,
-    name: Option<Spanned<String>>,
-    robot: Option<Spanned<String>>,
-    virtualizations: Option<Spanned<Vec<Spanned<String>>>>,
-    solver: Option<Spanned<String>>,
-    metric: Option<Spanned<Value>>,
-    samples: Option<Spanned<i64>>,
-    seed: Option<Spanned<i64>>,
-    quantities: Spanned<Vec<Spanned<String>>>,
-    pose: Spanned<PoseTable>,
-    tolerances: Option<Spanned<TolerancesTable>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PoseTable {
-    yaw_deg: Option<Spanned<Value>>,
-    pitch_deg: Option<Spanned<Value>>,
-    tilt_x_deg: Option<Spanned<Value>>,
-    tilt_y_deg: Option<Spanned<Value>>,
-    height_mm: Option<Spanned<Value>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TolerancesTable {
-    socket_radius_mm: Option<Spanned<Value>>,
-    socket_angle_deg: Option<Spanned<Value>>,
-    base_x_mm: Option<Spanned<Value>>,
-    base_y_mm: Option<Spanned<Value>>,
-    rods_from: Option<Spanned<String>>,
-}
-
 /// The text of a robot of the catalogue.
 ///
 /// # Errors
@@ -86,7 +56,7 @@ pub fn robot_of(name: &str) -> Result<String, String> {
     match catalogue::find(name) {
         Some(entry) => Ok(entry.text.to_owned()),
         None => Err(format!(
-            "robot {name:?} is not in the catalogue; a study takes \"gpr\", or a file beside it whose name ends in .toml"
+            "robot {name:?} is not in the catalogue; a study takes \"gpr\", or a file in its folder whose name ends in .toml"
         )),
     }
 }
@@ -94,34 +64,71 @@ pub fn robot_of(name: &str) -> Result<String, String> {
 /// Reads a study file.
 ///
 /// # Arguments
-/// * `robot` – gives the text of the robot that the study names, or says why not
+/// * `robot` – returns the text of the robot that the study names, or the reason why it cannot
 ///
 /// # Errors
-/// [`Error`] with the place: TOML that is malformed, keys that are missing or unknown, names that are not known, values that cannot be.
+/// All errors in the order of their places: invalid TOML, missing and unknown keys, unknown names, values out of range.
 pub fn parse(
     text: &str,
     robot: impl FnOnce(&str) -> Result<String, String>,
-) -> Result<StudyFile, Error> {
-    if text.len() > MAX_BYTES {
-        let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };
-        return Err(Error::at("", 0..0, problem));
+) -> Result<StudyFile, Errors> {
+    let reader = Reader::new(text);
+    if !reader.has_at_most(MAX_BYTES) {
+        return reader.done(None);
     }
-    let file: File = place::read(text)?;
-    let wrong = |span, problem| Error::at(text, span, problem);
-    word(text, "kind", &file.kind, &[("study", ())])?;
-    let name = match file.name.as_ref() {
-        Some(name) if name.get_ref().chars().any(char::is_control) => {
-            return Err(wrong(name.span(), Problem::Name { found: name.get_ref().clone() }));
+    let document = reader.parse();
+    let top = Table::new(&reader, "a study", document.get_ref(), 0..0);
+    if !reader.is_clean() || has_other_kind(&top) {
+        return reader.done(None);
+    }
+    let study = read(&top, text, robot);
+    top.finish();
+    reader.done(study)
+}
+
+/// Whether the file names another kind, which is reported; the keys of such a file are not checked.
+fn has_other_kind(top: &Table) -> bool {
+    let Some(kind) = top.needed("kind") else { return false };
+    kind.word(top.reader, "kind", &[("study", ())]).is_none() && kind.is_text()
+}
+
+fn read(
+    top: &Table,
+    text: &str,
+    robot: impl FnOnce(&str) -> Result<String, String>,
+) -> Option<StudyFile> {
+    let reader = top.reader;
+    let name = top.entry("name").map_or(Some("study".to_owned()), |entry| {
+        let name = entry.text(reader)?.to_owned();
+        if name.chars().any(char::is_control) {
+            entry.report(reader, Problem::Name { found: name });
+            return None;
         }
-        name => name.map_or("study", |name| name.get_ref()).to_owned(),
+        Some(name)
+    });
+    let robot = read_robot(top, robot);
+    let models = models(top);
+    let solver = solver(top);
+    let metric = metric(top);
+    let draws = count(top, "samples", 1);
+    let seed = count(top, "seed", 0);
+    // Without valid virtualizations, the quantities of all are known.
+    let known = models.clone().unwrap_or_else(|| MODELS.map(|(_, model)| model).to_vec());
+    let quantities = quantities(top, &known);
+    let pose_table = top.needed("pose").and_then(|entry| entry.table(reader, "`[pose]`"));
+    let pose = pose_table.as_ref().and_then(pose);
+    let tolerances = match top.entry("tolerances") {
+        None => Some(Default::default()),
+        Some(entry) => entry.table(reader, "`[tolerances]`").and_then(|table| tolerances(&table)),
     };
-    let (robot, robot_text) = read_robot(text, file.robot.as_ref(), robot)?;
-    let models = models(text, file.virtualizations.as_ref())?;
-    let options = options(text, file.solver.as_ref(), file.metric.as_ref())?;
-    let (tilt, height) = pose(text, &file.pose, robot.gpr.working_height())?;
-    let (tolerances, rods_from) = tolerances(text, file.tolerances.as_ref())?;
-    let seed = count(text, "seed", file.seed.as_ref(), 0)?.unwrap_or(0);
-    let draws = count(text, "samples", file.samples.as_ref(), 1)?;
+    let (robot, robot_text) = robot?;
+    let (tilt, height) = pose?;
+    let (tolerances, rods_from) = tolerances?;
+    let (draws, seed) = (draws?, seed?);
+    let height = height.unwrap_or_else(|| Variation::Values(vec![robot.gpr.working_height()]));
+    let mut options = SolveOptions::default();
+    options.solver = solver?.unwrap_or(options.solver);
+    options.metric = metric?.unwrap_or(options.metric);
     let mut plan = Plan {
         gpr: robot.gpr,
         height,
@@ -129,240 +136,233 @@ pub fn parse(
         tolerances,
         rods_from,
         draws: draws.unwrap_or(1),
-        seed,
-        models,
+        seed: seed.unwrap_or(0),
+        models: models?,
         options,
         wanted: Vec::new(),
     };
-    match &file.samples {
+    let span = top.entry("samples").or(top.entry("pose")).map_or(0..0, |entry| entry.span());
+    match draws {
         None if plan.draws_anything() => {
-            return Err(wrong(first_random(&file, &plan), Problem::NoSamples));
+            reader.report(first_random(top, pose_table.as_ref()?, &plan), Problem::NoSamples);
+            return None;
         }
-        Some(samples) if !plan.draws_anything() => {
-            return Err(wrong(samples.span(), Problem::NothingRandom));
+        Some(_) if !plan.draws_anything() => {
+            reader.report(span, Problem::NothingRandom);
+            return None;
         }
         _ => {}
     }
-    let asked = quantities(text, &file.quantities, &plan)?;
-    let columns = names::columns(&mut plan, &asked);
-    let span = file.samples.as_ref().map_or(file.pose.span(), Spanned::span);
-    plan.samples().map_err(|error| wrong(span, Problem::Plan(error)))?;
-    Ok(StudyFile { name, text: text.to_owned(), robot: robot.name, robot_text, plan, columns })
-}
-
-/// A word of a closed list.
-fn word<T: Clone>(
-    text: &str,
-    what: &'static str,
-    found: &Spanned<String>,
-    known: &[(&str, T)],
-) -> Result<T, Error> {
-    let name = found.get_ref();
-    known.iter().find(|(known, _)| known == name).map(|(_, value)| value.clone()).ok_or_else(|| {
-        let problem = Problem::Unknown {
-            what,
-            found: name.clone(),
-            nearest: nearest(name, known.iter().map(|(known, _)| *known)),
-            known: known.iter().map(|(known, _)| (*known).to_owned()).collect(),
-        };
-        Error::at(text, found.span(), problem)
-    })
+    let columns = names::columns(&mut plan, &quantities?);
+    plan.samples().map_err(|error| reader.report(span, Problem::Plan(error))).ok()?;
+    let (name, text) = (name?, text.to_owned());
+    Some(StudyFile { name, text, robot: robot.name, robot_text, plan, columns })
 }
 
 fn read_robot(
-    text: &str,
-    named: Option<&Spanned<String>>,
+    top: &Table,
     robot: impl FnOnce(&str) -> Result<String, String>,
-) -> Result<(Robot, String), Error> {
-    let name = named.map_or("gpr", |name| name.get_ref());
-    let span = named.map_or(0..0, Spanned::span);
-    let wrong = |problem| Error::at(text, span.clone(), problem);
-    let robot_text = robot(name).map_err(|message| wrong(Problem::Robot { message }))?;
-    if let Some(kind) = mechanism::kind_of(&robot_text).filter(|kind| kind != "gpr") {
+) -> Option<(Robot, String)> {
+    let entry = top.entry("robot");
+    let name = match &entry {
+        Some(entry) => entry.text(top.reader)?,
+        None => "gpr",
+    };
+    let report = |problem: Problem| top.report_at("robot", problem);
+    let text = robot(name).map_err(|message| report(Problem::Robot { message })).ok()?;
+    if let Some(kind) = mechanism::kind_of(&text).filter(|kind| kind != "gpr") {
         let message = format!(
             "robot {name:?} is of the kind {kind:?}; a study takes three-rod robots, of the kind \"gpr\""
         );
-        return Err(wrong(Problem::Robot { message }));
+        report(Problem::Robot { message });
+        return None;
     }
-    let read = robot::parse(&robot_text).map_err(|error| {
-        let line = error.place.line;
-        wrong(Problem::RobotFile { name: name.to_owned(), line, source: error.problem })
-    })?;
-    Ok((read, robot_text))
+    let invalid = |errors| report(Problem::RobotFile { name: name.to_owned(), errors });
+    let read = robot::parse(&text).map_err(invalid).ok()?;
+    Some((read, text))
 }
 
-fn models(
-    text: &str,
-    names: Option<&Spanned<Vec<Spanned<String>>>>,
-) -> Result<Vec<&'static (dyn Virtualization + Sync)>, Error> {
-    let known: [(&str, &'static (dyn Virtualization + Sync)); 4] =
-        [("radial", &Radial), ("polar", &Polar), ("offset", &Offset), ("planar", &Planar)];
-    let key = "virtualizations";
-    let Some(names) = names else { return Ok(vec![&Planar]) };
-    if names.get_ref().is_empty() {
-        return Err(Error::at(text, names.span(), Problem::Empty { key }));
+/// The entries of a list with at least one.
+fn entries<'r, 'a>(entry: &Entry<'r, 'a>, reader: &Reader) -> Option<Vec<Entry<'r, 'a>>> {
+    let list = entry.list(reader)?;
+    if list.is_empty() {
+        entry.report(reader, Problem::Empty { key: entry.key.to_owned() });
+        return None;
     }
-    let mut models = Vec::new();
-    for (k, name) in names.get_ref().iter().enumerate() {
-        if names.get_ref()[..k].iter().any(|before| before.get_ref() == name.get_ref()) {
-            let problem = Problem::Twice { key, found: name.get_ref().clone() };
-            return Err(Error::at(text, name.span(), problem));
+    Some(list)
+}
+
+/// Reports the same entry a second time.
+fn report_twice(entry: &Entry, reader: &Reader, found: &str) {
+    let problem = Problem::Twice { key: entry.key.to_owned(), found: found.to_owned() };
+    entry.report(reader, problem);
+}
+
+fn models(top: &Table) -> Option<Vec<Model>> {
+    let reader = top.reader;
+    let Some(list) = top.entry("virtualizations") else { return Some(vec![&Planar]) };
+    let list = entries(&list, reader)?;
+    let mut names = Vec::new();
+    let read = list.iter().map(|entry| {
+        let model = entry.word(reader, "virtualization", &MODELS)?;
+        let name = entry.text(reader)?;
+        if names.contains(&name) {
+            report_twice(entry, reader, name);
+            return None;
         }
-        models.push(word(text, "virtualization", name, &known)?);
-    }
-    Ok(models)
+        names.push(name);
+        Some(model)
+    });
+    let read: Vec<_> = read.collect();
+    read.into_iter().collect()
 }
 
-fn options(
-    text: &str,
-    solver: Option<&Spanned<String>>,
-    metric: Option<&Spanned<Value>>,
-) -> Result<SolveOptions, Error> {
-    let mut options = SolveOptions::default();
-    if let Some(solver) = solver {
-        let known = [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm]
-            .map(|solver| (solver.to_string(), solver));
-        let known = known.each_ref().map(|(name, solver)| (name.as_str(), *solver));
-        options.solver = word(text, "solver", solver, &known)?;
-    }
-    if let Some(metric) = metric {
-        let length = match metric.get_ref() {
-            Value::Integer(length) => Some(*length as f64),
-            Value::Float(length) => Some(*length),
-            _ => None,
-        };
-        options.metric = match (metric.get_ref().as_str(), length) {
-            (Some("paper"), _) => Metric::Paper,
-            (Some("radius"), _) => Metric::PlatformRadius,
-            (_, Some(length)) if (1e-9..=1e9).contains(&length) => {
-                Metric::Length(m_from_mm(length))
-            }
-            _ => return Err(Error::at(text, metric.span(), Problem::Metric)),
-        };
-    }
-    Ok(options)
+fn solver(top: &Table) -> Option<Option<Solver>> {
+    let Some(entry) = top.entry("solver") else { return Some(None) };
+    let known = [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm]
+        .map(|solver| (solver.to_string(), solver));
+    let known = known.each_ref().map(|(name, solver)| (name.as_str(), *solver));
+    entry.word(top.reader, "solver", &known).map(Some)
 }
 
-fn pose(
-    text: &str,
-    table: &Spanned<PoseTable>,
-    working_height: f64,
-) -> Result<(Tilts, Variation), Error> {
-    let pose = table.get_ref();
+fn metric(top: &Table) -> Option<Option<Metric>> {
+    let Some(entry) = top.entry("metric") else { return Some(None) };
+    let metric = match (entry.value.get_ref().as_str(), entry.any_number()) {
+        (Some("paper"), _) => Metric::Paper,
+        (Some("radius"), _) => Metric::PlatformRadius,
+        (_, Some(length)) if (1e-9..=1e9).contains(&length) => Metric::Length(m_from_mm(length)),
+        _ => {
+            entry.report(top.reader, Problem::Metric);
+            return None;
+        }
+    };
+    Some(Some(metric))
+}
+
+/// Tilt and height of a pose; no height if the file has none.
+fn pose(table: &Table) -> Option<(Tilts, Option<Variation>)> {
+    let reader = table.reader;
     let angle = |name, most: f64| Key { name, bounds: (-most, most), to_si: f64::to_radians };
     let keys = [
-        (angle("yaw_deg", YAWS_DEG), &pose.yaw_deg),
-        (angle("pitch_deg", STEEPEST_DEG), &pose.pitch_deg),
-        (angle("tilt_x_deg", STEEPEST_DEG), &pose.tilt_x_deg),
-        (angle("tilt_y_deg", STEEPEST_DEG), &pose.tilt_y_deg),
+        angle("yaw_deg", YAWS_DEG),
+        angle("pitch_deg", STEEPEST_DEG),
+        angle("tilt_x_deg", STEEPEST_DEG),
+        angle("tilt_y_deg", STEEPEST_DEG),
     ];
-    let (form, first, second) = match keys.each_ref().map(|(_, value)| value.as_ref()) {
-        [Some(yaw), Some(pitch), None, None] => (TiltForm::YawPitch, (0, yaw), (1, pitch)),
-        [None, None, Some(x), Some(y)] => (TiltForm::AboutXAndY, (2, x), (3, y)),
+    let read =
+        keys.map(|key| table.entry(key.name).map(|entry| spread::read(reader, &key, &entry)));
+    let bounds = (-LONGEST_MM, LONGEST_MM);
+    let key = Key { name: "height_mm", bounds, to_si: m_from_mm };
+    let height = table.entry(key.name).map(|entry| spread::read(reader, &key, &entry));
+    table.finish();
+    let tilt = match read {
+        [Some(yaw), Some(pitch), None, None] => {
+            Tilts { form: TiltForm::YawPitch, first: yaw?, second: pitch? }
+        }
+        [None, None, Some(x), Some(y)] => {
+            Tilts { form: TiltForm::AboutXAndY, first: x?, second: y? }
+        }
         found => {
             let found = keys.iter().zip(found).filter(|(_, value)| value.is_some());
-            let found = found.map(|((key, _), _)| key.name.to_owned()).collect();
-            return Err(Error::at(text, table.span(), Problem::Tilt { found }));
+            let found = found.map(|(key, _)| key.name.to_owned()).collect();
+            table.report(Problem::Tilt { found });
+            return None;
         }
     };
-    let read = |(k, value): (usize, _)| spread::read(text, &keys[k].0, value);
-    let tilt = Tilts { form, first: read(first)?, second: read(second)? };
-    let height = match &pose.height_mm {
-        Some(height) => {
-            let bounds = (-LONGEST_MM, LONGEST_MM);
-            spread::read(text, &Key { name: "height_mm", bounds, to_si: m_from_mm }, height)?
-        }
-        None => Variation::Values(vec![working_height]),
+    let height = match height {
+        Some(height) => Some(height?),
+        None => None,
     };
-    Ok((tilt, height))
+    Some((tilt, height))
 }
 
-fn tolerances(
-    text: &str,
-    table: Option<&Spanned<TolerancesTable>>,
-) -> Result<(Tolerances, RodsFrom), Error> {
-    let Some(spanned) = table else { return Ok(Default::default()) };
-    let table = spanned.get_ref();
-    let drawn = |name, most: f64, to_si, value: &Option<Spanned<Value>>| {
-        let Some(value) = value else { return Ok(None) };
-        let spread = spread::read(text, &Key { name, bounds: (-most, most), to_si }, value)?;
-        if spread.is_random() {
-            Ok(Some(spread))
-        } else {
-            Err(Error::at(text, value.span(), Problem::NotDrawn { key: name }))
+fn tolerances(table: &Table) -> Option<(Tolerances, RodsFrom)> {
+    const KEYS: [&str; 4] = ["socket_radius_mm", "socket_angle_deg", "base_x_mm", "base_y_mm"];
+    let reader = table.reader;
+    let [radius, angle, x, y] = KEYS.map(|name| {
+        let entry = table.entry(name)?;
+        let (most, to_si): (f64, fn(f64) -> f64) = match name {
+            "socket_angle_deg" => (360.0, f64::to_radians),
+            _ => (LONGEST_MM, m_from_mm),
+        };
+        let spread = spread::read(reader, &Key { name, bounds: (-most, most), to_si }, &entry);
+        if spread.as_ref().is_some_and(|spread| !spread.is_random()) {
+            entry.report(reader, Problem::NotDrawn { key: name });
+            return Some(None);
         }
+        Some(spread)
+    });
+    if [&radius, &angle, &x, &y].iter().all(|found| found.is_none()) {
+        let known = KEYS.map(str::to_owned).to_vec();
+        table.report(Problem::NoTolerances { known });
+    }
+    let rods_from = table.entry("rods_from").map(|entry| {
+        let known = [("nominal", RodsFrom::Nominal), ("as-built", RodsFrom::AsBuilt)];
+        entry.word(reader, "rods_from", &known)
+    });
+    table.finish();
+    // Outer: whether the key is present; inner: whether its value is valid.
+    let optional = |found: Option<Option<Variation>>| match found {
+        Some(None) => None,
+        found => Some(found.flatten()),
     };
     let tolerances = Tolerances {
-        socket_radius: drawn("socket_radius_mm", LONGEST_MM, m_from_mm, &table.socket_radius_mm)?,
-        socket_angle: drawn("socket_angle_deg", 360.0, f64::to_radians, &table.socket_angle_deg)?,
-        base_x: drawn("base_x_mm", LONGEST_MM, m_from_mm, &table.base_x_mm)?,
-        base_y: drawn("base_y_mm", LONGEST_MM, m_from_mm, &table.base_y_mm)?,
+        socket_radius: optional(radius)?,
+        socket_angle: optional(angle)?,
+        base_x: optional(x)?,
+        base_y: optional(y)?,
     };
-    if !tolerances.any() {
-        let known = ["socket_radius_mm", "socket_angle_deg", "base_x_mm", "base_y_mm"];
-        let known = known.map(str::to_owned).to_vec();
-        return Err(Error::at(text, spanned.span(), Problem::NoTolerances { known }));
-    }
-    let rods_from = match &table.rods_from {
-        Some(found) => {
-            let known = [("nominal", RodsFrom::Nominal), ("as-built", RodsFrom::AsBuilt)];
-            word(text, "rods_from", found, &known)?
-        }
-        None => RodsFrom::default(),
-    };
-    Ok((tolerances, rods_from))
+    let rods_from = rods_from.unwrap_or(Some(RodsFrom::default()))?;
+    tolerances.any().then_some((tolerances, rods_from))
 }
 
-fn count(
-    text: &str,
-    key: &'static str,
-    found: Option<&Spanned<i64>>,
-    least: i64,
-) -> Result<Option<u64>, Error> {
-    let Some(found) = found else { return Ok(None) };
-    match u64::try_from(*found.get_ref()) {
-        Ok(count) if *found.get_ref() >= least => Ok(Some(count)),
+/// A whole number of at least `least`, if the key is present.
+fn count(top: &Table, key: &'static str, least: i64) -> Option<Option<u64>> {
+    let Some(entry) = top.entry(key) else { return Some(None) };
+    let found = entry.integer(top.reader)?;
+    match u64::try_from(found) {
+        Ok(count) if found >= least => Some(Some(count)),
         _ => {
-            let problem = Problem::Count { key, found: *found.get_ref(), least };
-            Err(Error::at(text, found.span(), problem))
+            let (key, needed) = (key.to_owned(), format!("at least {least}"));
+            let problem = FileProblem::OutOfRange { key, value: found as f64, needed };
+            entry.report(top.reader, problem);
+            None
         }
     }
 }
 
-fn quantities(
-    text: &str,
-    names: &Spanned<Vec<Spanned<String>>>,
-    plan: &Plan,
-) -> Result<Vec<Asked>, Error> {
-    let key = "quantities";
-    if names.get_ref().is_empty() {
-        return Err(Error::at(text, names.span(), Problem::Empty { key }));
-    }
+fn quantities(top: &Table, models: &[Model]) -> Option<Vec<Asked>> {
+    let reader = top.reader;
+    let list = entries(&top.needed("quantities")?, reader)?;
     let mut all: Vec<Asked> = Vec::new();
-    for name in names.get_ref() {
-        let wrong = |problem| Error::at(text, name.span(), problem);
-        let asked = names::resolve(name.get_ref(), &plan.models).map_err(wrong)?;
-        // The same quantity may stand in two units, but not twice in one: columns have names of their own.
-        if asked.iter().any(|asked| all.contains(asked)) {
-            return Err(wrong(Problem::Twice { key, found: name.get_ref().clone() }));
-        }
-        all.extend(asked);
+    let mut are_valid = true;
+    for entry in list {
+        let found = entry.text(reader).and_then(|name| {
+            let asked = names::resolve(name, models);
+            let asked = asked.map_err(|problem| entry.report(reader, problem)).ok()?;
+            // The same quantity may have two units, but not one unit twice: columns have names of their own.
+            if asked.iter().any(|asked| all.contains(asked)) {
+                report_twice(&entry, reader, name);
+                return None;
+            }
+            Some(asked)
+        });
+        are_valid &= found.is_some();
+        all.extend(found.unwrap_or_default());
     }
-    Ok(all)
+    are_valid.then_some(all)
 }
 
-/// Where the file says the first of what is random.
-fn first_random(file: &File, plan: &Plan) -> std::ops::Range<usize> {
-    let pose = file.pose.get_ref();
-    let given = |value: &Option<Spanned<Value>>| value.as_ref().map(Spanned::span);
+/// Where the file has its first random value.
+fn first_random(top: &Table, pose: &Table, plan: &Plan) -> std::ops::Range<usize> {
+    let span = |table: &Table, key| table.entry(key).map(|entry| entry.span());
     let spreads = [
-        (&plan.tilt.first, given(&pose.yaw_deg).or(given(&pose.tilt_x_deg))),
-        (&plan.tilt.second, given(&pose.pitch_deg).or(given(&pose.tilt_y_deg))),
-        (&plan.height, given(&pose.height_mm)),
+        (&plan.tilt.first, span(pose, "yaw_deg").or(span(pose, "tilt_x_deg"))),
+        (&plan.tilt.second, span(pose, "pitch_deg").or(span(pose, "tilt_y_deg"))),
+        (&plan.height, span(pose, "height_mm")),
     ];
     let random = spreads.into_iter().find(|(spread, _)| spread.is_random());
-    let tolerances = || file.tolerances.as_ref().map(Spanned::span);
-    random.and_then(|(_, span)| span).or_else(tolerances).unwrap_or(0..0)
+    random.and_then(|(_, span)| span).or_else(|| span(top, "tolerances")).unwrap_or(0..0)
 }
 
 impl StudyFile {

@@ -1,15 +1,14 @@
 //! Values in a study file: a number, a range, a list, or a distribution.
 
-use std::ops::Range;
-
 use jointplay_study::plan::Variation;
-use toml::{Spanned, Value};
+use toml::de::DeValue;
 
-use super::{Error, Problem};
-use crate::place::nearest;
+use super::Problem;
+use super::tree::{AllowedRange, Entry, Reader, Table};
 use crate::steps;
 
-/// What values a key may have, and how they become SI.
+/// The values that a key may have, and their conversion to SI.
+#[derive(Clone, Copy)]
 pub(super) struct Key {
     pub(super) name: &'static str,
     /// Least and greatest, in the unit of the file.
@@ -17,91 +16,88 @@ pub(super) struct Key {
     pub(super) to_si: fn(f64) -> f64,
 }
 
-const KINDS: [&str; 2] = ["uniform", "normal"];
+/// Names of distributions.
+const UNIFORM: &str = "uniform";
+const NORMAL: &str = "normal";
 
 /// Reads the values of a key.
-pub(super) fn read(text: &str, key: &Key, value: &Spanned<Value>) -> Result<Variation, Error> {
-    let wrong = |problem| Error::at(text, value.span(), problem);
+pub(super) fn read(reader: &Reader, key: &Key, entry: &Entry) -> Option<Variation> {
     let name = key.name;
-    let numbers = match value.get_ref() {
-        Value::Integer(number) => vec![*number as f64],
-        Value::Float(number) => vec![*number],
-        Value::String(range) => {
-            steps::parse(range).map_err(|source| wrong(Problem::Range { key: name, source }))?
-        }
-        Value::Array(entries) => {
-            let numbers = numbers(entries).ok_or_else(|| wrong(Problem::Spread { key: name }))?;
-            if numbers.is_empty() {
-                return Err(wrong(Problem::Empty { key: name }));
+    let (min, max) = key.bounds;
+    let allowed = AllowedRange::Within(min, max);
+    let numbers = match entry.value.get_ref() {
+        DeValue::Integer(_) | DeValue::Float(_) => vec![entry.number(reader, allowed)?],
+        DeValue::String(range) => {
+            let invalid = |source| entry.report(reader, Problem::Range { key: name, source });
+            let numbers = steps::parse(range).map_err(invalid).ok()?;
+            let outside = |number: &&f64| !(min..=max).contains(*number);
+            if let Some(&number) = numbers.iter().find(outside) {
+                entry.within(reader, number, allowed)?;
             }
             numbers
         }
-        Value::Table(table) => return drawn(text, key, value.span(), table),
-        _ => return Err(wrong(Problem::Spread { key: name })),
-    };
-    for &number in &numbers {
-        within(key, number).map_err(wrong)?;
-    }
-    Ok(Variation::Values(numbers.into_iter().map(key.to_si).collect()))
-}
-
-fn drawn(
-    text: &str,
-    key: &Key,
-    span: Range<usize>,
-    table: &toml::Table,
-) -> Result<Variation, Error> {
-    let wrong = |problem| Error::at(text, span.clone(), problem);
-    let name = key.name;
-    let mut entries = table.iter();
-    let (Some((kind, pair)), None) = (entries.next(), entries.next()) else {
-        return Err(wrong(Problem::Spread { key: name }));
-    };
-    if !KINDS.contains(&kind.as_str()) {
-        return Err(wrong(Problem::Unknown {
-            what: "distribution",
-            found: kind.clone(),
-            nearest: nearest(kind, KINDS.into_iter()),
-            known: KINDS.map(str::to_owned).to_vec(),
-        }));
-    }
-    let pair = pair.as_array().and_then(|entries| numbers(entries));
-    let Some([first, second]) = pair.and_then(|pair| <[f64; 2]>::try_from(pair).ok()) else {
-        return Err(wrong(Problem::Spread { key: name }));
-    };
-    within(key, first).map_err(wrong)?;
-    if kind == "uniform" {
-        within(key, second).map_err(wrong)?;
-        if first >= second {
-            return Err(wrong(Problem::Reversed { key: name, from: first, to: second }));
+        DeValue::Array(_) => {
+            let list = entry.list(reader)?;
+            if list.is_empty() {
+                entry.report(reader, Problem::Empty { key: name.to_owned() });
+                return None;
+            }
+            if list.iter().any(|entry| !is_number(entry)) {
+                entry.report(reader, Problem::Spread { key: name });
+                return None;
+            }
+            let numbers: Vec<_> = list.iter().map(|entry| entry.number(reader, allowed)).collect();
+            numbers.into_iter().collect::<Option<_>>()?
         }
-        return Ok(Variation::Uniform { from: (key.to_si)(first), to: (key.to_si)(second) });
-    }
-    if second <= 0.0 {
-        return Err(wrong(Problem::Deviation { key: name, value: second }));
-    }
-    within(key, second).map_err(wrong)?;
-    Ok(Variation::Normal { mean: (key.to_si)(first), deviation: (key.to_si)(second) })
+        DeValue::Table(table) if table.len() == 1 => {
+            let table = entry.table(reader, "a distribution")?;
+            return drawn(&table, key, allowed, entry);
+        }
+        _ => {
+            entry.report(reader, Problem::Spread { key: name });
+            return None;
+        }
+    };
+    Some(Variation::Values(numbers.into_iter().map(key.to_si).collect()))
 }
 
-fn numbers(entries: &[Value]) -> Option<Vec<f64>> {
-    entries
-        .iter()
-        .map(|entry| match entry {
-            Value::Integer(number) => Some(*number as f64),
-            Value::Float(number) => Some(*number),
-            _ => None,
-        })
-        .collect()
+/// A distribution: a table with one key.
+fn drawn(table: &Table, key: &Key, allowed: AllowedRange, entry: &Entry) -> Option<Variation> {
+    let reader = table.reader;
+    let (uniform, normal) = (table.entry(UNIFORM), table.entry(NORMAL));
+    table.finish();
+    let pair = uniform.or(normal)?;
+    let numbers = match pair.value.get_ref() {
+        DeValue::Array(list) if list.len() == 2 => pair.list(reader)?,
+        _ => Vec::new(),
+    };
+    let [first, second] = numbers.as_slice() else {
+        entry.report(reader, Problem::Spread { key: key.name });
+        return None;
+    };
+    if !is_number(first) || !is_number(second) {
+        entry.report(reader, Problem::Spread { key: key.name });
+        return None;
+    }
+    // Messages name the key of the study, not the distribution.
+    let number =
+        |found: &Entry| Entry { key: key.name, value: found.value }.number(reader, allowed);
+    let (one, other) = (number(first), number(second));
+    let (one, other) = (one?, other?);
+    if uniform.is_some() {
+        if one >= other {
+            entry.report(reader, Problem::Reversed { key: key.name, from: one, to: other });
+            return None;
+        }
+        return Some(Variation::Uniform { from: (key.to_si)(one), to: (key.to_si)(other) });
+    }
+    if other <= 0.0 {
+        entry.report(reader, Problem::Deviation { key: key.name, value: other });
+        return None;
+    }
+    Some(Variation::Normal { mean: (key.to_si)(one), deviation: (key.to_si)(other) })
 }
 
-fn within(key: &Key, value: f64) -> Result<(), Problem> {
-    let (name, (min, max)) = (key.name, key.bounds);
-    if !value.is_finite() {
-        Err(Problem::NotFinite { key: name, value })
-    } else if (min..=max).contains(&value) {
-        Ok(())
-    } else {
-        Err(Problem::Beyond { key: name, value, min, max })
-    }
+fn is_number(entry: &Entry) -> bool {
+    matches!(entry.value.get_ref(), DeValue::Integer(_) | DeValue::Float(_))
 }

@@ -6,17 +6,21 @@ mod material;
 mod numbers;
 mod parts;
 
+use gltf_json::animation::Animation;
+use gltf_json::scene::UnitQuaternion;
+use gltf_json::{Asset, Index, Node, Root, Scene as SceneOfNodes};
 use jointplay_cell::program::{HandoverDeflection, handover_deflections};
 use jointplay_cell::station::SlotId;
 use jointplay_cell::workcell::Cell;
 use serde_json::{Map, Value, json};
 
 use self::document::Document;
-use self::numbers::single;
+use self::numbers::{extras, single};
 use self::parts::{Parts, slot_name};
 use super::error::Error;
 use super::motion_export::MotionExport;
-use super::scene::{RestingWafer, Scene, Track};
+use super::scene::{Scene, SlotStay, Track};
+use super::violation_note::ViolationNote;
 use jointplay_format::units::um;
 
 /// The cell with its motion as binary glTF: rods, platform, links, wafers, stations, bodies and zones; one animation, as long as the motion.
@@ -31,48 +35,50 @@ use jointplay_format::units::um;
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::TooManyPoses`], [`Error::Placing`], [`Error::TooLarge`]
 ///
 /// # Numerics
-/// Numbers are single precision, as glTF has them; keys that follow from their neighbours are left out.
+/// Numbers are single precision, as glTF has them; keys that follow from their neighbours are omitted.
 pub fn gltf(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<u8>, Error> {
     let scene = Scene::of(motion_export, rate, true)?;
     let mut document = Document::default();
     let mut parts = Parts::default();
     // The first node is the base, whose children are known at the end.
-    document.nodes.push(Value::Null);
-    let mut children: Vec<Vec<usize>> = vec![Vec::new(); scene.tracks.len() + 1];
+    let base = Index::push(&mut document.nodes, Node::default());
+    let mut children: Vec<Vec<Index<Node>>> = vec![Vec::new(); scene.tracks.len() + 1];
     let mut nodes = Vec::with_capacity(scene.tracks.len());
     for (k, track) in scene.tracks.iter().enumerate() {
-        let node = document.nodes.len();
+        let node = Index::push(&mut document.nodes, initial_node(track, motion_export.cell));
         nodes.push(node);
         children[track.parent.map_or(0, |parent| parent + 1)].push(node);
-        document.nodes.push(standing(track, motion_export.cell));
         let shown = parts.of_track(&mut document, motion_export.cell, track.of);
         children[k + 1].extend(shown);
         document.animate(node, track, &scene.times);
     }
     children[0].extend(parts.of_world(&mut document, motion_export.cell));
-    let half = std::f64::consts::FRAC_1_SQRT_2;
-    document.nodes[0] = json!({ "name": "base", "rotation": [-half, 0.0, 0.0, half] });
-    for (node, children) in std::iter::once(0).chain(nodes).zip(children) {
-        if !children.is_empty() {
-            document.nodes[node]["children"] = json!(children);
-        }
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    document.nodes[base.value()] = Node {
+        name: Some("base".to_owned()),
+        rotation: Some(UnitQuaternion([-half, 0.0, 0.0, half])),
+        ..Default::default()
+    };
+    for (node, children) in std::iter::once(base).chain(nodes).zip(children) {
+        document.nodes[node.value()].children = (!children.is_empty()).then_some(children);
     }
-    file_of(document, motion_export)
+    binary_file(document, motion_export)
 }
 
-/// A node that stands where its track begins; that of a wafer tells in which slots it lies, as their nodes are called.
-fn standing(track: &Track, cell: &Cell) -> Value {
-    let mut node = json!({ "name": track.name });
+/// A node at the first pose of its track; the node of a wafer lists the nodes of the slots that it is in.
+fn initial_node(track: &Track, cell: &Cell) -> Node {
+    let mut node = Node { name: Some(track.name.clone()), ..Default::default() };
     if let (Some(place), Some(turn)) = (track.places.first(), track.turns.first()) {
-        node["translation"] = json!(place.map(single));
-        node["rotation"] = json!(turn.map(single));
+        node.translation = Some(place.map(single));
+        node.rotation = Some(UnitQuaternion(turn.map(single)));
     }
-    let told = |&RestingWafer { slot: SlotId { station, slot }, from, to }: &RestingWafer| {
+    let in_slot = |&SlotStay { slot: SlotId { station, slot }, from, to }: &SlotStay| {
         let name = slot_name(&cell.stations[station], slot);
         json!({ "slot": name, "from_s": from, "to_s": to })
     };
-    if !track.rests.is_empty() {
-        node["extras"] = json!({ "lies": track.rests.iter().map(told).collect::<Vec<_>>() });
+    if !track.slot_stays.is_empty() {
+        let lies: Vec<Value> = track.slot_stays.iter().map(in_slot).collect();
+        node.extras = extras(&json!({ "lies": lies }));
     }
     node
 }
@@ -80,7 +86,7 @@ fn standing(track: &Track, cell: &Cell) -> Value {
 /// Each handover of a wafer with its time, and the distance by which the effector jumps then, as its arm takes the weight or gives it up.
 fn hand_overs(motion_export: &MotionExport<'_>) -> Vec<Value> {
     let MotionExport { cell, motion, .. } = *motion_export;
-    let told = |one: &HandoverDeflection| {
+    let report = |one: &HandoverDeflection| {
         json!({
             "time_s": motion.times[one.step + 1],
             "effector": motion_export.effector_name(one.effector),
@@ -88,49 +94,67 @@ fn hand_overs(motion_export: &MotionExport<'_>) -> Vec<Value> {
             "jump_um": um(one.jump),
         })
     };
-    handover_deflections(cell, &motion.steps).iter().map(told).collect()
+    handover_deflections(cell, &motion.steps).iter().map(report).collect()
 }
 
-/// The file: a header, the description, the numbers.
-fn file_of(document: Document, motion_export: &MotionExport<'_>) -> Result<Vec<u8>, Error> {
-    let mut told = Map::new();
-    told.insert("duration_s".to_owned(), json!(motion_export.motion.duration()));
+/// The `extras` of the file: duration, violations and handovers of the motion.
+fn notes(motion_export: &MotionExport<'_>) -> Value {
+    let mut notes = Map::new();
+    notes.insert("duration_s".to_owned(), json!(motion_export.motion.duration()));
     if let Some(warning) = motion_export.warning() {
-        let all = motion_export
-            .violation_notes
-            .iter()
-            .map(|violation_note| json!({ "from_s": violation_note.from, "to_s": violation_note.to, "message": violation_note.message }));
-        told.insert("warning".to_owned(), json!(warning));
-        told.insert("violations".to_owned(), all.collect());
+        let note = |note: &ViolationNote| json!({ "from_s": note.from, "to_s": note.to, "message": note.message });
+        notes.insert("warning".to_owned(), json!(warning));
+        let violations = motion_export.violation_notes.iter().map(note).collect();
+        notes.insert("violations".to_owned(), violations);
     }
     let handovers = hand_overs(motion_export);
     if !handovers.is_empty() {
-        told.insert("hand_overs".to_owned(), json!(handovers));
+        notes.insert("hand_overs".to_owned(), json!(handovers));
     }
-    let (views, accessors, bytes) = document.buffer.finish();
-    let mut root = json!({
-        "asset": {
-            "version": "2.0",
-            "generator": concat!("jointplay ", env!("CARGO_PKG_VERSION")),
-            "extras": told,
+    Value::Object(notes)
+}
+
+/// The file: a header, the description, the numbers.
+fn binary_file(document: Document, motion_export: &MotionExport<'_>) -> Result<Vec<u8>, Error> {
+    let bytes = document.buffer.bytes;
+    let mut root = Root {
+        asset: Asset {
+            version: "2.0".to_owned(),
+            generator: Some(concat!("jointplay ", env!("CARGO_PKG_VERSION")).to_owned()),
+            extras: extras(&notes(motion_export)),
+            ..Default::default()
         },
-        "scene": 0,
-        "scenes": [{ "name": motion_export.cell.name, "nodes": [0] }],
-        "nodes": document.nodes,
-        "meshes": document.meshes,
-        "materials": document.materials.iter().map(|one| one.describe()).collect::<Vec<_>>(),
-        "buffers": [{ "byteLength": bytes.len() }],
-        "bufferViews": views,
-        "accessors": accessors,
-    });
+        scene: Some(Index::new(0)),
+        scenes: vec![SceneOfNodes {
+            name: Some(motion_export.cell.name.clone()),
+            nodes: vec![Index::new(0)],
+            extensions: None,
+            extras: None,
+        }],
+        nodes: document.nodes,
+        meshes: document.meshes,
+        materials: document.materials.iter().map(|one| one.describe()).collect(),
+        buffers: vec![gltf_json::Buffer {
+            byte_length: bytes.len().into(),
+            name: None,
+            uri: None,
+            extensions: None,
+            extras: None,
+        }],
+        buffer_views: document.buffer.views,
+        accessors: document.buffer.accessors,
+        ..Default::default()
+    };
     if !document.channels.is_empty() {
-        let name = if motion_export.violation_notes.is_empty() {
-            "program"
-        } else {
-            "program, NOT SAFE TO RUN"
-        };
-        root["animations"] =
-            json!([{ "name": name, "channels": document.channels, "samplers": document.samplers }]);
+        let is_safe = motion_export.violation_notes.is_empty();
+        let name = if is_safe { "program" } else { "program, NOT SAFE TO RUN" };
+        root.animations.push(Animation {
+            name: Some(name.to_owned()),
+            channels: document.channels,
+            samplers: document.samplers,
+            extensions: None,
+            extras: None,
+        });
     }
     let mut text = serde_json::to_vec(&root).expect("all keys are strings");
     while !text.len().is_multiple_of(4) {

@@ -25,6 +25,7 @@ mod segment;
 mod solidworks;
 mod timeline;
 mod violation_note;
+mod wafer_frames;
 
 pub use error::Error;
 pub use gltf::gltf;

@@ -1,7 +1,6 @@
 //! Moving frames of a cell with their trajectories: rods, platform, links, wafers.
 
-use jointplay_cell::EntityId;
-use jointplay_cell::program::Handover;
+use jointplay_cell::program::{WaferLocations, WaferStay};
 use jointplay_cell::robot::{ChainPose, EffectorId, RODS};
 use jointplay_cell::station::SlotId;
 use jointplay_cell::workcell::Cell;
@@ -11,6 +10,7 @@ use nalgebra::{SVector, UnitQuaternion, Vector4};
 use super::error::Error;
 use super::motion_export::MotionExport;
 use super::samples::{loaded, placed};
+use super::wafer_frames::{WaferFrame, WaferFrames};
 
 /// Interval before and after a sample over which rates are differences (s).
 const MOMENT: f64 = 1e-5;
@@ -31,8 +31,8 @@ pub(super) struct Track {
     pub(super) turns: Vec<[f64; 4]>,
     /// Rates of both, at each time; empty unless requested.
     pub(super) rates: Vec<Rate>,
-    /// Slots in which a wafer rests, with their times.
-    pub(super) rests: Vec<RestingWafer>,
+    /// Stays of a wafer in slots; empty for other parts.
+    pub(super) slot_stays: Vec<SlotStay>,
 }
 
 /// Rate of change of a pose in its parent.
@@ -44,11 +44,11 @@ pub(super) struct Rate {
     pub(super) turn: [f64; 4],
 }
 
-/// A wafer at rest in a slot.
+/// Stay of a wafer in a slot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct RestingWafer {
+pub(super) struct SlotStay {
     pub(super) slot: SlotId,
-    /// Start and end of the interval (s).
+    /// Start and end (s).
     pub(super) from: f64,
     pub(super) to: f64,
 }
@@ -74,31 +74,6 @@ pub(super) struct Scene {
     pub(super) tracks: Vec<Track>,
 }
 
-/// Support of a wafer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Held {
-    /// Pose of a wafer at rest, in the base frame.
-    InSlot(Pose),
-    /// Pose of a carried wafer, in the wafer frame of its effector.
-    On(EffectorId, Pose),
-}
-
-pub(super) struct Wafer {
-    name: String,
-    pub(super) held: Held,
-    rests: Vec<RestingWafer>,
-}
-
-impl Wafer {
-    /// Pose of the wafer for a pose of the robot.
-    fn place(&self, pose: &ChainPose) -> Pose {
-        match self.held {
-            Held::InSlot(at) => at,
-            Held::On(id, at) => pose.base_from_wafer[id.arm][id.effector] * at,
-        }
-    }
-}
-
 impl Scene {
     /// The frames of a motion at equal intervals of time and at its end.
     ///
@@ -112,14 +87,14 @@ impl Scene {
         motion_export.check_rate(rate)?;
         let MotionExport { cell, motion, .. } = *motion_export;
         let mut scene = Self { times: Vec::new(), tracks: tracks(cell) };
-        let mut wafers = Wafers::new(motion_export);
-        scene.tracks.extend(wafers.tracks());
+        let mut wafers = WaferFrames::new(motion_export);
+        scene.tracks.extend(wafer_tracks(cell, &wafers.locations));
         let found = motion.duration() * rate * scene.tracks.len() as f64;
         if found > MOST_POSES {
             return Err(Error::TooManyPoses { found, allowed: MOST_POSES });
         }
         for sample in motion.samples(rate) {
-            wafers.until(motion_export, sample.time)?;
+            wafers.advance_to(sample.time)?;
             let carried = loaded(motion_export, sample.step);
             let pose = |moment: f64| {
                 let gone = sample.positions.iter().zip(&sample.velocities);
@@ -129,7 +104,7 @@ impl Scene {
             let now = pose(0.0)?;
             scene.times.push(sample.time);
             for track in &mut scene.tracks {
-                track.push(&track.pose(cell, &wafers.all, &now));
+                track.push(&track.pose(cell, &wafers.frames, &now));
             }
             if !with_rates {
                 continue;
@@ -140,13 +115,14 @@ impl Scene {
             }
             let [before, after] = [pose(-MOMENT)?, pose(MOMENT)?];
             for track in &mut scene.tracks {
-                let poses = [&before, &now, &after].map(|it| track.pose(cell, &wafers.all, it));
+                let poses = [&before, &now, &after].map(|it| track.pose(cell, &wafers.frames, it));
                 track.push_rate(&poses);
             }
         }
+        let mut slot_stays = slot_stays(motion_export, &wafers.locations);
         for track in &mut scene.tracks {
             if let Part::Wafer(k) = track.of {
-                track.rests = std::mem::take(&mut wafers.all[k].rests);
+                track.slot_stays = std::mem::take(&mut slot_stays[k]);
             }
         }
         Ok(scene)
@@ -157,11 +133,11 @@ impl Track {
     fn new(name: &str, of: Part, parent: Option<usize>) -> Self {
         let name = name.to_owned();
         let (places, turns, rates) = (Vec::new(), Vec::new(), Vec::new());
-        Self { name, of, parent, places, turns, rates, rests: Vec::new() }
+        Self { name, of, parent, places, turns, rates, slot_stays: Vec::new() }
     }
 
-    /// Pose in the parent for a pose of the robot.
-    fn pose(&self, cell: &Cell, wafers: &[Wafer], pose: &ChainPose) -> Pose {
+    /// Where it is in its parent, the robot being posed like this.
+    fn pose(&self, cell: &Cell, wafers: &[WaferFrame], pose: &ChainPose) -> Pose {
         let platform = &pose.platform;
         match self.of {
             Part::Rod(k) => {
@@ -176,7 +152,7 @@ impl Track {
                 let links = &pose.base_from_link[arm];
                 links[link - 1].inverse() * links[link]
             }
-            Part::Wafer(k) => wafers[k].place(pose),
+            Part::Wafer(k) => wafers[k].base_from_wafer(pose),
         }
     }
 
@@ -243,95 +219,25 @@ fn tracks(cell: &Cell) -> Vec<Track> {
     tracks
 }
 
-/// All wafers, those of slots first.
-pub(super) struct Wafers {
-    pub(super) all: Vec<Wafer>,
-    in_slot: Vec<(SlotId, usize)>,
-    /// The next step that may hand over a wafer.
-    step: usize,
+/// Stays of all wafers in slots.
+fn slot_stays(motion_export: &MotionExport<'_>, locations: &WaferLocations) -> Vec<Vec<SlotStay>> {
+    let motion = motion_export.motion;
+    let slot_stay = |stay: &WaferStay| {
+        Some(SlotStay {
+            slot: stay.location.slot()?,
+            from: stay.since.map_or(0.0, |step| motion.times[step + 1]),
+            to: stay.until.map_or(motion.duration(), |step| motion.times[step + 1]),
+        })
+    };
+    let stays = |wafer| locations.stays(wafer).iter().filter_map(slot_stay).collect();
+    locations.wafers().map(stays).collect()
 }
 
-impl Wafers {
-    /// Wafers in the initial occupancy.
-    pub(super) fn new(motion_export: &MotionExport<'_>) -> Self {
-        let (cell, to) = (motion_export.cell, motion_export.motion.duration());
-        let in_slots = cell.occupied.iter().map(|&slot| {
-            let station = &cell.stations[slot.station];
-            let name = cell.entity_name(EntityId::Wafer(slot));
-            let held = Held::InSlot(station.slot_frame(slot.slot));
-            Wafer { name, held, rests: vec![RestingWafer { slot, from: 0.0, to }] }
-        });
-        let carried = cell.carried.iter().map(|&id| {
-            let name = cell.entity_name(EntityId::HeldWafer(id));
-            Wafer { name, held: Held::On(id, Pose::identity()), rests: Vec::new() }
-        });
-        let in_slot = cell.occupied.iter().copied().enumerate().map(|(k, slot)| (slot, k));
-        Self { all: in_slots.chain(carried).collect(), in_slot: in_slot.collect(), step: 0 }
-    }
-
-    /// A track without samples for each wafer.
-    fn tracks(&self) -> impl Iterator<Item = Track> {
-        let named = self.all.iter().enumerate();
-        named.map(|(k, wafer)| Track::new(&wafer.name, Part::Wafer(k), None))
-    }
-
-    /// Executes the hand-offs up to a time (s).
-    fn until(&mut self, motion_export: &MotionExport<'_>, time: f64) -> Result<(), Error> {
-        let motion = motion_export.motion;
-        while self.step < motion.steps.len() && motion.times[self.step + 1] <= time {
-            self.next_step(motion_export)?;
-        }
-        Ok(())
-    }
-
-    /// Executes the hand-off at the end of the next step: index of the wafer and its new slot, which is `None` for an effector.
-    pub(super) fn next_step(
-        &mut self,
-        motion_export: &MotionExport<'_>,
-    ) -> Result<Option<(usize, Option<SlotId>)>, Error> {
-        let (motion, step) = (motion_export.motion, self.step);
-        self.step += 1;
-        let Some(handover) = motion.steps[step].handover else { return Ok(None) };
-        let time = motion.times[step + 1];
-        let at = motion.sample_at(time);
-        // Until the hand-off the arm droops as in the step that ends.
-        let pose = placed(motion_export, time, &at.positions, loaded(motion_export, step))?;
-        Ok(self.hand_over(handover, &pose, [time, motion.duration()]))
-    }
-
-    /// Attaches the wafer to its new support at its current pose.
-    fn hand_over(
-        &mut self,
-        handover: Handover,
-        pose: &ChainPose,
-        [time, end]: [f64; 2],
-    ) -> Option<(usize, Option<SlotId>)> {
-        let Self { all: wafers, in_slot, .. } = self;
-        let effector = |id: EffectorId| pose.base_from_wafer[id.arm][id.effector];
-        match handover {
-            Handover::Picked(id, slot) => {
-                let found = in_slot.iter().position(|&(one, _)| one == slot)?;
-                let (_, k) = in_slot.remove(found);
-                if let Held::InSlot(at) = wafers[k].held {
-                    wafers[k].held = Held::On(id, effector(id).inverse() * at);
-                }
-                if let Some(lying) = wafers[k].rests.last_mut() {
-                    lying.to = time;
-                }
-                Some((k, None))
-            }
-            Handover::Placed(id, slot) => {
-                let on = |wafer: &Wafer| matches!(wafer.held, Held::On(with, _) if with == id);
-                let k = wafers.iter().position(on)?;
-                if let Held::On(_, at) = wafers[k].held {
-                    wafers[k].held = Held::InSlot(effector(id) * at);
-                    wafers[k].rests.push(RestingWafer { slot, from: time, to: end });
-                    in_slot.push((slot, k));
-                }
-                Some((k, Some(slot)))
-            }
-        }
-    }
+/// Tracks of all wafers, without samples.
+fn wafer_tracks(cell: &Cell, locations: &WaferLocations) -> impl Iterator<Item = Track> {
+    locations.wafers().map(|wafer| {
+        Track::new(&cell.entity_name(locations.origin(wafer)), Part::Wafer(wafer), None)
+    })
 }
 
 /// A moving frame relative to its parent; named and nested as in [`gltf`](fn@super::gltf).
@@ -358,18 +264,17 @@ pub fn frames(
     time: f64,
     positions: &[f64],
 ) -> Result<(Vec<Frame>, Vec<EffectorId>), Error> {
-    let mut wafers = Wafers::new(motion_export);
-    wafers.until(motion_export, time)?;
-    let carried = wafers.all.iter().filter_map(|wafer| match wafer.held {
-        Held::On(id, _) => Some(id),
-        Held::InSlot(_) => None,
-    });
+    let mut wafers = WaferFrames::new(motion_export);
+    wafers.advance_to(time)?;
+    let carried = wafers.frames.iter().filter_map(|frame| frame.location.effector());
     let carried: Vec<EffectorId> = carried.collect();
     let pose = placed(motion_export, time, positions, &carried)?;
     let frame = |mut track: Track| {
-        track.push(&track.pose(motion_export.cell, &wafers.all, &pose));
+        track.push(&track.pose(motion_export.cell, &wafers.frames, &pose));
         Frame { place: track.places[0], turn: track.turns[0], name: track.name }
     };
-    let tracks = tracks(motion_export.cell).into_iter().chain(wafers.tracks());
+    let tracks = tracks(motion_export.cell)
+        .into_iter()
+        .chain(wafer_tracks(motion_export.cell, &wafers.locations));
     Ok((tracks.map(frame).collect(), carried))
 }

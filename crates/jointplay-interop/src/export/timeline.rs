@@ -12,6 +12,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use jointplay_cell::program::WaferTransfer;
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::trajectory::Trajectory;
 use jointplay_cell::workcell::Cell;
@@ -21,8 +22,8 @@ use self::phase::phase;
 use self::relative_time::since;
 use super::error::Error;
 use super::motion_export::MotionExport;
-use super::scene::Wafers;
 use super::segment::Segment;
+use super::wafer_frames::WaferFrames;
 use jointplay_report::ViolationReport;
 
 pub use envelope::Envelope;
@@ -243,13 +244,10 @@ impl Timeline {
 
 /// All hand-offs.
 fn changes(motion_export: &MotionExport<'_>) -> Result<Vec<Change>, Error> {
-    let mut wafers = Wafers::new(motion_export);
+    let mut wafers = WaferFrames::new(motion_export);
     let mut changes = Vec::new();
-    for step in 0..motion_export.motion.steps.len() {
-        if let Some((wafer, slot)) = wafers.next_step(motion_export)? {
-            let to = HeldAt::new(&wafers.all[wafer].held, slot);
-            changes.push(Change { step, wafer, to });
-        }
+    while let Some(WaferTransfer { step, wafer, .. }) = wafers.apply_next()? {
+        changes.push(Change { step, wafer, to: HeldAt::new(&wafers.frames[wafer]) });
     }
     Ok(changes)
 }

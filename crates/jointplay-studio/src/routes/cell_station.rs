@@ -42,13 +42,14 @@ pub(crate) async fn station(
     let (text, program) = session.texts(request.cell, program);
     let station = request.station;
     let set = move |stop: Stop<'_>| {
-        let wrong = |problem: cell::Problem| Problem::field("station", problem.to_string());
+        let invalid_station =
+            |problem: cell::Problem| Problem::field("station", problem.to_string());
         let mut touching = Vec::new();
-        let mut changed = cell::set_station(&text, &station, &changes).map_err(wrong)?;
+        let mut changed = cell::set_station(&text, &station, &changes).map_err(invalid_station)?;
         if let Some(by) = by {
             let plan = session.plan(text, program, stop).map_err(interrupted)?;
             touching = contacts(&plan, &station, by)?;
-            changed = cell::note_station(&changed, &station, &touching).map_err(wrong)?;
+            changed = cell::note_station(&changed, &station, &touching).map_err(invalid_station)?;
         }
         let contacts = touching.iter().map(|pair| pair.to_vec()).collect();
         Ok(Json(CellText { cell: changed, contacts }))

@@ -120,7 +120,7 @@ fn a_plan_has_report_windows_and_scene() {
     assert!((end - report["duration_s"].as_f64().unwrap()).abs() < 1e-9, "{end}");
     assert!(steps.iter().any(|step| step["phase"] == "lift" && step["loaded"] == json!([0])));
     assert_eq!(
-        found["stations"][1]["tilt_pitch_deg"].as_f64().map(|lean| (lean * 1e9).round() / 1e9),
+        found["stations"][1]["tilt_pitch_deg"].as_f64().map(|tilt| (tilt * 1e9).round() / 1e9),
         Some(0.8)
     );
     let shown = fetch(&server, &format!("cell/scenes/{}", found["scene"].as_str().unwrap()));
@@ -130,8 +130,8 @@ fn a_plan_has_report_windows_and_scene() {
     );
     let rows = |peaks: bool| {
         let body = json!({ "program": SHORT, "rate_hz": 10, "peaks": peaks });
-        let told = ask(&server, Method::POST, "cell/samples", &body);
-        let read = StreamReader::try_new(told.bytes.as_slice(), None).unwrap();
+        let answer = ask(&server, Method::POST, "cell/samples", &body);
+        let read = StreamReader::try_new(answer.bytes.as_slice(), None).unwrap();
         let batches: Vec<_> = read.map(Result::unwrap).collect();
         assert!(batches[0].column_by_name("A_z_mm").is_some());
         batches.iter().map(arrow_array::RecordBatch::num_rows).sum::<usize>()
@@ -159,8 +159,8 @@ fn planning_after_a_station_change_reuses_results() {
 #[test]
 fn all_errors_are_reported_with_their_positions() {
     let server = server(CellFiles::example());
-    let wrong = "HOME\nGET LP9 SLOT 1 WITH A\nFLY\n";
-    let found = plan(&server, &json!({ "program": wrong }));
+    let invalid = "HOME\nGET LP9 SLOT 1 WITH A\nFLY\n";
+    let found = plan(&server, &json!({ "program": invalid }));
     assert_eq!(found["report"], Value::Null);
     // A syntax error does not hide an unknown name.
     for (problem, [line, column]) in
@@ -172,7 +172,7 @@ fn all_errors_are_reported_with_their_positions() {
         );
     }
     assert_eq!(found["diagnostics"].as_array().unwrap().len(), 2);
-    let found = plan(&server, &json!({ "program": wrong.replace("FLY\n", "") }));
+    let found = plan(&server, &json!({ "program": invalid.replace("FLY\n", "") }));
     let first = &found["diagnostics"][0];
     assert_eq!(
         (&first["line"], &first["column"], &first["width"]),
@@ -182,8 +182,8 @@ fn all_errors_are_reported_with_their_positions() {
     // The scene of the cell is available while the program has errors.
     let shown = fetch(&server, &format!("cell/scenes/{}", found["scene"].as_str().unwrap()));
     assert_eq!((shown.status, &shown.bytes[..4]), (StatusCode::OK, &b"glTF"[..]));
-    let told = ask(&server, Method::POST, "cell/samples", &json!({ "program": wrong }));
-    assert_eq!(told.status, StatusCode::CONFLICT);
+    let answer = ask(&server, Method::POST, "cell/samples", &json!({ "program": invalid }));
+    assert_eq!(answer.status, StatusCode::CONFLICT);
     let found = plan(&server, &json!({ "cell": "kind = \"cell\"\nsize = 3\n" }));
     assert!(
         found["diagnostics"]
@@ -240,7 +240,7 @@ fn texts_are_saved_to_their_files() {
     let kept = ask(&server, Method::PUT, "cell", &texts);
     assert_eq!((kept.status, &kept.json()["program"]), (StatusCode::OK, &SHORT.into()));
     assert_eq!(std::fs::read_to_string(folder.path().join("mine.program")).unwrap(), SHORT);
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left beside them");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "no other file is left");
     let kept = ask(&self::server(CellFiles::example()), Method::PUT, "cell", &texts);
     assert_eq!(kept.status, StatusCode::CONFLICT);
     assert!(kept.json()["detail"].as_str().unwrap().contains("jointplay cell example"));
@@ -300,7 +300,7 @@ fn both_files_are_written_or_neither() {
     let refused = ask(&server, Method::PUT, "cell", &texts);
     assert_eq!(refused.status, StatusCode::CONFLICT);
     assert_eq!(std::fs::read_to_string(&path).unwrap(), jointplay::format::cell::EXAMPLE);
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left beside them");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "no other file is left");
 }
 
 #[test]
@@ -320,8 +320,8 @@ fn a_station_is_taught_by_points_and_tilted_by_rotation_vector() {
     assert_eq!(station["taught_m"], json!(points));
     assert_eq!(station["freedoms"], json!(["x", "y", "yaw"]));
     assert!((station["about_y_rad"].as_f64().unwrap() + 0.01).abs() < 1e-5, "{station}");
-    let lean = json!({ "cell": text, "station": "LP2", "tilt_xy": { "about_x_rad": 0.003, "about_y_rad": -0.004 } });
-    let text = ask(&server, Method::POST, "cell/station", &lean).json()["cell"].clone();
+    let tilted = json!({ "cell": text, "station": "LP2", "tilt_xy": { "about_x_rad": 0.003, "about_y_rad": -0.004 } });
+    let text = ask(&server, Method::POST, "cell/station", &tilted).json()["cell"].clone();
     let found = plan(&server, &json!({ "cell": text, "program": "HOME\n" }));
     let station = &found["stations"][1];
     assert!((station["about_x_rad"].as_f64().unwrap() - 0.003).abs() < 1e-15, "{station}");
@@ -348,18 +348,18 @@ fn the_parts_of_the_cell_are_listed() {
 #[test]
 fn an_invalid_cell_is_opened_and_its_errors_are_listed() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("wrong.toml");
+    let path = folder.path().join("invalid.toml");
     std::fs::write(&path, "kind = \"cell\"\nsize = 3\n").unwrap();
     let files = CellFiles::open(&path).unwrap();
-    let wrong = files.errors();
-    assert!(wrong.iter().any(|one| one.contains("wrong.toml:2:1")), "{wrong:?}");
+    let errors = files.errors();
+    assert!(errors.iter().any(|one| one.contains("invalid.toml:2:1")), "{errors:?}");
     let server = server(files);
     let found = plan(&server, &json!({}));
     let first = &found["diagnostics"][0];
     assert_eq!((&first["source"], &found["robot"]), (&"cell".into(), &Value::Null), "{found}");
-    let mended =
+    let fixed =
         plan(&server, &json!({ "cell": jointplay::format::cell::EXAMPLE, "program": SHORT }));
-    assert_eq!(mended["report"]["verdict"], "sound");
+    assert_eq!(fixed["report"]["verdict"], "sound");
     assert_eq!(CellFiles::example().errors(), Vec::<String>::new());
     assert!(CellFiles::open(Path::new("nowhere.toml")).unwrap_err().contains("nowhere.toml"));
 }

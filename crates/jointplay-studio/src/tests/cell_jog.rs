@@ -37,8 +37,8 @@ fn a_jog_starts_at_the_pose_of_the_program() {
     assert_eq!(names[..5], ["q1", "q2", "q3", "platform", "upper link 1"]);
     assert!(names.contains(&"wafer of LP1 1"));
     let plan = ask(&server, Method::POST, "cell/plan", &json!({ "program": SHORT })).json();
-    let told = steps(&server, &plan);
-    let lifted = told.iter().find(|step| step["loaded"] == json!([0]));
+    let instruction_steps = steps(&server, &plan);
+    let lifted = instruction_steps.iter().find(|step| step["loaded"] == json!([0]));
     let time = lifted.unwrap()["end_s"].as_f64().unwrap();
     let later = jog(&server, json!({ "time_s": time }));
     assert_eq!(later["effectors"][0]["loaded"], true);
@@ -66,13 +66,13 @@ fn limits_stop_a_jog_with_reasons() {
     );
     let why = found["stopped"]["reasons"][0].as_str().unwrap();
     assert!(why.contains("axis RA") && why.contains("80.0000°"), "{why}");
-    let lean =
+    let tilted =
         json!({ "kind": "platform", "height_m": 0.5, "about_x_rad": 0.05, "about_y_rad": 0.0 });
-    let found = jog(&server, json!({ "to": lean }));
+    let found = jog(&server, json!({ "to": tilted }));
     let platform = &found["platform"];
-    let (lean, most) =
+    let (tilt, most) =
         (platform["tilt_rad"].as_f64().unwrap(), platform["tilt_max_rad"].as_f64().unwrap());
-    assert!((lean - most).abs() < 1e-9, "{platform}");
+    assert!((tilt - most).abs() < 1e-9, "{platform}");
     assert_eq!(found["stopped"]["kind"], "tilt_limit");
     let far = json!({ "kind": "slot", "radial_m": 1.0, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
     let found = jog(&server, json!({ "seen_from": { "station": "LP1", "slot": 3 }, "to": far }));
@@ -97,8 +97,8 @@ fn a_wafer_in_the_slot_teaches_the_station() {
     for (found, wanted) in here.iter().zip([-0.495, -0.495, 0.5]) {
         assert!((found.as_f64().unwrap() - wanted).abs() < 1e-10, "{seen}");
     }
-    let lean = seen["station_if_here"]["tilt_pitch_rad"].as_f64().unwrap().to_degrees();
-    assert!((lean - 0.8).abs() < 1e-9, "{seen}");
+    let tilt = seen["station_if_here"]["tilt_pitch_rad"].as_f64().unwrap().to_degrees();
+    assert!((tilt - 0.8).abs() < 1e-9, "{seen}");
     assert!(
         found["branches"].as_array().unwrap().iter().any(|branch| branch["selection"] == "chosen")
     );
@@ -222,8 +222,11 @@ fn every_pose_is_checked_and_a_contact_stops_a_jog() {
     assert_eq!(stopped["stopped"]["kind"], "contact", "{}", stopped["stopped"]);
     let names = &stopped["stopped"]["contact"];
     assert_eq!(names.as_array().unwrap().len(), 2);
-    let says = stopped["stopped"]["reasons"][0].as_str().unwrap();
-    assert!(says.contains(names[0].as_str().unwrap()) && says.ends_with("would touch"), "{says}");
+    let reason = stopped["stopped"]["reasons"][0].as_str().unwrap();
+    assert!(
+        reason.contains(names[0].as_str().unwrap()) && reason.ends_with("would touch"),
+        "{reason}"
+    );
     assert_eq!(stopped["check"]["in_contact"], json!([]));
     let nearest = stopped["check"]["distances"][0]["distance_m"].as_f64().unwrap();
     assert!(nearest > 0.0 && nearest < 1e-6, "{nearest}");

@@ -18,8 +18,8 @@ use crate::session::WorkcellSession;
 fn long(lines: usize) -> String {
     let mut text = String::from("HOME\n");
     for line in 0..lines {
-        let way = if line % 2 == 0 { ["LP1", "LP2"] } else { ["LP2", "LP1"] };
-        writeln!(text, "TRANSFER {} SLOT 1 TO {} SLOT 1 WITH A", way[0], way[1]).unwrap();
+        let stations = if line % 2 == 0 { ["LP1", "LP2"] } else { ["LP2", "LP1"] };
+        writeln!(text, "TRANSFER {} SLOT 1 TO {} SLOT 1 WITH A", stations[0], stations[1]).unwrap();
     }
     text
 }
@@ -49,8 +49,8 @@ fn an_edit_of_one_line_keeps_the_keys_of_other_windows() {
     // A comment changes line numbers only, which are not part of the windows.
     lines.insert(50, "# Half of it.");
     let third = plan(&server, &json!({ "cell": cell(), "program": lines.join("\n") }));
-    let told: BTreeSet<String> = keys(&second).iter().map(Value::to_string).collect();
-    let unknown = keys(&third).iter().filter(|key| !told.contains(&key.to_string())).count();
+    let listed: BTreeSet<String> = keys(&second).iter().map(Value::to_string).collect();
+    let unknown = keys(&third).iter().filter(|key| !listed.contains(&key.to_string())).count();
     assert!(unknown <= 1, "{unknown}: the one in which the remark is");
     // The contents for a key do not depend on the plan.
     let same = keys(&third).last().unwrap().clone();
@@ -83,16 +83,16 @@ fn a_long_plan_is_small_and_its_lists_are_paged() {
     assert_eq!(last["instructions"][99]["number"], 401);
     assert_eq!(page("instructions", "9").json()["instructions"], json!([]));
     assert_eq!(page("violations", "0").json(), json!({ "total": 0, "violations": [] }));
-    for wrong in ["-1", "x", "1.5"] {
-        assert_eq!(page("instructions", wrong).status, StatusCode::NOT_FOUND, "{wrong}");
+    for invalid in ["-1", "x", "1.5"] {
+        assert_eq!(page("instructions", invalid).status, StatusCode::NOT_FOUND, "{invalid}");
     }
     for path in ["cell/plans/none/instructions/0", "cell/windows/none", "cell/scenes/none"] {
         assert_eq!(fetch(&server, path).status, StatusCode::NOT_FOUND, "{path}");
     }
     let windows = keys(&found).len();
     let asked = json!({ "plan": found["key"], "windows": [0, windows - 1] });
-    let (told, numbers) = unpacked(&ask(&server, Method::POST, "cell/overview", &asked).bytes);
-    assert_eq!((&told, numbers.len()), (&json!({ "windows": 2, "axes": 6 }), 2 * 6 * 7));
+    let (described, numbers) = unpacked(&ask(&server, Method::POST, "cell/overview", &asked).bytes);
+    assert_eq!((&described, numbers.len()), (&json!({ "windows": 2, "axes": 6 }), 2 * 6 * 7));
     let asked = json!({ "plan": found["key"], "windows": [windows] });
     assert_eq!(ask(&server, Method::POST, "cell/overview", &asked).json()["field"], "windows[0]");
 }
@@ -143,18 +143,20 @@ fn changed_lines_replace_complete_texts() {
     let whole = plan(&server, &json!({ "program": "HOME\nWAIT 2 s\nWAIT 3 s\nHOME\n" }));
     assert_eq!((&second["key"], &second["report"]), (&whole["key"], &whole["report"]));
     assert_eq!(second["report"]["duration_s"], 5.0);
-    let wrong = |since: Value| ask(&server, Method::POST, "cell/plan", &json!({ "since": since }));
-    let beyond =
-        wrong(json!({ "plan": first["key"], "program": { "from": 4, "count": 1, "lines": [] } }));
+    let planned_since =
+        |since: Value| ask(&server, Method::POST, "cell/plan", &json!({ "since": since }));
+    let beyond = planned_since(
+        json!({ "plan": first["key"], "program": { "from": 4, "count": 1, "lines": [] } }),
+    );
     assert_eq!(
         (beyond.status, &beyond.json()["field"]),
         (StatusCode::UNPROCESSABLE_ENTITY, &"since.program".into())
     );
-    let huge = wrong(
+    let huge = planned_since(
         json!({ "plan": first["key"], "program": { "from": 1, "count": usize::MAX, "lines": [] } }),
     );
     assert_eq!(huge.status, StatusCode::UNPROCESSABLE_ENTITY);
-    let unknown = wrong(json!({ "plan": "none" }));
+    let unknown = planned_since(json!({ "plan": "none" }));
     assert_eq!((unknown.status, &unknown.json()["field"]), (StatusCode::CONFLICT, &"since".into()));
     // The robot is jogged in a kept plan.
     let jog =

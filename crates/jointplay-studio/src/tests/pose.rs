@@ -98,7 +98,7 @@ fn only_requested_parts_are_computed() {
     let document = answered(POSE, r#"{"command": {"kind": "rods", "rods_m": [0.5, 0.5, 0.5]}}"#);
     let mobility = &document["mobility"];
     let found = ["kutzbach", "instantaneous", "finite"].map(|key| mobility[key].as_i64().unwrap());
-    assert_eq!(found, [0, 3, 1], "level is shaky");
+    assert_eq!(found, [0, 3, 1], "level is infinitesimally mobile");
 }
 
 #[test]

@@ -80,8 +80,8 @@ fn unknown_paths_and_methods_are_rejected() {
     assert_eq!(get("/api/v1/nothing").status, StatusCode::NOT_FOUND);
     assert_eq!(get("/api/v1/pose").status, StatusCode::METHOD_NOT_ALLOWED);
     assert_eq!(status(Method::DELETE, "/", &[("host", HOST)]), StatusCode::METHOD_NOT_ALLOWED);
-    let wrong = status(Method::DELETE, "/api/v1/robot", &[("host", HOST)]);
-    assert_eq!(wrong, StatusCode::METHOD_NOT_ALLOWED);
+    let refused = status(Method::DELETE, "/api/v1/robot", &[("host", HOST)]);
+    assert_eq!(refused, StatusCode::METHOD_NOT_ALLOWED);
 }
 
 #[test]

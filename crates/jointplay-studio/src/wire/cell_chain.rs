@@ -117,8 +117,8 @@ impl HeldDocument {
     pub(crate) fn new(cell: &Cell, held: &HeldAt) -> Self {
         let index = |id| cell.robot.effectors().position(|one| one == id);
         Self {
-            effector: held.effector.and_then(index),
-            slot: held.slot.map(|slot| vec![slot.station, slot.slot]),
+            effector: held.location.effector().and_then(index),
+            slot: held.location.slot().map(|slot| vec![slot.station, slot.slot]),
             pose: held.pose.to_vec(),
         }
     }

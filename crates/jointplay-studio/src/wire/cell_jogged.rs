@@ -238,8 +238,8 @@ impl StoppedDocument {
                 limits.extend(broken);
                 None
             }
-            Stopped::Place(Unreachable::Limits(ways)) => {
-                limits.extend(ways.iter().flat_map(|way| &way.violations));
+            Stopped::Place(Unreachable::Limits(branches)) => {
+                limits.extend(branches.iter().flat_map(|branch| &branch.violations));
                 None
             }
             Stopped::Place(Unreachable::Tilt { .. }) => Some(StoppedKind::TiltLimit),

@@ -11,7 +11,7 @@ use super::redundant::Redundant;
 use super::revolutions::{Ranges, Revolutions};
 use super::solution::{
     Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach,
-    ReachDirection, WaferTarget,
+    ReachDirection, Redundancy, WaferTarget,
 };
 use crate::CellError;
 use crate::robot::angle::wrap_angle;
@@ -42,7 +42,7 @@ impl HybridRobot {
     /// * `near` – present positions of all axes; motors of other effectors keep them
     ///
     /// # Errors
-    /// [`CellError::NormalNotUp`], [`CellError::NoSuchEffector`], [`CellError::WrongLength`], [`CellError::NotFinite`], and those of the platform model.
+    /// [`CellError::NormalNotUp`], [`CellError::NoSuchEffector`], [`CellError::LengthMismatch`], [`CellError::NotFinite`], and those of the platform model.
     ///
     /// # Numerics
     /// In closed form, only the list of branches is allocated. A branch farther than 10⁻¹³ m from the target is corrected by Newton's method on all axes, and rejected if it stays farther than 10⁻¹² m.
@@ -54,6 +54,20 @@ impl HybridRobot {
         id: EffectorId,
         target: &WaferTarget,
         near: &[f64],
+    ) -> Result<Inverse, CellError> {
+        self.inverse_by(id, target, near, Redundancy::AwayFromLimits)
+    }
+
+    /// As [`Self::inverse`], with the positions chosen where the arm is redundant.
+    ///
+    /// # Errors
+    /// As [`Self::inverse`].
+    pub fn inverse_by(
+        &self,
+        id: EffectorId,
+        target: &WaferTarget,
+        near: &[f64],
+        redundancy: Redundancy,
     ) -> Result<Inverse, CellError> {
         self.check_effector(id)?;
         self.check_positions(near)?;
@@ -71,7 +85,7 @@ impl HybridRobot {
         }
         let raised = Translation3::new(0.0, 0.0, height) * pose;
         let (point, heading) = within(&raised, &below, target);
-        self.finished(id, &chain, target, &normal, point, heading, start, near)
+        self.finished(id, &chain, target, &normal, point, heading, start, near, redundancy)
     }
 
     /// All motor positions that bring the wafer of an effector over a point, the rods keeping their positions in `near`.
@@ -103,7 +117,17 @@ impl HybridRobot {
         let target = WaferTarget { center, normal, heading: turned };
         upward(&target)?;
         let start = Positions::new(near);
-        self.finished(id, &chain, &target, &normal, point, heading, start, near)
+        self.finished(
+            id,
+            &chain,
+            &target,
+            &normal,
+            point,
+            heading,
+            start,
+            near,
+            Redundancy::AwayFromLimits,
+        )
     }
 
     #[expect(
@@ -120,6 +144,7 @@ impl HybridRobot {
         heading: Option<f64>,
         start: Positions,
         near: &[f64],
+        redundancy: Redundancy,
     ) -> Result<Inverse, CellError> {
         let ranges = self.ranges(chain);
         let own_near = chain.own(near);
@@ -177,7 +202,8 @@ impl HybridRobot {
         match &decomposition {
             Some(decomposition) => {
                 configuration = decomposition.configuration(chain, &own_near);
-                let solver = Solver { chain, decomposition, ranges: &ranges, near: &own_near };
+                let near = &own_near;
+                let solver = Solver { chain, decomposition, ranges: &ranges, near, redundancy };
                 out_of_reach = solver.solve(point, heading, &mut add);
             }
             None => {
@@ -217,7 +243,7 @@ impl HybridRobot {
         Ok(is_free(&chain, Decomposition::new(&chain).as_ref()))
     }
 
-    fn ranges(&self, chain: &ArmChain) -> Ranges {
+    pub(super) fn ranges(&self, chain: &ArmChain) -> Ranges {
         let mut ranges = Ranges { min: [0.0; 4], max: [0.0; 4], count: chain.axes().len() };
         for (a, &axis) in chain.axes().iter().enumerate() {
             (ranges.min[a], ranges.max[a]) = (self.axes[axis].min, self.axes[axis].max);
@@ -228,7 +254,7 @@ impl HybridRobot {
     /// Limits that positions violate, that of the tilt last.
     ///
     /// # Errors
-    /// [`CellError::WrongLength`], [`CellError::NotFinite`]
+    /// [`CellError::LengthMismatch`], [`CellError::NotFinite`]
     pub fn limit_violations(&self, positions: &[f64]) -> Result<Vec<LimitViolation>, CellError> {
         self.check_positions(positions)?;
         let mut violations = Vec::new();
@@ -276,6 +302,7 @@ struct Solver<'a> {
     decomposition: &'a Decomposition,
     ranges: &'a Ranges,
     near: &'a AxisCoefficients,
+    redundancy: Redundancy,
 }
 
 impl Solver<'_> {
@@ -300,7 +327,11 @@ impl Solver<'_> {
                 self.near,
             );
             for configuration in bends(decomposition) {
-                if let Some(own) = redundant.away_from_limits(configuration) {
+                let found = match self.redundancy {
+                    Redundancy::AwayFromLimits => redundant.away_from_limits(configuration),
+                    Redundancy::AsNear => redundant.as_near(configuration),
+                };
+                if let Some(own) = found {
                     revolutions.within(&own, self.ranges, |own| add(own, configuration));
                 }
             }

@@ -6,6 +6,7 @@
 //! | `decomposition` | the joints of an arm by their role: redundant first joint, pair that places the centre, last joint that turns the wafer |
 //! | `closed_form` | the pair's positions in closed form |
 //! | `redundant`, `barrier` | redundancy resolution by a barrier function of limits and elbow |
+//! | `posture_path` | postures of an arm along a whole path of its wafer |
 //! | `newton` | any other arm, from several starts |
 //! | `polish` | Newton's method on the whole chain |
 //! | `revolutions` | branches that differ by whole revolutions of axes |
@@ -17,11 +18,14 @@ mod closed_form;
 mod decomposition;
 mod newton;
 mod polish;
+mod posture_path;
 mod redundant;
 mod revolutions;
 mod solution;
 
+pub(crate) use posture_path::PlanarPath;
+pub use posture_path::PosturePath;
 pub use solution::{
     Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach,
-    ReachDirection, WaferTarget,
+    ReachDirection, Redundancy, WaferTarget,
 };

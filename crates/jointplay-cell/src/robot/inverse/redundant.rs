@@ -163,6 +163,12 @@ impl<'a> Redundant<'a> {
         Some(self.decomposition.positions(&taken.unknown))
     }
 
+    /// The positions of a given configuration whose free links have the directions of the present positions.
+    pub(super) fn as_near(&self, configuration: Configuration) -> Option<AxisCoefficients> {
+        let here = self.at([self.near[2], self.near[3]], configuration, &self.near)?;
+        Some(self.decomposition.positions(&here.unknown))
+    }
+
     fn is_within(&self, place: &CostedPose) -> bool {
         place.shares.iter().all(|u| u.abs() <= 1.0)
     }

@@ -29,6 +29,15 @@ impl WaferTarget {
     }
 }
 
+/// Positions chosen where an arm has more motors than the target needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Redundancy {
+    /// Those farthest from the limits of the axes and from the stretched arm, a local minimum near the present positions.
+    AwayFromLimits,
+    /// Those in which the links that are free keep their directions.
+    AsNear,
+}
+
 /// All solutions of the inverse kinematics for a target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inverse {

@@ -218,7 +218,7 @@ fn dialect(path: &Path) -> Result<Dialect, Failure> {
         }
         None => read_text(path, MAX_BYTES as u64)?,
     };
-    Dialect::parse(&text).map_err(|error| Failure::at(&error, &label))
+    Dialect::parse(&text).map_err(|errors| Failure::invalid(&errors, &label))
 }
 
 #[cfg(feature = "parquet")]

@@ -6,7 +6,7 @@ use clap::Args;
 use jointplay::format::program;
 use serde::Serialize;
 
-use super::input::{EXAMPLE, diagnostics};
+use super::input::EXAMPLE;
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 use crate::output::{self, FormatArgs};
@@ -48,8 +48,8 @@ impl Format {
             Some(path) => (read_text(path, program::MAX_BYTES as u64)?, label(path)),
             None => (program::EXAMPLE.to_owned(), format!("{EXAMPLE}.program")),
         };
-        let formatted = program::format(&text)
-            .map_err(|problems| Failure::Invalid(diagnostics(&problems, &label)))?;
+        let formatted =
+            program::format(&text).map_err(|problems| Failure::invalid(&problems, &label))?;
         match &self.program {
             Some(path) if self.write && path == Path::new(STANDARD) => {
                 let text = "--write needs a file, not standard input; without --write the program is printed";

@@ -3,15 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::cell::check::{CheckOptions, Report, Verdict};
-use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, name_errors};
+use jointplay::cell::check::{Report, Verdict};
+use jointplay::cell::program::{
+    Program, ProgramError, ProgramProblem, SourceLocation, name_errors,
+};
 use jointplay::cell::robot::EffectorId;
-use jointplay::cell::trajectory::{StepError, Trajectory, TrajectoryOptions};
+use jointplay::cell::trajectory::{StepError, Trajectory};
 use jointplay::cell::workcell::Cell;
-use jointplay::cell::{IncrementalPlanner, Progress as JobProgress};
+use jointplay::cell::{
+    IncrementalPlanner, PlanError, PlanOptions, PlanStage, Progress as JobProgress,
+};
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::number::counted;
-use jointplay::format::{cell, place, program};
+use jointplay::format::{cell, program};
 use jointplay::interop::export::{self, MotionExport, ViolationNote};
 use jointplay::report;
 
@@ -63,7 +67,7 @@ impl CellSource {
         folder: Option<PathBuf>,
     ) -> Result<Self, Failure> {
         let read = cell::read(&text, &mut |name| read_relative(folder.as_deref(), name));
-        let cell = read.map_err(|problems| Failure::Invalid(diagnostics(&problems, &label)))?;
+        let cell = read.map_err(|problems| Failure::invalid(&problems, &label))?;
         Ok(Self { cell, label, stem, text, folder })
     }
 }
@@ -138,7 +142,7 @@ impl InputArgs {
         if problems.is_empty() {
             return Ok(Input { cell: cell?, program, text, label });
         }
-        let syntax_errors = diagnostics(&problems, &label);
+        let syntax_errors = Diagnostic::list(&problems, &label);
         Err(match cell {
             Ok(source) => {
                 let unknown_names = name_errors(&source.cell, &program);
@@ -187,25 +191,23 @@ impl InputArgs {
         let progress = Progress::new(1);
         let mut planner = with_progress(progress.reporter());
         let reporter = progress.reporter();
-        reporter.stage("expanding");
+        let on_stage = |stage| {
+            reporter.stage(match stage {
+                PlanStage::Expansion => "expanding",
+                PlanStage::Trajectory => "timing",
+                PlanStage::Check => "checking",
+            });
+        };
         let cell = &input.cell.cell;
-        let steps =
-            planner.expand(cell, &input.program).map_err(|errors| input.refused(&errors))?;
-        if steps.is_empty() {
+        let options = PlanOptions { on_stage: &on_stage, ..PlanOptions::default() };
+        let planned = planner.plan(cell, &input.program, &options);
+        let (motion, report) = planned.map_err(|error| input.failure(&error))?;
+        if motion.steps.is_empty() {
             return Err(Failure::Robot(format!(
                 "{}: the program contains no motion (all axes stay at home)",
                 input.label
             )));
         }
-        reporter.stage("timing");
-        let motion = planner.plan_trajectory(cell, steps, &TrajectoryOptions::default()).map_err(
-            |error| {
-                let explained = |one: &StepError| (one.place, explain_step(&cell.robot, one));
-                Failure::Infeasible(input.at(error.steps.iter().map(explained)))
-            },
-        )?;
-        reporter.stage("checking");
-        let report = planner.check(cell, &motion, &CheckOptions::default());
         drop(progress);
         let violation_notes = export::violation_notes(cell, &report);
         Ok(Planned { input, motion, report, violation_notes })
@@ -214,12 +216,12 @@ impl InputArgs {
 
 impl Input {
     /// A message with its line of the program and a caret.
-    pub(super) fn excerpt(&self, at: Place, message: &str) -> String {
+    pub(super) fn excerpt(&self, at: SourceLocation, message: &str) -> String {
         report::excerpt(&self.text, at, message, &self.label)
     }
 
     /// Diagnostics at positions of the program, without duplicates.
-    fn at(&self, messages: impl Iterator<Item = (Place, String)>) -> Vec<Diagnostic> {
+    fn at(&self, messages: impl Iterator<Item = (SourceLocation, String)>) -> Vec<Diagnostic> {
         let mut all: Vec<Diagnostic> = Vec::new();
         for (at, message) in messages {
             let (file, excerpt) = (self.label.clone(), self.excerpt(at, &message));
@@ -229,6 +231,18 @@ impl Input {
             }
         }
         all
+    }
+
+    fn failure(&self, error: &PlanError) -> Failure {
+        match error {
+            PlanError::Program(errors) => self.refused(errors),
+            PlanError::Trajectory(error) => {
+                let robot = &self.cell.cell.robot;
+                let explained = |one: &StepError| (one.place, explain_step(robot, one));
+                Failure::Infeasible(self.at(error.steps.iter().map(explained)))
+            }
+            PlanError::Cell(_) | PlanError::Interrupted(_) => Failure::Robot(error.to_string()),
+        }
     }
 
     /// The failure for errors of the program in its cell: infeasible if all of them concern reach and limits, else invalid input.
@@ -296,14 +310,6 @@ fn with_progress(reporter: Reporter) -> IncrementalPlanner {
         JobProgress::Started { jobs } => reporter.parts(jobs),
         JobProgress::JobDone => reporter.part_done(),
     })
-}
-
-/// The diagnostics of a file.
-pub(super) fn diagnostics<P: std::fmt::Display>(
-    problems: &[place::Error<P>],
-    label: &str,
-) -> Vec<Diagnostic> {
-    problems.iter().map(|one| Diagnostic::new(one, label)).collect()
 }
 
 /// The diagnostic of an error of a program in its cell.

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use jointplay::cell::EntityId;
 use jointplay::cell::check::{Kind, Violation};
-use jointplay::cell::program::Place;
+use jointplay::cell::program::SourceLocation;
 use jointplay::format::number::counted;
 use jointplay::report::{CellReport, InstructionReport, ShareReport, explain_violation};
 
@@ -141,7 +141,7 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
 /// The common properties of a group of violations; wafers count as one entity, `None`.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct GroupKey {
-    place: Place,
+    place: SourceLocation,
     kind: Kind,
     entities: Vec<Option<EntityId>>,
 }

@@ -44,7 +44,7 @@ impl StudySource {
     /// The study with its robot.
     pub(super) fn parse(&self) -> Result<StudyFile, Failure> {
         study::parse(&self.text, |name| robot_text(name, self.folder.as_deref()))
-            .map_err(|error| Failure::at(&error, &self.label))
+            .map_err(|errors| Failure::invalid(&errors, &self.label))
     }
 }
 

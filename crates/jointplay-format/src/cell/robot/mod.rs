@@ -16,6 +16,6 @@ mod read;
 mod words;
 
 pub use base::virtualization_name;
-pub use included::{names, names_for_programs};
+pub use included::names;
 pub use read::parse;
 pub use words::KIND;

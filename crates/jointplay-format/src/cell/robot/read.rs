@@ -3,13 +3,12 @@
 use jointplay_cell::robot::{Arm, Axis, HybridRobot, RODS, RobotPart};
 
 use super::super::explain::explain as explain_cell;
-use super::super::problem::{Fault, Problem};
+use super::super::problem::{Errors, Fault};
 use super::super::tree::{Reader, Table};
 use super::arm::read_arm;
 use super::axes::{motor, report_duplicate_names, rod_axes};
 use super::base::{platform, three_rods};
 use super::words::{KIND, ROD_NAMES};
-use crate::file_problem::FileProblem;
 
 /// Longest accepted text (bytes).
 const MAX_BYTES: usize = 1_000_000;
@@ -18,10 +17,9 @@ const MAX_BYTES: usize = 1_000_000;
 ///
 /// # Errors
 /// All errors of the file, in order of place.
-pub fn parse(text: &str) -> Result<HybridRobot, Vec<Problem>> {
+pub fn parse(text: &str) -> Result<HybridRobot, Errors> {
     let reader = Reader::new(text);
-    if text.len() > MAX_BYTES {
-        reader.report(0..0, FileProblem::TooLong { found: text.len(), allowed: MAX_BYTES });
+    if !reader.has_at_most(MAX_BYTES) {
         return reader.done(None);
     }
     let file = reader.parse();
@@ -119,7 +117,7 @@ mod tests {
 
     const DUAL: &str = include_str!("../../../../../robots/dual-arm.toml");
 
-    fn rendered(problems: &[Problem]) -> String {
+    fn rendered(problems: &Errors) -> String {
         problems.iter().map(|problem| problem.with_excerpt("x.toml") + "\n").collect()
     }
 
@@ -291,7 +289,7 @@ mod tests {
         refuse("drives = { RA = 1 }", "drives = { q1 = 1 }", "q1", "known: T, RA, RB");
         refuse("drives = { RA = 1 }", "drives = [1]", "[1]", "such as { T = 1, R = -2 }");
         refuse("drives = { RA = 1 }", "drives = {}", "[[arm.joint]]", "there are 0, but 1 to 4");
-        refuse("drives = { RA = 1 }", "drives = { RA = 0 }", "[[arm.joint]]", "is 0; leave it out");
+        refuse("drives = { RA = 1 }", "drives = { RA = 0 }", "[[arm.joint]]", "is 0; remove it");
         refuse(
             "kind = \"turn\"\nrange",
             "kind = \"trun\"\nrange",

@@ -20,9 +20,8 @@ mod write;
 pub use problem::Problem;
 use template::Template;
 
-use jointplay_format::file_problem::FileProblem;
 use jointplay_format::mechanism::{AngleUnit, LengthUnit};
-use jointplay_format::place::Error;
+use jointplay_format::place::Errors;
 use jointplay_format::toml_reader::{self, Entry};
 
 /// Longest accepted dialect file (bytes).
@@ -84,20 +83,10 @@ impl Dialect {
     /// Reads a dialect file.
     ///
     /// # Errors
-    /// The first of the errors that [`Self::parse_all`] returns.
-    pub fn parse(text: &str) -> Result<Self, Error<Problem>> {
-        Self::parse_all(text).map_err(|mut errors| errors.swap_remove(0))
-    }
-
-    /// Reads a dialect file.
-    ///
-    /// # Errors
     /// All errors in the order of their places, at least one: invalid TOML, missing and unknown keys, unknown names and units, motions described in no manner or in two.
-    pub fn parse_all(text: &str) -> Result<Self, Vec<Error<Problem>>> {
+    pub fn parse(text: &str) -> Result<Self, Errors<Problem>> {
         let reader = Reader::new(text);
-        if text.len() > MAX_BYTES {
-            let problem = FileProblem::TooLong { found: text.len(), allowed: MAX_BYTES };
-            reader.report(0..0, problem);
+        if !reader.has_at_most(MAX_BYTES) {
             return reader.done(None);
         }
         let document = reader.parse();
@@ -224,7 +213,7 @@ mod tests {
     fn refuse(from: &str, to: &str, message: &str) {
         let text = DIALECTS[0].text.replace(from, to);
         assert_ne!(text, DIALECTS[0].text);
-        let errors = Dialect::parse_all(&text).unwrap_err();
+        let errors = Dialect::parse(&text).unwrap_err();
         let shown: Vec<String> = errors.iter().map(|error| error.with_excerpt("x.toml")).collect();
         let shown = shown.join("\n");
         assert!(shown.contains(message), "{shown}");

@@ -1,86 +1,121 @@
-//! The numbers of a glTF file, and where each list of them stands.
+//! The numbers of a glTF file: bytes, buffer views and accessors.
 
-use serde_json::{Value, json};
+use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, Type};
+use gltf_json::buffer::{Target, View};
+use gltf_json::validation::Checked::Valid;
+use gltf_json::{Index, Value};
+use serde_json::json;
 
-/// glTF's numbers for kinds of numbers, and for what they are used.
-const FLOAT: u32 = 5126;
-const UNSIGNED_INT: u32 = 5125;
-const VERTICES: u32 = 34962;
-const INDICES: u32 = 34963;
-
-/// All numbers, and the descriptions of the lists in them.
+/// All numbers, with the accessors that describe the lists of them.
 #[derive(Default)]
 pub(super) struct Buffer {
-    bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-    /// Times that are there already, with their accessors: many nodes move at the same ones.
-    times: Vec<(Vec<f32>, usize)>,
+    pub(super) bytes: Vec<u8>,
+    pub(super) views: Vec<View>,
+    pub(super) accessors: Vec<Accessor>,
+    /// Lists of times with their accessors, each stored once: many nodes have keys at the same times.
+    times: Vec<(Vec<f32>, Index<Accessor>)>,
+}
+
+/// A list of numbers in the buffer.
+struct NumberList {
+    kind: Type,
+    component: ComponentType,
+    count: usize,
+    target: Option<Target>,
+    /// Least and greatest number of each component.
+    bounds: Option<[Value; 2]>,
 }
 
 impl Buffer {
-    /// Times of keys, as an accessor.
-    pub(super) fn times(&mut self, times: &[f32]) -> usize {
+    /// The accessor of times of keys (s).
+    pub(super) fn times(&mut self, times: &[f32]) -> Index<Accessor> {
         if let Some((_, known)) = self.times.iter().find(|(known, _)| known == times) {
             return *known;
         }
-        let bounds = json!({ "min": [times.first()], "max": [times.last()] });
         let bytes = times.iter().flat_map(|time| time.to_le_bytes());
-        let accessor = self.push(bytes, None, FLOAT, "SCALAR", times.len(), bounds);
+        let list = NumberList {
+            kind: Type::Scalar,
+            component: ComponentType::F32,
+            count: times.len(),
+            target: None,
+            bounds: Some([json!([times.first()]), json!([times.last()])]),
+        };
+        let accessor = self.push(bytes, list);
         self.times.push((times.to_vec(), accessor));
         accessor
     }
 
-    /// Values of keys, as an accessor.
-    pub(super) fn floats<const N: usize>(&mut self, kind: &str, values: &[[f32; N]]) -> usize {
+    /// The accessor of values of keys.
+    pub(super) fn floats<const N: usize>(
+        &mut self,
+        kind: Type,
+        values: &[[f32; N]],
+    ) -> Index<Accessor> {
         let bytes = values.as_flattened().iter().flat_map(|value| value.to_le_bytes());
-        self.push(bytes, None, FLOAT, kind, values.len(), json!({}))
+        let component = ComponentType::F32;
+        let count = values.len();
+        self.push(bytes, NumberList { kind, component, count, target: None, bounds: None })
     }
 
-    /// Corners of a surface, as an accessor.
-    pub(super) fn vertices(&mut self, values: &[[f32; 3]]) -> usize {
+    /// The accessor of the vertices of a surface (m).
+    pub(super) fn vertices(&mut self, values: &[[f32; 3]]) -> Index<Accessor> {
         let bound = |pick: fn(f32, f32) -> f32| {
-            [0, 1, 2].map(|k| values.iter().map(|value| value[k]).reduce(pick))
+            json!([0, 1, 2].map(|k| values.iter().map(|value| value[k]).reduce(pick)))
         };
-        let bounds = json!({ "min": bound(f32::min), "max": bound(f32::max) });
         let bytes = values.as_flattened().iter().flat_map(|value| value.to_le_bytes());
-        self.push(bytes, Some(VERTICES), FLOAT, "VEC3", values.len(), bounds)
+        let list = NumberList {
+            kind: Type::Vec3,
+            component: ComponentType::F32,
+            count: values.len(),
+            target: Some(Target::ArrayBuffer),
+            bounds: Some([bound(f32::min), bound(f32::max)]),
+        };
+        self.push(bytes, list)
     }
 
-    /// Corners of triangles, as an accessor.
-    pub(super) fn triangles(&mut self, values: &[[u32; 3]]) -> usize {
+    /// The accessor of the vertex indices of triangles.
+    pub(super) fn triangles(&mut self, values: &[[u32; 3]]) -> Index<Accessor> {
         let flat = values.as_flattened();
         let bytes = flat.iter().flat_map(|value| value.to_le_bytes());
-        self.push(bytes, Some(INDICES), UNSIGNED_INT, "SCALAR", flat.len(), json!({}))
+        let list = NumberList {
+            kind: Type::Scalar,
+            component: ComponentType::U32,
+            count: flat.len(),
+            target: Some(Target::ElementArrayBuffer),
+            bounds: None,
+        };
+        self.push(bytes, list)
     }
 
-    fn push(
-        &mut self,
-        bytes: impl Iterator<Item = u8>,
-        target: Option<u32>,
-        component: u32,
-        kind: &str,
-        count: usize,
-        mut accessor: Value,
-    ) -> usize {
+    fn push(&mut self, bytes: impl Iterator<Item = u8>, list: NumberList) -> Index<Accessor> {
         let start = self.bytes.len();
         self.bytes.extend(bytes);
-        let length = self.bytes.len() - start;
-        let mut view = json!({ "buffer": 0, "byteOffset": start, "byteLength": length });
-        if let Some(target) = target {
-            view["target"] = json!(target);
-        }
-        self.views.push(view);
-        accessor["bufferView"] = json!(self.views.len() - 1);
-        accessor["componentType"] = json!(component);
-        accessor["count"] = json!(count);
-        accessor["type"] = json!(kind);
-        self.accessors.push(accessor);
-        self.accessors.len() - 1
-    }
-
-    /// The views, the accessors and the numbers, all four bytes long.
-    pub(super) fn finish(self) -> (Vec<Value>, Vec<Value>, Vec<u8>) {
-        (self.views, self.accessors, self.bytes)
+        let view = View {
+            buffer: Index::new(0),
+            byte_length: (self.bytes.len() - start).into(),
+            byte_offset: Some(start.into()),
+            byte_stride: None,
+            name: None,
+            target: list.target.map(Valid),
+            extensions: None,
+            extras: None,
+        };
+        let view = Index::push(&mut self.views, view);
+        let (min, max) = list.bounds.map_or((None, None), |[min, max]| (Some(min), Some(max)));
+        let accessor = Accessor {
+            buffer_view: Some(view),
+            byte_offset: None,
+            count: list.count.into(),
+            component_type: Valid(GenericComponentType(list.component)),
+            extensions: None,
+            extras: None,
+            type_: Valid(list.kind),
+            min,
+            max,
+            name: None,
+            normalized: false,
+            sparse: None,
+        };
+        Index::push(&mut self.accessors, accessor)
     }
 }

@@ -1,8 +1,9 @@
 //! Materials of the parts.
 
-use serde_json::{Value, json};
+use gltf_json::material::{AlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
+use gltf_json::validation::Checked::Valid;
 
-/// How things look.
+/// Appearances of the parts.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Material {
     Robot,
@@ -16,7 +17,8 @@ pub(super) enum Material {
 }
 
 impl Material {
-    pub(super) fn describe(self) -> Value {
+    /// The material as glTF has it.
+    pub(super) fn describe(self) -> gltf_json::Material {
         let (name, [red, green, blue, alpha]) = match self {
             Self::Robot => ("robot", [0.55, 0.57, 0.6, 1.0]),
             Self::Arm => ("arm", [0.0, 0.3, 0.6, 1.0]),
@@ -27,18 +29,18 @@ impl Material {
             Self::KeepOut => ("keep out", [0.8, 0.1, 0.1, 0.2]),
             Self::Safe => ("safe", [0.1, 0.6, 0.2, 0.12]),
         };
-        let mut material = json!({
-            "name": name,
-            "doubleSided": true,
-            "pbrMetallicRoughness": {
-                "baseColorFactor": [red, green, blue, alpha],
-                "metallicFactor": 0.1,
-                "roughnessFactor": 0.7,
+        let alpha_mode = if alpha < 1.0 { AlphaMode::Blend } else { AlphaMode::Opaque };
+        gltf_json::Material {
+            name: Some(name.to_owned()),
+            double_sided: true,
+            alpha_mode: Valid(alpha_mode),
+            pbr_metallic_roughness: PbrMetallicRoughness {
+                base_color_factor: PbrBaseColorFactor([red, green, blue, alpha]),
+                metallic_factor: StrengthFactor(0.1),
+                roughness_factor: StrengthFactor(0.7),
+                ..Default::default()
             },
-        });
-        if alpha < 1.0 {
-            material["alphaMode"] = json!("BLEND");
+            ..Default::default()
         }
-        material
     }
 }

@@ -1,20 +1,23 @@
-//! What is seen: bodies of the cell, and simple shapes for what it gives none.
+//! Visible parts: bodies of the cell, and simple shapes for parts without bodies.
 
+use gltf_json::mesh::{Mode, Primitive, Semantic};
+use gltf_json::scene::UnitQuaternion;
+use gltf_json::validation::Checked::Valid;
+use gltf_json::{Index, Mesh, Node};
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::station::Station;
 use jointplay_cell::workcell::{Body, Carrier, Cell, ZoneRule};
 use jointplay_core::spatial::Pose;
-use nalgebra::UnitQuaternion;
 use serde_json::json;
 
 use super::document::Document;
 use super::material::Material;
-use super::numbers::single;
+use super::numbers::{extras, single};
 use crate::export::scene::Part;
 
-/// Radius of what stands for a rod or a link without a body (m).
+/// Radius of the shape of a rod or a link without a body (m).
 const BAR: f64 = 0.008;
-/// Half the thickness of what stands for a platform without a body (m).
+/// Half the thickness of the shape of a platform without a body (m).
 const PLATE: f64 = 0.004;
 /// Half the thickness of what marks a slot, and how much wider than a wafer it is (m).
 const SLOT: [f64; 2] = [0.000_2, 0.004];
@@ -22,18 +25,18 @@ const SLOT: [f64; 2] = [0.000_2, 0.004];
 /// Meshes that are used more than once.
 #[derive(Default)]
 pub(super) struct Parts {
-    wafer: Option<usize>,
-    slot: Option<usize>,
+    wafer: Option<Index<Mesh>>,
+    slot: Option<Index<Mesh>>,
 }
 
 impl Parts {
-    /// Nodes of what moves with a track.
+    /// Nodes of the part that moves with a track.
     pub(super) fn of_track(
         &mut self,
         document: &mut Document,
         cell: &Cell,
         part: Part,
-    ) -> Vec<usize> {
+    ) -> Vec<Index<Node>> {
         let robot = &cell.robot;
         let carrier = match part {
             Part::Wafer(_) => {
@@ -87,8 +90,8 @@ impl Parts {
         }
     }
 
-    /// Nodes of what stands still: bodies, stations, zones.
-    pub(super) fn of_world(&mut self, document: &mut Document, cell: &Cell) -> Vec<usize> {
+    /// Nodes of the stationary parts: bodies, stations, zones.
+    pub(super) fn of_world(&mut self, document: &mut Document, cell: &Cell) -> Vec<Index<Node>> {
         let mut nodes = bodies(document, cell, Carrier::World, Material::Body);
         for station in &cell.stations {
             let mesh = *self.slot.get_or_insert_with(|| {
@@ -103,7 +106,7 @@ impl Parts {
             for slot in 1..=station.slots {
                 let name = slot_name(station, slot);
                 let node = document.node(&name, mesh, &station.slot_frame(slot));
-                document.nodes[node]["extras"] = json!({ "station": station.name });
+                document.nodes[node.value()].extras = extras(&json!({ "station": station.name }));
                 nodes.push(node);
             }
         }
@@ -118,24 +121,24 @@ impl Parts {
     }
 }
 
-/// What the node of a slot is called.
+/// The name of the node of a slot.
 pub(super) fn slot_name(station: &Station, slot: usize) -> String {
     format!("{} {slot}", station.name)
 }
 
-/// Nodes of the bodies with one carrier; those of stations tell which.
+/// Nodes of the bodies with one carrier; those of stations name their station.
 fn bodies(
     document: &mut Document,
     cell: &Cell,
     carrier: Carrier,
     material: Material,
-) -> Vec<usize> {
+) -> Vec<Index<Node>> {
     let carried = cell.bodies.iter().filter(|body| body.carrier == carrier);
     let show = |body: &Body| {
         let shown = document.show(&body.name, &body.shape, &body.carrier_from_shape, material);
         if let (Some(station), &[node]) = (body.station, shown.as_slice()) {
             let name = &cell.stations[station].name;
-            document.nodes[node]["extras"] = json!({ "station": name });
+            document.nodes[node.value()].extras = extras(&json!({ "station": name }));
         }
         shown
     };
@@ -144,7 +147,13 @@ fn bodies(
 
 impl Document {
     /// A shape at its place, as a node; none where it has no surface.
-    fn show(&mut self, name: &str, shape: &Shape, at: &Pose, material: Material) -> Vec<usize> {
+    fn show(
+        &mut self,
+        name: &str,
+        shape: &Shape,
+        at: &Pose,
+        material: Material,
+    ) -> Vec<Index<Node>> {
         let mesh = self.mesh_at(name, shape, &Pose::identity(), material);
         mesh.map(|mesh| self.node(name, mesh, at)).into_iter().collect()
     }
@@ -156,7 +165,7 @@ impl Document {
         shape: &Shape,
         at: &Pose,
         material: Material,
-    ) -> Option<usize> {
+    ) -> Option<Index<Mesh>> {
         let surface = shape.surface();
         if surface.triangles.is_empty() {
             return None;
@@ -169,39 +178,47 @@ impl Document {
         let material = self.material(material);
         let position = self.buffer.vertices(&vertices);
         let indices = self.buffer.triangles(&surface.triangles);
-        self.meshes.push(json!({
-            "name": name,
-            "primitives": [{
-                "attributes": { "POSITION": position },
-                "indices": indices,
-                "material": material,
-            }],
-        }));
-        Some(self.meshes.len() - 1)
+        let primitive = Primitive {
+            attributes: [(Valid(Semantic::Positions), position)].into(),
+            indices: Some(indices),
+            material: Some(material),
+            mode: Valid(Mode::Triangles),
+            targets: None,
+            extensions: None,
+            extras: None,
+        };
+        let mesh = Mesh {
+            name: Some(name.to_owned()),
+            primitives: vec![primitive],
+            weights: None,
+            extensions: None,
+            extras: None,
+        };
+        Some(Index::push(&mut self.meshes, mesh))
     }
 
     /// Index of a material, which is described when it is first used.
-    fn material(&mut self, material: Material) -> usize {
+    fn material(&mut self, material: Material) -> Index<gltf_json::Material> {
         let known = self.materials.iter().position(|&one| one == material);
-        known.unwrap_or_else(|| {
+        let index = known.unwrap_or_else(|| {
             self.materials.push(material);
             self.materials.len() - 1
-        })
+        });
+        Index::new(u32::try_from(index).expect("there are few materials"))
     }
 
     /// A node with a mesh.
-    fn node(&mut self, name: &str, mesh: usize, at: &Pose) -> usize {
-        let turn: [f64; 4] =
-            UnitQuaternion::from_rotation_matrix(&at.rotation).into_inner().coords.into();
-        let place: [f64; 3] = at.translation.vector.into();
-        let mut node = json!({ "name": name, "mesh": mesh });
-        if place != [0.0; 3] {
-            node["translation"] = json!(place.map(single));
-        }
-        if turn[3] != 1.0 {
-            node["rotation"] = json!(turn.map(single));
-        }
-        self.nodes.push(node);
-        self.nodes.len() - 1
+    fn node(&mut self, name: &str, mesh: Index<Mesh>, at: &Pose) -> Index<Node> {
+        let rotation: [f64; 4] =
+            nalgebra::UnitQuaternion::from_rotation_matrix(&at.rotation).into_inner().coords.into();
+        let translation: [f64; 3] = at.translation.vector.into();
+        let node = Node {
+            name: Some(name.to_owned()),
+            mesh: Some(mesh),
+            translation: (translation != [0.0; 3]).then(|| translation.map(single)),
+            rotation: (rotation[3] != 1.0).then(|| UnitQuaternion(rotation.map(single))),
+            ..Default::default()
+        };
+        Index::push(&mut self.nodes, node)
     }
 }

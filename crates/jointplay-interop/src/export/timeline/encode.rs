@@ -65,8 +65,8 @@ impl Timeline {
         let held = |wafer: usize, held: &HeldAt| {
             json!({
                 "wafer": wafer,
-                "effector": held.effector.and_then(number),
-                "slot": held.slot.map(|slot| json!([slot.station, slot.slot])),
+                "effector": held.location.effector().and_then(number),
+                "slot": held.location.slot().map(|slot| json!([slot.station, slot.slot])),
                 "pose": held.pose,
             })
         };

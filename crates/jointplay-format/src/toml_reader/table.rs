@@ -1,97 +1,21 @@
-//! A recovering reader of TOML: tables are read key by key, and every error is recorded with its place.
-//!
-//! `P` is the problem type of a file, which includes the common ones by [`From`]`<`[`FileProblem`]`>`.
+//! Tables of a file and the values of their keys.
 
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::ops::Range;
 
 use nalgebra::Vector3;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::range::AllowedRange;
+use super::reader::Reader;
 use crate::file_problem::FileProblem;
 use crate::number::number;
-use crate::place::{Error, Form, Place, malformed, nearest, shortened};
+use crate::place::{Form, nearest, shortened};
 use crate::units::m_from_mm;
 
 /// Longest name of a station, an effector, an axis: as much as fits a table of text.
 const LONGEST_NAME: usize = 32;
-
-/// Most errors listed for one file; the rest, most often their consequences, are counted.
-const MOST_PROBLEMS: usize = 20;
-
-/// A text and the errors found in it.
-pub struct Reader<'a, P> {
-    text: &'a str,
-    problems: RefCell<Vec<Error<P>>>,
-    /// Whether the text is invalid TOML: then no errors of its contents are reported, which are guesses.
-    malformed: Cell<bool>,
-}
-
-impl<'a, P: From<FileProblem> + PartialEq> Reader<'a, P> {
-    /// A reader of a text without errors so far.
-    #[must_use]
-    pub fn new(text: &'a str) -> Self {
-        Self { text, problems: RefCell::default(), malformed: Cell::new(false) }
-    }
-
-    /// Parses the whole text; the first syntax error is recorded and hides its consequences.
-    pub fn parse(&self) -> Spanned<DeTable<'a>> {
-        let (table, errors) = DeTable::parse_recoverable(self.text);
-        let start = |error: &toml::de::Error| error.span().map_or(0, |span| span.start);
-        if let Some(first) = errors.iter().min_by_key(|error| start(error)) {
-            self.report(
-                first.span().unwrap_or(0..0),
-                FileProblem::from(malformed(first.message())),
-            );
-            self.malformed.set(true);
-        }
-        table
-    }
-
-    /// Records an error at a span of bytes.
-    pub fn report(&self, span: Range<usize>, problem: impl Into<P>) {
-        if !self.malformed.get() {
-            self.problems.borrow_mut().push(Error::at(self.text, span, problem.into()));
-        }
-    }
-
-    /// The place of a span of bytes.
-    #[must_use]
-    pub fn place(&self, span: Range<usize>) -> Place {
-        Place::of(self.text, span)
-    }
-
-    /// The line of a span of bytes, counted from 1.
-    #[must_use]
-    pub fn line(&self, span: Range<usize>) -> usize {
-        Place::of(self.text, span).line
-    }
-
-    /// Whether no error is recorded.
-    #[must_use]
-    pub fn is_clean(&self) -> bool {
-        self.problems.borrow().is_empty()
-    }
-
-    /// The value if there are no errors, and otherwise all errors in the order of their places.
-    pub fn done<T>(self, value: Option<T>) -> Result<T, Vec<Error<P>>> {
-        let mut problems = self.problems.into_inner();
-        match value {
-            Some(value) if problems.is_empty() => Ok(value),
-            _ => {
-                problems.sort_by_key(|problem| (problem.place.line, problem.place.column));
-                problems.dedup();
-                let more = problems.len().saturating_sub(MOST_PROBLEMS);
-                if more > 0 {
-                    problems.truncate(MOST_PROBLEMS + 1);
-                    *problems[MOST_PROBLEMS].problem = FileProblem::More(more).into();
-                }
-                Err(problems)
-            }
-        }
-    }
-}
 
 /// A table of the file, and the keys that were asked for.
 pub struct Table<'r, 'a, P> {
@@ -109,49 +33,9 @@ pub struct Table<'r, 'a, P> {
 #[derive(Clone, Copy)]
 pub struct Entry<'r, 'a> {
     /// The key.
-    pub key: &'static str,
+    pub key: &'r str,
     /// The value.
     pub value: &'r Spanned<DeValue<'a>>,
-}
-
-/// Smaller numbers become 0 when their unit is changed, or divide to infinity.
-const LEAST_POSITIVE: f64 = 1e-12;
-
-/// The values allowed for a number.
-#[derive(Clone, Copy)]
-pub enum AllowedRange {
-    /// Finite.
-    Any,
-    /// Above zero.
-    Positive,
-    /// Zero or above.
-    NotNegative,
-    /// From the first to the second.
-    Within(f64, f64),
-}
-
-impl AllowedRange {
-    fn holds(self, value: f64) -> bool {
-        value.is_finite()
-            && value.abs() <= 1e12
-            && match self {
-                Self::Any => true,
-                Self::Positive => value >= LEAST_POSITIVE,
-                Self::NotNegative => value >= 0.0,
-                Self::Within(min, max) => (min..=max).contains(&value),
-            }
-    }
-
-    /// The values allowed, for a message about another value.
-    fn needed(self, value: f64) -> String {
-        match self {
-            Self::Any => "a finite number".to_owned(),
-            Self::Positive if value > 0.0 => format!("at least {LEAST_POSITIVE:e}"),
-            Self::Positive => "positive".to_owned(),
-            Self::NotNegative => "0 or more".to_owned(),
-            Self::Within(min, max) => format!("from {} to {}", number(min), number(max)),
-        }
-    }
 }
 
 impl<'r, 'a, P: From<FileProblem> + PartialEq> Table<'r, 'a, P> {
@@ -242,19 +126,36 @@ impl<'r, 'a, P: From<FileProblem> + PartialEq> Table<'r, 'a, P> {
         list.into_iter().filter_map(table).collect()
     }
 
+    /// The keys with their values, and the spans of the keys (bytes).
+    pub fn entries(&self) -> impl Iterator<Item = (Entry<'r, 'a>, Range<usize>)> {
+        let entry = |(key, value): (&'r Spanned<_>, _)| {
+            let name: &'r std::borrow::Cow<'a, str> = key.get_ref();
+            (Entry { key: name, value }, key.span())
+        };
+        self.table.iter().map(entry)
+    }
+
     /// Reports all keys that were never asked for.
     pub fn finish(&self) {
         let known = self.known.borrow();
-        for key in self.table.keys() {
+        let is_unknown = |key: &&Spanned<_>| {
+            let name: &std::borrow::Cow<str> = key.get_ref();
+            !known.contains(&name.as_ref())
+        };
+        let mut unknown: Vec<_> = self.table.keys().filter(is_unknown).collect();
+        // Of very many, the first in the file are listed.
+        unknown.sort_by_key(|key| key.span().start);
+        for key in unknown {
             let name: &str = key.get_ref();
-            if !known.contains(&name) {
-                let fault = Form::UnknownKey {
+            let fault = || {
+                let form = Form::UnknownKey {
                     key: name.to_owned(),
                     nearest: nearest(name, known.iter().copied()),
                     known: known.iter().map(|&name| name.to_owned()).collect(),
                 };
-                self.reader.report(key.span(), FileProblem::from(fault));
-            }
+                FileProblem::from(form).into()
+            };
+            self.reader.report_with(key.span(), fault);
         }
     }
 }
@@ -275,12 +176,17 @@ impl<'r, 'a> Entry<'r, 'a> {
         reader.report(self.span(), problem);
     }
 
-    /// Reports a value of the wrong type.
+    /// Reports a value of another type.
     pub fn type_error<P: From<FileProblem> + PartialEq>(
         &self,
         reader: &Reader<'_, P>,
         needed: &str,
     ) {
+        if self.value.get_ref().is_integer() && self.any_integer().is_none() {
+            let key = self.key.to_owned();
+            self.report(reader, FileProblem::IntegerTooLarge { key });
+            return;
+        }
         let found = match self.value.get_ref() {
             DeValue::String(text) => format!("the text {}", shortened(&format!("{text:?}"))),
             DeValue::Integer(found) => {
@@ -313,23 +219,50 @@ impl<'r, 'a> Entry<'r, 'a> {
         self.value.get_ref().as_array().is_some_and(|list| list.is_empty())
     }
 
+    /// A number of any size, NaN and infinities included; nothing for another type.
+    #[must_use]
+    pub fn any_number(&self) -> Option<f64> {
+        match self.value.get_ref() {
+            DeValue::Float(number) => number.as_str().replace('_', "").parse().ok(),
+            DeValue::Integer(_) => self.any_integer().map(|number| number as f64),
+            _ => None,
+        }
+    }
+
+    fn any_integer(&self) -> Option<i64> {
+        let number = self.value.get_ref().as_integer()?;
+        i64::from_str_radix(number.as_str(), number.radix()).ok()
+    }
+
+    /// A whole number, written without a decimal point.
+    pub fn integer<P: From<FileProblem> + PartialEq>(&self, reader: &Reader<'_, P>) -> Option<i64> {
+        let value = self.any_integer();
+        if value.is_none() {
+            self.type_error(reader, "a whole number");
+        }
+        value
+    }
+
     /// A number, in the unit of the file.
     pub fn number<P: From<FileProblem> + PartialEq>(
         &self,
         reader: &Reader<'_, P>,
         allowed: AllowedRange,
     ) -> Option<f64> {
-        let value = match self.value.get_ref() {
-            DeValue::Float(number) => number.as_str().replace('_', "").parse().ok(),
-            DeValue::Integer(number) => i64::from_str_radix(number.as_str(), number.radix())
-                .ok()
-                .map(|number| number as f64),
-            _ => None,
-        };
-        let Some(value) = value else {
+        let Some(value) = self.any_number() else {
             self.type_error(reader, "a number");
             return None;
         };
+        self.within(reader, value, allowed)
+    }
+
+    /// A number read from the value, if it is allowed; another number is reported.
+    pub fn within<P: From<FileProblem> + PartialEq>(
+        &self,
+        reader: &Reader<'_, P>,
+        value: f64,
+        allowed: AllowedRange,
+    ) -> Option<f64> {
         if !allowed.holds(value) {
             let (key, needed) = (self.key.to_owned(), allowed.needed(value));
             self.report(reader, FileProblem::OutOfRange { key, value, needed });
@@ -426,13 +359,13 @@ impl<'r, 'a> Entry<'r, 'a> {
         found: &str,
         known: &[String],
     ) {
-        let fault = FileProblem::Unknown {
+        let fault = || FileProblem::Unknown {
             what: what.to_owned(),
             found: found.to_owned(),
             nearest: nearest(found, known.iter().map(String::as_str)),
             known: known.to_vec(),
         };
-        self.report(reader, fault);
+        reader.report_with(self.span(), || fault().into());
     }
 
     /// The entries of a list.

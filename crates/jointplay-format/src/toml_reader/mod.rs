@@ -1,0 +1,11 @@
+//! A recovering reader of TOML: tables are read key by key, and every error is recorded with its place.
+//!
+//! `P` is the problem type of a file, which includes the common ones by [`From`]`<`[`FileProblem`](crate::file_problem::FileProblem)`>`.
+
+mod range;
+mod reader;
+mod table;
+
+pub use range::AllowedRange;
+pub use reader::Reader;
+pub use table::{Entry, Table};
