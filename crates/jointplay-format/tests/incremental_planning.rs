@@ -141,14 +141,14 @@ fn the_check_reports_every_violation_of_a_sample() {
         let mut found: BTreeMap<BTreeSet<String>, f64> = BTreeMap::new();
         for row in &report.distances {
             let names = names_of(&cell, &row.entities);
-            let truth = least.get(&names).copied().unwrap_or(options.near);
+            let truth = least.get(&names).copied().unwrap_or(options.report_distance);
             assert!(row.distance >= truth - 1e-6, "{names:?}: {} {truth}", row.distance);
-            assert!(row.distance <= truth + row.within + 1e-6, "{names:?}: {row:?} {truth}");
+            assert!(row.distance <= truth + row.tolerance + 1e-6, "{names:?}: {row:?} {truth}");
             found.insert(names, row.distance);
         }
         assert!(found.len() > 20, "{}", found.len());
         for (names, distance) in &least {
-            let close = *distance < 0.97 * options.near;
+            let close = *distance < 0.97 * options.report_distance;
             assert!(!close || found.contains_key(names), "{names:?} at {distance}");
         }
         for (names, kind, time, value) in &broken {
@@ -342,7 +342,7 @@ impl Change {
 }
 
 fn planned(memory: &mut IncrementalPlanner, cell: &Cell, text: &str) -> (Trajectory, Report) {
-    let check = CheckOptions { rate: 100.0, near: 0.05 };
+    let check = CheckOptions { rate: 100.0, report_distance: 0.05 };
     let options = PlanOptions { check, ..PlanOptions::default() };
     memory.plan(cell, &program::parse(text).unwrap(), &options).unwrap()
 }
@@ -374,7 +374,7 @@ proptest! {
 fn an_interrupted_plan_continues_to_the_same_bits() {
     let cell = example();
     let program = program::parse(SHORT).unwrap();
-    let check = CheckOptions { rate: 100.0, near: 0.05 };
+    let check = CheckOptions { rate: 100.0, report_distance: 0.05 };
     let options = PlanOptions { check, ..PlanOptions::default() };
     let whole = IncrementalPlanner::default().plan(&cell, &program, &options).unwrap();
     let (mut memory, mut stopped) = (IncrementalPlanner::default(), 0);

@@ -421,7 +421,7 @@ fn controller_text_contains_the_overlap_of_blends() {
 fn a_wait_of_zero_length_is_not_exported() {
     let cell = cell();
     let mut steps = motion(&cell).steps;
-    let wait = Path::ProcessDwell { since: 0, seconds: 0.1 };
+    let wait = Path::ProcessDwell { placed_at_step: 0, seconds: 0.1 };
     steps.insert(2, Step { path: wait, ..steps[2].clone() });
     let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
     assert_eq!(motion.times[2], motion.times[3]);
@@ -676,7 +676,7 @@ fn the_check_and_the_3d_scene_have_the_same_poses() {
         .zip(&motion.times[1..])
         .filter_map(|(step, &time)| step.handoff.map(|_| time))
         .collect();
-    let options = CheckOptions { near: 10.0, ..CheckOptions::default() };
+    let options = CheckOptions { report_distance: 10.0, ..CheckOptions::default() };
     let (mut state, mut compared, mut lowest) = (7_u64, 0, 0.0_f64);
     while compared < 24 {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
@@ -688,7 +688,7 @@ fn the_check_and_the_3d_scene_have_the_same_poses() {
         }
         compared += 1;
         let positions = motion.sample_at(time).positions;
-        let moment = PoseContext { motion: &motion, time, reaches: None };
+        let moment = PoseContext { trajectory: &motion, time, slot_access: None };
         let report = check_pose(&cell, &moment, &positions, &options).unwrap();
         for (name, _) in &balls {
             let shown = origin(name, time);

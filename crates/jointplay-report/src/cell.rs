@@ -244,7 +244,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         straight: straight(motion, row.steps.clone()),
         blended: blended(motion, row.steps.clone()),
         compensated: compensated(cell, &carried, row.steps.clone()),
-        moving_s: row.moving.clone(),
+        moving_s: row.moving_time.clone(),
         speed: share(&row.velocity, &axes),
         acceleration: share(&row.acceleration, &axes),
         jerk: share(&row.jerk, &axes),
@@ -254,7 +254,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         nearest: row.nearest.as_ref().map(|pair| distance(cell, pair)),
         violations: row.violations,
     });
-    let moving = robot.axes.iter().zip(&report.moving).map(|(axis, &moving_s)| AxisReport {
+    let moving = robot.axes.iter().zip(&report.moving_time).map(|(axis, &moving_s)| AxisReport {
         name: axis.name.clone(),
         unit: if axis.kind == AxisKind::Rotary { "deg" } else { "mm" },
         moving_s,

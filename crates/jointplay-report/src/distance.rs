@@ -24,7 +24,7 @@ pub(crate) fn distance(cell: &Cell, pair: &MinimumDistance) -> DistanceReport {
     DistanceReport {
         bodies: pair.entities.map(|one| cell.entity_name(one)),
         distance_mm: mm(pair.distance),
-        within_mm: mm(pair.within),
+        within_mm: mm(pair.tolerance),
         time_s: pair.time,
     }
 }

@@ -65,7 +65,7 @@ mod tests {
         let pair = |one: EntityId, other: EntityId, distance: f64| MinimumDistance {
             entities: [one, other],
             distance,
-            within: 0.0,
+            tolerance: 0.0,
             time: distance,
             step: 0,
         };

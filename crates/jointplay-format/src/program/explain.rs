@@ -58,7 +58,7 @@ fn message(robot: &HybridRobot, error: &ProgramError) -> String {
         // Other problems have no lengths or angles.
         _ => return error.to_string(),
     };
-    problem + &error.repetitions()
+    problem + &error.repetition_note()
 }
 
 /// The changes of a station or robot that make a line possible.

@@ -225,8 +225,8 @@ fn slot_stays(motion_export: &MotionExport<'_>, locations: &WaferLocations) -> V
     let slot_stay = |stay: &WaferStay| {
         Some(SlotStay {
             slot: stay.location.slot()?,
-            from: stay.since.map_or(0.0, |step| motion.times[step + 1]),
-            to: stay.until.map_or(motion.duration(), |step| motion.times[step + 1]),
+            from: stay.arrival_step.map_or(0.0, |step| motion.times[step + 1]),
+            to: stay.departure_step.map_or(motion.duration(), |step| motion.times[step + 1]),
         })
     };
     let stays = |wafer| locations.stays(wafer).iter().filter_map(slot_stay).collect();
@@ -236,7 +236,7 @@ fn slot_stays(motion_export: &MotionExport<'_>, locations: &WaferLocations) -> V
 /// Tracks of all wafers, without samples.
 fn wafer_tracks(cell: &Cell, locations: &WaferLocations) -> impl Iterator<Item = Track> {
     locations.wafers().map(|wafer| {
-        Track::new(&cell.entity_name(locations.origin(wafer)), Part::Wafer(wafer), None)
+        Track::new(&cell.entity_name(locations.wafer_id(wafer)), Part::Wafer(wafer), None)
     })
 }
 
