@@ -1,5 +1,10 @@
 //! Hybrid robots and offline programming: from stations to a checked trajectory.
 //!
+//! A hybrid robot is a parallel robot, the GPR, that carries serial planar arms.
+//! The *GPR* is a 3-PS robot: a platform on three ball joints, each on a rod that one actuated vertical slide moves.
+//! Its platform is overconstrained and can tilt only because its ball joints have *play*, the free travel within their clearance.
+//! A *virtualization* models this play by virtual joints, whose displacements of least norm determine the pose of the platform over its rods.
+//!
 //! ```text
 //!   Program ──expand──▶ Step… ──plan_trajectory──▶ Trajectory ──check──▶ Report
 //!               ▲                  ▲                 ▲
@@ -19,7 +24,7 @@
 //! | [`jog`] | interactive motion up to the limits |
 //! | [`IncrementalPlanner`] | expansion, trajectory and check, with results of the previous plan reused |
 //!
-//! Imports go from the bottom of this list to its top; two internal modules are in between: `incremental` (cache keys, caches, parallel map) below all, and `collision` (continuous collision checking, with the guarantee at its head) below [`check`].
+//! Modules depend only on those above them in this list; two internal modules are in between: `incremental` (cache keys, caches, parallel map) below all, and `collision` (continuous collision checking, with the guarantee at its head) below [`check`].
 //!
 //! Pure mathematics in SI units: no files, no clock; results do not depend on the number of threads.
 

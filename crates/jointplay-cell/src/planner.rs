@@ -7,13 +7,13 @@ use crate::trajectory::{SegmentCache, Trajectory, TrajectoryError, TrajectoryOpt
 use crate::validate::InvalidPart;
 use crate::workcell::Cell;
 
-/// Plans and checks programs; what did not change since the previous plan is not computed again.
+/// Plans and checks programs; results of the previous plan are reused where their inputs have not changed.
 ///
 /// Inverse kinematics is solved again where the station or the preceding position of the robot has changed.
 /// A segment is planned and checked again where any of its inputs has changed by a bit: its ends, its limits, the held wafers, and the collision objects within reach of its path.
 /// The results are equal, to the bit, to those of a new planner: [`expand`](crate::program::expand), [`plan_trajectory`](crate::trajectory::plan_trajectory) and [`check`](crate::check::check).
 ///
-/// Only results of the previous plan are kept.
+/// The cache contains results of the previous plan only.
 /// Segments are planned and checked in parallel, on the threads of the current rayon pool; the results do not depend on their number.
 ///
 /// # Example

@@ -326,7 +326,9 @@ fn process_dwell_counts_from_the_placing_of_the_wafer() {
     let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
     let mut to = from.clone();
     to[3] += 0.5;
-    let wait = |since, seconds| step(&to, &to, Path::ProcessDwell { since, seconds }, 1.0, false);
+    let wait = |placed_at_step, seconds| {
+        step(&to, &to, Path::ProcessDwell { placed_at_step, seconds }, 1.0, false)
+    };
     let go = || step(&from, &to, Path::PointToPoint, 1.0, false);
     let still = step(&to, &to, Path::Dwell(2.0), 1.0, false);
     let motion = plan_trajectory(
@@ -356,14 +358,14 @@ fn trajectory_error_lists_all_invalid_steps() {
     let error = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap_err();
     let messages: Vec<String> = error.steps.iter().map(ToString::to_string).collect();
     assert_eq!(messages.len(), 4, "{messages:#?}");
-    assert!(messages[0].contains("share of speed is 0"), "{}", messages[0]);
+    assert!(messages[0].contains("speed scaling must be above 0"), "{}", messages[0]);
     assert!(messages[1].contains("axis 3 starts at"), "{}", messages[1]);
     assert!(
-        messages[2].contains("has to end in the positions in which it starts"),
+        messages[2].contains("start and end positions of a dwell must be equal"),
         "{}",
         messages[2]
     );
-    assert!(messages[3].contains("waits NaN s"), "{}", messages[3]);
+    assert!(messages[3].contains("got NaN s"), "{}", messages[3]);
 }
 
 #[test]
@@ -385,7 +387,7 @@ fn line_with_a_branch_jump_is_rejected() {
     let steps = vec![step(&from, &to, Path::Line(A), 1.0, false)];
     let error =
         plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap_err().to_string();
-    for words in ["at share 0.25 of the line (x ", "the axes jump from one branch"] {
+    for words in ["at 25.0 % of the line (x ", "they change to another branch"] {
         assert!(error.contains(words), "{words}: {error}");
     }
 }

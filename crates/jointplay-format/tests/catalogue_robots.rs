@@ -97,7 +97,8 @@ fn every_robot_of_the_catalogue_runs_a_lot_without_violating_a_limit() {
             let cell = cell_of(robot, &stations(700.0), "radial", retract_mm);
             let trajectory =
                 planned(&cell, LOT).unwrap_or_else(|error| panic!("{robot}: {error:?}"));
-            let report = check(&cell, &trajectory, &CheckOptions { rate: 200.0, near: 0.0 });
+            let report =
+                check(&cell, &trajectory, &CheckOptions { rate: 200.0, report_distance: 0.0 });
             assert!(report.violations.is_empty(), "{robot} {retract_mm}: {:?}", report.violations);
         }
     }

@@ -92,7 +92,7 @@ proptest! {
             mutate(&mut cell, field, value, index);
         }
         let is_valid = cell.validate().is_ok();
-        let check = CheckOptions { rate: 20.0, near: 0.01 };
+        let check = CheckOptions { rate: 20.0, report_distance: 0.01 };
         let options = PlanOptions { check, ..PlanOptions::default() };
         let program = program::parse(PROGRAM).unwrap();
         let planned = IncrementalPlanner::default().plan(&cell, &program, &options);

@@ -5,17 +5,17 @@ use jointplay_cell::workcell::Cell;
 use jointplay_format::units::mm;
 use serde::Serialize;
 
-/// How near two bodies come.
+/// Minimum distance of two bodies.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct DistanceReport {
-    /// Names of both.
+    /// Names of both bodies.
     pub bodies: [String; 2],
-    /// Least distance; below zero a depth.
+    /// Minimum distance; negative for a penetration depth.
     pub distance_mm: f64,
-    /// How much less it may be between samples.
+    /// Uncertainty between samples: the distance is at least `distance_mm` minus this.
     pub within_mm: f64,
-    /// When.
+    /// Time of the minimum.
     pub time_s: f64,
 }
 
@@ -24,7 +24,7 @@ pub(crate) fn distance(cell: &Cell, pair: &MinimumDistance) -> DistanceReport {
     DistanceReport {
         bodies: pair.entities.map(|one| cell.entity_name(one)),
         distance_mm: mm(pair.distance),
-        within_mm: mm(pair.within),
+        within_mm: mm(pair.tolerance),
         time_s: pair.time,
     }
 }

@@ -13,7 +13,7 @@ use crate::workcell::Cell;
 /// Report under construction.
 pub(super) struct Aggregator<'a> {
     cell: &'a Cell,
-    motion: &'a Trajectory,
+    trajectory: &'a Trajectory,
     rows: Vec<InstructionResult>,
     violations: Vec<Violation>,
     /// Violations that reach to the end of their last step, and may continue in the next.
@@ -40,10 +40,10 @@ struct Minimum {
 }
 
 impl<'a> Aggregator<'a> {
-    pub(super) fn new(cell: &'a Cell, motion: &'a Trajectory) -> Self {
+    pub(super) fn new(cell: &'a Cell, trajectory: &'a Trajectory) -> Self {
         Self {
             cell,
-            motion,
+            trajectory,
             rows: Vec::new(),
             violations: Vec::new(),
             open: BTreeMap::new(),
@@ -66,12 +66,12 @@ impl<'a> Aggregator<'a> {
         objects: &[usize],
     ) {
         self.begin_step(scene, index);
-        let start = self.motion.times[index];
+        let start = self.trajectory.times[index];
         self.samples += findings.samples;
         if let Some(row) = self.rows.last_mut() {
-            for (time, moved) in row.moving.iter_mut().zip(&findings.moved) {
+            for (time, moved) in row.moving_time.iter_mut().zip(&findings.moved) {
                 if *moved {
-                    *time += self.motion.step_duration(index);
+                    *time += self.trajectory.step_duration(index);
                 }
             }
             row.tilt = row.tilt.max(findings.tilt);
@@ -117,8 +117,8 @@ impl<'a> Aggregator<'a> {
     }
 
     fn begin_step(&mut self, scene: &Scene<'_>, index: usize) {
-        let step = &self.motion.steps[index];
-        let start = self.motion.times[index];
+        let step = &self.trajectory.steps[index];
+        let start = self.trajectory.times[index];
         if self.rows.last().is_none_or(|row| row.instruction != step.instruction) {
             self.end_instruction(scene);
             self.rows.push(InstructionResult {
@@ -127,7 +127,7 @@ impl<'a> Aggregator<'a> {
                 steps: index..index,
                 start,
                 duration: 0.0,
-                moving: vec![0.0; self.cell.robot.axes.len()],
+                moving_time: vec![0.0; self.cell.robot.axes.len()],
                 velocity: None,
                 acceleration: None,
                 jerk: None,
@@ -140,7 +140,7 @@ impl<'a> Aggregator<'a> {
         }
         if let Some(row) = self.rows.last_mut() {
             row.steps.end = index + 1;
-            row.duration = self.motion.times[index + 1] - row.start;
+            row.duration = self.trajectory.times[index + 1] - row.start;
         }
     }
 
@@ -161,8 +161,8 @@ impl<'a> Aggregator<'a> {
         subject: Subject,
         entities: impl FnOnce() -> Vec<EntityId>,
     ) {
-        let step = &self.motion.steps[index];
-        let begin = self.motion.times[index];
+        let step = &self.trajectory.steps[index];
+        let begin = self.trajectory.times[index];
         let worst = &interval.worst;
         let known = self.open.get(&subject).copied().filter(|open| {
             interval.first == 0
@@ -217,9 +217,9 @@ impl<'a> Aggregator<'a> {
                 row.violations += 1;
             }
         }
-        let mut moving = vec![0.0; self.cell.robot.axes.len()];
+        let mut moving_time = vec![0.0; self.cell.robot.axes.len()];
         for row in &self.rows {
-            for (all, time) in moving.iter_mut().zip(&row.moving) {
+            for (all, time) in moving_time.iter_mut().zip(&row.moving_time) {
                 *all += time;
             }
         }
@@ -232,14 +232,14 @@ impl<'a> Aggregator<'a> {
             .into_iter()
             .map(|(pair, nearest)| minimum_distance(scene, pair, nearest))
             .collect();
-        let duration = self.motion.duration();
+        let duration = self.trajectory.duration();
         let hourly = (wafers > 0 && duration > 0.0).then(|| 3600.0 * wafers as f64 / duration);
         Report {
             verdict: if violations.is_empty() { Verdict::Sound } else { Verdict::Broken },
             distances,
             violations,
             by_instruction: self.rows,
-            moving,
+            moving_time,
             duration,
             wafers,
             wafers_per_hour: hourly,
@@ -254,7 +254,7 @@ fn minimum_distance(scene: &Scene<'_>, pair: [usize; 2], minimum: Minimum) -> Mi
     MinimumDistance {
         entities,
         distance,
-        within: distance_tolerance(distance).min(distance),
+        tolerance: distance_tolerance(distance).min(distance),
         time,
         step,
     }

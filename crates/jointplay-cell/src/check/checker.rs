@@ -186,9 +186,9 @@ pub(super) fn check_uncached(
 /// Inputs that all steps share.
 fn shared_inputs(cell: &Cell, options: &CheckOptions) -> CacheKey {
     let safe: Vec<&Zone> = cell.zones.iter().filter(|zone| zone.rule == ZoneRule::Safe).collect();
-    let CheckOptions { rate, near } = options;
+    let CheckOptions { rate, report_distance } = options;
     let mut inputs = CacheKey::default();
     inputs.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(&cell.play_budget);
-    inputs.add(&safe).add(rate).add(near);
+    inputs.add(&safe).add(rate).add(report_distance);
     inputs
 }

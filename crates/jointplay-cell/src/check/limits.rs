@@ -14,10 +14,10 @@ use crate::violation::{IntervalMerger, Kind, SampleTime, SampleViolation, Subjec
 use crate::wafer::Droop;
 use crate::workcell::Cell;
 
-/// Relative slack of limits: a trajectory planned at a limit does not violate it by round-off.
-const SLACK: f64 = 1e-6;
-/// Absolute slack of position limits (m and rad).
-const POSITION_SLACK: f64 = 1e-9;
+/// Relative tolerance of limits: a trajectory planned at a limit does not violate it by round-off.
+const LIMIT_TOLERANCE: f64 = 1e-6;
+/// Absolute tolerance of position limits (m and rad).
+const POSITION_TOLERANCE: f64 = 1e-9;
 
 /// Tilt of the platform and displacement of its virtual joints.
 #[derive(Clone, Copy)]
@@ -64,7 +64,7 @@ impl StepFindings {
             samples: sampled.times().len(),
             violations: Vec::new(),
             runs: Vec::new(),
-            paths: Vec::new(),
+            swept_boxes: Vec::new(),
         };
         let mut violations = IntervalMerger::default();
         let (moving, times) = (sampled.moving_axes(), sampled.times());
@@ -115,14 +115,16 @@ impl StepFindings {
             }
         }
         self.moved[index] = peaks[0].0 > 0.0;
-        let shares = [&mut self.velocity, &mut self.acceleration, &mut self.jerk];
-        for ((share, (value, sample)), limit) in shares.into_iter().zip(peaks).zip(limits) {
+        let utilizations = [&mut self.velocity, &mut self.acceleration, &mut self.jerk];
+        for ((utilization, (value, sample)), limit) in
+            utilizations.into_iter().zip(peaks).zip(limits)
+        {
             if value > 0.0 {
                 let time = times[sample];
-                update_peak(share, Utilization { index, ratio: value / limit, time });
+                update_peak(utilization, Utilization { index, ratio: value / limit, time });
             }
         }
-        let exceeds = |value: f64, limit: f64| value > limit * (1.0 + SLACK);
+        let exceeds = |value: f64, limit: f64| value > limit * (1.0 + LIMIT_TOLERANCE);
         let is_within_limits = violated_limit(axis, min).or(violated_limit(axis, max)).is_none()
             && !peaks.iter().zip(limits).any(|(peak, limit)| exceeds(peak.0, limit));
         if is_within_limits {
@@ -204,12 +206,12 @@ impl StepFindings {
             violations.add(at, violation, String::new);
         };
         self.tilt = self.tilt.max(tilt / tilt_max);
-        if tilt > tilt_max + POSITION_SLACK {
+        if tilt > tilt_max + POSITION_TOLERANCE {
             add(Kind::Tilt, tilt, tilt_max, Unit::Angle);
         }
-        let share = if cell.play_budget > 0.0 { play / cell.play_budget } else { f64::INFINITY };
-        self.play = self.play.max(share);
-        if play > cell.play_budget * (1.0 + SLACK) {
+        let ratio = if cell.play_budget > 0.0 { play / cell.play_budget } else { f64::INFINITY };
+        self.play = self.play.max(ratio);
+        if play > cell.play_budget * (1.0 + LIMIT_TOLERANCE) {
             add(Kind::Play, play, cell.play_budget, Unit::Length);
         }
     }
@@ -281,9 +283,9 @@ impl<'a> PlatformStates<'a> {
 
 /// The position limit that a position violates.
 fn violated_limit(axis: &Axis, position: f64) -> Option<f64> {
-    if position > axis.max + POSITION_SLACK {
+    if position > axis.max + POSITION_TOLERANCE {
         Some(axis.max)
-    } else if position < axis.min - POSITION_SLACK {
+    } else if position < axis.min - POSITION_TOLERANCE {
         Some(axis.min)
     } else {
         None

@@ -6,11 +6,11 @@ pub struct CheckOptions {
     /// Sampling rate (Hz).
     pub rate: f64,
     /// Minimum distances from this on are not reported (m).
-    pub near: f64,
+    pub report_distance: f64,
 }
 
 impl Default for CheckOptions {
     fn default() -> Self {
-        Self { rate: 1000.0, near: 0.05 }
+        Self { rate: 1000.0, report_distance: 0.05 }
     }
 }

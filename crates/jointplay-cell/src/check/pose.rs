@@ -1,4 +1,4 @@
-//! Check of a single pose, and of a straight path up to the first contact.
+//! Check of a single pose, and of a joint-space line up to the first contact.
 
 use super::checker::check_uncached;
 use super::options::CheckOptions;
@@ -18,24 +18,24 @@ use crate::{CellError, EntityId};
 /// Bisections of the path before a contact: 2⁻³⁰ m is a nanometre.
 const BISECTIONS: usize = 30;
 /// Largest number of times that a path is shortened because of an earlier contact.
-const MAX_CUTS: usize = 16;
+const MAX_SHORTENINGS: usize = 16;
 /// Tolerance of the last state without contact, as a share of the path.
 const CONTACT_TOLERANCE: f64 = 1e-9;
 /// Margin to the contact, as a share of the path.
 const MARGIN: f64 = 1e-7;
 
-/// Context of a pose: where the wafers are, and the slot that an effector reaches into.
+/// Context of a pose: locations of the wafers, and the slot that an effector may enter.
 #[derive(Debug, Clone, Copy)]
 pub struct PoseContext<'m> {
     /// Trajectory of the program.
-    pub motion: &'m Trajectory,
+    pub trajectory: &'m Trajectory,
     /// Time in the trajectory that determines where the wafers are (s).
     pub time: f64,
-    /// Effector that reaches into a slot, and the slot; `None` for those of the step at that time.
-    pub reaches: Option<(EffectorId, SlotId)>,
+    /// Effector that may enter a slot, and the slot; `None` for those of the step at that time.
+    pub slot_access: Option<(EffectorId, SlotId)>,
 }
 
-/// Part of a straight path before the first contact.
+/// Part of a joint-space line before the first contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactFreePath {
     /// Positions of all axes at its end, rods first ((m), (rad)).
@@ -49,36 +49,36 @@ pub struct ContactFreePath {
 /// Checks one pose against the limits of axes, tilt and play, droop, clearances and zones.
 ///
 /// Pairs, allowed collisions and required clearances are those of [`check`](super::check); the robot is at rest.
-/// `distances` of the report lists the minimum distance of each relevant pair that is nearer than `near` of the options.
+/// `distances` of the report lists the minimum distance of each relevant pair that is smaller than `report_distance` of the options.
 ///
 /// # Errors
 /// As [`HybridRobot::forward`](crate::robot::HybridRobot::forward) for positions that are not those of the robot's axes.
 pub fn check_pose(
     cell: &Cell,
-    moment: &PoseContext<'_>,
+    context: &PoseContext<'_>,
     positions: &[f64],
     options: &CheckOptions,
 ) -> Result<Report, CellError> {
     cell.robot.check_positions(positions)?;
-    Ok(SceneAtTime::new(cell, moment).pose(positions, options))
+    Ok(SceneAtTime::new(cell, context).pose(positions, options))
 }
 
-/// Moves all axes straight from one pose toward another, up to the last state without contact.
+/// Moves all axes along a joint-space line from one pose toward another, up to the last state without contact.
 ///
 /// The path is checked continuously, as that of a program.
-/// A contact is a distance of zero, or a body in a keep-out zone; pairs that touch at the start are excluded, so that a robot in contact can be moved out of it.
+/// A contact is a distance of zero, or a body in a keep-out zone; pairs that touch at the start are not checked, so that a robot in contact can be moved out of it.
 ///
 /// # Errors
 /// As [`check_pose`], for both poses.
 pub fn advance_until_contact(
     cell: &Cell,
-    moment: &PoseContext<'_>,
+    context: &PoseContext<'_>,
     [from, to]: [&[f64]; 2],
     options: &CheckOptions,
 ) -> Result<ContactFreePath, CellError> {
     cell.robot.check_positions(from)?;
     cell.robot.check_positions(to)?;
-    Ok(SceneAtTime::new(cell, moment).straight([from, to], options))
+    Ok(SceneAtTime::new(cell, context).contact_free_path([from, to], options))
 }
 
 /// Scene at one time.
@@ -92,39 +92,39 @@ struct SceneAtTime<'a> {
 }
 
 impl<'a> SceneAtTime<'a> {
-    fn new(cell: &'a Cell, moment: &PoseContext<'_>) -> Self {
-        let PoseContext { motion, time, reaches } = *moment;
+    fn new(cell: &'a Cell, context: &PoseContext<'_>) -> Self {
+        let PoseContext { trajectory, time, slot_access } = *context;
         let mut colliders = ColliderCache::default();
         colliders.begin();
         let mut scene = Scene::new(cell, &mut colliders);
-        let ended = motion.times.iter().skip(1).take_while(|&&end| end <= time).count();
-        let locations = WaferLocations::of_steps(cell, &motion.steps[..ended]);
+        let ended = trajectory.times.iter().skip(1).take_while(|&&end| end <= time).count();
+        let locations = WaferLocations::of_steps(cell, &trajectory.steps[..ended]);
         for transfer in locations.transfers() {
             scene.move_wafer(transfer, &mut colliders);
         }
         let placed_wafers = locations.placed_wafers();
-        let current = motion.steps.get(ended.min(motion.steps.len().saturating_sub(1)));
+        let current = trajectory.steps.get(ended.min(trajectory.steps.len().saturating_sub(1)));
         let of_step = current.and_then(|step| match step.path {
             Path::Line(id) => Some((id, step.slot?, step.phase)),
             _ => None,
         });
         // An effector that is jogged into a slot may lift its wafer.
-        let reaches = reaches.map(|(id, slot)| (id, slot, Phase::Lift)).or(of_step);
+        let slot_access = slot_access.map(|(id, slot)| (id, slot, Phase::Lift)).or(of_step);
         let loaded = cell.robot.effectors().filter(|&id| scene.held_wafer(id).is_some());
         let template = Step {
             instruction: 0,
             place: SourceLocation::default(),
-            phase: reaches.map_or(Phase::Move, |(.., phase)| phase),
+            phase: slot_access.map_or(Phase::Move, |(.., phase)| phase),
             from: Vec::new(),
             to: Vec::new(),
-            path: reaches.map_or(Path::PointToPoint, |(id, ..)| Path::Line(id)),
+            path: slot_access.map_or(Path::PointToPoint, |(id, ..)| Path::Line(id)),
             speed_scaling: 1.0,
             blend_radius: 0.0,
             postures: None,
             line_speed: None,
             loaded: loaded.collect(),
             handoff: None,
-            slot: reaches.map(|(_, slot, _)| slot),
+            slot: slot_access.map(|(_, slot, _)| slot),
         };
         Self { cell, colliders, scene, placed_wafers, template }
     }
@@ -132,26 +132,30 @@ impl<'a> SceneAtTime<'a> {
     fn report(&mut self, [from, to]: [&[f64]; 2], options: &CheckOptions) -> (Trajectory, Report) {
         let mut step = self.template.clone();
         (step.from, step.to) = (from.to_vec(), to.to_vec());
-        let motion = joint_space_line(step);
+        let trajectory = joint_space_line(step);
         let (scene, context) = (self.scene.clone(), JobContext::unmonitored());
         let (steps, starts) = uninterrupted(StepChecks::new(
-            &motion,
-            0..motion.steps.len(),
+            &trajectory,
+            0..trajectory.steps.len(),
             &[],
             options,
             scene,
             &mut self.colliders,
             context,
         ));
-        let report = check_uncached(self.cell, &motion, steps, &starts, self.placed_wafers);
-        (motion, report)
+        let report = check_uncached(self.cell, &trajectory, steps, &starts, self.placed_wafers);
+        (trajectory, report)
     }
 
     fn pose(&mut self, positions: &[f64], options: &CheckOptions) -> Report {
         self.report([positions, positions], options).1
     }
 
-    fn straight(&mut self, [from, to]: [&[f64]; 2], options: &CheckOptions) -> ContactFreePath {
+    fn contact_free_path(
+        &mut self,
+        [from, to]: [&[f64]; 2],
+        options: &CheckOptions,
+    ) -> ContactFreePath {
         let at_start = contacts(&self.pose(from, options));
         let new = |report: &Report| -> Option<[EntityId; 2]> {
             contacts(report).into_iter().find(|pair| !at_start.contains(pair))
@@ -160,9 +164,9 @@ impl<'a> SceneAtTime<'a> {
             from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect()
         };
         let (mut share, mut touching) = (1.0, None);
-        for _ in 0..MAX_CUTS {
+        for _ in 0..MAX_SHORTENINGS {
             let end = if share == 1.0 { to.to_vec() } else { at(share) };
-            let (motion, report) = self.report([from, &end], options);
+            let (trajectory, report) = self.report([from, &end], options);
             // A violation begins with the clearance; the contact is at its worst time.
             let new_contacts = report.violations.iter().filter(|one| {
                 is_contact(one.kind)
@@ -175,7 +179,7 @@ impl<'a> SceneAtTime<'a> {
             };
             touching = pair_of(&first.entities);
             // The position of the contact as a share of the whole path.
-            let reached = motion.sample_at(first.worst_time).positions;
+            let reached = trajectory.sample_at(first.worst_time).positions;
             let (mut free, mut touched) = (0.0, share_of([from, to], &reached).min(share));
             for _ in 0..BISECTIONS {
                 let middle = 0.5 * (free + touched);
@@ -195,7 +199,7 @@ impl<'a> SceneAtTime<'a> {
     }
 }
 
-/// Share of a straight path at which positions are.
+/// Share of a joint-space line at which positions are.
 fn share_of([from, to]: [&[f64]; 2], at: &[f64]) -> f64 {
     let (mut along, mut squares) = (0.0, 0.0);
     for ((from, to), at) in from.iter().zip(to).zip(at) {

@@ -13,7 +13,7 @@ pub enum Verdict {
     Broken,
 }
 
-/// Largest value relative to its limit; above 1 the limit is violated.
+/// Peak of a quantity relative to its limit; above 1 the limit is violated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Utilization {
     /// Index of the axis or effector.
@@ -32,7 +32,7 @@ pub struct MinimumDistance {
     /// Minimum distance at the samples (m).
     pub distance: f64,
     /// Tolerance: samples that were not evaluated may have a distance smaller by this much (m).
-    pub within: f64,
+    pub tolerance: f64,
     /// Time of the minimum (s).
     pub time: f64,
     /// Index of the step at that time.
@@ -53,7 +53,7 @@ pub struct InstructionResult {
     /// Duration (s).
     pub duration: f64,
     /// Time during which each axis moves (s).
-    pub moving: Vec<f64>,
+    pub moving_time: Vec<f64>,
     /// Largest velocity relative to its limit.
     pub velocity: Option<Utilization>,
     /// Largest acceleration relative to its limit.
@@ -84,7 +84,7 @@ pub struct Report {
     /// Minimum distances of pairs within the reporting range, smallest first.
     pub distances: Vec<MinimumDistance>,
     /// Time during which each axis moves (s).
-    pub moving: Vec<f64>,
+    pub moving_time: Vec<f64>,
     /// Duration of the trajectory (s).
     pub duration: f64,
     /// Number of wafers that are placed into a slot, each counted once.

@@ -6,8 +6,11 @@ use crate::collision::{AxisStates, MotionBoundModel, SampledStep, Scene, droop_b
 use crate::robot::{AxesMotion, EffectorId, MAX_JOINTS, RODS};
 use crate::wafer::{DroopBounds, FrictionMargin, MIN_REACH};
 
-/// Factor for effects that the bound neglects: the centre of pressure of the pads, and the in-plane motion of the platform as it tilts.
-const SLACK: f64 = 1.1;
+/// Factor of the bound for effects that it neglects.
+///
+/// These are the offset of the centre of pressure of the pads, and the in-plane motion of the platform as it tilts: both are of second order in tilt and acceleration.
+/// A tenth covers them with a margin; tests compare the largest utilization with that of all samples.
+const INFLATION: f64 = 1.1;
 /// Tolerance of the largest utilization of friction: samples that were not evaluated may have as much more.
 const UTILIZATION_TOLERANCE: f64 = 1e-4;
 
@@ -69,30 +72,31 @@ impl<'a> HeldWafer<'a> {
     /// Bisects the interval between two samples unless the friction in it is bounded.
     ///
     /// ```text
-    ///    max φ  ≤  (φ_0 + φ_1 + (1 + s µ) Δ + (sin(tilt) + s µ) Δ_z) / 2          φ  =  required - s available,   available = µ f_n
+    ///    max φ  ≤  (φ₀ + φ₁ + (1 + η µ) Δ + (sin α + η µ) Δ_z) / 2          φ  =  required − η available,   available = µ f_n
     /// ```
-    /// s: largest utilization so far, at most 1; Δ, Δ_z: variation of the specific force in any direction, and its vertical part. Where φ ≤ 0, no utilization is above s.
+    /// φ₀, φ₁: values at both ends; η: largest utilization so far, below 1; µ: coefficient of friction; f_n: normal component of the specific force;
+    /// α: largest tilt of the wafer; Δ, Δ_z: variation of the specific force in any direction, and along the vertical. Where φ ≤ 0, no utilization exceeds η.
     fn bisect(&mut self, interval: Range<usize>, left: FrictionMargin, right: FrictionMargin) {
         if interval.len() < 2 {
             return;
         }
         // Below 1: a sample that slips is always evaluated.
-        let share = self.peak.min(1.0 - UTILIZATION_TOLERANCE);
+        let utilization = self.peak.min(1.0 - UTILIZATION_TOLERANCE);
         let effector = &self.scene.cell.robot.arms[self.effector.arm].effectors;
         let friction = effector[self.effector.effector].friction;
         let [from, to] = [interval.start, interval.end].map(|sample| self.variation[sample]);
-        let pressing = share * friction;
+        let pressing = utilization * friction;
         let variation = (1.0 + pressing) * (to.any_direction - from.any_direction)
             + (self.sin_tilt + pressing) * (to.vertical - from.vertical);
         let excess = |margin: FrictionMargin| {
-            margin.required - (share + UTILIZATION_TOLERANCE) * margin.available
+            margin.required - (utilization + UTILIZATION_TOLERANCE) * margin.available
         };
         if excess(left) + excess(right) + variation <= 0.0 {
             return;
         }
         let middle = interval.start.midpoint(interval.end);
         let center = self.evaluate(middle);
-        // The half with the larger utilization first: the peak found there may exclude the other half.
+        // The half with the larger utilization first: the peak found there may rule out the other half.
         if left.utilization() >= right.utilization() {
             self.bisect(interval.start..middle, left, center);
             self.bisect(middle..interval.end, center, right);
@@ -102,7 +106,7 @@ impl<'a> HeldWafer<'a> {
         }
     }
 
-    /// Friction at a sample; infinite where the acceleration is unknown, so that nothing next to it is excluded.
+    /// Friction at a sample; infinite where the acceleration is unknown, so that no neighbouring interval is ruled out.
     fn evaluate(&mut self, sample: usize) -> FrictionMargin {
         let Some(margin) = self.friction_margin(sample) else {
             return FrictionMargin { required: f64::INFINITY, available: 0.0 };
@@ -151,14 +155,18 @@ impl VariationInputs<'_> {
     /// Accumulates the variation by sample.
     ///
     /// ```text
-    ///    arm        |Δr̈|        r, ṙ, r̈: on the platform, along the wafer's axes; ϑ: its heading
-    ///    heave      |Δö|
-    ///    platform   |Δα| r + |α| (|Δr| + r |Δϑ|) + 2 |Δω| ṙ + 2 |ω| (|Δṙ| + ṙ |Δϑ|)
-    ///    gravity    g |Δn| + g sin(tilt) |Δϑ|
-    ///    tilt_velocity    R²/2 |Δϑ̈| / b
-    ///    droop      d' |Δr̈| + (d' / l + 3 d'') (|r̈| |Δr| + 4 ṙ |Δṙ| + ṙ² |Δr| / l)        d, s: drop and slope at the reach l
-    ///               + (g + |r̈|) ((s' + s / l) |Δr| + s |Δϑ|)
+    ///    arm                 |Δr̈|
+    ///    heave               |Δz̈|
+    ///    platform            |Δα̈| ρ + |α̈| (|Δr| + ρ |Δϑ|) + 2 |Δα̇| |ṙ| + 2 |α̇| (|Δṙ| + |ṙ| |Δϑ|)
+    ///    gravity             2 g |Δα| + g α |Δϑ|
+    ///    yaw acceleration    R² |Δϑ̈| / 2b
+    ///    deflection          d' |Δr̈| + (d' / l + 3 d'') (|r̈| |Δr| + 4 |ṙ| |Δṙ| + ṙ² |Δr| / l) + (g + |r̈|) ((s' + s / l) |Δr| + s |Δϑ|)
     /// ```
+    /// Δ: change from one sample to the next.
+    /// r, ϑ: position of the wafer's centre and heading on the platform, r along the wafer's axes; ρ: distance of the centre from the platform's origin, at most.
+    /// z: height of the platform; α: its tilt, in bounds of magnitude only; g: gravity.
+    /// R: radius of the wafer; b: lever arm of friction against rotation.
+    /// d, s: drop and slope of the deflection at the reach l, with derivatives by the reach.
     fn accumulate(&self) -> Vec<ForceVariation> {
         let Self { scene, effector, sampled, bounds, rods, arm, tilt, droop } = *self;
         let cell = scene.cell;
@@ -205,10 +213,10 @@ impl VariationInputs<'_> {
                 let difference = |order: usize| -> [f64; RODS] {
                     std::array::from_fn(|rod| after[order][rod] - before[order][rod])
                 };
-                let rate = |order: usize| SLACK * bounds.tilt_bound(&after[order]);
+                let rate = |order: usize| INFLATION * bounds.tilt_bound(&after[order]);
                 let [tilt_change, tilt_velocity, tilt_acceleration] =
-                    [0, 1, 2].map(|order| SLACK * bounds.tilt_bound(&difference(order)));
-                total.vertical += SLACK * bounds.heave_bound(&difference(2));
+                    [0, 1, 2].map(|order| INFLATION * bounds.tilt_bound(&difference(order)));
+                total.vertical += INFLATION * bounds.heave_bound(&difference(2));
                 change += tilt_acceleration * wafer_radius
                     + rate(2) * (displacement + turn * wafer_radius)
                     + 2.0 * (tilt_velocity * speed + rate(1) * (velocity_change + turn * speed))
@@ -216,7 +224,7 @@ impl VariationInputs<'_> {
                 before = after;
             }
             previous = now;
-            total.any_direction += SLACK * change;
+            total.any_direction += INFLATION * change;
             variation.push(total);
         }
         variation

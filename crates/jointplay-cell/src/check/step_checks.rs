@@ -61,7 +61,7 @@ impl<'a> StepChecks<'a> {
             }
         }
         let bounds = MotionBoundModel::new(&cell.robot);
-        let max_distance = options.near.max(cell.clearance).max(cell.slot_clearance);
+        let max_distance = options.report_distance.max(cell.clearance).max(cell.slot_clearance);
         let broad_phases = parallel_map(scenes.len(), context, |scene| {
             BroadPhase::new(&scenes[scene], &bounds, max_distance)
         })?;
@@ -109,21 +109,21 @@ impl<'a> StepChecks<'a> {
             self.sample(step, window, sampled);
             let mut findings =
                 StepFindings::new(scene, &self.trajectory.steps[step], sampled, &self.bounds);
-            let mut paths = Vec::with_capacity(broad_phase.moving.len());
+            let mut swept_boxes = Vec::with_capacity(broad_phase.moving.len());
             for (&object, coefficients) in broad_phase.moving.iter().zip(&broad_phase.coefficients)
             {
                 let runs = &findings.runs;
                 match sampled.swept_aabb(scene, object, &self.bounds, coefficients, runs) {
-                    Ok(path) => paths.push(path),
+                    Ok(boxes) => swept_boxes.push(boxes),
                     Err(unknown) => {
                         // No distance of this window is known, which is reported as a violation.
                         findings.add_unknown_pose(unknown);
-                        paths = broad_phase.moving.iter().map(|_| None).collect();
+                        swept_boxes = broad_phase.moving.iter().map(|_| None).collect();
                         break;
                     }
                 }
             }
-            findings.paths = paths;
+            findings.swept_boxes = swept_boxes;
             (findings, sampled.first())
         };
         let (mut findings, _) = check_window(0);
@@ -153,9 +153,9 @@ impl<'a> StepChecks<'a> {
     ) -> CandidatePairs {
         let (scene, broad_phase) = (self.scene(key), &self.broad_phases[key.scene]);
         let clearance = scene.cell.clearance.max(scene.cell.slot_clearance);
-        let distance = self.options.near.max(clearance);
+        let distance = self.options.report_distance.max(clearance);
         let step = &self.trajectory.steps[step];
-        let (objects, pairs) = broad_phase.candidates(scene, step, &findings.paths, distance);
+        let (objects, pairs) = broad_phase.candidates(scene, step, &findings.swept_boxes, distance);
         let mut cache_key = key.cache_key.clone();
         for &object in &objects[broad_phase.moving.len()..] {
             cache_key.add(&*scene.objects[object]);
@@ -188,7 +188,7 @@ impl<'a> StepChecks<'a> {
                 bounds: &self.bounds,
                 coefficients: &broad_phase.coefficients,
                 relative: broad_phase.relative_motion(scene),
-                max_distance: self.options.near,
+                max_distance: self.options.report_distance,
             };
             query.check(&mut pairs, &findings.runs);
         }

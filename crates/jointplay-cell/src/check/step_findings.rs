@@ -1,4 +1,4 @@
-//! Findings of one step: peaks relative to limits, violations, swept boxes.
+//! Findings of one step without pairs of objects: peaks relative to limits, violations, swept boxes.
 
 use std::ops::Range;
 
@@ -13,9 +13,9 @@ pub(super) struct StepFindings {
     pub(super) acceleration: Option<Utilization>,
     pub(super) jerk: Option<Utilization>,
     pub(super) slip: Option<Utilization>,
-    /// Largest tilt as a share of its limit.
+    /// Largest tilt relative to its limit.
     pub(super) tilt: f64,
-    /// Largest displacement of the virtual joints as a share of the play budget.
+    /// Largest displacement of the virtual joints relative to the play budget.
     pub(super) play: f64,
     /// Whether each axis moves.
     pub(super) moved: Vec<bool>,
@@ -25,10 +25,10 @@ pub(super) struct StepFindings {
     /// Runs of samples at which all poses are known.
     pub(super) runs: Vec<Range<usize>>,
     /// Swept boxes of the moving objects.
-    pub(super) paths: Vec<Option<SweptAabb>>,
+    pub(super) swept_boxes: Vec<Option<SweptAabb>>,
 }
 
-/// Keeps the larger of two peaks, of equal ones the earlier.
+/// Replaces a peak by a larger one, or by an equal one that is earlier.
 pub(super) fn update_peak(peak: &mut Option<Utilization>, found: Utilization) {
     let is_larger = |peak: &Utilization| {
         found.ratio > peak.ratio || (found.ratio == peak.ratio && found.time < peak.time)
@@ -71,10 +71,10 @@ impl StepFindings {
                 _ => self.runs.push(run),
             }
         }
-        for (path, next) in self.paths.iter_mut().zip(next.paths) {
-            match (path.as_mut(), next) {
-                (Some(path), Some(next)) => path.join(next),
-                (None, next) => *path = next,
+        for (boxes, next) in self.swept_boxes.iter_mut().zip(next.swept_boxes) {
+            match (boxes.as_mut(), next) {
+                (Some(boxes), Some(next)) => boxes.join(next),
+                (None, next) => *boxes = next,
                 (Some(_), None) => {}
             }
         }

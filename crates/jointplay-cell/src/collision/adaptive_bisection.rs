@@ -92,7 +92,7 @@ impl<'p> PairAccumulator<'p> {
 /// Bound coefficients of the relative motion of a pair.
 #[derive(Clone, Copy)]
 pub(crate) struct RelativeMotion {
-    /// Sums of the coefficients of both objects, those of the common ancestor excluded.
+    /// Sums of the coefficients of both objects, without those of the common ancestor.
     pub(crate) coefficients: MotionBoundCoefficients,
     /// Last body that carries both objects.
     pub(crate) ancestor: Parent,
@@ -284,7 +284,7 @@ impl PairQuery<'_, '_> {
         }
         let middle = interval.start.midpoint(interval.end);
         let mut center = self.bound_at(middle)?;
-        // The half with the smaller distance first: the minimum found there may exclude the other half.
+        // The half with the smaller distance first: the minimum found there may rule out the other half.
         if left.value <= right.value {
             self.certify_interval(interval.start..middle, left, &mut center)?;
             self.certify_interval(middle..interval.end, &mut center, right)
@@ -294,7 +294,7 @@ impl PairQuery<'_, '_> {
         }
     }
 
-    /// Bisects the interval between two neighbouring samples where they do not exclude a violation; true if a contact was found.
+    /// Bisects the interval between two neighbouring samples where they do not rule out a violation; true if a contact was found.
     fn bisect_between_samples(
         &mut self,
         sample: usize,
@@ -336,7 +336,7 @@ impl PairQuery<'_, '_> {
     /// Bound of the distance at a sample by bounding spheres.
     fn bound_at(&mut self, sample: usize) -> Result<DistanceBound, UnknownPose> {
         let query = &mut *self.query;
-        query.sampled.locate(query.scene, sample)?;
+        query.sampled.ensure_link_poses(query.scene, sample)?;
         let poses = query.sampled.link_poses(sample)?;
         Ok(DistanceBound::of_spheres(query, poses, self.pair.objects))
     }
@@ -355,7 +355,7 @@ impl PairQuery<'_, '_> {
         Ok(())
     }
 
-    /// Evaluates the distance at a sample unless its lower bound excludes that it is relevant.
+    /// Evaluates the distance at a sample unless its lower bound rules out that it is relevant.
     fn evaluate_if_relevant(
         &mut self,
         sample: usize,
@@ -472,8 +472,8 @@ impl PairQuery<'_, '_> {
             vertical = vertical.max(direction.dot(&poses.normal).abs() + tilt);
         }
         // Deflections are mostly vertical: only their part along the direction counts.
-        let share = (vertical + motion.normal_rotation).min(1.0);
-        let deflection = share * motion.deflection + motion.lateral_deflection;
+        let vertical_ratio = (vertical + motion.normal_rotation).min(1.0);
+        let deflection = vertical_ratio * motion.deflection + motion.lateral_deflection;
         Ok(gap - motion.chord_deviation - 2.0 * (motion.platform + deflection))
     }
 }

@@ -62,7 +62,7 @@ impl Scene<'_> {
 
     /// Contact rule of a moving and a fixed object during a step.
     ///
-    /// While a step reaches into a slot, the end effector and its wafer must keep the slot clearance to the wafers of that station, and the lesser of slot clearance and general clearance to all fixed objects.
+    /// While a step is in a slot, the end effector and its wafer must satisfy the slot clearance to the wafers of that station, and the lesser of slot clearance and general clearance to all fixed objects.
     /// During lift and lower, the last link may touch the wafer of that slot.
     pub(crate) fn contact_rule(&self, mover: usize, fixed: usize, step: &Step) -> ContactRule {
         let general = self.general_contact_rule(mover, fixed);

@@ -18,7 +18,7 @@ pub(crate) struct BroadPhase {
     /// Fixed objects, as indices in the scene.
     fixed: Vec<usize>,
     /// For each moving object the distance from the origin of its parent up to which its points are relevant (m).
-    reaches: Vec<f64>,
+    relevant_radii: Vec<f64>,
     /// Bound coefficients of the moving objects.
     pub(crate) coefficients: Vec<MotionBoundCoefficients>,
     /// Pairs of moving objects that are checked.
@@ -48,17 +48,17 @@ impl BroadPhase {
         for &object in &moving {
             cache_key.add(&*scene.objects[object]);
         }
-        let reaches = relevant_reaches(scene, &moving, &fixed, bounds, max_distance);
-        for (&object, &reach) in moving.iter().zip(&reaches) {
-            // A reach that is clipped depends on the other objects.
-            if reach < scene.objects[object].collider.reach() {
-                cache_key.add(&reach);
+        let relevant_radii = relevant_radii(scene, &moving, &fixed, bounds, max_distance);
+        for (&object, &radius) in moving.iter().zip(&relevant_radii) {
+            // A radius that is clipped depends on the other objects.
+            if radius < scene.objects[object].collider.reach() {
+                cache_key.add(&radius);
             }
         }
-        let coefficients = |(&object, &reach): (&usize, &f64)| {
-            MotionBoundCoefficients::new(scene.cell, &scene.objects[object], reach)
+        let coefficients = |(&object, &radius): (&usize, &f64)| {
+            MotionBoundCoefficients::new(scene.cell, &scene.objects[object], radius)
         };
-        let coefficients = moving.iter().zip(&reaches).map(coefficients).collect();
+        let coefficients = moving.iter().zip(&relevant_radii).map(coefficients).collect();
         let mut pairs = Vec::new();
         for a in 0..moving.len() {
             for b in a + 1..moving.len() {
@@ -69,13 +69,14 @@ impl BroadPhase {
             }
         }
         let relative = OnceLock::new();
-        Self { moving, fixed, reaches, coefficients, pairs, relative, cache_key }
+        Self { moving, fixed, relevant_radii, coefficients, pairs, relative, cache_key }
     }
 
     /// Relative motion of the pairs of two moving objects.
     pub(crate) fn relative_motion(&self, scene: &Scene<'_>) -> &[RelativeMotion] {
         let of_pair = |pair: &CandidatePair| {
-            let objects = pair.objects.map(|k| (&*scene.objects[self.moving[k]], self.reaches[k]));
+            let objects =
+                pair.objects.map(|k| (&*scene.objects[self.moving[k]], self.relevant_radii[k]));
             let ancestor = common_ancestor(&scene.cell.robot, objects[0].0, objects[1].0);
             let coefficients = MotionBoundCoefficients::relative(scene.cell, objects, ancestor);
             RelativeMotion { coefficients, ancestor }
@@ -86,24 +87,24 @@ impl BroadPhase {
     /// Objects whose swept boxes come within a distance of each other (m), moving ones first, and their pairs.
     ///
     /// # Arguments
-    /// * `paths` – swept boxes of the moving objects
+    /// * `swept_boxes` – swept boxes of the moving objects
     pub(crate) fn candidates(
         &self,
         scene: &Scene<'_>,
         step: &Step,
-        paths: &[Option<SweptAabb>],
+        swept_boxes: &[Option<SweptAabb>],
         distance: f64,
     ) -> (Vec<usize>, Vec<CandidatePair>) {
         let (mut objects, mut pairs) = (self.moving.clone(), self.pairs.clone());
-        let all_paths = SweptAabb::union(paths.iter().flatten());
+        let all_boxes = SweptAabb::union(swept_boxes.iter().flatten());
         for &fixed in &self.fixed {
             let aabb = &scene.objects[fixed].aabb;
-            if !all_paths.as_ref().is_some_and(|all| all.is_within(aabb, distance)) {
+            if !all_boxes.as_ref().is_some_and(|all| all.is_within(aabb, distance)) {
                 continue;
             }
             let mut index = None;
-            for (moving, path) in paths.iter().enumerate() {
-                if !path.as_ref().is_some_and(|path| path.is_within(aabb, distance)) {
+            for (moving, boxes) in swept_boxes.iter().enumerate() {
+                if !boxes.as_ref().is_some_and(|boxes| boxes.is_within(aabb, distance)) {
                     continue;
                 }
                 let rule = scene.contact_rule(self.moving[moving], fixed, step);
@@ -123,12 +124,12 @@ impl BroadPhase {
 
 /// For each moving object the distance from the origin of its parent up to which its points are relevant (m).
 ///
-/// A point that is farther out than any other object can be is not near to any of them; the motion bound of a long object need not contain its far end:
+/// A point farther out than any other object can be is not near any of them, so that the motion bound of a long object need not cover its far end:
 ///
 /// ```text
 ///    |a − o|  ≤  |a − b| + |b − O| + |O − o|        a, b: closest points of both, o: origin of the parent of a, O: origin of the platform
 /// ```
-fn relevant_reaches(
+fn relevant_radii(
     scene: &Scene<'_>,
     moving: &[usize],
     fixed: &[usize],
@@ -142,18 +143,18 @@ fn relevant_reaches(
         corner[0].hypot(corner[1]).hypot(corner[2]) + platform_radius
     };
     let of_fixed = fixed.iter().map(farthest_corner).fold(0.0, f64::max);
-    let radius = |&object: &usize, reach: f64| {
-        MotionBoundCoefficients::new(scene.cell, &scene.objects[object], reach).radius()
+    let radius = |&object: &usize, relevant_radius: f64| {
+        MotionBoundCoefficients::new(scene.cell, &scene.objects[object], relevant_radius).radius()
     };
     let radii: Vec<f64> = moving
         .iter()
         .map(|object| radius(object, scene.objects[*object].collider.reach()))
         .collect();
-    let reach = |(index, object): (usize, &usize)| {
+    let relevant_radius = |(index, object): (usize, &usize)| {
         let others = radii.iter().enumerate().filter(|(other, _)| *other != index);
         let of_moving = others.map(|(_, radius)| *radius).fold(0.0, f64::max);
-        let relevant = radius(object, 0.0) + of_fixed.max(of_moving) + max_distance;
-        relevant.min(scene.objects[*object].collider.reach())
+        let bound = radius(object, 0.0) + of_fixed.max(of_moving) + max_distance;
+        bound.min(scene.objects[*object].collider.reach())
     };
-    moving.iter().enumerate().map(reach).collect()
+    moving.iter().enumerate().map(relevant_radius).collect()
 }

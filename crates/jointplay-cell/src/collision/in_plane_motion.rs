@@ -7,7 +7,9 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::robot::{HybridRobot, PlatformModel};
 
-/// Least tilt up to which the motion is sampled (rad); the tilt limit of the robot counts where it is larger.
+/// Tilt up to which the motion is sampled at least (rad).
+///
+/// Samples extend up to the larger of this tilt and the robot's limit.
 const MIN_SAMPLED_TILT: f64 = 0.2;
 /// Number of sampled tilts.
 const RINGS: usize = 8;
@@ -18,18 +20,20 @@ const STEP: f64 = 1e-4;
 
 /// Bounds of the platform's motion beyond the shortest rotation to its normal, as its plane's slope changes.
 ///
-/// The slope s is the gradient of the plane's height, |s| = tan α.
-/// See "Platform" in `docs/explanation/collision-guarantee.md` for the inequalities and their proof.
+/// The slope s is the gradient of the plane's height, |s| = tan α, α: tilt.
+/// The chapter "Platform" of `docs/explanation/collision-guarantee.md` derives the inequalities.
 #[derive(Debug, Clone)]
 pub(crate) enum InPlaneMotion {
     /// Bound of the planar model, in closed form.
     Planar {
-        /// Σ|b̂_k||b_k| / N_0: largest twist by strain of the ball triangle.
-        ratio: f64,
+        /// Σ |p_k'| |b_k'| / N_0: largest rotation about the normal per strain of the triangle of ball centres.
+        ///
+        /// b_k', p_k': base point and socket k from the centroids of their triangles; N_0: largest Σ (U p_k') · b_k' over all rotations U.
+        twist_per_strain: f64,
         /// Distance of the centroid of the base points from the base axis (m).
-        balls: f64,
+        base_centroid_offset: f64,
         /// Distance of the centroid of the sockets from the platform's origin (m).
-        sockets: f64,
+        platform_centroid_offset: f64,
     },
     /// Bounds of other models: tan α of each ring of samples, with the largest rates up to it.
     Sampled(Vec<(f64, InPlaneRates)>),
@@ -55,18 +59,21 @@ impl InPlaneMotion {
     }
 
     fn planar(gpr: &Gpr) -> Self {
-        let (balls, sockets) = (gpr.base_points(), gpr.platform().sockets());
-        let mean = |of: &[Vector2<f64>; 3]| (of[0] + of[1] + of[2]) / 3.0;
-        let (ball, socket) = (mean(balls), mean(sockets));
+        let (base_points, sockets) = (gpr.base_points(), gpr.platform().sockets());
+        let mean = |points: &[Vector2<f64>; 3]| (points[0] + points[1] + points[2]) / 3.0;
+        let (base_centroid, socket_centroid) = (mean(base_points), mean(sockets));
         let (mut lengths, mut along, mut across) = (0.0, 0.0, 0.0);
         for k in 0..3 {
-            let (b, s) = (balls[k] - ball, sockets[k] - socket);
+            let (b, s) = (base_points[k] - base_centroid, sockets[k] - socket_centroid);
             lengths += b.norm() * s.norm();
             along += s.dot(&b);
             across += s.perp(&b);
         }
-        let ratio = lengths / f64::hypot(along, across);
-        Self::Planar { ratio, balls: ball.norm(), sockets: socket.norm() }
+        Self::Planar {
+            twist_per_strain: lengths / f64::hypot(along, across),
+            base_centroid_offset: base_centroid.norm(),
+            platform_centroid_offset: socket_centroid.norm(),
+        }
     }
 
     fn sampled(robot: &HybridRobot) -> Self {
@@ -84,11 +91,11 @@ impl InPlaneMotion {
         let mut rings = Vec::with_capacity(RINGS);
         let mut most = InPlaneRates::default();
         for ring in 1..=RINGS {
-            let steep = (top * ring as f64 / RINGS as f64).tan();
+            let slope_of_ring = (top * ring as f64 / RINGS as f64).tan();
             let rates: Vec<Option<InPlaneRates>> = (0..DIRECTIONS)
                 .map(|direction| {
                     let angle = std::f64::consts::TAU * direction as f64 / DIRECTIONS as f64;
-                    let slope = Vector2::new(angle.cos(), angle.sin()) * steep;
+                    let slope = Vector2::new(angle.cos(), angle.sin()) * slope_of_ring;
                     let (here, _) = at(slope)?;
                     let (mut shift, mut twist) = (0.0_f64, 0.0_f64);
                     for axis in [Vector2::x(), Vector2::y()] {
@@ -109,27 +116,31 @@ impl InPlaneMotion {
                     most.twist = most.twist.max(over(one.twist, other.twist));
                 }
             }
-            rings.push((steep, most));
+            rings.push((slope_of_ring, most));
         }
         Self::Sampled(rings)
     }
 
-    /// Bounds for slopes up to a given one.
-    pub(crate) fn rates(&self, steep: f64) -> InPlaneRates {
+    /// Bounds for slopes of at most this magnitude.
+    pub(crate) fn rates(&self, slope: f64) -> InPlaneRates {
         match self {
-            Self::Planar { ratio, balls, sockets } => {
-                let secant = 1.0_f64.hypot(steep);
-                // ‖dA/ds‖, A the stretch of the base triangle to that of the balls.
-                let strain = 2.0 / 3.0_f64.sqrt() * steep / secant;
-                let twist = strain * ratio;
-                let shift = strain * balls + twist * sockets + secant * balls + sockets;
+            Self::Planar { twist_per_strain, base_centroid_offset, platform_centroid_offset } => {
+                // 1 / cos α
+                let secant = 1.0_f64.hypot(slope);
+                // ‖dA/ds‖, A: stretch of the triangle of base points to that of ball centres.
+                let strain = 2.0 / 3.0_f64.sqrt() * slope / secant;
+                let twist = strain * twist_per_strain;
+                let shift = strain * base_centroid_offset
+                    + twist * platform_centroid_offset
+                    + secant * base_centroid_offset
+                    + platform_centroid_offset;
                 InPlaneRates { shift, twist }
             }
             Self::Sampled(rings) => {
-                let ring = rings.iter().find(|(reached, _)| steep <= *reached).or(rings.last());
+                let ring = rings.iter().find(|(reached, _)| slope <= *reached).or(rings.last());
                 let Some(&(reached, rates)) = ring else { return InPlaneRates::default() };
                 // Beyond the rings the rates grow in proportion.
-                let more = (steep / reached).max(1.0);
+                let more = (slope / reached).max(1.0);
                 InPlaneRates { shift: rates.shift * more, twist: rates.twist * more }
             }
         }

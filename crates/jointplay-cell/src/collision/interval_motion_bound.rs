@@ -38,7 +38,7 @@ impl IntervalMotionBound {
             deflection: 0.5 * deflection,
             lateral_deflection: 0.5 * lateral_deflection,
             normal_rotation: 0.5 * normal_rotation,
-            // Not additive: kept as it is, which is an upper bound for each half.
+            // Not additive: the bound of the whole interval is one for each half.
             chord_deviation,
         }
     }

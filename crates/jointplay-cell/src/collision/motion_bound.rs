@@ -1,6 +1,6 @@
 //! Motion bounds: upper bounds of the travel of any point of an object between two samples.
 //!
-//! The inequalities and their proofs are in `docs/explanation/collision-guarantee.md`.
+//! `docs/explanation/collision-guarantee.md` derives the inequalities, in the chapters "Platform", "Arms" and "Deflection".
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ pub(crate) struct DisplacementBound {
     pub(crate) platform: f64,
     /// Displacement by the arms, parallel to the platform (m).
     pub(crate) arms: f64,
-    /// Displacement by the change of the deflection with the reach (m).
+    /// Displacement by the change of the deflection as the arm extends (m).
     pub(crate) deflection: f64,
     /// Horizontal part of `deflection` (m).
     pub(crate) lateral_deflection: f64,
@@ -79,8 +79,8 @@ impl CumulativeAxisTravel {
         if moving.first().is_some_and(|&axis| axis < RODS) {
             self.platform.resize(times.len(), [0.0; 3]);
         }
-        for (place, (&axis, states)) in moving.iter().zip(states).enumerate() {
-            let sums = &mut self.axes[place];
+        for (index, (&axis, states)) in moving.iter().zip(states).enumerate() {
+            let sums = &mut self.axes[index];
             sums.clear();
             let mut total = [0.0; 3];
             sums.push(total);
@@ -95,7 +95,7 @@ impl CumulativeAxisTravel {
                 }
                 sums.push(total);
                 if axis < RODS {
-                    // The largest travel of a rod; its weight follows in `accumulate_tilt`.
+                    // The largest travel of a rod so far; `accumulate_tilt` replaces it by the travel of the origin.
                     let [largest, ..] = &mut self.platform[k + 1];
                     *largest = largest.max(travel);
                 }
@@ -115,8 +115,8 @@ impl CumulativeAxisTravel {
         sampler: &AxisSampler,
     ) {
         let rods: [Option<&Vec<AxisState>>; RODS] = std::array::from_fn(|rod| {
-            let place = sampler.moving().iter().position(|&axis| axis == rod)?;
-            Some(&sampler.states()[place])
+            let index = sampler.moving().iter().position(|&axis| axis == rod)?;
+            Some(&sampler.states()[index])
         });
         let rod_states = |sample: usize| -> [AxisState; RODS] {
             let at_rest = |rod: usize| [from[rod], 0.0, 0.0, 0.0];
@@ -156,7 +156,7 @@ impl CumulativeAxisTravel {
     }
 }
 
-/// Motion of the platform by the rods, with the jerk limits of all axes: everything that motion bounds of a robot share.
+/// Robot data that all motion bounds share: motion of the platform by the rods, and jerk limits of all axes.
 pub(crate) struct MotionBoundModel {
     /// Sum of the absolute weights of the rods in the height of the platform's origin.
     weight_sum: f64,
@@ -199,7 +199,7 @@ impl MotionBoundModel {
     /// Upper bound of the distance of the platform's origin from the base origin (m).
     pub(crate) fn max_platform_distance(&self, robot: &HybridRobot) -> f64 {
         let rods = robot.axes[..RODS].iter().map(|rod| rod.min.abs().max(rod.max.abs()));
-        // Its offset from the base axis is by far smaller than that of a ball.
+        // The offset of the origin from the base axis is by far smaller than the radius of the base points.
         let radius = robot.gpr.base_points().map(|point| point.norm()).into_iter();
         self.weight_sum * rods.fold(0.0, f64::max) + radius.fold(0.0, f64::max)
     }
@@ -271,8 +271,9 @@ impl MotionBoundModel {
     /// Upper bound of the variation of the arms' part of a point's velocity, ∫|p̈| dt (m/s).
     ///
     /// ```text
-    ///    p̈  =  Σ_g |v_g| (φ̈_g e_⊥ - φ̇_g² e)         g: links from the first moving one on, φ_g: their angles
+    ///    p̈  =  Σ_g |v_g| (φ̈_g e_⊥ − φ̇_g² e)
     /// ```
+    /// p: the point in the platform frame; g: links from the first moving one on; |v_g|, φ_g: their lengths and angles; e, e_⊥: unit vectors along and across a link.
     pub(crate) fn velocity_variation(
         &self,
         coefficients: &MotionBoundCoefficients,

@@ -7,7 +7,9 @@ use crate::robot::{Arm, ArmJoint, AxisKind, EffectorId, HybridRobot, MAX_AXES};
 use crate::wafer::{Droop, DroopBounds, MIN_REACH};
 use crate::workcell::Cell;
 
-/// Least tilt up to which the motion of deflected arms is bounded (rad); the tilt limit of the robot counts where it is larger, and a motion beyond violates it.
+/// Tilt up to which the motion of deflected arms is bounded at least (rad).
+///
+/// Bounds hold up to the larger of this tilt and the robot's limit; the check reports a tilt beyond that limit as a violation.
 const MIN_BOUNDED_TILT: f64 = std::f64::consts::FRAC_PI_3;
 
 /// Upper bounds of the travel of any point of an object per unit of each axis.
@@ -29,7 +31,7 @@ pub(crate) struct MotionBoundCoefficients {
     max_deflection: f64,
 }
 
-/// Distances of an object's points from the places that it rotates about.
+/// Largest distances of an object's points from the points that it rotates about.
 #[derive(Clone, Copy)]
 struct ObjectExtent {
     parent: Parent,
@@ -41,9 +43,9 @@ struct ObjectExtent {
 
 impl ObjectExtent {
     /// # Arguments
-    /// * `reach` – distance from the origin of the parent up to which points are relevant (m)
-    fn new(cell: &Cell, object: &CollisionObject, reach: f64) -> Self {
-        let from_origin = reach.min(object.collider.reach());
+    /// * `relevant_radius` – distance from the origin of the parent up to which points are relevant (m)
+    fn new(cell: &Cell, object: &CollisionObject, relevant_radius: f64) -> Self {
+        let from_origin = relevant_radius.min(object.collider.reach());
         let from_center = match object.parent {
             Parent::DeflectedLastLink(EffectorId { arm, effector }) => {
                 let center = Vector3::from(cell.robot.arms[arm].effectors[effector].wafer_center);
@@ -59,9 +61,9 @@ impl MotionBoundCoefficients {
     /// Coefficients of a moving object.
     ///
     /// # Arguments
-    /// * `reach` – distance from the origin of the parent up to which points are relevant: that of the farthest point, or less where no other object is farther out (m)
-    pub(crate) fn new(cell: &Cell, object: &CollisionObject, reach: f64) -> Self {
-        Self::with_deflection(cell, ObjectExtent::new(cell, object, reach), 0)
+    /// * `relevant_radius` – distance from the origin of the parent up to which points are relevant: that of the farthest point, or less where no other object is farther out (m)
+    pub(crate) fn new(cell: &Cell, object: &CollisionObject, relevant_radius: f64) -> Self {
+        Self::with_deflection(cell, ObjectExtent::new(cell, object, relevant_radius), 0)
     }
 
     /// Largest distance of a point from the platform's origin, with deflection (m).
@@ -76,18 +78,19 @@ impl MotionBoundCoefficients {
         Self::with_deflection(cell, extent, 0)
     }
 
-    /// Coefficients of the relative motion of two moving objects; joints up to the common ancestor move both alike and are excluded.
+    /// Coefficients of the relative motion of two moving objects; joints up to the common ancestor move both alike and do not count.
     ///
     /// # Arguments
-    /// * `objects` – with their reaches, as in [`Self::new`]
+    /// * `objects` – with their relevant radii, as in [`Self::new`]
     pub(crate) fn relative(
         cell: &Cell,
         objects: [(&CollisionObject, f64); 2],
         ancestor: Parent,
     ) -> Self {
         let common_joints = if let Parent::Link { link, .. } = ancestor { link + 1 } else { 0 };
-        let [one, other] = objects.map(|(object, reach)| {
-            Self::with_deflection(cell, ObjectExtent::new(cell, object, reach), common_joints)
+        let [one, other] = objects.map(|(object, relevant_radius)| {
+            let extent = ObjectExtent::new(cell, object, relevant_radius);
+            Self::with_deflection(cell, extent, common_joints)
         });
         let sum = |one: [f64; MAX_AXES], other: [f64; MAX_AXES]| {
             std::array::from_fn(|axis| one[axis] + other[axis])
@@ -106,9 +109,12 @@ impl MotionBoundCoefficients {
     /// Coefficients by the joints after the first `common_joints`, and by the deflection of the arm, which all of its joints change.
     ///
     /// ```text
-    ///    |δ̇|  ≤  d' |ṙ|  +  R (s' |ṙ| + s |u̇| + s |φ̇|)  +  |ψ̇| (d + R s)
+    ///    |δ̇|  ≤  f' |ϱ̇|  +  a (φ' |ϱ̇| + φ |v̇| / max(|v|, r₀) + φ |ψ̇|)  +  |ω| (f + a φ)
     /// ```
-    /// δ: deflection; d, s: drop and slope at the reach r; R: distance from the wafer's centre; u: direction across the reach; φ, ψ: rotations of the last link and of the common ancestor.
+    /// Symbols as in the chapter "Deflection" of `docs/explanation/collision-guarantee.md`:
+    /// δ: displacement of a point by the deflection; a: its distance from the wafer's centre (`from_center`); ϱ: reach, the extension of the arm from its first joint to that centre;
+    /// f, φ: drop and slope at the reach (`droop.at`), f', φ': their derivatives by it (`droop.rate`); v: horizontal part of the reach, r₀: [`MIN_REACH`], with φ / max(|v|, r₀) ≤ `turn`;
+    /// ψ: rotation of the last link (`at_last`); ω: rotation of the common ancestor (`at_common`).
     fn with_deflection(cell: &Cell, extent: ObjectExtent, common_joints: usize) -> Self {
         let robot = &cell.robot;
         let ObjectExtent { parent, from_origin, from_center } = extent;
@@ -120,7 +126,7 @@ impl MotionBoundCoefficients {
         if arm.droop == Droop::Rigid {
             return coefficients;
         }
-        // A rotation about the first joint does not change the reach.
+        // A rotation about the first joint does not change the extension.
         let first = usize::from(arm.joints[0].kind == AxisKind::Rotary);
         let center = Self::without_deflection(robot, Parent::Effector(id), 0.0, first).arms;
         let [at_first, at_last, at_common] =
@@ -137,7 +143,7 @@ impl MotionBoundCoefficients {
             coefficients.lateral_deflection[axis] = lateral;
             coefficients.deflection[axis] = droop.rate.drop * center[axis] + lateral;
         }
-        let from_first_joint = longest_reach(robot, id) + height;
+        let from_first_joint = max_extension(robot, id) + height;
         coefficients.platform_deflection =
             size + from_center * (droop.at.slope + turn * from_first_joint);
         coefficients.max_deflection = size;
@@ -147,30 +153,31 @@ impl MotionBoundCoefficients {
     /// Coefficients by the joints after the first `common_joints`, of a rigid arm.
     ///
     /// ```text
-    ///    |v|  ≤  Σ_a |ȧ| Σ_g |m_ga| |v_g|        m_ga: rotation of link g per unit of axis a, |v_g|: its length
+    ///    |v|  ≤  Σ_a |q̇_a| Σ_g |m_ga| |v_g|
     /// ```
+    /// v: velocity of a point in the platform frame; q̇_a: velocity of axis a; m_ga: rotation of link g per unit of axis a (`ratios`); |v_g|: length of the link (`length`).
     /// The ratios are added with their signs along the chain: a wafer that a belt keeps from rotating has no coefficients about the joints that the belt compensates.
     ///
     /// # Arguments
-    /// * `reach` – distance of the farthest point from the origin of the parent (m)
+    /// * `from_origin` – distance of the farthest point from the origin of the parent (m)
     fn without_deflection(
         robot: &HybridRobot,
         parent: Parent,
-        reach: f64,
+        from_origin: f64,
         common_joints: usize,
     ) -> Self {
         let (mut arms, mut centripetal) = ([0.0; MAX_AXES], [0.0; MAX_AXES]);
         let Some((arm, joints)) = joints_of(robot, parent) else {
-            return Self::rigid(arms, centripetal, reach);
+            return Self::rigid(arms, centripetal, from_origin);
         };
         let described = &robot.arms[arm];
         // The origin of a link is at its joint.
         let last_length = match parent {
             Parent::Effector(id) => {
                 let [x, y, z] = described.effectors[id.effector].wafer_center;
-                x.hypot(y).hypot(z) + reach
+                x.hypot(y).hypot(z) + from_origin
             }
-            _ => reach,
+            _ => from_origin,
         };
         let [x, y, z] = described.mount;
         let mut radius = x.hypot(y).hypot(z);
@@ -178,14 +185,14 @@ impl MotionBoundCoefficients {
         for (index, joint) in described.joints[..joints].iter().enumerate() {
             let is_last = index + 1 == joints;
             let length = if is_last { last_length } else { joint.length.hypot(joint.offset) };
-            let length = length + max_extension(robot, joint);
+            let length = length + max_slide(robot, joint);
             radius += length + joint.rise.abs();
             let sum: f64 = ratios.iter().map(|ratio| ratio.abs()).sum();
             for &(axis, ratio) in joint.drives.iter().filter(|_| index >= common_joints) {
                 match joint.kind {
                     AxisKind::Rotary => ratios[axis] += ratio,
                     AxisKind::Linear => {
-                        // Coriolis acceleration 2 ḋ φ̇ e_⊥, with 2 |ȧ| |ḃ| ≤ ȧ² + ḃ².
+                        // Coriolis acceleration 2 l̇ φ̇ e_⊥ of a slide l on a link at the angle φ, with 2 |q̇_a| |q̇_b| ≤ q̇_a² + q̇_b².
                         arms[axis] += ratio.abs();
                         centripetal[axis] += ratio.abs() * sum;
                         for (coefficient, turning) in centripetal.iter_mut().zip(&ratios) {
@@ -194,7 +201,7 @@ impl MotionBoundCoefficients {
                     }
                 }
             }
-            // φ̇²  ≤  Σ_a |m_a| ȧ² Σ_a |m_a|
+            // φ̇²  ≤  Σ_a |m_a| q̇_a² Σ_a |m_a|, φ: angle of this link.
             let sum: f64 = ratios.iter().map(|ratio| ratio.abs()).sum();
             for axis in 0..MAX_AXES {
                 let ratio = ratios[axis].abs();
@@ -221,17 +228,17 @@ impl MotionBoundCoefficients {
 
 /// Upper bounds of the droop of an arm, loaded or not.
 pub(crate) fn droop_bounds(cell: &Cell, id: EffectorId) -> DroopBounds {
-    let reach = longest_reach(&cell.robot, id);
-    cell.robot.arms[id.arm].droop.at_most(reach, cell.wafer.mass(), cell.gravity)
+    let extension = max_extension(&cell.robot, id);
+    cell.robot.arms[id.arm].droop.at_most(extension, cell.wafer.mass(), cell.gravity)
 }
 
-/// Largest distance of an effector's wafer from the first joint in the arm's plane (m).
-fn longest_reach(robot: &HybridRobot, id: EffectorId) -> f64 {
+/// Largest extension of an arm: distance of the wafer's centre from the first joint in the arm's plane (m).
+fn max_extension(robot: &HybridRobot, id: EffectorId) -> f64 {
     let arm = &robot.arms[id.arm];
     let [x, y, _] = arm.effectors[id.effector].wafer_center;
     let last = arm.joints.len() - 1;
     let links = arm.joints[..last].iter().map(|joint| joint.length.hypot(joint.offset));
-    let slides = arm.joints.iter().map(|joint| max_extension(robot, joint));
+    let slides = arm.joints.iter().map(|joint| max_slide(robot, joint));
     links.chain(slides).sum::<f64>() + x.hypot(y)
 }
 
@@ -289,8 +296,8 @@ fn share_proximal_axes(one: &Arm, other: &Arm) -> bool {
     }
 }
 
-/// Largest extension of a prismatic joint (m).
-fn max_extension(robot: &HybridRobot, joint: &ArmJoint) -> f64 {
+/// Largest displacement of a prismatic joint (m).
+fn max_slide(robot: &HybridRobot, joint: &ArmJoint) -> f64 {
     if joint.kind == AxisKind::Rotary {
         return 0.0;
     }

@@ -74,7 +74,7 @@ fn cell(random: &mut Random, round: usize) -> (Cell, f64) {
     let model = PlatformModel { virtualization: models[round % 4], options };
     let steep = if model.virtualization == BuiltIn::Planar { 0.9 } else { 0.15 };
     let tilt_max = random.within(0.01, steep);
-    // A base that is not even, the more so the rounder.
+    // Base points and sockets deviate at random from regular triangles.
     let mut limbs = robot.gpr.limbs();
     for limb in &mut limbs {
         limb.base_point.x += random.within(-0.003, 0.003);

@@ -54,9 +54,9 @@ pub(crate) enum Role {
 pub(crate) struct CollisionObject {
     pub(crate) entity: EntityId,
     pub(crate) collider: Collider,
-    /// Number of the collider in the cache.
+    /// Identity of the collider in the cache.
     collider_id: u64,
-    /// Number of the collider at its fixed pose, for objects that do not move.
+    /// Identity of the collider at its fixed pose, for objects that do not move.
     fixed_id: u64,
     pub(crate) parent: Parent,
     pub(crate) role: Role,

@@ -1,4 +1,4 @@
-//! Axis states and link poses of a step at its samples, a window at a time.
+//! Axis states and link poses of a step at its samples, one window of samples at a time.
 
 use std::ops::Range;
 
@@ -104,9 +104,9 @@ impl SampledStep {
     /// States of some axes, by their indices; missing axes have the position 0.
     pub(crate) fn axis_states<const N: usize>(&self, indices: &[usize]) -> AxisStates<'_, N> {
         let mut states = AxisStates { moving: [None; N], fixed: [0.0; N] };
-        for (place, &axis) in indices.iter().enumerate() {
-            states.moving[place] = self.states_of(axis);
-            states.fixed[place] = self.from[axis];
+        for (index, &axis) in indices.iter().enumerate() {
+            states.moving[index] = self.states_of(axis);
+            states.fixed[index] = self.from[axis];
         }
         states
     }
@@ -125,8 +125,8 @@ impl SampledStep {
 
     /// States of an axis by sample; `None` where it does not move.
     fn states_of(&self, axis: usize) -> Option<&[AxisState]> {
-        let place = self.axes.moving().binary_search(&axis).ok()?;
-        Some(&self.axes.states()[place])
+        let index = self.axes.moving().binary_search(&axis).ok()?;
+        Some(&self.axes.states()[index])
     }
 
     /// Positions of all axes at a sample (m or rad).
@@ -143,11 +143,15 @@ impl SampledStep {
         self.travel.between(&self.axes, interval)
     }
 
-    /// Computes the link poses at a sample, unless they are there.
+    /// Computes the link poses at a sample, unless they have been computed.
     ///
     /// # Errors
     /// [`UnknownPose`]
-    pub(crate) fn locate(&mut self, scene: &Scene<'_>, sample: usize) -> Result<(), UnknownPose> {
+    pub(crate) fn ensure_link_poses(
+        &mut self,
+        scene: &Scene<'_>,
+        sample: usize,
+    ) -> Result<(), UnknownPose> {
         if self.poses[sample].is_none() {
             let buffer = self.buffers.pop().unwrap_or_default();
             self.poses[sample] = Some(scene.link_poses(&self.positions(sample), buffer));
@@ -155,7 +159,7 @@ impl SampledStep {
         self.link_poses(sample).map(|_| ())
     }
 
-    /// Link poses at a sample that was located.
+    /// Link poses at a sample for which [`Self::ensure_link_poses`] was called.
     ///
     /// # Errors
     /// [`UnknownPose`]
@@ -164,7 +168,7 @@ impl SampledStep {
         match &self.poses[sample] {
             Some(Ok(poses)) => Ok(poses),
             Some(Err(error)) => Err(UnknownPose { at, error: error.clone() }),
-            // A distance that cannot be computed is a violation, never a distance that is kept.
+            // A distance that cannot be computed is a violation, never a clearance that is satisfied.
             None => {
                 let reason =
                     "the poses of this sample were not computed before their use".to_owned();
@@ -192,14 +196,14 @@ impl SampledStep {
             let mut from = run.start;
             for to in ends {
                 let mut aabb = |sample: usize| -> Result<[Interval; 3], UnknownPose> {
-                    self.locate(scene, sample)?;
+                    self.ensure_link_poses(scene, sample)?;
                     Ok(scene.collider_at(object, self.link_poses(sample)?).aabb())
                 };
                 let (first, second) = (aabb(from)?, aabb(to)?);
                 // Between two samples a point is no farther from one of its positions there than half of its travel.
                 let travel = self.axis_travel(&(from..to));
-                let slack = 0.5 * bounds.displacement(coefficients, &travel).total();
-                parts.push(std::array::from_fn(|k| first[k].union(second[k]).inflated(slack)));
+                let margin = 0.5 * bounds.displacement(coefficients, &travel).total();
+                parts.push(std::array::from_fn(|k| first[k].union(second[k]).inflated(margin)));
                 from = to;
             }
         }

@@ -80,7 +80,7 @@ impl<'a> Scene<'a> {
             first_wafer = Some(objects.len());
             let locations = WaferLocations::at_start(cell);
             for wafer in locations.wafers() {
-                let (entity, location) = (locations.origin(wafer), locations.location(wafer));
+                let (entity, location) = (locations.wafer_id(wafer), locations.location(wafer));
                 let (disc, parent) = (disc.clone(), Parent::from(location));
                 let mut object = CollisionObject::new(entity, disc, parent, Role::Wafer, cache);
                 match location {

@@ -11,7 +11,7 @@ pub(crate) struct UnknownPose {
 }
 
 impl UnknownPose {
-    /// Adds a violation: a distance that is unknown is not a distance that is kept.
+    /// Adds a violation: an unknown distance does not satisfy a clearance.
     pub(crate) fn report(self, violations: &mut IntervalMerger) {
         let Self { at, error: PoseError { kind, reason } } = self;
         let subject = Subject::of(kind);

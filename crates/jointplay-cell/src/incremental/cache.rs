@@ -16,7 +16,7 @@ pub struct CacheStats {
     pub misses: usize,
 }
 
-/// Results by their cache keys: a generation keeps what it asks for and forgets the rest.
+/// Results by their cache keys: the end of a generation removes results that it did not use.
 pub(crate) struct GenerationalCache<T> {
     /// Inputs that all results share.
     shared: CacheKey,
@@ -73,7 +73,7 @@ impl<T> GenerationalCache<T> {
         self.current.contains_key(key) || self.previous.contains_key(key)
     }
 
-    /// Ends a generation: results that it did not ask for are forgotten.
+    /// Ends a generation: removes results that it did not use.
     pub(crate) fn end(&mut self) {
         self.previous.clear();
     }

@@ -11,7 +11,7 @@ pub struct Interrupted;
 /// Progress of a computation that is divided into jobs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// So many jobs begin.
+    /// A number of jobs starts.
     Started {
         /// Number of jobs.
         jobs: usize,
@@ -23,7 +23,7 @@ pub enum Progress {
 /// Observer of the progress; called from several threads.
 pub(crate) type Observer = dyn Fn(Progress) + Send + Sync;
 
-/// Stop condition and progress observer of one computation.
+/// Stop condition and progress observer of a computation.
 #[derive(Clone, Copy)]
 pub(crate) struct JobContext<'e> {
     pub(crate) stop: Stop<'e>,

@@ -12,10 +12,10 @@ pub const MAX_INSTRUCTIONS: u64 = 20_000;
 /// Largest nesting depth of CALL and REPEAT.
 pub const MAX_CALLS: usize = 64;
 
-/// The construct that is too long where no single instruction is.
+/// Name of the whole program in messages, for a program that is too long without any instruction that is.
 pub(super) const WHOLE: &str = "the program";
 
-/// Location and kind of an unbounded construct.
+/// Location of a construct that exceeds a bound, and the problem.
 type UnboundedProgram = (SourceLocation, Box<ProgramProblem>);
 
 /// Checks that a program expands to at most [`MAX_INSTRUCTIONS`], nested to at most [`MAX_CALLS`].
@@ -28,12 +28,12 @@ pub(super) fn check_bounds(
 ) -> Result<(), UnboundedProgram> {
     let mut counter =
         BlockCounter { program, resolved, known: BTreeMap::new(), running: Vec::new() };
-    let extent = counter.block(&resolved.body, 0)?;
-    if extent.instructions <= MAX_INSTRUCTIONS {
+    let size = counter.block(&resolved.body, 0)?;
+    if size.instructions <= MAX_INSTRUCTIONS {
         return Ok(());
     }
     let place = program.body.first().map_or_else(SourceLocation::default, |first| first.place);
-    Err(too_long(place, WHOLE, extent.instructions))
+    Err(too_long(place, WHOLE, size.instructions))
 }
 
 fn too_long(place: SourceLocation, what: &'static str, found: u64) -> UnboundedProgram {
@@ -70,10 +70,10 @@ impl BlockCounter<'_> {
             let (what, instructions, depth) = match &instruction.command {
                 ResolvedCommand::Repeat { times, body } => {
                     self.enter(instruction.place, outer + 1)?;
-                    let each = self.block(body, outer + 1)?;
-                    // An empty pass costs time too, so that it counts as one instruction.
-                    let all = each.instructions.max(1).saturating_mul(*times);
-                    ("this REPEAT", all, 1 + each.depth)
+                    let pass = self.block(body, outer + 1)?;
+                    // An empty pass takes time as well and counts as one instruction.
+                    let all = pass.instructions.max(1).saturating_mul(*times);
+                    ("this REPEAT", all, 1 + pass.depth)
                 }
                 ResolvedCommand::Call(routine) => {
                     self.enter(instruction.place, outer + 1)?;
@@ -106,9 +106,9 @@ impl BlockCounter<'_> {
         outer: usize,
     ) -> Result<BlockSize, UnboundedProgram> {
         if let Some(from) = self.running.iter().position(|&running| running == index) {
-            let circle = self.running[from..].iter().chain([&index]);
+            let cycle = self.running[from..].iter().chain([&index]);
             let name = |&routine: &usize| self.program.routines[routine].name.text.clone();
-            let problem = ProgramProblem::Recursive { routines: circle.map(name).collect() };
+            let problem = ProgramProblem::Recursive { routines: cycle.map(name).collect() };
             return Err((place, Box::new(problem)));
         }
         if let Some(&known) = self.known.get(&index) {
@@ -116,9 +116,9 @@ impl BlockCounter<'_> {
         }
         self.running.push(index);
         let resolved = self.resolved;
-        let extent = self.block(&resolved.routines[index], outer)?;
+        let size = self.block(&resolved.routines[index], outer)?;
         self.running.pop();
-        self.known.insert(index, extent);
-        Ok(extent)
+        self.known.insert(index, size);
+        Ok(size)
     }
 }

@@ -70,8 +70,8 @@ impl Errors {
         let here = self.0.entry(place).or_default();
         let kind = discriminant(&problem);
         match here.iter_mut().find(|error| discriminant(&error.problem) == kind) {
-            Some(first) => first.more += 1,
-            None => here.push(ProgramError { place, problem, more: 0 }),
+            Some(first) => first.repetitions += 1,
+            None => here.push(ProgramError { place, problem, repetitions: 0 }),
         }
     }
 }
@@ -204,8 +204,9 @@ impl ProgramExpander<'_> {
             self.errors.add(place, problem);
         }
         let process_time = self.sequencer.cell.stations[slot.station].process_time;
-        let since = self.occupancy.placed_by(slot).filter(|_| process_time > 0.0);
-        let wait = since.map(|since| Path::ProcessDwell { since, seconds: process_time });
+        let placed_at_step = self.occupancy.placed_by(slot).filter(|_| process_time > 0.0);
+        let wait = placed_at_step
+            .map(|step| Path::ProcessDwell { placed_at_step: step, seconds: process_time });
         let done = self.sequencer.get(effector, slot, wait);
         self.hand_off(handoff, place, done);
     }

@@ -9,21 +9,21 @@ use crate::station::{BlockedLine, SlotId, Station, StationPostures, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
-/// Postures along the line into a station, or why there are none.
+/// Postures along the line into a station, or the line that is blocked.
 type FoundPostures = Result<Option<StationPostures>, BlockedLine>;
 
-/// Inverse kinematics of the last program, by what it depends on.
+/// Inverse kinematics of the last program, by cache key.
 #[derive(Default)]
 pub(crate) struct IkCache {
-    /// Numbers of the stations of the last program, by their descriptions.
+    /// Identities of the stations of the last program, by their descriptions.
     stations: GenerationalCache<u64>,
-    /// How many numbers have been used.
+    /// Number of identities used so far.
     count: u64,
-    /// Numbers of the stations of this program.
-    numbers: Vec<u64>,
+    /// Identities of the stations of this program.
+    station_ids: Vec<u64>,
     waypoints: GenerationalCache<Waypoints>,
     postures: GenerationalCache<FoundPostures>,
-    reachable: GenerationalCache<Vec<f64>>,
+    ik_solutions: GenerationalCache<Vec<f64>>,
 }
 
 impl IkCache {
@@ -33,23 +33,23 @@ impl IkCache {
         self.stations.begin(&CacheKey::default());
         self.waypoints.begin(&shared);
         self.postures.begin(&shared);
-        self.reachable.begin(&shared);
-        let number = |station: &Station| {
+        self.ik_solutions.begin(&shared);
+        let id = |station: &Station| {
             let inputs = CacheKey::default().with(station);
-            let Ok(number) = self.stations.get_or_compute::<Infallible>(inputs, || {
+            let Ok(id) = self.stations.get_or_compute::<Infallible>(inputs, || {
                 self.count += 1;
                 Ok(self.count)
             });
-            *number
+            *id
         };
-        self.numbers = cell.stations.iter().map(number).collect();
+        self.station_ids = cell.stations.iter().map(id).collect();
     }
 
     pub(super) fn end(&mut self) {
         self.stations.end();
         self.waypoints.end();
         self.postures.end();
-        self.reachable.end();
+        self.ik_solutions.end();
     }
 
     /// As [`Cell::waypoints`].
@@ -61,7 +61,7 @@ impl IkCache {
         near: &[f64],
     ) -> Result<Arc<Waypoints>, Unreachable> {
         let mut inputs = CacheKey::default().with(&effector);
-        inputs.add(&self.numbers[slot.station]).add(&slot.slot).add(near);
+        inputs.add(&self.station_ids[slot.station]).add(&slot.slot).add(near);
         self.waypoints.get_or_compute(inputs, || cell.waypoints(effector, slot, near))
     }
 
@@ -72,7 +72,7 @@ impl IkCache {
         effector: EffectorId,
         station: usize,
     ) -> Result<Arc<FoundPostures>, Unreachable> {
-        let inputs = CacheKey::default().with(&effector).with(&self.numbers[station]);
+        let inputs = CacheKey::default().with(&effector).with(&self.station_ids[station]);
         self.postures.get_or_compute(inputs, || cell.station_postures(effector, station))
     }
 
@@ -93,10 +93,10 @@ impl IkCache {
             let found = cell.reach_by(effector, target, loaded, near, redundancy);
             found.map(|found| found.positions)
         };
-        self.reachable.get_or_compute(inputs, reach).map(|positions| positions.to_vec())
+        self.ik_solutions.get_or_compute(inputs, reach).map(|positions| positions.to_vec())
     }
 
     pub(crate) fn stats(&self) -> CacheStats {
-        self.reachable.stats()
+        self.ik_solutions.stats()
     }
 }

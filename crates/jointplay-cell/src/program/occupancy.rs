@@ -62,7 +62,7 @@ impl<'c> WaferOccupancy<'c> {
     }
 
     /// Line of the instruction that last changed a location.
-    fn changed_in(&self, location: WaferLocation) -> Option<usize> {
+    fn changed_at_line(&self, location: WaferLocation) -> Option<usize> {
         self.changed.get(&location).map(|place| place.line)
     }
 
@@ -80,34 +80,36 @@ impl<'c> WaferOccupancy<'c> {
             return None;
         }
         let wafer = self.locations.occupant(location)?;
-        self.locations.stays(wafer).last()?.since
+        self.locations.stays(wafer).last()?.arrival_step
     }
 
     /// Problems of a hand-off, that of the effector first: a wafer is missing, or its destination is occupied.
     pub(super) fn problems(&self, handoff: Handoff) -> Vec<ProgramProblem> {
         let (Handoff::Picked(id, slot) | Handoff::Placed(id, slot)) = handoff;
-        let (hand, place) = (WaferLocation::Effector(id), WaferLocation::Slot(slot));
+        let (hand, slot_location) = (WaferLocation::Effector(id), WaferLocation::Slot(slot));
         let picks = matches!(handoff, Handoff::Picked(..));
         let mut problems = Vec::new();
         let effector = || effector_name(&self.cell.robot, id).to_owned();
-        let since = self.changed_in(hand);
+        let changed_at_line = self.changed_at_line(hand);
         match self.occupancy(hand) {
             Occupancy::Occupied if picks => {
-                problems.push(ProgramProblem::EffectorLoaded { effector: effector(), since });
+                problems
+                    .push(ProgramProblem::EffectorLoaded { effector: effector(), changed_at_line });
             }
             Occupancy::Empty if !picks => {
-                problems.push(ProgramProblem::EffectorEmpty { effector: effector(), since });
+                problems
+                    .push(ProgramProblem::EffectorEmpty { effector: effector(), changed_at_line });
             }
             _ => {}
         }
         let slot = || slot_name(self.cell, slot);
-        let since = self.changed_in(place);
-        match self.occupancy(place) {
+        let changed_at_line = self.changed_at_line(slot_location);
+        match self.occupancy(slot_location) {
             Occupancy::Empty if picks => {
-                problems.push(ProgramProblem::EmptySlot { slot: slot(), since });
+                problems.push(ProgramProblem::EmptySlot { slot: slot(), changed_at_line });
             }
             Occupancy::Occupied if !picks => {
-                problems.push(ProgramProblem::SlotOccupied { slot: slot(), since });
+                problems.push(ProgramProblem::SlotOccupied { slot: slot(), changed_at_line });
             }
             _ => {}
         }

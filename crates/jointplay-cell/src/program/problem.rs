@@ -7,24 +7,24 @@ use crate::wafer::{SagError, Unreachable};
 
 /// An error of a program in its cell.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{problem}{}", self.repetitions())]
+#[error("{problem}{}", self.repetition_note())]
 pub struct ProgramError {
     /// Location in the text.
     pub place: SourceLocation,
     /// The problem at its first occurrence.
     pub problem: ProgramProblem,
     /// Number of further occurrences at this location.
-    pub more: usize,
+    pub repetitions: usize,
 }
 
 impl ProgramError {
     /// Text about the repetitions of the problem at its location; empty where there are none.
     #[must_use]
-    pub fn repetitions(&self) -> String {
-        match self.more {
+    pub fn repetition_note(&self) -> String {
+        match self.repetitions {
             0 => String::new(),
             1 => "; and once more where this line is repeated".to_owned(),
-            more => format!("; and {more} times more where this line is repeated"),
+            repetitions => format!("; and {repetitions} times more where this line is repeated"),
         }
     }
 }
@@ -43,9 +43,9 @@ pub enum ProgramProblem {
         /// All known names.
         known: Vec<String>,
     },
-    /// A name that is used twice.
+    /// A name that is defined twice.
     #[error("{what} `{name}` is already defined in line {line}")]
-    Twice {
+    Duplicate {
         /// The kind of thing named.
         what: &'static str,
         /// The name.
@@ -65,10 +65,10 @@ pub enum ProgramProblem {
         kind: AxisKind,
     },
     /// No effector is named where several are possible.
-    #[error("{where_}: name the effector with WITH: {}", listed(.known))]
+    #[error("{context}: name the effector with WITH: {}", listed(.known))]
     WhichEffector {
-        /// The command and its station.
-        where_: String,
+        /// Reason for which several effectors are possible.
+        context: String,
         /// Possible effectors.
         known: Vec<String>,
     },
@@ -84,7 +84,7 @@ pub enum ProgramProblem {
     },
     /// Stations that have no effector in common.
     #[error("no effector may use both {from} and {to}: {from} is open to {}, {to} to {}", listed(.may_from), listed(.may_to))]
-    NoneForBoth {
+    NoCommonEffector {
         /// Name of the first station.
         from: String,
         /// Name of the second station.
@@ -145,7 +145,7 @@ pub enum ProgramProblem {
         allowed: u64,
     },
     /// GET from an empty slot.
-    #[error("{slot} is empty: {}", match .since {
+    #[error("{slot} is empty: {}", match .changed_at_line {
         None => "it has no wafer at the start, and none was placed there since".to_owned(),
         Some(line) => format!("its wafer was picked in line {line}"),
     })]
@@ -153,26 +153,26 @@ pub enum ProgramProblem {
         /// The slot.
         slot: String,
         /// Line that picked its wafer; `None` where there never was one.
-        since: Option<usize>,
+        changed_at_line: Option<usize>,
     },
     /// GET with an effector that carries a wafer.
-    #[error("effector {effector} already carries a wafer, {}; PUT that first", since_line(.since))]
+    #[error("effector {effector} already carries a wafer, {}; PUT that first", since_line(.changed_at_line))]
     EffectorLoaded {
         /// Name of the effector.
         effector: String,
         /// Line that picked the wafer; `None` for the start.
-        since: Option<usize>,
+        changed_at_line: Option<usize>,
     },
     /// PUT into a slot that holds a wafer.
-    #[error("{slot} already holds a wafer, {}; GET that first", since_line(.since))]
+    #[error("{slot} already holds a wafer, {}; GET that first", since_line(.changed_at_line))]
     SlotOccupied {
         /// The slot.
         slot: String,
         /// Line that placed the wafer; `None` for the start.
-        since: Option<usize>,
+        changed_at_line: Option<usize>,
     },
     /// PUT with an effector that carries no wafer.
-    #[error("effector {effector} carries no wafer{}; GET one first", match .since {
+    #[error("effector {effector} carries no wafer{}; GET one first", match .changed_at_line {
         None => String::new(),
         Some(line) => format!(" since line {line}"),
     })]
@@ -180,7 +180,7 @@ pub enum ProgramProblem {
         /// Name of the effector.
         effector: String,
         /// Line that placed the wafer; `None` where there never was one.
-        since: Option<usize>,
+        changed_at_line: Option<usize>,
     },
     /// A speed, time or displacement out of range.
     #[error("{what} is {value}, but has to be {allowed}")]
@@ -208,7 +208,7 @@ pub enum ProgramProblem {
         /// The reason.
         source: Box<SagError>,
     },
-    /// A line into a station that no motion of the arm's motors follows.
+    /// A line into a station that the arm cannot follow.
     #[error(
         "effector {effector} cannot follow the line into {station}: it stops at {} of it, {} m from the axis that the arm turns about", .blocked.share, .blocked.reach
     )]
@@ -217,7 +217,7 @@ pub enum ProgramProblem {
         station: String,
         /// Name of the effector.
         effector: String,
-        /// Where the line ends, and what would make it possible.
+        /// The point at which the motion ends, and remedies.
         blocked: Box<BlockedLine>,
     },
     /// A target that the effector does not reach.
@@ -229,9 +229,9 @@ pub enum ProgramProblem {
         effector: String,
         /// Whether the effector carries a wafer.
         loaded: bool,
-        /// Correction of the station that would make the target reachable, where its tilt is the obstacle.
+        /// Correction of the station that would make the target reachable, where its tilt is the cause.
         leveling: Option<Leveling>,
-        /// The obstacle.
+        /// The cause.
         source: Box<Unreachable>,
     },
 }
@@ -245,7 +245,7 @@ pub struct Leveling {
     pub angle: f64,
 }
 
-/// A number of instructions that may be beyond counting.
+/// Number of instructions; `u64::MAX` also represents all larger numbers, and is displayed in words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Count(pub u64);
 
@@ -259,13 +259,13 @@ impl std::fmt::Display for Count {
 }
 
 /// Largest number of names listed in a message.
-const MOST_LISTED: usize = 16;
+const MAX_LISTED: usize = 16;
 
 fn listed(names: &[String]) -> String {
     match names.len() {
         0 => "none".to_owned(),
-        count if count <= MOST_LISTED => names.join(", "),
-        count => format!("{} and {} more", names[..MOST_LISTED].join(", "), count - MOST_LISTED),
+        count if count <= MAX_LISTED => names.join(", "),
+        count => format!("{} and {} more", names[..MAX_LISTED].join(", "), count - MAX_LISTED),
     }
 }
 
@@ -273,8 +273,8 @@ fn violated(violations: &[LimitViolation]) -> String {
     violations.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
-fn since_line(since: &Option<usize>) -> String {
-    since.map_or_else(|| "from the start".to_owned(), |line| format!("since line {line}"))
+fn since_line(line: &Option<usize>) -> String {
+    line.map_or_else(|| "from the start".to_owned(), |line| format!("since line {line}"))
 }
 
 fn slots_of(slots: usize) -> String {

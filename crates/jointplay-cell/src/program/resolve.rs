@@ -27,7 +27,7 @@ pub(super) fn resolve(
         let Name { text, place } = &routine.name;
         if let Some(&(_, line)) = routines.get(text.as_str()) {
             let (what, name) = (ROUTINE, text.clone());
-            resolver.error(*place, ProgramProblem::Twice { what, name, line });
+            resolver.error(*place, ProgramProblem::Duplicate { what, name, line });
         } else {
             routines.insert(text.as_str(), (index, place.line));
         }
@@ -50,8 +50,8 @@ pub(super) fn resolve(
             *problem,
             ProgramProblem::TooDeep { .. } | ProgramProblem::TooLong { what: WHOLE, .. }
         );
-        errors.push(ProgramError { place, problem: *problem, more: 0 });
-        if whole || !resolved.exclude(place) {
+        errors.push(ProgramError { place, problem: *problem, repetitions: 0 });
+        if whole || !resolved.mark_unresolved(place) {
             break;
         }
     }
@@ -89,7 +89,7 @@ type Counters<'p> = Vec<Option<&'p Name>>;
 
 impl<'p> Resolver<'p> {
     fn error(&mut self, place: SourceLocation, problem: ProgramProblem) {
-        self.errors.push(ProgramError { place, problem, more: 0 });
+        self.errors.push(ProgramError { place, problem, repetitions: 0 });
     }
 
     fn block(
@@ -135,15 +135,18 @@ impl<'p> Resolver<'p> {
                 ResolvedCommand::MoveLine { effector: effector?, by: *by }
             }
             Command::Get { from, effector } => {
-                let (from, effector) = self.at(place, from, effector.as_ref(), counters)?;
+                let (from, effector) =
+                    self.slot_and_effector(place, from, effector.as_ref(), counters)?;
                 ResolvedCommand::Get { from, effector }
             }
             Command::Put { to, effector } => {
-                let (to, effector) = self.at(place, to, effector.as_ref(), counters)?;
+                let (to, effector) =
+                    self.slot_and_effector(place, to, effector.as_ref(), counters)?;
                 ResolvedCommand::Put { to, effector }
             }
             Command::Goto { to, effector } => {
-                let (to, effector) = self.at(place, to, effector.as_ref(), counters)?;
+                let (to, effector) =
+                    self.slot_and_effector(place, to, effector.as_ref(), counters)?;
                 ResolvedCommand::Goto { to, effector }
             }
             Command::Transfer { from, to, effector } => {
@@ -156,49 +159,55 @@ impl<'p> Resolver<'p> {
                         let may = [from, to].map(|slot| self.may_use(place, found, slot.station));
                         may.iter().all(|may| *may).then_some(found)?
                     }
-                    None => self.for_both(place, from.station, to.station)?,
+                    None => self.common_effector(place, from.station, to.station)?,
                 };
                 ResolvedCommand::Transfer { from, to, effector }
             }
             Command::Swap { at, get, put } => {
                 let slot = self.slot(at, counters);
-                let (fetches, lays) = (self.effector(get), self.effector(put));
-                let (slot, fetches, lays) = (slot?, fetches?, lays?);
-                if fetches == lays {
+                let (picking, placing) = (self.effector(get), self.effector(put));
+                let (slot, picking, placing) = (slot?, picking?, placing?);
+                if picking == placing {
                     let effector = get.text.clone();
                     self.error(put.place, ProgramProblem::SameEffector { effector });
                     return None;
                 }
-                let may = [(get, fetches), (put, lays)]
+                let may = [(get, picking), (put, placing)]
                     .map(|(name, id)| self.may_use(name.place, id, slot.station));
                 may.iter().all(|may| *may).then_some(ResolvedCommand::Swap {
                     at: slot,
-                    get: fetches,
-                    put: lays,
+                    get: picking,
+                    put: placing,
                 })?
             }
             Command::Wait { seconds } => {
                 let ok = seconds.is_finite() && *seconds >= 0.0;
                 let allowed = "finite and not negative, in s";
-                self.within(place, "the time", *seconds, ok, allowed)?;
+                self.check_range(place, "the time", *seconds, ok, allowed)?;
                 ResolvedCommand::Wait(*seconds)
             }
             Command::Speed { share } => {
                 let ok = *share > 0.0 && *share <= 1.0;
-                self.within(place, "the speed", *share, ok, "a share above 0, at most 1")?;
+                self.check_range(place, "the speed", *share, ok, "a share above 0, at most 1")?;
                 ResolvedCommand::Speed(*share)
             }
             Command::Blend { radius } => {
                 let ok = radius.is_finite() && *radius >= 0.0;
                 let allowed = "finite and not negative, in m";
-                self.within(place, "the radius of blending", *radius, ok, allowed)?;
+                self.check_range(place, "the radius of blending", *radius, ok, allowed)?;
                 ResolvedCommand::Blend(*radius)
             }
             Command::Tilt { tilt } => {
                 let ok = tilt.pitch.abs() < std::f64::consts::FRAC_PI_2;
-                self.within(place, "the tilt", tilt.pitch, ok, "less than a right angle, in rad")?;
+                self.check_range(
+                    place,
+                    "the tilt",
+                    tilt.pitch,
+                    ok,
+                    "less than a right angle, in rad",
+                )?;
                 let allowed = "finite, in rad";
-                self.within(place, "the azimuth", tilt.yaw, tilt.yaw.is_finite(), allowed)?;
+                self.check_range(place, "the azimuth", tilt.yaw, tilt.yaw.is_finite(), allowed)?;
                 ResolvedCommand::Tilt(*tilt)
             }
             Command::Call { routine } => {
@@ -216,7 +225,7 @@ impl<'p> Resolver<'p> {
                     && let Some(outer) = counters.iter().flatten().find(|outer| same(outer))
                 {
                     let (what, line) = (COUNTER, outer.place.line);
-                    let problem = ProgramProblem::Twice { what, name: name.text.clone(), line };
+                    let problem = ProgramProblem::Duplicate { what, name: name.text.clone(), line };
                     self.error(name.place, problem);
                 }
                 counters.push(counter.as_ref());
@@ -227,7 +236,7 @@ impl<'p> Resolver<'p> {
         })
     }
 
-    fn within(
+    fn check_range(
         &mut self,
         place: SourceLocation,
         what: &'static str,
@@ -261,7 +270,7 @@ impl<'p> Resolver<'p> {
         }
         let position = target.position;
         let finite = position.is_finite();
-        self.within(target.axis.place, "the position", position, finite, "finite")?;
+        self.check_range(target.axis.place, "the position", position, finite, "finite")?;
         Some((index, position))
     }
 
@@ -287,19 +296,19 @@ impl<'p> Resolver<'p> {
     fn only_one(
         &mut self,
         place: SourceLocation,
-        where_: &str,
+        context: &str,
         ids: &[EffectorId],
     ) -> Option<EffectorId> {
         if let &[only] = ids {
             return Some(only);
         }
-        let (where_, known) = (where_.to_owned(), self.names(ids));
-        self.error(place, ProgramProblem::WhichEffector { where_, known });
+        let (context, known) = (context.to_owned(), self.names(ids));
+        self.error(place, ProgramProblem::WhichEffector { context, known });
         None
     }
 
     /// A slot and the effector that uses it.
-    fn at(
+    fn slot_and_effector(
         &mut self,
         place: SourceLocation,
         slot: &'p SlotName,
@@ -316,8 +325,8 @@ impl<'p> Resolver<'p> {
                 self.may_use(place, found, slot.station).then_some(found)?
             }
             None => {
-                let where_ = format!("station {} is open to several effectors", station.name);
-                self.only_one(place, &where_, &station.effectors)?
+                let context = format!("station {} is open to several effectors", station.name);
+                self.only_one(place, &context, &station.effectors)?
             }
         };
         Some((slot, effector))
@@ -338,12 +347,17 @@ impl<'p> Resolver<'p> {
     }
 
     /// The only effector that may use two stations.
-    fn for_both(&mut self, place: SourceLocation, from: usize, to: usize) -> Option<EffectorId> {
+    fn common_effector(
+        &mut self,
+        place: SourceLocation,
+        from: usize,
+        to: usize,
+    ) -> Option<EffectorId> {
         let (one, other) = (&self.cell.stations[from], &self.cell.stations[to]);
         let may = one.effectors.iter().filter(|id| other.effectors.contains(id));
         let both: Vec<EffectorId> = may.copied().collect();
         if both.is_empty() {
-            let problem = ProgramProblem::NoneForBoth {
+            let problem = ProgramProblem::NoCommonEffector {
                 from: one.name.clone(),
                 to: other.name.clone(),
                 may_from: self.names(&one.effectors),
@@ -352,9 +366,9 @@ impl<'p> Resolver<'p> {
             self.error(place, problem);
             return None;
         }
-        let where_ =
+        let context =
             format!("stations {} and {} are open to several effectors", one.name, other.name);
-        self.only_one(place, &where_, &both)
+        self.only_one(place, &context, &both)
     }
 
     fn slot(&mut self, name: &'p SlotName, counters: &Counters<'p>) -> Option<ResolvedSlot> {

@@ -82,12 +82,14 @@ pub(super) enum ResolvedSlotNumber {
 
 impl ResolvedProgram {
     /// Marks the REPEAT or CALL at a location as unresolved; returns whether there is one.
-    pub(super) fn exclude(&mut self, place: SourceLocation) -> bool {
-        std::iter::once(&mut self.body).chain(&mut self.routines).any(|body| exclude(body, place))
+    pub(super) fn mark_unresolved(&mut self, place: SourceLocation) -> bool {
+        std::iter::once(&mut self.body)
+            .chain(&mut self.routines)
+            .any(|body| mark_unresolved(body, place))
     }
 }
 
-fn exclude(body: &mut [ResolvedInstruction], place: SourceLocation) -> bool {
+fn mark_unresolved(body: &mut [ResolvedInstruction], place: SourceLocation) -> bool {
     body.iter_mut().any(|instruction| match &mut instruction.command {
         command @ (ResolvedCommand::Repeat { .. } | ResolvedCommand::Call(_))
             if instruction.place == place =>
@@ -95,7 +97,7 @@ fn exclude(body: &mut [ResolvedInstruction], place: SourceLocation) -> bool {
             *command = ResolvedCommand::Unresolved;
             true
         }
-        ResolvedCommand::Repeat { body, .. } => exclude(body, place),
+        ResolvedCommand::Repeat { body, .. } => mark_unresolved(body, place),
         _ => false,
     })
 }

@@ -17,16 +17,16 @@ use crate::station::{LinePoint, SlotId, StationPostures, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
-/// Tilt of the platform below which it counts as level: over the reach of an arm it moves the wafer by less than a micrometre (rad).
+/// Largest tilt of a platform that counts as level: it displaces a wafer at the reach of an arm by less than a micrometre (rad).
 const LEVEL_TOLERANCE: f64 = 1e-6;
 
-/// Distance below which motors rotate together with the rods, without a step of their own (m or rad).
+/// Largest distance of the motors for which a turn has no step of its own: they move together with the rods (m or rad).
 const TURNED_TOLERANCE: f64 = 1e-6;
 
-/// Distance of motors from their retracted position below which they are moved to it exactly: the droop of a retracted arm displaces them by less (m or rad).
+/// Largest distance of motors from their retracted position at which they are set to it exactly; the droop of a retracted arm displaces them by less (m or rad).
 const RETRACTED_TOLERANCE: f64 = 1e-6;
 
-/// Length of a line below which it is a move without duration: positions are solved to a tenth of it (m).
+/// Length below which a line is a step without motion: inverse kinematics is accurate to a tenth of it (m).
 const NO_DISPLACEMENT: f64 = 1e-11;
 
 /// The robot during a program, and the steps so far.
@@ -112,10 +112,10 @@ impl<'c> MotionSequencer<'c> {
             to[axis] = position;
         }
         self.within_limits("this MOVE", &to)?;
-        let reaches = |&(axis, _): &(usize, f64)| {
+        let extends_arm = |&(axis, _): &(usize, f64)| {
             axis >= RODS && !self.turning[axis] && self.positions[axis] != to[axis]
         };
-        self.arms_retracted &= !targets.iter().any(reaches);
+        self.arms_retracted &= !targets.iter().any(extends_arm);
         self.move_to(Phase::Move, to, Path::PointToPoint);
         Ok(())
     }
@@ -343,7 +343,7 @@ impl<'c> MotionSequencer<'c> {
         let gpr = &self.cell.robot.gpr;
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         let mut to = self.positions.clone();
-        // Tilts out of range are rejected before.
+        // Tilts beyond the limit have been rejected before.
         if let Ok(rods) = gpr.inverse(tilt, gpr.plane_height(&rods)) {
             to[..RODS].copy_from_slice(&rods);
         }
@@ -485,9 +485,9 @@ impl<'c> MotionSequencer<'c> {
     /// Marks the steps from an index on that are within the station.
     fn mark_in_station(&mut self, slot: SlotId, first: usize) {
         for step in &mut self.steps[first..] {
-            let within =
+            let is_in_station =
                 matches!(step.phase, Phase::Extend | Phase::Lift | Phase::Lower | Phase::Retract);
-            step.slot = within.then_some(slot);
+            step.slot = is_in_station.then_some(slot);
         }
     }
 

@@ -9,16 +9,16 @@ use crate::station::SlotId;
 /// Path of the axes in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Path {
-    /// Point to point: each axis by itself, all of them ending together.
+    /// Point to point: each axis with its own profile, all of them ending together.
     PointToPoint,
-    /// A straight line of this effector's wafer centre, its plane rotating evenly.
+    /// A straight line of this effector's wafer centre, its plane rotating uniformly.
     Line(EffectorId),
     /// A dwell (s).
     Dwell(f64),
     /// A dwell until a station has processed its wafer; without duration where it has already.
     ProcessDwell {
         /// Index of the step at whose end the wafer was placed.
-        since: usize,
+        placed_at_step: usize,
         /// Process time of the station (s).
         seconds: f64,
     },
@@ -65,7 +65,7 @@ pub struct LinePostures {
     pub path: Arc<PosturePath>,
     /// Shares of that line at which the step starts and ends.
     pub shares: [f64; 2],
-    /// Whether the wafer's heading changes evenly; otherwise it follows from the postures.
+    /// Whether the wafer's heading changes uniformly; otherwise it follows from the postures.
     pub keeps_heading: bool,
 }
 
@@ -88,7 +88,7 @@ pub struct Step {
     pub speed_scaling: f64,
     /// Largest distance of a wafer's centre from the unblended path where this step is blended with a neighbour that allows as much; 0 brings all axes to rest (m).
     pub blend_radius: f64,
-    /// Postures along a line; `None` where each point of the line has those nearest to the straight path of the axes.
+    /// Postures along a line; `None` where each point of the line has those nearest to the joint-space line.
     pub postures: Option<LinePostures>,
     /// Largest speed of the wafer's centre along a line (m/s); `None` where only the axes limit it.
     pub line_speed: Option<f64>,

@@ -24,9 +24,9 @@ pub struct WaferStay {
     /// The location.
     pub location: WaferLocation,
     /// Index of the step at whose end the wafer arrives; `None` from the start of the program.
-    pub since: Option<usize>,
+    pub arrival_step: Option<usize>,
     /// Index of the step at whose end the wafer leaves; `None` until the end of the program.
-    pub until: Option<usize>,
+    pub departure_step: Option<usize>,
 }
 
 /// Change of the location of a wafer.
@@ -57,7 +57,7 @@ pub struct WaferTransfer {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct WaferLocations {
-    origins: Vec<EntityId>,
+    wafer_ids: Vec<EntityId>,
     stays: Vec<Vec<WaferStay>>,
     transfers: Vec<WaferTransfer>,
     /// Wafers by their present location.
@@ -111,14 +111,15 @@ impl WaferLocations {
         let in_slots = cell.occupied.iter().map(|&slot| WaferLocation::Slot(slot));
         let carried = cell.carried.iter().map(|&id| WaferLocation::Effector(id));
         let locations: Vec<WaferLocation> = in_slots.chain(carried).collect();
-        let origin = |location: &WaferLocation| match *location {
+        let wafer_id = |location: &WaferLocation| match *location {
             WaferLocation::Slot(slot) => EntityId::Wafer(slot),
             WaferLocation::Effector(id) => EntityId::HeldWafer(id),
         };
-        let stay =
-            |&location: &WaferLocation| vec![WaferStay { location, since: None, until: None }];
+        let stay = |&location: &WaferLocation| {
+            vec![WaferStay { location, arrival_step: None, departure_step: None }]
+        };
         Self {
-            origins: locations.iter().map(origin).collect(),
+            wafer_ids: locations.iter().map(wafer_id).collect(),
             stays: locations.iter().map(stay).collect(),
             transfers: Vec::new(),
             occupants: locations.into_iter().enumerate().map(|(k, at)| (at, k)).collect(),
@@ -150,9 +151,9 @@ impl WaferLocations {
         self.occupants.insert(to, wafer);
         let stays = &mut self.stays[wafer];
         if let Some(last) = stays.last_mut() {
-            last.until = Some(step);
+            last.departure_step = Some(step);
         }
-        stays.push(WaferStay { location: to, since: Some(step), until: None });
+        stays.push(WaferStay { location: to, arrival_step: Some(step), departure_step: None });
         let transfer = WaferTransfer { step, wafer, to };
         self.transfers.push(transfer);
         Some(transfer)
@@ -160,7 +161,7 @@ impl WaferLocations {
 
     /// Indices of all wafers.
     pub fn wafers(&self) -> Range<usize> {
-        0..self.origins.len()
+        0..self.wafer_ids.len()
     }
 
     /// Identity of a wafer.
@@ -168,8 +169,8 @@ impl WaferLocations {
     /// # Panics
     /// If there is no such wafer.
     #[must_use]
-    pub fn origin(&self, wafer: usize) -> EntityId {
-        self.origins[wafer]
+    pub fn wafer_id(&self, wafer: usize) -> EntityId {
+        self.wafer_ids[wafer]
     }
 
     /// Stays of a wafer in the order of time, one at least.
@@ -212,7 +213,8 @@ impl WaferLocations {
     /// Number of different wafers that are placed into a slot.
     #[must_use]
     pub fn placed_wafers(&self) -> usize {
-        let is_placed = |stay: &WaferStay| stay.since.is_some() && stay.location.slot().is_some();
+        let is_placed =
+            |stay: &WaferStay| stay.arrival_step.is_some() && stay.location.slot().is_some();
         self.stays.iter().filter(|stays| stays.iter().any(is_placed)).count()
     }
 }

@@ -1,14 +1,16 @@
-//! A three-rod robot that carries planar arms.
+//! A hybrid robot: a parallel platform on three rods (GPR) that carries serial planar arms.
+//!
+//! The platform tilts within the play of its ball joints; a virtualization, a model of this play by virtual joints, determines its pose over the rods.
 //!
 //! | file | contents |
 //! | --- | --- |
 //! | `hybrid_robot` | description: axes, arms, effectors, limits |
-//! | `validate` | conditions that a description has to fulfil |
+//! | `validate` | conditions of a valid description |
 //! | `model` | pose of the platform over the rods, by a virtualization |
 //! | `arm_chain` | an arm as a sum of planar vectors |
-//! | `forward`, `jacobian`, `acceleration` | from positions, velocities and accelerations of the axes to those of frames |
+//! | `forward`, `jacobian`, `acceleration` | motion of frames by positions, velocities and accelerations of the axes |
 //! | `reach` | range of distances that an effector reaches |
-//! | `inverse` | from a wafer's plane, centre and heading to all positions that reach it |
+//! | `inverse` | axis positions for the plane, centre and heading of a wafer |
 //! | `positions` | positions of all axes without allocation |
 //! | `angle` | wrapped angles, rotations about z |
 //!

@@ -1,4 +1,4 @@
-//! Sample times between which velocities and accelerations are straight lines.
+//! Adaptive sample times for plots: velocities and accelerations between them are nearly linear.
 
 use super::sample::{Sample, UniformSampling};
 use super::trajectory::Trajectory;
@@ -22,17 +22,17 @@ struct Tolerance {
 impl Trajectory {
     /// Times in an interval at which to sample velocities and accelerations so that straight lines between the samples show their peaks, in growing order (s).
     ///
-    /// They are sample times at an even rate, the ends of all steps, and between them times at which the jerk changes or a velocity has a peak.
+    /// They are sample times at a uniform rate, the ends of all steps, and between them times at which the jerk changes or a velocity has a peak.
     ///
     /// ```text
-    ///    one change of jerk between two samples, h apart:   d = a₁ − a₀ − j₀ h = (j₁ − j₀) r         r: from the change to the second sample
-    ///                                                       w = v₁ − v₀ − a₀ h − j₀ h² / 2 = (j₁ − j₀) r² / 2,   so that r = 2 w / d
+    ///    d  =  a₁ − a₀ − j₀ h  =  (j₁ − j₀) r        w  =  v₁ − v₀ − a₀ h − j₀ h² / 2  =  (j₁ − j₀) r² / 2        r  =  2 w / d
     /// ```
+    /// v, a, j: velocity, acceleration and jerk at two samples h apart, between which the jerk changes once; r: time from that change to the second sample.
     /// Where the jerk is piecewise constant, as in all segments but Cartesian lines, accelerations between the samples are exact;
     /// elsewhere intervals are halved until the deviation is within a share of the limits.
     ///
     /// # Arguments
-    /// * `rate` – even rate (Hz)
+    /// * `rate` – uniform rate (Hz)
     /// * `interval` – start and end time (s)
     /// * `limits` – limits of each axis, which deviations are compared with
     ///
@@ -45,8 +45,8 @@ impl Trajectory {
         limits: impl Iterator<Item = &'l KinematicLimits>,
     ) -> Vec<f64> {
         let [start, end] = interval;
-        let even = UniformSampling::new(self.duration(), rate).iter();
-        let mut base: Vec<f64> = even.chain(self.times.iter().copied()).collect();
+        let uniform = UniformSampling::new(self.duration(), rate).iter();
+        let mut base: Vec<f64> = uniform.chain(self.times.iter().copied()).collect();
         base.retain(|time| (start..=end).contains(time));
         base.sort_by(f64::total_cmp);
         base.dedup_by(|later, earlier| *later - *earlier < SAME_TIME);

@@ -14,21 +14,21 @@ use crate::workcell::Cell;
 
 /// Number of bisections of the longest overlap.
 const BISECTIONS: usize = 12;
-/// Number of even intervals of an overlap, an even number, whose ends are checked in addition to times around discontinuities of the jerk.
-const EVEN_INTERVALS: usize = 30;
+/// Number of equal intervals of an overlap, whose ends are checked in addition to times around discontinuities of the jerk; divisible by two, so that the middle is one of them.
+const UNIFORM_INTERVALS: usize = 30;
 /// Share of the time from one checked time to the next, just before the next: one-sided values before a discontinuity.
 const JUST_BEFORE: f64 = 1.0 - 1e-6;
-/// Margin kept below each limit for the times between the checked ones, as a share of the limit.
+/// Margin below each limit for the times between the checked ones, relative to the limit.
 const MARGIN: f64 = 5e-3;
-/// Tolerance above a limit where only one of the two segments moves an axis, as a share of the limit: each segment keeps its own limits but for round-off.
-const ROUND_OFF: f64 = 1e-12;
+/// Tolerance above a limit where only one of the two segments moves an axis, relative to the limit: each segment satisfies its own limits up to round-off.
+const ROUND_OFF_TOLERANCE: f64 = 1e-12;
 
-/// Factors of time by which both segments may be slowed.
+/// Time scales by which both segments may be slowed.
 ///
-/// Where both segments use the full limits of one axis, they cannot overlap as they are: slower segments leave a share of the limits to each other.
+/// Two segments that both reach the limits of one axis cannot overlap; slower segments leave a part of the limits to each other.
 const SLOWDOWN_FACTORS: [f64; 5] = [1.0, 1.01, 1.03, 1.08, 1.2];
 
-/// What the blends of a trajectory depend on besides its segments.
+/// Inputs of the blends of a trajectory besides its segments.
 #[derive(Clone, Copy)]
 pub(super) struct BlendConditions<'a> {
     pub(super) cell: &'a Cell,
@@ -80,14 +80,14 @@ impl<'a> BlendCandidate<'a> {
         Some(Self { conditions, steps, segments, radius, moving, limits, chains, platform })
     }
 
-    /// Factor of time by which to slow both segments so that both together are shortest: the overlap gains more than the slowdown costs.
+    /// Time scale of both segments for which their total duration is shortest: the longer overlap saves more time than the slowdown costs.
     pub(super) fn best_slowdown(&self) -> f64 {
         let durations = self.segments.map(Segment::duration);
         let (total, longest) = (durations[0] + durations[1], max_overlap(durations));
         let mut best = (1.0, 0.0);
         for factor in SLOWDOWN_FACTORS {
             let cost = (factor - 1.0) * total;
-            // Not even the longest overlap would gain as much as the best factor so far.
+            // Even the longest overlap saves less time than the best factor so far.
             if factor * longest - cost <= best.1 {
                 continue;
             }
@@ -103,8 +103,8 @@ impl<'a> BlendCandidate<'a> {
 
     /// The longest admissible overlap; `None` where there is none.
     ///
-    /// An overlap is admissible where every axis keeps its limits, no wafer slips and no centre leaves a safe zone that would not without the overlap,
-    /// and all centres stay within the blend radius of the unblended path.
+    /// An overlap is admissible if every axis is within its limits, all wafer centres stay within the blend radius of the unblended path,
+    /// and the overlap causes no slip and no exit from a safe zone that the unblended motion does not have.
     pub(super) fn blend(&self) -> Option<Blend> {
         self.blend_of(self.segments)
     }
@@ -120,7 +120,7 @@ impl<'a> BlendCandidate<'a> {
         if let Some(deviation) = superposed.path_deviation(longest) {
             return Some(Blend { overlap: longest, deviation });
         }
-        // Bisection: a shorter overlap superposes less motion. Where admissibility is not monotonic, an admissible overlap is found all the same, though perhaps not the longest.
+        // Bisection: a shorter overlap superposes less motion. Where admissibility is not monotonic, the result is admissible, but it may not be the longest.
         let (mut low, mut high, mut deviation) = (0.0, longest, 0.0);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (low + high);
@@ -135,7 +135,7 @@ impl<'a> BlendCandidate<'a> {
     /// The platform in given positions of all axes.
     fn platform(&self, positions: &[f64]) -> Option<PlatformPose> {
         match &self.platform {
-            // Where the rods rest, which is most often, the model need not be solved again.
+            // The rods are mostly at rest: then the model need not be solved again.
             Some(platform) if platform.rods == positions[..RODS] => Some(*platform),
             _ => self.conditions.cell.robot.platform(positions).ok(),
         }
@@ -155,7 +155,7 @@ struct SuperposedSegments<'c> {
     discontinuities: [Vec<f64>; 2],
 }
 
-/// Positions, velocities and accelerations of all axes.
+/// Vectors of the positions, velocities and accelerations of all axes.
 type AxisVectors = [Positions; 3];
 
 impl SuperposedSegments<'_> {
@@ -167,9 +167,9 @@ impl SuperposedSegments<'_> {
             |time: f64| usize::from(time > 0.5 * overlap)..=usize::from(time >= 0.5 * overlap);
         // Limits of axes first: they are cheaper than poses.
         for &time in &times {
-            for place in 0..self.candidate.moving.len() {
-                let states = self.states(place, overlap, time);
-                if !owners(time).all(|owner| self.is_within_limits(place, states, owner)) {
+            for index in 0..self.candidate.moving.len() {
+                let states = self.states(index, overlap, time);
+                if !owners(time).all(|owner| self.is_within_limits(index, states, owner)) {
                     return None;
                 }
             }
@@ -193,8 +193,9 @@ impl SuperposedSegments<'_> {
     /// ends and middle of each such interval bound them to within [`MARGIN`].
     fn checked_times(&self, overlap: f64) -> Vec<f64> {
         let begin = self.segments[0].duration() - overlap;
-        let even = (0..=EVEN_INTERVALS).map(|k| overlap * (k as f64 / EVEN_INTERVALS as f64));
-        let mut times: Vec<f64> = even.collect();
+        let uniform =
+            (0..=UNIFORM_INTERVALS).map(|k| overlap * (k as f64 / UNIFORM_INTERVALS as f64));
+        let mut times: Vec<f64> = uniform.collect();
         times.extend(self.discontinuities[0].iter().map(|time| time - begin));
         times.extend(&self.discontinuities[1]);
         times.retain(|time| (0.0..=overlap).contains(time));
@@ -207,10 +208,10 @@ impl SuperposedSegments<'_> {
         times
     }
 
-    /// States of an axis in either segment, by its place among the moving axes.
-    fn states(&self, place: usize, overlap: f64, time: f64) -> [AxisState; 2] {
+    /// States of an axis in either segment, by its index among the moving axes.
+    fn states(&self, index: usize, overlap: f64, time: f64) -> [AxisState; 2] {
         let begin = self.segments[0].duration() - overlap;
-        let axis = self.candidate.moving[place];
+        let axis = self.candidate.moving[index];
         let [first, second] = self.candidate.steps;
         [
             self.segments[0].state(first, axis, begin + time),
@@ -219,16 +220,17 @@ impl SuperposedSegments<'_> {
     }
 
     /// Whether the sum of two states of an axis is within the limits of one of the steps, the owner.
-    fn is_within_limits(&self, place: usize, states: [AxisState; 2], owner: usize) -> bool {
+    fn is_within_limits(&self, index: usize, states: [AxisState; 2], owner: usize) -> bool {
         let limits = [0, 1].map(|step| {
-            let limits = &self.candidate.limits[step][place];
+            let limits = &self.candidate.limits[step][index];
             [limits.velocity, limits.acceleration, limits.jerk]
         });
         (0..3).all(|order| {
             let [own, other] = [owner, 1 - owner].map(|step| states[step][order + 1]);
             let [limit, other_limit] = [owner, 1 - owner].map(|step| limits[step][order]);
             // A segment alone was planned within the limits of its own step.
-            let margin = if own == 0.0 && other_limit <= limit { -ROUND_OFF } else { MARGIN };
+            let margin =
+                if own == 0.0 && other_limit <= limit { -ROUND_OFF_TOLERANCE } else { MARGIN };
             other == 0.0 || (own + other).abs() <= (1.0 - margin) * limit
         })
     }
@@ -237,7 +239,7 @@ impl SuperposedSegments<'_> {
 /// The robot at one time of an overlap.
 struct BlendSample {
     /// Axes by the first segment alone, by the second alone, and superposed.
-    rates: [AxisVectors; 3],
+    states: [AxisVectors; 3],
     /// Platform in each of them.
     platforms: [PlatformPose; 3],
 }
@@ -250,27 +252,28 @@ impl BlendSample {
     fn new(superposed: &SuperposedSegments<'_>, overlap: f64, time: f64) -> Option<Self> {
         let corner = &superposed.candidate.steps[1].from;
         let zero = Positions::new(&vec![0.0; corner.len()]);
-        let mut rates = [[Positions::new(corner), zero, zero]; 3];
-        for (place, &axis) in superposed.candidate.moving.iter().enumerate() {
-            let states = superposed.states(place, overlap, time);
+        let mut states = [[Positions::new(corner), zero, zero]; 3];
+        for (index, &axis) in superposed.candidate.moving.iter().enumerate() {
+            let by_segment = superposed.states(index, overlap, time);
             for order in 0..3 {
-                for (segment, state) in states.iter().enumerate() {
-                    rates[segment][order][axis] = state[order];
+                for (segment, state) in by_segment.iter().enumerate() {
+                    states[segment][order][axis] = state[order];
                 }
                 let common = if order == 0 { corner[axis] } else { 0.0 };
-                rates[SUPERPOSED][order][axis] = states[0][order] + states[1][order] - common;
+                states[SUPERPOSED][order][axis] =
+                    by_segment[0][order] + by_segment[1][order] - common;
             }
         }
-        let platform = |motion: usize| superposed.candidate.platform(&rates[motion][0]);
+        let platform = |motion: usize| superposed.candidate.platform(&states[motion][0]);
         let platforms = [platform(0)?, platform(1)?, platform(SUPERPOSED)?];
-        Some(Self { rates, platforms })
+        Some(Self { states, platforms })
     }
 
     /// Largest distance of a wafer's centre from the nearer of its positions by either segment alone (m).
     fn path_deviation(&self, candidate: &BlendCandidate<'_>) -> f64 {
         let deviation = |chain: &ArmChain| {
             let center = |motion: usize| {
-                let wafer = chain.wafer(&self.rates[motion][0]);
+                let wafer = chain.wafer(&self.states[motion][0]);
                 (self.platforms[motion].base_from_platform * wafer).translation.vector
             };
             let blended = center(SUPERPOSED);
@@ -283,7 +286,7 @@ impl BlendSample {
     fn slips(&self, candidate: &BlendCandidate<'_>) -> bool {
         let cell = candidate.conditions.cell;
         let utilization = |chain: &ArmChain, motion: usize| {
-            let [positions, velocities, accelerations] = &self.rates[motion];
+            let [positions, velocities, accelerations] = &self.states[motion];
             let axes = AxesMotion { positions, velocities, accelerations };
             let platform = cell.robot.platform_motion(&self.platforms[motion], &axes).ok()?;
             let on_platform = chain.wafer_motion(&chain.own_rates(&axes));
@@ -301,10 +304,10 @@ impl BlendSample {
         })
     }
 
-    /// Whether a wafer's centre is outside a safe zone while the robot turns, farther than by the turn alone.
+    /// Whether a wafer's centre is farther outside a safe zone than without the overlap, in a step in which the robot turns.
     ///
     /// # Arguments
-    /// * `owner` – the step whose half of the overlap the sample is in
+    /// * `owner` – index, 0 or 1, of the step whose half of the overlap contains the sample
     fn leaves_safe_zone(&self, candidate: &BlendCandidate<'_>, owner: usize) -> bool {
         if candidate.steps[owner].phase != Phase::Turn {
             return false;
@@ -312,7 +315,7 @@ impl BlendSample {
         let distance = |zone: &Collider, chain: &ArmChain, motion: usize| {
             let loaded = candidate.steps[0].loaded.contains(&chain.effector);
             let cell = candidate.conditions.cell;
-            let wafer = cell.wafer_pose_by(chain, &self.rates[motion][0], loaded).ok()?;
+            let wafer = cell.wafer_pose_by(chain, &self.states[motion][0], loaded).ok()?;
             let placed = PlacedCollider { collider: zone, base_from_parent: &Pose::identity() };
             Some(signed_distance(placed, &wafer.translation.vector))
         };

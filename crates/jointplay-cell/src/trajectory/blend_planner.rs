@@ -1,4 +1,4 @@
-//! The blends of all steps, and the slowdown of segments that makes them shortest.
+//! The blends of all steps, and the slowdown of segments that minimizes the total duration.
 
 use std::convert::Infallible;
 use std::ops::Range;
@@ -15,10 +15,10 @@ use crate::incremental::{
 use crate::program::Step;
 use crate::workcell::{Cell, Zone, ZoneRule};
 
-/// Blends of the last trajectory, by what they depend on.
+/// Blends of the last trajectory, by cache key.
 #[derive(Default)]
 pub(super) struct BlendPlanner {
-    /// Factors of time by which both segments at a corner are slowed.
+    /// Time scales of both segments at a corner.
     slowdowns: GenerationalCache<f64>,
     slowed: GenerationalCache<WithId<Segment>>,
     blends: GenerationalCache<Option<Blend>>,
@@ -27,7 +27,7 @@ pub(super) struct BlendPlanner {
     safe_zones: Vec<Collider>,
 }
 
-/// Steps with their segments, and the factors of time by which the segments were slowed.
+/// Steps with their segments, and the time scales by which the segments were slowed.
 #[derive(Clone, Copy)]
 pub(super) struct SlowedSegments<'a> {
     pub(super) steps: &'a [Step],
@@ -57,7 +57,7 @@ impl<'a> SlowedSegments<'a> {
         )
     }
 
-    /// Cache key of what the blend of a step with the next depends on.
+    /// Cache key of the blend of a step with the next.
     fn key(self, first: usize) -> CacheKey {
         let mut key = CacheKey::default();
         for index in [first, first + 1] {
@@ -72,7 +72,7 @@ impl BlendPlanner {
     /// Starts a round of planning.
     ///
     /// # Arguments
-    /// * `shared` – cache key of what all segments depend on
+    /// * `shared` – cache key of the inputs that all segments share
     pub(super) fn begin(&mut self, cell: &Cell, shared: &CacheKey) {
         self.slowed.begin(shared);
         let zones = || cell.zones.iter().filter(|zone| zone.rule == ZoneRule::Safe);
@@ -84,7 +84,7 @@ impl BlendPlanner {
         self.safe_zones = zones().filter_map(solid).map(|solid| solid.collider).collect();
     }
 
-    /// Ends a round of planning: results that it did not ask for are dropped.
+    /// Ends a round of planning: results that it did not use are dropped.
     pub(super) fn end(&mut self) {
         self.slowdowns.end();
         self.slowed.end();
@@ -92,7 +92,7 @@ impl BlendPlanner {
         self.solids.end();
     }
 
-    /// Slows the segments that gain more by longer blends than they lose; returns the factor of time of each.
+    /// Slows segments where longer blends save more time than the slowdown costs; returns the time scale of each segment.
     pub(super) fn slow(
         &mut self,
         cell: &Cell,
@@ -129,7 +129,7 @@ impl BlendPlanner {
             let blend = |first| of.candidate(conditions, first).and_then(|one| one.blend());
             compute_missing_corners(&mut self.blends, &keys, context, blend)?;
         }
-        // Factors are chosen for each corner alone; whether a run of blended steps gains by all of them together is decided from rest to rest.
+        // Each corner proposes a factor by itself; the factors of a run of blended steps are applied only if they shorten the whole run, from rest to rest.
         let mut chosen = vec![1.0; steps.len()];
         let mut start = 0;
         for end in 0..steps.len() {
@@ -176,7 +176,7 @@ impl BlendPlanner {
     }
 }
 
-/// A segment slowed by a factor of time.
+/// A segment slowed by a time scale.
 fn slow_segment(
     cache: &mut GenerationalCache<WithId<Segment>>,
     step: &Step,

@@ -1,4 +1,4 @@
-//! Paths of all axes on which a wafer's centre moves along a straight line and its plane rotates evenly.
+//! Paths of all axes on which a wafer's centre moves along a straight line and its plane rotates uniformly.
 
 use jointplay_core::spatial::{Pose, tilt_rotation};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -25,7 +25,7 @@ pub(crate) struct CartesianLine<'a> {
     pub(crate) jacobian: &'a dyn Fn(&[f64]) -> Result<EffectorJacobian, CellError>,
     /// Largest allowed distance of the wafer's centre from the straight line (m).
     pub(crate) max_deviation: f64,
-    /// Postures that the axes keep near to, where they are not those of their straight path.
+    /// Postures that the axes stay near, if other than those of the joint-space line.
     pub(crate) postures: Option<&'a PostureSpline>,
 }
 
@@ -47,12 +47,12 @@ impl PostureSpline {
         Self { axes: chain.axes().to_vec(), spline, shares: postures.shares, ends }
     }
 
-    /// Moves the straight path of all axes at `s` to the postures; both ends of the line stay.
-    fn bend(&self, s: f64, straight: &mut [f64]) {
+    /// Adds the deviation of the postures from their own joint-space line to a point of the joint-space line of all axes; it is zero at both ends.
+    fn apply(&self, s: f64, positions: &mut [f64]) {
         let [from, to] = self.shares;
         let postures = self.spline.positions(from + s * (to - from));
         for (k, &axis) in self.axes.iter().enumerate() {
-            straight[axis] +=
+            positions[axis] +=
                 postures[k] - (self.ends[0][k] + s * (self.ends[1][k] - self.ends[0][k]));
         }
     }
@@ -67,19 +67,19 @@ pub(crate) struct CartesianPath {
     pub(crate) length: f64,
     /// Largest distance found of the wafer's centre from the straight line (m).
     pub(crate) deviation: f64,
-    /// Largest angle found between the wafer's plane and the plane that rotates evenly (rad).
+    /// Largest angle found between the wafer's plane and the plane that rotates uniformly (rad).
     pub(crate) plane_deviation: f64,
 }
 
 /// A Cartesian line that the axes cannot follow.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("at share {share} of the line{}: {kind}", at(position.as_ref()))]
+#[error("at {:.1} % of the line{}: {kind}", 100.0 * share, at(position.as_ref()))]
 pub struct PathError {
     /// Share of the line at which the axes stop, from 0 to 1.
     pub share: f64,
     /// Position of the wafer's centre there on the line, in the base frame; `None` where the line is not known (m).
     pub position: Option<Vector3<f64>>,
-    /// The obstacle.
+    /// The cause.
     pub kind: PathErrorKind,
 }
 
@@ -87,7 +87,7 @@ fn at(position: Option<&Vector3<f64>>) -> String {
     position.map_or_else(String::new, |p| format!(" (x {}, y {}, z {} m)", p.x, p.y, p.z))
 }
 
-/// Obstacle on a Cartesian line.
+/// Cause for which a Cartesian line cannot be followed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PathErrorKind {
@@ -99,19 +99,19 @@ pub enum PathErrorKind {
     Singular,
     /// No positions of the axes hold the wafer on the line.
     #[error(
-        "the effector does not reach the line: {distance} m and {tilt} rad of tilt are missing"
+        "the effector does not reach the line: position error {distance:.3e} m, tilt error {tilt:.3e} rad"
     )]
     NotReached {
-        /// Distance that is missing (m).
+        /// Position error of the wafer's centre (m).
         distance: f64,
-        /// Angle between the planes that is missing (rad).
+        /// Angle between the planes (rad).
         tilt: f64,
-        /// Rotation about the normal that is missing, where the line prescribes one (rad).
+        /// Heading error, where the line prescribes a heading (rad).
         heading: Option<f64>,
     },
-    /// The line ends in other positions of the axes than those asked for.
+    /// The line ends on another branch of inverse kinematics than the end positions.
     #[error(
-        "the line leads to another branch than that of its end: axis {axis} differs by {difference} m or rad"
+        "the line ends on another branch of inverse kinematics than the target: axis {axis} differs by {difference:.3e} (m or rad)"
     )]
     OtherBranch {
         /// Index of the axis with the largest difference.
@@ -119,11 +119,15 @@ pub enum PathErrorKind {
         /// Difference of its position (m or rad).
         difference: f64,
     },
-    /// The axes are discontinuous: they jump from one branch to another.
-    #[error("the axes jump from one branch to another")]
+    /// Axis positions are discontinuous: they change to another branch of inverse kinematics.
+    #[error(
+        "axis positions are discontinuous: they change to another branch of inverse kinematics"
+    )]
     BranchJump,
     /// The spline does not converge to the line.
-    #[error("the wafer deviates from the line by {deviation} m with {points} points")]
+    #[error(
+        "the interpolation does not converge: the wafer deviates from the line by {deviation:.3e} m with {points} points"
+    )]
     NotConverged {
         /// Remaining distance from the line (m).
         deviation: f64,
@@ -134,9 +138,9 @@ pub enum PathErrorKind {
 
 /// Number of intervals that the spline of a line starts with; intervals are divided where the spline deviates.
 const INITIAL_INTERVALS: usize = 12;
-/// Number of intervals beyond which a line counts as one that cannot be followed: a smooth line takes some dozens.
+/// Largest number of intervals of the spline: a smooth line needs some dozens.
 const MAX_INTERVALS: usize = 1024;
-/// Width of the narrowest interval that is divided, as a share of the line: a deviation within less is a jump.
+/// Width of the narrowest interval that is divided, relative to the line: a deviation within less is a discontinuity.
 const MIN_INTERVAL: f64 = 1e-7;
 /// Largest number of halvings of the distance to the next point.
 const MAX_HALVINGS: usize = 10;
@@ -155,7 +159,7 @@ type PathPoint = (f64, Vec<f64>);
 impl CartesianLine<'_> {
     /// Positions of all axes along the line.
     ///
-    /// Of all positions that hold the wafer on the line, each point has those nearest to the straight path of the axes, or to given postures:
+    /// Of all positions that hold the wafer on the line, each point has those nearest to the joint-space line of the axes, or to given postures:
     ///
     /// ```text
     ///    min |q − q_reference(s)|²   subject to   center(q) = c(s),  normal(q) = n(s),  heading(q) = h(s)
@@ -229,7 +233,7 @@ impl CartesianLine<'_> {
         halvings: usize,
     ) -> Result<(), PathError> {
         let (last, positions) = points.last().expect("a path starts with its first point");
-        // Extrapolation from the last two points; from the first alone, along the straight path of the axes.
+        // Extrapolation from the last two points; from the first alone, along the joint-space line.
         let guess: Vec<f64> = if points.len() >= 2 {
             let (earlier, older) = &points[points.len() - 2];
             let ratio = (s - last) / (last - earlier);
@@ -241,7 +245,7 @@ impl CartesianLine<'_> {
                 .map(|(position, (from, to))| position + (s - last) * (to - from))
                 .collect();
             if let Some(postures) = self.postures {
-                postures.bend(s, &mut guess);
+                postures.apply(s, &mut guess);
             }
             guess
         };
@@ -272,17 +276,17 @@ impl CartesianLine<'_> {
         }
     }
 
-    /// Positions of all axes at `s` that those on the line are nearest to: on their straight path, or the given postures (m or rad).
+    /// Positions of all axes at `s` that those on the line are nearest to: on the joint-space line, or the given postures (m or rad).
     fn reference(&self, s: f64) -> Vec<f64> {
         let ends = self.from.iter().zip(self.to);
         let mut reference: Vec<f64> = ends.map(|(from, to)| from + s * (to - from)).collect();
         if let Some(postures) = self.postures {
-            postures.bend(s, &mut reference);
+            postures.apply(s, &mut reference);
         }
         reference
     }
 
-    /// The positions nearest to the straight path of the axes that hold the wafer at `s`, from an initial guess.
+    /// The positions nearest to the reference that hold the wafer at `s`, from an initial guess.
     ///
     /// Newton's method on the stationarity conditions of the constrained minimum:
     ///
@@ -336,7 +340,7 @@ impl CartesianLine<'_> {
                     step_size = step_size.max(step[row].abs());
                 }
                 if !step_size.is_finite() || step_size > 1e3 {
-                    return Err(target.error(s, target.missing(&residual)));
+                    return Err(target.error(s, target.not_reached(&residual)));
                 }
                 residual = target.residual(&pose(&q)?, s);
                 let now = residual[..m].iter().fold(step_size, |most, value| most.max(value.abs()));
@@ -355,7 +359,7 @@ impl CartesianLine<'_> {
         if error < ACCEPTED_RESIDUAL {
             return Ok(q);
         }
-        Err(target.error(s, target.missing(&residual)))
+        Err(target.error(s, target.not_reached(&residual)))
     }
 }
 
@@ -417,7 +421,7 @@ impl LineTarget {
     }
 
     /// The residual of a point that is not reached.
-    fn missing(&self, residual: &[f64; 6]) -> PathErrorKind {
+    fn not_reached(&self, residual: &[f64; 6]) -> PathErrorKind {
         let [x, y, z, along, across, turn] = *residual;
         PathErrorKind::NotReached {
             distance: x.hypot(y).hypot(z),
@@ -440,7 +444,7 @@ impl LineTarget {
     /// Centre (m), x and y of the normal, and heading (rad) of a pose, less those of the line.
     fn residual(&self, pose: &Pose, s: f64) -> [f64; 6] {
         let center = pose.translation.vector - (self.start + self.displacement * s);
-        // Both normals are near e_b3: x and y determine the difference of two unit vectors.
+        // Both normals are near the base z axis: x and y determine the difference of two unit vectors.
         let tilt = normal(pose) - self.normal(s);
         let turned = self
             .heading
@@ -448,7 +452,7 @@ impl LineTarget {
         [center.x, center.y, center.z, tilt.x, tilt.y, turned]
     }
 
-    /// Distance of a pose from the straight line (m), and angle of its plane to the plane that rotates evenly (rad).
+    /// Distance of a pose from the straight line (m), and angle of its plane to the plane that rotates uniformly (rad).
     fn deviation(&self, pose: &Pose, s: f64) -> (f64, f64) {
         let from_start = pose.translation.vector - self.start;
         let squared = self.displacement.norm_squared();

@@ -31,7 +31,7 @@ pub struct StepError {
 #[non_exhaustive]
 pub enum StepErrorKind {
     /// The step does not have one position for each axis.
-    #[error("a step from {from} to {to} positions, but the robot has {axes} axes")]
+    #[error("step has {from} start and {to} end positions; the robot has {axes} axes")]
     PositionCount {
         /// Number of start positions.
         from: usize,
@@ -41,20 +41,20 @@ pub enum StepErrorKind {
         axes: usize,
     },
     /// A position is not a finite number.
-    #[error("a position is {value}, but has to be a finite number")]
+    #[error("axis position must be finite, got {value}")]
     PositionNotFinite {
         /// The value found.
         value: f64,
     },
-    /// The share of the limits is not above 0 and at most 1.
-    #[error("the share of speed is {share}, but has to be above 0 and at most 1")]
-    SpeedShare {
-        /// The share found.
-        share: f64,
+    /// The speed scaling is not above 0 and at most 1.
+    #[error("speed scaling must be above 0 and at most 1, got {value}")]
+    SpeedScaling {
+        /// The value found.
+        value: f64,
     },
     /// The step does not start where the step before ends.
     #[error(
-        "axis {axis} starts at {start}, but the step before ends at {previous_end}: steps have to join"
+        "axis {axis} starts at {start}, but the previous step ends at {previous_end}: a step must start where the previous one ends"
     )]
     NotContinuous {
         /// Index of the axis.
@@ -64,17 +64,17 @@ pub enum StepErrorKind {
         /// Position at the end of the step before (m or rad).
         previous_end: f64,
     },
-    /// A dwell does not have a finite duration from 0 on.
-    #[error("waits {duration} s, but that has to be a finite time from 0 on")]
+    /// The duration of a dwell is negative or not finite.
+    #[error("dwell duration must be finite and not negative, got {duration} s")]
     DwellDuration {
         /// The duration found (s).
         duration: f64,
     },
-    /// A dwell ends in other positions than it starts in.
-    #[error("a dwell has to end in the positions in which it starts")]
+    /// Start and end positions of a dwell differ.
+    #[error("start and end positions of a dwell must be equal")]
     DwellMoves,
-    /// The step waits for the process of a station that receives its wafer only later.
-    #[error("waits for a station that receives its wafer only later")]
+    /// The step waits for a process whose wafer is placed only by a later step.
+    #[error("dwell waits for the process of a wafer that a later step places")]
     ProcessNotStarted,
     /// No profile was found for a point-to-point move, or for the path parameter of a line.
     #[error(transparent)]
@@ -84,7 +84,7 @@ pub enum StepErrorKind {
     Path(#[from] PathError),
     /// The trajectory does not end within [`MAX_DURATION`](super::MAX_DURATION).
     #[error(
-        "the trajectory takes {end} s up to the end of this step, which takes {step} s; at most {allowed} s are allowed"
+        "trajectory duration is {end} s at the end of this step, which takes {step} s; the maximum is {allowed} s"
     )]
     TooLong {
         /// Time from the start of the trajectory to the end of the step (s).

@@ -1,4 +1,4 @@
-//! A step in which all axes move in proportion, for analyses that depend on the path and not on its timing.
+//! A joint-space line: a step in which all axes move in proportion, for analyses that depend on the path and not on its timing.
 
 use std::sync::Arc;
 
@@ -10,12 +10,12 @@ use super::trajectory::Trajectory;
 use crate::incremental::WithId;
 use crate::program::Step;
 
-/// Mean duration of a straight path of all axes for each unit of its longest displacement (s/m or s/rad).
+/// Duration of a joint-space line for each unit of its longest displacement (s/m or s/rad).
 const DURATION_BY_DISPLACEMENT: f64 = 2.0;
-/// Shortest and longest duration of a straight path of all axes (s).
+/// Shortest and longest duration of a joint-space line (s).
 const DURATION_RANGE: [f64; 2] = [0.02, 20.0];
 
-/// Trajectory of one step in which all axes move in proportion from start to end, from rest to rest; its limits are those of no robot.
+/// Trajectory of one step in which all axes move in proportion from start to end, from rest to rest; axis limits are ignored.
 pub(crate) fn joint_space_line(step: Step) -> Trajectory {
     let displacement = |(from, to): (&f64, &f64)| (to - from).abs();
     let longest = step.from.iter().zip(&step.to).map(displacement).fold(0.0, f64::max);

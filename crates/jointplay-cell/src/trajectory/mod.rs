@@ -2,13 +2,13 @@
 //!
 //! ```text
 //!   Path::PointToPoint   from ──▶ to     a jerk-limited profile for each axis, synchronized to the slowest
-//!   Path::Line           from ──▶ to     q(s): the wafer's centre on a straight line, its plane rotating evenly;  s(t): every axis within its limits
+//!   Path::Line           from ──▶ to     q(s): the wafer's centre on a straight line, its plane rotating uniformly;  s(t): every axis within its limits
 //! ```
 //!
 //! | file | contents |
 //! | --- | --- |
 //! | `profile` | jerk-limited profile of one coordinate |
-//! | `sample` | state of all axes at one time, times of samples |
+//! | `sample` | state of all axes at one time; uniform sampling |
 //! | `limits` | limits of the axes in a step |
 //! | `synchronized` | point-to-point moves: all axes end together |
 //! | `spline` | positions of all axes over a path parameter |
@@ -16,12 +16,12 @@
 //! | `time_parameterization` | path parameter over time, within the limits of all axes |
 //! | `slip` | slowdown of segments on which a wafer would slip |
 //! | `segment` | motion of all axes in one step |
-//! | `blend`, `trajectory` | all segments on one clock |
+//! | `blend`, `trajectory` | segments and blends of all steps over time |
 //! | `sampler` | states of the moving axes of a step at many times |
 //! | `blend_candidate`, `blend_planner` | the longest overlap of two segments; the overlaps of all |
 //! | `options`, `error`, `segment_planner` | from steps to a trajectory |
-//! | `joint_space_line` | a step in proportion of all axes, for checks of poses |
-//! | `adaptive_sampling` | times between which velocities and accelerations are straight lines |
+//! | `joint_space_line` | all axes in proportion, for checks of poses |
+//! | `adaptive_sampling` | adaptive sample times for plots |
 //!
 //! A trajectory is independent of the shapes of bodies: this folder uses geometry only for safe zones.
 

@@ -39,7 +39,7 @@ impl Sample {
     }
 }
 
-/// Times of samples at an even rate from the start of a duration, and its end.
+/// Uniform sampling of a duration: times at a constant rate from its start, and its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UniformSampling {
     duration: f64,
@@ -48,14 +48,14 @@ pub struct UniformSampling {
 }
 
 impl UniformSampling {
-    /// Sample times of a duration.
+    /// Uniform sampling of a duration.
     ///
     /// # Arguments
     /// * `duration` – time from the first sample to the last (s)
     /// * `rate` – number of samples a second (Hz)
     #[must_use]
     pub fn new(duration: f64, rate: f64) -> Self {
-        // An even time within a thousandth of an interval of the end is the end: round-off adds no sample.
+        // A time within a thousandth of an interval of the end is the end: round-off adds no sample.
         let intervals = (duration * rate - 1e-3).ceil().max(0.0) as u64;
         Self { duration, rate, intervals }
     }

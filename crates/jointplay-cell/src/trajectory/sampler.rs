@@ -30,51 +30,52 @@ impl AxisSampler {
         }
         let overlaps = trajectory.half_overlaps(index);
         let duration = segment.duration();
-        let in_segment = |since: f64| (since + overlaps.previous).max(0.0);
+        let in_segment = |time_in_step: f64| (time_in_step + overlaps.previous).max(0.0);
         if let Segment::Line { path, parameter } = segment {
             let mut state = parameter.states_in_order();
             let mut interval = path.spline.intervals_in_order();
             self.along.clear();
-            self.along.extend(times.iter().map(|&since| {
-                let along = state(in_segment(since));
+            self.along.extend(times.iter().map(|&time_in_step| {
+                let along = state(in_segment(time_in_step));
                 (interval(along[0]), along)
             }));
         }
         for (&axis, states) in self.moving.iter().zip(&mut self.states) {
             states.clear();
             let end = [step.to[axis], 0.0, 0.0, 0.0];
-            let ended = |since: f64| in_segment(since) >= duration;
+            let ended = |time_in_step: f64| in_segment(time_in_step) >= duration;
             match segment {
                 Segment::Dwell { .. } => states.extend(times.iter().map(|_| end)),
                 Segment::PointToPoint(profile) => {
                     let mut in_order = profile.axes[axis].states_in_order();
-                    let mut state =
-                        |since: f64| if ended(since) { end } else { in_order(in_segment(since)) };
-                    states.extend(times.iter().map(|&since| state(since)));
+                    let mut state = |time_in_step: f64| {
+                        if ended(time_in_step) { end } else { in_order(in_segment(time_in_step)) }
+                    };
+                    states.extend(times.iter().map(|&time_in_step| state(time_in_step)));
                 }
                 Segment::Line { path, .. } => {
-                    let state = |since: f64, &(interval, along): &(usize, AxisState)| {
-                        if ended(since) {
+                    let state = |time_in_step: f64, &(interval, along): &(usize, AxisState)| {
+                        if ended(time_in_step) {
                             end
                         } else {
                             derivatives_along_path(path, interval, axis, along)
                         }
                     };
                     let along = times.iter().zip(&self.along);
-                    states.extend(along.map(|(&since, along)| state(since, along)));
+                    states.extend(along.map(|(&time_in_step, along)| state(time_in_step, along)));
                 }
             }
             if overlaps.previous == 0.0 && overlaps.next == 0.0 {
                 continue;
             }
-            for (&since, state) in times.iter().zip(states.iter_mut()) {
-                if since < overlaps.previous {
+            for (&time_in_step, state) in times.iter().zip(states.iter_mut()) {
+                if time_in_step < overlaps.previous {
                     let previous = &trajectory.segments[index - 1];
-                    let time = previous.duration() + since - overlaps.previous;
+                    let time = previous.duration() + time_in_step - overlaps.previous;
                     let other = previous.state(&trajectory.steps[index - 1], axis, time);
                     superpose(state, other, step.from[axis]);
                 }
-                let time = in_segment(since) - (duration - 2.0 * overlaps.next);
+                let time = in_segment(time_in_step) - (duration - 2.0 * overlaps.next);
                 if overlaps.next > 0.0 && time > 0.0 && index + 1 < trajectory.steps.len() {
                     let next = &trajectory.segments[index + 1];
                     let other = next.state(&trajectory.steps[index + 1], axis, time);

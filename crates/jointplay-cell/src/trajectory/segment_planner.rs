@@ -74,7 +74,7 @@ impl Errors<'_> {
     }
 }
 
-/// Segments on one clock.
+/// Start times and blends of all segments.
 struct Timeline {
     times: Vec<f64>,
     blends: Vec<Option<Blend>>,
@@ -95,12 +95,12 @@ impl SegmentCache {
         let mut errors = Errors { steps: &steps, found: Vec::new() };
         let mut segments = self.segments_of(cell, options, &mut errors, context)?;
         let factors = self.blends.slow(cell, &steps, &mut segments, context)?;
-        let clock = self.clock(cell, &mut segments, &factors, &mut errors, context)?;
+        let timeline = self.timeline(cell, &mut segments, &factors, &mut errors, context)?;
         self.segments.end();
         self.blends.end();
         let mut found = errors.found;
         found.sort_by_key(|error| error.step);
-        let Timeline { times, blends } = clock;
+        let Timeline { times, blends } = timeline;
         Ok(if found.is_empty() {
             Ok(Trajectory { steps, times, segments, blends })
         } else {
@@ -134,7 +134,7 @@ impl SegmentCache {
                 }
                 None => match step.path {
                     Path::Dwell(duration) => self.dwell(duration, step),
-                    // The duration is known once all steps before are on the clock.
+                    // The duration is known once the start times of all steps before are known.
                     _ => Ok(Arc::new(WithId::new(Segment::Dwell { duration: 0.0 }))),
                 },
             };
@@ -162,8 +162,8 @@ impl SegmentCache {
         self.segments.get_or_compute(inputs, || plan_dwell(duration, step).map(WithId::new))
     }
 
-    /// Puts all segments on one clock: blends neighbours, and determines the waits for processes.
-    fn clock(
+    /// Determines the start times of all segments: blends neighbours, and determines the waits for processes.
+    fn timeline(
         &mut self,
         cell: &Cell,
         segments: &mut [Arc<WithId<Segment>>],
@@ -178,14 +178,14 @@ impl SegmentCache {
         times.push(now);
         for (index, step) in steps.iter().enumerate() {
             context.check_interruption()?;
-            if let Path::ProcessDwell { since, seconds } = step.path {
-                let planned = if since < index {
+            if let Path::ProcessDwell { placed_at_step, seconds } = step.path {
+                let planned = if placed_at_step < index {
                     // Summed over the steps since the wafer was placed, not as a difference of times: the same steps make the same wait wherever they are in a program, to the bit.
                     let moved: f64 =
-                        segments[since + 1..index].iter().map(|one| one.duration()).sum();
-                    let overlaps = blends[since + 1..index].iter().flatten();
+                        segments[placed_at_step + 1..index].iter().map(|one| one.duration()).sum();
+                    let overlaps = blends[placed_at_step + 1..index].iter().flatten();
                     let overlaps: f64 = overlaps.map(|blend| blend.overlap).sum();
-                    let half = blends[since].map_or(0.0, |blend| 0.5 * blend.overlap);
+                    let half = blends[placed_at_step].map_or(0.0, |blend| 0.5 * blend.overlap);
                     self.dwell((seconds - (moved - overlaps - half)).max(0.0), step)
                 } else {
                     Err(StepErrorKind::ProcessNotStarted)
@@ -233,7 +233,7 @@ fn invalid(cell: &Cell, steps: &[Step], index: usize) -> Option<StepErrorKind> {
         return Some(StepErrorKind::PositionNotFinite { value });
     }
     if !(step.speed_scaling > 0.0 && step.speed_scaling <= 1.0) {
-        return Some(StepErrorKind::SpeedShare { share: step.speed_scaling });
+        return Some(StepErrorKind::SpeedScaling { value: step.speed_scaling });
     }
     let previous = index.checked_sub(1).map(|before| &steps[before].to)?;
     let axis = previous.iter().zip(&step.from).position(|(end, start)| end != start)?;
@@ -280,7 +280,7 @@ fn plan_line(
     let jacobian = |positions: &[f64]| robot.jacobian_by(&chain, positions);
     let variables: Vec<usize> =
         (0..robot.axes.len()).filter(|&axis| axis_moves_effector(robot, axis, effector)).collect();
-    // Three rods and two motors place the centre and the plane; a third motor also determines the heading.
+    // Three rods and two motors determine the centre and the plane; with a third motor the heading can be controlled, unless the postures determine it.
     let heading_is_controlled = variables.len() >= RODS + 3
         && step.postures.as_ref().is_none_or(|postures| postures.keeps_heading);
     let postures = step.postures.as_ref().map(|postures| PostureSpline::new(&chain, postures));

@@ -5,43 +5,43 @@ use crate::program::Step;
 use crate::robot::{AxesMotion, EffectorId};
 use crate::workcell::Cell;
 
-/// Number of equal intervals of a segment at whose ends the friction is evaluated first.
-const COARSE: usize = 48;
-/// Utilization of friction at these times below which the segment is not sampled more finely.
-const NEAR: f64 = 0.8;
-/// Number of equal intervals of the finer sampling.
-const FINE: usize = 480;
-/// Largest utilization of friction at these times: the share that is left covers the times between them.
-const ALLOWED: f64 = 0.999;
-/// Utilization of friction that a slowed segment is planned to.
-const TARGET: f64 = 0.99;
-/// Largest factor of time: a wafer that slips even at this speed slips by the tilt of its effector.
-const SLOWEST: f64 = 16.0;
+/// Number of uniform intervals of the first, coarse sampling of a segment.
+const COARSE_INTERVALS: usize = 48;
+/// Utilization of friction in the coarse sampling below which there is no fine sampling.
+const FINE_SAMPLING_THRESHOLD: f64 = 0.8;
+/// Number of uniform intervals of the fine sampling.
+const FINE_INTERVALS: usize = 480;
+/// Largest admissible utilization of friction in the fine sampling: the margin to 1 covers the times between samples.
+const MAX_UTILIZATION: f64 = 0.999;
+/// Utilization of friction for which a slowed segment is planned.
+const TARGET_UTILIZATION: f64 = 0.99;
+/// Largest time scale: a wafer that slips even at this speed slips because its effector is tilted.
+const MAX_TIME_SCALE: f64 = 16.0;
 
-/// The segment, slowed so that no wafer slips on it; unchanged where no speed would prevent it.
+/// The segment, slowed so that no wafer slips; unchanged where no speed prevents slip.
 ///
-/// Accelerations fall with the square of the factor of time, so that two or three iterations suffice; gravity along a tilted wafer makes it more than one.
+/// Accelerations are inversely proportional to the square of the time scale; gravity along a tilted wafer is not, so that two or three iterations are needed.
 pub(super) fn slowed_for_slip(cell: &Cell, step: &Step, segment: Segment) -> Segment {
     let utilization = |segment: &Segment, intervals: usize| -> f64 {
-        let each = step.loaded.iter().map(|&id| peak(cell, step, segment, id, intervals));
-        each.fold(0.0, f64::max)
+        let peaks = step.loaded.iter().map(|&id| peak(cell, step, segment, id, intervals));
+        peaks.fold(0.0, f64::max)
     };
-    if utilization(&segment, COARSE) < NEAR {
+    if utilization(&segment, COARSE_INTERVALS) < FINE_SAMPLING_THRESHOLD {
         return segment;
     }
-    let mut factor = 1.0;
-    while factor <= SLOWEST {
-        let slowed = if factor > 1.0 { segment.slowed(factor) } else { segment.clone() };
-        let now = utilization(&slowed, FINE);
-        if now <= ALLOWED {
+    let mut time_scale = 1.0;
+    while time_scale <= MAX_TIME_SCALE {
+        let slowed = if time_scale > 1.0 { segment.slowed(time_scale) } else { segment.clone() };
+        let found = utilization(&slowed, FINE_INTERVALS);
+        if found <= MAX_UTILIZATION {
             return slowed;
         }
-        factor *= (now / TARGET).sqrt().min(2.0);
+        time_scale *= (found / TARGET_UTILIZATION).sqrt().min(2.0);
     }
     segment
 }
 
-/// Largest utilization of friction of a held wafer at equal times of a segment; times at which the motion is unknown are left to the check of the trajectory.
+/// Largest utilization of friction of a held wafer at uniform samples of a segment; the check reports samples with unknown motion.
 fn peak(cell: &Cell, step: &Step, segment: &Segment, id: EffectorId, intervals: usize) -> f64 {
     let mut peak = 0.0_f64;
     let count = step.from.len();

@@ -20,18 +20,18 @@ const GRID_INTERVALS: usize = 80;
 const COARSE_SAMPLES: usize = 100;
 /// Number of times at which the result is verified, besides those where its jerk or that of the path is discontinuous.
 const VERIFICATION_SAMPLES: usize = 1200;
-/// Margin kept below each limit for the times between verified ones, as a share of the limit.
+/// Margin below each limit for the times between verified ones, relative to the limit.
 const MARGIN: f64 = 2e-3;
-/// Share by which a limit may be exceeded by round-off.
-const ROUND_OFF: f64 = 3e-10;
+/// Relative amount by which round-off may exceed a limit.
+const ROUND_OFF_TOLERANCE: f64 = 3e-10;
 /// Shares of the acceleration limits that the fastest parameterization may use; the rest is left to the jerk.
 const ACCELERATION_SHARES: [f64; 5] = [1.0, 0.8, 0.6, 0.42, 0.28];
 /// Windows of the moving average as shares of the duration, halved k times; those first that are most often the best, because a good candidate shortens the comparison of all others.
 const WINDOW_HALVINGS: [i32; 7] = [3, 4, 2, 5, 1, 6, 7];
 /// Windows relative to the best window of the acceleration share before.
 const WINDOW_FACTORS: [f64; 5] = [1.0, 0.7, 1.4, 0.5, 2.0];
-/// Largest difference of an axis' slopes along a path that counts as straight, as a share of the slope.
-const STRAIGHT: f64 = 0.02;
+/// Largest difference of an axis' slopes along a path that counts as constant, relative to the slope.
+const PROPORTIONALITY_TOLERANCE: f64 = 0.02;
 
 /// A path to parameterize, and its limits.
 pub(crate) struct TimeParameterization<'a> {
@@ -76,20 +76,20 @@ impl<'a> TimeParameterization<'a> {
     ///
     /// A path on which all axes move in proportion is parameterized like a single axis.
     /// On any other path, candidates are the fastest parameterizations under several shares of the acceleration limits, each averaged over several windows;
-    /// the shortest candidate is returned, slowed until it keeps all limits.
+    /// the shortest candidate is returned, slowed until it satisfies all limits.
     ///
     /// # Errors
     /// [`NoProfile`]
     ///
     /// # Source
-    /// \[TOPPRA\] for the parameterization; own derivation for the moving average: it keeps both ends and the rest there, and its jerk is a difference of accelerations over the window
+    /// \[TOPPRA\] for the parameterization; own derivation for the moving average: it preserves both ends and zero velocity there, and its jerk is a difference of accelerations over the window
     pub(crate) fn plan(&self) -> Result<JerkLimitedProfile, NoProfile> {
-        let single = self.like_one_axis()?;
-        if single.duration() == 0.0 || self.is_straight() {
+        let single = self.single_axis_profile()?;
+        if single.duration() == 0.0 || self.is_proportional() {
             return Ok(self.slowed_for_curvature(single));
         }
         let best = self.best_candidate().map(|candidate| self.slowed_to_limits(candidate));
-        // The coarse duration of the single-axis profile is a lower bound: if even that is longer, the verification can be spared.
+        // The coarse duration of the single-axis profile is a lower bound: if it is longer, no verification is needed.
         let single_bound =
             self.coarse_duration(&single, f64::INFINITY).unwrap_or(0.0).max(single.duration());
         Ok(match best {
@@ -132,20 +132,24 @@ impl<'a> TimeParameterization<'a> {
         best.1
     }
 
-    /// A profile planned as if the path were straight, slowed where the curvature of the path exceeds the limits.
+    /// A profile planned as for a single axis, slowed where the curvature of the path exceeds the limits.
     fn slowed_for_curvature(&self, single: JerkLimitedProfile) -> JerkLimitedProfile {
-        let excess = self.limit_excess(&single);
-        if excess > 1.0 + ROUND_OFF { single.slowed(excess * (1.0 + MARGIN)) } else { single }
+        let scale = self.time_scale(&single);
+        if scale > 1.0 + ROUND_OFF_TOLERANCE {
+            single.slowed(scale * (1.0 + MARGIN))
+        } else {
+            single
+        }
     }
 
-    /// A profile slowed until it keeps all limits, or made faster until it uses them.
+    /// A profile slowed until it satisfies all limits, or accelerated until it reaches one.
     fn slowed_to_limits(&self, profile: JerkLimitedProfile) -> JerkLimitedProfile {
-        let factor = self.limit_excess(&profile) * (1.0 + MARGIN);
+        let factor = self.time_scale(&profile) * (1.0 + MARGIN);
         profile.slowed(factor)
     }
 
     /// The profile of a single axis, with constant limits of the parameter by the largest slope of each axis.
-    fn like_one_axis(&self) -> Result<JerkLimitedProfile, NoProfile> {
+    fn single_axis_profile(&self) -> Result<JerkLimitedProfile, NoProfile> {
         let slopes: Vec<f64> =
             self.limits.iter().map(|&(axis, _)| self.spline.max_slope(axis)).collect();
         let least = |limit: &dyn Fn(&KinematicLimits) -> f64| {
@@ -169,12 +173,12 @@ impl<'a> TimeParameterization<'a> {
     }
 
     /// Whether all axes move nearly in proportion along the path.
-    fn is_straight(&self) -> bool {
+    fn is_proportional(&self) -> bool {
         self.limits.iter().all(|&(axis, _)| {
             let slopes = grid().map(|s| self.spline.jet(self.spline.interval(s), axis, s)[1]);
             let (min, max) =
                 slopes.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-            max - min <= STRAIGHT * max.abs().max(min.abs())
+            max - min <= PROPORTIONALITY_TOLERANCE * max.abs().max(min.abs())
         })
     }
 
@@ -242,37 +246,37 @@ impl<'a> TimeParameterization<'a> {
         GridPoint { by_velocity, by_acceleration: by_curvature.min(by_pairs), rows }
     }
 
-    /// Duration at which a profile would just keep all limits, by coarse samples (s); `None` if it is at least `less_than`.
+    /// Duration at which a profile would just satisfy all limits, by coarse samples (s); `None` if it is at least `less_than`.
     fn coarse_duration(&self, profile: &JerkLimitedProfile, less_than: f64) -> Option<f64> {
-        let mut excess = 1e-9;
+        let mut scale = 1e-9;
         for k in 1..COARSE_SAMPLES {
-            // 37 has no common factor with the number of samples: the first dozen is spread over the whole path, which finds excesses early.
+            // 37 has no common factor with the number of samples: the first dozen is spread over the whole path, which finds violations early.
             let k = k * 37 % COARSE_SAMPLES;
             let state = profile.state(profile.duration() * k as f64 / COARSE_SAMPLES as f64);
-            self.raise_excess(&mut excess, state, self.spline.interval(state[0]));
-            if profile.duration() * excess >= less_than {
+            self.raise_time_scale(&mut scale, state, self.spline.interval(state[0]));
+            if profile.duration() * scale >= less_than {
                 return None;
             }
         }
-        Some(profile.duration() * excess)
+        Some(profile.duration() * scale)
     }
 
-    /// Factor of time at which a profile just keeps all limits, by fine samples.
-    fn limit_excess(&self, profile: &JerkLimitedProfile) -> f64 {
+    /// Smallest time scale at which a profile satisfies all limits, by fine samples.
+    fn time_scale(&self, profile: &JerkLimitedProfile) -> f64 {
         let duration = profile.duration();
-        let mut excess = 1e-9;
+        let mut scale = 1e-9;
         let mut state = profile.states_in_order();
         let mut interval = self.spline.intervals_in_order();
         for k in 1..VERIFICATION_SAMPLES {
             let state = state(duration * k as f64 / VERIFICATION_SAMPLES as f64);
-            self.raise_excess(&mut excess, state, interval(state[0]));
+            self.raise_time_scale(&mut scale, state, interval(state[0]));
         }
         // The jerk of the parameter is discontinuous between pieces: both sides are verified.
         for t in profile.jerk_discontinuities() {
             for t in [t - 1e-9 * duration, t + 1e-9 * duration] {
                 if t > 0.0 && t < duration {
                     let state = profile.state(t);
-                    self.raise_excess(&mut excess, state, self.spline.interval(state[0]));
+                    self.raise_time_scale(&mut scale, state, self.spline.interval(state[0]));
                 }
             }
         }
@@ -280,18 +284,18 @@ impl<'a> TimeParameterization<'a> {
         let knots = self.spline.knots();
         for (interval, &knot) in knots.iter().enumerate().take(knots.len() - 1).skip(1) {
             let state = profile.state(profile.time_at(knot));
-            self.raise_excess(&mut excess, state, interval - 1);
-            self.raise_excess(&mut excess, state, interval);
+            self.raise_time_scale(&mut scale, state, interval - 1);
+            self.raise_time_scale(&mut scale, state, interval);
         }
-        excess
+        scale
     }
 
-    /// Raises `excess` to the factor of time at which a state of the path parameter keeps all limits.
+    /// Raises a time scale to the one at which a state of the path parameter satisfies all limits.
     ///
     /// Time stretched by a factor divides velocities by it, accelerations by its square and jerks by its cube.
-    fn raise_excess(
+    fn raise_time_scale(
         &self,
-        excess: &mut f64,
+        scale: &mut f64,
         [s, rate, acceleration, jerk]: AxisState,
         interval: usize,
     ) {
@@ -310,13 +314,13 @@ impl<'a> TimeParameterization<'a> {
             acceleration_ratio = acceleration_ratio.max(a.abs() * inverse[1]);
             jerk_ratio = jerk_ratio.max(j.abs() * inverse[2]);
         }
-        *excess = excess.max(velocity_ratio);
-        // Powers are compared before roots are taken: few states raise the excess.
-        if acceleration_ratio > *excess * *excess {
-            *excess = acceleration_ratio.sqrt();
+        *scale = scale.max(velocity_ratio);
+        // Powers are compared before roots are taken: few states raise the scale.
+        if acceleration_ratio > *scale * *scale {
+            *scale = acceleration_ratio.sqrt();
         }
-        if jerk_ratio > *excess * *excess * *excess {
-            *excess = jerk_ratio.cbrt();
+        if jerk_ratio > *scale * *scale * *scale {
+            *scale = jerk_ratio.cbrt();
         }
     }
 }
@@ -394,7 +398,7 @@ fn start_times(pieces: &[Piece]) -> Vec<f64> {
 /// # Arguments
 /// * `starts` – by [`start_times`] (s)
 fn moving_average(pieces: &[Piece], starts: &[f64], window: f64) -> JerkLimitedProfile {
-    // Acceleration after so many pieces have begun; zero before the first and after the last.
+    // Acceleration after a number of pieces have begun; zero before the first and after the last.
     let acceleration = |begun: usize| match begun {
         0 => 0.0,
         begun => pieces.get(begun - 1).map_or(0.0, |piece| piece.acceleration),
@@ -466,12 +470,13 @@ mod tests {
         let worst = worst(&spline, &profile, &limits);
         assert!(worst.iter().all(|&share| share < 1.0), "{worst:?}");
         // With the limits of the middle everywhere the path takes much longer.
-        let even = parameterization.slowed_for_curvature(parameterization.like_one_axis().unwrap());
+        let constant_limits =
+            parameterization.slowed_for_curvature(parameterization.single_axis_profile().unwrap());
         assert!(
-            profile.duration() < 0.8 * even.duration(),
+            profile.duration() < 0.8 * constant_limits.duration(),
             "{} {}",
             profile.duration(),
-            even.duration()
+            constant_limits.duration()
         );
         let rate = |s: f64| profile.state(profile.time_at(s))[1];
         assert!(rate(0.25) > 1.2 * rate(0.5), "{} {}", rate(0.25), rate(0.5));

@@ -1,4 +1,4 @@
-//! All segments on one clock.
+//! The trajectory: segments and blends of all steps over time.
 
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hasher};
@@ -14,7 +14,7 @@ use crate::program::Step;
 /// Discontinuities of the jerk closer to each other than this are one: they differ by round-off (s).
 const SAME_TIME: f64 = 1e-9;
 
-/// The motion of all axes over time: steps, each with its segment, on one clock.
+/// The motion of all axes over time: steps, each with its segment and start time.
 #[derive(Debug, Clone)]
 pub struct Trajectory {
     /// Steps in the order of execution.
@@ -27,14 +27,14 @@ pub struct Trajectory {
     pub(super) blends: Vec<Option<Blend>>,
 }
 
-/// Deviation of a Cartesian line from straight and even motion.
+/// Deviation of a Cartesian line from straight motion at a constant rate of rotation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineDeviation {
     /// Length of the line (m).
     pub length: f64,
     /// Largest distance of the wafer's centre from the straight line (m).
     pub distance: f64,
-    /// Largest angle between the wafer's plane and the plane that rotates evenly from start to end (rad).
+    /// Largest angle between the wafer's plane and the plane that rotates uniformly from start to end (rad).
     pub angle: f64,
 }
 
@@ -141,16 +141,16 @@ impl Trajectory {
     pub fn write_sample_at(&self, time: f64, sample: &mut Sample) {
         let step = self.step_at(time);
         let is_end = step + 1 == self.steps.len() && time >= self.duration();
-        let since = self.times.get(step).map_or(0.0, |start| time - start);
-        self.write_sample_in_step(step, if is_end { f64::INFINITY } else { since }, sample);
+        let time_in_step = self.times.get(step).map_or(0.0, |start| time - start);
+        self.write_sample_in_step(step, if is_end { f64::INFINITY } else { time_in_step }, sample);
         sample.time = time;
     }
 
     /// State of all axes at a time since the start of a step (s), which is the time of the sample.
     #[must_use]
-    pub fn sample_in_step(&self, step: usize, since: f64) -> Sample {
+    pub fn sample_in_step(&self, step: usize, time_in_step: f64) -> Sample {
         let mut sample = Sample::default();
-        self.write_sample_in_step(step, since, &mut sample);
+        self.write_sample_in_step(step, time_in_step, &mut sample);
         sample
     }
 
@@ -161,18 +161,23 @@ impl Trajectory {
     /// ```text
     ///    q(t)  =  q_1(t) + q_2(t) − corner
     /// ```
-    pub(crate) fn write_sample_in_step(&self, index: usize, since: f64, sample: &mut Sample) {
-        sample.time = since;
+    pub(crate) fn write_sample_in_step(
+        &self,
+        index: usize,
+        time_in_step: f64,
+        sample: &mut Sample,
+    ) {
+        sample.time = time_in_step;
         sample.step = index;
         let Some(step) = self.steps.get(index) else { return };
         sample.reset(step.from.len());
         let overlaps = self.half_overlaps(index);
         // The step starts in the middle of the overlap, half an overlap after its segment.
-        let time = (since + overlaps.previous).max(0.0);
+        let time = (time_in_step + overlaps.previous).max(0.0);
         self.segments[index].write_sample(step, time, sample);
-        if since < overlaps.previous {
+        if time_in_step < overlaps.previous {
             let previous = &self.segments[index - 1];
-            let time = previous.duration() + since - overlaps.previous;
+            let time = previous.duration() + time_in_step - overlaps.previous;
             previous.superpose(&self.steps[index - 1], time, &step.from, sample);
         }
         let time_in_next = time - (self.segments[index].duration() - 2.0 * overlaps.next);
@@ -211,7 +216,7 @@ impl Trajectory {
         times
     }
 
-    /// Samples at an even rate (Hz) from the start, and one at the end.
+    /// Samples at a uniform rate (Hz) from the start, and one at the end.
     pub fn samples(&self, rate: f64) -> impl Iterator<Item = Sample> + '_ {
         self.sample_times(rate).iter().map(|time| self.sample_at(time))
     }

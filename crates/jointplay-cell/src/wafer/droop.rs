@@ -4,7 +4,7 @@ use super::model::{Droop, DroopRow};
 use super::monotone_cubic::{CubicPiece, Measured};
 
 /// Relative tolerance at the ends of a table: a reach computed to lie on its end is not beyond it by round-off.
-const SLACK: f64 = 1e-9;
+const RANGE_TOLERANCE: f64 = 1e-9;
 /// Reach below which the droop of an arm is negligible (m).
 pub(crate) const MIN_REACH: f64 = 0.05;
 
@@ -155,7 +155,7 @@ impl Deflection {
 impl DroopRow {
     /// Deflection of a row under a load.
     fn under(&self, load: f64) -> Result<Deflection, DroopError> {
-        if !(load >= 0.0 && load <= self.load * (1.0 + SLACK)) {
+        if !(load >= 0.0 && load <= self.load * (1.0 + RANGE_TOLERANCE)) {
             return Err(DroopError::Load { load, max: self.load });
         }
         let share = if load == 0.0 { 0.0 } else { load / self.load };
@@ -172,9 +172,9 @@ fn interpolated(rows: &[DroopRow], reach: f64, load: f64) -> Result<[Deflection;
         [only] => (only.reach, only.reach),
         [] => (f64::NAN, f64::NAN),
     };
-    let slack = SLACK * max.abs();
+    let tolerance = RANGE_TOLERANCE * max.abs();
     // Written so that NaN counts as outside.
-    if !(reach >= min - slack && reach <= max + slack) {
+    if !(reach >= min - tolerance && reach <= max + tolerance) {
         return Err(DroopError::Reach { reach, min, max });
     }
     if rows.len() == 1 {

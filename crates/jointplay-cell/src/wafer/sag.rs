@@ -17,7 +17,7 @@ const CIRCLES: usize = 48;
 const DIRECTIONS: usize = 32;
 
 /// Relative tolerance for supports at the very edge: round-off.
-const SLACK: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-9;
 
 /// Shape of a wafer at rest, as heights above the plane of its supports.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,7 +98,7 @@ pub fn sag(wafer: &Wafer, support: &Support, gravity: f64) -> Result<Sag, SagErr
     let a = wafer.diameter / 2.0;
     let unit = wafer.weight_by_area(gravity) * a.powi(4) / wafer.stiffness();
     let within = |what, found: f64, max: f64| {
-        if found > 0.0 && found <= max * (1.0 + SLACK) {
+        if found > 0.0 && found <= max * (1.0 + TOLERANCE) {
             return Ok((found / max).min(1.0));
         }
         Err(SagError::Support { what, found, diameter: wafer.diameter, max })
@@ -251,7 +251,7 @@ fn rails(poisson: f64, half: f64) -> Result<Vec<(Orbit, f64)>, jointplay_core::E
         })
         .collect();
     // All points of rails that touch the edge coincide there.
-    let points = if chord < SLACK { points[..1].to_vec() } else { points };
+    let points = if chord < TOLERANCE { points[..1].to_vec() } else { points };
     let n = points.len();
     let mut lifted = DMatrix::zeros(n, n);
     for (i, at) in points.iter().enumerate() {
@@ -282,7 +282,7 @@ fn rails(poisson: f64, half: f64) -> Result<Vec<(Orbit, f64)>, jointplay_core::E
             lift - weight[i] + solved[m]
         };
         let deepest = (0..n).min_by(|&i, &j| height(i).total_cmp(&height(j))).unwrap_or(0);
-        if carrying.contains(&deepest) || height(deepest) > -SLACK {
+        if carrying.contains(&deepest) || height(deepest) > -TOLERANCE {
             return Ok(carrying.iter().enumerate().map(|(k, &i)| (points[i], solved[k])).collect());
         }
         carrying.push(deepest);

@@ -77,8 +77,11 @@ fn moved(motion_export: &MotionExport<'_>, request: JogRequest) -> Result<JogDoc
     };
     let (_, loaded_effectors) = frames(motion_export, time, &from).map_err(export_error)?;
     let loaded = loaded_effectors.contains(&id);
-    let moment =
-        PoseContext { motion: motion_export.motion, time, reaches: slot.map(|slot| (id, slot)) };
+    let moment = PoseContext {
+        trajectory: motion_export.motion,
+        time,
+        slot_access: slot.map(|slot| (id, slot)),
+    };
     let start = from.clone();
     let mut jogged = match request.to.map(|to| to.read(cell)).transpose()? {
         None => JogOutcome { positions: from, stopped: None },

@@ -70,7 +70,8 @@ fn contacts(plan: &Plan, station: &str, by: TaughtByFields) -> Result<Vec<[Strin
     let slot = named_slot(cell, &asked, ["station", "taught_by.slot"])?;
     let at = positions(cell, by.positions, "taught_by.positions")?;
     let time = by.time_s.clamp(0.0, motion_export.motion.duration());
-    let moment = PoseContext { motion: motion_export.motion, time, reaches: Some((id, slot)) };
+    let moment =
+        PoseContext { trajectory: motion_export.motion, time, slot_access: Some((id, slot)) };
     let report = check_pose(cell, &moment, &at, &CheckOptions::default()).map_err(cell_error)?;
     let touching: Vec<[String; 2]> =
         touching(&report).into_iter().map(|pair| pair.map(|one| cell.entity_name(one))).collect();

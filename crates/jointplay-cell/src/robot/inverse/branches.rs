@@ -24,7 +24,7 @@ use crate::robot::positions::Positions;
 const RESIDUAL: f64 = 1e-12;
 
 /// Tolerance of limits as a share of the range: positions computed to lie on a limit do not violate it by round-off.
-const SLACK: f64 = 1e-12;
+const LIMIT_TOLERANCE: f64 = 1e-12;
 
 impl HybridRobot {
     /// All positions of the axes that bring the wafer of an effector to a target.
@@ -268,8 +268,8 @@ impl HybridRobot {
 
     fn check_axis(&self, axis: usize, position: f64, violations: &mut Vec<LimitViolation>) {
         let (min, max) = (self.axes[axis].min, self.axes[axis].max);
-        let slack = SLACK * (max - min);
-        if position < min - slack || position > max + slack {
+        let tolerance = LIMIT_TOLERANCE * (max - min);
+        if position < min - tolerance || position > max + tolerance {
             violations.push(LimitViolation::Axis { axis, position, min, max });
         }
     }
@@ -277,7 +277,7 @@ impl HybridRobot {
     fn check_tilt(&self, tilt: Tilt, violations: &mut Vec<LimitViolation>) {
         let max = self.gpr.limits().tilt_max;
         let pitch = tilt.pitch.abs();
-        if pitch > max * (1.0 + SLACK) + SLACK {
+        if pitch > max * (1.0 + LIMIT_TOLERANCE) + LIMIT_TOLERANCE {
             violations.push(LimitViolation::Tilt { pitch, max });
         }
     }

@@ -12,7 +12,7 @@ use crate::robot::arm_chain::AxisCoefficients;
 const MOST: i64 = 20_000;
 
 /// Tolerance of limits for round-off, as a share of the ranges.
-const SLACK: f64 = 1e-12;
+const LIMIT_TOLERANCE: f64 = 1e-12;
 
 /// Limits of the axes of an arm.
 #[derive(Debug, Clone, Copy)]
@@ -143,10 +143,12 @@ impl Revolutions {
         }
         let mut found = false;
         if combinations <= MOST {
-            let slack: AxisCoefficients = from_fn(|a| SLACK * (ranges.max[a] - ranges.min[a]));
+            let tolerance: AxisCoefficients =
+                from_fn(|a| LIMIT_TOLERANCE * (ranges.max[a] - ranges.min[a]));
             for_each(&low[..self.count], &high[..self.count], |k| {
                 let revolutions = k.map(|k| k as f64);
-                if (0..ranges.count).all(|a| self.beyond(own, &revolutions, ranges, a) <= slack[a])
+                if (0..ranges.count)
+                    .all(|a| self.beyond(own, &revolutions, ranges, a) <= tolerance[a])
                 {
                     found = true;
                     each(&self.shifted(own, k));
