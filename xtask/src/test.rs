@@ -5,7 +5,7 @@
 mod ahead;
 
 use self::ahead::Ahead;
-use crate::{book, cell, circles, deps, page, python, studio, tidy};
+use crate::{book, cell, circles, deps, page, python, studio, tidy, words};
 use std::io::{self, IsTerminal};
 use std::path::Path;
 use std::process::Command;
@@ -65,6 +65,7 @@ pub(crate) fn run(root: &Path) -> bool {
         "xtask tidy" => tidy::run(root),
         "xtask deps" => deps::run(root),
         "xtask circles" => circles::run(root),
+        "xtask words" => words::run(root),
         CLIPPY => {
             ahead.start(root);
             run_cargo(step, root)
@@ -89,6 +90,10 @@ fn steps(examples: &[String]) -> Vec<Step> {
             "drop the import, or move the code to the ring it belongs to (ARCHITECTURE.md)",
         ),
         Step::new("xtask circles", "move the item that both files need to a file of its own"),
+        Step::new(
+            "xtask words",
+            "write the field's term (NOTATION.md), or list an exception with its reason in xtask/words.toml",
+        ),
         Step::new(
             CLIPPY,
             "correct what clippy names above; much of it `cargo clippy --fix --workspace --all-targets --all-features` does",
@@ -228,6 +233,7 @@ mod tests {
             "cargo xtask tidy",
             "cargo xtask deps",
             "cargo xtask circles",
+            "cargo xtask words",
             "cargo clippy --workspace --all-targets --all-features -- -D warnings",
             "cargo clippy --workspace --lib --bins --test cli -- -D warnings",
             "PROPTEST_RNG_SEED=\"1\" cargo test --workspace --all-features",

@@ -73,28 +73,33 @@ fn check(tree: &Tree) -> Result<Vec<Finding>, String> {
         }
         if path.ends_with(".rs") {
             let source = RustSource::new(text);
-            list.find(path, text, &source.prose(), true, &mut findings);
+            list.find(path, text, &source.prose(), Let::OutsideCodeBlocks, &mut findings);
             list.find_names(path, text, &source.code, &mut findings);
         } else if PLAIN.iter().any(|ending| path.ends_with(ending)) {
-            // `let` begins a declaration there.
-            list.find(path, text, text, path.ends_with(".md"), &mut findings);
+            let keyword = if path.ends_with(".md") { Let::OutsideCodeBlocks } else { Let::Nowhere };
+            list.find(path, text, text, keyword, &mut findings);
         }
     }
     Ok(findings)
 }
 
+/// Lines in which `let` is a word of prose; elsewhere it begins a declaration.
+#[derive(Clone, Copy, PartialEq)]
+enum Let {
+    /// Lines outside of fenced code blocks, in documents and in comments of Rust files.
+    OutsideCodeBlocks,
+    /// No line: the file is source code.
+    Nowhere,
+}
+
 impl List {
     /// Finds words of prose; `let` only where it is no keyword.
-    fn find(
-        &self,
-        path: &str,
-        text: &str,
-        prose: &str,
-        with_let: bool,
-        findings: &mut Vec<Finding>,
-    ) {
+    fn find(&self, path: &str, text: &str, prose: &str, keyword: Let, findings: &mut Vec<Finding>) {
+        let mut in_code_block = false;
         for (i, (line, whole)) in prose.lines().zip(text.lines()).enumerate() {
             let lower = line.to_lowercase();
+            in_code_block ^= is_fence(&lower);
+            let with_let = keyword == Let::OutsideCodeBlocks && !in_code_block;
             for rule in &self.rule {
                 let found = rule
                     .word
@@ -138,6 +143,17 @@ impl List {
             .iter()
             .any(|exception| path.starts_with(&exception.file) && line.contains(&exception.text))
     }
+}
+
+/// Whether a line of a document or a comment opens or closes a code block.
+fn is_fence(line: &str) -> bool {
+    let line = line.trim_start();
+    ["//!", "///"]
+        .iter()
+        .find_map(|mark| line.strip_prefix(mark))
+        .unwrap_or(line)
+        .trim_start()
+        .starts_with("```")
 }
 
 /// Whether a line holds the word between other letters than its own kind.
@@ -200,6 +216,15 @@ mod tests {
         );
         assert_eq!(found("a.ts", "let x = 1"), <[&str; 0]>::default());
         assert_eq!(found("a.md", "let it be as well"), ["1: \"let\": write report"]);
+    }
+
+    #[test]
+    fn let_in_code_blocks_is_a_keyword() {
+        assert_eq!(
+            found("a.rs", "/// let\n/// ```\n/// let x = told();\n/// ```\n//! let"),
+            ["1: \"let\": write report", "3: \"told\": write report", "5: \"let\": write report"]
+        );
+        assert_eq!(found("a.md", "```rust\nlet x = 1;\n```\nlet"), ["4: \"let\": write report"]);
     }
 
     #[test]

@@ -47,7 +47,7 @@ fn lot(criterion: &mut Criterion) {
         let mut plan = |cell: &Cell| memory.plan(cell, &read, &PlanOptions::default()).unwrap();
         plan(&cells[0]);
         let mut round = 0;
-        group.bench_function(format!("plan anew, {name} moved"), |bench| {
+        group.bench_function(format!("replan, {name} moved"), |bench| {
             bench.iter(|| {
                 round += 1;
                 plan(black_box(&cells[round % 2]))

@@ -24,7 +24,7 @@ fn lot(criterion: &mut Criterion) {
     });
     group.finish();
 
-    // As long as a text may be, and laid out anew.
+    // A text of the maximum length, which formatting changes.
     let long = "  get  LP1 slot 3  with A # a wafer\n".repeat(25_000);
     let mut group = criterion.benchmark_group("a text of 25 000 lines");
     group.sample_size(10).throughput(Throughput::Bytes(long.len() as u64));

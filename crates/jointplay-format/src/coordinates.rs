@@ -1,4 +1,4 @@
-//! Names and values of a mechanism's coordinates as its file speaks of them.
+//! Names, units and values of a mechanism's coordinates in its file.
 
 use jointplay_core::mechanism::joint::Coordinate;
 use jointplay_core::mechanism::{Mechanism, VirtualMotion};
@@ -9,9 +9,9 @@ use crate::place::{listed, nearest, suggestion};
 /// A coordinate of a joint or virtual joint.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Named {
-    /// Name of the joint; with `[k]`, counted from 0, where it has several freedoms.
+    /// Name of the joint; with an index `[k]` from 0 if the joint has several freedoms.
     pub name: String,
-    /// Name of the joint alone.
+    /// Name of the joint without an index.
     pub joint: String,
     /// Whether it is a length or an angle.
     pub quantity: Coordinate,
@@ -25,26 +25,26 @@ pub struct Coordinates {
     joints: usize,
 }
 
-/// Why a text names no coordinate.
+/// Error of a text that should name a coordinate.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// None of this name.
+    /// An unknown name.
     #[error("joint `{found}` is not known{}; known: {}", suggestion(nearest), listed(known))]
     Unknown {
         /// What was found.
         found: String,
-        /// The known one most like it.
+        /// The most similar known name.
         nearest: Option<String>,
-        /// All of them.
+        /// All known names.
         known: Vec<String>,
     },
-    /// A joint with several freedoms, of which one has to be named.
-    #[error("joint `{joint}` has {} freedoms: say which, {}", names.len(), listed(names))]
+    /// A joint with several freedoms; the name needs an index.
+    #[error("joint `{joint}` has {} freedoms: choose one of {}", names.len(), listed(names))]
     Several {
         /// The joint.
         joint: String,
-        /// Its coordinates.
+        /// Names of its coordinates.
         names: Vec<String>,
     },
     /// A joint without freedoms.
@@ -82,7 +82,7 @@ impl Coordinates {
         Self { units: file.units, named, joints }
     }
 
-    /// All of them, in the order of the coordinate vector.
+    /// All coordinates, in the order of the coordinate vector.
     #[must_use]
     pub fn all(&self) -> &[Named] {
         &self.named
@@ -94,16 +94,16 @@ impl Coordinates {
         self.units
     }
 
-    /// How many of them are coordinates of joints; the others are virtual.
+    /// Number of coordinates of joints; the remaining ones belong to virtual joints.
     #[must_use]
     pub fn joints(&self) -> usize {
         self.joints
     }
 
-    /// Index of the joint coordinate of a name, such as `crank` or `S1[2]`.
+    /// Index of the joint coordinate with a name such as `crank` or `S1[2]`.
     ///
     /// # Errors
-    /// [`Error`]: unknown, or a joint that has not just one.
+    /// [`Error`]: the name is unknown, or the joint has several coordinates or none.
     pub fn find(&self, mechanism: &Mechanism, name: &str) -> Result<usize, Error> {
         let named = &self.named[..self.joints];
         if let Some(found) = named.iter().position(|one| one.name == name) {
@@ -123,7 +123,7 @@ impl Coordinates {
         Err(Error::Unknown { found: joint, nearest, known })
     }
 
-    /// A value of coordinate `k` (m, rad) from the unit of the file.
+    /// Converts a value of coordinate `k` from the file's unit to SI (m, rad).
     #[must_use]
     pub fn to_si(&self, k: usize, value: f64) -> f64 {
         match self.named[k].quantity {
@@ -132,7 +132,7 @@ impl Coordinates {
         }
     }
 
-    /// A value of coordinate `k` in the unit of the file.
+    /// Converts a value of coordinate `k` to the unit of the file.
     ///
     /// # Arguments
     /// * `value` – (m, rad)
@@ -144,7 +144,7 @@ impl Coordinates {
         }
     }
 
-    /// The unit of coordinate `k`, as in files.
+    /// The file's unit of coordinate `k`.
     #[must_use]
     pub fn unit(&self, k: usize) -> &'static str {
         match self.named[k].quantity {
@@ -153,13 +153,13 @@ impl Coordinates {
         }
     }
 
-    /// Name and unit of coordinate `k`, as heads of columns have them: `crank_deg`.
+    /// Column heading of coordinate `k`, name and unit: `crank_deg`.
     #[must_use]
     pub fn column(&self, k: usize) -> String {
         format!("{}_{}", self.named[k].name, self.unit(k))
     }
 
-    /// Decimals that show a millionth of a millimetre or of a degree, about.
+    /// Decimals that resolve about a millionth of a millimetre or of a degree.
     #[must_use]
     pub fn decimals(&self, k: usize) -> usize {
         match (self.named[k].quantity, self.units.length, self.units.angle) {

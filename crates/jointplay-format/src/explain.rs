@@ -1,4 +1,4 @@
-//! Errors of the core, said in the units that people use.
+//! Errors of the core as messages in mm and degrees.
 
 use jointplay_core::Error;
 use jointplay_core::gpr::BrokenLimit;
@@ -17,7 +17,7 @@ fn deg(radians: f64) -> String {
     number(units::deg(radians))
 }
 
-/// What went wrong, in mm and degrees.
+/// The message of an error, in mm and degrees.
 #[must_use]
 pub fn explain(error: &Error) -> String {
     match error {
@@ -51,7 +51,7 @@ pub fn explain(error: &Error) -> String {
             format!("the pitch is {}°, but has to lie between -90° and 90°", deg(*pitch))
         }
         Error::NotConverged(unconverged) => format!(
-            "the {} iteration for the virtual joints did not converge in {} steps: at best the sides are {} mm off, {} mm is asked for\n  best virtual joints (m, rad): {}",
+            "the {} iteration for the virtual joints did not converge in {} steps: the best sides deviate by {} mm, at most {} mm are allowed\n  best virtual joints (m, rad): {}",
             unconverged.solver,
             unconverged.iterations,
             rounded(units::mm(unconverged.residual), 4),
@@ -82,7 +82,7 @@ pub fn explain(error: &Error) -> String {
     }
 }
 
-/// A broken limit, in mm and degrees.
+/// The message of a violated limit, in mm and degrees.
 #[must_use]
 pub fn explain_limit(limit: &BrokenLimit) -> String {
     match limit {
@@ -90,17 +90,17 @@ pub fn explain_limit(limit: &BrokenLimit) -> String {
             let (min, max) = (units::mm(*min), units::mm(*max));
             let length = beyond(units::mm(*length), min, max);
             let (min, max) = (number(min), number(max));
-            format!("rod {limb} is {length} mm long, allowed are {min} to {max} mm")
+            format!("rod {limb} is {length} mm long, its limits are {min} to {max} mm")
         }
         BrokenLimit::Tilt { pitch, max } => {
             let max = units::deg(*max);
             let pitch = beyond(units::deg(*pitch), 0.0, max);
-            format!("the tilt is {pitch}°, allowed is up to {}°", number(max))
+            format!("the tilt is {pitch}°, its limit is {}°", number(max))
         }
     }
 }
 
-/// A number to six decimals, or with all its digits where six would round it back into its limits.
+/// A number with six decimals, or with all digits where rounding would hide that it is out of its limits.
 pub fn beyond(value: f64, min: f64, max: f64) -> String {
     if value.abs() >= 1e7 {
         return number(value);

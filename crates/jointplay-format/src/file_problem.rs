@@ -1,9 +1,9 @@
-//! Errors that every file in TOML can have.
+//! Errors that any TOML file can have.
 
 use crate::number::{counted, entries, number};
 use crate::place::{Form, listed, suggestion};
 
-/// Errors that every file in TOML can have; numbers are in the units of the file.
+/// Errors that any TOML file can have; numbers are in the units of the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileProblem {
@@ -42,7 +42,7 @@ pub enum FileProblem {
         /// The key.
         key: String,
     },
-    /// A number out of range, infinite or NaN.
+    /// A number that is out of range, infinite or NaN.
     #[error("`{key}` is {}, but has to be {needed}", number(*.value))]
     OutOfRange {
         /// The key.
@@ -62,7 +62,7 @@ pub enum FileProblem {
         /// Number of entries needed.
         needed: String,
     },
-    /// A word or name that is not known.
+    /// An unknown word or name.
     #[error("{what} {found:?} is not known{}; known: {}", suggestion(nearest), listed(known))]
     Unknown {
         /// The kind of thing that it names.
@@ -74,7 +74,7 @@ pub enum FileProblem {
         /// All known names.
         known: Vec<String>,
     },
-    /// A name that programs cannot write.
+    /// A name that the program language cannot express.
     #[error(
         "`{key}` is {found:?}, but a name is letters, digits, `_` and `-`, starts with a letter, and has at most {longest} of them"
     )]

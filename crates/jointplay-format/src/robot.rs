@@ -1,4 +1,4 @@
-//! Robot files: TOML that an engineer can read, read strictly.
+//! Robot files: readable TOML with a strict schema.
 
 use jointplay_core::gpr::{Gpr, Limb, Limits};
 use nalgebra::Vector2;
@@ -13,27 +13,27 @@ use crate::units::m_from_mm;
 /// The file of the paper's robot.
 pub const PAPER: &str = include_str!("../../../robots/gpr.toml");
 
-/// A robot as read.
+/// The content of a robot file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
-    /// What the file calls it.
+    /// Value of the file's key `name`.
     pub name: String,
     /// The robot.
     pub gpr: Gpr,
-    /// What its base looks like, in the base frame.
+    /// Shape of the base for display, in the base frame.
     pub base_mesh: Option<Mesh>,
-    /// What its platform looks like, in the platform frame.
+    /// Shape of the platform for display, in the platform frame.
     pub platform_mesh: Option<Mesh>,
 }
 
 /// A file of a shape, named in a robot file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    /// Its path, relative to the robot file's folder and within it.
+    /// Path relative to the robot file's folder, and within it.
     pub path: String,
-    /// Which of the formats it is in.
+    /// File format of the shape.
     pub format: MeshFormat,
-    /// Where it is named.
+    /// Place in the robot file.
     pub place: Place,
 }
 
@@ -44,14 +44,14 @@ pub enum MeshFormat {
     Stl,
     /// `.obj`
     Obj,
-    /// `.gltf`, everything within one file
+    /// `.gltf`, with all data embedded
     Gltf,
     /// `.glb`
     Glb,
 }
 
 impl MeshFormat {
-    /// By the ending of a name.
+    /// The format that belongs to the extension of a file name.
     fn of(name: &str) -> Option<Self> {
         match name.rsplit_once('.')?.1.to_ascii_lowercase().as_str() {
             "stl" => Some(Self::Stl),
@@ -64,7 +64,7 @@ impl MeshFormat {
 }
 
 impl Mesh {
-    /// That the file cannot be had, and why.
+    /// The error that the file of a mesh cannot be read.
     #[must_use]
     pub fn unreadable(&self, why: impl Into<String>) -> Error {
         let problem = Problem::MeshUnreadable { path: self.path.clone(), why: why.into() };
@@ -78,80 +78,80 @@ pub type Error = crate::place::Error<Problem>;
 /// All errors of a robot file.
 pub type Errors = crate::place::Errors<Problem>;
 
-/// What can be wrong in a robot file.
+/// Errors of robot files.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// An error that every file can have.
+    /// An error that any TOML file can have.
     #[error(transparent)]
     Common(#[from] FileProblem),
-    /// A kind of robot that is not known.
+    /// An unknown kind of robot.
     #[error("kind {found:?} is not known; known: \"gpr\"")]
     Kind {
-        /// What was found.
+        /// The kind found.
         found: String,
     },
-    /// A name with characters that would upset a terminal.
-    #[error("the name has control characters in it: {found:?}")]
+    /// A name with control characters.
+    #[error("the name contains control characters: {found:?}")]
     Name {
-        /// What was found.
+        /// The name found.
         found: String,
     },
-    /// A shape in a format that is not known.
+    /// A shape in an unknown format.
     #[error("the mesh {path:?} ends neither in .stl, .obj, .gltf nor .glb")]
     MeshFormat {
-        /// What was found.
+        /// The path found.
         path: String,
     },
-    /// A shape that may lie outside.
+    /// The path of a shape that may lead out of the folder.
     #[error(
         "the mesh {path:?} has to be a path within the robot file's folder, with / between names and without `..`"
     )]
     MeshPath {
-        /// What was found.
+        /// The path found.
         path: String,
     },
-    /// A shape that cannot be had.
+    /// A shape that cannot be read.
     #[error("the mesh {path:?} cannot be read: {why}")]
     MeshUnreadable {
-        /// What was found.
+        /// The path found.
         path: String,
-        /// Why.
+        /// Reason.
         why: String,
     },
-    /// Not three limbs.
+    /// A number of limbs other than three.
     #[error("a GPR has 3 limbs, but {found} {} given", if *.found == 1 { "is" } else { "are" })]
     LimbCount {
-        /// How many were found.
+        /// Number of limbs found.
         found: usize,
     },
-    /// Numbers that make no robot.
+    /// Values that define no robot.
     #[error("{}", explain(.0))]
     Geometry(jointplay_core::Error),
 }
 
-/// Lengths of robot files lie within this: a kilometre (mm).
+/// Largest absolute length in robot files, 1 km (mm).
 const LARGEST_MM: f64 = 1e6;
-/// Angles of robot files lie within this: a hundred turns (deg).
+/// Largest absolute angle in robot files, a hundred revolutions (deg).
 const LARGEST_DEG: f64 = 36_000.0;
 
 /// The paper's robot, from its file.
 #[must_use]
 pub fn paper() -> Robot {
-    parse(PAPER).expect("the robot file of the paper is valid, a test says so")
+    parse(PAPER).expect("the included robot file is valid, as a test checks")
 }
 
 /// Reads a robot file.
 ///
 /// # Errors
-/// All errors in the order of their places, at least one: invalid TOML, missing or unknown keys, values of the wrong type, numbers out of range or that make no robot.
+/// All errors in the order of their places, at least one: invalid TOML, missing or unknown keys, values of another type, numbers that are out of range or define no robot.
 pub fn parse(text: &str) -> Result<Robot, Errors> {
     let reader = Reader::new(text);
     let document = reader.parse();
     let top = Table::new(&reader, "a robot", document.get_ref(), 0..0);
     let kind = top.needed("kind");
     let found = kind.and_then(|kind| kind.text(&reader));
-    // A file of another kind is not blamed for its keys.
+    // A file of another kind has other keys.
     if let (Some(kind), Some(found)) = (kind, found.filter(|&found| found != "gpr")) {
         kind.report(&reader, Problem::Kind { found: found.to_owned() });
         return reader.done(None);
@@ -261,13 +261,13 @@ fn mesh(top: &Table, key: &'static str) -> Option<Option<Mesh>> {
     }
 }
 
-/// Whether a path stays within the folder that it counts from, on every system.
+/// Whether a path stays within its folder, on every operating system.
 pub(crate) fn stays_within(path: &str) -> bool {
     let strange = |letter: char| letter.is_control() || matches!(letter, '\\' | ':');
     path.split('/').all(|name| !matches!(name, "" | "." | "..")) && !path.contains(strange)
 }
 
-/// The part of the file that a geometry error is about.
+/// The part of the file that a geometry error refers to.
 fn blame<'r, 'a>(
     (limbs, limits, working): (&[Table<'r, 'a>], &Table<'r, 'a>, &Table<'r, 'a>),
     error: &jointplay_core::Error,
@@ -291,12 +291,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_paper_s_file_is_the_paper_s_robot() {
+    fn the_included_file_is_the_paper_s_robot() {
         assert_eq!(parse(PAPER).unwrap().gpr, Gpr::paper());
     }
 
     #[test]
-    fn a_rod_may_stand_beside_its_socket() {
+    fn base_points_may_differ_from_the_nominal_sockets() {
         let text = PAPER.replacen(
             "socket_angle_deg = 0.0",
             "socket_angle_deg = 0.0\nbase_point_mm = [95, -1.5]",
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn meshes_are_named_within_the_folder() {
+    fn mesh_paths_must_stay_within_the_folder() {
         let with = |line: &str| parse(&PAPER.replacen("kind = \"gpr\"", line, 1));
         let robot = with("kind = \"gpr\"\nbase_mesh = \"shapes/base.STL\"").unwrap();
         let mesh = robot.base_mesh.unwrap();
@@ -326,7 +326,7 @@ mod tests {
         }
     }
 
-    /// Replaces a piece of the paper's file and reads the message.
+    /// Replaces a part of the paper's file and checks an error message.
     #[track_caller]
     fn refuse(from: &str, to: &str, line: usize, message: &str) {
         assert!(PAPER.contains(from), "{from:?} is not in the file");
@@ -353,7 +353,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_files_are_refused_with_their_place() {
+    fn invalid_files_are_rejected_with_the_place_of_each_error() {
         let radius = "socket_radius_mm = 93.218";
         refuse(radius, "socket_radius_mm = nan", 13, "`socket_radius_mm` is not a number");
         refuse(radius, "socket_radius_mm = inf", 13, "`socket_radius_mm` is infinite");
@@ -419,7 +419,7 @@ mod tests {
     }
 
     #[test]
-    fn sockets_numbered_against_the_base_points_are_refused() {
+    fn sockets_in_the_opposite_order_of_the_base_points_are_rejected() {
         let points = ["[93.0, 0.0]", "[-46.0, -80.0]", "[-46.0, 80.0]"];
         let mut text = PAPER.to_owned();
         for (angle, point) in ["0.0", "120.0", "240.0"].iter().zip(points) {
@@ -430,7 +430,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_shows_the_line() {
+    fn an_error_shows_its_line_with_carets() {
         let error = parse(&PAPER.replacen("tilt_deg = 1.5", "tilt_deg = nan", 1)).unwrap_err();
         let shown = error.with_excerpt("my.toml");
         assert_eq!(
@@ -440,7 +440,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_panics() {
+    fn truncated_files_do_not_panic() {
         for cut in 0..PAPER.len() {
             if PAPER.is_char_boundary(cut) {
                 let _ = parse(&PAPER[..cut]);

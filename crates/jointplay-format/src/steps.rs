@@ -1,27 +1,27 @@
-//! Ranges as people type them: `FROM:TO:STEP`.
+//! Ranges in the notation `FROM:TO:STEP`.
 
 use crate::number::{number, rounded};
 
-/// The most values that one range may have.
+/// Largest number of values of a range.
 pub const MOST: usize = 1_000_000;
 
-/// Why a text is no range.
+/// Error in the text of a range.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Not three numbers with colons between them.
+    /// A text other than three numbers with colons between them.
     #[error("{text:?} is no range: write FROM:TO:STEP, such as -2:2:0.2")]
     Form {
         /// What was found.
         text: String,
     },
-    /// NaN or infinite.
+    /// A number that is NaN or infinite.
     #[error("a number of the range is {}, but has to be finite", number(*.value))]
     NotFinite {
         /// What was found.
         value: f64,
     },
-    /// A step of zero, or one that leads away from the end.
+    /// A step that is zero or has the opposite sign of the range.
     #[error("a step of {} does not lead from {} to {}", number(*.step), number(*.from), number(*.to))]
     Direction {
         /// First value.
@@ -31,7 +31,7 @@ pub enum Error {
         /// Step.
         step: f64,
     },
-    /// A step that misses the end.
+    /// A step that does not divide the range.
     #[error(
         "steps of {} from {} miss {}: the range is {} steps long; a step of {} fits",
         number(*.step),
@@ -47,22 +47,22 @@ pub enum Error {
         to: f64,
         /// Step.
         step: f64,
-        /// How many steps the range is long.
+        /// Length of the range in steps.
         intervals: f64,
-        /// A step nearby that fits.
+        /// A similar step that divides the range.
         nearest: f64,
     },
-    /// More values than anyone can mean.
+    /// Too many values.
     #[error("the range has {} values, at most {MOST} are allowed", number(*.found))]
     TooMany {
-        /// How many values it would have.
+        /// Number of values.
         found: f64,
     },
 }
 
 /// The values of `FROM:TO:STEP`, both ends included; a single number is a range of one value.
 ///
-/// Every value is as near its decimal as a double can be: no rounding adds up from step to step.
+/// Every value is the double nearest to its decimal: rounding errors do not accumulate.
 ///
 /// # Errors
 /// [`Error`]: not of the form, not finite, a zero or reversed step, a step that misses the end, too many values.
@@ -110,19 +110,19 @@ pub fn spread(from: f64, to: f64, step: f64) -> Result<Vec<f64>, Error> {
     Ok(if count == 0 { vec![from] } else { (0..=count).map(at).collect() })
 }
 
-/// Whether a number of steps is whole, up to the rounding of decimals that were typed.
+/// Whether a number of steps is whole, up to the rounding of decimal input.
 fn is_whole(intervals: f64) -> bool {
     let whole = intervals.round();
     (intervals - whole).abs() <= 1e-9 * whole.max(1.0)
 }
 
-/// The decimal with the fewest digits near `step` that still divides `range` into whole steps.
+/// The decimal with the fewest digits near `step` that divides `range` into whole steps.
 fn shortest_fitting(range: f64, step: f64) -> f64 {
     let rounded = |digits: usize| format!("{step:.digits$e}").parse::<f64>().ok();
     (0..16).filter_map(rounded).find(|&short| is_whole(range / short)).unwrap_or(step)
 }
 
-/// Digits behind the point of the shortest decimal that stands for a number; at most 15.
+/// Fractional digits of the shortest decimal that represents a number; at most 15.
 fn decimals(value: f64) -> i32 {
     let text = format!("{value}");
     let digits = text.split_once('.').map_or(0, |(_, fraction)| fraction.len());
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_are_their_decimals() {
+    fn values_equal_their_decimals() {
         let values = parse("-2:2:0.2").unwrap();
         assert_eq!(values.len(), 21);
         assert_eq!((values[0], values[7], values[10], values[20]), (-2.0, -0.6, 0.0, 2.0));
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_range_is_refused() {
+    fn invalid_ranges_are_rejected() {
         refuse("", "write FROM:TO:STEP");
         refuse("1:2", "write FROM:TO:STEP");
         refuse("1:2:3:4", "write FROM:TO:STEP");

@@ -1,6 +1,6 @@
-//! SI inside, millimetres and degrees outside, without spoiling decimals on the way.
+//! Conversion between SI units and mm, µm or degrees that preserves short decimals.
 //!
-//! `0.093218 * 1000.0` is 93.21799999999999; here it is 93.218, and 93.218 mm read back is the same number again.
+//! `0.093218 * 1000.0` is 93.21799999999999; [`mm`] returns 93.218, and [`m_from_mm`] returns the original number.
 
 /// Millimetres from metres.
 #[must_use]
@@ -20,7 +20,7 @@ pub fn m_from_mm(millimeters: f64) -> f64 {
     shift(millimeters, -3)
 }
 
-/// Degrees from radians: of all numbers that read back as the same radians, one with few decimals if there is one.
+/// Degrees from radians: among all numbers that convert to these radians, one with few decimals if there is one.
 #[must_use]
 pub fn deg(radians: f64) -> f64 {
     let degrees = radians.to_degrees();
@@ -28,7 +28,7 @@ pub fn deg(radians: f64) -> f64 {
     if rounded.to_radians() == radians { rounded } else { degrees }
 }
 
-/// Units that columns of numbers may have.
+/// Units of columns of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unit {
     /// No unit.
@@ -52,14 +52,14 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// Of lengths, the usual one first.
+    /// Units of lengths, the default first.
     pub const LENGTHS: [Self; 4] =
         [Self::Millimeter, Self::Micrometer, Self::Nanometer, Self::Meter];
-    /// Of angles, the usual one first.
+    /// Units of angles, the default first.
     pub const ANGLES: [Self; 4] =
         [Self::Degree, Self::Radian, Self::Milliradian, Self::Microradian];
 
-    /// How the name of a column ends; empty without a unit.
+    /// Suffix of a column name; empty without a unit.
     #[must_use]
     pub fn suffix(self) -> &'static str {
         match self {
@@ -75,7 +75,7 @@ impl Unit {
         }
     }
 
-    /// How many of this unit an SI unit is.
+    /// Number of this unit in one SI unit.
     #[must_use]
     pub fn in_si(self) -> f64 {
         match self {
@@ -87,14 +87,14 @@ impl Unit {
         }
     }
 
-    /// A number in SI in this unit: one multiplication, for columns of millions.
+    /// Converts an SI value to this unit with one multiplication, for columns of millions.
     #[must_use]
     #[inline]
     pub fn of(self, si: f64) -> f64 {
         si * self.in_si()
     }
 
-    /// The same for a number that somebody typed: the decimal with few digits that stands within round-off of it, if there is one.
+    /// Converts an SI value to this unit; prefers a decimal with few digits within round-off, as a user would type it.
     #[must_use]
     #[inline]
     pub fn of_typed(self, si: f64) -> f64 {
@@ -105,10 +105,10 @@ impl Unit {
     }
 }
 
-/// Moves the decimal point of the shortest decimal that stands for `value`.
+/// Moves the decimal point of the shortest decimal that represents `value`.
 pub fn shift(value: f64, places: i32) -> f64 {
     if !value.is_finite() {
-        // NaN and the infinities have no decimals to move.
+        // NaN and infinities have no decimals.
         return value;
     }
     let mut buffer = zmij::Buffer::new();
@@ -123,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn decimals_stay() {
+    fn short_decimals_survive_the_conversion() {
         for millimeters in [93.218, 501.3, 0.1, 754.0, 1e-300, -12.75, 0.0, 123456.789] {
             assert_eq!(mm(m_from_mm(millimeters)), millimeters);
         }
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn decimals_stay_in_columns_too() {
+    fn short_decimals_survive_in_columns() {
         for millimeters in [93.218, 501.3, 0.1, 754.0, -12.75, 0.0] {
             assert_eq!(Unit::Millimeter.of_typed(m_from_mm(millimeters)), millimeters);
         }
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_stays_none() {
+    fn values_that_are_not_finite_remain_so() {
         assert!(mm(f64::NAN).is_nan());
         assert_eq!(mm(f64::INFINITY), f64::INFINITY);
         assert!(deg(f64::NAN).is_nan());

@@ -1,6 +1,6 @@
-//! Cell files: the example, what is wrong with others and where, and editing.
+//! Cell files: the example, errors with their places, and editing.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::check::{CheckOptions, Report, check};
 use jointplay_cell::geometry::Shape;
@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 
 fn no_files(name: &str) -> Result<Vec<u8>, String> {
-    Err(format!("nobody has {name}"))
+    Err(format!("there is no {name}"))
 }
 
 fn problems(text: &str) -> Errors {
@@ -27,8 +27,8 @@ fn example() -> Cell {
     match read(EXAMPLE, &mut no_files) {
         Ok(cell) => cell,
         Err(problems) => {
-            let told = problems.iter().map(|problem| problem.with_excerpt("example.toml"));
-            panic!("{}", told.collect::<Vec<_>>().join("\n"))
+            let messages = problems.iter().map(|problem| problem.with_excerpt("example.toml"));
+            panic!("{}", messages.collect::<Vec<_>>().join("\n"))
         }
     }
 }
@@ -41,22 +41,22 @@ fn every_slot_of_the_example_is_within_reach_of_both_arms() {
         for slot in 1..=station.slots {
             for &id in &station.effectors {
                 let slot_id = SlotId { station: index, slot };
-                let way = cell
+                let waypoints = cell
                     .waypoints(id, slot_id, &home)
                     .unwrap_or_else(|error| panic!("{} slot {slot} {id:?}: {error}", station.name));
                 let mut near = home.clone();
                 let places = [
-                    &way.retracted_below,
-                    &way.below,
-                    &way.resting,
-                    &way.above,
-                    &way.retracted_above,
+                    &waypoints.retracted_below,
+                    &waypoints.below,
+                    &waypoints.resting,
+                    &waypoints.above,
+                    &waypoints.retracted_above,
                 ];
                 for (k, place) in places.into_iter().enumerate() {
                     let reached = cell.reach(id, place, k > 2, &near).unwrap_or_else(|error| {
                         panic!("{} slot {slot} place {k} {id:?}: {error}", station.name)
                     });
-                    // Out and back along its own radius an arm does not turn.
+                    // An arm that extends and retracts along its own radius does not rotate.
                     if k > 0 {
                         assert!((reached.positions[RODS] - near[RODS]).abs() < 0.01, "{k} {slot}");
                     }
@@ -68,7 +68,7 @@ fn every_slot_of_the_example_is_within_reach_of_both_arms() {
 }
 
 #[test]
-fn the_file_of_the_documents_is_a_cell() {
+fn the_example_of_the_reference_is_a_valid_cell() {
     let document = include_str!("../../../docs/reference/cell-files.md");
     let text =
         document.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
@@ -82,7 +82,7 @@ TRANSFER PM1 TO LP2 SLOT 25 WITH B
 HOME
 ";
 
-/// What is wrong with a short program in a cell.
+/// Report on a short program in a cell.
 fn checked(cell: &Cell) -> Report {
     let steps = expand(cell, &program::parse(PROGRAM).unwrap()).unwrap();
     check(
@@ -93,7 +93,7 @@ fn checked(cell: &Cell) -> Report {
 }
 
 #[test]
-fn the_example_is_sound_and_a_wall_in_the_way_is_named() {
+fn the_example_has_no_violations_and_a_collision_names_the_wall() {
     let report = checked(&example());
     assert!(report.violations.is_empty(), "{:#?}", report.violations);
     let from = "position_mm = [100.0, -600.0, 500.0]";
@@ -105,7 +105,7 @@ fn the_example_is_sound_and_a_wall_in_the_way_is_named() {
     assert!(hit("wall") && !hit("slit-above"), "{:#?}", report.violations);
 }
 
-/// Replaces a piece of the example and reads the first message.
+/// Replaces a part of the example and checks an error message.
 #[track_caller]
 fn refuse(from: &str, to: &str, message: &str) {
     assert!(EXAMPLE.contains(from), "{from:?} is not in the file");
@@ -116,12 +116,13 @@ fn refuse(from: &str, to: &str, message: &str) {
     let fits = |problem: &Problem| {
         (line..=last).contains(&problem.place.line) && problem.to_string().contains(message)
     };
-    let told: Vec<String> = found.iter().map(|problem| problem.with_excerpt("x.toml")).collect();
-    assert!(found.iter().any(fits), "line {line}:\n{}", told.join("\n"));
+    let messages: Vec<String> =
+        found.iter().map(|problem| problem.with_excerpt("x.toml")).collect();
+    assert!(found.iter().any(fits), "line {line}:\n{}", messages.join("\n"));
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_place_and_what_is_possible() {
+fn errors_name_their_place_and_the_allowed_values() {
     refuse(
         "kind = \"cell\"",
         "kind = \"sell\"",
@@ -132,7 +133,7 @@ fn what_is_wrong_is_told_with_its_place_and_what_is_possible() {
         "robot = \"dual\"",
         "robot with arms \"dual\" is not known (did you mean `dual-arm`?); known: dual-arm, radial-arm, scara-3r, scara-4r, or a file ….toml",
     );
-    refuse("robot = \"dual-arm\"", "robot = \"mine.toml\"", "nobody has mine.toml");
+    refuse("robot = \"dual-arm\"", "robot = \"mine.toml\"", "there is no mine.toml");
     refuse("robot = \"dual-arm\"", "robot = \"../mine.toml\"", "within the cell file's folder");
     let plain = "\"gpr\" is a mechanism without arms; robots with arms: dual-arm, radial-arm";
     refuse("robot = \"dual-arm\"", "robot = \"gpr\"", plain);
@@ -161,7 +162,7 @@ fn what_is_wrong_is_told_with_its_place_and_what_is_possible() {
     refuse("wafers = \"all\"", "wafers = [3, 3]", "slot 3 is listed twice");
     refuse("wafers = \"all\"", "effectors = [\"C\"]", "effector \"C\" is not known; known: A, B");
     refuse("wafers = \"all\"", "approach = \"straight\"", "approach \"straight\" is not known");
-    refuse("name = \"LP2\"", "name = \"LP1\"", "station \"LP1\" is there twice");
+    refuse("name = \"LP2\"", "name = \"LP1\"", "station \"LP1\" is defined twice");
     refuse("name = \"LP2\"", "name = \"load port\"", "a name is letters, digits");
     refuse("retract_mm = 10.0", "retract_mm = 800.0", "is only 700.036 mm from the robot's axis");
     refuse(
@@ -172,7 +173,7 @@ fn what_is_wrong_is_told_with_its_place_and_what_is_possible() {
     refuse(
         "threshold_um = 100.0",
         "threshold_um = 2.0",
-        "taught point 3 lies 2.5 µm from the plane of them all",
+        "taught point 3 lies 2.5 µm from the common plane",
     );
     refuse("rule = \"safe\"", "rule = \"save\"", "did you mean `safe`?");
     refuse("on = \"platform\"", "on = \"plattform\"", "did you mean `platform`?");
@@ -193,7 +194,7 @@ fn what_is_wrong_is_told_with_its_place_and_what_is_possible() {
 }
 
 #[test]
-fn several_problems_are_told_at_once_in_order() {
+fn all_errors_are_reported_in_order_of_place() {
     let text = EXAMPLE
         .replace("thickness_mm = 0.775", "thickness_mm = -1")
         .replace("slots = 25", "slots = \"many\"")
@@ -201,30 +202,30 @@ fn several_problems_are_told_at_once_in_order() {
     let found = problems(&text);
     let lines: Vec<usize> = found.iter().map(|problem| problem.place.line).collect();
     assert!(lines.is_sorted(), "{lines:?}");
-    let told: Vec<String> = found.iter().map(ToString::to_string).collect();
+    let messages: Vec<String> = found.iter().map(ToString::to_string).collect();
     assert_eq!(
-        told.iter().filter(|one| one.contains("has to be a number")).count(),
+        messages.iter().filter(|one| one.contains("has to be a number")).count(),
         2,
-        "{told:#?}"
+        "{messages:#?}"
     );
-    assert!(told.iter().any(|one| one.contains("needs `rule`")), "{told:#?}");
-    assert!(told.iter().any(|one| one.contains("unknown key `rul`")), "{told:#?}");
+    assert!(messages.iter().any(|one| one.contains("needs `rule`")), "{messages:#?}");
+    assert!(messages.iter().any(|one| one.contains("unknown key `rul`")), "{messages:#?}");
 }
 
 #[test]
-fn a_station_without_its_keys_says_which() {
+fn missing_keys_of_a_station_are_named() {
     let text = EXAMPLE.replace(
         "stroke = { below_mm = 4.0, above_mm = 3.0, speed_mm_s = 20.0 }",
         "stroke = { below_mm = 4.0 }",
     );
-    let told: Vec<String> = problems(&text).iter().map(ToString::to_string).collect();
-    assert!(told.contains(&"a stroke needs `above_mm`".to_owned()), "{told:#?}");
+    let messages: Vec<String> = problems(&text).iter().map(ToString::to_string).collect();
+    assert!(messages.contains(&"a stroke needs `above_mm`".to_owned()), "{messages:#?}");
     let text = EXAMPLE.replace("pitch_mm = 10.0", "");
-    let told: Vec<String> = problems(&text).iter().map(ToString::to_string).collect();
-    assert!(told.contains(&"the station \"LP1\" needs `pitch_mm`".to_owned()), "{told:#?}");
+    let messages: Vec<String> = problems(&text).iter().map(ToString::to_string).collect();
+    assert!(messages.contains(&"the station \"LP1\" needs `pitch_mm`".to_owned()), "{messages:#?}");
 }
 
-/// The example with other lines in place of those that place LP1.
+/// The example with other lines in place of the position of LP1.
 fn placed(lines: &str) -> Result<Cell, Errors> {
     let from = "position_mm = [-495.0, 495.0, 500.0]";
     assert!(EXAMPLE.contains(from));
@@ -232,7 +233,7 @@ fn placed(lines: &str) -> Result<Cell, Errors> {
 }
 
 #[test]
-fn stations_come_from_taught_points_and_from_drift() {
+fn station_frames_follow_from_taught_points_or_drift() {
     let cell =
         placed("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-493.0, 495.0, 739.99] }")
             .unwrap();
@@ -241,28 +242,28 @@ fn stations_come_from_taught_points_and_from_drift() {
     assert!((drift.tilt.pitch.tan() - 0.002 / 0.23999).abs() < 1e-12);
     let last = cell.stations[0].slot_frame(25).translation.vector;
     assert!((last - Vector3::new(-0.493, 0.495, 0.73999)).norm() < 1e-14, "{last}");
-    let wrong = |lines: &str| placed(lines).unwrap_err()[0].to_string();
-    let told =
-        wrong("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-495.0, 495.0, 750.0] }");
-    assert!(told.contains("but `pitch_mm` is 10"), "{told}");
-    let told =
-        wrong("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-495.0, 495.0, 400.0] }");
-    assert!(told.contains("has to be above it"), "{told}");
-    let told =
-        wrong("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-485.0, 495.0, 739.8] }");
-    assert!(told.contains("but the robot tilts by at most 1.500°"), "{told}");
+    let refused = |lines: &str| placed(lines).unwrap_err()[0].to_string();
+    let message =
+        refused("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-495.0, 495.0, 750.0] }");
+    assert!(message.contains("but `pitch_mm` is 10"), "{message}");
+    let message =
+        refused("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-495.0, 495.0, 400.0] }");
+    assert!(message.contains("it must be above it"), "{message}");
+    let message =
+        refused("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-485.0, 495.0, 739.8] }");
+    assert!(message.contains("but the robot tilts by at most 1.500°"), "{message}");
     let position = "position_mm = [-495.0, 495.0, 500.0]\n";
-    let taught = |points: &str| wrong(&format!("{position}taught = {{ points_mm = {points} }}"));
-    let told = taught("[[0, 0, 500], [1, 0, 500]]");
-    assert!(told.contains("2 taught points determine no plane"), "{told}");
-    let told = taught("[[0, 0, 500], [100, 0, 500], [200, 0, 500.001]]");
-    assert!(told.contains("µm of one line"), "{told}");
-    let told = taught("[[0, 0, 500], [100, 0, 500], [0, 100, 503]]");
-    assert!(told.contains("tilts 1.718° toward -90.0°"), "{told}");
-    let told = wrong(&format!(
+    let taught = |points: &str| refused(&format!("{position}taught = {{ points_mm = {points} }}"));
+    let message = taught("[[0, 0, 500], [1, 0, 500]]");
+    assert!(message.contains("2 taught points determine no plane"), "{message}");
+    let message = taught("[[0, 0, 500], [100, 0, 500], [200, 0, 500.001]]");
+    assert!(message.contains("µm of one line"), "{message}");
+    let message = taught("[[0, 0, 500], [100, 0, 500], [0, 100, 503]]");
+    assert!(message.contains("tilts 1.718° toward -90.0°"), "{message}");
+    let message = refused(&format!(
         "{position}tilt = {{ yaw_deg = 0, pitch_deg = 1 }}\ntaught = {{ points_mm = [] }}"
     ));
-    assert!(told.contains("has both `tilt` and `taught`"), "{told}");
+    assert!(message.contains("has both `tilt` and `taught`"), "{message}");
 }
 
 /// A body of the shape of a file in place of the wall.
@@ -298,7 +299,7 @@ fn stl(header: &[u8], count: u32) -> Vec<u8> {
 }
 
 #[test]
-fn shapes_come_from_stl_and_obj() {
+fn shapes_are_read_from_stl_and_obj() {
     let tall = |shape: Shape| match shape {
         Shape::Mesh { vertices, triangles } => {
             (vertices.len(), triangles.len(), vertices.iter().map(|v| v[2]).fold(0.0, f64::max))
@@ -309,7 +310,7 @@ fn shapes_come_from_stl_and_obj() {
     let in_m = with_mesh("t.OBJ", TETRAHEDRON_OBJ.as_bytes(), ", unit = \"m\"").unwrap();
     assert_eq!(tall(in_m), (4, 4, 50.0));
     assert_eq!(tall(with_mesh("t.stl", &stl(b"made by hand", 2), "").unwrap()), (4, 2, 0.05));
-    // Many programs write this at the start of binary files too.
+    // Many programs also write this at the start of binary files.
     assert_eq!(tall(with_mesh("t.stl", &stl(b"solid body", 2), "").unwrap()), (4, 2, 0.05));
     let text = "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 5\nendloop\nendfacet\nendsolid t\n";
     assert_eq!(tall(with_mesh("t.stl", text.as_bytes(), "").unwrap()), (3, 1, 0.005));
@@ -318,11 +319,11 @@ fn shapes_come_from_stl_and_obj() {
 }
 
 #[test]
-fn broken_shapes_are_refused() {
+fn invalid_shapes_are_rejected() {
     #[track_caller]
     fn refuse(name: &str, bytes: &[u8], message: &str) {
-        let told = with_mesh(name, bytes, "").unwrap_err();
-        assert!(told.contains(message), "{told}");
+        let found = with_mesh(name, bytes, "").unwrap_err();
+        assert!(found.contains(message), "{found}");
     }
     refuse("t.stl", b"", "no STL file, or a broken one");
     refuse("t.stl", &stl(b"", 3), "bytes end before its triangles do");
@@ -342,8 +343,8 @@ fn broken_shapes_are_refused() {
             .contains("true or false")
     );
     let flat = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    let told = with_mesh("t.obj", flat.as_bytes(), ", convex = true").unwrap_err();
-    assert!(told.contains("lie in one plane"), "{told}");
+    let message = with_mesh("t.obj", flat.as_bytes(), ", convex = true").unwrap_err();
+    assert!(message.contains("lie in one plane"), "{message}");
 }
 
 #[test]
@@ -362,7 +363,7 @@ fn an_edit_changes_one_station_and_keeps_every_comment() {
         text.lines().filter(|line| line.contains('#')).map(str::to_owned).collect()
     };
     assert_eq!(comments(&text), comments(EXAMPLE));
-    // Three lines are others, one is new.
+    // Three lines changed, one is new.
     let old: Vec<&str> = EXAMPLE.lines().collect();
     let added: Vec<&str> = text.lines().filter(|line| !old.contains(line)).collect();
     assert_eq!(
@@ -378,7 +379,7 @@ fn an_edit_changes_one_station_and_keeps_every_comment() {
 }
 
 #[test]
-fn an_edit_leaves_one_way_of_placing() {
+fn an_edit_replaces_the_previous_definition_of_the_frame() {
     let of = |changes: &[Change]| {
         let text = set_station(EXAMPLE, "PM1", changes).unwrap();
         read(&text, &mut no_files).unwrap().stations[3].clone()
@@ -400,7 +401,7 @@ fn an_edit_leaves_one_way_of_placing() {
     assert!(matches!(of(&[taught(0.621)]).origin, Origin::Taught(fit) if fit.threshold == 5e-5));
     let text = set_station(EXAMPLE, "LP1", &[drift]).unwrap();
     assert!(matches!(read(&text, &mut no_files).unwrap().stations[0].origin, Origin::Drift(_)));
-    // Back again: the place of the first slot stays.
+    // The tilt replaces the drift, and the position of the first slot remains.
     let text = set_station(&text, "LP1", &[Change::Tilt(Tilt::LEVEL)]).unwrap();
     let station = &read(&text, &mut no_files).unwrap().stations[0];
     assert_eq!(station.base_from_station.translation.vector, Vector3::new(-0.495, 0.495, 0.5));
@@ -429,7 +430,7 @@ fn an_edit_leaves_one_way_of_placing() {
 }
 
 #[test]
-fn a_drifted_station_is_moved_and_turned_by_both_its_places() {
+fn a_drifted_station_is_moved_and_rotated_by_both_its_positions() {
     let table = "[[station]]
 name = \"LP\"
 [station.drift] # measured
@@ -456,35 +457,35 @@ drift = { first_mm = [100, 0.1, 500], last_mm = [100, 0.1, 740] } # drifted
         .replace("[100, 0.1, 500]", "[100.0, 0.1, 500.0]")
         .replace("[100, 0.1, 740]", &format!("{last:?}"));
     assert_eq!(turned, expected);
-    // Without a drift it is a tilt like any other.
+    // Without a drift, `Turned` equals `Tilt`.
     let of = |change| set_station(EXAMPLE, "LP2", &[change]).unwrap();
     assert_eq!(of(Change::Turned(tilt)), of(Change::Tilt(tilt)));
 }
 
 #[test]
-fn stations_in_a_list_are_edited_where_they_stand() {
+fn stations_in_an_inline_list_are_edited_in_place() {
     let text = "kind = \"cell\"
 name = \"Two in a list\"
 robot = \"dual-arm\"
 wafer = { diameter_mm = 300, thickness_mm = 0.775, material = \"silicon\" }
 budgets = { play_um = 60, clearance_mm = 1, slot_clearance_mm = 1, plane_urad = 20 }
 station = [
-    # The one that stands still.
+    # The station that is not edited.
     { name = \"LP1\", position_mm = [-495.0, 495.0, 500.0], yaw_deg = 45.0, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10.0 },
     { name = \"LP2\", drift = { first_mm = [-495, -495, 500], last_mm = [-494, -495, 740] }, slots = 25, yaw_deg = 135.0, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10.0 }, # drifted
 ]
 ";
     let stations = |text: &str| {
         let found = read(text, &mut no_files);
-        let told = |problems: Errors| panic!("{}", problems[0].with_excerpt("x.toml"));
-        found.unwrap_or_else(told).stations
+        let fail = |problems: Errors| panic!("{}", problems[0].with_excerpt("x.toml"));
+        found.unwrap_or_else(fail).stations
     };
     assert!(matches!(stations(text)[1].origin, Origin::Drift(_)));
     let changes = [Change::Position(Vector3::new(-0.49, 0.495, 0.5)), Change::ProcessTime(3.0)];
     let edited = set_station(text, "LP1", &changes).unwrap();
     let found = &stations(&edited)[0];
     assert_eq!((found.base_from_station.translation.vector.x, found.process_time), (-0.49, 3.0));
-    // One line is another, and is written as one would.
+    // One line differs, in the usual notation.
     let old: Vec<&str> = text.lines().collect();
     let added: Vec<&str> = edited.lines().filter(|line| !old.contains(line)).collect();
     assert_eq!(added.len(), 1, "{added:?}");
@@ -492,19 +493,19 @@ station = [
     assert!(added[0].ends_with(" retract_mm = 10.0, process_s = 3.0 },"), "{}", added[0]);
     let level = set_station(text, "LP2", &[Change::Tilt(Tilt::LEVEL)]).unwrap();
     let found = &stations(&level)[1];
-    // The slots stay as far apart as the drift had them.
+    // The pitch remains that of the drift.
     assert!(matches!(found.origin, Origin::Nominal) && (found.pitch - 0.01).abs() < 1e-6);
     assert!(level.contains(" # drifted\n]") && !level.contains("drift = "), "{level}");
-    let told = set_station(text, "LP3", &[]).unwrap_err().to_string();
-    assert!(told.contains("did you mean `LP2`?); known: LP1, LP2"), "{told}");
+    let message = set_station(text, "LP3", &[]).unwrap_err().to_string();
+    assert!(message.contains("did you mean `LP2`?); known: LP1, LP2"), "{message}");
 }
 
 #[test]
-fn an_edit_of_what_is_not_there_is_refused() {
-    let told = set_station(EXAMPLE, "LP3", &[]).unwrap_err().to_string();
+fn an_edit_of_an_unknown_station_is_rejected() {
+    let message = set_station(EXAMPLE, "LP3", &[]).unwrap_err().to_string();
     assert!(
-        told.contains("station \"LP3\" is not known (did you mean `LP2`?); known: LP1, LP2"),
-        "{told}"
+        message.contains("station \"LP3\" is not known (did you mean `LP2`?); known: LP1, LP2"),
+        "{message}"
     );
     assert!(set_station("x = = 1", "LP1", &[]).is_err());
     assert!(
@@ -513,16 +514,16 @@ fn an_edit_of_what_is_not_there_is_refused() {
 }
 
 #[test]
-fn too_long_a_text_is_refused_unread() {
-    let told = problems(&" ".repeat(1_000_001))[0].to_string();
-    assert!(told.contains("at most 1000000 are allowed"), "{told}");
+fn long_texts_are_rejected_without_reading() {
+    let message = problems(&" ".repeat(1_000_001))[0].to_string();
+    assert!(message.contains("at most 1000000 are allowed"), "{message}");
     assert!(problems("").iter().any(|problem| problem.to_string() == "a cell needs `robot`"));
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
     #[test]
-    fn no_mutation_panics(at in 0..EXAMPLE.len(), length in 0..40_usize, put in "[-0-9a-z_.=\"\\[\\]{}#\n ]{0,6}") {
+    fn mutated_cell_files_do_not_panic(at in 0..EXAMPLE.len(), length in 0..40_usize, put in "[-0-9a-z_.=\"\\[\\]{}#\n ]{0,6}") {
         let start = EXAMPLE.floor_char_boundary(at);
         let end = EXAMPLE.floor_char_boundary((start + length).min(EXAMPLE.len()));
         let text = format!("{}{put}{}", &EXAMPLE[..start], &EXAMPLE[end..]);

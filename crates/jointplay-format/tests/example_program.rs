@@ -9,7 +9,7 @@ const CELL: &str = include_str!("../../../cells/example.toml");
 const PROGRAM: &str = include_str!("../../../cells/example.program");
 
 #[test]
-fn a_lot_goes_there_and_back() {
+fn a_lot_is_processed_and_returned() {
     let cell = cell::read(CELL, &mut |path| Err(format!("{path} is not there"))).unwrap();
     assert_eq!(program::format(PROGRAM).unwrap(), PROGRAM);
     let steps = expand(&cell, &program::parse(PROGRAM).unwrap()).unwrap_or_else(|errors| {
@@ -34,9 +34,9 @@ fn a_lot_goes_there_and_back() {
         }
     }
     assert_eq!(full, cell.occupied.iter().copied().collect(), "every wafer is back");
-    // Out of the port, the aligner and the process station there, out of the other port back.
+    // From the port, the aligner, the process station and the other port, once each.
     assert_eq!(handed, [25 * 4, 25 * 4]);
-    // Aligner and process station are waited for, once a wafer each.
+    // Each wafer waits once at the aligner and once at the process station.
     let processed = |step: &&Step| matches!(step.path, Path::ProcessDwell { .. });
     assert_eq!(steps.iter().filter(processed).count(), 50);
     assert_eq!(steps.iter().filter(|step| step.phase == Phase::Lift).count(), 200);

@@ -1,6 +1,6 @@
-//! The robot moved by hand in the example cell, and in one whose arm chooses its heading.
+//! Jogging in the example cell, and in a cell whose arm has a free heading.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use std::f64::consts::PI;
 
@@ -23,7 +23,7 @@ fn example() -> Cell {
     read(EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap()
 }
 
-/// The same stations about an arm of four joints.
+/// The example cell with an arm of four joints.
 fn with_scara() -> Cell {
     let text = EXAMPLE.replace("\"dual-arm\"", "\"scara-4r\"");
     let bodies = text.find("[[body]]").unwrap();
@@ -45,7 +45,7 @@ fn near(found: f64, wanted: f64, within: f64) {
 }
 
 #[test]
-fn motors_stop_at_their_limits_and_rods_at_those_of_the_tilt() {
+fn motors_stop_at_their_limits_and_rods_at_the_tilt_limit() {
     let cell = example();
     let from = home(&cell);
     let mut to = from.clone();
@@ -71,7 +71,7 @@ fn motors_stop_at_their_limits_and_rods_at_those_of_the_tilt() {
 }
 
 #[test]
-fn the_platform_leans_as_far_as_it_may() {
+fn the_platform_tilts_up_to_its_limit() {
     let cell = example();
     let from = home(&cell);
     let asked = Tilt::from_about_x_and_y(0.004, -0.006);
@@ -86,7 +86,7 @@ fn the_platform_leans_as_far_as_it_may() {
 }
 
 #[test]
-fn a_wafer_comes_to_where_the_slot_sees_it() {
+fn slot_relative_jogging_reaches_the_commanded_pose() {
     for (cell, free) in [(example(), false), (with_scara(), true)] {
         assert_eq!(cell.robot.heading_is_free(A).unwrap(), free);
         for loaded in [false, true] {
@@ -113,13 +113,13 @@ fn a_wafer_comes_to_where_the_slot_sees_it() {
 }
 
 #[test]
-fn in_the_slot_it_lies_as_a_program_puts_it() {
+fn a_wafer_jogged_into_a_slot_teaches_the_station_frame() {
     let cell = example();
     let jogged = cell.jog_slot_relative(&home(&cell), A, true, LP2, &IN).unwrap();
     let pose = cell.wafer_pose(A, &jogged.positions, true).unwrap();
     let slot = cell.stations[1].slot_frame(7);
     near((pose.translation.vector - slot.translation.vector).norm(), 0.0, 1e-12);
-    // Heading inward, it teaches the station where it is.
+    // With its heading inward, the wafer teaches the frame of the station.
     let station = &cell.stations[1];
     let taught = station.taught_by(7, &pose);
     near(
@@ -128,12 +128,12 @@ fn in_the_slot_it_lies_as_a_program_puts_it() {
         1e-6,
     );
     let (found, is) = (teach::yaw(&taught), teach::yaw(&station.base_from_station));
-    // The arm points from its own leaning axis, millimetres beside the robot's, and so does the wafer.
+    // The heading follows the arm's tilted axis, which is millimetres away from the robot's.
     near((found - is + PI).rem_euclid(2.0 * PI) - PI, 0.0, 3e-3);
 }
 
 #[test]
-fn out_of_reach_it_goes_as_far_as_it_comes() {
+fn jogging_beyond_the_reach_stops_at_the_reach() {
     let cell = example();
     let jogged = cell.jog_slot_relative(
         &home(&cell),
@@ -149,14 +149,14 @@ fn out_of_reach_it_goes_as_far_as_it_comes() {
     let pose = cell.wafer_pose(A, &jogged.positions, false).unwrap();
     let seen = cell.slot_relative_pose(&pose, A, LP2);
     assert!(seen.radial > 0.0 && seen.radial < 0.4, "{seen:?}");
-    // A hair farther there is no way.
+    // A micrometre farther is unreachable.
     let farther = SlotRelativePose { radial: seen.radial + 1e-6, ..seen };
     let more = cell.jog_slot_relative(&jogged.positions, A, false, LP2, &farther).unwrap();
     assert!(more.stopped.is_some());
 }
 
 #[test]
-fn straight_in_the_world_its_heading_kept() {
+fn jogging_in_the_base_frame_keeps_normal_and_heading() {
     let cell = with_scara();
     let start = cell.jog_slot_relative(
         &home(&cell),

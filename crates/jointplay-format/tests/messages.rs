@@ -121,7 +121,7 @@ const RUST: [&str; 24] = [
 ];
 
 fn check(message: &str, value: &str) -> Result<(), String> {
-    // What the file itself says may be repeated.
+    // Messages may quote the file.
     let message = message.replace(value.trim_matches('"'), "");
     let words = message.split(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_');
     for word in words {
@@ -136,7 +136,7 @@ fn check(message: &str, value: &str) -> Result<(), String> {
 #[test]
 fn messages_over_mutated_values_use_the_words_of_the_field() {
     let mut refused = 0;
-    let mut wrong = Vec::new();
+    let mut violations = Vec::new();
     for (kind, text, read) in files() {
         let lines: Vec<&str> = text.lines().collect();
         for (number, line) in lines.iter().enumerate() {
@@ -152,12 +152,17 @@ fn messages_over_mutated_values_use_the_words_of_the_field() {
                 let Some(message) = read(&lines.join("\n")) else { continue };
                 refused += 1;
                 if let Err(word) = check(&message, value) {
-                    wrong.push(format!("{kind}: {changed}: {word:?} in {message}"));
+                    violations.push(format!("{kind}: {changed}: {word:?} in {message}"));
                 }
             }
         }
     }
-    assert!(wrong.is_empty(), "{}:\n{}", wrong.len(), wrong[..wrong.len().min(20)].join("\n"));
+    assert!(
+        violations.is_empty(),
+        "{}:\n{}",
+        violations.len(),
+        violations[..violations.len().min(20)].join("\n")
+    );
     assert!(refused > 1000, "{refused}");
 }
 
@@ -234,7 +239,7 @@ proptest::proptest! {
     }
 
     #[test]
-    fn wrong_values_of_two_keys_are_both_reported(one in 0..1000_usize, other in 0..1000_usize) {
+    fn invalid_values_of_two_keys_are_both_reported(one in 0..1000_usize, other in 0..1000_usize) {
         let text = include_str!("../src/mechanism/sample.toml");
         let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
         // A date is invalid for every key.

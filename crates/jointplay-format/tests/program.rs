@@ -83,9 +83,9 @@ fn forget(instruction: &mut Instruction) {
     }
 }
 
-/// A line that says a command.
+/// Checks the command of a line.
 #[track_caller]
-fn says(line: &str, command: Command) {
+fn reads_as(line: &str, command: Command) {
     let program = anywhere(parse(line).unwrap());
     let [instruction] = &program.body[..] else { panic!("{program:?}") };
     assert_eq!(instruction.command, command);
@@ -95,8 +95,8 @@ fn says(line: &str, command: Command) {
 fn every_command_is_read() {
     let axis = |axis: &str, kind, position| AxisTarget { axis: name(axis), kind, position };
     let some = |text: &str| Some(name(text));
-    says("HOME", Command::Home);
-    says(
+    reads_as("HOME", Command::Home);
+    reads_as(
         "move T -30deg R 200.5 MM # both",
         Command::Move {
             targets: vec![
@@ -105,16 +105,16 @@ fn every_command_is_read() {
             ],
         },
     );
-    says(
+    reads_as(
         "MOVE LINE WITH A BY x 10 mm Z -0.5 mm",
         Command::MoveLine { effector: some("A"), by: [0.01, 0.0, -0.0005] },
     );
-    says("MOVE LINE BY Y 1e2 mm", Command::MoveLine { effector: None, by: [0.0, 0.1, 0.0] });
+    reads_as("MOVE LINE BY Y 1e2 mm", Command::MoveLine { effector: None, by: [0.0, 0.1, 0.0] });
     let from = slot("port-1", fixed(3));
-    says("Get port-1 Slot 3 With A", Command::Get { from: from.clone(), effector: some("A") });
-    says("PUT aligner", Command::Put { to: slot("aligner", None), effector: None });
-    says("PUT \"SLOT\"", Command::Put { to: slot("SLOT", None), effector: None });
-    says(
+    reads_as("Get port-1 Slot 3 With A", Command::Get { from: from.clone(), effector: some("A") });
+    reads_as("PUT aligner", Command::Put { to: slot("aligner", None), effector: None });
+    reads_as("PUT \"SLOT\"", Command::Put { to: slot("SLOT", None), effector: None });
+    reads_as(
         "TRANSFER port-1 SLOT 3 TO \"the \"\"hot\"\" one\" WITH A",
         Command::Transfer {
             from: from.clone(),
@@ -122,44 +122,44 @@ fn every_command_is_read() {
             effector: some("A"),
         },
     );
-    says(
+    reads_as(
         "SWAP port-1 SLOT 3 GET A PUT B",
         Command::Swap { at: from.clone(), get: name("A"), put: name("B") },
     );
-    says("GOTO port-1 SLOT 3", Command::Goto { to: from, effector: None });
-    says("WAIT 0.25 s", Command::Wait { seconds: 0.25 });
-    says("SPEED 50 %", Command::Speed { share: 0.5 });
-    says("SPEED 33.3%", Command::Speed { share: 0.333 });
-    says("BLEND 2.5 mm", Command::Blend { radius: 0.0025 });
-    says("blend off", Command::Blend { radius: 0.0 });
-    says("TILT LEVEL", Command::Tilt { tilt: Tilt::LEVEL });
-    says(
+    reads_as("GOTO port-1 SLOT 3", Command::Goto { to: from, effector: None });
+    reads_as("WAIT 0.25 s", Command::Wait { seconds: 0.25 });
+    reads_as("SPEED 50 %", Command::Speed { share: 0.5 });
+    reads_as("SPEED 33.3%", Command::Speed { share: 0.333 });
+    reads_as("BLEND 2.5 mm", Command::Blend { radius: 0.0025 });
+    reads_as("blend off", Command::Blend { radius: 0.0 });
+    reads_as("TILT LEVEL", Command::Tilt { tilt: Tilt::LEVEL });
+    reads_as(
         "TILT 0.8 deg TOWARD 90 deg",
         Command::Tilt { tilt: Tilt { pitch: 0.8_f64.to_radians(), yaw: 90_f64.to_radians() } },
     );
-    says("CALL lot", Command::Call { routine: name("lot") });
+    reads_as("CALL lot", Command::Call { routine: name("lot") });
 }
 
 #[test]
-fn slots_count_with_a_repeat() {
+fn slot_numbers_may_depend_on_a_counter() {
     let counted = |offset, down| {
         let number = SlotNumber::Counted { counter: name("n"), offset, down };
         Command::Get { from: slot("port", Some(number)), effector: None }
     };
-    says("GET port SLOT n", counted(0, false));
+    reads_as("GET port SLOT n", counted(0, false));
     for plus in ["n + 3", "n +3", "n+3", "n+ 3"] {
-        says(&format!("GET port SLOT {plus}"), counted(3, false));
+        reads_as(&format!("GET port SLOT {plus}"), counted(3, false));
     }
-    says("GET port SLOT n - 1", counted(-1, false));
-    says("GET port SLOT n -1", counted(-1, false));
-    says("GET port SLOT \"n\"-1", counted(-1, false));
+    reads_as("GET port SLOT n - 1", counted(-1, false));
+    reads_as("GET port SLOT n -1", counted(-1, false));
+    reads_as("GET port SLOT \"n\"-1", counted(-1, false));
     for minus in ["26 - n", "26-n", "26 -n"] {
-        says(&format!("GET port SLOT {minus}"), counted(26, true));
+        reads_as(&format!("GET port SLOT {minus}"), counted(26, true));
     }
 }
 
 #[test]
-fn blocks_hold_what_stands_in_them() {
+fn blocks_contain_the_lines_up_to_their_end() {
     let text = "\u{feff}call twice\r\n\r\nROUTINE twice # here\r\n  repeat 2 as n\r\n    REPEAT 3\n HOME\nEND\n  END\nEND\nHOME";
     let program = parse(text).unwrap();
     assert_eq!(program.body.len(), 2);
@@ -189,12 +189,12 @@ fn refused(text: &str) -> String {
 }
 
 #[test]
-fn every_mistake_is_told_at_its_place() {
-    insta::assert_snapshot!(refused(include_str!("programs/wrong.program")));
+fn syntax_errors_name_their_line_and_column() {
+    insta::assert_snapshot!(refused(include_str!("programs/invalid.program")));
 }
 
 #[test]
-fn a_message_shows_the_line() {
+fn an_error_shows_its_line_with_carets() {
     let errors = parse("HOME\nWAIT 2 ms  # long").unwrap_err();
     assert_eq!(
         errors[0].with_excerpt("lot.program"),
@@ -203,7 +203,7 @@ fn a_message_shows_the_line() {
 }
 
 #[test]
-fn what_is_fuzzed_starts_from_every_command() {
+fn the_fuzzing_seed_contains_every_command() {
     let text = include_str!("../../../fuzz/seeds/program/all.program");
     assert_eq!(format(text).unwrap(), text);
     for command in
@@ -214,7 +214,7 @@ fn what_is_fuzzed_starts_from_every_command() {
 }
 
 #[test]
-fn the_documents_examples_are_programs_as_the_formatter_writes_them() {
+fn examples_of_the_reference_are_formatted_programs() {
     let page = include_str!("../../../docs/reference/programs.md");
     let examples: Vec<&str> =
         page.split("```program\n").skip(1).map(|rest| rest.split_once("```").unwrap().0).collect();
@@ -236,7 +236,7 @@ fn the_documents_examples_are_programs_as_the_formatter_writes_them() {
 }
 
 #[test]
-fn sizes_are_limited() {
+fn length_and_depth_are_limited() {
     let long = "#".repeat(MAX_BYTES + 1);
     assert!(refused(&long).contains("at most 1000000 are allowed"));
     assert!(parse(&long[..MAX_BYTES]).is_ok());
@@ -244,14 +244,11 @@ fn sizes_are_limited() {
     assert!(parse(&deep(MAX_DEPTH)).is_ok());
     let message = refused(&deep(MAX_DEPTH + 2));
     assert_eq!(message.lines().count(), 2, "{message}");
-    assert!(
-        message.contains("33:1: blocks stand within each other more than 32 deep"),
-        "{message}"
-    );
+    assert!(message.contains("33:1: blocks are nested more than 32 deep"), "{message}");
 }
 
 #[test]
-fn a_layout_keeps_comments() {
+fn formatting_preserves_comments() {
     let text = "\n\n#lot\n\n\nrepeat 25 as n#each\nget port  slot n+1 with A   ##  two\n\n  Move line with x by x 1MM y -2 mm\n# last\nend\nSpeed 50%\n";
     let even = "# lot\n\nREPEAT 25 AS n  # each\n  GET port SLOT n + 1 WITH A  ##  two\n\n  MOVE LINE WITH x BY X 1 mm Y -2 mm\n  # last\nEND\nSPEED 50 %\n";
     assert_eq!(format(text).unwrap(), even);
@@ -283,7 +280,7 @@ fn slots() -> impl Strategy<Value = SlotName> {
     (names(), proptest::option::of(number)).prop_map(|(station, slot)| SlotName { station, slot })
 }
 
-/// Numbers of a few decimals, as people write them.
+/// Numbers of a few decimals, as users write them.
 fn decimals() -> impl Strategy<Value = f64> {
     (-999_999..=999_999_i32, 0..=6_i32)
         .prop_map(|(digits, places)| f64::from(digits) / 10_f64.powi(places))
@@ -369,7 +366,7 @@ fn attempts() -> impl Strategy<Value = String> {
 
 proptest! {
     #[test]
-    fn what_is_written_is_read_as_the_same(program in programs()) {
+    fn a_written_program_reads_back_equal(program in programs()) {
         let text = write(&program);
         let read = parse(&text);
         prop_assert!(read.is_ok(), "{text}\n{read:?}");
@@ -378,7 +375,7 @@ proptest! {
     }
 
     #[test]
-    fn nothing_panics_and_layouts_stay(text in attempts()) {
+    fn any_text_is_read_without_panic_and_formatting_is_idempotent(text in attempts()) {
         match parse(&text) {
             Ok(program) => {
                 let even = format(&text).unwrap();

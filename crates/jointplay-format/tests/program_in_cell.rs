@@ -1,6 +1,6 @@
-//! Programs in a cell: the steps that they come to, and all that is wrong with them.
+//! Programs in a cell: their steps and their planning errors.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::program::{
     Handoff, MAX_CALLS, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
@@ -136,7 +136,7 @@ fn cell() -> Cell {
     }
 }
 
-/// The steps of a program, held to what holds for any.
+/// The steps of a program, checked against the invariants of all programs.
 #[track_caller]
 fn steps(cell: &Cell, text: &str) -> Vec<Step> {
     let program = parse(text).unwrap();
@@ -170,13 +170,13 @@ fn phases(steps: &[Step]) -> Vec<Phase> {
 use Phase::{Align, Extend, Level, Lift, Lower, Move, Retract, RetractArms, Turn, Wait};
 
 #[test]
-fn a_get_is_the_sequence_of_the_trade() {
+fn get_expands_to_turn_enter_extend_lift_retract_level() {
     let cell = cell();
     let steps = steps(&cell, "SPEED 50 %\nGET port-1 SLOT 3 WITH A");
-    // No level at the end: the compensation of the droop has tilted the platform, and it is put straight.
+    // The last phase levels the platform, which the droop compensation has tilted.
     assert_eq!(phases(&steps), [Turn, Align, Extend, Lift, Lift, Retract, Level]);
     let slot = SlotId { station: 0, slot: 3 };
-    let way = cell.waypoints(A, slot, &steps[0].from).unwrap();
+    let waypoints = cell.waypoints(A, slot, &steps[0].from).unwrap();
     for (index, step) in steps.iter().enumerate() {
         assert_eq!((step.instruction, step.place.line), (1, 2));
         assert!((step.speed_scaling - 0.5).abs() < 1e-15);
@@ -186,10 +186,10 @@ fn a_get_is_the_sequence_of_the_trade() {
         assert_eq!(step.line_speed.is_some(), matches!(step.phase, Lift));
     }
     assert_eq!(steps[3].handoff, Some(Handoff::Picked(A, slot)));
-    // Turning moves no rod, entering no motor.
+    // The turn moves no rod, and entering moves no motor.
     assert_eq!(steps[0].from[..3], steps[0].to[..3]);
     assert_eq!(steps[1].from[3..], steps[1].to[3..]);
-    // The wafer's places, the droop of the arm made up for, and the sag of the wafer.
+    // Wafer poses with compensated droop of the arm, and with the sag of the wafer.
     let sag = cell.sag(A).unwrap().plane_height;
     assert!(sag < -1e-6);
     let at = |step: usize, target: &jointplay_cell::robot::WaferTarget, loaded, sag: f64| {
@@ -198,19 +198,19 @@ fn a_get_is_the_sequence_of_the_trade() {
         assert!((pose.translation.vector - center).norm() < 1e-11, "step {step}");
         assert!((pose.rotation * Vector3::z() - target.normal).norm() < 1e-9, "step {step}");
     };
-    at(1, &way.retracted_below, false, 0.0);
-    at(2, &way.below, false, 0.0);
-    at(3, &way.resting, false, sag);
-    at(4, &way.above, true, sag);
-    at(5, &way.retracted_above, true, sag);
+    at(1, &waypoints.retracted_below, false, 0.0);
+    at(2, &waypoints.below, false, 0.0);
+    at(3, &waypoints.resting, false, sag);
+    at(4, &waypoints.above, true, sag);
+    at(5, &waypoints.retracted_above, true, sag);
     let rods = &steps[6].to[..3];
     assert!(rods[0] == rods[1] && rods[1] == rods[2], "{rods:?}");
 }
 
 #[test]
-fn corners_are_cut_where_the_program_says_so_and_never_in_a_slot() {
+fn blends_follow_the_program_and_exclude_motions_in_a_slot() {
     let mut cell = cell();
-    // So much friction that no segment is slowed for it: slowed ones leave none for an overlap.
+    // High friction, so that no segment is slowed for it: a slowed segment has no friction left for an overlap.
     for arm in &mut cell.robot.arms {
         arm.effectors.iter_mut().for_each(|effector| effector.friction = 3.0);
     }
@@ -226,26 +226,26 @@ fn corners_are_cut_where_the_program_says_so_and_never_in_a_slot() {
 }
 
 #[test]
-fn a_put_mirrors_it_in_the_tilt_of_the_station() {
+fn put_reverses_the_phases_of_get_in_a_tilted_station() {
     let cell = cell();
     let all = steps(&cell, "GET port-1 SLOT 3 WITH A\nPUT port-2 SLOT 5 WITH A");
     let put: Vec<Step> = all.into_iter().filter(|step| step.instruction == 1).collect();
     assert_eq!(phases(&put), [Turn, Align, Extend, Lower, Lower, Retract, Level]);
     let slot = SlotId { station: 1, slot: 5 };
     assert_eq!(put[3].handoff, Some(Handoff::Placed(A, slot)));
-    let way = cell.waypoints(A, slot, &put[0].from).unwrap();
+    let waypoints = cell.waypoints(A, slot, &put[0].from).unwrap();
     let pose = cell.wafer_pose(A, &put[3].to, true).unwrap();
     let sag = cell.sag(A).unwrap().plane_height;
-    let rests = pose.translation.vector + way.resting.normal * sag;
-    assert!((rests - way.resting.center).norm() < 1e-11);
-    assert!((pose.rotation * Vector3::z() - way.resting.normal).norm() < 1e-9);
+    let rests = pose.translation.vector + waypoints.resting.normal * sag;
+    assert!((rests - waypoints.resting.center).norm() < 1e-11);
+    assert!((pose.rotation * Vector3::z() - waypoints.resting.normal).norm() < 1e-9);
     let below = cell.wafer_pose(A, &put[4].to, false).unwrap();
-    assert!((below.translation.vector - way.below.center).norm() < 1e-11);
+    assert!((below.translation.vector - waypoints.below.center).norm() < 1e-11);
     assert_eq!(put[4].loaded, []);
 }
 
 #[test]
-fn via_points_are_passed_both_ways() {
+fn via_points_are_passed_on_approach_and_retract() {
     let steps = steps(&cell(), "TRANSFER port-1 SLOT 1 TO process WITH A");
     let put: Vec<Step> = steps.into_iter().skip(7).collect();
     assert_eq!(phases(&put), [Turn, Align, Extend, Extend, Lower, Lower, Retract, Retract, Level]);
@@ -253,7 +253,7 @@ fn via_points_are_passed_both_ways() {
 }
 
 #[test]
-fn a_busy_station_is_waited_for() {
+fn a_get_waits_for_the_end_of_the_process() {
     let text = "TRANSFER port-1 SLOT 1 TO process WITH A\nSWAP aligner GET A PUT B";
     // The aligner is not open to B.
     assert!(matches!(
@@ -275,7 +275,7 @@ fn a_busy_station_is_waited_for() {
     // Before the slot, not in it.
     let at = steps.iter().position(|step| step.phase == Wait).unwrap();
     assert_eq!((steps[at - 1].phase, steps[at + 1].phase), (Align, Extend));
-    // What lies there from the start is done.
+    // A wafer of the initial occupancy is already processed.
     let mut done = cell();
     done.occupied.push(SlotId { station: 3, slot: 1 });
     let steps = self::steps(&done, "GET process WITH A");
@@ -283,7 +283,7 @@ fn a_busy_station_is_waited_for() {
 }
 
 #[test]
-fn moves_and_lines_take_the_arms_out_and_the_next_turn_tucks_them_in() {
+fn extended_arms_retract_before_the_next_turn() {
     let cell = cell();
     let all = steps(
         &cell,
@@ -320,7 +320,7 @@ fn a_tilt_keeps_the_height_on_the_axis() {
 }
 
 #[test]
-fn a_pass_counts_slots_up_and_down() {
+fn counters_increase_and_decrease_slot_numbers() {
     let text = "REPEAT 2 AS n\n  TRANSFER port-1 SLOT n + 1 TO port-2 SLOT 6 - n WITH B\nEND";
     let handed: Vec<Handoff> =
         steps(&cell(), text).into_iter().filter_map(|step| step.handoff).collect();
@@ -336,26 +336,26 @@ fn a_pass_counts_slots_up_and_down() {
     );
 }
 
-/// Messages of all that is wrong, in the text.
-fn wrong(cell: &Cell, text: &str) -> String {
+/// Messages of all planning errors, with their places.
+fn refused(cell: &Cell, text: &str) -> String {
     let errors = expand(cell, &parse(text).unwrap()).unwrap_err();
-    let told = errors.iter().map(|error| {
+    let messages = errors.iter().map(|error| {
         let shown = explain(&cell.robot, text, error);
         assert_eq!(shown.with_excerpt("lot").lines().count(), 4);
         format!("{}:{}: {shown}\n", shown.place.line, shown.place.column)
     });
-    told.collect()
+    messages.collect()
 }
 
 #[test]
-fn every_mistake_is_told_with_its_line() {
-    insta::assert_snapshot!(wrong(&cell(), include_str!("programs/wrong-names.program")));
-    insta::assert_snapshot!(wrong(&cell(), include_str!("programs/wrong-wafers.program")));
-    insta::assert_snapshot!(wrong(&cell(), include_str!("programs/wrong-limits.program")));
+fn planning_errors_name_their_line() {
+    insta::assert_snapshot!(refused(&cell(), include_str!("programs/invalid-names.program")));
+    insta::assert_snapshot!(refused(&cell(), include_str!("programs/invalid-wafers.program")));
+    insta::assert_snapshot!(refused(&cell(), include_str!("programs/invalid-limits.program")));
 }
 
 #[test]
-fn a_message_shows_what_is_meant() {
+fn an_unknown_station_has_a_suggestion() {
     let text = "HOME\nGET prot-1 SLOT 3 WITH A  # typing";
     let cell = cell();
     let errors = expand(&cell, &parse(text).unwrap()).unwrap_err();
@@ -366,7 +366,7 @@ fn a_message_shows_what_is_meant() {
 }
 
 #[test]
-fn what_is_out_of_reach_says_why() {
+fn unreachable_targets_name_the_reason() {
     let mut far = cell();
     far.stations[0].base_from_station.translation.x = 0.9;
     far.stations[1].base_from_station.translation.z = 1.1;
@@ -375,38 +375,38 @@ fn what_is_out_of_reach_says_why() {
     far.occupied.push(SlotId { station: 2, slot: 1 });
     let text =
         "REPEAT 3 AS n\n  GET port-1 SLOT n WITH A\n  PUT port-2 SLOT n WITH A\nEND\nGET aligner";
-    insta::assert_snapshot!(wrong(&far, text));
-    // Each way is told where they are stopped by different limits.
+    insta::assert_snapshot!(refused(&far, text));
+    // Each branch is listed if different limits reject them.
     let mut stiff = cell();
     (stiff.robot.axes[4].min, stiff.robot.axes[4].max) = (-0.5, 0.5);
-    insta::assert_snapshot!(wrong(&stiff, "GET port-1 SLOT 1 WITH A"));
+    insta::assert_snapshot!(refused(&stiff, "GET port-1 SLOT 1 WITH A"));
 }
 
 #[test]
-fn a_support_beyond_the_wafer_is_told_in_mm() {
+fn a_support_larger_than_the_wafer_is_reported_in_mm() {
     let mut wide = cell();
     wide.robot.arms[0].effectors[0].support = Support::ThreePoints { radius: 0.1525 };
     wide.robot.arms[1].effectors[0].support = Support::TwoRails { distance: 0.3011 };
     assert_eq!(
-        wrong(&wide, "GET port-1 SLOT 1 WITH A\nGET port-1 SLOT 2 WITH B"),
-        "1:1: effector A does not carry the wafer: a circle of three points with a radius of 152.500 mm does not carry a wafer of 300.000 mm: it has to be more than 0 and at most 150.000 mm\n\
-         2:1: effector B does not carry the wafer: a distance of two rails of 301.100 mm does not carry a wafer of 300.000 mm: it has to be more than 0 and at most 300.000 mm\n"
+        refused(&wide, "GET port-1 SLOT 1 WITH A\nGET port-1 SLOT 2 WITH B"),
+        "1:1: effector A does not carry the wafer: a circle of three points with a radius of 152.500 mm does not support a wafer of 300.000 mm: it must be more than 0 and at most 150.000 mm\n\
+         2:1: effector B does not carry the wafer: a distance of two rails of 301.100 mm does not support a wafer of 300.000 mm: it must be more than 0 and at most 300.000 mm\n"
     );
 }
 
 #[test]
-fn programs_without_end_are_refused_at_once() {
+fn endless_and_too_long_programs_are_rejected() {
     let deep = MAX_CALLS + 1;
     let chain: String = (0..deep)
         .map(|k| format!("ROUTINE r{k}\n  CALL r{}\nEND\n", k + 1))
         .chain([format!("ROUTINE r{deep}\n  HOME\nEND\nCALL r0\n")])
         .collect();
-    // Routines known to be shallow do not hide how deep they are called from.
+    // The depth of a call includes the depth of its caller.
     let sums: String = (1..3000)
         .map(|k| format!("ROUTINE s{k}\n  CALL s{}\nEND\nCALL s{k}\n", k - 1))
         .chain(["ROUTINE s0\n  HOME\nEND\n".to_owned()])
         .collect();
-    let told: String = [
+    let messages: String = [
         "HOME\nREPEAT 1000000000000\n  WAIT 0 s\nEND",
         "REPEAT 1000000000000\nEND",
         "REPEAT 1000000\n  REPEAT 1000000\n    REPEAT 1000000\n      REPEAT 100000\n        HOME\n      END\n    END\n  END\nEND",
@@ -417,13 +417,13 @@ fn programs_without_end_are_refused_at_once() {
         &sums,
     ]
     .iter()
-    .map(|text| wrong(&cell(), text))
+    .map(|text| refused(&cell(), text))
     .collect();
-    insta::assert_snapshot!(told);
+    insta::assert_snapshot!(messages);
     assert_eq!(MAX_INSTRUCTIONS, 20_000);
-    // What never ends hides nothing else, and each is told.
+    // An endless program does not hide other errors; all are reported.
     let text = "REPEAT 100000\n  WAIT 1 s\nEND\nGET port-1 SLOT 99 WITH A\nCALL a\nMOVE T 9000 deg\nREPEAT 30000\nEND\nROUTINE a\n  CALL a\nEND\n";
-    let told = wrong(&cell(), text);
-    let lines: Vec<&str> = told.lines().map(|line| line.split(':').next().unwrap()).collect();
-    assert_eq!(lines, ["1", "4", "6", "7", "10"], "{told}");
+    let messages = refused(&cell(), text);
+    let lines: Vec<&str> = messages.lines().map(|line| line.split(':').next().unwrap()).collect();
+    assert_eq!(lines, ["1", "4", "6", "7", "10"], "{messages}");
 }

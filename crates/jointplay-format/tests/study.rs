@@ -25,7 +25,7 @@ fn study(text: &str) -> StudyFile {
     parse(text, robot_of).unwrap_or_else(|error| panic!("{}", error.with_excerpt("s.toml")))
 }
 
-/// Replaces a piece of the study and reads the message.
+/// Replaces a part of the study and checks the error message.
 #[track_caller]
 fn refuse(from: &str, to: &str, line: usize, message: &str) {
     assert!(STUDY.contains(from), "{from:?} is not in the study");
@@ -38,7 +38,7 @@ fn refuse(from: &str, to: &str, line: usize, message: &str) {
 }
 
 #[test]
-fn a_study_says_what_is_computed() {
+fn a_study_defines_samples_and_columns() {
     let file = study(STUDY);
     assert_eq!((file.name.as_str(), file.robot.as_str()), ("a study", "GPR of the paper"));
     assert_eq!((file.plan.grid(), file.plan.samples()), (Ok(10), Ok(1000)));
@@ -58,7 +58,7 @@ fn a_study_says_what_is_computed() {
 }
 
 #[test]
-fn the_study_of_the_documents_is_one() {
+fn the_example_of_the_reference_is_a_valid_study() {
     let page = include_str!("../../../docs/reference/study-files.md");
     let (_, rest) = page.split_once("```toml\n").unwrap();
     let file = study(rest.split_once("```").unwrap().0);
@@ -80,7 +80,7 @@ fn the_study_of_the_documents_is_one() {
 }
 
 #[test]
-fn bad_studies_are_refused_with_their_place() {
+fn invalid_studies_are_rejected_with_the_place_of_the_error() {
     refuse("kind = \"study\"", "kind = \"gpr\"", 1, "known: study");
     refuse("\"a study\"", "\"a\\u001b\"", 2, "control characters");
     refuse("\"gpr\"", "\"delta\"", 3, "of the kind \"mechanism\"");
@@ -134,13 +134,14 @@ fn bad_studies_are_refused_with_their_place() {
 }
 
 #[test]
-fn differences_are_told_by_key() {
+fn differences_of_two_studies_name_their_key() {
     let begun = study(STUDY);
-    let told = |from: &str, to: &str| begun.differences(&study(&STUDY.replacen(from, to, 1)));
-    assert_eq!(told("a study", "another name"), [""; 0]);
-    assert_eq!(told("seed = 9", "# a comment\nseed = 9"), [""; 0]);
-    assert_eq!(told("seed = 9", "seed = 8"), ["seed: 9 there, 8 here"]);
-    assert_eq!(told("newton", "least-norm"), ["solver: newton there, least-norm here"]);
+    let differences =
+        |from: &str, to: &str| begun.differences(&study(&STUDY.replacen(from, to, 1)));
+    assert_eq!(differences("a study", "another name"), [""; 0]);
+    assert_eq!(differences("seed = 9", "# a comment\nseed = 9"), [""; 0]);
+    assert_eq!(differences("seed = 9", "seed = 8"), ["seed: 9 there, 8 here"]);
+    assert_eq!(differences("newton", "least-norm"), ["solver: newton there, least-norm here"]);
     for (from, to, key) in [
         ("480.1", "480.2", "height"),
         ("360", "180", "tilt"),
@@ -148,8 +149,8 @@ fn differences_are_told_by_key() {
         ("12.5", "12", "metric"),
         ("center_shift_um", "center_shift_mm", "columns"),
     ] {
-        let told = told(from, to);
-        assert!(told.len() == 1 && told[0].starts_with(key), "{told:?}");
+        let found = differences(from, to);
+        assert!(found.len() == 1 && found[0].starts_with(key), "{found:?}");
     }
 }
 
@@ -195,7 +196,7 @@ const WORDS: [&str; 36] = [
 
 proptest::proptest! {
     #[test]
-    fn no_text_panics(
+    fn any_text_is_read_without_panic(
         words in proptest::collection::vec(proptest::sample::select(&WORDS[..]), 0..60),
         from in 0..STUDY.len(),
         to in 0..STUDY.len(),

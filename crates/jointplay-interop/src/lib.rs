@@ -1,4 +1,4 @@
-//! Other programs' formats.
+//! Import of models of other programs, and export of motions.
 //!
 //! | to… | use |
 //! | --- | --- |

@@ -1,5 +1,5 @@
-//! Exported motions: as long as the motion, at its ends exactly, and with what is wrong with it.
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+//! Exported motions: duration, exact ends, and violations.
+#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::check::{CheckOptions, PoseContext, check_pose};
 use jointplay_cell::program::{Handoff, Path, Phase, SourceLocation, Step, expand};
@@ -115,7 +115,7 @@ fn cell() -> Cell {
     }
 }
 
-/// Out, the wafer taken, in with it, and a rest.
+/// Extend, pick the wafer, retract, and wait.
 fn motion(cell: &Cell) -> Trajectory {
     let home: Vec<f64> = cell.robot.axes.iter().map(|axis| axis.home).collect();
     let mut out = home.clone();
@@ -152,7 +152,7 @@ fn violation_note() -> Vec<ViolationNote> {
     }]
 }
 
-/// Runs a test with a sound motion_export and one with a violation_note.
+/// Runs a test with a motion without violations and one with a violation.
 fn with(test: impl Fn(&MotionExport<'_>)) {
     let cell = cell();
     let motion = motion(&cell);
@@ -219,7 +219,7 @@ fn numbers(root: &Value, bytes: &[u8], accessor: usize) -> Vec<f32> {
 }
 
 #[test]
-fn the_platform_stands_where_the_robots_own_model_puts_it() {
+fn the_platform_pose_follows_the_robot_s_virtualization() {
     let mut shifts = Vec::new();
     for virtualization in [BuiltIn::Planar, BuiltIn::Radial, BuiltIn::Polar] {
         let mut cell = cell();
@@ -271,7 +271,7 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
                 values,
             ));
         }
-        // Nothing but the arm and the wafer moves.
+        // Only the arm and the wafer move.
         let names: Vec<&str> = moved.iter().map(|(name, ..)| name.as_str()).collect();
         assert_eq!(
             names,
@@ -286,7 +286,7 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
         let taken = at(motion_export.motion.times[1]);
         let slot = motion_export.cell.stations[0].slot_frame(1);
         let expected = at(motion_export.motion.duration()) * taken.inverse() * slot;
-        // A key is how fast it comes, where it is, and how fast it goes.
+        // A key is the slope before it, the value, and the slope after it.
         let key = &places[places.len() - 9..];
         let last: Vec<f64> = key[3..6].iter().map(|&one| f64::from(one)).collect();
         assert_eq!((&key[..3], &key[6..]), (&[0.0; 3][..], &[0.0; 3][..]));
@@ -302,7 +302,7 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
 }
 
 #[test]
-fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
+fn droop_is_the_same_in_programs_and_in_jogging() {
     let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
     let program = program::parse("HOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\n").unwrap();
     let motion =
@@ -319,7 +319,7 @@ fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
     };
     let mut drops = Vec::new();
     for (k, step) in motion.steps.iter().enumerate() {
-        // Within the step: at its end the wafer may change hands.
+        // Within the step: a hand-off may occur at its end.
         let time = 0.5 * (motion.times[k] + motion.times[k + 1]);
         let at = motion.sample_at(time).positions;
         let (frames, carried) = frames(&motion_export, time, &at).unwrap();
@@ -335,16 +335,16 @@ fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
         assert!(off < 1e-8 && turned < 1e-10, "{k}: {off} {turned}");
         let drop = rigid.base_from_wafer[0][0].translation.z - shown.translation.z;
         drops.push(drop);
-        // The table tells the same.
+        // The table has the same values.
         let columns = samples(&motion_export, 1.0 / time).unwrap();
         let column = columns.iter().find(|one| one.name == "A_z_mm").unwrap();
         let Values::Real(values) = &column.values else { panic!("not real") };
         assert!((values[1] - 1e3 * drooping.translation.z).abs() < 1e-6, "{k}: {values:?}");
     }
-    // Nothing where it is folded over its joint, half a millimetre where it reaches out.
+    // No droop of the folded arm, half a millimetre of the extended one.
     assert!(drops.iter().all(|drop| (-1e-9..6e-4).contains(drop)), "{drops:?}");
     assert!(drops.iter().any(|drop| *drop > 5e-4), "{drops:?}");
-    // The wafer lies in its slots, each to a micrometre, and the picture's file tells when.
+    // The wafer rests in its slots within a micrometre, and the file lists the times.
     let end = motion.duration();
     let (frames, _) = frames(&motion_export, end, &motion.sample_at(end).positions).unwrap();
     let slot = cell.stations[3].slot_frame(1);
@@ -353,7 +353,7 @@ fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
     let (root, _) = parts(&gltf(&motion_export, 50.0).unwrap());
     let nodes = root["nodes"].as_array().unwrap();
     let named = |name: &str| nodes.iter().find(|node| node["name"] == name).unwrap();
-    // What belongs to a station says so, its slots and its bodies alike.
+    // Slots and bodies of a station refer to it.
     for (name, station) in [("LP1-left", "LP1"), ("LP2 25", "LP2"), ("process-right", "PM1")] {
         assert_eq!(named(name)["extras"]["station"], station);
     }
@@ -398,7 +398,7 @@ fn durations_of_controller_text_add_up_to_the_motion() {
 }
 
 #[test]
-fn controller_text_says_how_motions_run_into_each_other() {
+fn controller_text_contains_the_overlap_of_blends() {
     let cell = cell();
     let [out, back] = [0, 1].map(|k| motion(&cell).steps[k].clone());
     let mut steps = vec![Step { handoff: None, ..out }, Step { loaded: vec![], ..back }];
@@ -409,16 +409,16 @@ fn controller_text_says_how_motions_run_into_each_other() {
         MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
     let text = Dialect::neutral().write(&motion_export, 100.0).unwrap();
     let words: Vec<Vec<&str>> = text.lines().map(|line| line.split(' ').collect()).collect();
-    let told: Vec<_> = words.iter().filter(|words| !words[0].starts_with('#')).collect();
-    assert_eq!(told[2][0], "MOVE", "{text}");
-    assert_eq!(told[3], &["BLEND", &format!("{overlap:.6}")], "{text}");
-    assert_eq!(told[4][0], "MOVE", "{text}");
-    let lasts = |k: usize| told[k][1].parse::<f64>().unwrap();
+    let commands: Vec<_> = words.iter().filter(|words| !words[0].starts_with('#')).collect();
+    assert_eq!(commands[2][0], "MOVE", "{text}");
+    assert_eq!(commands[3], &["BLEND", &format!("{overlap:.6}")], "{text}");
+    assert_eq!(commands[4][0], "MOVE", "{text}");
+    let lasts = |k: usize| commands[k][1].parse::<f64>().unwrap();
     assert!((lasts(2) + lasts(4) - motion.duration()).abs() < 2e-6);
 }
 
 #[test]
-fn a_wait_that_takes_no_time_is_no_motion() {
+fn a_wait_of_zero_length_is_not_exported() {
     let cell = cell();
     let mut steps = motion(&cell).steps;
     let wait = Path::ProcessDwell { placed_at_step: 0, seconds: 0.1 };
@@ -428,8 +428,8 @@ fn a_wait_that_takes_no_time_is_no_motion() {
     let motion_export =
         MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
     let text = Dialect::neutral().write(&motion_export, 100.0).unwrap();
-    let told = text.lines().map(|line| line.split(' ').take(2).collect::<Vec<_>>());
-    let waits: Vec<_> = told.filter(|words| words[0] == "WAIT").collect();
+    let lines = text.lines().map(|line| line.split(' ').take(2).collect::<Vec<_>>());
+    let waits: Vec<_> = lines.filter(|words| words[0] == "WAIT").collect();
     assert_eq!(waits, [["WAIT", "0.250000"]]);
     #[cfg(feature = "mcap")]
     {
@@ -438,7 +438,7 @@ fn a_wait_that_takes_no_time_is_no_motion() {
         let trajectories = messages.filter(|one| one.channel.topic == "/joint_trajectory");
         assert_eq!(trajectories.count(), 3);
     }
-    // The others keep their numbers.
+    // The remaining steps keep their numbers.
     let columns = samples(&motion_export, 100.0).unwrap();
     let column = columns.iter().find(|one| one.name == "step").unwrap();
     let Values::Count(mut numbers) = column.values.clone() else { panic!("not counted") };
@@ -447,7 +447,7 @@ fn a_wait_that_takes_no_time_is_no_motion() {
 }
 
 #[test]
-fn controller_text_reads_well() {
+fn controller_text_of_every_dialect() {
     let cell = cell();
     let motion = motion(&cell);
     let violation_notes = violation_note();
@@ -488,7 +488,7 @@ fn each_motor_of_solidworks_has_a_file_as_long_as_the_motion() {
 }
 
 #[test]
-fn rates_that_make_no_sense_are_refused() {
+fn invalid_sampling_rates_are_rejected() {
     let cell = cell();
     let motion = motion(&cell);
     let motion_export =
@@ -530,7 +530,7 @@ fn mcap_has_every_sample_and_the_steps() {
 /// Times, and three values for each.
 type Keys = (Vec<f32>, Vec<f32>);
 
-/// What a viewer makes of an animated node at a time (s): place and turn.
+/// Position and rotation of animated nodes, as a viewer interpolates them.
 struct Animated<'a> {
     root: &'a Value,
     /// By node and path.
@@ -558,24 +558,24 @@ impl<'a> Animated<'a> {
             let at = &self.root["nodes"][node][path];
             return SVector::from_fn(|k, _| at[k].as_f64().unwrap());
         };
-        let told = |key: usize, part: usize| {
+        let number = |key: usize, part: usize| {
             SVector::<f64, N>::from_fn(|k, _| f64::from(values[(3 * key + part) * N + k]))
         };
         let after = times.partition_point(|&at| f64::from(at) <= time).clamp(1, times.len() - 1);
         let [from, to] = [after - 1, after].map(|key| f64::from(times[key]));
         let (span, s) = (to - from, ((time - from) / (to - from)).min(1.0));
         let (s2, s3) = (s * s, s * s * s);
-        (2.0 * s3 - 3.0 * s2 + 1.0) * told(after - 1, 1)
-            + span * (s3 - 2.0 * s2 + s) * told(after - 1, 2)
-            + (3.0 * s2 - 2.0 * s3) * told(after, 1)
-            + span * (s3 - s2) * told(after, 0)
+        (2.0 * s3 - 3.0 * s2 + 1.0) * number(after - 1, 1)
+            + span * (s3 - 2.0 * s2 + s) * number(after - 1, 2)
+            + (3.0 * s2 - 2.0 * s3) * number(after, 1)
+            + span * (s3 - s2) * number(after, 0)
     }
 }
 
 #[test]
-fn between_keys_a_3d_scene_is_where_the_motion_is() {
+fn a_3d_scene_follows_the_motion_between_keys() {
     let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
-    // Late in a long motion, where single precision tells times only to some 30 µs unless they are of a rate that is a power of two.
+    // Late in a long motion, where single precision resolves times only to about 30 µs unless the rate is a power of two.
     let text = "WAIT 800 s\nHOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\nTRANSFER PM1 TO LP2 SLOT 25 WITH B\nHOME\n";
     let program = program::parse(text).unwrap();
     let motion =
@@ -588,7 +588,7 @@ fn between_keys_a_3d_scene_is_where_the_motion_is() {
     let scene = Animated::new(&root, &bytes);
     let nodes = root["nodes"].as_array().unwrap();
     let wafer = nodes.iter().position(|node| node["name"] == "wafer of LP1 1").unwrap();
-    // As it is handed over its arm droops at once, for which a viewer takes the time between two keys.
+    // At the hand-off the arm droops at once; a viewer spreads this over the time between two keys.
     let ends = motion.steps.iter().zip(&motion.times[1..]);
     let handed: Vec<f64> =
         ends.filter(|(step, _)| step.handoff.is_some()).map(|(_, &time)| time).collect();
@@ -608,8 +608,8 @@ fn between_keys_a_3d_scene_is_where_the_motion_is() {
 }
 
 #[test]
-fn the_check_has_links_and_bodies_where_a_3d_scene_has_them() {
-    // Small balls: on every link and on the platform, and four beside the robot to measure from.
+fn the_check_and_the_3d_scene_have_the_same_poses() {
+    // Small balls: on every link, on the platform, and four next to the robot as references.
     let mut text = cell::EXAMPLE.to_owned();
     let mut balls: Vec<(String, String)> = Vec::new();
     for (k, arm) in ["upper", "lower"].iter().enumerate() {
@@ -711,6 +711,6 @@ fn the_check_has_links_and_bodies_where_a_3d_scene_has_them() {
         let tip = rigid.base_from_link[0][3] * nalgebra::Point3::from(place(3).map(|mm| 1e-3 * mm));
         lowest = lowest.max(tip.z - origin("ball-04", time).z);
     }
-    // Some of them are where the arm deflects by much.
+    // The arm deflects visibly in some of these poses.
     assert!(lowest > 2e-4, "{lowest}");
 }

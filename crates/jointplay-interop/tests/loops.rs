@@ -1,4 +1,4 @@
-//! Loops that close an imported tree: what is read, what is refused and where.
+//! Loop joints for imported trees, and errors with their places.
 #![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 use jointplay_core::mechanism::JointKind;
@@ -7,7 +7,7 @@ use jointplay_interop::import::parse;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
-/// Two cranks that stand beside each other, turned in their drawing.
+/// Two parallel cranks, drawn in rotated frames.
 const CRANKS: &str = r#"<robot name="cranks">
   <link name="base"/><link name="left"/><link name="right"/>
   <joint name="a" type="continuous">
@@ -33,7 +33,7 @@ axis = [0, 0, 1]
 "#;
 
 #[test]
-fn a_joint_is_placed_in_a_link_s_frame_or_in_the_base_s() {
+fn a_loop_joint_is_given_in_a_link_frame_or_in_the_base_frame() {
     let chain = parse(CRANKS).unwrap().mechanism;
     let closed = with_loops(&chain, LOOPS).unwrap();
     assert_eq!((closed.loops(), closed.links()), (1, chain.links()));
@@ -59,7 +59,7 @@ fn a_joint_is_placed_in_a_link_s_frame_or_in_the_base_s() {
 }
 
 #[test]
-fn frames_place_it_on_each_link() {
+fn a_loop_joint_is_given_by_a_frame_on_each_link() {
     let chain = parse(CRANKS).unwrap().mechanism;
     let frames = "frames = [{ point = [1, 0, 0], axis = [0, 0, 1] }, { point = [2, 0, 0], axis = [0, 0, 1] }]";
     let start = LOOPS.find("in =").unwrap();
@@ -68,7 +68,7 @@ fn frames_place_it_on_each_link() {
     assert_eq!(points, [0.001, 0.002]);
 }
 
-/// Replaces a piece of the file, and reads the message and what stands above the carets.
+/// Replaces a part of the file, and checks an error message and the text above its carets.
 #[track_caller]
 fn refuse(from: &str, to: &str, blamed: &str, message: &str) {
     assert!(LOOPS.contains(from), "{from:?} is not in the file");
@@ -83,7 +83,7 @@ fn refuse(from: &str, to: &str, blamed: &str, message: &str) {
 }
 
 #[test]
-fn what_closes_no_loop_is_refused() {
+fn joints_that_close_no_loop_are_rejected() {
     refuse("\"loops\"", "\"mechanism\"", "\"mechanism\"", "known: loops");
     refuse("\"right\"]", "\"write\"]", "\"write\"", "link \"write\" is not known");
     refuse("\"right\"]", "\"left\"]", "\"rod\"", "to itself");
@@ -102,7 +102,7 @@ fn what_closes_no_loop_is_refused() {
 
 proptest! {
     #[test]
-    fn no_mutated_text_panics(
+    fn mutated_loop_files_do_not_panic(
         cuts in prop::collection::vec((0..LOOPS.len(), 0..30_usize, "[-\\[\\]\"={},.0-9a\n ]{0,3}"), 1..4)
     ) {
         let mut text = LOOPS.to_owned();

@@ -64,7 +64,7 @@ const RUST: [&str; 24] = [
 ];
 
 fn check(message: &str, value: &str) -> Result<(), String> {
-    // What the file itself says may be repeated.
+    // Messages may quote the file.
     let message = message.replace(value.trim_matches('"'), "");
     let words = message.split(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_');
     for word in words {
@@ -78,7 +78,7 @@ fn check(message: &str, value: &str) -> Result<(), String> {
 
 #[test]
 fn messages_over_mutated_values_use_the_words_of_the_field() {
-    let (mut refused, mut wrong) = (0, Vec::new());
+    let (mut refused, mut violations) = (0, Vec::new());
     let lines: Vec<&str> = DIALECTS[0].text.lines().collect();
     for (number, line) in lines.iter().enumerate() {
         let Some((key, _)) = line.split_once(" = ").filter(|_| !line.starts_with('#')) else {
@@ -91,10 +91,10 @@ fn messages_over_mutated_values_use_the_words_of_the_field() {
             let Some(error) = Dialect::parse(&lines.join("\n")).err() else { continue };
             refused += 1;
             if let Err(word) = check(&error.to_string(), value) {
-                wrong.push(format!("{changed}: {word:?} in {error}"));
+                violations.push(format!("{changed}: {word:?} in {error}"));
             }
         }
     }
-    assert!(wrong.is_empty(), "{}:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(violations.is_empty(), "{}:\n{}", violations.len(), violations.join("\n"));
     assert!(refused > 100, "{refused}");
 }

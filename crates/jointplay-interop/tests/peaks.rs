@@ -1,5 +1,5 @@
-//! Samples between which lines are the motion.
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+//! Samples whose linear interpolation is the motion.
+#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
@@ -15,7 +15,7 @@ fn values<'c>(columns: &'c [Column], name: &str) -> &'c [f64] {
     values
 }
 
-/// On the line between the samples before and behind a time.
+/// Linear interpolation between the samples before and after a time.
 fn drawn(times: &[f64], values: &[f64], time: f64) -> f64 {
     let k = times.partition_point(|&at| at <= time).clamp(1, times.len() - 1);
     let share = (time - times[k - 1]) / (times[k] - times[k - 1]);
@@ -30,15 +30,15 @@ fn lines_between_samples_with_peaks_are_the_motion() {
     let motion_export =
         MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
     let even = samples(&motion_export, 25.0).unwrap();
-    let told = samples_with_peaks(&motion_export, 25.0).unwrap();
+    let found = samples_with_peaks(&motion_export, 25.0).unwrap();
     let fine = samples(&motion_export, 5000.0).unwrap();
-    let (times, fine_times) = (values(&told, "time_s"), values(&fine, "time_s"));
+    let (times, fine_times) = (values(&found, "time_s"), values(&fine, "time_s"));
     assert!(times.windows(2).all(|pair| pair[1] - pair[0] > 1e-9));
     assert_eq!((times[0], times.last()), (0.0, fine_times.last()));
     for time in values(&even, "time_s").iter().chain(&motion.times) {
         assert!(times.iter().any(|at| (at - time).abs() < 1e-9), "{time}");
     }
-    // A few times as many as even ones, and not as many as a thousand a second.
+    // A few times as many as at equal intervals, and fewer than at 1000 Hz.
     let many = times.len() as f64 / motion.duration();
     assert!(many < 250.0, "{many} a second");
     let (mut cut, even_times) = (0.0_f64, values(&even, "time_s"));
@@ -48,7 +48,7 @@ fn lines_between_samples_with_peaks_are_the_motion() {
         let limits = [("_per_s", axis.empty.velocity), ("_per_s2", axis.empty.acceleration)];
         for (rate, limit) in limits.map(|(rate, limit)| (rate, limit * factor)) {
             let name = format!("{}_{unit}{rate}", axis.name);
-            let (here, exact) = (values(&told, &name), values(&fine, &name));
+            let (here, exact) = (values(&found, &name), values(&fine, &name));
             let most =
                 |values: &[f64]| values.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
             assert!(most(exact) - most(here) < 3e-3 * limit, "{name}: the peak is cut");
@@ -60,6 +60,6 @@ fn lines_between_samples_with_peaks_are_the_motion() {
             }
         }
     }
-    // Even samples alone cut corners.
+    // Samples at equal intervals alone miss the peaks.
     assert!(cut > 0.15, "{cut}");
 }

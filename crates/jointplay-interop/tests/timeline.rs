@@ -1,6 +1,6 @@
-//! Windows of a motion: what their channels come to, against the cell's own poses.
+//! Windows of a motion: their channels compared with the poses of the cell.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
@@ -60,22 +60,27 @@ fn check(cell: &Cell, text: &str) {
     let axes = cell.robot.axes.len();
     let (mut worst, mut worst_axis, mut looks) = (0_f64, 0_f64, 0);
     for (index, window) in timeline.windows.iter().enumerate() {
-        let (told, numbers) = unpacked(&timeline.content(&motion_export, &[], index).unwrap());
+        let (description, numbers) =
+            unpacked(&timeline.content(&motion_export, &[], index).unwrap());
         let mut start = window.start;
-        for (k, step) in told["steps"].as_array().unwrap().iter().enumerate() {
-            let segment = &told["segments"][step["segment"].as_u64().unwrap() as usize];
+        for (k, step) in description["steps"].as_array().unwrap().iter().enumerate() {
+            let segment = &description["segments"][step["segment"].as_u64().unwrap() as usize];
             let duration = segment["duration_s"].as_f64().unwrap();
             let described = &motion.steps[window.steps.start + k];
             assert!((start - motion.times[window.steps.start + k]).abs() < 1e-9);
             for look in 0_u32..17 {
-                // Uneven shares of the step, not those at which keys are.
+                // Irregular shares of the step, which are not those of keys.
                 let since = duration * (f64::from(look) + 0.37 * f64::from(look % 3)) / 17.0;
                 let all: Vec<f64> = segment["channels"]
                     .as_array()
                     .unwrap()
                     .iter()
                     .map(|one| {
-                        value(&told["channels"][one.as_u64().unwrap() as usize], &numbers, since)
+                        value(
+                            &description["channels"][one.as_u64().unwrap() as usize],
+                            &numbers,
+                            since,
+                        )
                     })
                     .collect();
                 let sample = motion.sample_at(start + since);
@@ -114,7 +119,7 @@ fn check(cell: &Cell, text: &str) {
 }
 
 #[test]
-fn channels_of_windows_are_where_the_motion_is() {
+fn channels_of_windows_follow_the_motion() {
     let mut cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
     check(&cell, TEXT);
     // A platform without a closed form.

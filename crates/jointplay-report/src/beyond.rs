@@ -15,7 +15,7 @@ pub fn beyond_limits(coordinates: &Coordinates, found: &[BeyondLimits]) -> Vec<L
         let (found, unit) = (in_file(one.value), coordinates.unit(one.coordinate));
         let limit = coordinates.all()[one.coordinate].name.clone();
         let value = beyond(found, min, max);
-        let message = format!("{limit} is at {value} {unit}, allowed are {min} to {max} {unit}");
+        let message = format!("{limit} is at {value} {unit}, its limits are {min} to {max} {unit}");
         LimitReport { limit, found, min, max, unit, message }
     };
     found.iter().map(report).collect()

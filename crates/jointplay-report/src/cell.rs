@@ -1,4 +1,4 @@
-//! What a program does in a cell, and what is wrong with it.
+//! Report on a program in a cell.
 
 use std::ops::Range;
 
@@ -13,107 +13,107 @@ use serde::Serialize;
 
 use crate::distance::{DistanceReport, distance};
 use crate::nearest::{NearestReport, nearest};
-use crate::violation::{explain_violation, told};
+use crate::violation::{explain_violation, in_display_unit};
 use jointplay_format::cell::robot::virtualization_name;
 use jointplay_format::place;
 use jointplay_format::units::{mm, um};
 
-/// What `cell check` and `cell run` answer.
+/// Result of `cell check` and `cell run`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct CellReport {
-    /// What the cell is called.
+    /// Name of the cell.
     pub cell: String,
-    /// What its robot is called.
+    /// Name of the cell's robot.
     pub robot: String,
-    /// Virtualization by which its platform sits over the rods.
+    /// Virtualization that determines the platform's position over the rods.
     pub virtualization: &'static str,
-    /// How the displacements of that are found.
+    /// Solver of the virtual joints.
     pub solver: String,
-    /// What an angle of the virtualization is multiplied by before it is added to lengths; none where it has no angles.
+    /// Characteristic length by which angles of the virtualization are multiplied; none without angles.
     pub metric_mm: Option<f64>,
-    /// What of cell and robot is assumed rather than known.
+    /// Values of cell and robot that are assumptions, with their reasons.
     pub assumed: Vec<String>,
     /// `sound` or `broken`.
     pub verdict: &'static str,
-    /// How long the motion takes.
+    /// Duration of the motion.
     pub duration_s: f64,
-    /// Different wafers that are laid into a slot.
+    /// Number of different wafers that are put into a slot.
     pub wafers: usize,
-    /// Wafers an hour where the program is repeated.
+    /// Wafers per hour of the repeated program.
     pub wafers_per_hour: Option<f64>,
-    /// How many motions the program comes to; a wait that takes no time is none.
+    /// Number of motions; a wait of zero length is not counted.
     pub steps: usize,
-    /// Motions along straight lines, where there are some.
+    /// Cartesian lines, if there are any.
     pub straight: Option<StraightReport>,
-    /// Motions that run into the next, where there are some.
+    /// Blended motions, if there are any.
     pub blended: Option<BlendedReport>,
-    /// Carried wafers where they change hands, where some do.
+    /// Deflection of carried wafers at hand-offs, if there are any.
     pub compensated: Option<CompensatedReport>,
-    /// Samples that were looked at.
+    /// Number of checked samples.
     pub samples: usize,
     /// Axes, rods first.
     pub axes: Vec<AxisReport>,
-    /// A row for each instruction, in the order of running.
+    /// One row for each instruction, in order of execution.
     pub instructions: Vec<InstructionReport>,
-    /// All that is broken, by time.
+    /// All violations, by time.
     pub violations: Vec<ViolationReport>,
-    /// How near bodies come, nearest first.
+    /// Minimum distances of pairs, smallest first.
     pub distances: Vec<DistanceReport>,
-    /// The nearest of them, all wafers taken for one.
+    /// The smallest of these distances, with all wafers counted as one.
     pub nearest: Vec<NearestReport>,
 }
 
-/// Motions along straight lines.
+/// Cartesian lines.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct StraightReport {
-    /// How many.
+    /// Number of lines.
     pub motions: usize,
     /// Largest distance of a wafer's centre from its line.
     pub off_um: f64,
-    /// Largest angle of its plane from the one that turns evenly.
+    /// Largest angle of the wafer's plane from the evenly interpolated one.
     pub off_mrad: f64,
 }
 
-/// Motions that run into the next.
+/// Blended motions.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct BlendedReport {
-    /// How many.
+    /// Number of blends.
     pub motions: usize,
-    /// How long two run at once, all together.
+    /// Total time during which two motions overlap.
     pub overlap_s: f64,
-    /// Largest distance of a wafer's centre from the way without it, at most.
+    /// Upper bound of the distance of a wafer's centre from the unblended path.
     pub off_mm: f64,
 }
 
-/// Carried wafers where they change hands: what of droop and sag is made up for, and what is left.
+/// Deflection of carried wafers at hand-offs: the compensated droop and sag, and the remaining deviation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct CompensatedReport {
-    /// How often a wafer changes hands.
+    /// Number of hand-offs.
     #[serde(rename = "handovers")]
     pub handoffs: usize,
-    /// Largest drop of a loaded arm, which is made up for.
+    /// Largest drop of a loaded arm, which is compensated.
     pub drop_um: f64,
-    /// Largest slope of a loaded arm, which is made up for.
+    /// Largest slope of a loaded arm, which is compensated.
     pub slope_mrad: f64,
-    /// Largest distance of a wafer's mean plane from its supports by its own sag, which is made up for.
+    /// Largest distance of a wafer's mean plane from its supports by its own sag, which is compensated.
     pub sag_um: f64,
-    /// Largest distance of that plane's centre from where it should be by the slot.
+    /// Largest remaining distance of the mean plane's centre from its target in the slot.
     pub left_um: f64,
-    /// Largest angle of that plane to the slot's.
+    /// Largest remaining angle of the mean plane from the plane of the slot.
     pub left_mrad: f64,
-    /// What no platform removes: the largest root of the mean square of a wafer's distance from its mean plane.
+    /// Largest root mean square distance of a wafer from its mean plane, which no platform pose removes.
     pub bent_um: f64,
-    /// Largest distance by which an effector moves as its arm takes a wafer's weight or gives it up; poses jump by it at the hand-off.
+    /// Largest displacement of an effector when its load changes; poses jump by it at the hand-off.
     pub jump_um: f64,
-    /// Tilt by which the taught planes of these slots may be off with 95 % confidence, the largest; none where no such plane is taught.
+    /// Largest tilt by which the taught planes of these slots may deviate, with 95 % confidence; none without taught planes.
     pub taught_mrad: Option<f64>,
-    /// Height by which these slots may be off by that, with 95 % confidence, the largest.
+    /// Largest height by which these slots may deviate, with 95 % confidence.
     pub taught_um: Option<f64>,
-    /// Stations among them whose taught planes have an unknown uncertainty: three points of unknown noise.
+    /// Stations whose taught planes have an unknown uncertainty: three points with unknown noise.
     pub taught_unknown: Vec<String>,
 }
 
@@ -121,102 +121,102 @@ pub struct CompensatedReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct AxisReport {
-    /// What it is called.
+    /// Name of the axis.
     pub name: String,
     /// `mm` or `deg`.
     pub unit: &'static str,
-    /// How long it moves.
+    /// Time during which the axis moves.
     pub moving_s: f64,
 }
 
-/// How near a limit something comes.
+/// Utilization of a limit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct ShareReport {
-    /// Which axis or effector.
+    /// Name of the axis or effector.
     pub name: String,
-    /// As a share of the limit: above 1 it is broken.
+    /// Share of the limit; above 1 the limit is violated.
     pub share: f64,
-    /// When.
+    /// Time of the largest share.
     pub time_s: f64,
 }
 
-/// An instruction as it runs.
+/// An executed instruction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct InstructionReport {
-    /// Counted from 1, in the order of running.
+    /// Number of the instruction in order of execution, from 1.
     pub number: usize,
-    /// Where it is written.
+    /// Line of the program.
     pub line: usize,
-    /// As it is written.
+    /// Text of the instruction.
     pub text: String,
-    /// When it starts.
+    /// Start time.
     pub start_s: f64,
-    /// How long it takes.
+    /// Duration.
     pub duration_s: f64,
-    /// How many motions it comes to; a wait that takes no time is none.
+    /// Number of motions; a wait of zero length is not counted.
     pub steps: usize,
-    /// Motions of it along straight lines, where there are some.
+    /// Cartesian lines of the instruction, if there are any.
     pub straight: Option<StraightReport>,
-    /// Motions of it that run into the next, where there are some.
+    /// Blended motions of the instruction, if there are any.
     pub blended: Option<BlendedReport>,
-    /// Carried wafers where they change hands in it, where some do.
+    /// Deflection of carried wafers at hand-offs of the instruction, if there are any.
     pub compensated: Option<CompensatedReport>,
-    /// How long each axis moves in it, in the order of `axes`.
+    /// Time during which each axis moves, in the order of `axes`.
     pub moving_s: Vec<f64>,
-    /// Axis that comes nearest to its speed limit.
+    /// Axis with the largest share of its velocity limit.
     pub speed: Option<ShareReport>,
-    /// Axis that comes nearest to its acceleration limit.
+    /// Axis with the largest share of its acceleration limit.
     pub acceleration: Option<ShareReport>,
-    /// Axis that comes nearest to its jerk limit.
+    /// Axis with the largest share of its jerk limit.
     pub jerk: Option<ShareReport>,
     /// Share of the tilt limit.
     pub tilt: f64,
     /// Share of the play budget.
     pub play: f64,
-    /// Effector whose wafer comes nearest to slipping.
+    /// Effector whose wafer has the largest share of its friction limit.
     pub slip: Option<ShareReport>,
-    /// The two bodies that come nearest.
+    /// The pair with the minimum distance.
     pub nearest: Option<DistanceReport>,
-    /// How many violations begin in it.
+    /// Number of violations that begin in the instruction.
     pub violations: usize,
 }
 
-/// Something that is broken for a stretch of time.
+/// A violation over an interval of time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct ViolationReport {
-    /// Such as `speed limit` or `collision`.
+    /// Kind of the violation, such as `speed limit` or `collision`.
     pub kind: String,
-    /// Axis, effector or bodies that it is about.
+    /// Names of the axis, effector or bodies concerned.
     pub names: Vec<String>,
     /// Number of the instruction, from 1.
     pub instruction: usize,
-    /// Where that is written.
+    /// Line of the instruction.
     pub line: usize,
-    /// And in which column.
+    /// Column of the instruction.
     pub column: usize,
-    /// First time at which it is broken.
+    /// Start of the violation.
     pub start_s: f64,
-    /// Last time at which it is broken.
+    /// End of the violation.
     pub end_s: f64,
-    /// When it is worst.
+    /// Time of the worst value.
     pub worst_s: f64,
     /// The worst value, in `unit`.
     pub worst: Option<f64>,
-    /// What is allowed, in `unit`.
+    /// The limit, in `unit`.
     pub limit: Option<f64>,
-    /// Unit of both; empty where there is nothing to count.
+    /// Unit of `worst` and `limit`; empty if they have no value.
     pub unit: &'static str,
-    /// The same in words.
+    /// Message with values and units.
     pub message: String,
 }
 
-/// Tells what a check finds.
+/// Reports the result of a check.
 ///
 /// # Arguments
-/// * `program` – its text, of which lines are quoted
+/// * `program` – text of the program, from which lines are quoted
 #[must_use]
 pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) -> CellReport {
     let robot = &cell.robot;
@@ -322,7 +322,7 @@ fn compensated(
     carried: &[HandoffDeflection],
     steps: Range<usize>,
 ) -> Option<CompensatedReport> {
-    // They come in order.
+    // Hand-offs are sorted by step.
     let at = |step| carried.partition_point(|one| one.step < step);
     let carried = &carried[at(steps.start)..at(steps.end)];
     let (mut tilt, mut height) = (None::<f64>, None::<f64>);
@@ -353,7 +353,7 @@ fn compensated(
     })
 }
 
-/// The largest of some, of which there is one at least.
+/// The element with the largest value; `all` must not be empty.
 fn most<T>(all: &[T], of: impl Fn(&T) -> f64) -> f64 {
     all.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
 }
@@ -361,7 +361,7 @@ fn most<T>(all: &[T], of: impl Fn(&T) -> f64) -> f64 {
 /// A message at a place of a program, with its line and carets under the command.
 ///
 /// # Arguments
-/// * `file` – what the program is called
+/// * `file` – name of the program
 #[must_use]
 pub fn excerpt(program: &str, at: SourceLocation, message: &str, file: &str) -> String {
     let text = program.lines().nth(at.line.wrapping_sub(1)).unwrap_or_default();
@@ -373,7 +373,7 @@ pub fn excerpt(program: &str, at: SourceLocation, message: &str, file: &str) -> 
 }
 
 fn violation(cell: &Cell, one: &Violation) -> ViolationReport {
-    let (unit, worst) = told(one, one.worst);
+    let (unit, worst) = in_display_unit(one, one.worst);
     let counts = !unit.is_empty() && one.worst.is_finite();
     ViolationReport {
         kind: one.kind.to_string(),
@@ -385,7 +385,7 @@ fn violation(cell: &Cell, one: &Violation) -> ViolationReport {
         end_s: one.end,
         worst_s: one.worst_time,
         worst: counts.then_some(worst),
-        limit: counts.then(|| told(one, one.limit).1),
+        limit: counts.then(|| in_display_unit(one, one.limit).1),
         unit,
         message: explain_violation(cell, one),
     }

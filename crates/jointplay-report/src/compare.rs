@@ -1,4 +1,4 @@
-//! All models side by side.
+//! Report on all models of the same tilts.
 
 use jointplay_core::gpr::BrokenLimit;
 use jointplay_study::Comparison;
@@ -7,7 +7,7 @@ use crate::limits::LimitReport;
 use jointplay_format::explain::explain;
 use jointplay_format::units::{deg, mm, um};
 
-/// What `compare` answers.
+/// Result of `compare`.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct CompareReport {
@@ -17,15 +17,15 @@ pub struct CompareReport {
     pub height_mm: f64,
     /// The tilts (deg).
     pub pitch_deg: Vec<f64>,
-    /// One entry a virtualization, in the order of `pitch_deg` each.
+    /// One entry per virtualization, each in the order of `pitch_deg`.
     pub models: Vec<ModelReport>,
-    /// The farthest that a socket of the approximate model is off its ball (µm); its centre never shifts.
+    /// Largest distance between a socket of the approximate model and its ball (µm); its centre never shifts.
     pub approximate_gap_um: Vec<f64>,
-    /// Limits that the tilts break; empty unless limits were ignored.
+    /// Limits that the tilts violate; empty unless limits were ignored.
     pub limits_broken: Vec<LimitReport>,
 }
 
-/// What one model says.
+/// Result of one model.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct ModelReport {
@@ -35,13 +35,13 @@ pub struct ModelReport {
     pub center_shift_x_um: Vec<f64>,
     /// Offset of O_p from the base axis along y (µm).
     pub center_shift_y_um: Vec<f64>,
-    /// The farthest that a socket is moved within the platform (µm).
+    /// Largest displacement of a socket within the platform (µm).
     pub largest_displacement_um: Vec<f64>,
-    /// Why the columns end before the last pitch; `null` where they do not.
+    /// Reason why the columns end before the last pitch; `null` if they are complete.
     pub failure: Option<String>,
 }
 
-/// Tells of all models.
+/// Reports a comparison of all models.
 #[must_use]
 pub fn compare(comparison: &Comparison, broken: &[BrokenLimit]) -> CompareReport {
     let model = |curve: &jointplay_study::ModelCurve| ModelReport {

@@ -5,17 +5,17 @@ use jointplay_cell::workcell::Cell;
 use jointplay_format::units::mm;
 use serde::Serialize;
 
-/// How near two bodies come.
+/// Minimum distance of two bodies.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct DistanceReport {
-    /// Names of both.
+    /// Names of both bodies.
     pub bodies: [String; 2],
-    /// Least distance; below zero a depth.
+    /// Minimum distance; negative for a penetration depth.
     pub distance_mm: f64,
-    /// How much less it may be between samples.
+    /// Uncertainty between samples: the distance is at least `distance_mm` minus this.
     pub within_mm: f64,
-    /// When.
+    /// Time of the minimum.
     pub time_s: f64,
 }
 

@@ -1,4 +1,4 @@
-//! An analysis beside what the file of a mechanism expects of it.
+//! Comparison of an analysis with the results that the mechanism's file expects.
 
 use crate::mobility::FreedomsReport;
 use jointplay_format::mechanism::Expected;
@@ -14,7 +14,7 @@ pub struct DisagreementReport {
     pub found: Option<i64>,
 }
 
-/// Such as `finite: 0 expected, 1 found`.
+/// Formats as `finite: 0 expected, 1 found`.
 impl std::fmt::Display for DisagreementReport {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { quantity, expected, found } = self;
@@ -25,7 +25,7 @@ impl std::fmt::Display for DisagreementReport {
     }
 }
 
-/// Quantities of an analysis that are not what a file expects; a quantity that was expected and is undecided is one of them.
+/// Quantities of an analysis that differ from the file's `[expected]`; an undecided quantity differs.
 #[must_use]
 pub fn disagreements(
     expected: &Expected,

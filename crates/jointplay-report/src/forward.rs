@@ -1,4 +1,4 @@
-//! A pose.
+//! Report on a pose.
 
 use jointplay_core::gpr::{BrokenLimit, PlatformPose};
 use jointplay_core::virtualization::Virtualization;
@@ -7,10 +7,10 @@ use crate::limits::LimitReport;
 use crate::virtual_joints::VirtualJointGroups;
 use jointplay_format::units::{deg, mm};
 
-/// What `forward` and `inverse` answer.
+/// Result of `forward` and `inverse`.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
-#[expect(missing_docs, reason = "the fields say their unit; the meaning is that of `PlatformPose`")]
+#[expect(missing_docs, reason = "the field names contain the unit; `PlatformPose` documents them")]
 pub struct ForwardReport {
     pub q_mm: [f64; 3],
     pub sides_mm: [f64; 3],
@@ -21,14 +21,14 @@ pub struct ForwardReport {
     pub platform: PlatformReport,
     pub iterations: usize,
     pub residual_mm: f64,
-    /// Limits that the pose breaks; empty unless limits were ignored.
+    /// Limits that the pose violates; empty unless limits were ignored.
     pub limits_broken: Vec<LimitReport>,
 }
 
-/// Where the platform is.
+/// Pose of the platform.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
-#[expect(missing_docs, reason = "the fields say their unit; the meaning is that of `PlatformPose`")]
+#[expect(missing_docs, reason = "the field names contain the unit; `PlatformPose` documents them")]
 pub struct PlatformReport {
     pub origin_mm: [f64; 3],
     pub normal: [f64; 3],
@@ -42,7 +42,7 @@ pub struct PlatformReport {
     pub center_shift_mm: [f64; 2],
 }
 
-/// Tells of a pose.
+/// Reports a pose.
 #[must_use]
 pub fn forward<V: Virtualization + ?Sized>(
     pose: &PlatformPose,

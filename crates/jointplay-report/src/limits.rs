@@ -1,16 +1,16 @@
-//! Broken limits of the three-rod robot.
+//! Reports on violated limits of the three-rod robot.
 
 use jointplay_core::gpr::BrokenLimit;
 use jointplay_format::explain::explain_limit;
 use jointplay_format::units::{deg, mm};
 
-/// A broken limit for a program to read.
+/// A violated limit.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct LimitReport {
     /// `rod 1`, `rod 2`, `rod 3` or `tilt`; of a mechanism, the name of a coordinate.
     pub limit: String,
-    /// What was found, in `unit`.
+    /// The value found, in `unit`.
     pub found: f64,
     /// Least allowed, in `unit`.
     pub min: f64,
@@ -18,11 +18,11 @@ pub struct LimitReport {
     pub max: f64,
     /// `mm` or `deg`; of a mechanism, a unit of its file.
     pub unit: &'static str,
-    /// The same in words.
+    /// Message with values and units.
     pub message: String,
 }
 
-/// Broken limits for a program to read.
+/// Reports violated limits.
 #[must_use]
 pub fn limits(broken: &[BrokenLimit]) -> Vec<LimitReport> {
     broken

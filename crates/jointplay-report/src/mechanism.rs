@@ -1,4 +1,4 @@
-//! Any mechanism: closed configurations and what can move there.
+//! Reports on mechanisms: assembly and mobility.
 
 use jointplay_core::Error;
 use jointplay_core::constraint::System as _;
@@ -17,7 +17,7 @@ use jointplay_format::coordinates::Coordinates;
 use jointplay_format::mechanism::MechanismFile;
 use jointplay_format::units::mm;
 
-/// Units that the numbers of a document are in.
+/// Units of the numbers of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct UnitsReport {
     /// `m`, `mm`, `um` or `in`.
@@ -48,13 +48,13 @@ impl<T: Serialize> Serialize for ByName<T> {
 pub struct ConfigurationReport {
     /// Coordinates by name, in the units of the file.
     pub coordinates: ByName<f64>,
-    /// Largest mismatch of a loop, in radians and characteristic lengths.
+    /// Largest closure residual of a loop, in radians and characteristic lengths.
     pub residual: f64,
-    /// Corrections done.
+    /// Number of iterations.
     pub iterations: usize,
 }
 
-/// What `assemble` answers.
+/// Result of `assemble`.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct AssemblyReport {
     /// Name of the mechanism.
@@ -64,20 +64,20 @@ pub struct AssemblyReport {
     /// The closed configuration nearest the guess.
     #[serde(flatten)]
     pub closed: ConfigurationReport,
-    /// Virtual joints by name, if rigid links do not close for the values asked for.
+    /// Displacements of the virtual joints by name, if rigid links cannot close the loops with the given values.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub virtual_joints: Option<ByName<f64>>,
     /// Coordinates beyond their limits or clearance.
     pub limits_broken: Vec<LimitReport>,
-    /// Mismatch that was allowed, if the loops did not close exactly, in radians and characteristic lengths.
+    /// Accepted closure residual, if the loops did not close exactly, in radians and characteristic lengths.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
-    /// Other closed configurations, if they were asked for.
+    /// Other closed configurations, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub branches: Option<Vec<ConfigurationReport>>,
 }
 
-/// Coordinates by name, those of virtual joints left out.
+/// Coordinates of the joints by name, without virtual joints.
 ///
 /// # Arguments
 /// * `values` – (f + M) (m, rad)
@@ -87,7 +87,7 @@ pub fn by_name(coordinates: &Coordinates, values: &DVector<f64>) -> ByName<f64> 
     ByName(named.map(|(k, one)| (one.name.clone(), coordinates.from_si(k, values[k]))).collect())
 }
 
-/// Tells a closed configuration.
+/// Reports a closed configuration.
 #[must_use]
 pub fn configuration(coordinates: &Coordinates, closed: &Closure) -> ConfigurationReport {
     ConfigurationReport {
@@ -97,11 +97,11 @@ pub fn configuration(coordinates: &Coordinates, closed: &Closure) -> Configurati
     }
 }
 
-/// Tells how a mechanism is assembled.
+/// Reports an assembled mechanism.
 ///
 /// # Arguments
-/// * `relief` – if virtual joints had to be displaced
-/// * `tolerance` – largest mismatch that was asked to count as closed, in radians and characteristic lengths
+/// * `relief` – displacements of the virtual joints, if any were necessary
+/// * `tolerance` – largest closure residual that counts as closed, if one was given, in radians and characteristic lengths
 #[must_use]
 pub fn assembly(
     file: &MechanismFile,
@@ -111,22 +111,22 @@ pub fn assembly(
     branches: Option<&[Closure]>,
 ) -> AssemblyReport {
     let coordinates = Coordinates::of(file);
-    let told = |closed| configuration(&coordinates, closed);
+    let report = |closed| configuration(&coordinates, closed);
     AssemblyReport {
         name: file.mechanism.name().to_owned(),
         units: UnitsReport::of(&coordinates),
-        closed: told(closed),
+        closed: report(closed),
         virtual_joints: relief.map(|relief| virtual_by_name(&coordinates, relief)),
         limits_broken: beyond_limits(
             &coordinates,
             &file.mechanism.beyond_limits(&closed.coordinates),
         ),
         tolerance: tolerance.filter(|_| !closed.is_closed()),
-        branches: branches.map(|branches| branches.iter().map(told).collect()),
+        branches: branches.map(|branches| branches.iter().map(report).collect()),
     }
 }
 
-/// What `mobility` answers of a mechanism.
+/// Result of `mobility` for a mechanism.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct MechanismMobilityReport {
     /// Name of the mechanism.
@@ -135,7 +135,7 @@ pub struct MechanismMobilityReport {
     pub units: UnitsReport,
     /// Coordinates of the configuration by name.
     pub coordinates: ByName<f64>,
-    /// Virtual joints by name, if they had to give way for the configuration.
+    /// Displacements of the virtual joints by name, if any were necessary for the configuration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub virtual_joints: Option<ByName<f64>>,
     /// Coordinates beyond their limits or clearance.
@@ -144,26 +144,26 @@ pub struct MechanismMobilityReport {
     pub joint_freedoms: usize,
     /// Independent loops.
     pub loops: usize,
-    /// What can move, and how much is constrained.
+    /// Mobilities, rank and redundancy.
     #[serde(flatten)]
     pub freedoms: FreedomsReport,
-    /// Dimensions of the branches found to meet there, where not all motions to first order are motions for real.
+    /// Dimensions of the branches that meet in this configuration, if finite and instantaneous mobility differ.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub branch_dimensions: Option<Vec<usize>>,
-    /// If dimensions are true only to a tolerance.
+    /// Mobility within a given tolerance of the dimensions.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub near: Option<NearReport>,
-    /// What a tolerance of up to 1e-4 would change, where it would and none was given.
+    /// Mobility within a tolerance of up to 1e-4, if it exceeds the exact mobility and no tolerance was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_miss: Option<NearMissReport>,
-    /// Number of coordinates, where it is too large to look for near misses unasked.
+    /// Number of coordinates, if it is too large for the search for near mobility by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_miss_not_searched: Option<usize>,
-    /// What class of mechanism this makes it, in words.
+    /// Mobility class in words.
     pub class: String,
-    /// What is carried twice: one entry for each redundant constraint.
+    /// Redundant constraints.
     pub redundant_constraints: Vec<RedundantConstraintReport>,
-    /// How each link but the base moves to first order.
+    /// Instantaneous motion of each link except the base.
     pub link_motions: ByName<LinkMotionReport>,
     /// Singular values of the scaled constraint Jacobian, largest first.
     pub singular_values: Vec<f64>,
@@ -171,39 +171,39 @@ pub struct MechanismMobilityReport {
     pub threshold: f64,
     /// Length in which the Jacobian is scaled (mm).
     pub characteristic_length_mm: f64,
-    /// Orthonormal motions allowed to first order, one an entry, in radians and characteristic lengths; order of the coordinates.
+    /// Orthonormal basis of the instantaneous motions, one per entry, in radians and characteristic lengths; order of the coordinates.
     pub null_space: Vec<Vec<f64>>,
-    /// Orthonormal self-stresses, one an entry; for each independent loop three moments and three forces.
+    /// Orthonormal self-stresses, one per entry; for each independent loop three moments and three forces.
     pub self_stress: Vec<Vec<f64>>,
 }
 
-/// What moves within a tolerance of the dimensions; all in radians and characteristic lengths.
+/// Mobility within a tolerance of the dimensions; all in radians and characteristic lengths.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct NearReport {
     /// Tolerance that was given.
     pub tolerance: f64,
-    /// Largest mismatch of a loop in this configuration, which is forced shut for all but these numbers; `null` if it closes exactly.
+    /// Largest closure residual of a loop in this configuration, which is treated as closed for all other numbers; `null` if it closes exactly.
     pub forced_shut: Option<f64>,
     /// Freedoms within the tolerance.
     pub near_mobility: usize,
-    /// The tolerance that they need.
+    /// The smallest tolerance with these freedoms.
     pub near_tolerance_needed: f64,
-    /// About the tolerance for one more; `null` where none is near.
+    /// Approximate tolerance for one more freedom; `null` if none is near.
     pub near_tolerance_for_one_more: Option<f64>,
 }
 
-/// More freedoms than for exact dimensions, within a small tolerance; all in radians and characteristic lengths.
+/// Freedoms in addition to the exact ones, within a small tolerance; all in radians and characteristic lengths.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct NearMissReport {
     /// Freedoms within the tolerance.
     pub near_mobility: usize,
-    /// The tolerance that they need.
+    /// The smallest tolerance with these freedoms.
     pub near_tolerance_needed: f64,
-    /// A tolerance to ask with: that one, rounded up.
+    /// The smallest tolerance, rounded up, to be passed to `--tolerance`.
     pub tolerance_to_try: f64,
 }
 
-/// What `mobility` answers of a mechanism with too many loops for dense algebra: the same, but for what would take a matrix of all.
+/// Result of `mobility` for a mechanism with too many loops for dense algebra, without the quantities that need dense matrices.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SparseMobilityReport {
     /// Name of the mechanism.
@@ -216,27 +216,27 @@ pub struct SparseMobilityReport {
     pub joint_freedoms: usize,
     /// Independent loops.
     pub loops: usize,
-    /// What can move, and how much is constrained.
+    /// Mobilities, rank and redundancy.
     #[serde(flatten)]
     pub freedoms: FreedomsReport,
-    /// What class of mechanism this makes it, in words.
+    /// Mobility class in words.
     pub class: &'static str,
     /// Largest singular value of the joint closures in link twists.
     pub largest_singular_value: f64,
-    /// The least that counts, if one does.
+    /// Smallest singular value above the threshold, if there is one.
     pub smallest_counted: Option<f64>,
-    /// The largest that counts as zero, if one does.
+    /// Largest singular value that counts as zero, if there is one.
     pub largest_uncounted: Option<f64>,
     /// Values at or below it count as zero.
     pub threshold: f64,
     /// Length in which the Jacobian is scaled (mm).
     pub characteristic_length_mm: f64,
-    /// Independent motions to first order, one an entry, in radians and characteristic lengths; order of the coordinates. Omitted beyond a million numbers.
+    /// Basis of the instantaneous motions, one per entry, in radians and characteristic lengths; order of the coordinates. Omitted beyond a million numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub null_space: Option<Vec<Vec<f64>>>,
 }
 
-/// Tells what of a mechanism with many loops can move.
+/// Reports the mobility of a mechanism with many loops.
 #[must_use]
 pub fn sparse_mobility(
     file: &MechanismFile,
@@ -275,40 +275,40 @@ fn counted(mechanism: &Mechanism) -> i64 {
     kutzbach_mobility(mechanism.links().len(), &freedoms)
 }
 
-/// A constraint that says nothing new, as the wrench that the mechanism can carry in itself.
+/// A redundant constraint, as the wrench of its self-stress.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct RedundantConstraintReport {
-    /// In words: `moment about x`.
+    /// Description such as `moment about x`.
     pub what: String,
-    /// The joints that carry it.
+    /// Names of the joints that transmit the wrench.
     pub joints: Vec<String>,
 }
 
-/// How a link moves to first order.
+/// Instantaneous motion of a link.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct LinkMotionReport {
-    /// In how many independent ways.
+    /// Number of independent motions.
     pub dimension: usize,
-    /// How many of them are translations.
+    /// Number of independent translations.
     pub translations: usize,
-    /// For one way that is no translation: advance for a radian (mm/rad).
+    /// Pitch of the screw axis, if there is only one motion and it rotates (mm/rad).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pitch_mm_per_rad: Option<f64>,
-    /// And a point of its axis, in the base frame (mm).
+    /// A point of the screw axis, in the base frame (mm).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axis_point_mm: Option<[f64; 3]>,
 }
 
-/// Tells what of a mechanism can move.
+/// Reports the mobility of a mechanism.
 ///
 /// # Errors
 /// As [`link_motion`], [`self_stresses`] and [`near_miss`].
 ///
 /// # Arguments
 /// * `values` – (f + M) the configuration (m, rad)
-/// * `relief` – if virtual joints had to give way
+/// * `relief` – displacements of the virtual joints, if any were necessary
 /// * `found` – the finite mobility, block by block
-/// * `near` – what moves within a tolerance, if that was asked
+/// * `near` – the mobility within a tolerance, if requested
 pub fn mechanism_mobility(
     file: &MechanismFile,
     system: &MechanismSystem<'_>,
@@ -384,7 +384,7 @@ pub fn mechanism_mobility(
     })
 }
 
-/// The class in words, with the freedoms of the branches where they differ.
+/// The mobility class in words, with the freedoms of the branches if they differ.
 fn class_words(class: MobilityClass, branches: Option<&[usize]>) -> String {
     let dimensions = branches.unwrap_or_default();
     if class != MobilityClass::Kinematotropic {

@@ -1,4 +1,4 @@
-//! What can move.
+//! Report on the mobility of the three-rod robot.
 
 use jointplay_core::gpr::{BrokenLimit, PlatformPose};
 use jointplay_core::mobility::{FiniteMobility, InstantaneousMobility};
@@ -7,21 +7,21 @@ use nalgebra::DMatrix;
 use crate::limits::LimitReport;
 use jointplay_format::units::mm;
 
-/// Freedoms counted, to first order and for real, of the robot and of any mechanism alike.
+/// Kutzbach, instantaneous and finite mobility of the robot or of a mechanism.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct FreedomsReport {
-    /// Freedoms by the Kutzbach–Grübler count.
+    /// Kutzbach mobility.
     pub kutzbach_mobility: i64,
-    /// Freedoms to first order.
+    /// Instantaneous mobility.
     pub instantaneous_mobility: usize,
-    /// Freedoms for real; `null` where undecided.
+    /// Finite mobility; `null` if undecided.
     pub finite_mobility: Option<usize>,
     /// Bounds between which the finite mobility lies.
     pub finite_mobility_bounds: [usize; 2],
     /// Independent constraints.
     pub rank: usize,
-    /// Constraints that say nothing new.
+    /// Redundant constraints.
     pub redundancy: usize,
 }
 
@@ -38,13 +38,13 @@ impl FreedomsReport {
     }
 }
 
-/// What `mobility` answers.
+/// Result of `mobility`.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct MobilityReport {
     /// Rods of the configuration (mm).
     pub q_mm: [f64; 3],
-    /// What can move, and how much is constrained.
+    /// Mobilities, rank and redundancy.
     #[serde(flatten)]
     pub freedoms: FreedomsReport,
     /// Singular values of the scaled constraint Jacobian, largest first.
@@ -53,15 +53,15 @@ pub struct MobilityReport {
     pub threshold: f64,
     /// Length in which the Jacobian is scaled (mm).
     pub characteristic_length_mm: f64,
-    /// Orthonormal motions allowed to first order, one an entry, in units of the characteristic length; order q, P_1, P_2, P_3.
+    /// Orthonormal basis of the instantaneous motions, one per entry, in units of the characteristic length; order q, P_1, P_2, P_3.
     pub null_space: Vec<Vec<f64>>,
-    /// Orthonormal self-stresses, one an entry; order of the constraints: rods 1 to 3 (x, y, z each), sides 12, 23, 31.
+    /// Orthonormal self-stresses, one per entry; order of the constraints: rods 1 to 3 (x, y, z each), sides 12, 23, 31.
     pub self_stress: Vec<Vec<f64>>,
-    /// Of the virtualization asked for.
+    /// Mobility of the requested virtualization.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schema(value_type = AugmentedReport))]
     pub augmented: Option<AugmentedReport>,
-    /// Limits that the rods break; empty unless limits were ignored.
+    /// Limits that the rods violate; empty unless limits were ignored.
     pub limits_broken: Vec<LimitReport>,
 }
 
@@ -83,10 +83,10 @@ pub struct AugmentedReport {
     pub augmented_singular_values: Vec<f64>,
 }
 
-/// Tells what can move.
+/// Reports the mobility.
 ///
 /// # Arguments
-/// * `augmented` – name of a virtualization with its mobility, if one was asked for
+/// * `augmented` – name of a virtualization with its mobility, if requested
 #[must_use]
 pub fn mobility(
     pose: &PlatformPose,

@@ -1,4 +1,4 @@
-//! A mechanism on its way.
+//! Report on a driven motion of a mechanism.
 
 use std::collections::BTreeSet;
 
@@ -9,53 +9,53 @@ use crate::table::{Column, Values};
 use jointplay_format::coordinates::Coordinates;
 use jointplay_format::mechanism::MechanismFile;
 
-/// What `move` answers.
+/// Result of `move`.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct MotionReport {
     /// Name of the mechanism.
     pub name: String,
     /// Units of the coordinates.
     pub units: UnitsReport,
-    /// Names of the coordinates that were driven.
+    /// Names of the driven coordinates.
     pub driven: Vec<String>,
-    /// Names of the coordinates of other motors, which held still.
+    /// Names of the coordinates of other motors, which are locked.
     pub held: Vec<String>,
-    /// Steps done, the shortened ones among them.
+    /// Number of steps, including shortened ones.
     pub steps: usize,
-    /// Largest mismatch of a loop on the way, in radians and characteristic lengths.
+    /// Largest closure residual of a loop during the motion, in radians and characteristic lengths.
     pub largest_residual: f64,
-    /// Singular configurations on the way.
+    /// Singular configurations during the motion.
     pub singular: Vec<SingularReport>,
-    /// Largest displacement of each virtual joint on the way, if there are any.
+    /// Largest displacement of each virtual joint during the motion, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_displacements: Option<ByName<f64>>,
-    /// Coordinates that went beyond their limits, and virtual joints that went beyond their clearance.
+    /// Coordinates that exceed their limits, and virtual joints that exceed their clearance.
     pub limits_broken: Vec<String>,
-    /// `locked`, `singular_start` or `incompatible`; `null` at the end of the way.
+    /// `locked`, `singular_start` or `incompatible`; `null` if the motion is complete.
     pub stopped: Option<&'static str>,
-    /// The same in words, and where.
+    /// Message with the reason and the place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
-    /// Values of every coordinate along the way, by name and unit, such as `crank_deg`.
+    /// Values of every coordinate during the motion, by name and unit, such as `crank_deg`.
     pub series: ByName<Vec<f64>>,
 }
 
 /// A singular configuration.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SingularReport {
-    /// Value of each driven coordinate there, by name.
+    /// Value of each driven coordinate, by name.
     pub drives: ByName<f64>,
-    /// Freedoms to first order there, drives free.
+    /// Instantaneous mobility with free drives.
     pub instantaneous_mobility: usize,
-    /// The least singular value found there, as a share of the largest.
+    /// Smallest singular value, as a share of the largest.
     pub least_singular_value: f64,
-    /// How many branches of the motion meet there; `null` where second order does not tell.
+    /// Number of branches of the motion that meet here; `null` if second order does not determine it.
     pub branches: Option<usize>,
-    /// Every coordinate there, by name.
+    /// Values of all coordinates, by name.
     pub coordinates: ByName<f64>,
 }
 
-/// Tells a motion.
+/// Reports a motion.
 ///
 /// # Arguments
 /// * `driven`, `held` – indices of coordinates
@@ -82,7 +82,7 @@ pub fn motion(
         let values = motion.waypoints.iter().map(|at| coordinates.from_si(k, at.coordinates[k]));
         (coordinates.column(k), values.collect())
     });
-    let where_it_stands = || {
+    let place = || {
         let values = motion.waypoints.last().map(|last| drives(&last.coordinates));
         let values = values.into_iter().flat_map(|values| values.0);
         let at = values.zip(driven).map(|((name, value), &k)| {
@@ -98,13 +98,13 @@ pub fn motion(
         Stop::SingularStart { free_mobility } => (
             "singular_start",
             format!(
-                "the start is singular: {free_mobility} {} to first order with the drives held, and none was found that leads on; start from another configuration",
+                "the start is singular: {free_mobility} instantaneous {} with locked drives, and no continuation was found; start from another configuration",
                 if free_mobility == 1 { "motion" } else { "motions" }
             ),
         ),
         Stop::Incompatible => (
             "incompatible",
-            "the loops do not stay closed: the drives pull against each other or against redundant constraints".to_owned(),
+            "the loops do not stay closed: the drives act against each other or against redundant constraints".to_owned(),
         ),
     });
     let (stopped, reason) = why.unzip();
@@ -119,7 +119,7 @@ pub fn motion(
         largest_displacements: largest_displacements(&coordinates, motion),
         limits_broken: beyond_limits(file, &coordinates, motion),
         stopped,
-        message: reason.map(|reason| format!("stopped at {}: {reason}", where_it_stands())),
+        message: reason.map(|reason| format!("stopped at {}: {reason}", place())),
         series: ByName(series.collect()),
     }
 }
@@ -146,7 +146,7 @@ fn largest_displacements(coordinates: &Coordinates, motion: &DrivenMotion) -> Op
     (!largest.is_empty()).then_some(ByName(largest))
 }
 
-/// Names of the coordinates that are beyond their limits somewhere on the way, and of virtual joints beyond their clearance.
+/// Names of the coordinates that exceed their limits during the motion, and of virtual joints that exceed their clearance.
 fn beyond_limits(
     file: &MechanismFile,
     coordinates: &Coordinates,

@@ -1,24 +1,24 @@
-//! Which bodies come nearest, in a few lines.
+//! The smallest minimum distances.
 
 use jointplay_cell::check::MinimumDistance;
 use jointplay_cell::workcell::Cell;
 use jointplay_format::units::mm;
 use serde::Serialize;
 
-/// So many pairs are told.
+/// Largest number of listed pairs.
 const PAIRS: usize = 6;
 
-/// Two bodies that come near, all wafers taken for one.
+/// A pair with a small minimum distance, with all wafers counted as one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct NearestReport {
-    /// Names of both; of pairs with wafers, those that come nearest.
+    /// Names of both; for pairs with wafers, those of the closest pair.
     pub bodies: [String; 2],
-    /// Least distance; below zero a depth.
+    /// Minimum distance; negative for a penetration depth.
     pub distance_mm: f64,
-    /// When.
+    /// Time of the minimum.
     pub time_s: f64,
-    /// Pairs of the same bodies with other wafers, which come no nearer.
+    /// Number of pairs that differ only by their wafers and have a larger distance.
     pub others: usize,
 }
 
@@ -33,7 +33,7 @@ pub(crate) fn nearest(cell: &Cell, distances: &[MinimumDistance]) -> Vec<Nearest
     grouped(distances).into_iter().take(PAIRS).map(report).collect()
 }
 
-/// Groups of pairs that differ only by their wafers: the first pair of each, and the number of the others.
+/// Groups of pairs that differ only by their wafers: the first pair of each group, and the number of the others.
 fn grouped(distances: &[MinimumDistance]) -> Vec<(&MinimumDistance, usize)> {
     // All wafers count as one.
     let alike = |pair: &MinimumDistance| {

@@ -1,4 +1,4 @@
-//! How much play a command takes.
+//! Report on the play that a command of a mechanism requires.
 
 use jointplay_core::mechanism::{Relief, VirtualMotion};
 
@@ -9,7 +9,7 @@ use jointplay_format::coordinates::Coordinates;
 use jointplay_format::mechanism::MechanismFile;
 use jointplay_format::units::mm;
 
-/// What `sensitivity` answers of a mechanism.
+/// Result of `sensitivity` for a mechanism.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ReliefReport {
     /// Name of the mechanism.
@@ -26,37 +26,37 @@ pub struct ReliefReport {
     pub virtual_joints: Vec<VirtualJointReport>,
     /// Size of the displacement, in `size_unit`.
     pub size: f64,
-    /// `um`, turns being multiplied by the characteristic length; `sqrt(J)` where every virtual joint has a stiffness.
+    /// `um`, with rotations multiplied by the characteristic length; `sqrt(J)` if every virtual joint has a stiffness.
     pub size_unit: &'static str,
-    /// Largest mismatch of a loop, in radians and characteristic lengths.
+    /// Largest closure residual of a loop, in radians and characteristic lengths.
     pub residual: f64,
-    /// Singular values of the derivative of the virtual joints by the commanded coordinates, largest first; length by length, turns multiplied by the characteristic length.
+    /// Singular values of the derivative of the virtual joints with respect to the commanded coordinates, largest first; dimensionless, with rotations multiplied by the characteristic length.
     pub singular_values: Vec<f64>,
-    /// Length by which turns are multiplied (mm).
+    /// Characteristic length by which rotations are multiplied (mm).
     pub characteristic_length_mm: f64,
 }
 
 /// A virtual joint and its clearance.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct VirtualJointReport {
-    /// Its name.
+    /// Name of the virtual joint.
     pub name: String,
-    /// How far it is from rest, in `unit`.
+    /// Displacement from rest, in `unit`.
     pub displacement: f64,
-    /// How far it can go either way, in `unit`; `null` where not known.
+    /// Clearance in both directions, in `unit`; `null` if unknown.
     pub clearance: Option<f64>,
     /// `um` or `mrad`.
     pub unit: &'static str,
-    /// Whether it goes farther than it can.
+    /// Whether the displacement exceeds the clearance.
     pub over: bool,
 }
 
-/// Tells how much play a command takes.
+/// Reports the play that a command requires.
 ///
 /// # Arguments
 /// * `commanded` – indices of the commanded coordinates
 /// * `singular_values` – of ∂X/∂P for the commanded coordinates
-/// * `characteristic_length` – by which turns are multiplied (m)
+/// * `characteristic_length` – length by which rotations are multiplied (m)
 #[must_use]
 pub fn relief(
     file: &MechanismFile,
@@ -67,7 +67,7 @@ pub fn relief(
 ) -> ReliefReport {
     let coordinates = Coordinates::of(file);
     let joints = file.mechanism.virtual_joints();
-    let told = joints.iter().zip(relief.virtual_joints.iter()).map(|(joint, &x)| {
+    let reports = joints.iter().zip(relief.virtual_joints.iter()).map(|(joint, &x)| {
         let (factor, unit) = match joint.motion {
             VirtualMotion::Slide(_) => (1e6, "um"),
             VirtualMotion::Turn { .. } => (1e3, "mrad"),
@@ -89,7 +89,7 @@ pub fn relief(
         coordinates: by_name(&coordinates, &relief.coordinates),
         limits_broken: beyond_limits(&coordinates, &file.mechanism.beyond_limits(&of_joints)),
         commanded: commanded.iter().map(|&k| coordinates.all()[k].name.clone()).collect(),
-        virtual_joints: told.collect(),
+        virtual_joints: reports.collect(),
         size: relief.size * factor,
         size_unit,
         residual: relief.residual,

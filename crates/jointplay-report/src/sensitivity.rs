@@ -1,4 +1,4 @@
-//! How much play a tilt takes.
+//! Report on the play that a tilt requires.
 
 use jointplay_core::gpr::{BrokenLimit, EvaluatedBounds, TiltPlay};
 use jointplay_core::virtualization::Virtualization;
@@ -7,7 +7,7 @@ use crate::limits::LimitReport;
 use crate::virtual_joints::VirtualJointGroups;
 use jointplay_format::units::{deg, mm};
 
-/// What `sensitivity` answers.
+/// Result of `sensitivity`.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct SensitivityReport {
@@ -31,17 +31,17 @@ pub struct SensitivityReport {
     pub right_singular_vectors: Vec<Vec<f64>>,
     /// Virtual joints at the configuration.
     pub virtual_joints: VirtualJointGroups,
-    /// ‖ΔX‖ from level at the same axis height, in the metric, nothing neglected (mm).
+    /// ‖ΔX‖ from level at the same axis height, in the metric, without linearization (mm).
     pub displacement_mm: f64,
-    /// ‖ΔP‖ of that motion (mm).
+    /// ‖ΔP‖ of the motion from level (mm).
     pub motion_mm: f64,
-    /// Bounds of ‖ΔX‖ to first order, by where the derivatives are taken.
+    /// First-order bounds of ‖ΔX‖, by the configuration of the derivatives.
     pub bounds: [BoundsReport; 3],
-    /// Share of each rod in ΔX; `null` where nothing moves.
+    /// Share of each rod in ΔX; `null` without a motion.
     pub rod_shares: Option<Vec<f64>>,
-    /// Share of each side 12, 23, 31 in ΔX; `null` where nothing moves.
+    /// Share of each side 12, 23, 31 in ΔX; `null` without a motion.
     pub side_shares: Option<Vec<f64>>,
-    /// Limits that the configuration breaks; empty unless limits were ignored.
+    /// Limits that the configuration violates; empty unless limits were ignored.
     pub limits_broken: Vec<LimitReport>,
 }
 
@@ -55,9 +55,9 @@ pub struct BoundsReport {
     pub lower_mm: f64,
     /// σ_max ‖V₃ᵀΔP‖ (mm).
     pub upper_mm: f64,
-    /// The same by eigenvalues (mm).
+    /// σ_min ‖V₃ᵀΔP‖, computed from eigenvalues (mm).
     pub eigenvalue_lower_mm: f64,
-    /// The same by eigenvalues (mm).
+    /// σ_max ‖V₃ᵀΔP‖, computed from eigenvalues (mm).
     pub eigenvalue_upper_mm: f64,
     /// σ_max ‖ΔP‖ (mm).
     pub coarse_upper_mm: f64,
@@ -67,7 +67,7 @@ pub struct BoundsReport {
     pub held: bool,
 }
 
-/// Tells how much play a motion from level takes.
+/// Reports the play that a motion from level requires.
 #[must_use]
 pub fn sensitivity<V: Virtualization + ?Sized>(
     play: &TiltPlay,

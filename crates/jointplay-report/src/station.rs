@@ -1,4 +1,4 @@
-//! Where stations are, and what is known of it.
+//! Report on the poses of stations and their uncertainty.
 
 use jointplay_cell::station::teach::Verdict;
 use jointplay_cell::station::{Origin, Station};
@@ -8,88 +8,88 @@ use serde::Serialize;
 
 use jointplay_format::units::{deg, mm, um};
 
-/// What `cell teach` answers.
+/// Result of `cell teach`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct TeachReport {
-    /// What the cell is called.
+    /// Name of the cell.
     pub cell: String,
-    /// How far the robot can tilt.
+    /// Largest tilt of the robot.
     pub tilt_limit_deg: f64,
-    /// The stations asked about.
+    /// The requested stations.
     pub stations: Vec<StationReport>,
 }
 
-/// A station's frame, and what it comes from.
+/// Frame of a station, and its origin.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct StationReport {
-    /// What it is called.
+    /// Name of the station.
     pub name: String,
     /// `nominal`, `taught` or `drift`.
     pub from: &'static str,
-    /// Where the lowest wafer rests, in the base frame.
+    /// Centre of the lowest wafer at rest, in the base frame.
     pub position_mm: [f64; 3],
-    /// From slot to slot, where there are several.
+    /// Distance between neighbouring slots, if there are several.
     pub pitch_mm: Option<f64>,
-    /// Azimuth toward which it leans.
+    /// Tilt direction.
     pub tilt_yaw_deg: f64,
-    /// How far it leans.
+    /// Tilt angle.
     pub tilt_pitch_deg: f64,
-    /// The same as a share of the robot's limit.
+    /// Tilt angle as a share of the robot's limit.
     pub tilt_share: f64,
     /// The plane through taught points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plane: Option<PlaneReport>,
-    /// How far the last slot stands off the vertical above the first.
+    /// Horizontal distance of the last slot from the vertical through the first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drift_mm: Option<f64>,
 }
 
-/// How well taught points lie in a plane.
+/// Fit of a plane to taught points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct PlaneReport {
-    /// Distance of each point from it, above positive.
+    /// Distance of each point from the plane, positive above.
     pub distances_um: Vec<f64>,
-    /// Root of the mean square of the distances.
+    /// Root mean square of the distances.
     pub residual_um: f64,
     /// Largest distance.
     pub worst_um: f64,
-    /// What that may be.
+    /// Allowed distance.
     pub threshold_um: f64,
-    /// Points beyond the three that a plane takes.
+    /// Number of points in addition to the three that determine a plane.
     pub freedom: usize,
-    /// Standard deviation of a measured coordinate, where it is given.
+    /// Standard deviation of a measured coordinate, if given.
     pub noise_um: Option<f64>,
-    /// How well the points determine the plane; none for three points of unknown noise.
+    /// Uncertainty of the plane; none for three points of unknown noise.
     pub uncertainty: Option<UncertaintyReport>,
-    /// Tilt by which the plane may be off, the budget `plane_urad` of the cell.
+    /// Allowed uncertainty of the tilt, the budget `plane_urad` of the cell.
     pub allowed_urad: f64,
     /// `fits`, `unproven` (too few points to test their noise), `uncertain` (the tilt is known too poorly for `allowed_urad`) or `scattered`.
     pub verdict: &'static str,
 }
 
-/// How well taught points determine a plane.
+/// Uncertainty of a plane through taught points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct UncertaintyReport {
     /// Standard deviation of a measured coordinate, given or estimated.
     pub noise_um: f64,
-    /// Whether that is estimated from the distances of the points.
+    /// Whether `noise_um` is estimated from the distances of the points.
     pub estimated: bool,
-    /// Root of the mean square of the tilt by which the plane is off.
+    /// Root mean square of the tilt error.
     pub tilt_rms_urad: f64,
-    /// Tilt by which the plane is off at most, with 95 % confidence.
+    /// Largest tilt error with 95 % confidence.
     pub tilt_95_urad: f64,
-    /// Height by which the lowest wafer's place is off at most, with 95 % confidence.
+    /// Largest height error of the lowest wafer with 95 % confidence.
     pub height_95_um: f64,
 }
 
-/// Tells where stations are.
+/// Reports the poses of stations.
 ///
 /// # Arguments
-/// * `name` – of the only one to tell; `None` tells all
+/// * `name` – name of one station; `None` reports all
 #[must_use]
 pub fn teach(cell: &Cell, name: Option<&str>) -> TeachReport {
     let limit = cell.robot.gpr.limits().tilt_max;

@@ -1,4 +1,4 @@
-//! A study summed up.
+//! Summary of a study.
 
 use jointplay_core::gpr::{Gpr, Limits};
 use jointplay_study::{BoundsCheck, Samples, Summary};
@@ -6,7 +6,7 @@ use jointplay_study::{BoundsCheck, Samples, Summary};
 use crate::table::{column_name, column_value};
 use jointplay_format::units::{deg, mm, um};
 
-/// One study under one virtualization.
+/// Summary of a study under one virtualization.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct StudyReport {
     /// Name of the virtualization.
@@ -27,13 +27,13 @@ pub struct StudyReport {
     pub largest_twist_deg: f64,
     /// Largest residual of the sides (mm).
     pub largest_residual_mm: f64,
-    /// Most iterations that a sample took.
+    /// Largest number of iterations of a sample.
     pub most_iterations: usize,
-    /// How many samples took 0, 1, 2, … iterations.
+    /// Number of samples with 0, 1, 2, … iterations.
     pub iteration_counts: Vec<usize>,
-    /// The first-order bounds of sensitivity against the true displacement.
+    /// Number of poses within the first-order bounds of the sensitivity.
     pub bounds: BoundsHeldReport,
-    /// Samples that tilt beyond the robot's limit: the study goes there on purpose.
+    /// Samples that tilt beyond the robot's limit, which studies include on purpose.
     pub samples_beyond_tilt_limit: usize,
     /// Samples with a rod beyond the robot's limits.
     pub samples_beyond_stroke: usize,
@@ -41,7 +41,7 @@ pub struct StudyReport {
     pub tilt_limit_deg: f64,
 }
 
-/// One series summed up, in the unit of its name.
+/// Summary of one series, in the unit of its name.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SeriesReport {
     /// Name with unit, as the column in the table.
@@ -52,17 +52,17 @@ pub struct SeriesReport {
     pub max: f64,
     /// Least and greatest value at the singular passes; `null` without passes.
     pub at_singular_passes: Option<[f64; 2]>,
-    /// Passes where the series is least of its row.
+    /// Passes at which the series is least in its row.
     pub minimum_at_passes: usize,
-    /// Passes where it is greatest of its row.
+    /// Passes at which the series is greatest in its row.
     pub maximum_at_passes: usize,
-    /// Passes where the whole row is constant, to a hundredth of the series' span.
+    /// Passes at which the whole row is constant, to a hundredth of the series' span.
     pub constant_at_passes: usize,
 }
 
-/// In how many poses the true displacement kept the bounds, by where the derivatives were taken.
+/// Number of poses whose displacement is within the bounds, by the configuration of the derivatives.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-#[expect(missing_docs, reason = "the names say it")]
+#[expect(missing_docs, reason = "the names are the configurations")]
 pub struct BoundsHeldReport {
     pub poses: usize,
     pub held_at_start: usize,
@@ -70,7 +70,7 @@ pub struct BoundsHeldReport {
     pub held_at_end: usize,
 }
 
-/// Tells of a study.
+/// Reports the summary of a study.
 #[must_use]
 pub fn study(gpr: &Gpr, samples: &Samples, summary: &Summary, bounds: &BoundsCheck) -> StudyReport {
     let kinds = samples.series();

@@ -1,4 +1,4 @@
-//! Where a mechanism would have to have play.
+//! Report on suggested virtual joints.
 
 use jointplay_core::mechanism::{Suggestion, Suggestions, VirtualMotion};
 use nalgebra::DVector;
@@ -9,68 +9,68 @@ use crate::mechanism::{ByName, by_name};
 use jointplay_format::coordinates::Coordinates;
 use jointplay_format::mechanism::MechanismFile;
 
-/// What `suggest` answers.
+/// Result of `suggest`.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SuggestReport {
-    /// The mechanism.
+    /// Name of the mechanism.
     pub name: String,
     /// Names of the commanded coordinates.
     pub commanded: Vec<String>,
-    /// Values that they were commanded to, an entry for each command, in the units of the file.
+    /// Commanded values, one entry per command, in the units of the file.
     pub commands: Vec<Vec<f64>>,
-    /// Whether any play is needed at all.
+    /// Whether the commands require play.
     pub play_needed: bool,
-    /// Whether the mechanism has no loops, so that no command could need play.
+    /// Whether the mechanism has no loops, so that no command can require play.
     pub open_chain: bool,
-    /// Joint coordinates for each command, in the units of the file, where no play is needed.
+    /// Joint coordinates for each command, in the units of the file, if no play is required.
     pub without_play: Vec<ByName<f64>>,
-    /// Joint coordinates that are beyond their limits there.
+    /// Joint coordinates that exceed their limits in these configurations.
     pub limits_broken: Vec<LimitReport>,
-    /// Places and directions that were considered.
+    /// Number of candidate joints and directions.
     pub candidates: usize,
-    /// Sets that were compared.
+    /// Number of compared sets.
     pub sets_compared: usize,
     /// Whether the search stopped at its limit.
     pub cut_short: bool,
-    /// Sets taken for possible, but not tried with the whole kinematics.
+    /// Number of sets that may be possible but were not evaluated with the whole kinematics.
     pub sets_untried: usize,
-    /// Sets of virtual joints, those within joint limits first, then by the least displacement; none holds another that is enough.
+    /// Sufficient sets of virtual joints, those within joint limits first, then by the least displacement; no set contains another.
     pub sets: Vec<SetReport>,
 }
 
 /// One set of virtual joints.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SetReport {
-    /// Largest displacement over the commands, turns weighed by the characteristic length (mm).
+    /// Largest displacement over the commands, with rotations multiplied by the characteristic length (mm).
     pub size_mm: f64,
-    /// Whether every symmetry of the mechanism maps the set onto itself; `false` where it has none.
+    /// Whether every symmetry of the mechanism maps the set onto itself; `false` without symmetries.
     pub symmetric: bool,
     /// Its virtual joints.
     pub virtual_joints: Vec<SuggestedJoint>,
     /// Joint coordinates for each command, in the units of the file.
     pub configurations: Vec<ByName<f64>>,
-    /// Joint coordinates that are beyond their limits for one of the commands.
+    /// Joint coordinates that exceed their limits for a command.
     pub limits_broken: Vec<LimitReport>,
 }
 
 /// One virtual joint of a set.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SuggestedJoint {
-    /// What it is, in words.
+    /// Description of the virtual joint.
     pub name: String,
-    /// The joint that would have it.
+    /// Name of the joint that receives the play.
     pub joint: String,
     /// `slide` or `turn`.
     pub motion: &'static str,
-    /// Its direction in the frame of the link that carries it.
+    /// Direction in the frame of the link that carries the virtual joint.
     pub direction: [f64; 3],
-    /// How far it goes at most over the commands: µm for a slide, mrad for a turn.
+    /// Largest displacement over the commands: µm for a slide, mrad for a turn.
     pub largest: f64,
     /// `um` or `mrad`.
     pub unit: &'static str,
 }
 
-/// Reports suggestions.
+/// Reports suggested virtual joints.
 ///
 /// # Arguments
 /// * `commands` – in the units of the file

@@ -1,16 +1,16 @@
 //! Errors of writing a table.
 
-/// Why a table cannot be written.
+/// Error of writing a table.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TableError {
     /// This build has no Parquet writer.
     #[error("this build of jointplay cannot write Parquet; write the table as CSV")]
     WithoutParquet,
-    /// The Parquet writer refuses the table.
+    /// The Parquet writer rejects the table.
     #[error("the table cannot be encoded as Parquet; write it as CSV")]
     Encoding,
-    /// The end of a table that is to be continued is not that of a Parquet file.
+    /// The saved end of a table is not that of a Parquet file.
     #[error("the saved end of the table is not the end of a Parquet file; start the study again")]
     Footer,
     /// The file cannot be written.
@@ -18,7 +18,7 @@ pub enum TableError {
     Write(std::io::Error),
 }
 
-/// Only a failure of the disk is kept: the other texts of the library are about its own calls.
+/// Only a failure of the disk is kept: the other messages of the library concern its own calls.
 #[cfg(feature = "parquet")]
 impl From<parquet::errors::ParquetError> for TableError {
     fn from(error: parquet::errors::ParquetError) -> Self {

@@ -1,4 +1,4 @@
-//! A study of any length, summed up.
+//! Totals of a study of any length.
 
 use jointplay_study::plan::{QUANTILE_SAMPLES, Totals};
 use serde::Serialize;
@@ -6,51 +6,51 @@ use serde_json::Map;
 
 use jointplay_format::study::{Source, StudyFile};
 
-/// Shares of the samples below the percentiles that are told.
+/// Shares of the samples below the reported percentiles.
 pub const SHARES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
 
-/// What a study came to.
+/// Totals of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TotalsReport {
-    /// What the study is called.
+    /// Name of the study.
     pub study: String,
-    /// What the robot is called.
+    /// Name of the robot.
     pub robot: String,
     /// Number of samples.
     pub samples: u64,
-    /// What random numbers started from.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// What became of them under each virtualization.
+    /// Outcomes of the samples under each virtualization.
     pub virtualizations: Vec<OutcomeReport>,
     /// Samples with a rod beyond the robot's limits.
     pub beyond_rod_limits: u64,
-    /// Samples that are commanded beyond the limit of the tilt.
+    /// Samples with a command beyond the tilt limit.
     pub beyond_tilt_limit: u64,
-    /// From how many samples the percentiles are; exact where from all.
+    /// Number of samples behind the percentiles; exact if all.
     pub percentiles_from: u64,
-    /// The columns with numbers.
+    /// Columns with numbers.
     pub columns: Vec<ColumnReport>,
 }
 
-/// What became of the samples under one virtualization.
+/// Outcomes of the samples under one virtualization.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutcomeReport {
     /// Name of the virtualization.
     pub name: String,
-    /// How many have an answer.
+    /// Number of samples with an answer.
     pub solved: u64,
-    /// How many have none.
+    /// Number of samples without an answer.
     pub failed: u64,
-    /// Why, and how many of each.
+    /// Reasons, with the number of samples of each.
     pub reasons: Map<String, serde_json::Value>,
 }
 
-/// A column summed up, in the unit of its name; nothing without numbers.
+/// Statistics of a column, in the unit of its name; `null` without numbers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ColumnReport {
-    /// Its name.
+    /// Name of the column.
     pub name: String,
-    /// How many numbers it has.
+    /// Number of values.
     pub count: u64,
     /// Least.
     pub min: Option<f64>,
@@ -72,7 +72,7 @@ impl ColumnReport {
     }
 }
 
-/// Sums a study up.
+/// Reports the totals of a study.
 ///
 /// # Arguments
 /// * `quantiles` – of each column at [`SHARES`]
@@ -82,19 +82,19 @@ pub fn totals(file: &StudyFile, totals: &Totals, quantiles: &[Vec<Option<f64>>])
     let columns = file.columns.iter().filter_map(|column| {
         let Source::Number { index, unit, typed, .. } = column.source else { return None };
         let moments = &totals.columns[index];
-        let tell = |value: f64| if typed { unit.of_typed(value) } else { unit.of(value) };
-        let told = |value: f64| (moments.count > 0).then(|| tell(value));
+        let in_unit = |value: f64| if typed { unit.of_typed(value) } else { unit.of(value) };
+        let if_any = |value: f64| (moments.count > 0).then(|| in_unit(value));
         let name = |share: f64| format!("p{}", (share * 100.0).round());
         let percentiles = SHARES.iter().zip(&quantiles[index]);
         Some(ColumnReport {
             name: column.name.clone(),
             count: moments.count,
-            min: told(moments.min),
-            max: told(moments.max),
-            mean: told(moments.mean),
+            min: if_any(moments.min),
+            max: if_any(moments.max),
+            mean: if_any(moments.mean),
             standard_deviation: moments.deviation().map(|deviation| unit.of(deviation)),
             percentiles: percentiles
-                .map(|(&share, value)| (name(share), value.map(tell).into()))
+                .map(|(&share, value)| (name(share), value.map(in_unit).into()))
                 .collect(),
         })
     });

@@ -1,12 +1,12 @@
-//! Violations in words, in mm and degrees.
+//! Messages of violations, in mm and degrees.
 
 use jointplay_cell::check::{Kind, Unit, Violation};
 use jointplay_cell::workcell::Cell;
 
 use jointplay_format::units::{deg, mm};
 
-/// A value of a violation in the unit that people read, with that unit.
-pub(crate) fn told(one: &Violation, value: f64) -> (&'static str, f64) {
+/// Unit of messages, and a value of a violation in this unit.
+pub(crate) fn in_display_unit(one: &Violation, value: f64) -> (&'static str, f64) {
     match (one.unit, one.kind) {
         (Unit::None, _) => ("", value),
         (Unit::Acceleration, _) => ("m/s²", value),
@@ -21,61 +21,65 @@ pub(crate) fn told(one: &Violation, value: f64) -> (&'static str, f64) {
     }
 }
 
-/// What is wrong, in mm and degrees, without its time and line.
+/// The message of a violation in mm or µm and degrees, without its time and line.
 #[must_use]
 pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
     let name =
         |k: usize| one.entities.get(k).map_or_else(String::new, |&one| cell.entity_name(one));
-    let number = |value: f64| {
-        let (unit, value) = told(one, value);
-        let gap = if unit.starts_with('°') { "" } else { " " };
-        format!("{}{gap}{unit}", short(value))
-    };
-    let (mut worst, mut limit) = (number(one.worst), number(one.limit));
-    if worst == limit {
-        // Two numbers that differ read as two.
-        let (unit, [value, allowed]) = (told(one, 0.0).0, [one.worst, one.limit]);
-        let with = |digits: usize| {
-            let text = |value: f64| format!("{:.digits$} {unit}", told(one, value).1);
-            (text(value), text(allowed))
-        };
-        let found = (6..12).map(with).find(|(worst, limit)| worst != limit);
-        (worst, limit) = found.unwrap_or_else(|| with(12));
-    }
+    let number = |value: f64| quantity(one, value, DECIMALS);
+    let (worst, limit) = distinct(one);
     match one.kind {
-        Kind::Position => format!("axis {} comes to {worst}, its limit is {limit}", name(0)),
-        Kind::Velocity => format!("axis {} runs at {worst}, its limit is {limit}", name(0)),
+        Kind::Position => format!("axis {} reaches {worst}, its limit is {limit}", name(0)),
+        Kind::Velocity => format!("axis {} moves at {worst}, its limit is {limit}", name(0)),
         Kind::Acceleration => {
-            format!("axis {} accelerates by {worst}, its limit is {limit}", name(0))
+            format!("axis {} accelerates at {worst}, its limit is {limit}", name(0))
         }
-        Kind::Jerk => format!("axis {} jerks by {worst}, its limit is {limit}", name(0)),
-        Kind::Tilt => format!("the platform leans by {worst}, its limit is {limit}"),
+        Kind::Jerk => format!("axis {} has a jerk of {worst}, its limit is {limit}", name(0)),
+        Kind::Tilt => format!("the platform tilts by {worst}, its limit is {limit}"),
         Kind::Play => {
-            format!("the virtual joints move by {worst}, the play budget is {limit}")
+            format!("the virtual joints are displaced by {worst}, the play budget is {limit}")
         }
         Kind::Slip if one.worst.is_infinite() => {
-            format!("the wafer on {} lifts off what it rests on", name(0))
+            format!("the wafer on {} lifts off its supports", name(0))
         }
         Kind::Slip => format!(
-            "the wafer on {} slips: {worst} of friction are needed to hold and turn it, there are {limit}",
+            "the wafer on {} slips: it requires friction of {worst}, available are {limit}",
             name(0)
         ),
         Kind::Collision if one.worst < 0.0 => {
-            format!("{} and {} collide, {} deep", name(0), name(1), number(-one.worst))
+            format!(
+                "{} and {} collide with a penetration depth of {}",
+                name(0),
+                name(1),
+                number(-one.worst)
+            )
         }
         Kind::Collision => format!("{} and {} touch", name(0), name(1)),
         Kind::Clearance => {
-            format!("{} comes within {worst} of {}, asked for are {limit}", name(0), name(1))
+            format!(
+                "{} comes within {worst} of {}; the required clearance is {limit}",
+                name(0),
+                name(1)
+            )
         }
         Kind::SlotClearance => {
-            format!("{} comes within {worst} of {}, the slots ask for {limit}", name(0), name(1))
+            format!(
+                "{} comes within {worst} of {}; the required slot clearance is {limit}",
+                name(0),
+                name(1)
+            )
         }
         Kind::KeepOut if one.worst < 0.0 => {
-            format!("{} is in keep-out zone {}, {} deep", name(0), name(1), number(-one.worst))
+            format!(
+                "{} is in keep-out zone {} with a penetration depth of {}",
+                name(0),
+                name(1),
+                number(-one.worst)
+            )
         }
         Kind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
         Kind::SafeZone => format!(
-            "the wafer centre of {} is {worst} outside safe zone {} while the robot turns",
+            "the wafer centre of {} is {worst} outside safe zone {} while the robot rotates",
             name(0),
             name(1)
         ),
@@ -83,14 +87,39 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
     }
 }
 
-/// Six significant digits at most, and no zeros behind them.
-fn short(value: f64) -> String {
+/// Decimals of a value in a message, before more are needed to distinguish it from its limit.
+const DECIMALS: usize = 3;
+/// Largest number of decimals.
+const MOST_DECIMALS: usize = 12;
+/// Shorter lengths are in µm in a message (mm).
+const SHORTEST_IN_MM: f64 = 0.1;
+
+/// The worst value and the limit of a violation, with enough decimals to differ.
+fn distinct(one: &Violation) -> (String, String) {
+    let with = |decimals| [one.worst, one.limit].map(|value| quantity(one, value, decimals));
+    let found = (DECIMALS..MOST_DECIMALS).map(with).find(|[worst, limit]| worst != limit);
+    let [worst, limit] = found.unwrap_or_else(|| with(MOST_DECIMALS));
+    (worst, limit)
+}
+
+/// A value of a violation with its unit.
+fn quantity(one: &Violation, value: f64, decimals: usize) -> String {
+    let (mut unit, mut value) = in_display_unit(one, value);
+    if unit == "mm" && value != 0.0 && value.abs() < SHORTEST_IN_MM {
+        (unit, value) = ("µm", value * 1e3);
+    }
+    let gap = if unit.starts_with('°') { "" } else { " " };
+    format!("{}{gap}{unit}", short(value, decimals)).trim_end().to_owned()
+}
+
+/// A number with some decimals, but at least two significant digits, and without zeros at its end.
+fn short(value: f64, decimals: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
     #[expect(clippy::cast_possible_truncation, reason = "exponents of doubles are small")]
-    let digits = 5 - value.abs().log10().floor() as i32;
-    let decimals = usize::try_from(digits.clamp(0, 9)).unwrap_or(0);
+    let two_digits = 1 - value.abs().log10().floor() as i32;
+    let decimals = decimals.max(usize::try_from(two_digits).unwrap_or(0)).min(MOST_DECIMALS);
     let text = format!("{value:.decimals$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -102,17 +131,42 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use jointplay_cell::program::{Phase, SourceLocation};
 
     #[test]
-    fn numbers_are_short() {
+    fn numbers_have_three_decimals_or_two_significant_digits() {
         for (value, text) in [
             (1.0, "1"),
-            (0.000_123_456_789, "0.000123457"),
-            (1234.5678, "1234.57"),
+            (0.000_123_456_789, "0.00012"),
+            (1234.5678, "1234.568"),
             (0.0, "0"),
             (-12.5, "-12.5"),
+            (1e-30, "0"),
         ] {
-            assert_eq!(short(value), text);
+            assert_eq!(short(value, DECIMALS), text);
         }
+    }
+
+    #[test]
+    fn short_lengths_are_in_micrometres_and_values_differ_from_their_limits() {
+        let violation = |worst, limit| Violation {
+            kind: Kind::Clearance,
+            entities: Vec::new(),
+            instruction: 0,
+            place: SourceLocation::default(),
+            step: 0,
+            phase: Phase::Move,
+            start: 0.0,
+            end: 0.0,
+            worst_time: 0.0,
+            worst,
+            limit,
+            unit: Unit::Length,
+            detail: String::new(),
+        };
+        let shown = |worst, limit| distinct(&violation(worst, limit));
+        let expected = |worst: &str, limit: &str| (worst.to_owned(), limit.to_owned());
+        assert_eq!(shown(7.5464e-8, 1e-3), expected("0.075 µm", "1 mm"));
+        assert_eq!(shown(0.999_999_9e-3, 1e-3), expected("0.9999999 mm", "1 mm"));
     }
 }

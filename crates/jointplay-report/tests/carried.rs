@@ -1,5 +1,5 @@
-//! What of droop and sag the platform makes up for, and what it cannot.
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+//! Deflections that the platform compensates, and the remaining ones.
+#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::check::{CheckOptions, check};
 use jointplay_cell::program::expand;
@@ -22,7 +22,7 @@ fn report(changes: &[(&str, &str)]) -> CellReport {
 }
 
 #[test]
-fn what_is_made_up_for_is_reported() {
+fn compensated_droop_and_sag_are_reported() {
     let report = report(&[]);
     let all = report.compensated.unwrap();
     assert_eq!(all.handoffs, 2);
@@ -33,7 +33,7 @@ fn what_is_made_up_for_is_reported() {
     assert!((all.drop_um * 1e-6 / drop - 1.0).abs() < 0.02, "{all:?} {drop}");
     assert!((all.slope_mrad * 1e-3 / slope - 1.0).abs() < 0.02, "{all:?} {slope}");
     assert!(all.left_um < 1e-5 && all.left_mrad < 1e-8, "{all:?}");
-    // The shape of the wafer stays, whatever the platform does.
+    // The remaining shape of the wafer does not depend on the platform.
     assert!(all.sag_um > 10.0 && all.bent_um > 5.0, "{all:?}");
     let by_instruction: Vec<usize> = report
         .instructions
@@ -44,8 +44,8 @@ fn what_is_made_up_for_is_reported() {
 }
 
 #[test]
-fn what_the_platform_cannot_make_up_for_is_reported_where_it_is_allowed() {
-    // The port leans inward nearly as far as the platform can; its slope outward would have to be added.
+fn deviations_beyond_the_tilt_limit_are_reported_where_the_budget_allows_them() {
+    // The port tilts inward nearly as far as the platform can; the slope of the arm would have to be added.
     let report = report(&[
         (
             "tilt = { yaw_deg = 100.0, pitch_deg = 0.8 }",

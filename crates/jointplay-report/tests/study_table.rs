@@ -28,7 +28,7 @@ fn study(text: &str) -> StudyFile {
 }
 
 #[test]
-fn markers_read_back_to_the_bit() {
+fn markers_read_back_exactly() {
     let file = study(STUDY);
     let mut totals = Totals::new(3, 2);
     totals.columns[0] = Moments::of(&[0.1, 0.2, f64::NAN, 1e-300]);
@@ -51,14 +51,14 @@ fn markers_read_back_to_the_bit() {
 
 proptest::proptest! {
     #[test]
-    fn no_text_of_a_marker_panics(noise in "\\PC{0,12}") {
+    fn malformed_markers_do_not_panic(noise in "\\PC{0,12}") {
         let _ = Marker::parse(&noise);
     }
 }
 
 #[cfg(feature = "parquet")]
 #[test]
-fn a_parquet_table_reads_back_the_same() {
+fn a_parquet_table_reads_back_exactly() {
     use jointplay_report::study_table::{Index, Table};
     use jointplay_study::plan::compute;
     use parquet::file::reader::{FileReader, SerializedFileReader};

@@ -13,8 +13,8 @@
 //! Reported minimum distances are those at samples; a sample that was not evaluated may have a distance smaller by 2 % or 20 µm, whichever is larger.
 //!
 //! **Assumptions between samples.** The jerk of each axis is at most the larger of its limit and its jerk at both samples.
-//! Bodies are rigid, wafers are flat discs, and the tilt is below 90°.
-//! The bounds are proven for the planar platform model, for arms and for deflections; the displacement of the platform in its own plane by other models is bounded by sampled derivatives.
+//! Bodies are rigid, wafers are flat discs, and the tilt is below 90°; for deflections, it is at most the tilt limit of the robot, or 60° if that is more.
+//! The bounds are proven for the planar platform model, for arms and for deflections; the displacement of the platform in its own plane by other models is estimated from sampled derivatives, up to the sampled tilt.
 //! A pose that is unknown is reported as a violation.
 //! The derivation is in `docs/explanation/collision-guarantee.md`.
 //!

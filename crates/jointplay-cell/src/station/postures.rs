@@ -91,7 +91,7 @@ pub enum LineRemedy {
 const REMEDY_STEP: f64 = 0.02;
 /// Largest number of steps in either direction.
 const REMEDY_STEPS: usize = 20;
-/// Range of a rotary axis that stands for no limit (rad).
+/// Range of a rotary axis without a limit (rad).
 const UNLIMITED: f64 = 3.0 * std::f64::consts::PI;
 
 impl Cell {

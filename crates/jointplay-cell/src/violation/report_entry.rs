@@ -98,20 +98,25 @@ impl Violation {
             ),
             Kind::Platform | Kind::Droop => self.detail.clone(),
             Kind::Slip if worst.is_infinite() => {
-                format!("the wafer on {} lifts off what it rests on", name(0))
+                format!("the wafer on {} lifts off its supports", name(0))
             }
             Kind::Slip => format!(
-                "the wafer on {} slips: {worst:.3} m/s² of friction are needed to hold and turn it, there are {limit:.3} m/s²",
+                "the wafer on {} slips: it requires friction of {worst:.3} m/s², available are {limit:.3} m/s²",
                 name(0)
             ),
             Kind::Collision if worst < 0.0 => {
-                format!("{} and {} collide, {:.6} m deep", name(0), name(1), -worst)
+                format!(
+                    "{} and {} collide with a penetration depth of {:.6} m",
+                    name(0),
+                    name(1),
+                    -worst
+                )
             }
             Kind::Collision => format!("{} and {} touch", name(0), name(1)),
             Kind::Clearance => {
                 let [worst, limit] = distinguishable(worst, limit);
                 format!(
-                    "{} comes within {worst} m of {}, {limit} m are asked for",
+                    "{} comes within {worst} m of {}; the required clearance is {limit} m",
                     name(0),
                     name(1)
                 )
@@ -119,17 +124,22 @@ impl Violation {
             Kind::SlotClearance => {
                 let [worst, limit] = distinguishable(worst, limit);
                 format!(
-                    "{} comes within {worst} m of {}, the slots ask for {limit} m",
+                    "{} comes within {worst} m of {}; the required slot clearance is {limit} m",
                     name(0),
                     name(1)
                 )
             }
             Kind::KeepOut if worst < 0.0 => {
-                format!("{} is in keep-out zone {}, {:.6} m deep", name(0), name(1), -worst)
+                format!(
+                    "{} is in keep-out zone {} with a penetration depth of {:.6} m",
+                    name(0),
+                    name(1),
+                    -worst
+                )
             }
             Kind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
             Kind::SafeZone => format!(
-                "the wafer centre of {} is {worst:.6} m outside safe zone {} while the robot turns",
+                "the wafer centre of {} is {worst:.6} m outside safe zone {} while the robot rotates",
                 name(0),
                 name(1)
             ),

@@ -111,7 +111,7 @@ fn virtual_joints_are_displaced_along_a_motion() {
     let beyond = sandbox.run("move tight.toml --drive rod1=0:3:1");
     assert!(beyond.stdout.contains("limits exceeded      l1"), "{}", beyond.stdout);
     assert_eq!(beyond.code, 1);
-    assert!(beyond.stderr.contains("allowed are -0.001 to 0.001 mm"), "{}", beyond.stderr);
+    assert!(beyond.stderr.contains("its limits are -0.001 to 0.001 mm"), "{}", beyond.stderr);
 }
 
 /// A lift of crossed bars, half as high as it is wide: more loops than dense algebra takes.
@@ -431,7 +431,7 @@ fn undetermined_joints_move_least_and_limits_hold() {
         let run = sandbox.run(line);
         assert_eq!(run.code, 1, "{line}: {}", run.stderr);
         assert!(run.stderr.contains("joint limits exceeded"), "{line}: {}", run.stderr);
-        assert!(run.stderr.contains("allowed are -254 to 254 mm"), "{line}: {}", run.stderr);
+        assert!(run.stderr.contains("its limits are -254 to 254 mm"), "{line}: {}", run.stderr);
         assert!(!run.stdout.is_empty(), "{line}");
     }
 }
@@ -469,7 +469,10 @@ fn names_that_are_not_there() {
         "mobility four-bar --at AA=1",
         "joint `AA` is not known (did you mean `A`?); known: A, B, C, D",
     );
-    refuse("assemble 3-rps --at S1=1", "joint `S1` has 3 freedoms: say which, S1[0], S1[1], S1[2]");
+    refuse(
+        "assemble 3-rps --at S1=1",
+        "joint `S1` has 3 freedoms: choose one of S1[0], S1[1], S1[2]",
+    );
     refuse("assemble four-bar --at A", "expected NAME=VALUE");
     refuse("assemble four-bar --at A=x", "invalid number");
     refuse("assemble four-bar --set couple=1", "couple");

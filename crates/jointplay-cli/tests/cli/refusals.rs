@@ -65,14 +65,14 @@ fn flags_that_make_no_sense() {
 
 #[test]
 fn poses_beyond_the_limits() {
-    let rod = "rod 3 is 800.000000 mm long, allowed are 246 to 754 mm";
+    let rod = "rod 3 is 800.000000 mm long, its limits are 246 to 754 mm";
     refuse("forward --q-mm 500,501,800", 1, rod);
     refuse("forward --q-mm 500,501,800", 1, "the tilt is");
     refuse("forward --q-mm -500,501,502", 1, "rod 1 is -500");
     refuse("mobility --q-mm 500,501,800", 1, rod);
     refuse("sensitivity --q-mm 500,501,800", 1, rod);
     refuse("inverse --height-mm 800", 1, "use --ignore-limits to compute it anyway");
-    refuse("inverse --pitch-deg 1.6", 1, "the tilt is 1.600000°, allowed is up to 1.5°");
+    refuse("inverse --pitch-deg 1.6", 1, "the tilt is 1.600000°, its limit is 1.5°");
     refuse("inverse --pitch-deg -1.6 --height-of center", 1, "the tilt is 1.600000°");
     refuse("sensitivity --pitch-deg 1.6", 1, "the tilt");
     refuse("compare --pitch-deg -2:0:1", 1, "the tilt is 2.000000°");

@@ -218,7 +218,7 @@ fn a_table_of_another_study_is_not_gone_on_with() {
     );
     let whole = sandbox.read("t.csv.part.json");
     sandbox.write("t.csv.part.json", &whole.replacen("\"jointplay\": \"", "\"jointplay\": \"9", 1));
-    refused(STUDY, "only the same version goes on");
+    refused(STUDY, "only the same version can continue it");
     sandbox.write("t.csv.part.json", &whole[..whole.len() / 2]);
     refused(STUDY, "no marker of an interrupted study");
     sandbox.write("t.csv.part.json", &whole);

@@ -5,20 +5,20 @@ use crate::mechanism;
 /// A file of the catalogue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entry {
-    /// Its name: that of the file, without its ending.
+    /// Name of the file, without its extension.
     pub name: &'static str,
     /// The whole file (TOML).
     pub text: &'static str,
 }
 
-/// One line of the table: the name and the file of that name.
+/// One entry of the table from the name of a file.
 macro_rules! entry {
     ($name:literal) => {
         Entry { name: $name, text: include_str!(concat!("../../../../robots/", $name, ".toml")) }
     };
 }
 
-/// All files of the folder `robots`, by name; a test holds the table to the folder.
+/// All files of the folder `robots`, by name; a test compares the table with the folder.
 const ENTRIES: &[Entry] = &[
     entry!("3-crr"),
     entry!("3-prs"),
@@ -59,14 +59,14 @@ pub fn entries() -> &'static [Entry] {
     ENTRIES
 }
 
-/// The file of a name.
+/// The file with this name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Entry> {
     ENTRIES.iter().find(|entry| entry.name == name)
 }
 
 impl Entry {
-    /// What kind of file it says it is: `mechanism`, `gpr` or `hybrid`.
+    /// The value of its key `kind`: `mechanism`, `gpr` or `hybrid`.
     #[must_use]
     pub fn kind(&self) -> Option<String> {
         mechanism::kind_of(self.text)
@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_is_the_folder() {
+    fn the_table_lists_every_file_of_the_folder() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots");
         let mut names: Vec<String> = std::fs::read_dir(folder)
             .unwrap()

@@ -1,11 +1,11 @@
-//! What a file of the catalogue holds.
+//! Title and expected results of a catalogue file.
 
 use super::entries::Entry;
 use crate::mechanism::{self, Expected};
 use crate::{cell, robot};
 
 impl Entry {
-    /// What it is: the name that it gives itself.
+    /// The value of the file's key `name`.
     #[must_use]
     pub fn title(&self) -> String {
         let name = match self.kind().as_deref() {
@@ -16,7 +16,7 @@ impl Entry {
         name.unwrap_or_default()
     }
 
-    /// What an analysis should find; nothing for a file that is not of the kind `mechanism`.
+    /// Expected results of an analysis; empty for a file that is not of kind `mechanism`.
     #[must_use]
     pub fn expected(&self) -> Expected {
         mechanism::parse(self.text).map(|file| file.expected).unwrap_or_default()

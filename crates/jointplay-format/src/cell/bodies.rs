@@ -12,7 +12,7 @@ use jointplay_core::spatial::{Pose, Tilt};
 
 use super::files::Files;
 use super::mesh;
-use super::pose::{lean, points};
+use super::pose::{points, yaw_and_tilt};
 use super::problem::Fault;
 use super::tree::{AllowedRange, Entry, Table};
 use super::unique::unique;
@@ -68,7 +68,7 @@ pub(super) fn zones(top: &Table, files: &mut Files) -> Vec<Zone> {
     zones
 }
 
-/// The names in all tables of a key, whether the rest of them can be read or not.
+/// The names in all tables of a key, including tables with errors.
 fn names_of(top: &Table, key: &'static str) -> Vec<String> {
     let name_of = |table: Table| Some(table.entry("name")?.value.get_ref().as_str()?.to_owned());
     top.tables(key).into_iter().filter_map(name_of).collect()
@@ -84,14 +84,14 @@ fn few<'r, 'a>(top: &Table<'r, 'a>, key: &'static str) -> Vec<Table<'r, 'a>> {
     tables
 }
 
-/// Pairs of bodies whose distance is not asked for, by index.
+/// Pairs of bodies that may touch each other, by index.
 pub(super) fn pairs(top: &Table, bodies: &[Body]) -> Vec<[usize; 2]> {
     let reader = top.reader;
     let Some(entry) = top.entry("may_touch") else { return Vec::new() };
     let names = names_of(top, "body");
     let index = |entry: &Entry| {
         let name = entry.text(reader)?;
-        // A body that could not be read was told of already.
+        // A body with errors was reported already.
         if !names.iter().any(|known| known == name) {
             entry.unknown(reader, "body", name, &names);
         }
@@ -109,7 +109,7 @@ pub(super) fn pairs(top: &Table, bodies: &[Body]) -> Vec<[usize; 2]> {
     entry.list(reader).unwrap_or_default().into_iter().filter_map(pair).collect()
 }
 
-/// What a body moves with, and the station in whose frame its place counts.
+/// The carrier of a body, and the station in whose frame its pose is given.
 fn carrier(
     table: &Table,
     robot: Option<&HybridRobot>,
@@ -128,7 +128,7 @@ fn carrier(
         (Some(station), None, None) => {
             let name = station.text(reader)?;
             let Some(found) = stations.iter().position(|known| known.name == name) else {
-                // A station that could not be read was told of already.
+                // A station with errors was reported already.
                 if !names.iter().any(|known| known == name) {
                     station.unknown(reader, "station", name, names);
                 }
@@ -155,7 +155,7 @@ fn carrier(
 
 fn pose(table: &Table) -> Pose {
     let position = table.entry("position_mm").and_then(|entry| entry.point(table.reader));
-    let (yaw, tilt) = lean(table);
+    let (yaw, tilt) = yaw_and_tilt(table);
     frame(position.unwrap_or_default(), &tilt.unwrap_or(Tilt::LEVEL).normal(), yaw)
 }
 
@@ -201,7 +201,7 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
             let points = points(&entry, reader)?.into_iter().map(Into::into).collect();
             let hull = Shape::Convex { points };
             if let Err(CellError::FlatHull { .. }) = hull.validate() {
-                let why = "a convex body needs 4 points or more that do not lie in one plane";
+                let why = "a convex body needs at least 4 points that do not lie in one plane";
                 entry.report(reader, Fault::Unfit(why.to_owned()));
                 return None;
             }

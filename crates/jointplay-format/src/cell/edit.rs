@@ -13,52 +13,52 @@ use crate::units::{deg, mm, shift};
 /// A new value of a station.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Change {
-    /// Where the centre of the lowest wafer rests, in the base frame (m); of a drift, both places are moved alike.
+    /// Centre of the lowest wafer at rest, in the base frame (m); a drift moves as a whole.
     Position(Vector3<f64>),
-    /// Turn about the vertical (rad).
+    /// Rotation about the vertical (rad).
     Yaw(f64),
-    /// How it leans; in place of taught points and of a drift.
+    /// Tilt of the station; replaces taught points and a drift.
     Tilt(Tilt),
-    /// The same, but a drift stays one: the place of its last slot is turned about that of its first.
+    /// Tilt of the station; a drift remains, and its last position rotates about its first.
     Turned(Tilt),
-    /// Taught points in the base frame, and how far from their plane they may be (m); in place of a tilt and of a drift.
+    /// Taught points in the base frame, with the largest distance from their plane (m); replace a tilt and a drift.
     Taught {
         /// The points (m).
         points: Vec<Vector3<f64>>,
         /// The threshold (m).
         threshold: f64,
-        /// Standard deviation of a measured coordinate; `None` keeps what the file says (m).
+        /// Standard deviation of a measured coordinate (m); `None` leaves the file's value.
         noise: Option<f64>,
     },
-    /// Where the wafers of the first and the last slot rest (m); in place of position, tilt and taught points.
+    /// Wafer centres at rest in the first and the last slot (m); replace position, tilt and taught points.
     Drift {
-        /// Of the first slot (m).
+        /// In the first slot (m).
         first: Vector3<f64>,
-        /// Of the last slot (m).
+        /// In the last slot (m).
         last: Vector3<f64>,
     },
-    /// From slot to slot (m).
+    /// Distance between neighbouring slots (m).
     Pitch(f64),
-    /// Added in the station frame (m).
+    /// Displacement added in the station frame (m).
     Offset(Vector3<f64>),
-    /// Heights of handing over, and their speed.
+    /// Heights and speed of the hand-off.
     Stroke(Stroke),
     /// Reach at which the arm counts as retracted (m).
     Retract(f64),
-    /// Places passed on the way, in the station frame (m).
+    /// Waypoints of the approach, in the station frame (m).
     Via(Vec<Vector3<f64>>),
-    /// How it is entered.
+    /// Kind of approach.
     Approach(Approach),
-    /// How long it works on a wafer (s).
+    /// Process time of a wafer (s).
     ProcessTime(f64),
 }
 
-/// The text of a cell file in which one station has other values; all else stays, comments included.
+/// Replaces values of one station in the text of a cell file; everything else remains, including comments.
 ///
-/// What the values come to is not looked at: read the text for that.
+/// The new values are not checked: read the returned text to check them.
 ///
 /// # Errors
-/// The text is no TOML, or has no station of this name.
+/// The text is not TOML, or has no station of this name.
 pub fn set_station(text: &str, name: &str, changes: &[Change]) -> Result<String, Problem> {
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
         let message = error.message().replace('\n', " ");
@@ -72,10 +72,12 @@ pub fn set_station(text: &str, name: &str, changes: &[Change]) -> Result<String,
     Ok(document.to_string())
 }
 
-/// How the note of a station begins that was taught in contact.
+/// Start of the note on a station that was taught in contact.
 const NOTE: &str = "# Taught in contact: ";
 
-/// The text of a cell file with a note before one station that it was taught in contact; an earlier note of this kind is replaced, or dropped without a new one.
+/// Replaces the note before one station that it was taught in contact.
+///
+/// An earlier note is replaced, or removed if no pair touches.
 ///
 /// # Arguments
 /// * `touching` – pairs of names that touched
@@ -88,7 +90,7 @@ pub fn note_station(text: &str, name: &str, touching: &[[String; 2]]) -> Result<
         let span = error.span().unwrap_or(0..0);
         Error::at(text, span, FileProblem::from(Form::Malformed { message }).into())
     })?;
-    // That there is such a station, as for its values.
+    // A missing station is an error here, as in `set_station`.
     station(&mut document, name).map_err(|fault| Error::at(text, 0..0, fault))?;
     let pairs: Vec<String> =
         touching.iter().map(|[one, other]| format!("{one} and {other}")).collect();
@@ -142,13 +144,13 @@ impl Station<'_> {
         self.table.get("name").and_then(Item::as_str)
     }
 
-    /// Puts a value where the old one stood, with the comment behind it.
+    /// Replaces the value of a key; the comment after it remains.
     fn set(&mut self, key: &str, mut value: Value) {
         if let Some(old) = self.table.get_mut(key).and_then(Item::as_value_mut) {
             replace(old, value);
             return;
         }
-        // What stands behind the last value goes on to stand before the brace.
+        // A comment after the last value of an inline table moves before its closing brace.
         if self.is_inline
             && let Some((_, Item::Value(last))) = self.table.iter_mut().last()
             && let Some(behind) = last.decor().suffix().cloned()
@@ -165,13 +167,13 @@ impl Station<'_> {
         }
     }
 
-    /// The noise of its taught points, as the file says (µm).
+    /// Noise of the taught points in the file (µm).
     fn taught_noise(&self) -> Option<f64> {
         let noise = self.table.get("taught")?.as_table_like()?.get("noise_um")?.as_value()?;
         noise.as_float().or_else(|| noise.as_integer().map(|whole| whole as f64))
     }
 
-    /// A station placed by its drift is placed by the first of its two places instead.
+    /// Replaces a drift by the position of its first slot.
     fn undrift(&mut self) {
         let drift = self.table.get("drift").and_then(Item::as_table_like);
         let place = |key| drift.and_then(|drift| drift.get(key)).cloned();
@@ -184,7 +186,7 @@ impl Station<'_> {
         self.set("position_mm", first);
     }
 
-    /// The places of first and last slot of a station placed by its drift, each as another one; whether there are such.
+    /// Moves the positions of the first and last slot of a station with a drift; false without a drift.
     fn redrift(&mut self, to: impl Fn(Vector3<f64>, Vector3<f64>) -> [Vector3<f64>; 2]) -> bool {
         let Some(drift) = self.table.get_mut("drift").and_then(Item::as_table_like_mut) else {
             return false;
@@ -199,7 +201,7 @@ impl Station<'_> {
         true
     }
 
-    /// The pitch that a drift tells, where the station has slots and no pitch of its own (mm).
+    /// The pitch that follows from a drift, if the station has several slots and no `pitch_mm` (mm).
     fn drifted_pitch(&self, first: &Value, last: Option<&Value>) -> Option<f64> {
         let slots = self.table.get("slots").and_then(Item::as_integer)?;
         if slots < 2 || self.table.contains_key("pitch_mm") {
@@ -211,14 +213,14 @@ impl Station<'_> {
     }
 }
 
-/// Puts another value where one stands, with what is written around it.
+/// Replaces a value; the white space and comments around it remain.
 fn replace(old: &mut Value, mut new: Value) {
-    // Within a table or a list, what stays the same keeps how it was written.
+    // Equal values within a table or a list keep their notation.
     *new.decor_mut() = old.decor().clone();
     *old = new;
 }
 
-/// A length without the round-off of sums and turns, of far less than a nanometre (mm).
+/// A length without the round-off of sums and rotations, far below a nanometre (mm).
 fn tidy(mm: f64) -> f64 {
     const FRACTIONS: f64 = 1e9;
     (mm * FRACTIONS).round() / FRACTIONS

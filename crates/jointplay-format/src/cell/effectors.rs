@@ -20,7 +20,7 @@ pub(super) fn effectors(robot: &HybridRobot) -> Effectors {
     robot.arms.iter().enumerate().flat_map(of_arm).collect()
 }
 
-/// The effectors of a list of names; all that are known, where the key is left out.
+/// The effectors of a list of names; all effectors, if the key is absent.
 pub(super) fn named_effectors(
     entry: &Entry,
     reader: &Reader,

@@ -1,4 +1,4 @@
-//! Faults and limits of robots with arms, said in mm and degrees.
+//! Errors of cells and of robots with arms as messages in mm and degrees.
 
 use jointplay_cell::CellError;
 use jointplay_cell::jog::Stopped;
@@ -12,7 +12,7 @@ use jointplay_cell::workcell::Cell;
 use crate::number::number;
 use crate::units::{deg, mm};
 
-/// What went wrong, in mm and degrees.
+/// The message of an error, in mm and degrees.
 #[must_use]
 pub fn explain(error: &CellError) -> String {
     match error {
@@ -51,7 +51,7 @@ pub fn explain(error: &CellError) -> String {
     }
 }
 
-/// A number in SI with the unit that people use.
+/// An SI value with its unit of messages: mm or degrees for lengths and angles.
 fn with_unit(value: f64, unit: &str) -> String {
     match unit.strip_prefix("rad") {
         Some(rate) => format!("{}°{rate}", number(deg(value))),
@@ -71,7 +71,7 @@ pub fn position(axis: &Axis, value: f64) -> String {
     }
 }
 
-/// A broken limit, with its numbers.
+/// The message of a violated limit, in mm and degrees.
 #[must_use]
 pub fn explain_limit(robot: &HybridRobot, limit: &LimitViolation) -> String {
     match *limit {
@@ -91,17 +91,17 @@ pub fn explain_limit(robot: &HybridRobot, limit: &LimitViolation) -> String {
     }
 }
 
-/// Why links do not span the distance to a target.
+/// The message of a target that the links of an arm do not reach.
 #[must_use]
 pub fn explain_out_of_reach(reach: &OutOfReach) -> String {
     let (distance, min, max) = (mm(reach.distance), mm(reach.min), mm(reach.max));
     format!(
-        "out of reach: the links would have to span {distance:.3} mm, but span {min:.3} to {max:.3} mm; the nearest place is {:.3} mm away",
+        "out of reach: the links would have to reach {distance:.3} mm from their joint, but reach {min:.3} to {max:.3} mm; the nearest reachable point is {:.3} mm away",
         mm(reach.missing())
     )
 }
 
-/// One branch in one line: how the arm is bent, and why it is taken or not.
+/// One branch in one line: elbow configuration, and the reason for its selection or rejection.
 #[must_use]
 pub fn explain_branch(robot: &HybridRobot, branch: &Branch) -> String {
     let why = match branch.selection {
@@ -121,7 +121,7 @@ pub fn explain_branch(robot: &HybridRobot, branch: &Branch) -> String {
     format!("{}: {why}", branch.configuration)
 }
 
-/// Why there is no branch to take, in one line; `None` where there is one.
+/// The reasons why no branch is possible, in one line; `None` if one is chosen.
 #[must_use]
 pub fn explain_unreachable(robot: &HybridRobot, inverse: &Inverse) -> Option<String> {
     if inverse.chosen.is_some() {
@@ -134,7 +134,7 @@ pub fn explain_unreachable(robot: &HybridRobot, inverse: &Inverse) -> Option<Str
     Some(reach.chain(plane).chain(branches).collect::<Vec<_>>().join("; "))
 }
 
-/// What stops a robot that is moved by hand: one line for each limit, or for each way that the arm could be bent.
+/// The reasons why jogging stops: one line for each limit, or for each elbow configuration of the arm.
 #[must_use]
 pub fn explain_stopped(cell: &Cell, stopped: &Stopped) -> Vec<String> {
     let robot = &cell.robot;
@@ -143,12 +143,12 @@ pub fn explain_stopped(cell: &Cell, stopped: &Stopped) -> Vec<String> {
     };
     match stopped {
         Stopped::Limits(broken) => limits(&mut broken.iter()),
-        Stopped::Place(Unreachable::Limits(ways)) => {
-            let told = |way: &RejectedBranch| {
-                let why = limits(&mut way.violations.iter()).join("; ");
-                format!("{}: {why}", way.configuration)
+        Stopped::Place(Unreachable::Limits(branches)) => {
+            let rejection = |branch: &RejectedBranch| {
+                let why = limits(&mut branch.violations.iter()).join("; ");
+                format!("{}: {why}", branch.configuration)
             };
-            ways.iter().map(told).collect()
+            branches.iter().map(rejection).collect()
         }
         Stopped::Place(Unreachable::OutOfReach(reach)) => vec![explain_out_of_reach(reach)],
         Stopped::Place(Unreachable::Robot(error)) => vec![explain(error)],
@@ -160,18 +160,18 @@ pub fn explain_stopped(cell: &Cell, stopped: &Stopped) -> Vec<String> {
     }
 }
 
-/// Why the droop of an arm is not known, and what to do.
+/// The message of a droop table that does not cover a reach or a load, with a remedy.
 #[must_use]
 pub fn explain_droop(error: &DroopError) -> String {
     match error {
         DroopError::Reach { reach, min, max } => format!(
-            "the droop at a reach of {:.3} mm is not known: the table goes from {:.3} to {:.3} mm; measure there, or give a cantilever",
+            "the droop table covers a reach from {1:.3} to {2:.3} mm, but not {0:.3} mm: measure the droop there, or use the cantilever model",
             mm(*reach),
             mm(*min),
             mm(*max)
         ),
         DroopError::Load { load, max } => format!(
-            "the droop under {:.3} g is not known: the table goes from 0 to {:.3} g; measure with more, or give a cantilever",
+            "the droop table covers loads from 0 to {1:.3} g, but not {0:.3} g: measure with a larger load, or use the cantilever model",
             load * 1e3,
             max * 1e3
         ),
@@ -179,14 +179,14 @@ pub fn explain_droop(error: &DroopError) -> String {
     }
 }
 
-/// Why no positions bring a wafer to a target; of limits first those that reject every branch.
+/// The message of an unreachable wafer pose; the limits that reject every branch come first.
 #[must_use]
 pub fn explain_unreachable_pose(robot: &HybridRobot, error: &Unreachable) -> String {
     match error {
         Unreachable::Robot(error) => explain(error),
         Unreachable::Droop(error) => explain_droop(error),
         Unreachable::Tilt { needed, allowed, residual, threshold } => format!(
-            "the platform would have to tilt by {:.4}°, but tilts by at most {:.4}°: {:.1} µrad would be left, and {:.1} µrad are allowed",
+            "the platform would have to tilt by {:.4}°, but tilts by at most {:.4}°: a tilt of {:.1} µrad would remain, at most {:.1} µrad are allowed",
             deg(*needed),
             deg(*allowed),
             residual * 1e6,
@@ -195,14 +195,14 @@ pub fn explain_unreachable_pose(robot: &HybridRobot, error: &Unreachable) -> Str
         Unreachable::OutOfReach(out) => explain_out_of_reach(out),
         Unreachable::Limits(branches) => explain_rejected(robot, branches),
         Unreachable::NotConverged { residual, iterations } => format!(
-            "the droop compensation did not converge: a residual of {:.3e} mm is left after {iterations} iterations",
+            "the droop compensation did not converge: a residual of {:.3e} mm remains after {iterations} iterations",
             mm(*residual)
         ),
         other => other.to_string(),
     }
 }
 
-/// Why taught points give no frame, and what to do.
+/// The message of taught points that define no frame, with a remedy.
 #[must_use]
 pub fn explain_teach(error: &TeachError) -> String {
     match error {
@@ -219,19 +219,19 @@ pub fn explain_teach(error: &TeachError) -> String {
             deg(*tilt)
         ),
         TeachError::NotAbove { rise } => format!(
-            "the last slot was taught {} mm above the first; it has to be above it, by the slots between them",
+            "the last slot was taught {} mm above the first; it must be above it by the pitch of the slots between them",
             mm(*rise)
         ),
         other => other.to_string(),
     }
 }
 
-/// Why a wafer does not rest on its supports.
+/// The message of a wafer that does not rest on its supports.
 #[must_use]
 pub fn explain_sag(error: &SagError) -> String {
     match error {
         SagError::Support { what, found, diameter, max } => format!(
-            "{what} of {:.3} mm does not carry a wafer of {:.3} mm: it has to be more than 0 and at most {:.3} mm",
+            "{what} of {:.3} mm does not support a wafer of {:.3} mm: it must be more than 0 and at most {:.3} mm",
             mm(*found),
             mm(*diameter),
             mm(*max)
@@ -240,7 +240,7 @@ pub fn explain_sag(error: &SagError) -> String {
     }
 }
 
-/// The limits that reject all branches, or those of each branch where the branches have none in common.
+/// The limits that all branches violate, or else the limits of each branch.
 fn explain_rejected(robot: &HybridRobot, branches: &[RejectedBranch]) -> String {
     let listed = |limits: &mut dyn Iterator<Item = &LimitViolation>| {
         limits.map(|limit| explain_limit(robot, limit)).collect::<Vec<_>>().join("; and ")

@@ -1,4 +1,4 @@
-//! Steps without a trajectory, in mm and degrees.
+//! Errors of trajectories as messages in mm and degrees.
 
 use jointplay_cell::robot::HybridRobot;
 use jointplay_cell::trajectory::{PathError, PathErrorKind, StepError, StepErrorKind};
@@ -6,17 +6,17 @@ use jointplay_cell::trajectory::{PathError, PathErrorKind, StepError, StepErrorK
 use super::explain::{explain_unreachable_pose, position};
 use crate::units::{deg, mm};
 
-/// What to change where a Cartesian line cannot be followed.
+/// Remedy for a Cartesian line that the robot cannot follow.
 const REMEDY: &str = "change the radius of the station, `retract_mm`, the heading (`yaw_deg`, `approach`) or the posture at the start of the line, or move the axes instead";
 
-/// Why a step has no trajectory, and what to change.
+/// The message of a step without a trajectory, with a remedy.
 #[must_use]
 pub fn explain_step(robot: &HybridRobot, error: &StepError) -> String {
     match &error.kind {
         StepErrorKind::NotContinuous { axis, start, previous_end } => {
             let axis = &robot.axes[*axis];
             format!(
-                "axis {} starts at {}, but the step before ends at {}: steps have to join",
+                "axis {} starts at {}, but the previous step ends at {}: each step must start where the previous one ends",
                 axis.name,
                 position(axis, *start),
                 position(axis, *previous_end)
@@ -24,16 +24,16 @@ pub fn explain_step(robot: &HybridRobot, error: &StepError) -> String {
         }
         StepErrorKind::Path(error) => explain_path(robot, error),
         StepErrorKind::TooLong { step, allowed, .. } if step > allowed => format!(
-            "this motion alone takes {step:.0} s, but a program takes at most {allowed:.0} s, a day: raise the velocity, acceleration and jerk limits of the axes that move, or SPEED"
+            "this motion alone takes {step:.0} s, but a program may take at most {allowed:.0} s (one day): raise SPEED, or the velocity, acceleration and jerk limits of the axes that move"
         ),
         StepErrorKind::TooLong { end, allowed, .. } => format!(
-            "the program takes {end:.0} s up to the end of this motion, but at most {allowed:.0} s, a day, are allowed: raise limits or SPEED, wait for a shorter time, or divide the program"
+            "the program takes {end:.0} s up to the end of this motion, but may take at most {allowed:.0} s (one day): raise SPEED or the limits, shorten WAIT, or divide the program"
         ),
         other => other.to_string(),
     }
 }
 
-/// Why the axes cannot follow a Cartesian line, and what to change.
+/// The message of a Cartesian line that the axes cannot follow, with a remedy.
 #[must_use]
 pub fn explain_path(robot: &HybridRobot, error: &PathError) -> String {
     let share = 100.0 * error.share;
@@ -58,7 +58,7 @@ pub fn explain_path(robot: &HybridRobot, error: &PathError) -> String {
         PathErrorKind::OtherBranch { axis, difference } => {
             let axis = &robot.axes[*axis];
             format!(
-                "the line leads to another branch of the arm than that of its end, axis {} differs by {}; {REMEDY}",
+                "the line ends on another branch of the arm than required: axis {} differs by {}; {REMEDY}",
                 axis.name,
                 position(axis, *difference)
             )
@@ -67,7 +67,7 @@ pub fn explain_path(robot: &HybridRobot, error: &PathError) -> String {
             format!("the axes jump from one branch of the arm to another; {REMEDY}")
         }
         PathErrorKind::NotConverged { deviation, points } => format!(
-            "the wafer deviates by {:.3} mm from the line with {points} points: the line passes too near a singular position; {REMEDY}",
+            "the wafer deviates by {:.3} mm from the line with {points} points: the line passes too close to a singular position; {REMEDY}",
             mm(*deviation)
         ),
         other => other.to_string(),

@@ -35,10 +35,10 @@ const MATERIALS: [(&str, [f64; 3]); 2] =
 /// Reads a cell file and the files that it names.
 ///
 /// # Arguments
-/// * `files` – gives the bytes of a file that the cell names, by a path within the cell's folder, or says why not; robots of the catalogue are not asked for
+/// * `files` – returns the bytes of a file that the cell names, by a path within the cell's folder, or the reason why it cannot be read; not called for robots of the catalogue
 ///
 /// # Errors
-/// All that is wrong, each with its place: TOML that is malformed, keys that are missing, unknown or of the wrong kind, names that are not known, files that cannot be had or read, and what does not fit together.
+/// All errors with their places: malformed TOML; missing or unknown keys; values of another type; unknown names; files that cannot be read; values that contradict each other.
 pub fn read(text: &str, files: &mut Files) -> Result<Cell, Errors> {
     let reader = Reader::new(text);
     if !reader.has_at_most(MAX_BYTES) {
@@ -130,7 +130,7 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
     })
 }
 
-/// Robot, wafer and budgets with nothing around them.
+/// A cell with robot, wafer and budgets only.
 fn bare(
     robot: Option<&HybridRobot>,
     wafer: Option<&Wafer>,

@@ -2,10 +2,10 @@
 
 use crate::robot::stays_within;
 
-/// The files that a cell names, by name: bytes, or why they cannot be had.
+/// Returns the bytes of a file that a cell names, or the reason why it cannot be read.
 pub type Files<'f> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'f;
 
-/// The file of a path within the cell's folder.
+/// The bytes of a file within the cell's folder.
 pub(super) fn read_named_file(name: &str, files: &mut Files) -> Result<Vec<u8>, String> {
     if !stays_within(name) {
         return Err(

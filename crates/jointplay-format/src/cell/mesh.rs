@@ -13,7 +13,7 @@ use crate::units::m_from_mm;
 /// Larger files of shapes are refused unread.
 pub const MAX_MESH_BYTES: usize = 64 << 20;
 
-/// Most triangles of a shape; collisions are checked a thousand times a second of motion.
+/// Largest number of triangles of a shape; a check evaluates distances about a thousand times per second of motion.
 pub const MAX_TRIANGLES: usize = 500_000;
 
 /// Bytes of a binary STL file before its triangles, and for each of them.
@@ -48,7 +48,7 @@ pub(super) fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     Some(hull)
 }
 
-/// A surface as a file has it, in its own unit.
+/// A surface in the unit of its file.
 struct Mesh {
     vertices: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
@@ -85,7 +85,7 @@ fn too_many() -> String {
 
 fn stl(bytes: &[u8]) -> Result<Mesh, String> {
     let mut bytes = bytes.to_vec();
-    // Many programs start the free text of a binary file with the word that marks a text file.
+    // Many programs begin the free text of a binary file with `solid`, the mark of a text file.
     let count = bytes.get(80..STL_HEAD).and_then(|count| count.try_into().ok());
     let count = count.map_or(usize::MAX, |count| u32::from_le_bytes(count) as usize);
     let is_binary = count
@@ -119,7 +119,7 @@ fn stl(bytes: &[u8]) -> Result<Mesh, String> {
     Ok(joined(corners, triangles))
 }
 
-/// The same surface with equal corners once.
+/// The surface with equal corners merged.
 fn joined(corners: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
     let key = |corner: &[f32; 3]| corner.map(|value| (value + 0.0).to_bits());
     let mut indices = std::collections::BTreeMap::new();
@@ -144,7 +144,7 @@ fn obj(bytes: &[u8]) -> Result<Mesh, String> {
         ignore_points: true,
         ignore_lines: true,
     };
-    // Materials are of no use for collisions, and would be another file.
+    // Materials do not affect collisions, and would need another file.
     let none = |_: &std::path::Path| Ok((Vec::new(), Default::default()));
     let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, none)
         .map_err(|error| format!("it is no OBJ file, or a broken one: {error}"))?;

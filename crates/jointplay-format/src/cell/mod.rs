@@ -1,6 +1,6 @@
-//! Cell files, and the files of robots with arms that they name: TOML that an engineer can read, read strictly.
+//! Cell files, and the files of robots with arms that they name: readable TOML with a strict schema.
 //!
-//! All that is wrong with a file is told at once, each with its place.
+//! The readers report all errors of a file, each with its place.
 
 mod bodies;
 mod edit;
@@ -23,5 +23,5 @@ pub use files::Files;
 pub use mesh::{MAX_MESH_BYTES, MAX_TRIANGLES};
 pub use problem::{Errors, Fault, Problem};
 
-/// A cell that comes with the program: a robot with two arms between two load ports, an aligner and a process station.
+/// Example cell: a robot with two arms, two load ports, an aligner and a process station.
 pub const EXAMPLE: &str = include_str!("../../../../cells/example.toml");

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 
 use super::tree::{AllowedRange, Entry, Reader, Table};
 
-/// The pose of `position_mm`, `yaw_deg` and `tilt`; the position may be left out only where there is a default.
-pub(super) fn lean(table: &Table) -> (f64, Option<jointplay_core::spatial::Tilt>) {
+/// Values of `yaw_deg` (rad) and `tilt`; `None` if there is no valid tilt.
+pub(super) fn yaw_and_tilt(table: &Table) -> (f64, Option<jointplay_core::spatial::Tilt>) {
     let yaw = table.number_or("yaw_deg", AllowedRange::Within(-360.0, 360.0), 0.0).to_radians();
     let tilt = table.table("tilt", "a tilt").map(|tilt| {
         let toward = tilt.number("yaw_deg", AllowedRange::Within(-360.0, 360.0));
@@ -21,7 +21,7 @@ pub(super) fn lean(table: &Table) -> (f64, Option<jointplay_core::spatial::Tilt>
 
 /// The points of a list (m).
 pub(super) fn points(entry: &Entry, reader: &Reader) -> Option<Vec<Vector3<f64>>> {
-    // All are read before one that is wrong ends it, so that each is told of.
+    // All points are read before the first error returns, so that every error is reported.
     let points: Vec<_> = entry.list(reader)?.iter().map(|point| point.point(reader)).collect();
     points.into_iter().collect()
 }

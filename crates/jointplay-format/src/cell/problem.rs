@@ -1,55 +1,55 @@
-//! What can be wrong in a cell file, or in the file of a robot with arms.
+//! Errors of cell files and of files of robots with arms.
 
 use crate::file_problem::FileProblem;
 use crate::place::Error;
 
-/// What is wrong with a file, and where.
+/// An error of a cell file or of the file of a robot with arms, with its place.
 pub type Problem = Error<Fault>;
 
 /// All errors of a file.
 pub type Errors = crate::place::Errors<Fault>;
 
-/// What can be wrong in a cell file or in the file of a robot with arms; numbers are in the units of the file.
+/// Errors of cell files and of files of robots with arms; numbers are in the units of the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// An error that every file can have.
+    /// An error that any TOML file can have.
     #[error(transparent)]
     Common(#[from] FileProblem),
-    /// The same name a second time.
-    #[error("{what} {found:?} is there twice, first in line {first}")]
+    /// A name that is used twice.
+    #[error("{what} {found:?} is defined twice, first in line {first}")]
     Twice {
-        /// What has the name.
+        /// Kind of the named object.
         what: String,
         /// The name.
         found: String,
-        /// Line of the first, counted from 1.
+        /// Line of the first definition, counted from 1.
         first: usize,
     },
-    /// A file that cannot be had.
-    #[error("the file {name:?} cannot be had: {why}")]
+    /// A file that cannot be read.
+    #[error("cannot read the file {name:?}: {why}")]
     File {
-        /// How it is named.
+        /// Name of the file.
         name: String,
-        /// Why.
+        /// Reason.
         why: String,
     },
-    /// A file that is named and is wrong itself.
-    #[error("line {} of {name:?} is wrong: {}{}", .inner.place.line, .inner.problem, more(.others))]
+    /// A named file with errors.
+    #[error("{name:?} has an error in line {}: {}{}", .inner.place.line, .inner.problem, more(.others))]
     Within {
-        /// How the file is named.
+        /// Name of the file.
         name: String,
-        /// The first that is wrong in it.
+        /// First error of the file.
         inner: Box<Problem>,
-        /// The others, in order.
+        /// Further errors, in order.
         others: Vec<Problem>,
     },
-    /// Everything else: what does not fit together.
+    /// Values that contradict each other.
     #[error("{0}")]
     Unfit(String),
 }
 
-/// Further problems of a file that are listed.
+/// Largest number of further errors that are listed.
 const MOST_LISTED: usize = 8;
 
 fn more(others: &[Problem]) -> String {

@@ -11,7 +11,7 @@ use jointplay_core::spatial::{Pose, Tilt};
 
 use super::effectors::{Effectors, named_effectors};
 use super::explain::explain_teach;
-use super::pose::{lean, points};
+use super::pose::{points, yaw_and_tilt};
 use super::problem::Fault;
 use super::tree::{AllowedRange, Reader, Table};
 use super::unique::unique;
@@ -19,13 +19,13 @@ use crate::file_problem::FileProblem;
 use crate::number::number;
 use crate::units::{deg, m_from_mm, mm, shift, um};
 
-/// How far taught points may be from their plane where nothing else is said (µm).
+/// Default of the largest distance of taught points from their plane (µm).
 const TAUGHT_THRESHOLD_UM: f64 = 100.0;
 
-/// How much of its pitch a station may be off between its first and last slot.
+/// Largest relative deviation of the pitch between the first and the last slot.
 const PITCH_SHARE: f64 = 0.01;
 
-/// All stations, each with its slots that hold a wafer.
+/// All stations, each with its occupied slots.
 pub(super) fn read(
     top: &Table,
     robot: (Option<&HybridRobot>, Option<&Cell>),
@@ -117,20 +117,20 @@ fn stroke(table: &Table) -> Option<Stroke> {
     Some(Stroke { below: below?, above: above?, speed: speed? })
 }
 
-/// Where the station is, what that comes from, and its pitch.
+/// Pose of the station, origin of the pose, and pitch.
 fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origin, f64)> {
     let reader = table.reader;
-    let (yaw, tilt) = lean(table);
+    let (yaw, tilt) = yaw_and_tilt(table);
     let taught = table.table("taught", "taught points");
     let drift = table.table("drift", "a drift");
-    let ways: Vec<&str> =
+    let sources: Vec<&str> =
         [("tilt", tilt.is_some()), ("taught", taught.is_some()), ("drift", drift.is_some())]
             .into_iter()
             .filter_map(|(key, is_there)| is_there.then_some(key))
             .collect();
-    if let [one, other, ..] = ways.as_slice() {
+    if let [one, other, ..] = sources.as_slice() {
         table.report(Fault::Unfit(format!(
-            "{} has both `{one}` and `{other}`, but its tilt can come from one of them only",
+            "{} has both `{one}` and `{other}`; its tilt must come from only one of them",
             table.whose
         )));
         return None;
@@ -146,7 +146,7 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
         let (first, last) = (drift.point("first_mm"), drift.point("last_mm"));
         drift.finish();
         if let Some(entry) = table.entry("position_mm") {
-            let why = "`position_mm` does not belong beside `drift`, whose `first_mm` says where the station is";
+            let why = "`position_mm` cannot be combined with `drift`, whose `first_mm` is the position of the station";
             entry.report(reader, Fault::Unfit(why.to_owned()));
         }
         let found = teach::drift(first?, last?, slots)
@@ -154,7 +154,7 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
             .ok()?;
         if let Some(pitch) = pitch.filter(|pitch| (found.pitch / pitch - 1.0).abs() > PITCH_SHARE) {
             drift.report(Fault::Unfit(format!(
-                "first and last slot were taught {} mm apart, slot by slot {:.4} mm, but `pitch_mm` is {}",
+                "the first and the last slot were taught {} mm apart, which is a pitch of {:.4} mm, but `pitch_mm` is {}",
                 mm((found.pitch * (slots as f64 - 1.0) * 1e9).round() / 1e9),
                 found.pitch * 1e3,
                 mm(pitch)
@@ -185,28 +185,28 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
     Some((teach::frame(position?, &normal, yaw), Origin::Nominal, pitch?))
 }
 
-/// Why taught points do not agree with one plane.
+/// Reports taught points that do not lie in one plane.
 fn scattered(fit: &teach::PlaneFit) -> String {
     let worst = fit.distances.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     let which = worst.map_or(1, |(index, _)| index + 1);
     match fit.noise {
         Some(noise) if fit.worst <= fit.threshold => format!(
-            "the taught points lie up to {:.1} µm from their plane (point {which}), which a noise of {} µm does not explain: teach them again, or give the noise that your measurement has by `noise_um`",
+            "the taught points lie up to {:.1} µm from their plane (point {which}), which a noise of {} µm does not explain: teach them again, or set `noise_um` to the noise of the measurement",
             um(fit.worst),
             um(noise)
         ),
         _ => format!(
-            "taught point {which} lies {:.1} µm from the plane of them all, but {} µm are allowed: teach the points again, or allow more by `threshold_um`",
+            "taught point {which} lies {:.1} µm from the common plane, but at most {} µm are allowed: teach the points again, or increase `threshold_um`",
             um(fit.worst),
             um(fit.threshold)
         ),
     }
 }
 
-/// That the platform can tilt as far as a station.
+/// Checks that the platform can tilt as far as a station requires.
 ///
 /// # Arguments
-/// * `bare` – the cell as far as it is known, which tells how much of the tilt compensates the deflection of the arms
+/// * `bare` – the cell with robot, wafer and budgets, for the tilt that compensates the deflection of the arms
 fn check_tilt(table: &Table, station: &Station, robot: &HybridRobot, bare: Option<&Cell>) {
     let Err(CellError::StationTilt { tilt, max, .. }) = station.check_tilt(robot) else { return };
     let from = ["tilt", "taught", "drift"].into_iter().find_map(|key| table.entry(key));
@@ -214,7 +214,7 @@ fn check_tilt(table: &Table, station: &Station, robot: &HybridRobot, bare: Optio
     let (pitch, yaw) = (deg(tilt.pitch), deg(tilt.yaw));
     let excess = pitch - deg(max);
     let by = bare.and_then(|cell| cell.leveling(station)).map_or(excess, deg);
-    // Rounded up, so that the advice is enough.
+    // Rounded up, so that following the message suffices.
     let [by, for_arms] = [by.max(excess), by - excess].map(|angle| (angle * 1e3).ceil() * 1e-3);
     let arms = if for_arms > 1e-3 {
         format!(", {for_arms:.3}° of which compensate the deflection of the loaded arms")
@@ -242,7 +242,7 @@ fn check_reach(table: &Table, station: &Station) {
     }
 }
 
-/// Slots that hold a wafer: `"all"`, or a list of numbers.
+/// Occupied slots: `"all"`, or a list of numbers.
 fn wafers(table: &Table, slots: usize) -> Vec<usize> {
     let reader: &Reader = table.reader;
     let Some(entry) = table.entry("wafers") else { return Vec::new() };

@@ -5,7 +5,7 @@ use crate::toml_reader;
 
 pub(super) use crate::toml_reader::{AllowedRange, Entry};
 
-/// A text and its errors.
+/// A text with the errors found in it.
 pub(super) type Reader<'a> = toml_reader::Reader<'a, Fault>;
 
 /// A table of the file.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::problem::Fault;
 use super::tree::Table;
 
-/// Notes a name that was there before.
+/// Reports a name that is already in use.
 pub(super) fn unique(table: &Table, what: &str, name: &str, names: &mut BTreeMap<String, usize>) {
     let entry = table.entry("name");
     let span = entry.map_or(table.span.clone(), |entry| entry.span());

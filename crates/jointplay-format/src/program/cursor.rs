@@ -1,4 +1,4 @@
-//! What one line says, from left to right.
+//! Reads one line from left to right.
 
 use jointplay_cell::program::{Name, SourceLocation};
 
@@ -8,11 +8,11 @@ use super::words::{Unit, is_foreign_unit, meant, reserved};
 use crate::place;
 use crate::units::{m_from_mm, shift};
 
-/// A place in a line, and all that could stand there.
+/// A position in a line, with the alternatives that the grammar allows there.
 pub(super) struct Cursor<'l, 't> {
     line: &'l Line<'t>,
     at: usize,
-    /// What has been asked for here, and was not there.
+    /// Alternatives that were tried here without success.
     expected: Vec<String>,
 }
 
@@ -30,14 +30,14 @@ impl<'l, 't> Cursor<'l, 't> {
         self.expected.clear();
     }
 
-    /// Where the next part stands; behind the last one, where there is none.
+    /// Place of the next token, or the end of the line.
     pub(super) fn place(&self) -> SourceLocation {
         let end = self.line.tokens.last().map_or(1, |last| last.column + last.width());
         let column = self.peek().map_or(end, |token| token.column);
         SourceLocation { line: self.line.number, column }
     }
 
-    /// A problem of the next part, or of the end of the line.
+    /// A problem of the next token, or of the end of the line.
     pub(super) fn error(&self, problem: Problem) -> Error {
         self.error_at(self.place().column, self.peek().map_or(0, Token::width), problem)
     }
@@ -48,7 +48,7 @@ impl<'l, 't> Cursor<'l, 't> {
         Error { place, problem: Box::new(problem) }
     }
 
-    /// That none of what was asked for here is here.
+    /// The error that the next token is none of the alternatives.
     pub(super) fn unexpected(&self) -> Error {
         let expected = self.expected.clone();
         let Some(token) = self.peek() else {
@@ -70,7 +70,7 @@ impl<'l, 't> Cursor<'l, 't> {
         })
     }
 
-    /// Whether the next part is this word; passes it if so.
+    /// Advances past the next token if it is this word.
     pub(super) fn accept(&mut self, word: &str) -> bool {
         let found = self.peek().is_some_and(|token| token.is(word));
         if found {
@@ -85,7 +85,7 @@ impl<'l, 't> Cursor<'l, 't> {
         if self.accept(word) { Ok(()) } else { Err(self.unexpected()) }
     }
 
-    /// Whether the next part is this sign; passes it if so.
+    /// Advances past the next token if it is this sign.
     pub(super) fn accept_sign(&mut self, sign: &str) -> bool {
         let found = self.peek().is_some_and(|token| token.kind == Kind::Sign && token.text == sign);
         if found {
@@ -94,7 +94,7 @@ impl<'l, 't> Cursor<'l, 't> {
         found
     }
 
-    /// A name, if the next part is one; `what` says of what.
+    /// The next token, if it is a name; `what` is the kind of the named object.
     pub(super) fn accept_name(&mut self, what: &str) -> Result<Option<Name>, Error> {
         let name = match self.peek() {
             Some(token) if token.kind == Kind::Quoted => unquoted(token),
@@ -118,7 +118,7 @@ impl<'l, 't> Cursor<'l, 't> {
         self.accept_name(what)?.ok_or_else(|| self.unexpected())
     }
 
-    /// A whole number from `min` to `max`, if the next part is a number.
+    /// A whole number from `min` to `max`, if the next token is a number.
     pub(super) fn accept_whole(
         &mut self,
         what: &'static str,
@@ -191,7 +191,7 @@ impl<'l, 't> Cursor<'l, 't> {
         self.unexpected()
     }
 
-    /// That the line ends here.
+    /// Requires the end of the line.
     pub(super) fn end(&mut self) -> Result<(), Error> {
         if self.peek().is_none() {
             return Ok(());
@@ -201,7 +201,7 @@ impl<'l, 't> Cursor<'l, 't> {
     }
 }
 
-/// What stands there, without what would upset a terminal.
+/// The text of a token, without control characters.
 fn shown(token: &Token<'_>) -> String {
     format!("`{}`", token.text.escape_debug())
 }

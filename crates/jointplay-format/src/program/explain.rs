@@ -1,4 +1,4 @@
-//! What is wrong with a program in its cell, shown in its text.
+//! Planning errors of a program, shown in its text.
 
 use jointplay_cell::program::{Leveling, ProgramError, ProgramProblem, SourceLocation};
 use jointplay_cell::robot::{Axis, AxisKind, HybridRobot};
@@ -8,7 +8,7 @@ use super::lexer::{Token, line_at};
 use crate::cell::explain::{explain_limit, explain_sag, explain_unreachable_pose};
 use crate::place::{self, Error, nearest, suggestion};
 
-/// What is wrong with a program in its cell, as a message.
+/// A planning error of a program as a message.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct Explained {
@@ -16,13 +16,13 @@ pub struct Explained {
     pub message: String,
 }
 
-/// Shows in the text of a program what is wrong with it in its cell.
+/// The place and the message of a planning error in the text of a program.
 #[must_use]
 pub fn explain(robot: &HybridRobot, text: &str, error: &ProgramError) -> Error<Explained> {
     let mut message = message(robot, error);
     if let ProgramProblem::Unknown { found, known, .. } = &error.problem {
         let lower = found.to_lowercase();
-        // Names are told apart by case, which hasty typing does not.
+        // Names are case sensitive, and incorrect case is a common typing error.
         let alike = known.iter().find(|name| name.to_lowercase() == lower);
         let nearest = alike.cloned().or_else(|| nearest(found, known.iter().map(String::as_str)));
         message += &suggestion(&nearest);
@@ -55,7 +55,7 @@ fn message(robot: &HybridRobot, error: &ProgramError) -> String {
         ProgramProblem::Sag { effector, source } => {
             format!("effector {effector} does not carry the wafer: {}", explain_sag(source))
         }
-        // Other problems have no lengths and angles.
+        // Other problems have no lengths or angles.
         _ => return error.to_string(),
     };
     problem + &error.repetition_note()
@@ -81,7 +81,11 @@ fn line_remedies(robot: &HybridRobot, station: &str, remedies: &[LineRemedy]) ->
                 AxisKind::Rotary => (1_f64.to_degrees(), "deg"),
                 AxisKind::Linear => (1e3, "mm"),
             };
-            format!("let {name} move from {:.0} to {:.0} {unit}", min * factor, max * factor)
+            format!(
+                "extend the range of {name} to [{:.0}, {:.0}] {unit}",
+                min * factor,
+                max * factor
+            )
         }
     };
     let all: Vec<String> = remedies.iter().map(remedy).collect();
@@ -94,7 +98,7 @@ fn remedy(leveling: &Leveling) -> String {
     format!("; level {} by at least {angle:.3}°", leveling.station)
 }
 
-/// The line of a place, and how much of it is meant.
+/// The place in the text, with the width of the marked part.
 fn shown(text: &str, at: SourceLocation) -> place::Place {
     let line = line_at(text, at.line);
     let token = line.as_ref().and_then(|line| line.tokens.iter().find(|it| it.column == at.column));

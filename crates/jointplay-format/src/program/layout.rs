@@ -1,17 +1,17 @@
-//! A program laid out evenly, its comments kept.
+//! Formatting of a program's text.
 
 use super::lexer::{Kind, Line, Token, lines};
 use super::parser::parse;
 use super::problem::Error;
 use super::words::{DIRECTIONS, Unit, reserved};
 
-/// What a block is set in by.
+/// Indentation of a block.
 pub(super) const INDENT: &str = "  ";
 
-/// A program laid out evenly: words of the language in capitals, one space between parts, blocks set in, no two empty lines in a row, comments kept.
+/// Formats a program: keywords in capitals, one space between tokens, indented blocks, at most one empty line in a row; comments remain.
 ///
 /// # Errors
-/// As [`parse`]: what cannot be read stays as it is.
+/// As [`parse`]: a text with errors is not formatted.
 pub fn format(text: &str) -> Result<String, Vec<Error>> {
     parse(text)?;
     let (mut out, mut depth, mut empty) = (String::new(), 0_usize, false);
@@ -61,13 +61,13 @@ fn laid_out(line: &Line<'_>) -> String {
     text
 }
 
-/// A part as it is written behind others.
+/// The text of a token, given the tokens before it.
 fn written(before: &[Token<'_>], token: &Token<'_>) -> String {
     match (token.kind, before) {
         (Kind::Word, _) if reserved(token.text).is_some() => token.text.to_ascii_uppercase(),
         (Kind::Word, [.., last]) if matches!(last.kind, Kind::Number(_)) => Unit::of(token.text)
             .map_or_else(|| token.text.to_owned(), |unit| unit.symbol().to_owned()),
-        // Directions are words of the language behind BY alone; elsewhere they may be axes or effectors.
+        // Directions are keywords only after BY; elsewhere they may be axes or effectors.
         (Kind::Word, _) if before.iter().any(|it| it.is("BY")) => {
             let direction = DIRECTIONS.into_iter().find(|direction| token.is(direction));
             direction.unwrap_or(token.text).to_owned()

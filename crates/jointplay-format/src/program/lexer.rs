@@ -1,26 +1,26 @@
-//! A line as words, numbers and signs.
+//! Splits a line into words, numbers and signs.
 
 use super::words::{continues_word, starts_word};
 
-/// A part of a line.
+/// A token of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Token<'t> {
     pub kind: Kind,
-    /// As it is written.
+    /// Text of the token.
     pub text: &'t str,
-    /// Counted from 1, in characters.
+    /// Column of its first character, counted from 1.
     pub column: usize,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Kind {
-    /// A word of the language, a unit or a name.
+    /// A keyword, a unit or a name.
     Word,
     /// A name between quotes.
     Quoted,
-    /// A name whose second quote is missing.
+    /// A name without a closing quote.
     Unclosed,
-    /// What starts like a number; infinite where it is too large.
+    /// A number; infinite if it is too large.
     Number(f64),
     /// Any other character.
     Sign,
@@ -31,12 +31,12 @@ impl Token<'_> {
         self.text.chars().count()
     }
 
-    /// Whether it is this word, whatever its case.
+    /// Whether the token is this word, in any letter case.
     pub(super) fn is(&self, word: &str) -> bool {
         self.kind == Kind::Word && self.text.eq_ignore_ascii_case(word)
     }
 
-    /// Whether nothing stands between it and the token before.
+    /// Whether the token follows `before` without a space.
     pub(super) fn touches(&self, before: &Self) -> bool {
         before.column + before.width() == self.column
     }
@@ -45,12 +45,12 @@ impl Token<'_> {
 /// One line of a text.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Line<'t> {
-    /// Counted from 1.
+    /// Line number, counted from 1.
     pub number: usize,
-    /// As it is written, without its end.
+    /// Text of the line, without the line break.
     pub text: &'t str,
     pub tokens: Vec<Token<'t>>,
-    /// From its `#` on.
+    /// The comment, including its `#`.
     pub comment: Option<&'t str>,
 }
 
@@ -59,12 +59,12 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     unmarked(text).lines().enumerate().map(|(index, text)| line(index + 1, text))
 }
 
-/// One line of a text, counted from 1.
+/// The line with this number, counted from 1.
 pub(super) fn line_at(text: &str, number: usize) -> Option<Line<'_>> {
     unmarked(text).lines().nth(number.checked_sub(1)?).map(|text| line(number, text))
 }
 
-/// Without the mark that some editors put before a text.
+/// The text without a byte-order mark.
 fn unmarked(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
@@ -88,7 +88,7 @@ fn line(number: usize, text: &str) -> Line<'_> {
     }
 }
 
-/// What the text starts with, and its length in bytes.
+/// Kind and length in bytes of the first token of the text.
 fn token(text: &str, first: char) -> (Kind, usize) {
     if first == '"' {
         return quoted(text);
@@ -107,7 +107,7 @@ fn quoted(text: &str) -> (Kind, usize) {
     let mut end = 1;
     while let Some(quote) = text[end..].find('"') {
         end += quote + 1;
-        // Two quotes stand for one within the name.
+        // Two quotes are one quote within the name.
         if !text[end..].starts_with('"') {
             return (Kind::Quoted, end);
         }
@@ -116,7 +116,7 @@ fn quoted(text: &str) -> (Kind, usize) {
     (Kind::Unclosed, text.trim_end().len())
 }
 
-/// Length of the decimal number that the text starts with; 0 where it starts with none.
+/// Length of the decimal number at the start of the text; 0 if there is none.
 fn number(text: &[u8]) -> usize {
     let digits = |from: usize| {
         text[from.min(text.len())..].iter().take_while(|byte| byte.is_ascii_digit()).count()
@@ -143,7 +143,7 @@ fn number(text: &[u8]) -> usize {
     end
 }
 
-/// A name without its quotes.
+/// The text of a name without its quotes.
 pub(super) fn unquoted(token: &Token<'_>) -> String {
     match token.kind {
         Kind::Quoted => token.text[1..token.text.len() - 1].replace("\"\"", "\""),
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_come_apart() {
+    fn lines_are_split_into_tokens_with_columns() {
         use Kind::{Number, Quoted, Sign, Unclosed, Word};
         check("", &[], None);
         check("  # only", &[], Some("# only"));

@@ -12,10 +12,10 @@
 //! | to… | use |
 //! | --- | --- |
 //! | read a program | [`parse`] |
-//! | read what can be read of one | [`parse_recovering`] |
-//! | lay its text out | [`format`](fn@format) |
-//! | write one that is no text yet | [`write`](fn@write) |
-//! | show where in the text something is wrong with it in its cell | [`explain`](fn@explain) |
+//! | read the valid lines of a program | [`parse_recovering`] |
+//! | format the text of a program | [`format`](fn@format) |
+//! | write a program as text | [`write`](fn@write) |
+//! | show a planning error in the text | [`explain`](fn@explain) |
 
 mod cursor;
 mod explain;
@@ -33,5 +33,5 @@ pub use problem::{Error, Problem};
 pub use words::keywords;
 pub use write::write;
 
-/// The program of the cell that comes along: a lot of 25 wafers, processed, and brought back.
+/// Example program for the example cell: a lot of 25 wafers is processed and returned.
 pub const EXAMPLE: &str = include_str!("../../../../cells/example.program");

@@ -15,36 +15,36 @@ use crate::place;
 /// Longer texts are refused unread.
 pub const MAX_BYTES: usize = 1_000_000;
 
-/// How deep blocks may stand within each other.
+/// Greatest depth of nested blocks.
 pub const MAX_DEPTH: usize = 32;
 
-/// The farthest that an axis may be sent, a turn or a slide alike (deg or mm).
+/// Farthest target of an axis, of a rotary and of a linear one (deg or mm).
 const FARTHEST: f64 = 1e6;
-/// The longest pause: a day (s).
+/// Longest pause: a day (s).
 const LONGEST_WAIT: f64 = 86_400.0;
-/// The steepest tilt; at a right angle there are no rods (deg).
+/// Largest tilt; rods cannot support a vertical platform (deg).
 const STEEPEST: f64 = 89.0;
-/// The slowest speed that ends within a working day (%).
+/// Lowest speed (% of the limits).
 const SLOWEST: f64 = 0.01;
-/// The widest corner, as wide as a robot (mm).
+/// Largest blend radius (mm).
 const WIDEST_BLEND: f64 = 1000.0;
-/// The largest number of a slot, far beyond any station's.
+/// Largest number of a slot, far above the slots of any station.
 const MOST_SLOTS: i64 = 100_000;
-/// The largest number of passes that can be written; how many can be run is another question.
+/// Largest number of passes in a text; planning limits it further.
 const MOST_PASSES: i64 = 1_000_000_000_000_000;
 
 /// Reads a program.
 ///
 /// # Errors
-/// All that is wrong, one problem a line, in the order of the text.
+/// All errors, at most one per line, in the order of the text.
 pub fn parse(text: &str) -> Result<Program, Vec<Error>> {
     let (program, errors) = parse_recovering(text);
     if errors.is_empty() { Ok(program) } else { Err(errors) }
 }
 
-/// Reads the lines of a program that can be read, and tells what is wrong with the others.
+/// Reads the valid lines of a program, and returns the errors of the others.
 ///
-/// Blocks whose first line cannot be read are left out as a whole.
+/// A block whose first line is invalid is omitted with all its lines.
 #[must_use]
 pub fn parse_recovering(text: &str) -> (Program, Vec<Error>) {
     if text.len() > MAX_BYTES {
@@ -64,12 +64,12 @@ pub fn parse_recovering(text: &str) -> (Program, Vec<Error>) {
 #[derive(Default)]
 struct Parser {
     program: Program,
-    /// From the outermost to the innermost.
+    /// Open blocks, from the outermost to the innermost.
     open: Vec<Block>,
     errors: Vec<Error>,
 }
 
-/// A block whose END has not come yet.
+/// A block before its END.
 struct Block {
     kind: BlockKind,
     place: place::Place,
@@ -82,7 +82,7 @@ enum BlockKind {
         counter: Option<Name>,
     },
     Routine(Name),
-    /// What cannot be kept, but has an END all the same.
+    /// An invalid block, which still has an END.
     Lost(&'static str),
 }
 
@@ -103,7 +103,7 @@ impl Parser {
         let Some(command) = COMMANDS.into_iter().find(|command| first.is(command)) else {
             return Err(self.unknown(cursor));
         };
-        let opening = cursor.error(Problem::StrayEnd).place;
+        let opening = cursor.error(Problem::UnmatchedEnd).place;
         cursor.advance();
         match command {
             "REPEAT" => self.opened(cursor, opening, "REPEAT", repeat),
@@ -112,14 +112,14 @@ impl Parser {
             _ => {
                 let command = simple(command, cursor)?;
                 cursor.end()?;
-                self.say(Instruction { place, command });
+                self.push(Instruction { place, command });
                 Ok(())
             }
         }
     }
 
-    /// Adds an instruction where it stands.
-    fn say(&mut self, instruction: Instruction) {
+    /// Adds an instruction to the innermost open block.
+    fn push(&mut self, instruction: Instruction) {
         let body = self.open.last_mut().map_or(&mut self.program.body, |block| &mut block.body);
         body.push(instruction);
     }
@@ -142,7 +142,7 @@ impl Parser {
             Some(problem) => Err(Error { place: place.clone(), problem: Box::new(problem) }),
             None => read(cursor).and_then(|kind| cursor.end().map(|()| kind)),
         };
-        // Its END will come in any case.
+        // Its END follows in any case.
         let (kind, result) = match read {
             Ok(kind) => (kind, Ok(())),
             Err(error) => (BlockKind::Lost(word), Err(error)),
@@ -153,25 +153,25 @@ impl Parser {
 
     fn closed(&mut self, cursor: &mut Cursor<'_, '_>, end: place::Place) -> Result<(), Error> {
         let Some(block) = self.open.pop() else {
-            return Err(Error { place: end, problem: Box::new(Problem::StrayEnd) });
+            return Err(Error { place: end, problem: Box::new(Problem::UnmatchedEnd) });
         };
         self.close(block);
         cursor.end()
     }
 
-    /// Takes what is whole where it stands.
+    /// Adds a complete block to the block around it.
     fn close(&mut self, Block { kind, place, body }: Block) {
         let place = SourceLocation { line: place.line, column: place.column };
         match kind {
             BlockKind::Repeat { times, counter } => {
-                self.say(Instruction { place, command: Command::Repeat { times, counter, body } });
+                self.push(Instruction { place, command: Command::Repeat { times, counter, body } });
             }
             BlockKind::Routine(name) => self.program.routines.push(Routine { name, body }),
             BlockKind::Lost(_) => {}
         }
     }
 
-    /// A line that starts with no command.
+    /// The error of a line that starts with no command.
     fn unknown(&mut self, cursor: &Cursor<'_, '_>) -> Error {
         let (found, is_word) = cursor
             .peek()
@@ -183,7 +183,7 @@ impl Parser {
             known: COMMANDS.map(str::to_owned).to_vec(),
             nearest: nearest.map(str::to_owned),
         });
-        // A misspelt block has an END that would otherwise be called astray.
+        // A misspelt block has an END, which is not an error of its own.
         let lost = ["REPEAT", "ROUTINE"].into_iter().find(|word| nearest == Some(word));
         if let Some(word) = lost {
             self.open.push(Block {
@@ -218,7 +218,7 @@ fn routine(cursor: &mut Cursor<'_, '_>) -> Result<BlockKind, Error> {
     cursor.name("a routine").map(BlockKind::Routine)
 }
 
-/// What stands behind a command that is no block.
+/// The arguments of a command that is no block.
 fn simple(command: &str, cursor: &mut Cursor<'_, '_>) -> Result<Command, Error> {
     Ok(match command {
         "HOME" => Command::Home,
@@ -264,7 +264,7 @@ fn axes(cursor: &mut Cursor<'_, '_>) -> Result<Command, Error> {
     loop {
         let before = cursor.peek();
         let Some(axis) = cursor.accept_name("an axis")? else {
-            // The first one has to be there.
+            // At least one axis is required.
             if targets.is_empty() {
                 return Err(cursor.unexpected());
             }
@@ -313,7 +313,7 @@ fn slot(cursor: &mut Cursor<'_, '_>) -> Result<SlotName, Error> {
 
 fn slot_number(cursor: &mut Cursor<'_, '_>) -> Result<SlotNumber, Error> {
     let place = cursor.place();
-    // Where it counts down, the number may be beyond the last slot.
+    // A decreasing slot number may start beyond the last slot.
     if let Some(number) = cursor.accept_whole("the number of the slot", 1, MOST_SLOTS)? {
         if cursor.accept_sign("-") {
             let counter = cursor.name("a counter")?;
@@ -325,7 +325,7 @@ fn slot_number(cursor: &mut Cursor<'_, '_>) -> Result<SlotNumber, Error> {
     let counter = cursor.name("a counter")?;
     let plus = cursor.accept_sign("+");
     let minus = !plus && cursor.accept_sign("-");
-    // Without a space, the sign is part of the number.
+    // Without a space, the sign is part of the number token.
     let signed = cursor.peek().is_some_and(|next| next.text.starts_with(['+', '-']));
     let offset = if plus || minus || signed {
         let what = "the number added to the counter";

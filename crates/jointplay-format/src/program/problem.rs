@@ -1,122 +1,122 @@
-//! What can be wrong in the text of a program.
+//! Errors in the text of a program.
 
 use crate::place::{listed, suggestion};
 
-/// Why a text is no program, and where.
+/// An error in the text of a program, with its place.
 pub type Error = crate::place::Error<Problem>;
 
-/// What can be wrong in the text of a program; numbers are in the units of the text.
+/// Errors in the text of a program; numbers are in the units of the text.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// More text than a program needs.
+    /// A text that is too long.
     #[error("the text has {found} bytes, but at most {allowed} are allowed")]
     TooLong {
-        /// How many there are.
+        /// Length found (bytes).
         found: usize,
-        /// How many may be.
+        /// Length allowed (bytes).
         allowed: usize,
     },
-    /// Blocks within blocks within blocks.
-    #[error("blocks stand within each other more than {allowed} deep; put some into a ROUTINE")]
+    /// Blocks that are nested too deeply.
+    #[error("blocks are nested more than {allowed} deep; move some into a ROUTINE")]
     TooDeep {
-        /// How deep they may.
+        /// Depth allowed.
         allowed: usize,
     },
     /// A line that starts with no command.
     #[error("`{found}` is no command{}; commands: {}", suggestion(nearest), known.join(", "))]
     Command {
-        /// What was found.
+        /// The word found.
         found: String,
-        /// The command most like it.
+        /// The most similar command.
         nearest: Option<String>,
         /// All commands.
         known: Vec<String>,
     },
-    /// Something else than the grammar has here.
+    /// A token that the grammar does not allow here.
     #[error("expected {}, found {found}{}", alternatives(expected), suggestion(nearest))]
     Expected {
-        /// What could stand here.
+        /// Alternatives allowed here.
         expected: Vec<String>,
-        /// What does.
+        /// The token found.
         found: String,
-        /// The word of the language most like it, of those that could.
+        /// The most similar keyword among the alternatives.
         nearest: Option<String>,
     },
-    /// A word of the language where a name has to be.
+    /// A keyword in place of a name.
     #[error(
         "expected {}, found the word {word} of the language; as a name, write \"{word}\" with its quotes",
         alternatives(expected)
     )]
     Reserved {
-        /// What could stand here.
+        /// Alternatives allowed here.
         expected: Vec<String>,
-        /// The word.
+        /// The keyword.
         word: String,
     },
-    /// A name with one quote.
+    /// A name without a closing quote.
     #[error("the name {found} has no closing quote")]
     Unclosed {
-        /// What was found.
+        /// The text found.
         found: String,
     },
-    /// A name that is empty or would upset a terminal.
-    #[error("a name is empty or has control characters in it: {found}")]
+    /// A name that is empty or contains control characters.
+    #[error("a name must not be empty or contain control characters: {found}")]
     Name {
-        /// What was found.
+        /// The text found.
         found: String,
     },
-    /// A number that says of what it is not.
+    /// A number without a unit.
     #[error("{number} needs a unit: {}", alternatives(allowed))]
     NoUnit {
-        /// As written.
+        /// The number as written.
         number: String,
-        /// Units that it could have.
+        /// Allowed units.
         allowed: Vec<String>,
     },
-    /// A unit that does not fit.
+    /// A unit that is not allowed here.
     #[error("{number} {found}: the unit has to be {}", alternatives(allowed))]
     Unit {
-        /// As written.
+        /// The number as written.
         number: String,
         /// The unit as written.
         found: String,
-        /// Units that it could have.
+        /// Allowed units.
         allowed: Vec<String>,
     },
     /// A number out of its range.
     #[error("{what} is {found}, but has to be {allowed}")]
     Range {
-        /// What it is of.
+        /// The quantity.
         what: &'static str,
-        /// As written.
+        /// The number as written.
         found: String,
-        /// What may stand here.
+        /// Allowed values.
         allowed: String,
     },
-    /// The same thing a second time in one line.
-    #[error("`{name}` is there twice")]
+    /// A name that occurs twice in one line.
+    #[error("`{name}` occurs twice in this line")]
     Twice {
-        /// What.
+        /// The name.
         name: String,
     },
     /// A block without its END.
     #[error("this {opened} has no END")]
     NoEnd {
-        /// What was opened: REPEAT or ROUTINE.
+        /// Keyword of the block: REPEAT or ROUTINE.
         opened: &'static str,
     },
     /// An END without a block.
-    #[error("END closes nothing here: no REPEAT or ROUTINE is open")]
-    StrayEnd,
-    /// A routine within a block.
+    #[error("END without a block: no REPEAT or ROUTINE is open")]
+    UnmatchedEnd,
+    /// A routine within another block.
     #[error(
-        "a ROUTINE cannot stand within the {outer} of line {line}; is the END of that missing?"
+        "a ROUTINE cannot be inside the {outer} of line {line}; is the END of that block missing?"
     )]
     InnerRoutine {
-        /// The block around it: REPEAT or ROUTINE.
+        /// Keyword of the block around it: REPEAT or ROUTINE.
         outer: &'static str,
-        /// Where that starts.
+        /// First line of the block around it.
         line: usize,
     },
 }

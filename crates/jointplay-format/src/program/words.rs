@@ -1,6 +1,6 @@
-//! The words of the language.
+//! Keywords and units of the program language.
 
-/// Words that lines begin with, in the order of the documents.
+/// Words at the start of a line, in the order of the documentation.
 pub(super) const COMMANDS: [&str; 15] = [
     "HOME", "MOVE", "GET", "PUT", "TRANSFER", "SWAP", "GOTO", "WAIT", "SPEED", "BLEND", "TILT",
     "CALL", "REPEAT", "ROUTINE", "END",
@@ -9,7 +9,7 @@ pub(super) const COMMANDS: [&str; 15] = [
 /// Words within lines.
 const PARTICLES: [&str; 9] = ["LINE", "SLOT", "WITH", "TO", "BY", "TOWARD", "LEVEL", "AS", "OFF"];
 
-/// Axes of the base frame, where a line says how far.
+/// Axes of the base frame, in the displacement of a line.
 pub(super) const DIRECTIONS: [&str; 3] = ["X", "Y", "Z"];
 
 /// Reserved words of the program language, in upper case: first those that start a line.
@@ -17,12 +17,12 @@ pub fn keywords() -> impl Iterator<Item = &'static str> {
     COMMANDS.into_iter().chain(PARTICLES)
 }
 
-/// The word of the language that this is, whatever its case.
+/// The keyword that equals this word in any letter case.
 pub(super) fn reserved(word: &str) -> Option<&'static str> {
     COMMANDS.iter().chain(&PARTICLES).find(|known| known.eq_ignore_ascii_case(word)).copied()
 }
 
-/// Words of other robots' languages, and what this one calls them.
+/// Commands of other robots' languages, each with the command of this language.
 const ELSEWHERE: [(&str, &str); 12] = [
     ("PICK", "GET"),
     ("FETCH", "GET"),
@@ -38,11 +38,11 @@ const ELSEWHERE: [(&str, &str); 12] = [
     ("SUB", "ROUTINE"),
 ];
 
-/// The word, of those that could stand there, that this one was meant as.
+/// The most similar of the allowed words.
 pub(super) fn meant<'a>(word: &str, could: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let upper = word.to_ascii_uppercase();
     let elsewhere = ELSEWHERE.iter().find(|(other, _)| *other == upper).map(|(_, ours)| *ours);
-    // Letters swapped, left out or doubled: what hasty typing does.
+    // Letters swapped, omitted or doubled are common typing errors.
     let likeness = |known: &str| match elsewhere {
         Some(ours) => f64::from(u8::from(ours == known)),
         None => strsim::normalized_damerau_levenshtein(&upper, known),
@@ -54,7 +54,7 @@ pub(super) fn meant<'a>(word: &str, could: impl Iterator<Item = &'a str>) -> Opt
         .map(|(_, known)| known)
 }
 
-/// What a number may be of.
+/// Units of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Unit {
     Millimeter,
@@ -66,7 +66,7 @@ pub(super) enum Unit {
 impl Unit {
     const ALL: [Self; 4] = [Self::Millimeter, Self::Degree, Self::Second, Self::Percent];
 
-    /// As it is written.
+    /// Symbol of the unit.
     pub(super) fn symbol(self) -> &'static str {
         match self {
             Self::Millimeter => "mm",
@@ -81,18 +81,18 @@ impl Unit {
     }
 }
 
-/// Units that other programs know and this language does not.
+/// Units that other programs accept and this language does not.
 const FOREIGN: [&str; 20] = [
     "m", "cm", "um", "nm", "µm", "μm", "in", "inch", "mil", "meter", "metre", "rad", "mrad",
     "degree", "degrees", "ms", "min", "h", "sec", "percent",
 ];
 
-/// Whether a word after a number was meant as its unit.
+/// Whether a word after a number is a unit that this language does not accept.
 pub(super) fn is_foreign_unit(word: &str) -> bool {
     FOREIGN.iter().any(|unit| unit.eq_ignore_ascii_case(word))
 }
 
-/// Whether a name stands for itself without quotes.
+/// Whether a name can be written without quotes.
 pub(super) fn is_plain(name: &str) -> bool {
     let mut letters = name.chars();
     letters.next().is_some_and(starts_word)

@@ -12,9 +12,9 @@ use super::layout::INDENT;
 use super::words::{DIRECTIONS, is_plain};
 use crate::units::{mm, shift};
 
-/// A program as text, its routines behind what is run: read back, it is the same program.
+/// The text of a program, routines last; reading the text returns the same program.
 ///
-/// Angles are the same to the last bit where they came from a text.
+/// Angles that came from a text keep every bit.
 #[must_use]
 pub fn write(program: &Program) -> String {
     let mut text = String::new();
@@ -127,7 +127,7 @@ fn slot(slot: &SlotName) -> String {
     }
 }
 
-/// A name as it is written: in quotes where it could be misread.
+/// A name, in quotes where it could be misread.
 pub(super) fn name(name: &Name) -> String {
     if is_plain(&name.text) {
         name.text.clone()

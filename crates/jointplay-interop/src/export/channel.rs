@@ -1,6 +1,6 @@
 //! Functions of time as cubics between keys.
 
-/// Numbers that change with time, and how fast: of all channels at one time.
+/// Values and rates of all channels at one time.
 pub(super) struct State {
     pub(super) time: f64,
     pub(super) values: Vec<f64>,
@@ -15,7 +15,7 @@ pub(super) struct Channel {
     pub(super) rates: Vec<f64>,
 }
 
-/// Intervals are not halved below this (s).
+/// Shortest interval that is halved (s).
 const SHORTEST: f64 = 1e-3;
 /// Shares of an interval at which its cubic is compared with the function.
 const PROBES: [f64; 3] = [0.25, 0.5, 0.75];
@@ -28,9 +28,9 @@ pub(super) fn cubic([v0, v1]: [f64; 2], [r0, r1]: [f64; 2], width: f64, since: f
     v0 + s * (r0 * width + s * (one + (s - 1.0) * (two - one)))
 }
 
-/// Keys of several channels over a stretch of time.
+/// Keys of several channels over an interval of time.
 ///
-/// Intervals between breaks are halved until the cubics are within their tolerances; then keys that follow from their neighbours are left out, channel by channel.
+/// Intervals between breaks are halved until the cubics are within their tolerances; then keys that follow from their neighbours are removed, channel by channel.
 ///
 /// # Arguments
 /// * `breaks` – growing times at which a derivative of a channel may jump; first and last are the ends (s)
@@ -54,7 +54,7 @@ pub(super) fn channels<E>(
     Ok(tolerances.iter().enumerate().map(|(k, &tolerance)| pruned(&states, k, tolerance)).collect())
 }
 
-/// Adds the first state and those that are needed up to the second.
+/// Adds the first state, and those that are needed between it and the second.
 fn between<E>(
     first: State,
     second: &State,
@@ -90,7 +90,7 @@ fn between<E>(
     Ok(())
 }
 
-/// One channel by as few of the states as it needs.
+/// One channel with as few of the states as it needs.
 fn pruned(states: &[State], k: usize, tolerance: f64) -> Channel {
     let mut channel = Channel::default();
     let mut add = |state: &State| {
@@ -113,7 +113,7 @@ fn pruned(states: &[State], k: usize, tolerance: f64) -> Channel {
     add(&states[first]);
     let mut from = first;
     while from < last {
-        // As far as one cubic holds: in steps that double, then halve.
+        // The longest span of one cubic: steps that double, then halve.
         let (mut to, mut stride) = (from + 1, 1);
         while to + stride <= last && spans(&states[from..=to + stride], k, tolerance) {
             to += stride;
@@ -131,7 +131,7 @@ fn pruned(states: &[State], k: usize, tolerance: f64) -> Channel {
     channel
 }
 
-/// Whether the cubic between the ends of some states holds for those between them.
+/// Whether the cubic between the first and the last state is within the tolerance at the others.
 fn spans(states: &[State], k: usize, tolerance: f64) -> bool {
     let (from, to) = (&states[0], &states[states.len() - 1]);
     let width = to.time - from.time;

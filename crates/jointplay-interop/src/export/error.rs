@@ -1,51 +1,53 @@
-//! Why a motion is not exported.
+//! Errors of exports.
 
 use jointplay_cell::CellError;
 
-/// Why a motion is not exported.
+/// Error of an export of a motion.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A rate that is none.
-    #[error("{rate} samples a second are none; ask for a rate above 0, such as 100")]
+    /// A sampling rate that is not positive.
+    #[error("the sampling rate must be positive, got {rate} Hz; use a rate such as 100 Hz")]
     Rate {
-        /// What was asked for (Hz).
+        /// The rate found (Hz).
         rate: f64,
     },
-    /// More samples than anybody reads.
-    #[error("these are {found:.0} samples, at most {allowed:.0} are allowed; take a lower rate")]
+    /// Too many samples.
+    #[error(
+        "the motion has {found:.0} samples at this rate, but at most {allowed:.0} are allowed; use a lower rate"
+    )]
     TooManySamples {
-        /// How many there would be.
+        /// Number of samples.
         found: f64,
-        /// How many there may be.
+        /// Number allowed.
         allowed: f64,
     },
-    /// The robot is nowhere for the positions of a sample.
-    #[error("at {time:.3} s the robot cannot be placed: {source}")]
+    /// The pose of the robot is unknown at a sample.
+    #[error("the pose of the robot at {time:.3} s cannot be computed: {source}")]
     Placing {
-        /// When (s).
+        /// Time of the sample (s).
         time: f64,
-        /// Why.
+        /// Reason.
         source: Box<CellError>,
     },
-    /// More bytes than the format can count.
-    #[error("the file would have {bytes} bytes, more than glTF can hold; take a lower rate")]
+    /// A file that is too large for its format.
+    #[error("the file would have {bytes} bytes, more than glTF allows; use a lower rate")]
     TooLarge {
-        /// How many there would be.
+        /// Size of the file (bytes).
         bytes: usize,
     },
-    /// The messages do not fit the format.
+    /// Messages that do not fit the format.
     #[cfg(feature = "mcap")]
-    #[error("the motion cannot be written as MCAP; take a lower rate, or csv")]
+    #[error("the motion cannot be written as MCAP; use a lower rate, or csv")]
     Mcap,
-    /// More than a format can be written with at once.
+    /// Too many poses for a format that is written at once.
     #[error(
-        "these are {found:.0} poses of frames, this format is written with at most {allowed:.0}; take a lower rate, or csv, text or solidworks, which are written in parts"
+        "the motion has {found:.0} poses of frames at this rate, but this format allows at most {allowed:.0}; use a lower rate, or csv, text or solidworks, which are written in parts"
     )]
     TooManyPoses {
-        /// How many there would be.
+        /// Number of poses.
         found: f64,
-        /// How many there may be.
+        /// Number allowed.
         allowed: f64,
     },
 }

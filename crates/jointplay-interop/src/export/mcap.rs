@@ -1,4 +1,4 @@
-//! A motion as MCAP, which Foxglove and PlotJuggler open: messages of ROS 2 with their definitions.
+//! A motion as MCAP for Foxglove and PlotJuggler: messages of ROS 2 with their definitions.
 //!
 //! | topic | message | how often |
 //! | --- | --- | --- |
@@ -22,7 +22,7 @@ use super::error::Error;
 use super::motion_export::MotionExport;
 use super::scene::{Scene, is_key};
 
-/// Definitions of the messages, each with those that it consists of.
+// Definitions of the messages, each with the definitions of its parts.
 const JOINT_STATE: &str = "\
 std_msgs/Header header
 string[] name
@@ -55,7 +55,7 @@ const HEADER: &str = "builtin_interfaces/Time stamp\nstring frame_id\n";
 const TIME: &str = "int32 sec\nuint32 nanosec\n";
 const STRING: &str = "string data\n";
 
-/// Frame that everything else is told in.
+/// Frame to which all others refer.
 const BASE: &str = "base";
 
 impl From<McapError> for Error {
@@ -64,7 +64,7 @@ impl From<McapError> for Error {
     }
 }
 
-/// A file in the making.
+/// An incomplete file.
 struct File {
     writer: Writer<Cursor<Vec<u8>>>,
     sequence: u32,
@@ -73,7 +73,7 @@ struct File {
 /// The motion as an MCAP file; its clock begins at 0.
 ///
 /// # Arguments
-/// * `rate` – samples a second; the last one is the end of the motion (Hz)
+/// * `rate` – number of samples per second; the last sample is the end of the motion (Hz)
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::TooManyPoses`], [`Error::Placing`], [`Error::Mcap`]
@@ -171,7 +171,7 @@ impl File {
         Ok(self.writer.add_channel(schema, topic, "cdr", &BTreeMap::new())?)
     }
 
-    /// What the file is of.
+    /// Writes name and duration of the motion, and a warning if it has violations.
     fn about(&mut self, motion_export: &MotionExport<'_>) -> Result<(), Error> {
         let mut metadata = BTreeMap::from([
             ("cell".to_owned(), motion_export.cell.name.clone()),
@@ -209,7 +209,7 @@ fn joint_state(names: &[&str], sample: &Sample) -> Vec<u8> {
     message.finish()
 }
 
-/// The samples within a step, its exact ends among them.
+/// The samples within a step, including its exact ends.
 fn joint_trajectory(
     motion_export: &MotionExport<'_>,
     names: &[&str],
@@ -235,16 +235,16 @@ fn joint_trajectory(
     message.finish()
 }
 
-/// The frames that move about sample `k`; all of them at the first.
+/// The frames that move at sample `k`; all frames at the first sample.
 fn transforms(scene: &Scene, k: usize) -> Vec<u8> {
-    let told: Vec<_> = scene
+    let moving: Vec<_> = scene
         .tracks
         .iter()
         .filter(|track| is_key(&track.places, k) || is_key(&track.turns, k))
         .collect();
     let mut message = Cdr::new();
-    message.count(told.len());
-    for track in told {
+    message.count(moving.len());
+    for track in moving {
         let parent = track.parent.map_or(BASE, |parent| &scene.tracks[parent].name);
         message.header(scene.times[k], parent);
         message.string(&track.name);

@@ -1,16 +1,16 @@
-//! A cell's motion for other programs, as text or bytes.
+//! Exports of a cell's motion as text or bytes.
 //!
 //! | to… | use | units |
 //! | --- | --- | --- |
 //! | a spreadsheet or a data frame | [`samples`](fn@samples), then [`jointplay_report::table::csv`] or [`jointplay_report::table::parquet`] | mm, degrees, in the names of the columns |
-//! | a viewer that shows a part of a long motion | [`Timeline`]: windows of steps, each by itself | m, rad |
+//! | a viewer that shows a part of a long motion | [`Timeline`]: independent windows of steps | m, rad |
 //! | a 3D viewer | [`gltf`](fn@gltf): one binary file with an animation | m, y up |
 //! | Foxglove, PlotJuggler or ROS 2 | `mcap::write`: JointState, JointTrajectory and transforms | m, rad |
 //! | SolidWorks | [`solidworks`](fn@solidworks): a file for each motor, and a macro that loads them | mm, degrees |
 //! | a controller | [`dialect::Dialect`]: lines from templates | those of the dialect |
 //!
-//! Each begins at 0 and ends at the very duration of the motion.
-//! What is wrong with the motion is told in each of them.
+//! Each export begins at 0 and ends at the exact duration of the motion.
+//! Each export reports the violations of the motion.
 
 mod channel;
 pub mod dialect;

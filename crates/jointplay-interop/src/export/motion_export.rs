@@ -7,24 +7,24 @@ use jointplay_cell::workcell::Cell;
 use super::error::Error;
 use super::violation_note::ViolationNote;
 
-/// The most samples that one export may have: a day at 1 kHz is less.
+/// Largest number of samples of an export; a day at 1 kHz has fewer.
 pub const MOST_SAMPLES: f64 = 1e8;
 
-/// A motion with all that is told of it.
+/// A motion with its cell, program and violations.
 #[derive(Debug, Clone, Copy)]
 pub struct MotionExport<'a> {
-    /// What moves, and among what.
+    /// The cell that moves.
     pub cell: &'a Cell,
-    /// How it moves.
+    /// The trajectory.
     pub motion: &'a Trajectory,
-    /// Text of the program, of which lines are quoted; empty for none.
+    /// Text of the program, from which lines are quoted; may be empty.
     pub program: &'a str,
-    /// What is wrong with the motion; empty where nothing is.
+    /// Violations of the motion.
     pub violation_notes: &'a [ViolationNote],
 }
 
 impl MotionExport<'_> {
-    /// Why nothing of this should be run: one line; `None` where nothing is wrong.
+    /// A warning in one line against execution of the motion; `None` without violations.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let first = self.violation_notes.first()?;
@@ -33,7 +33,7 @@ impl MotionExport<'_> {
         Some(format!("NOT SAFE TO RUN: {count} {what}, the first: {}", first.message))
     }
 
-    /// The line of the program that a step comes from, as it is written.
+    /// The program line of a step.
     pub(crate) fn line(&self, step: usize) -> &str {
         let line = self.motion.steps.get(step).map_or(0, |step| step.place.line);
         self.program.lines().nth(line.wrapping_sub(1)).map_or("", str::trim)
@@ -43,7 +43,7 @@ impl MotionExport<'_> {
         &self.cell.robot.arms[id.arm].effectors[id.effector].name
     }
 
-    /// Whether there can be so many samples a second.
+    /// Checks that the sampling rate is positive and the number of samples allowed.
     pub(crate) fn check_rate(&self, rate: f64) -> Result<(), Error> {
         let samples = self.motion.duration() * rate;
         if !(rate.is_finite() && rate > 0.0) {

@@ -1,4 +1,4 @@
-//! A motion as a table: one row a sample.
+//! A motion as a table: one row per sample.
 
 use jointplay_cell::robot::{AxisKind, ChainPose, EffectorId};
 use jointplay_cell::trajectory::Sample;
@@ -8,10 +8,10 @@ use super::motion_export::MotionExport;
 use jointplay_format::units::{deg, mm};
 use jointplay_report::table::{Column, Values};
 
-/// All columns: time, line of the program, step; position, speed and acceleration of each axis; the wafer centre of each effector; and how many violations there are, where there are any.
+/// All columns: time, line of the program, step; position, velocity and acceleration of each axis; the wafer centre of each effector; the number of violations, if there are any.
 ///
 /// # Arguments
-/// * `rate` – rows a second; the last row is the end of the motion (Hz)
+/// * `rate` – number of rows per second; the last row is the end of the motion (Hz)
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Placing`]
@@ -20,14 +20,14 @@ pub fn samples(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<Column
     table(motion_export, motion_export.motion.samples(rate))
 }
 
-/// Rows of a table that are held at a time.
+/// Number of rows that are kept in memory.
 const PART: usize = 1 << 16;
 
-/// The table of [`samples`], a part after the other: what is held does not grow with the duration.
+/// The table of [`samples`] in parts of limited size.
 ///
 /// # Arguments
-/// * `rate` – rows a second; the last row is the end of the motion (Hz)
-/// * `take` – takes the next rows, as columns that are the same in all parts
+/// * `rate` – number of rows per second; the last row is the end of the motion (Hz)
+/// * `take` – receives the next rows, as columns that are the same in all parts
 ///
 /// # Errors
 /// As [`samples`], and those of `take`.
@@ -44,10 +44,10 @@ pub fn samples_in_parts<E: From<Error>>(
     Ok(())
 }
 
-/// The same with rows between the even times, so that lines drawn from row to row are the motion: at the ends of steps, at peaks of speeds and where accelerations bend.
+/// The table of [`samples`] with additional rows, so that lines from row to row represent the motion: at the ends of steps, at peaks of velocities and where accelerations have a corner.
 ///
 /// # Arguments
-/// * `rate` – rows a second at least (Hz)
+/// * `rate` – least number of rows per second (Hz)
 ///
 /// # Errors
 /// As [`samples`].
@@ -60,12 +60,12 @@ pub fn samples_with_peaks(
     table(motion_export, times.into_iter().map(|time| motion_export.motion.sample_at(time)))
 }
 
-/// [`samples`], or [`samples_with_peaks`], of a stretch of time.
+/// [`samples`], or [`samples_with_peaks`], of an interval of time.
 ///
 /// # Arguments
-/// * `rate` – rows a second at least (Hz)
-/// * `peaks` – whether there are rows between the even times
-/// * `from`, `to` – first and last time; rows outside are left out (s)
+/// * `rate` – least number of rows per second (Hz)
+/// * `peaks` – whether to add rows at peaks
+/// * `from`, `to` – first and last time; rows outside are omitted (s)
 ///
 /// # Errors
 /// As [`samples`].
@@ -85,7 +85,7 @@ pub fn samples_within(
     table(motion_export, times.map(|time| motion.sample_at(time)))
 }
 
-/// Sample times between which velocities and accelerations are straight lines, within a share of the limits without a wafer (s).
+/// Sample times between which velocities and accelerations are linear, within a share of the limits without a wafer (s).
 fn peak_times(motion_export: &MotionExport<'_>, rate: f64, interval: [f64; 2]) -> Vec<f64> {
     let limits = motion_export.cell.robot.axes.iter().map(|axis| &axis.empty);
     motion_export.motion.peak_times(rate, interval, limits)
@@ -118,10 +118,10 @@ fn table(
             violation_note.from <= sample.time && sample.time <= violation_note.to
         };
         violations.push(count(violation_notes.iter().filter(here).count()));
-        let told = [&sample.positions, &sample.velocities, &sample.accelerations];
+        let state = [&sample.positions, &sample.velocities, &sample.accelerations];
         for (axis, columns) in states.iter_mut().enumerate() {
             let unit: fn(f64) -> f64 = if turns(axes[axis].kind) { deg } else { mm };
-            for (column, values) in columns.iter_mut().zip(told) {
+            for (column, values) in columns.iter_mut().zip(state) {
                 column.push(unit(values[axis]));
             }
         }
@@ -154,10 +154,10 @@ fn table(
     Ok(columns)
 }
 
-/// Where the wafer centre of each effector goes: x and y in the base frame at even times (m).
+/// Tracks of the wafer centres of all effectors: x and y in the base frame at equal intervals of time (m).
 ///
 /// # Arguments
-/// * `rate` – points a second (Hz)
+/// * `rate` – number of points per second (Hz)
 ///
 /// # Errors
 /// As [`samples`].
@@ -180,7 +180,7 @@ pub fn tracks(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<Vec<[f6
     Ok(tracks)
 }
 
-/// Where everything is at positions of all axes, arms drooping.
+/// Poses of all parts of the robot for positions of all axes, with droop.
 pub(super) fn placed(
     motion_export: &MotionExport<'_>,
     time: f64,
@@ -191,7 +191,7 @@ pub(super) fn placed(
     motion_export.cell.forward_with_deflection(positions, loaded).map_err(failed)
 }
 
-/// Who carries a wafer in a step.
+/// Effectors that carry a wafer in a step.
 pub(super) fn loaded<'a>(motion_export: &MotionExport<'a>, step: usize) -> &'a [EffectorId] {
     motion_export.motion.steps.get(step).map_or(&[], |step| &step.loaded)
 }

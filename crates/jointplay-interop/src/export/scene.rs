@@ -1,4 +1,4 @@
-//! What moves in a cell, as frames with their ways: rods, platform, links, wafers.
+//! Moving frames of a cell with their trajectories: rods, platform, links, wafers.
 
 use jointplay_cell::program::{WaferLocations, WaferStay};
 use jointplay_cell::robot::{ChainPose, EffectorId, RODS};
@@ -12,35 +12,35 @@ use super::motion_export::MotionExport;
 use super::samples::{loaded, placed};
 use super::wafer_frames::{WaferFrame, WaferFrames};
 
-/// How much before and after a sample it is looked where things are, to find how fast they go (s).
+/// Interval before and after a sample over which rates are differences (s).
 const MOMENT: f64 = 1e-5;
 
-/// Most poses of frames that are held at once: 112 bytes each.
+/// Largest number of poses that are kept in memory, 112 bytes each.
 const MOST_POSES: f64 = 2e7;
 
 /// A frame that may move.
 pub(super) struct Track {
     pub(super) name: String,
-    /// What it is of.
+    /// The part of the cell to which the frame belongs.
     pub(super) of: Part,
-    /// Index of the track that its poses are told in; `None` for the base.
+    /// Index of the parent track, to which the poses refer; `None` for the base.
     pub(super) parent: Option<usize>,
     /// Origin in the parent, at each time (m).
     pub(super) places: Vec<[f64; 3]>,
-    /// Unit quaternion x, y, z, w in the parent, at each time; neighbours on the same side.
+    /// Unit quaternion x, y, z, w in the parent, at each time; neighbours have a positive dot product.
     pub(super) turns: Vec<[f64; 4]>,
-    /// How fast both change, at each time; empty where that is not asked for.
+    /// Rates of both, at each time; empty unless requested.
     pub(super) rates: Vec<Rate>,
     /// Stays of a wafer in slots; empty for other parts.
     pub(super) slot_stays: Vec<SlotStay>,
 }
 
-/// How fast a frame goes in its parent.
+/// Rate of change of a pose in its parent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Rate {
-    /// Of its origin (m/s).
+    /// Velocity of its origin (m/s).
     pub(super) place: [f64; 3],
-    /// Of its unit quaternion, a second.
+    /// Derivative of its unit quaternion (1/s).
     pub(super) turn: [f64; 4],
 }
 
@@ -53,7 +53,7 @@ pub(super) struct SlotStay {
     pub(super) to: f64,
 }
 
-/// What a track is of.
+/// Part of the cell to which a track belongs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Part {
     Rod(usize),
@@ -62,23 +62,23 @@ pub(super) enum Part {
         arm: usize,
         link: usize,
     },
-    /// Counted as those of slots, then those of effectors.
+    /// Index of a wafer: wafers in slots first, then those on effectors.
     Wafer(usize),
 }
 
 /// All frames that move.
 pub(super) struct Scene {
-    /// (s).
+    /// Sample times (s).
     pub(super) times: Vec<f64>,
-    /// Parents before children.
+    /// Parents come before children.
     pub(super) tracks: Vec<Track>,
 }
 
 impl Scene {
-    /// The frames of a motion at even times and at its end.
+    /// The frames of a motion at equal intervals of time and at its end.
     ///
     /// # Arguments
-    /// * `with_rates` – whether it is told how fast they go
+    /// * `with_rates` – whether to compute the rates
     pub(super) fn of(
         motion_export: &MotionExport<'_>,
         rate: f64,
@@ -158,14 +158,14 @@ impl Track {
 
     fn push(&mut self, pose: &Pose) {
         let turn = self.turn(pose);
-        // What does not move is told as such, round-off or not.
+        // Rounded, so that frames at rest have equal poses.
         self.places.push(<[f64; 3]>::from(pose.translation.vector).map(|part| rounded(part, 1e9)));
         self.turns.push(<[f64; 4]>::from(turn).map(|part| rounded(part, 1e12)));
     }
 
-    /// How fast it goes where it was pushed last, by where it is a [`MOMENT`] before, then, and as much after.
+    /// Adds the rate at the last pose, from the poses a [`MOMENT`] before, at, and after its time.
     fn push_rate(&mut self, poses: &[Pose; 3]) {
-        // As most wafers do.
+        // Most wafers do not move.
         if poses[0] == poses[1] && poses[1] == poses[2] {
             return self.rates.push(Rate::default());
         }
@@ -177,14 +177,14 @@ impl Track {
     /// The unit quaternion x, y, z, w of a pose.
     fn turn(&self, pose: &Pose) -> Vector4<f64> {
         let turn = UnitQuaternion::from_rotation_matrix(&pose.rotation).into_inner().coords;
-        // q and −q are one rotation; what is interpolated between must not go the long way round.
+        // q and −q are one rotation; interpolation must take the shorter arc.
         let other_side =
             self.turns.last().is_some_and(|&last| turn.dot(&Vector4::from(last)) < 0.0);
         if other_side { -turn } else { turn }
     }
 }
 
-/// How fast something goes, of both differences of neighbours the smaller: where the droop jumps, at the edge of what is known of it, the other holds the jump.
+/// Rate from the smaller of both one-sided differences: at the edge of a droop table, where the droop jumps, the other one contains the jump.
 fn slower<const N: usize>([before, now, after]: [SVector<f64, N>; 3]) -> [f64; N] {
     let (one, other) = (now - before, after - now);
     let gone = if one.norm() < other.norm() { one } else { other };
@@ -193,16 +193,16 @@ fn slower<const N: usize>([before, now, after]: [SVector<f64, N>; 3]) -> [f64; N
 
 /// A number to the nearest fraction.
 pub(super) fn rounded(value: f64, fractions: f64) -> f64 {
-    // Without a minus before a zero, which would be another number than zero for those who compare bits.
+    // Adding zero removes the sign of a negative zero, which would differ bit by bit.
     (value * fractions).round() / fractions + 0.0
 }
 
-/// Whether sample `k` of a series has to be told for the rest to follow by straight interpolation: the ends, and wherever it differs from a neighbour.
+/// Whether sample `k` of a series is needed for linear interpolation: the ends, and samples that differ from a neighbour.
 pub(super) fn is_key<T: PartialEq>(series: &[T], k: usize) -> bool {
     k == 0 || k + 1 == series.len() || series[k] != series[k - 1] || series[k] != series[k + 1]
 }
 
-/// Frames of the robot, nowhere yet.
+/// Tracks of the robot without samples.
 fn tracks(cell: &Cell) -> Vec<Track> {
     let robot = &cell.robot;
     let rods = (0..RODS).map(|k| Track::new(&robot.axes[k].name, Part::Rod(k), None));
@@ -240,21 +240,21 @@ fn wafer_tracks(cell: &Cell, locations: &WaferLocations) -> impl Iterator<Item =
     })
 }
 
-/// A frame that moves, in the one that it moves with; named and nested as in [`gltf`](fn@super::gltf).
+/// A moving frame relative to its parent; named and nested as in [`gltf`](fn@super::gltf).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
-    /// What it is called.
+    /// Name of the frame.
     pub name: String,
-    /// Its origin (m).
+    /// Origin in the parent (m).
     pub place: [f64; 3],
-    /// Its unit quaternion x, y, z, w.
+    /// Unit quaternion x, y, z, w in the parent.
     pub turn: [f64; 4],
 }
 
-/// Where all would be at a moment of the motion if the axes stood elsewhere, and who carries a wafer then.
+/// Frames of the cell for other positions of the axes, with the wafers as at a time of the motion, and the effectors that carry a wafer then.
 ///
 /// # Arguments
-/// * `time` – the moment that tells which wafers are where (s)
+/// * `time` – time of the motion that determines the occupancy (s)
 /// * `positions` – of all axes, rods first ((m), (rad))
 ///
 /// # Errors

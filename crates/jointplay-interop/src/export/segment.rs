@@ -9,18 +9,18 @@ use super::motion_export::MotionExport;
 use super::samples::{loaded, placed};
 use super::scene::rounded;
 
-/// How far cubics may be from the positions of axes between two keys (m or rad).
+/// Tolerance of the cubics of axis positions (m or rad).
 const AXIS: f64 = 1e-8;
-/// How far cubics may be from the numbers of a pose between two keys (m), and for the vector part of a unit quaternion.
+/// Tolerance of the cubics of poses (m), and of the vector part of a unit quaternion.
 const POSE: f64 = 2e-8;
-/// How much before and after a time it is looked where things are, to find how fast they move (s).
+/// Interval before and after a time over which rates are differences (s).
 const MOMENT: f64 = 1e-5;
 /// Numbers of a pose: origin x, y, z, then the vector part x, y, z of a unit quaternion whose scalar part is positive.
 pub(super) const POSE_NUMBERS: usize = 6;
 
-/// The channels of one step, by the time since its start.
+/// The channels of one step, by time since its start.
 ///
-/// In order: positions of all axes; [`POSE_NUMBERS`] of the platform in the base frame; as many for each arm: the frame of its last link, deflected, in the rigid one; as many for each effector, arm by arm: the frame of its last link by which its wafer is deflected, in the rigid one.
+/// In order: positions of all axes; [`POSE_NUMBERS`] of the platform in the base frame; for each arm, the frame of its deflected last link in the rigid one; for each effector, arm by arm, the frame of its last link by which its wafer is deflected, in the rigid one.
 pub(super) struct Segment {
     pub(super) duration: f64,
     pub(super) channels: Vec<Channel>,
@@ -85,7 +85,7 @@ impl Segment {
     }
 }
 
-/// Origin (m) and vector part of the unit quaternion of a pose; noise of round-off is left out.
+/// Origin (m) and vector part of the unit quaternion of a pose, without the noise of round-off.
 pub(super) fn numbers_of(pose: &Pose) -> [f64; POSE_NUMBERS] {
     let turn = UnitQuaternion::from_rotation_matrix(&pose.rotation).into_inner();
     let turn = if turn.w < 0.0 { -turn.imag() } else { turn.imag() };

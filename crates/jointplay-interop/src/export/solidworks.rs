@@ -11,17 +11,17 @@ use super::motion_export::MotionExport;
 use super::samples::turns;
 use jointplay_format::units::{deg, mm};
 
-/// Name of the macro's file; `NOT-SAFE-` stands before it, and before those of the motors, where something is wrong with the motion.
+/// Name of the macro's file; if the motion has violations, `NOT-SAFE-` precedes this name and those of the motors' files.
 pub const MACRO: &str = "load-motors.bas";
-/// Lines of numbers have no room for words: the names say it.
+/// Prefix of the files of a motion with violations; the files themselves have no room for a comment.
 const MARK: &str = "NOT-SAFE-";
 
 /// A file `motor-NAME.csv` for each axis with lines `time,value` in s and mm or degrees, and [`MACRO`], as names and contents.
 ///
-/// The macro gives their motion to the motors of a motion study that have the names of the axes.
+/// The macro assigns the motions to the motors of a motion study that have the names of the axes.
 ///
 /// # Arguments
-/// * `rate` – lines a second; the last line is the end of the motion (Hz)
+/// * `rate` – number of lines per second; the last line is the end of the motion (Hz)
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`]
@@ -48,11 +48,11 @@ pub fn motors(motion_export: &MotionExport<'_>) -> Vec<String> {
     names
 }
 
-/// The file of one motor, to where it is kept.
+/// Writes the file of one motor.
 ///
 /// # Arguments
-/// * `axis` – which, by index
-/// * `rate` – lines a second; the last line is the end of the motion (Hz)
+/// * `axis` – index of the axis
+/// * `rate` – number of lines per second; the last line is the end of the motion (Hz)
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`]; within, those of the writer
@@ -68,7 +68,7 @@ pub fn motor(
     motion_export.check_rate(rate)?;
     let unit: fn(f64) -> f64 =
         if turns(motion_export.cell.robot.axes[axis].kind) { deg } else { mm };
-    // Every digit: the end of the last line is the end of the motion.
+    // All digits: the last line must be the exact end of the motion.
     let mut samples = motion_export.motion.samples(rate);
     let line = |at: Sample| writeln!(writer, "{},{}", at.time, unit(at.positions[axis]));
     Ok(samples.try_for_each(line))
@@ -78,7 +78,7 @@ fn mark(motion_export: &MotionExport<'_>) -> &'static str {
     if motion_export.violation_notes.is_empty() { "" } else { MARK }
 }
 
-/// Names of all files that [`solidworks`] may make for a cell, of sound motions and of others.
+/// Names of all files that [`solidworks`] can return for a cell, with and without violations.
 #[must_use]
 pub fn solidworks_names(cell: &Cell) -> Vec<String> {
     ["", MARK].into_iter().flat_map(|mark| names(cell, mark)).collect()
@@ -91,13 +91,13 @@ fn names(cell: &Cell, mark: &str) -> Vec<String> {
     motors.chain(std::iter::once(format!("{mark}{MACRO}"))).collect()
 }
 
-/// A name that every system takes for a file.
+/// A file name that every operating system accepts.
 fn file_name(name: &str) -> String {
     let plain = |letter: char| if letter.is_ascii_alphanumeric() { letter } else { '_' };
     name.chars().map(plain).collect()
 }
 
-/// Text as it may stand in a string of Visual Basic.
+/// A string literal of Visual Basic.
 fn quoted(text: &str) -> String {
     let plain: String =
         text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
@@ -118,7 +118,7 @@ pub fn loader(motion_export: &MotionExport<'_>) -> (String, String) {
     });
     let text = format!(
         r#"Attribute VB_Name = "LoadMotors"
-' Gives the motors of a motion study the motion in the files beside this macro.
+' Assigns the motion in the files of this folder to the motors of a motion study.
 ' The study has to be a Motion Analysis, and its motors have to have the names of the axes.
 ' Times are in s, displacements in mm for linear and in degrees for rotary motors: set the units of the document so.
 ' Import this file into a new macro, whose references to the libraries of SolidWorks it needs.
@@ -167,6 +167,6 @@ End Sub
 "#,
         duration = motion_export.motion.duration(),
     );
-    // As the editor of Visual Basic writes them.
+    // Line ends as in files of the Visual Basic editor.
     (format!("{}{MACRO}", mark(motion_export)), text.replace('\n', "\r\n"))
 }

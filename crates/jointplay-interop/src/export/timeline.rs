@@ -1,4 +1,4 @@
-//! A motion in windows of steps, each of which is described by itself: for viewers that show a part of a long motion.
+//! A motion in independent windows of steps, for viewers that show a part of a long motion.
 
 mod cut;
 mod encode;
@@ -31,50 +31,50 @@ pub use held_at::{HeldAt, wafers_at_start};
 
 /// Steps of a window, unless a motion has so many that there would be more than [`MOST_WINDOWS`].
 const STEPS: usize = 96;
-/// Most windows of a motion, about.
+/// Approximate largest number of windows of a motion.
 const MOST_WINDOWS: usize = 2048;
 
 /// A motion in windows of steps.
 ///
-/// The content of a window depends on its steps, on where the wafers are at its start and on the violations in it, and not on when it starts.
-/// Its key is a hash of all that its content depends on: windows with the same key are the same.
+/// The content of a window depends on its steps, on the occupancy at its start and on its violations, and not on its start time.
+/// The key of a window is a hash of all inputs of its content: windows with equal keys are equal.
 pub struct Timeline {
-    /// In order; together they hold all steps.
+    /// Windows in order; together they contain all steps.
     pub windows: Vec<Window>,
-    /// Of each step, a hash of what happens in it.
+    /// Hash of the content of each step.
     marks: Vec<u64>,
-    /// Of each step, a hash of how the axes move in it.
+    /// Hash of the axis motion of each step.
     motions: Vec<u64>,
-    /// Where wafers go, in order.
+    /// Hand-offs, in order.
     changes: Vec<Change>,
-    /// Hash of what all windows of the cell depend on.
+    /// Hash of the inputs that all windows of the cell share.
     shared: u64,
-    /// Those that were asked for last, of this motion and the ones before.
+    /// Recently used segments, of this motion and previous ones.
     segments: Arc<Mutex<Segments>>,
 }
 
 /// Segments by hashes of the cell and of the motion, and by the effectors that carry a wafer.
 type Segments = BTreeMap<(u64, u64, Vec<EffectorId>), Arc<Segment>>;
 
-/// Segments that are remembered.
+/// Largest number of cached segments.
 const MOST_SEGMENTS: usize = 512;
 
-/// Some steps of a motion.
+/// Consecutive steps of a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Window {
-    /// Hash of its content, as hexadecimal digits.
+    /// Hash of the content, in hexadecimal digits.
     pub key: String,
-    /// Its steps.
+    /// Indices of the steps.
     pub steps: Range<usize>,
-    /// When it starts (s).
+    /// Start time (s).
     pub start: f64,
     /// Index of its first instruction.
     pub instruction: usize,
-    /// Line of that.
+    /// Program line of the first instruction.
     pub line: usize,
 }
 
-/// A wafer that changes hands at the end of a step.
+/// A hand-off at the end of a step.
 #[derive(Debug, Clone, Copy)]
 struct Change {
     step: usize,
@@ -83,11 +83,11 @@ struct Change {
 }
 
 impl Timeline {
-    /// Cuts a motion into windows.
+    /// Divides a motion into windows.
     ///
     /// # Arguments
-    /// * `violations` – all of the motion
-    /// * `previous` – windows of another motion: where steps at the beginning and at the end are those of it, so are the windows
+    /// * `violations` – all violations of the motion
+    /// * `previous` – timeline of another motion: equal steps at the beginning and at the end have the same windows
     ///
     /// # Errors
     /// [`Error::Placing`]
@@ -126,7 +126,7 @@ impl Timeline {
         Ok(timeline)
     }
 
-    /// A step as channels.
+    /// The channels of a step.
     fn segment(
         &self,
         motion_export: &MotionExport<'_>,
@@ -152,25 +152,25 @@ impl Timeline {
         std::iter::once(0).chain(ends).collect()
     }
 
-    /// Index of the window of a key.
+    /// Index of the window with this key.
     #[must_use]
     pub fn find(&self, key: &str) -> Option<usize> {
         self.windows.iter().position(|window| window.key == key)
     }
 
-    /// Wafers that have changed hands before a step, by index.
+    /// Wafers that were handed over before a step, by index.
     fn moved(&self, step: usize) -> BTreeMap<usize, HeldAt> {
         let before = self.changes.partition_point(|change| change.step < step);
         self.changes[..before].iter().map(|change| (change.wafer, change.to)).collect()
     }
 
-    /// Wafers that change hands in some steps.
+    /// Hand-offs in a range of steps.
     fn changes_in(&self, steps: &Range<usize>) -> &[Change] {
         let at = |step: usize| self.changes.partition_point(|change| change.step < step);
         &self.changes[at(steps.start)..at(steps.end)]
     }
 
-    /// Hash of all that the content of a window depends on.
+    /// Hash of all inputs of a window's content.
     fn key(
         &self,
         motion: &Trajectory,
@@ -215,11 +215,11 @@ impl Timeline {
         window: &Window,
     ) -> impl Iterator<Item = &'v ViolationReport> + use<'v> {
         let (start, end) = (window.start, motion.times[window.steps.end]);
-        // By time of start; none lasts beyond its instruction, which begins in this window or the one before.
+        // Sorted by start; none lasts beyond its instruction, which begins in this window or the one before.
         violations.iter().filter(move |one| one.start_s <= end && one.end_s >= start)
     }
 
-    /// Least and largest values of all axes in some windows, by index; those that are not there are left out.
+    /// Least and largest values of all axes in some windows, by index; unknown indices are omitted.
     #[must_use]
     pub fn envelopes(
         &self,
@@ -242,7 +242,7 @@ impl Timeline {
     }
 }
 
-/// All wafers that change hands.
+/// All hand-offs.
 fn changes(motion_export: &MotionExport<'_>) -> Result<Vec<Change>, Error> {
     let mut wafers = WaferFrames::new(motion_export);
     let mut changes = Vec::new();
@@ -252,14 +252,14 @@ fn changes(motion_export: &MotionExport<'_>) -> Result<Vec<Change>, Error> {
     Ok(changes)
 }
 
-/// Hash of what all windows of a cell depend on: numbers are printed so that no two of them look alike.
+/// Hash of the inputs that all windows of a cell share; the debug format distinguishes all numbers.
 fn shared(cell: &Cell) -> u64 {
     let mut hasher = DefaultHasher::new();
     format!("{:?} {:?} {:?}", cell.robot, cell.wafer, cell.gravity).hash(&mut hasher);
     hasher.finish()
 }
 
-/// Hash of what happens in a step, whose axes move so.
+/// Hash of the content of a step.
 fn mark(motion: &Trajectory, axes: u64, index: usize) -> u64 {
     let step = &motion.steps[index];
     let mut hasher = DefaultHasher::new();

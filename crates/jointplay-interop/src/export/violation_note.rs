@@ -1,21 +1,21 @@
-//! Violations of a motion, as exported files state them.
+//! Violations of a motion for exported files.
 
 use jointplay_cell::check::{Report, Violation};
 use jointplay_cell::workcell::Cell;
 use jointplay_report::explain_violation;
 
-/// Something that is wrong with a motion.
+/// A violation of a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViolationNote {
-    /// From when on (s).
+    /// Start of the violation (s).
     pub from: f64,
-    /// Until when (s).
+    /// End of the violation (s).
     pub to: f64,
-    /// What it is.
+    /// Message with line, kind and values.
     pub message: String,
 }
 
-/// What is wrong with a motion, as exported files say it.
+/// The violations of a motion for exported files.
 #[must_use]
 pub fn violation_notes(cell: &Cell, report: &Report) -> Vec<ViolationNote> {
     let violation_note = |one: &Violation| ViolationNote {

@@ -1,4 +1,4 @@
-//! A mechanism in the making: links and joints by name, what is ignored, and where each stands in the model.
+//! An incomplete mechanism: links and joints by name, ignored parts, and places in the model.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -17,13 +17,13 @@ pub(super) struct Draft<'a> {
     links: Named,
     joints: Named,
     pub(super) descriptions: Vec<Joint>,
-    /// Names that stand in the model, from which those made up here keep away.
+    /// Names in the model, which generated names avoid.
     taken: BTreeSet<&'a str>,
     ignored: BTreeMap<String, usize>,
     remarks: Vec<String>,
 }
 
-/// Names with their numbers and places.
+/// Names with their indices and places.
 #[derive(Default)]
 struct Named {
     names: Vec<String>,
@@ -69,7 +69,7 @@ impl<'a> Draft<'a> {
         place: Range<usize>,
     ) -> Result<usize, Error> {
         let added = self.links.add(name.into(), place.clone());
-        added.map_err(|error| self.xml.wrong(place, error))
+        added.map_err(|error| self.xml.error(place, error))
     }
 
     pub(super) fn link(&self, name: &str) -> Option<usize> {
@@ -95,7 +95,7 @@ impl<'a> Draft<'a> {
 
     pub(super) fn add_joint(&mut self, joint: Joint, place: Range<usize>) -> Result<(), Error> {
         let added = self.joints.add(joint.name.clone(), place.clone());
-        added.map_err(|error| self.xml.wrong(place, error))?;
+        added.map_err(|error| self.xml.error(place, error))?;
         self.descriptions.push(joint);
         Ok(())
     }
@@ -108,7 +108,7 @@ impl<'a> Draft<'a> {
         self.joints.names.iter().map(String::as_str)
     }
 
-    /// A name for what has none: this one, with a number where the model has it already.
+    /// A generated name: this one, with a number if the model already has it.
     pub(super) fn fresh(&self, name: String) -> String {
         let is_free = |name: &str| {
             !self.taken.contains(name) && self.link(name).is_none() && self.joint(name).is_none()
@@ -124,19 +124,19 @@ impl<'a> Draft<'a> {
         *self.ignored.entry(what.into()).or_default() += 1;
     }
 
-    /// Something to be told beside what is ignored.
+    /// Adds a remark to the list of ignored parts.
     pub(super) fn remark(&mut self, what: String) {
         self.remarks.push(what);
     }
 
-    /// Lists the attributes of an element that are not among those used.
+    /// Adds the attributes of an element that are not used to the ignored parts.
     pub(super) fn ignore_attributes(&mut self, node: Node, used: &[&str]) {
         for attribute in node.attributes().filter(|found| !used.contains(&found.name())) {
             self.ignore(format!("{} of {}", attribute.name(), node.tag_name().name()));
         }
     }
 
-    /// The mechanism, its errors with the place of what they are about.
+    /// The mechanism, or an error with its place.
     pub(super) fn finish(self, name: &str, dialect: Dialect) -> Result<Imported, Error> {
         let Self { xml, root, links, joints, descriptions, ignored, mut remarks, .. } = self;
         let mechanism = Mechanism::new(name, links.names.clone(), descriptions);
@@ -149,14 +149,14 @@ impl<'a> Draft<'a> {
                 | E::LimitsReversed { name, .. } => joints.place(name),
                 _ => None,
             };
-            xml.wrong(found.unwrap_or(root), error)
+            xml.error(found.unwrap_or(root), error)
         })?;
         remarks.extend(ignored.into_iter().map(|(what, count)| format!("{count} × {what}")));
         Ok(Imported { mechanism, dialect, ignored: remarks })
     }
 }
 
-/// A joint of which nothing but its place is known.
+/// A joint with a kind, links and frames only.
 pub(super) fn bare(name: String, kind: JointKind, links: [usize; 2], frames: [Pose; 2]) -> Joint {
     Joint {
         name,

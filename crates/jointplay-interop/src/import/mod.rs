@@ -1,7 +1,7 @@
-//! Mechanisms from model files of other programs: MJCF, SDF and URDF, told apart by their root element.
+//! Mechanisms from model files of other programs: MJCF, SDF and URDF, distinguished by their root element.
 //!
-//! What has no place in a mechanism, such as shapes and masses, is listed as ignored.
-//! What would change the mechanism if it were passed over is an error with its place.
+//! Parts that do not affect the mechanism, such as shapes and masses, are listed as ignored.
+//! An unsupported part that would affect the mechanism is an error with its place.
 //!
 //! ```
 //! let model = jointplay_interop::import::parse(r#"

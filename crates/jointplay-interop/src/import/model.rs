@@ -3,18 +3,18 @@
 use jointplay_core::mechanism::Mechanism;
 use jointplay_format::mechanism::{AngleUnit, Expected, LengthUnit, MechanismFile, Units};
 
-/// A model as taken over.
+/// An imported model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Imported {
     /// The mechanism (m, rad).
     pub mechanism: Mechanism,
-    /// Which kind of file it was.
+    /// Format of the file.
     pub dialect: Dialect,
-    /// What has no place in a mechanism, with how often it was there.
+    /// Ignored parts, with their numbers.
     pub ignored: Vec<String>,
 }
 
-/// Kinds of model files.
+/// Formats of model files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dialect {
     /// Models of MuJoCo.
@@ -26,7 +26,7 @@ pub enum Dialect {
 }
 
 impl Dialect {
-    /// Its name, as people write it.
+    /// Name of the format.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -38,7 +38,7 @@ impl Dialect {
 }
 
 impl Imported {
-    /// The same as a mechanism file, in m and rad.
+    /// The mechanism as a mechanism file in m and rad.
     #[must_use]
     pub fn into_file(self) -> MechanismFile {
         MechanismFile {

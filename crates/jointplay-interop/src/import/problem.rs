@@ -1,39 +1,39 @@
-//! What can be wrong in a model of another program.
+//! Errors of imported models.
 
 use jointplay_core::mechanism::MechanismError;
 
 use jointplay_format::place::{listed, suggestion};
 
-/// Why a text is no model that can be taken over, and where.
+/// Error of an imported model, with its place.
 pub type Error = jointplay_format::place::Error<Problem>;
 
-/// What can be wrong in a model of another program.
+/// Errors of imported models.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
     /// Not XML.
     #[error("{0}")]
     Xml(String),
-    /// More text than a mechanism needs.
+    /// A text that is too long.
     #[error("the text has {found} bytes, but at most {allowed} are allowed")]
     TooLong {
-        /// How many there are.
+        /// Length found (bytes).
         found: usize,
-        /// How many may be.
+        /// Length allowed (bytes).
         allowed: usize,
     },
-    /// Elements inside elements without end.
-    #[error("elements stand inside one another more than {allowed} deep")]
+    /// Elements that are nested too deeply.
+    #[error("elements are nested more than {allowed} deep")]
     TooDeep {
-        /// How deep they may stand.
+        /// Depth allowed.
         allowed: usize,
     },
-    /// Something that would change the mechanism if it were passed over.
-    #[error("{what} cannot be taken over: {advice}")]
+    /// An unsupported part that would affect the mechanism.
+    #[error("{what} cannot be imported: {advice}")]
     Unsupported {
-        /// What it is.
+        /// The part.
         what: String,
-        /// Why not, or what to do instead.
+        /// Reason or remedy.
         advice: String,
     },
     /// A value that cannot be used.
@@ -41,40 +41,40 @@ pub enum Problem {
     Value {
         /// The attribute or element.
         what: String,
-        /// What was found.
+        /// The value found.
         found: String,
-        /// What it has to be.
+        /// Values allowed.
         expected: &'static str,
     },
-    /// An element or attribute that is not there.
+    /// A missing element or attribute.
     #[error("`{whose}` needs `{what}`")]
     Missing {
         /// The element that needs it.
         whose: String,
-        /// What it needs.
+        /// The missing part.
         what: &'static str,
     },
-    /// A name that nothing has.
+    /// An unknown name.
     #[error("{what} {found:?} is not known{}; known: {}", suggestion(nearest), listed(known))]
     Unknown {
-        /// What it should name.
+        /// Kind of the named object.
         what: &'static str,
-        /// What was found.
+        /// The name found.
         found: String,
-        /// The known one most like it.
+        /// The most similar known name.
         nearest: Option<String>,
-        /// All that could stand there.
+        /// All known names.
         known: Vec<String>,
     },
-    /// Places or attachments that need each other.
+    /// Poses or attachments that depend on each other.
     #[error("{what} {name:?} depends on itself: frames refer to each other in a circle")]
     Circle {
-        /// The place or the attachment.
+        /// The pose or the attachment.
         what: &'static str,
-        /// Of which frame.
+        /// Name of the frame.
         name: String,
     },
-    /// Bodies and joints that make no mechanism.
+    /// Links and joints that form no mechanism.
     #[error(transparent)]
     Mechanism(#[from] MechanismError),
 }

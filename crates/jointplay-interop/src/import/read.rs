@@ -1,4 +1,4 @@
-//! From the text of a model to a mechanism.
+//! Import of a mechanism from the text of a model.
 
 use jointplay_format::mechanism::MAX_BYTES;
 
@@ -8,16 +8,16 @@ use super::problem::{Error, Problem};
 use super::xml::{Advice, Xml};
 use super::{mjcf, sdf, urdf, xml};
 
-/// Whether a text is XML, as every model file is, and no mechanism file.
+/// Whether a text is XML, and so a model instead of a mechanism file.
 #[must_use]
 pub fn is_model(text: &str) -> bool {
     text.trim_start_matches('\u{feff}').trim_start().starts_with('<')
 }
 
-/// Takes over a model; which kind it is, its root element tells.
+/// Imports a model, whose root element determines its format.
 ///
 /// # Errors
-/// [`Error`] with the place: text that is no XML, unusable values, or what would change the mechanism if it were ignored.
+/// [`Error`] with its place: malformed XML, invalid values, or unsupported parts that would affect the mechanism.
 ///
 /// # Source
 /// \[MJCF\], \[SDFormat\], \[URDF\]
@@ -56,7 +56,7 @@ mod tests {
     ];
 
     #[test]
-    fn the_root_element_tells_the_dialect() {
+    fn the_root_element_determines_the_format() {
         let dialects = MODELS.map(|model| testing::read(model).dialect);
         assert_eq!(dialects.map(Dialect::name), ["SDF", "MJCF", "MJCF", "URDF"]);
         testing::refuse("<robots/>", "<robots/>", "<svg/>", "<svg/>", "<robot> (URDF)");
@@ -86,26 +86,26 @@ mod tests {
     }
 
     #[test]
-    fn places_are_right_beside_entities_and_other_line_ends() {
+    fn places_are_correct_after_entities_and_other_line_ends() {
         let sdf = "<sdf version=\"1.9\"><model name=\"m\">\r\n<link name=\"l\"><pose>&#32;\u{2003}\u{2003}1 &lt; 3\r\n</pose></link></model></sdf>";
         testing::refuse(sdf, "", "", "&#32;\u{2003}\u{2003}1 &lt; 3", "`pose` is \"1 < 3\"");
     }
 
     #[test]
-    fn endless_names_are_refused() {
+    fn long_names_are_rejected() {
         let name = "n".repeat(1001);
         let text = format!("<robot name=\"{name}\"><link name=\"a\"/></robot>");
         assert!(parse(&text).unwrap_err().to_string().contains("at most 1000 bytes"));
     }
 
     #[test]
-    fn endless_models_are_refused() {
+    fn long_models_are_rejected() {
         let text = format!("<robot name=\"r\">{}</robot>", " ".repeat(MAX_BYTES));
         assert!(parse(&text).unwrap_err().to_string().contains("at most 4000000 are allowed"));
     }
 
     #[test]
-    fn no_cut_text_panics() {
+    fn truncated_models_do_not_panic() {
         for model in MODELS {
             for cut in (0..model.len()).filter(|cut| model.is_char_boundary(*cut)) {
                 for text in [&model[..cut], &model[cut..]] {
@@ -119,7 +119,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_mutated_text_panics(
+        fn mutated_models_do_not_panic(
             model in 0..MODELS.len(),
             cuts in prop::collection::vec(
                 (0.0..1.0, 0..30_usize, "[-<>/\"=.0-9a-z\n ]{0,4}|nan|1e999|world|::"), 1..4

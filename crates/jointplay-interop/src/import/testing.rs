@@ -8,7 +8,7 @@ pub(super) fn read(text: &str) -> Imported {
     parse(text).map_err(|error| error.with_excerpt("model")).unwrap_or_else(|m| panic!("{m}"))
 }
 
-/// Replaces a piece of a model, and reads the message and what stands above the carets.
+/// Replaces a part of a model, and checks an error message and the text above its carets.
 #[track_caller]
 pub(super) fn refuse(model: &str, from: &str, to: &str, blamed: &str, message: &str) {
     assert!(model.contains(from), "{from:?} is not in the model");

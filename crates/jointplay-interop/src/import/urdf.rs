@@ -1,4 +1,4 @@
-//! Robots of ROS (URDF): links in a tree; loops come from a file beside it, see [`jointplay_format::mechanism::with_loops`].
+//! Robots of ROS (URDF): links in a tree; loops come from a second file, see [`jointplay_format::mechanism::with_loops`].
 //!
 //! The root link is the base.
 //! Joints of a transmission, or with a command interface, are actuated.
@@ -28,7 +28,7 @@ pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Impor
                 return Err(xml.unsupported(node, "a macro of xacro", advice));
             }
             (true, "joint") => {
-                let advice = Advice("only URDF's own joints are known");
+                let advice = Advice("only joints of URDF itself are supported");
                 return Err(xml.unsupported(node, "a joint of a dialect", advice));
             }
             (_, other) => draft.ignore(other),
@@ -41,7 +41,7 @@ pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Impor
         children_of_joints.filter_map(|child| child.attribute("link")).map(str::trim).collect();
     let is_root =
         |link: &&Node| link.attribute("name").is_some_and(|n| !carried.contains(n.trim()));
-    // Some dialects hang a robot on a world that they do not list among the links.
+    // Some exporters connect a robot to a world that they do not list among the links.
     let is_world = |name: Option<&str>| name.map(str::trim) == Some("world");
     let lists_world = links.iter().any(|link| is_world(link.attribute("name")));
     let mut parents = joints.iter().flat_map(|joint| elements(*joint, "parent"));
@@ -53,11 +53,11 @@ pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Impor
         }
         (None, Some(base)) => add_link(&mut draft, base)?,
         (None, None) => {
-            let advice = Advice("URDF is a tree with one link that no joint carries");
+            let advice = Advice("URDF is a tree with one link that is the child of no joint");
             return Err(xml.unsupported(root, "a robot without a root link", advice));
         }
     }
-    // After the base in the order of the file.
+    // Links follow the base in the order of the file.
     for link in links.into_iter().filter(|&link| world.is_some() || Some(link) != base) {
         add_link(&mut draft, link)?;
     }
@@ -74,7 +74,7 @@ pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Impor
             _ => continue,
         };
         for node in driven {
-            // Older files name the joint by the element's text.
+            // Older files contain the name of the joint in the element's text.
             let value = attribute(node, "name").unwrap_or_else(|| content(node));
             match draft.joint(value.text) {
                 Some(number) => draft.descriptions[number].actuated = true,
@@ -121,7 +121,7 @@ fn joint<'a>(
             "limit" => &mut parts[2],
             "mimic" => {
                 let advice = Advice(
-                    "it couples joints, which no joint of a mechanism does; leave it out to go without it",
+                    "it couples joints, which no joint of a mechanism does; remove it to import the model without it",
                 );
                 return Err(xml.unsupported(part, "a joint that mimics another", advice));
             }
@@ -130,12 +130,12 @@ fn joint<'a>(
                 continue;
             }
             other => {
-                let advice = Advice("what it would do to the mechanism is not known");
+                let advice = Advice("its effect on the mechanism is unknown");
                 return Err(xml.unsupported(part, format!("<{other}> of a joint"), advice));
             }
         };
         if slot.replace(part).is_some() {
-            let advice = Advice("a joint has one at most");
+            let advice = Advice("a joint has at most one");
             let what = format!("a second <{}> of a joint", part.tag_name().name());
             return Err(xml.unsupported(part, what, advice));
         }
@@ -143,10 +143,11 @@ fn joint<'a>(
     let [parent, child] = ends;
     let links = [end(draft, node, parent, "parent")?, end(draft, node, child, "child")?];
     if std::mem::replace(&mut is_carried[links[1]], true) {
-        let advice =
-            Advice("URDF is a tree; a loop is closed by a joint in a file of loops beside it");
-        let what =
-            format!("link {:?}, which another joint carries already,", draft.link_name(links[1]));
+        let advice = Advice("URDF is a tree; close the loop by a joint in a second file of loops");
+        let what = format!(
+            "link {:?}, which is the child of another joint already,",
+            draft.link_name(links[1])
+        );
         return Err(xml.unsupported(child.unwrap_or(node), what, advice));
     }
     let [origin, axis, limit] = parts;
@@ -165,16 +166,16 @@ fn joint<'a>(
     if let Some(limit) = limit {
         draft.ignore_attributes(limit, &["lower", "upper"]);
         let bounds = [attribute(limit, "lower"), attribute(limit, "upper")];
-        let is_said = bounds.iter().any(Option::is_some);
+        let has_bounds = bounds.iter().any(Option::is_some);
         let [least, most] =
             bounds.map(|bound| bound.map_or(Ok(0.0), |bound: Value| xml.number(&bound)));
         let (least, most) = (least?, most?);
         match value.text {
             "revolute" | "prismatic" if least < most => joint.limits = vec![[least, most]],
-            "revolute" | "prismatic" if is_said => {
+            "revolute" | "prismatic" if has_bounds => {
                 draft.ignore("limit whose lower is not below its upper");
             }
-            other if is_said => draft.ignore(format!("limit of a {other} joint")),
+            other if has_bounds => draft.ignore(format!("limit of a {other} joint")),
             _ => {}
         }
     }
@@ -194,7 +195,7 @@ fn end<'a>(
     draft.link(link.text).ok_or_else(|| xml.unknown("link", &link, draft.link_names()))
 }
 
-/// Where an `origin` is.
+/// Pose of an `origin`.
 fn place_of<'a>(draft: &Draft<'a>, origin: Node<'a, 'a>) -> Result<Pose, Error> {
     let xml = draft.xml;
     let vector = |name| {
@@ -244,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_of_joint_is_taken_over() {
+    fn every_kind_of_joint_is_imported() {
         for (kind, expected) in [
             ("revolute", JointKind::Revolute),
             ("continuous", JointKind::Revolute),
@@ -265,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn a_world_that_is_not_listed_is_the_base() {
+    fn a_world_that_is_not_a_link_of_the_file_is_the_base() {
         let hung = "<joint name=\"hung\" type=\"fixed\"><parent link=\"world\"/><child link=\"base\"/></joint>";
         let text = ARM.replace("<transmission", &format!("{hung}<transmission"));
         assert_eq!(testing::read(&text).mechanism.links(), ["world", "hand", "base"]);
@@ -274,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn a_namespace_of_all_elements_is_no_dialect() {
+    fn a_default_namespace_is_accepted() {
         let all = ARM.replace("<robot", "<robot xmlns=\"http://www.ros.org\"");
         assert_eq!(testing::read(&all).mechanism, testing::read(ARM).mechanism);
     }
@@ -290,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn what_would_change_the_mechanism_is_refused() {
+    fn unsupported_and_invalid_elements_are_rejected() {
         let refuse = |from, to, blamed, message| testing::refuse(ARM, from, to, blamed, message);
         refuse("\"revolute\"", "\"hinge\"", "hinge", "revolute, continuous");
         refuse(
@@ -342,7 +343,7 @@ mod tests {
             "joint \"west\" is not known",
         );
         let second = "<joint name=\"b\" type=\"fixed\"><parent link=\"base\"/><child link=\"hand\"/></joint><transmission";
-        refuse("<transmission", second, "<child link=\"hand\"/>", "a file of loops beside it");
+        refuse("<transmission", second, "<child link=\"hand\"/>", "a second file of loops");
         let space =
             "<robot name=\"arm\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:arm/>";
         refuse("<robot name=\"arm\">", space, "<xacro:arm/>", "xacro FILE > robot.urdf");

@@ -8,13 +8,13 @@ use roxmltree::{Document, Node};
 use super::problem::{Error, Problem};
 use jointplay_format::place::nearest;
 
-/// Longest value that a message repeats, in characters.
+/// Longest value that a message quotes, in characters.
 const MOST_QUOTED: usize = 60;
 
-/// Longest name, in bytes: names of models inside models are strung together, and would grow without bound.
+/// Longest name, in bytes: names of nested models are concatenated, and would grow without bound.
 pub(super) const LONGEST_NAME: usize = 1000;
 
-/// Most elements inside one another; a chain of that many links is no robot.
+/// Greatest depth of nested elements; a chain of that many links is no robot.
 const DEEPEST: usize = 1000;
 
 /// The element tree of a text.
@@ -27,7 +27,7 @@ pub(super) fn document(text: &str) -> Result<Document<'_>, Error> {
         let line = lines.last().unwrap_or_default();
         let within = line.char_indices().nth(column - 1).map_or(line.trim_end().len(), |(i, _)| i);
         let message = error.to_string();
-        // The place is told beside the message.
+        // The message is shown with its place, which it must not repeat.
         let plain = message.rsplit_once(" at ").map_or(message.as_str(), |(plain, _)| plain);
         let place = before + within;
         Error::at(text, place..place, Problem::Xml(format!("not well-formed XML: {plain}")))
@@ -57,12 +57,12 @@ fn check_depth(text: &str, root: Node) -> Result<(), Error> {
     }
 }
 
-/// Whether an element is of another vocabulary than the model, by its namespace.
+/// Whether an element belongs to another vocabulary than the model, by its namespace.
 pub(super) fn is_foreign(node: Node) -> bool {
     node.tag_name().namespace() != node.document().root_element().tag_name().namespace()
 }
 
-/// The model's own elements of a name among the children of an element.
+/// The child elements of the model's vocabulary with this name.
 pub(super) fn elements<'a>(
     node: Node<'a, 'a>,
     name: &'a str,
@@ -70,27 +70,27 @@ pub(super) fn elements<'a>(
     children(node).filter(move |child| child.tag_name().name() == name && !is_foreign(*child))
 }
 
-/// All elements among the children of an element.
+/// All child elements of an element.
 pub(super) fn children<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
     node.children().filter(Node::is_element)
 }
 
-/// Where an element stands; messages show its first line.
+/// Range of an element in the text; messages show its first line.
 pub(super) fn place(node: Node) -> Range<usize> {
     node.range()
 }
 
-/// Why something is not taken over, or what to do instead.
+/// Reason why a part is not imported, or a remedy.
 pub(super) struct Advice(pub(super) &'static str);
 
-/// A value: of an attribute, or the text of an element.
+/// A value of an attribute, or the text of an element.
 #[derive(Debug, Clone)]
 pub(super) struct Value<'a> {
-    /// The attribute or element.
+    /// Name of the attribute or element.
     pub(super) what: &'a str,
-    /// The value, without space around it.
+    /// The value without surrounding white space.
     pub(super) text: &'a str,
-    /// Where it stands.
+    /// Range in the text.
     pub(super) span: Range<usize>,
 }
 
@@ -117,19 +117,19 @@ pub(super) fn content<'a>(node: Node<'a, 'a>) -> Value<'a> {
     Value { what: node.tag_name().name(), text, span }
 }
 
-/// The text of the first child of a name.
+/// The text of the first child with this name.
 pub(super) fn child<'a>(node: Node<'a, 'a>, name: &'a str) -> Option<Value<'a>> {
     elements(node, name).next().map(content)
 }
 
-/// The text of a model, in which things have their place.
+/// The text of a model, for the places of errors.
 #[derive(Clone, Copy)]
 pub(super) struct Xml<'a> {
     pub(super) text: &'a str,
 }
 
 impl<'a> Xml<'a> {
-    pub(super) fn wrong(&self, span: Range<usize>, problem: impl Into<Problem>) -> Error {
+    pub(super) fn error(&self, span: Range<usize>, problem: impl Into<Problem>) -> Error {
         Error::at(self.text, span, problem.into())
     }
 
@@ -140,25 +140,25 @@ impl<'a> Xml<'a> {
         Advice(advice): Advice,
     ) -> Error {
         let problem = Problem::Unsupported { what: what.into(), advice: advice.to_owned() };
-        self.wrong(place(node), problem)
+        self.error(place(node), problem)
     }
 
     pub(super) fn missing(&self, node: Node, what: &'static str) -> Error {
         let whose = node.tag_name().name().to_owned();
-        self.wrong(place(node), Problem::Missing { whose, what })
+        self.error(place(node), Problem::Missing { whose, what })
     }
 
-    /// That a value is not what it has to be.
+    /// Error of an invalid value.
     pub(super) fn unusable(&self, value: &Value, expected: &'static str) -> Error {
         let found = match value.text.char_indices().nth(MOST_QUOTED) {
             Some((end, _)) => format!("{}…", &value.text[..end]),
             None => value.text.to_owned(),
         };
         let problem = Problem::Value { what: value.what.to_owned(), found, expected };
-        self.wrong(value.span.clone(), problem)
+        self.error(value.span.clone(), problem)
     }
 
-    /// That a value names nothing.
+    /// Error of an unknown name.
     pub(super) fn unknown<'n>(
         &self,
         what: &'static str,
@@ -171,7 +171,7 @@ impl<'a> Xml<'a> {
             nearest: nearest(value.text, known.clone()),
             known: known.map(str::to_owned).collect(),
         };
-        self.wrong(value.span.clone(), problem)
+        self.error(value.span.clone(), problem)
     }
 
     /// The name of an element, if it has one.
@@ -180,12 +180,12 @@ impl<'a> Xml<'a> {
         self.printable(&value).map(Some)
     }
 
-    /// The name that an element has to have.
+    /// The name of an element, which is required.
     pub(super) fn needed_name(&self, node: Node<'a, 'a>) -> Result<&'a str, Error> {
         self.name(node)?.ok_or_else(|| self.missing(node, "name"))
     }
 
-    /// A value that can be printed.
+    /// A value without control characters.
     pub(super) fn printable(&self, value: &Value<'a>) -> Result<&'a str, Error> {
         if value.text.is_empty() || value.text.chars().any(char::is_control) {
             return Err(self.unusable(value, "a name, not empty and without control characters"));
@@ -238,7 +238,7 @@ impl<'a> Xml<'a> {
         if largest == 0.0 {
             return Err(self.unusable(value, "a direction that is not 0"));
         }
-        // Divided first, for squares of very large or small numbers are no numbers.
+        // Divided first, because squares of very large or small numbers overflow or underflow.
         Ok(Unit::new_normalize(vector / largest))
     }
 

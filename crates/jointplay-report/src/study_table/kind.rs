@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-/// What a table is written as.
+/// File format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TableKind {
-    /// Comma-separated values: every number with the digits that read back the same, nothing where there is no answer.
+    /// Comma-separated values: every number with enough digits to read back exactly, an empty cell without an answer.
     Csv,
-    /// Parquet: a row group for each chunk, NaN where there is no answer.
+    /// Parquet: one row group per chunk, NaN without an answer.
     Parquet,
 }
 
 impl TableKind {
-    /// By the ending of a file's name; `None` for any other.
+    /// The format that belongs to a file name's extension; `None` for any other.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()? {
@@ -22,7 +22,7 @@ impl TableKind {
         }
     }
 
-    /// How the file's name ends.
+    /// Extension of the file name.
     #[must_use]
     pub fn ending(self) -> &'static str {
         match self {

@@ -1,4 +1,4 @@
-//! How far a run has come, so that another can go on.
+//! Progress of an interrupted run, from which another run continues.
 
 use jointplay_study::plan::{Moments, Outcomes, Totals};
 use serde::{Deserialize, Serialize};
@@ -7,36 +7,38 @@ use jointplay_format::study::StudyFile;
 
 use super::kind::TableKind;
 
-/// What stands beside a table that is not whole yet.
+/// Progress file next to an incomplete table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Marker {
     /// The file of the study (TOML).
     pub study: String,
     /// The file of its robot (TOML).
     pub robot: String,
-    /// What the table is written as.
+    /// Format of the table.
     pub kind: TableKind,
-    /// How many chunks are done.
+    /// Number of completed chunks.
     pub chunks: u64,
-    /// How long the table is with these, in bytes.
+    /// Length of the table with these chunks, in bytes.
     pub bytes: u64,
-    /// Their columns summed up.
+    /// Totals of the columns of these chunks.
     pub totals: Totals,
-    /// What the table would end with if it ended here.
+    /// End of the table if it had only these chunks.
     pub foot: Vec<u8>,
 }
 
-/// Why a text is no marker that this program can go on from.
+/// Error of a marker from which this program cannot continue.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MarkerError {
-    /// Not what a run writes.
+    /// A text that no run writes.
     #[error("it is no marker of an interrupted study: {0}")]
     Malformed(String),
-    /// Written by another version, whose numbers may differ in their last digits.
-    #[error("jointplay {found} has begun it, and this is {here}: only the same version goes on")]
+    /// A marker of another version, whose numbers may differ in their last digits.
+    #[error(
+        "jointplay {found} began this study, and only the same version can continue it; this is {here}"
+    )]
     Version {
-        /// The version that began.
+        /// Version that began the study.
         found: String,
         /// This version.
         here: &'static str,
@@ -65,17 +67,17 @@ struct Document {
 }
 
 impl Marker {
-    /// A marker of a study that is so far.
+    /// A marker without completed chunks.
     #[must_use]
     pub fn new(study: &StudyFile, kind: TableKind, totals: Totals) -> Self {
         let (study, robot) = (study.text.clone(), study.robot_text.clone());
         Self { study, robot, kind, chunks: 0, bytes: 0, totals, foot: Vec::new() }
     }
 
-    /// As a file (JSON).
+    /// The marker as a JSON file.
     ///
     /// # Arguments
-    /// * `seed` – for people who read it
+    /// * `seed` – written for readers of the file
     #[must_use]
     pub fn to_json(&self, seed: u64) -> String {
         let bits = |value: f64| format!("{:016x}", value.to_bits());
@@ -107,7 +109,7 @@ impl Marker {
         json.expect("a document of texts and whole numbers") + "\n"
     }
 
-    /// Reads what [`Self::to_json`] wrote.
+    /// Reads a file written by [`Self::to_json`].
     ///
     /// # Errors
     /// [`MarkerError`].
@@ -144,7 +146,8 @@ impl Marker {
         let outcomes = document.outcomes.iter().map(|counts| {
             let (no_robot, poses) =
                 counts.split_last().ok_or_else(|| malformed("outcomes without counts"))?;
-            let poses = poses.try_into().map_err(|_| malformed("a wrong number of outcomes"))?;
+            let poses =
+                poses.try_into().map_err(|_| malformed("an incorrect number of outcomes"))?;
             Ok(Outcomes { poses, no_robot: *no_robot })
         });
         let totals = Totals {

@@ -1,4 +1,4 @@
-//! A study's table as Parquet: every chunk is made by itself, and the file's end tells where each stands.
+//! A study's table as Parquet: chunks are encoded independently, and the footer lists their offsets.
 
 use std::sync::Arc;
 
@@ -17,26 +17,26 @@ use super::value::value_in_table;
 use crate::table_error::TableError;
 use jointplay_format::study::{Column, Source};
 
-/// What a file begins and ends with.
+/// First and last bytes of a file.
 pub(super) const MAGIC: &[u8; 4] = b"PAR1";
-/// Length of the end of a file: how long what it says is, and the magic number (bytes).
+/// Length of the end of a file: length of the footer, and magic number (bytes).
 const TAIL: usize = 8;
 
-/// What a file says of one chunk.
+/// Metadata of one chunk.
 pub(super) type Group = RowGroupMetaData;
 
-/// The columns, and how they are written.
+/// Columns and writer properties.
 pub(super) struct Schema {
     schema: TypePtr,
     properties: WriterPropertiesPtr,
-    /// What an empty file says.
+    /// Metadata of an empty file.
     empty: ParquetMetaData,
 }
 
 impl Schema {
     pub(super) fn new(columns: &[Column]) -> Result<Self, TableError> {
         let mut fields = Vec::with_capacity(columns.len());
-        // Numbers hardly ever come twice; what repeats is worth a dictionary.
+        // Numbers hardly ever repeat; repeated values are worth a dictionary.
         let mut properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
             .set_created_by(concat!("jointplay ", env!("CARGO_PKG_VERSION")).to_owned())
@@ -71,7 +71,7 @@ impl Schema {
         Ok(Self { schema, properties, empty })
     }
 
-    /// A chunk, made as a file of its own.
+    /// Encodes a chunk as a file of its own.
     pub(super) fn encode(
         &self,
         columns: &[Column],
@@ -86,7 +86,7 @@ impl Schema {
         }
         group.close()?;
         writer.close()?;
-        // Read back from what was written: whoever takes a study up again has no more than this.
+        // Read back from the written bytes: a resumed study has only these.
         let group = groups(&bytes)?.swap_remove(0);
         let ends =
             group.columns().iter().map(|column| column.byte_range()).map(|(at, len)| at + len);
@@ -96,17 +96,17 @@ impl Schema {
         Ok((bytes, group))
     }
 
-    /// The end of a file of these chunks.
+    /// The end of a file with these chunks.
     pub(super) fn foot(&self, groups: &[Group]) -> Result<Vec<u8>, TableError> {
-        let told = self.empty.file_metadata();
+        let metadata = self.empty.file_metadata();
         let rows = groups.iter().map(Group::num_rows).sum();
         let file = parquet::file::metadata::FileMetaData::new(
-            told.version(),
+            metadata.version(),
             rows,
-            told.created_by().map(str::to_owned),
-            told.key_value_metadata().cloned(),
-            told.schema_descr_ptr(),
-            told.column_orders().cloned(),
+            metadata.created_by().map(str::to_owned),
+            metadata.key_value_metadata().cloned(),
+            metadata.schema_descr_ptr(),
+            metadata.column_orders().cloned(),
         );
         let mut bytes = Vec::new();
         let metadata = ParquetMetaData::new(file, groups.to_vec());
@@ -147,7 +147,7 @@ fn write(
     Ok(target.close()?)
 }
 
-/// What the end of a file says of its chunks.
+/// Metadata of the chunks from the end of a file.
 pub(super) fn groups(foot: &[u8]) -> Result<Vec<Group>, TableError> {
     let broken = || TableError::Footer;
     let (metadata, tail) = foot.split_last_chunk::<TAIL>().ok_or_else(broken)?;
@@ -156,11 +156,11 @@ pub(super) fn groups(foot: &[u8]) -> Result<Vec<Group>, TableError> {
     let length = usize::try_from(length).map_err(|_| broken())?;
     let start = metadata.len().checked_sub(length).filter(|_| magic == MAGIC).ok_or_else(broken)?;
     let file = ParquetMetaDataReader::decode_metadata(&metadata[start..]).map_err(|_| broken())?;
-    // Where they are, but as they were written: reading numbers them.
+    // Positions remain; only the ordinals that reading adds are removed.
     file.row_groups().iter().map(|group| placed(group, MAGIC.len() as u64)).collect()
 }
 
-/// A chunk that stands from byte `at` of the file on.
+/// A chunk's metadata with the chunk at byte `at` of the file.
 pub(super) fn placed(group: &Group, at: u64) -> Result<Group, TableError> {
     let by = i64::try_from(at).map_err(|_| TableError::Encoding)? - MAGIC.len() as i64;
     let columns = group

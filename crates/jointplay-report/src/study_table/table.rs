@@ -8,17 +8,17 @@ use super::value::value_in_table;
 use crate::table_error::TableError;
 use jointplay_format::study::{Column, Source};
 
-/// A chunk on its way into a file.
+/// An encoded chunk of a table.
 #[derive(Debug, Default)]
 pub struct Encoded {
-    /// Its bytes, in order.
+    /// Bytes of the chunk, in order.
     pub parts: Vec<Vec<u8>>,
-    /// Where its columns are.
+    /// Positions of its columns.
     #[cfg(feature = "parquet")]
     pub(super) group: Option<super::parquet::Group>,
 }
 
-/// A table on its way into a file.
+/// Encoder of a table.
 pub struct Table {
     columns: Vec<Column>,
     kind: Kind,
@@ -30,7 +30,7 @@ enum Kind {
     Parquet(super::parquet::Schema),
 }
 
-/// What a table has to say of its chunks at its end; nothing for comma-separated values.
+/// Positions of the chunks for the end of the table; empty for comma-separated values.
 #[derive(Default)]
 pub struct Index {
     #[cfg(feature = "parquet")]
@@ -38,7 +38,7 @@ pub struct Index {
 }
 
 impl Table {
-    /// A table of these columns.
+    /// An encoder for a table with these columns.
     ///
     /// # Errors
     /// [`TableError::WithoutParquet`], [`TableError::Encoding`].
@@ -53,7 +53,7 @@ impl Table {
         Ok(Self { columns, kind })
     }
 
-    /// What stands before the first chunk.
+    /// Bytes before the first chunk.
     #[must_use]
     pub fn head(&self) -> Vec<u8> {
         match &self.kind {
@@ -66,7 +66,7 @@ impl Table {
         }
     }
 
-    /// A chunk as it will stand in the file.
+    /// The bytes of a chunk.
     ///
     /// # Errors
     /// [`TableError::Encoding`].
@@ -89,7 +89,7 @@ impl Table {
         }
     }
 
-    /// Notes that a chunk stands in the file from byte `at` on.
+    /// Adds a chunk that begins at byte `at` of the file to the index.
     ///
     /// # Errors
     /// [`TableError::Encoding`].
@@ -105,7 +105,7 @@ impl Table {
         Ok(())
     }
 
-    /// What stands after the last chunk.
+    /// Bytes after the last chunk.
     ///
     /// # Errors
     /// [`TableError::Encoding`].
@@ -121,7 +121,7 @@ impl Table {
         }
     }
 
-    /// Reads back the result of [`Self::foot`].
+    /// Reads the result of [`Self::foot`].
     ///
     /// # Errors
     /// [`TableError::Footer`] for anything else.
@@ -140,7 +140,7 @@ impl Table {
 
 /// The rows of a block.
 fn csv(columns: &[Column], block: &Block) -> Vec<u8> {
-    /// About as many bytes as a number takes.
+    /// Approximate length of a number in bytes.
     const CELL: usize = 18;
     let mut text = Vec::with_capacity(block.samples.len() * columns.len() * CELL);
     let (mut numbers, mut counts) = (zmij::Buffer::new(), itoa::Buffer::new());

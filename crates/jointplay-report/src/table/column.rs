@@ -9,7 +9,7 @@ pub struct Column {
     pub values: Values,
 }
 
-/// What a column holds.
+/// Values of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
     /// Numbers, in the unit of the column's name.

@@ -2,10 +2,10 @@
 
 use super::column::{Column, Values};
 
-/// Comma-separated values, every number with the digits that read back the same.
+/// Comma-separated values, every number with enough digits to read back exactly.
 ///
 /// # Panics
-/// If the columns differ in length: an error of ours.
+/// If the columns differ in length.
 #[must_use]
 pub fn csv(columns: &[Column]) -> String {
     let mut bytes = Vec::new();
@@ -13,16 +13,16 @@ pub fn csv(columns: &[Column]) -> String {
     String::from_utf8(bytes).expect("names and numbers are UTF-8")
 }
 
-/// Rows of comma-separated values as by [`csv`](fn@csv), to where they are kept.
+/// Writes rows of comma-separated values as by [`csv`](fn@csv).
 ///
 /// # Arguments
-/// * `header` – whether the names of the columns come first
+/// * `header` – whether to write the names of the columns first
 ///
 /// # Errors
 /// Those of the writer.
 ///
 /// # Panics
-/// If the columns differ in length: an error of ours.
+/// If the columns differ in length.
 pub fn write_csv(
     columns: &[Column],
     header: bool,

@@ -23,7 +23,7 @@ pub fn parquet(columns: &[Column]) -> Result<Vec<u8>, TableError> {
     table.finish()
 }
 
-/// A Parquet file that takes a table part by part, each a row group.
+/// Writer of a Parquet file in parts, each a row group.
 pub struct ParquetTable<W: Write + Send> {
     writer: SerializedFileWriter<W>,
 }
@@ -33,7 +33,7 @@ impl<W: Write + Send> ParquetTable<W> {
     ///
     /// # Arguments
     /// * `columns` – of any part: their names and types
-    ///
+    /// * `columns` – names and types, the same for all parts
     /// # Errors
     /// [`TableError::Encoding`], [`TableError::Write`].
     pub fn new(columns: &[Column], writer: W) -> Result<Self, TableError> {

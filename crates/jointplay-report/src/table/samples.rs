@@ -1,4 +1,4 @@
-//! A study as a table: one row a sample, units in the column names.
+//! A study as a table: one row per sample, units in the column names.
 
 use jointplay_study::{Samples, SeriesKind};
 

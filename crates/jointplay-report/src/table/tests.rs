@@ -1,4 +1,4 @@
-//! Tables read back the same.
+//! Tables read back exactly.
 
 use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{Polar, SolveOptions};
@@ -14,7 +14,7 @@ fn study() -> Vec<Column> {
 }
 
 #[test]
-fn a_table_reads_back_the_same() {
+fn a_csv_table_reads_back_exactly() {
     let columns = study();
     let text = csv(&columns);
     let mut reader = ::csv::Reader::from_reader(text.as_bytes());
@@ -39,7 +39,7 @@ fn a_table_reads_back_the_same() {
 
 #[cfg(feature = "parquet")]
 #[test]
-fn a_parquet_file_reads_back_the_same() {
+fn a_parquet_table_reads_back_exactly() {
     use ::parquet::file::reader::{FileReader, SerializedFileReader};
 
     let columns = study();

@@ -214,7 +214,7 @@ fn every_pose_is_checked_and_a_contact_stops_a_jog() {
     let violation = &found["check"]["violations"][0];
     assert_eq!((&violation["kind"], &violation["is_contact"]), (&"collision".into(), &true.into()));
     let message = violation["message"].as_str().unwrap();
-    assert!(message.contains("mm deep") || message.contains("touch"), "{message}");
+    assert!(message.contains("penetration depth") || message.contains("touch"), "{message}");
     // The same jog with a stop at contact.
     let mut before = through;
     before["stop_at_contact"] = true.into();

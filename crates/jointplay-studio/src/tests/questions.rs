@@ -7,7 +7,7 @@ const FORWARD: &str = "/api/v1/forward";
 #[test]
 fn a_pose_beyond_a_limit_is_rejected() {
     let rods = r#"{"rods_m": [0.5, 0.501, 0.8]}"#;
-    refused(FORWARD, rods, 409, None, "rod 3 is 800.000000 mm long, allowed are 246 to 754 mm");
+    refused(FORWARD, rods, 409, None, "rod 3 is 800.000000 mm long, its limits are 246 to 754 mm");
     let tilt = r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 0.03}}"#;
     refused("/api/v1/inverse", tilt, 409, None, "\"ignore_limits\": true to ignore them");
     refused("/api/v1/sensitivity", tilt, 409, None, "the tilt is 1.718873°");

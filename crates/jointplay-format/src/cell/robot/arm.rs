@@ -1,4 +1,4 @@
-//! Arms: joints, effectors, and how they droop.
+//! Arms: joints, effectors and droop.
 
 use jointplay_cell::robot::{Arm, ArmJoint, AxisKind, Effector, RODS};
 use jointplay_cell::wafer::{Droop, DroopRow, Support};
@@ -8,7 +8,7 @@ use super::words::MOTIONS;
 use crate::file_problem::FileProblem;
 use crate::units::m_from_mm;
 
-/// Largest coefficient of friction: rubber on dry glass is below 4, and more is a mistake of the unit.
+/// Largest coefficient of friction: rubber on dry glass has less than 4; a larger value has another unit.
 const MOST_FRICTION: f64 = 10.0;
 
 pub(super) fn read_arm(table: &Table, axes: &[String]) -> Option<Arm> {
@@ -73,7 +73,7 @@ fn read_drives(reader: &Reader, entry: Entry, axes: &[String]) -> Option<Vec<(us
         match (motors.iter().position(|axis| axis == name.get_ref()), ratio) {
             (Some(axis), Some(ratio)) => drives.push((RODS + axis, ratio)),
             (None, _) => {
-                // An axis that could not be read was told of already.
+                // An axis with errors was reported already.
                 if !motors.contains(&String::new()) {
                     let fault = FileProblem::Unknown {
                         what: "axis".to_owned(),

@@ -24,7 +24,7 @@ pub(super) fn motor(table: &Table) -> Option<Axis> {
     let name = table.name("name");
     let kind = table.needed("kind").and_then(|kind| kind.word(reader, "kind of axis", &MOTIONS));
     let Some(kind) = kind else {
-        // Which keys belong here depends on the kind.
+        // The valid keys depend on the kind.
         for key in ["range_deg", "range_mm", "home_deg", "home_mm", "empty", "loaded"] {
             let _ = table.entry(key);
         }
@@ -46,8 +46,8 @@ pub(super) fn motor(table: &Table) -> Option<Axis> {
     Some(Axis { name: name?, kind, min, max, home, empty: empty?, loaded: loaded? })
 }
 
-/// Notes axes whose name is another one's: what drives a joint could not be told.
-pub(super) fn tell_twice(table: &Table, axes: &[Table]) {
+/// Reports axes with equal names, between which `drives` cannot distinguish.
+pub(super) fn report_duplicate_names(table: &Table, axes: &[Table]) {
     let reader = table.reader;
     let rods = table.entry("rods").map_or(0, |rods| reader.line(rods.span()));
     let mut known: Vec<(&str, usize)> = ROD_NAMES.map(|name| (name, rods)).into();

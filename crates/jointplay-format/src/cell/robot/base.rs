@@ -1,4 +1,4 @@
-//! The robot under the platform, and where the platform sits over its rods.
+//! The robot under the platform, and the model of the platform's position.
 
 use jointplay_cell::robot::PlatformModel;
 use jointplay_core::gpr::{Gpr, Limb, Limits};
@@ -71,7 +71,7 @@ fn limb(table: &Table) -> Option<Limb> {
 /// Words for metrics that are not lengths.
 const METRICS: [(&str, Metric); 2] = [("paper", Metric::Paper), ("radius", Metric::PlatformRadius)];
 
-/// Where the platform sits over the rods; planar in closed form, where nothing is said.
+/// Model of the platform's position over the rods; planar in closed form by default.
 pub(super) fn platform(table: &Table) -> Option<PlatformModel> {
     let reader = table.reader;
     let Some(entry) = table.entry("platform") else { return Some(PlatformModel::default()) };
@@ -92,7 +92,7 @@ pub(super) fn platform(table: &Table) -> Option<PlatformModel> {
     let mut options = SolveOptions::default();
     let mut solvers = vec![Solver::Newton, Solver::LeastNorm];
     if has_angles {
-        // What the closed form, which these do not have, stands for.
+        // The least-norm solver is the default of virtualizations without a closed form.
         options.solver = Solver::LeastNorm;
     } else {
         solvers.push(Solver::ClosedForm);
@@ -105,7 +105,7 @@ pub(super) fn platform(table: &Table) -> Option<PlatformModel> {
     }
     if let Some(entry) = metric {
         if !has_angles {
-            let why = "a `metric` weighs angles against lengths, and only polar and offset have angles; leave it out";
+            let why = "`metric` weighs angles against lengths, and only polar and offset have angles; remove it";
             entry.report(reader, Fault::Unfit(why.to_owned()));
             return None;
         }
@@ -119,7 +119,7 @@ pub(super) fn platform(table: &Table) -> Option<PlatformModel> {
     Some(PlatformModel { virtualization, options })
 }
 
-/// How files and people call a virtualization.
+/// Name of a virtualization in files and on the command line.
 #[must_use]
 pub fn virtualization_name(kernel: BuiltIn) -> &'static str {
     match kernel {

@@ -6,17 +6,17 @@ use super::super::explain::explain as explain_cell;
 use super::super::problem::{Errors, Fault};
 use super::super::tree::{Reader, Table};
 use super::arm::read_arm;
-use super::axes::{motor, rod_axes, tell_twice};
+use super::axes::{motor, report_duplicate_names, rod_axes};
 use super::base::{platform, three_rods};
 use super::words::{KIND, ROD_NAMES};
 
-/// Longest text that is read in bytes.
+/// Longest accepted text (bytes).
 const MAX_BYTES: usize = 1_000_000;
 
 /// Reads the file of a robot with arms.
 ///
 /// # Errors
-/// All that is wrong with it, in order of place.
+/// All errors of the file, in order of place.
 pub fn parse(text: &str) -> Result<HybridRobot, Errors> {
     let reader = Reader::new(text);
     if !reader.has_at_most(MAX_BYTES) {
@@ -26,7 +26,7 @@ pub fn parse(text: &str) -> Result<HybridRobot, Errors> {
     let table = Table::new(&reader, "the robot", file.get_ref(), 0..0);
     let robot = read(&table);
     table.finish();
-    // What does not fit together is told of a file in which everything else is right.
+    // Contradictions are reported only for a file without other errors.
     if reader.is_clean()
         && let Some(Err((part, error))) = robot.as_ref().map(HybridRobot::check)
     {
@@ -44,7 +44,7 @@ fn read(table: &Table) -> Option<HybridRobot> {
     let rods = table.needed("rods").and_then(|entry| entry.table(reader, "`[rods]`"));
     let rods = rods.and_then(|rods| rod_axes(&rods, gpr.as_ref()?));
     let tables = table.tables("axis");
-    tell_twice(table, &tables);
+    report_duplicate_names(table, &tables);
     let motors: Vec<Option<Axis>> = tables.iter().map(motor).collect();
     let mut names: Vec<String> = ROD_NAMES.map(str::to_owned).into();
     names.extend(motors.iter().map(|axis| axis.as_ref().map_or("", |axis| &axis.name).to_owned()));
@@ -68,7 +68,7 @@ fn read(table: &Table) -> Option<HybridRobot> {
     })
 }
 
-/// What is assumed: keys of the file, each with its reason.
+/// Assumed parts of the robot: keys of the file, each with its reason.
 fn assumed(table: &Table) -> Vec<String> {
     const KEYS: [&str; 5] = ["gpr", "platform", "rods", "axis", "arm"];
     let Some(reasons) = table.table("assumed", "`[assumed]`") else { return Vec::new() };
@@ -87,7 +87,7 @@ fn nth<'r, 'a>(table: &Table<'r, 'a>, key: &'static str, index: usize) -> Option
     list.get(index)?.table(table.reader, "")
 }
 
-/// The part of the file that a fault is about.
+/// The part of the file that an error refers to.
 fn place(table: &Table, part: RobotPart) -> std::ops::Range<usize> {
     let name = |table: &Table| table.entry("name").map(|entry| entry.span());
     let of_arm = |arm: usize, key, index| nth(&nth(table, "arm", arm)?, key, index);
@@ -117,31 +117,31 @@ mod tests {
 
     const DUAL: &str = include_str!("../../../../../robots/dual-arm.toml");
 
-    fn told(problems: &Errors) -> String {
+    fn rendered(problems: &Errors) -> String {
         problems.iter().map(|problem| problem.with_excerpt("x.toml") + "\n").collect()
     }
 
-    /// Replaces a piece of the file, and reads the first message and what stands above its carets.
+    /// Replaces a part of the file, and checks an error message and the text above its carets.
     #[track_caller]
     fn refuse(from: &str, to: &str, blamed: &str, message: &str) {
         assert!(DUAL.contains(from), "{from:?} is not in the file");
         let problems = parse(&DUAL.replacen(from, to, 1)).unwrap_err();
-        let told = told(&problems);
+        let rendered = rendered(&problems);
         let found = problems.iter().find(|problem| problem.to_string().contains(message));
-        let found = found.unwrap_or_else(|| panic!("{message:?} is not in\n{told}"));
+        let found = found.unwrap_or_else(|| panic!("{message:?} is not in\n{rendered}"));
         let place = &found.place;
         let above: String = place.text.chars().skip(place.column - 1).take(place.width).collect();
-        assert_eq!(above, blamed, "{told}");
+        assert_eq!(above, blamed, "{rendered}");
     }
 
     #[test]
-    fn the_robots_that_come_along() {
+    fn included_robots_are_valid_and_home_is_within_limits() {
         for name in names() {
             let text = catalogue::find(name).unwrap().text;
-            let robot = parse(text).unwrap_or_else(|problems| panic!("{}", told(&problems)));
+            let robot = parse(text).unwrap_or_else(|problems| panic!("{}", rendered(&problems)));
             assert_eq!(robot.gpr, Gpr::paper().without_limit_checks(), "{name}");
             assert_eq!(robot.assumed.len(), 3, "{name}");
-            // Folded over its first axis, where HOME leaves it.
+            // At HOME the arms are folded over their first axis.
             let home: Vec<f64> = robot.axes.iter().map(|axis| axis.home).collect();
             assert!(robot.limit_violations(&home).unwrap().is_empty());
             for wafer in robot.forward(&home).unwrap().base_from_wafer.into_iter().flatten() {
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_is_read_into_si_units() {
+    fn values_are_converted_to_si_units() {
         let robot = parse(DUAL).unwrap();
         let [upper, lower] = robot.arms.as_slice() else { panic!() };
         assert_eq!((upper.mount, lower.joints[0].offset), ([0.0, 0.0, 0.06], -0.175));
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn a_three_rod_robot_of_its_own() {
+    fn a_three_rod_robot_is_read_from_a_table() {
         let gpr = "gpr = { limb = [
             { socket_radius_mm = 93.218, socket_angle_deg = 0 },
             { socket_radius_mm = 93.218, socket_angle_deg = 120 },
@@ -185,10 +185,10 @@ mod tests {
     }
 
     #[test]
-    fn where_the_platform_sits_is_a_choice() {
+    fn the_platform_model_follows_virtualization_solver_and_metric() {
         let chosen = |keys: &str| {
             let text = DUAL.replacen("[rods]", &format!("[platform]\n{keys}\n[rods]"), 1);
-            parse(&text).unwrap_or_else(|problems| panic!("{}", told(&problems))).model
+            parse(&text).unwrap_or_else(|problems| panic!("{}", rendered(&problems))).model
         };
         assert_eq!(parse(DUAL).unwrap().model, PlatformModel::default());
         assert_eq!(chosen("virtualization = \"planar\""), PlatformModel::default());
@@ -208,7 +208,7 @@ mod tests {
             let options = SolveOptions { solver: Solver::LeastNorm, ..Default::default() };
             assert_eq!(polar.options, SolveOptions { metric: expected, ..options });
         }
-        // What is said is what the robot does: polar and radial put the centre to other places.
+        // The robot uses the chosen virtualization: polar and radial move the centre to different points.
         let at = |keys: &str| {
             let text = DUAL.replacen("[rods]", &format!("[platform]\n{keys}\n[rods]"), 1);
             let robot = parse(&text).unwrap();
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn an_arm_may_droop_by_a_table_and_slide() {
+    fn droop_tables_are_read_and_slides_cannot_drive_rotary_joints() {
         let cantilever =
             "droop = { kind = \"cantilever\", stiffness_n_m2 = 1500.0, mass_kg_m = 2.5 }";
         let row = "droop = { kind = \"table\", row = [{ reach_mm = 300, empty_drop_mm = 0.1, empty_slope_mrad = 0.2, loaded_drop_mm = 0.3, loaded_slope_mrad = 0.4, load_g = 128 }] }";
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_files_are_refused_with_their_place() {
+    fn invalid_files_are_rejected_with_the_place_of_each_error() {
         refuse("\"hybrid\"", "\"hybird\"", "\"hybird\"", "did you mean `hybrid`?");
         refuse("gpr = \"gpr\"", "gpr = \"gp\"", "\"gp\"", "known: gpr");
         refuse("gpr = \"gpr\"", "gpr = \"bennett\"", "\"bennett\"", "known: gpr");
@@ -317,13 +317,13 @@ mod tests {
             "name = \"RB\"",
             "name = \"RA\"",
             "\"RA\"",
-            "axis \"RA\" is there twice, first in line",
+            "axis \"RA\" is defined twice, first in line",
         );
         refuse(
             "name = \"RB\"",
             "name = \"q2\"",
             "\"q2\"",
-            "axis \"q2\" is there twice, first in line",
+            "axis \"q2\" is defined twice, first in line",
         );
         refuse("name = \"lower\"", "name = \"upper\"", "\"upper\"", "two arms are called");
         refuse("name = \"B\"", "name = \"A\"", "\"A\"", "two effectors are called");
@@ -340,21 +340,25 @@ mod tests {
         refuse("\"cantilever\"", "\"beam\"", "\"beam\"", "known: rigid, table, cantilever");
         let idle = "[[axis]]\nname = \"W\"\nkind = \"slide\"\nrange_mm = [0, 1]\nhome_mm = 0\nempty = { velocity_mm_s = 1, acceleration_mm_s2 = 1, jerk_mm_s3 = 1 }\nloaded = { velocity_mm_s = 1, acceleration_mm_s2 = 1, jerk_mm_s3 = 1 }\n[[arm]]\nname = \"upper\"";
         refuse("[[arm]]\nname = \"upper\"", idle, "\"W\"", "axis W moves no joint");
-        // All that is wrong is told.
+        // The reader reports all errors.
         let twice = DUAL.replace("friction = 0.5", "frction = 0.5");
         assert_eq!(parse(&twice).unwrap_err().len(), 4);
     }
 
     #[test]
-    fn an_arm_that_only_turns_is_refused() {
+    fn an_arm_that_only_rotates_is_rejected() {
         let text = DUAL.replace("drives = { RB = -1 }", "drives = { T = 1 }");
         let problems =
             parse(&text.replace("drives = { RB = 2 }", "drives = { T = -2 }")).unwrap_err();
-        assert!(told(&problems).contains("along 1 of the 2 directions"), "{}", told(&problems));
+        assert!(
+            rendered(&problems).contains("along 1 of the 2 directions"),
+            "{}",
+            rendered(&problems)
+        );
     }
 
     #[test]
-    fn nothing_panics() {
+    fn truncated_files_do_not_panic() {
         for cut in (0..DUAL.len()).step_by(61) {
             for part in [&DUAL[..cut], &DUAL[cut..]] {
                 for problem in parse(part).err().into_iter().flatten() {

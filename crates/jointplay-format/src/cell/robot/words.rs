@@ -1,11 +1,11 @@
-//! Words of robot files.
+//! Fixed texts of robot files.
 
 use jointplay_cell::robot::{AxisKind, RODS};
 
-/// The `kind` of these files.
+/// The `kind` of files of robots with arms.
 pub const KIND: &str = "hybrid";
 
-/// Names of the rods, as axes.
+/// Names of the rods as axes.
 pub(super) const ROD_NAMES: [&str; RODS] = ["q1", "q2", "q3"];
 
 /// Kinds of axes.

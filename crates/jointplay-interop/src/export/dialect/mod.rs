@@ -1,17 +1,17 @@
-//! Controller text: lines from the templates of a dialect, which is a file and no code.
+//! Controller text: lines from the templates of a dialect file.
 //!
-//! A template is text with names in braces; `{{` and `}}` stand for the braces themselves.
+//! A template is text with names in braces; `{{` and `}}` represent the braces themselves.
 //!
 //! | key | written | names |
 //! | --- | --- | --- |
 //! | `begin`, `end` | once | `cell`, `robot`, `axes`, `positions`, `time` |
 //! | `instruction` | before the first motion of each instruction | `number`, `line`, `text` |
 //! | `axes`, `line`, `still` | for each motion: of axes, along a line, none; these three or `point` | `number`, `phase`, `time`, `duration`, `positions`, `effector` |
-//! | `point` | at even times | `number`, `time`, `positions`, `velocities` |
-//! | `blend` | between two motions that run into each other | `overlap` |
+//! | `point` | at equal intervals of time | `number`, `time`, `positions`, `velocities` |
+//! | `blend` | between two blended motions | `overlap` |
 //! | `taken`, `left` | where a wafer is taken or left | `effector`, `station`, `slot` |
 //! | `axis` | for each axis within `positions` and `velocities`, with `between` between them | `name`, `value`, `number` |
-//! | `comment` | what is wrong with the motion, first of all | `text` |
+//! | `comment` | violations of the motion, before everything else | `text` |
 
 mod problem;
 mod template;
@@ -24,20 +24,20 @@ use jointplay_format::mechanism::{AngleUnit, LengthUnit};
 use jointplay_format::place::Errors;
 use jointplay_format::toml_reader::{self, Entry};
 
-/// Longer dialect files are refused, in bytes.
+/// Longest accepted dialect file (bytes).
 pub const MAX_BYTES: usize = 100_000;
 
-/// Most digits behind the point.
+/// Largest number of decimals.
 const MOST_DECIMALS: usize = 12;
 
-/// How a controller is spoken to.
+/// Language of a controller.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dialect {
-    /// What it is called.
+    /// Name of the dialect.
     pub name: String,
-    /// What it is for, in a line.
+    /// Purpose of the dialect, in one line.
     pub about: String,
-    /// What names of its files end in.
+    /// Extension of its files.
     pub extension: String,
     length: LengthUnit,
     angle: AngleUnit,
@@ -55,21 +55,21 @@ pub struct Dialect {
     end: Vec<Template>,
 }
 
-/// How motions are told.
+/// Description of motions.
 #[derive(Debug, Clone, PartialEq)]
 enum Motions {
-    /// Each by its end and its duration.
+    /// By the end and the duration of each motion.
     Steps { axes: Vec<Template>, line: Vec<Template>, still: Vec<Template> },
-    /// By points at even times.
+    /// By points at equal intervals of time.
     Points(Vec<Template>),
 }
 
 /// An included dialect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct IncludedDialect {
-    /// What it is called.
+    /// Name of the dialect.
     pub name: &'static str,
-    /// Its file.
+    /// Text of its file.
     pub text: &'static str,
 }
 
@@ -99,7 +99,7 @@ impl Dialect {
     /// The neutral dialect.
     #[must_use]
     pub fn neutral() -> Self {
-        Self::parse(DIALECTS[0].text).expect("it is held to this by a test")
+        Self::parse(DIALECTS[0].text).expect("the included dialect is valid, as a test checks")
     }
 }
 
@@ -159,7 +159,7 @@ fn templates(
     entry: &Entry,
     known: &'static [&'static str],
 ) -> Option<Vec<Template>> {
-    // All are read, so that each error is reported.
+    // All templates are read, so that each error is reported.
     let list = entry.list(reader)?;
     let read: Vec<_> = list.iter().map(|one| template(reader, one, known)).collect();
     read.into_iter().collect()
@@ -201,14 +201,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_dialect_that_comes_along_can_be_read() {
+    fn every_included_dialect_is_valid() {
         for entry in DIALECTS {
             assert_eq!(Dialect::parse(entry.text).unwrap().name, entry.name);
         }
         assert_eq!(Dialect::neutral().name, "neutral");
     }
 
-    /// Replaces a line of the neutral dialect, and expects a message at a line.
+    /// Replaces a line of the neutral dialect, and checks an error message.
     #[track_caller]
     fn refuse(from: &str, to: &str, message: &str) {
         let text = DIALECTS[0].text.replace(from, to);
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_dialect_is_refused_at_its_place() {
+    fn invalid_dialects_are_rejected_with_the_place_of_each_error() {
         refuse("length = \"mm\"", "length = \"furlong\"", "known: ");
         refuse("angle = \"deg\"", "angle = \"turns\"", "known: ");
         refuse("WAIT {duration}", "WAIT {durations}", "did you mean `duration`");

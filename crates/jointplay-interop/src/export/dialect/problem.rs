@@ -1,38 +1,41 @@
-//! What can be wrong with a dialect file.
+//! Errors of dialect files.
 
 use jointplay_format::file_problem::FileProblem;
 use jointplay_format::place::suggestion;
 
-/// What is wrong with a dialect file.
+/// Errors of dialect files.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// An error that every file can have.
+    /// An error that any TOML file can have.
     #[error(transparent)]
     Common(#[from] FileProblem),
-    /// An ending that is none of a file.
+    /// An invalid file extension.
     #[error("`extension` is {found:?}, but has to be letters and digits")]
     Extension {
-        /// What was found.
+        /// The extension found.
         found: String,
     },
-    /// A name in braces that stands for nothing here.
-    #[error("`{{{found}}}` stands for nothing here{}; known here: {known}", suggestion(nearest))]
+    /// An unknown name in braces.
+    #[error(
+        "`{{{found}}}` is not a name of this template{}; known here: {known}",
+        suggestion(nearest)
+    )]
     Name {
-        /// What was found.
+        /// The name found.
         found: String,
-        /// The known one most like it.
+        /// The most similar known name.
         nearest: Option<String>,
-        /// All that there are.
+        /// All known names.
         known: String,
     },
-    /// A brace without its other half.
+    /// An opening brace without a closing one.
     #[error("a name that begins with {{ ends without }}; write {{{{ for the brace itself")]
     Open,
-    /// A brace without its first half.
-    #[error("a }} stands alone; write }}}} for the brace itself")]
+    /// A closing brace without an opening one.
+    #[error("a }} has no opening brace; write }}}} for the brace itself")]
     Close,
-    /// Motions told in no way, or in two.
-    #[error("a dialect tells motions by either `axes`, `line` and `still`, or `point`")]
+    /// A dialect that describes motions in no manner, or in both.
+    #[error("a dialect describes motions by either `axes`, `line` and `still`, or `point`")]
     Motions,
 }

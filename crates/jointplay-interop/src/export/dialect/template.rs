@@ -3,7 +3,7 @@
 use super::Problem;
 use jointplay_format::place::nearest;
 
-/// Names that stand for something, by where.
+// Names that a template may contain, by kind of template.
 pub(super) const ENDS: &[&str] = &["cell", "robot", "axes", "positions", "time"];
 pub(super) const INSTRUCTION: &[&str] = &["number", "line", "text"];
 pub(super) const STEP: &[&str] = &["number", "phase", "time", "duration", "positions", "effector"];
@@ -13,7 +13,7 @@ pub(super) const WAFER: &[&str] = &["effector", "station", "slot"];
 pub(super) const AXIS: &[&str] = &["name", "value", "number"];
 pub(super) const COMMENT: &[&str] = &["text"];
 
-/// Text with names in braces, of which each is known.
+/// Text with known names in braces.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Template {
     /// Text, and the name that follows it.
@@ -55,7 +55,7 @@ impl Template {
         Ok(Self { parts, rest: plain })
     }
 
-    /// The text with what its names stand for.
+    /// The text with the values of its names.
     pub(super) fn fill(&self, value: impl Fn(&str) -> String) -> String {
         let parts = self.parts.iter().map(|(text, name)| text.clone() + &value(name));
         parts.collect::<String>() + &self.rest

@@ -1,4 +1,4 @@
-//! A motion in the lines of a dialect.
+//! Text of a motion in a dialect.
 
 use jointplay_cell::program::{Handoff, Path, Phase};
 use jointplay_cell::robot::AxisKind;
@@ -8,16 +8,16 @@ use super::{Dialect, Motions};
 use crate::export::error::Error;
 use crate::export::motion_export::MotionExport;
 
-/// Text that is held at a time (bytes).
+/// Length of the text that is kept in memory (bytes).
 const PART: usize = 1 << 20;
 
 impl Dialect {
     /// A motion in this dialect.
     ///
-    /// Durations add up to that of the motion: each is the difference of the times of its ends as they are rounded.
+    /// Durations add up to the duration of the motion: each is the difference of two rounded times.
     ///
     /// # Arguments
-    /// * `rate` – points a second, where the dialect tells points (Hz)
+    /// * `rate` – number of points per second, for dialects with points (Hz)
     ///
     /// # Errors
     /// [`Error::Rate`], [`Error::TooManySamples`]
@@ -30,11 +30,11 @@ impl Dialect {
         Ok(whole)
     }
 
-    /// The text of [`Self::write`], a part after the other: what is held does not grow with the duration.
+    /// The text of [`Self::write`] in parts of limited size.
     ///
     /// # Arguments
-    /// * `rate` – points a second, where the dialect tells points (Hz)
-    /// * `take` – takes the next part
+    /// * `rate` – number of points per second, for dialects with points (Hz)
+    /// * `take` – receives the next part
     ///
     /// # Errors
     /// As [`Self::write`], and those of `take`.
@@ -147,7 +147,7 @@ impl Dialect {
     /// A value for each axis, in the units of the dialect.
     fn values(&self, motion_export: &MotionExport<'_>, values: &[f64]) -> String {
         let axes = motion_export.cell.robot.axes.iter().zip(values).enumerate();
-        let told = axes.map(|(k, (axis, &value))| {
+        let values = axes.map(|(k, (axis, &value))| {
             let value = match axis.kind {
                 AxisKind::Linear => self.length.from_meters(value),
                 AxisKind::Rotary => self.angle.from_radians(value),
@@ -158,14 +158,14 @@ impl Dialect {
                 _ => (k + 1).to_string(),
             })
         });
-        told.collect::<Vec<_>>().join(&self.between)
+        values.collect::<Vec<_>>().join(&self.between)
     }
 
     fn time(&self, time: f64) -> String {
         fixed(time, self.time_decimals)
     }
 
-    /// From one rounded time to another.
+    /// The difference of two rounded times.
     fn duration(&self, start: f64, end: f64) -> String {
         let unit = 10_f64.powi(i32::try_from(self.time_decimals).unwrap_or(0));
         fixed(((end * unit).round() - (start * unit).round()) / unit, self.time_decimals)
@@ -179,14 +179,14 @@ fn push(text: &mut String, lines: &[Template], value: impl Fn(&str) -> String) {
     }
 }
 
-/// A number with fixed decimals, and no minus before a zero.
+/// A number with fixed decimals, and no minus sign before zero.
 fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
     if zero { text.replace('-', "") } else { text }
 }
 
-/// What is quoted stays in its line.
+/// A quoted text in one line.
 fn one_line(text: &str) -> String {
     text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect()
 }

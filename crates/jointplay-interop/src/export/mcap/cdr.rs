@@ -1,9 +1,9 @@
 //! Messages of ROS 2 as bytes: the Common Data Representation, little-endian.
 
-/// What a message begins with: the representation, and no options.
+/// Header of a message: the representation, without options.
 const HEAD: [u8; 4] = [0, 1, 0, 0];
 
-/// A message in the making.
+/// An incomplete message.
 pub(super) struct Cdr(Vec<u8>);
 
 /// Whole seconds and nanoseconds of a time (s).
@@ -29,7 +29,7 @@ impl Cdr {
         self.0
     }
 
-    /// Each number stands at a multiple of its size, counted behind the head.
+    /// Pads to a multiple of a number's size, counted after the header.
     fn align(&mut self, size: usize) {
         while !(self.0.len() - HEAD.len()).is_multiple_of(size) {
             self.0.push(0);
@@ -41,13 +41,13 @@ impl Cdr {
         self.0.extend(value.to_le_bytes());
     }
 
-    /// The length of what follows.
+    /// Writes the length of a sequence.
     pub(super) fn count(&mut self, count: usize) {
         self.word(u32::try_from(count).unwrap_or(u32::MAX));
     }
 
     pub(super) fn string(&mut self, text: &str) {
-        // Its end is a zero, which is counted too.
+        // The length includes the zero at the end.
         self.count(text.len() + 1);
         self.0.extend(text.as_bytes());
         self.0.push(0);
@@ -63,7 +63,7 @@ impl Cdr {
         self.fixed(values);
     }
 
-    /// As many numbers as the definition says.
+    /// Numbers of an array with a fixed length.
     pub(super) fn fixed(&mut self, values: &[f64]) {
         for value in values {
             self.align(8);
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_stand_at_multiples_of_their_size() {
+    fn numbers_are_aligned_to_their_size() {
         let mut message = Cdr::new();
         message.string("ab");
         message.numbers(&[1.5]);

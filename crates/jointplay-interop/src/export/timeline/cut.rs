@@ -1,15 +1,15 @@
-//! Where a motion is cut into windows.
+//! Division of a motion into windows.
 
-/// Edges of windows: indices of steps, the first 0 and the last their number.
+/// Boundaries of windows: indices of steps, the first 0 and the last their number.
 ///
 /// Windows begin where instructions begin.
-/// Where the first steps, or the last, are those of another motion, its edges are kept, so that what did not change stays in windows that did not change.
+/// Where the first or the last steps are those of another motion, its boundaries remain, so that unchanged steps remain in unchanged windows.
 ///
 /// # Arguments
-/// * `marks` – of each step, a hash of what happens in it
+/// * `marks` – hash of the content of each step
 /// * `starts` – whether an instruction starts with a step
-/// * `most` – steps of a window, about
-/// * `previous` – marks and edges of the other motion
+/// * `most` – approximate number of steps of a window
+/// * `previous` – marks and boundaries of the other motion
 pub(super) fn edges(
     marks: &[u64],
     starts: &dyn Fn(usize) -> bool,
@@ -37,14 +37,14 @@ pub(super) fn edges(
     kept.dedup();
     kept.retain(|&edge| edge == count || starts(edge));
     let found = filled(&kept, count, starts, most);
-    // Many changes leave many short windows behind.
+    // Many changes leave many short windows.
     if found.len() > 8 + 2 * (count / most + 1) {
         return filled(&[0, count], count, starts, most);
     }
     found
 }
 
-/// Adds edges where there are too many steps between two.
+/// Adds boundaries where there are too many steps between two.
 fn filled(kept: &[usize], count: usize, starts: &dyn Fn(usize) -> bool, most: usize) -> Vec<usize> {
     let mut edges = vec![0];
     for &end in kept {
@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn a_line_more_or_less_changes_one_window() {
-        // The same few instructions over and over, so that nothing in them tells where one is.
+        // Repeated instructions: the content of a step does not identify its place.
         let many: Vec<u64> = (0..1000).map(|k| k % 2).collect();
         let starts = |step: usize| step.is_multiple_of(3);
         let old = edges(&steps(&many), &starts, 20, None);

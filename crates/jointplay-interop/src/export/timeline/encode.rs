@@ -1,4 +1,4 @@
-//! A window as bytes: a description as JSON, then numbers.
+//! Encoding of a window: a description as JSON, then numbers.
 
 use std::collections::BTreeMap;
 
@@ -14,11 +14,11 @@ use crate::export::error::Error;
 use crate::export::motion_export::MotionExport;
 use jointplay_report::ViolationReport;
 
-/// Channels, each once.
+/// Distinct channels.
 #[derive(Default)]
 struct Pool {
     known: BTreeMap<Vec<u64>, usize>,
-    /// Where the numbers of each begin, and how many keys it has.
+    /// Offset of the numbers of each channel, and its number of keys.
     places: Vec<[usize; 2]>,
     numbers: Vec<f64>,
 }
@@ -42,10 +42,10 @@ impl Timeline {
     /// ```text
     ///    length of the JSON text [u32, little-endian] | JSON text, spaces up to a multiple of 8 bytes | numbers [f64, little-endian]
     /// ```
-    /// A channel is a place among the numbers and a number of keys n: n times since the start of its step, n values, n slopes. Between two keys it is their cubic; before the first and after the last it is constant.
+    /// A channel is an offset in the numbers and a number of keys n: n times since the start of its step, n values, n slopes. Between two keys it is their cubic; before the first and after the last it is constant.
     ///
     /// # Arguments
-    /// * `violations` – those of [`Timeline::new`]
+    /// * `violations` – the violations passed to [`Timeline::new`]
     ///
     /// # Errors
     /// [`Error::Placing`]
@@ -126,7 +126,7 @@ impl Timeline {
         Ok(block(&description, &pool.numbers))
     }
 
-    /// [`Timeline::envelopes`] as bytes, as [`Timeline::content`] has them: for each window and axis least and largest position, velocity and acceleration, and how long it moves.
+    /// [`Timeline::envelopes`] in the encoding of [`Timeline::content`]: for each window and axis least and largest position, velocity and acceleration, and the time of motion.
     #[must_use]
     pub fn overview(&self, motion_export: &MotionExport<'_>, windows: &[usize]) -> Vec<u8> {
         let envelopes = self.envelopes(motion_export, windows);
@@ -140,7 +140,7 @@ impl Timeline {
     }
 }
 
-/// JSON and numbers as one.
+/// JSON and numbers in one block.
 fn block(description: &Value, numbers: &[f64]) -> Vec<u8> {
     let mut text = description.to_string();
     while !(4 + text.len()).is_multiple_of(8) {

@@ -5,9 +5,9 @@ use jointplay_cell::trajectory::{Sample, Trajectory};
 /// Least and largest values of an axis over a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Envelope {
-    /// Of position, velocity and acceleration: least, then largest (m or rad, and these by s and s²).
+    /// Least and largest position, velocity and acceleration (m or rad, per s, per s²).
     pub bounds: [[f64; 2]; 3],
-    /// How long it moves (s).
+    /// Time during which the axis moves (s).
     pub moving: f64,
 }
 
@@ -29,7 +29,7 @@ impl Envelope {
     }
 }
 
-/// Least and largest values in a step: where jerks jump, between, and where speeds and accelerations turn back.
+/// Least and largest values in a step: at the jumps of the jerk, between them, and at the extrema of velocities and accelerations.
 pub(super) fn of_step(motion: &Trajectory, step: usize, axes: usize) -> Vec<Envelope> {
     let mut found = vec![Envelope::NOTHING; axes];
     for axis in motion.moving_axes(step) {

@@ -1,8 +1,8 @@
-//! Names of the parts of an instruction.
+//! Names of phases.
 
 use jointplay_cell::program::Phase;
 
-/// What a part of an instruction is called.
+/// Name of a phase.
 pub(crate) fn phase(phase: Phase) -> &'static str {
     match phase {
         Phase::Move => "move",

@@ -2,10 +2,10 @@
 
 use crate::export::scene::rounded;
 
-/// Times of violations are told to this fraction of a second.
+/// Fraction of a second to which times of violations are rounded.
 const TIMES: f64 = 1e6;
 
-/// A time since another; the same for the same violation wherever it is in a program (s).
+/// A time relative to another, rounded so that equal violations anywhere in a program have equal times (s).
 pub(super) fn since(time: f64, start: f64) -> f64 {
     rounded(time - start, TIMES)
 }

@@ -12,7 +12,7 @@ use crate::import::problem::Error;
 use crate::import::xml::{Advice, Value, attribute, place};
 
 impl<'a> Reader<'a> {
-    /// An equality constraint: a loop closure, or what cannot be taken over.
+    /// An equality constraint: a loop closure, or an unsupported constraint.
     pub(super) fn equality(&mut self, node: Node<'a, 'a>) -> Result<(), Error> {
         let (xml, tag) = (self.draft.xml, node.tag_name().name());
         let class = self.defaults.class_of(xml, node, None)?;
@@ -31,14 +31,14 @@ impl<'a> Reader<'a> {
             }
             _ => {
                 let advice = Advice(
-                    "it couples joints, which no joint of a mechanism does; say active=\"false\" to go without it",
+                    "it couples joints, which no joint of a mechanism does; set active=\"false\" to import the model without it",
                 );
                 return Err(xml.unsupported(node, format!("<{tag}> in equality"), advice));
             }
         };
         let scale = attribute(node, "torquescale").filter(|_| tag == "weld");
         if scale.map(|scale| xml.number(&scale)).transpose()? == Some(0.0) {
-            let advice = Advice("it lets the bodies turn; a connect says so");
+            let advice = Advice("its bodies can rotate against each other; use a connect instead");
             return Err(xml.unsupported(node, "a weld whose torquescale is 0", advice));
         }
         let name = match xml.name(node)? {
@@ -50,14 +50,14 @@ impl<'a> Reader<'a> {
             (Some(first), Some(second)) => {
                 for attribute in ["body1", "body2", "anchor", "relpose"] {
                     if let Some(value) = crate::import::xml::attribute(node, attribute) {
-                        return Err(xml.unusable(&value, "left out: the sites say where"));
+                        return Err(xml.unusable(&value, "absent: the sites define the positions"));
                     }
                 }
                 let [(link_1, frame_1), (link_2, frame_2)] =
                     [self.site_of(&first)?, self.site_of(&second)?];
                 let mut frames = [frame_1, frame_2];
                 if kind == JointKind::Spherical {
-                    // A connect joins points: how its sites are turned says nothing, and must not count as a turn.
+                    // A connect joins points: the orientation of its sites is irrelevant, and must not count as a rotation.
                     let [world_from_1, world_from_2] =
                         [link_1, link_2].map(|link| self.world_from_link[link].rotation);
                     frames[1].rotation = world_from_2.inverse() * world_from_1 * frame_1.rotation;
@@ -97,7 +97,7 @@ impl<'a> Reader<'a> {
         let mut first_from_anchor = world_from_1.inverse() * world_from_2 * anchor;
         if let Some(value) = attribute(node, "relpose") {
             let [x, y, z, a, b, c, d] = xml.numbers(&value, "7 numbers")?;
-            // A quaternion of zeros stands for the reference configuration.
+            // A quaternion of zeros means the reference configuration.
             if [a, b, c, d] != [0.0; 4] {
                 let rotation = xml.quaternion(&value, [a, b, c, d])?;
                 first_from_anchor = Pose::from_parts(Translation3::new(x, y, z), rotation);

@@ -1,4 +1,4 @@
-//! Default classes: values of attributes that elements leave out.
+//! Default classes: values of attributes that are absent in elements.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use crate::import::draft::Draft;
 use crate::import::problem::Error;
 use crate::import::xml::{Value, Xml, attribute, children, elements};
 
-/// The class that all others come from.
+/// The class from which all others inherit.
 const MAIN: &str = "main";
 
 /// Values by element and attribute.
@@ -22,7 +22,7 @@ pub(super) struct Defaults<'a> {
 }
 
 impl<'a> Defaults<'a> {
-    /// Reads a section at the top level; several add up.
+    /// Reads a section at the top level; several sections are merged.
     pub(super) fn section(
         &mut self,
         draft: &mut Draft<'a>,
@@ -45,7 +45,7 @@ impl<'a> Defaults<'a> {
                 if name == MAIN || self.classes.contains_key(name) {
                     return Err(draft.xml.unusable(&value, "a name that no other class has"));
                 }
-                // Entered at once, so that a second one of this name is noticed.
+                // Entered at once, so that a second class of this name is detected.
                 self.classes.insert(name, Class::new());
                 open.push((nested, name, class.clone()));
             }
@@ -54,7 +54,7 @@ impl<'a> Defaults<'a> {
         Ok(())
     }
 
-    /// The name of a class that is there.
+    /// The name of an existing class.
     pub(super) fn known(&self, xml: Xml<'a>, class: &Value<'a>) -> Result<&'a str, Error> {
         if class.text == MAIN || self.classes.contains_key(class.text) {
             Ok(class.text)
@@ -76,7 +76,7 @@ impl<'a> Defaults<'a> {
         }
     }
 
-    /// The value that a class gives to an attribute.
+    /// The value of an attribute in a class.
     pub(super) fn of(
         &self,
         class: &str,
@@ -87,7 +87,7 @@ impl<'a> Defaults<'a> {
     }
 }
 
-/// A class: its parent's values under its own.
+/// A class: its own values over those of its parent.
 fn own<'a>(draft: &mut Draft<'a>, node: Node<'a, 'a>, mut class: Class<'a>) -> Class<'a> {
     for child in children(node) {
         let element = child.tag_name().name();

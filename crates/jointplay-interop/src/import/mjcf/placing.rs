@@ -1,4 +1,4 @@
-//! Positions and the five ways to write an orientation.
+//! Positions, and orientations in their five notations.
 
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Translation3, Unit, Vector3};
@@ -7,16 +7,16 @@ use roxmltree::Node;
 use crate::import::problem::Error;
 use crate::import::xml::{Value, Xml, attribute};
 
-/// Attributes that place a body, frame or site.
+/// Attributes of the pose of a body, frame or site.
 pub(super) const PLACING: [&str; 6] = ["pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
-/// Ways to write an orientation.
+/// Notations of an orientation.
 const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
-/// How a model writes angles.
+/// Angle conventions of a model.
 pub(super) struct Angles {
     pub(super) in_degrees: bool,
-    /// Axes of the three Euler angles, and whether they turn along.
+    /// Axes of the three Euler angles, and whether they rotate with the body.
     sequence: [(usize, bool); 3],
 }
 
@@ -27,7 +27,7 @@ impl Default for Angles {
 }
 
 impl Angles {
-    /// Takes over the order of Euler angles: small letters turn along, capitals stand still.
+    /// Sets the sequence of Euler angles: small letters are intrinsic axes, capitals extrinsic ones.
     pub(super) fn set_sequence(&mut self, xml: Xml, value: &Value) -> Result<(), Error> {
         let letters = value.text.chars().map(|letter| {
             let axis = "xyz".find(letter.to_ascii_lowercase())?;
@@ -43,10 +43,10 @@ impl Angles {
         if self.in_degrees { angle.to_radians() } else { angle }
     }
 
-    /// Where an element is, in the frame around it.
+    /// Pose of an element in the frame around it.
     ///
     /// # Arguments
-    /// * `default` – the value of an attribute that the element does not have
+    /// * `default` – returns the value of an absent attribute
     pub(super) fn pose<'a>(
         &self,
         xml: Xml<'a>,
@@ -64,7 +64,7 @@ impl Angles {
             [] => Rotation3::identity(),
             [value] => self.rotation(xml, value)?,
             [_, second, ..] => {
-                return Err(xml.unusable(second, "left out: the element has another orientation"));
+                return Err(xml.unusable(second, "absent: the element has another orientation"));
             }
         };
         Ok(Pose::from_parts(Translation3::from(point), rotation))
@@ -92,7 +92,7 @@ impl Angles {
             }
             _ => {
                 let z = xml.direction(value)?;
-                // The shortest turn, from its sine and cosine; half a turn is about x.
+                // The shortest rotation, from its sine and cosine; half a revolution is about x.
                 let across = Vector3::z().cross(&z);
                 let axis = Unit::try_new(across, 0.0).unwrap_or(Vector3::x_axis());
                 Ok(Rotation3::from_axis_angle(&axis, across.norm().atan2(z.z)))
@@ -100,7 +100,7 @@ impl Angles {
         }
     }
 
-    /// Turns one after another.
+    /// Consecutive rotations.
     fn euler(&self, angles: [f64; 3]) -> Rotation3<f64> {
         let axes = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()];
         let turns = self.sequence.into_iter().zip(angles);
@@ -111,7 +111,7 @@ impl Angles {
     }
 }
 
-/// A displacement without a turn.
+/// A translation.
 pub(super) fn shift(by: Vector3<f64>) -> Pose {
     Pose::from_parts(Translation3::from(by), nalgebra::Rotation3::identity())
 }

@@ -20,10 +20,10 @@ use crate::import::problem::Error;
 use crate::import::xml::{Advice, attribute, children, elements, place};
 use jointplay_format::mechanism::frame::{pose, some_perpendicular};
 
-/// Elements of a body that are no part of its mechanism.
+/// Elements of a body that do not affect the mechanism.
 const UNMOVING: [&str; 5] = ["geom", "inertial", "camera", "light", "plugin"];
 
-/// Sections of a model that are no part of its mechanism.
+/// Sections of a model that do not affect the mechanism.
 const ASIDE: [&str; 12] = [
     "option",
     "size",
@@ -40,7 +40,7 @@ const ASIDE: [&str; 12] = [
 ];
 
 const INCLUDED: Advice = Advice(
-    "it stands for other elements; load the model with MuJoCo and save it (mj_saveLastXML) to have them written out",
+    "it represents other elements; load the model with MuJoCo and save it (mj_saveLastXML) to expand them",
 );
 
 pub(super) struct Reader<'a> {
@@ -50,15 +50,15 @@ pub(super) struct Reader<'a> {
     pub(super) defaults: Defaults<'a>,
     /// Pose of each link in MuJoCo's reference configuration (m).
     pub(super) world_from_link: Vec<Pose>,
-    /// Link and place of each site (m).
+    /// Link and pose of each site (m).
     pub(super) sites: BTreeMap<&'a str, (usize, Pose)>,
 }
 
-/// A body or the world whose contents are still to be read.
+/// A body or the world before its contents are read.
 struct Open<'a> {
     node: Node<'a, 'a>,
     parent: usize,
-    /// Where the frame that holds the body is on its parent (m).
+    /// Pose in its parent of the frame that contains the body (m).
     parent_from_frame: Pose,
     class: Option<&'a str>,
 }
@@ -135,9 +135,9 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// All bodies of the tree, parents first.
+    /// Reads all bodies of the tree, parents first.
     fn tree(&mut self, world: Node<'a, 'a>) -> Result<(), Error> {
-        // A stack of its own, for a chain of bodies can be as long as the file.
+        // An explicit stack, because a chain of bodies can be as long as the file.
         let mut open =
             vec![Open { node: world, parent: 0, parent_from_frame: Pose::identity(), class: None }];
         while let Some(next) = open.pop() {
@@ -174,7 +174,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// What a body holds, that in its frames too, in the order of the file.
+    /// The contents of a body, including those of its frames, in the order of the file.
     fn items(
         &mut self,
         body: Node<'a, 'a>,
@@ -199,13 +199,13 @@ impl<'a> Reader<'a> {
         Ok(items)
     }
 
-    /// The default class that a body or frame gives to what it holds.
+    /// The default class that a body or frame sets for its contents.
     fn childclass(&self, node: Node<'a, 'a>) -> Result<Option<&'a str>, Error> {
         let class = attribute(node, "childclass");
         class.map(|class| self.defaults.known(self.draft.xml, &class)).transpose()
     }
 
-    /// A body with the joints to its parent; several joints have links without a body between them.
+    /// A body with the joints to its parent; between several joints there are links without a body.
     fn body(&mut self, open: &Open<'a>, items: &[Item<'a>]) -> Result<usize, Error> {
         let node = open.node;
         let name = match self.draft.xml.name(node)? {
@@ -247,7 +247,7 @@ impl<'a> Reader<'a> {
     /// A joint of a body.
     ///
     /// # Arguments
-    /// * `before` – the body's place on the joint's first link, in the reference configuration (m)
+    /// * `before` – pose of the body in the joint's first link, in the reference configuration (m)
     fn joint(&mut self, item: &Item<'a>, links: [usize; 2], before: Pose) -> Result<(), Error> {
         let (node, xml) = (item.node, self.draft.xml);
         let is_free = node.tag_name().name() == "freejoint";
@@ -286,7 +286,7 @@ impl<'a> Reader<'a> {
         if let Some(reference) = value("ref").filter(|_| has_axis) {
             let reference = si(xml.number(&reference)?);
             if reference != 0.0 {
-                // The coordinate counts from where the joint would be at MuJoCo's zero.
+                // The coordinate counts from the joint's position at MuJoCo's zero.
                 joint.frames[0] *= kind.factors()[0].transform(&[-reference]);
                 joint.guess = vec![reference];
             }
@@ -299,7 +299,7 @@ impl<'a> Reader<'a> {
                 _ if self.autolimits => least < most,
                 _ => {
                     let advice =
-                        Advice("without `autolimits`, a joint has to say whether it is `limited`");
+                        Advice("without `autolimits`, a joint needs the attribute `limited`");
                     return Err(xml.unsupported(node, "a range alone", advice));
                 }
             };
@@ -339,7 +339,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Where a body or frame is.
+    /// Pose of a body or frame.
     fn pose(&self, node: Node<'a, 'a>) -> Result<Pose, Error> {
         self.angles.pose(self.draft.xml, node, |_| None)
     }
@@ -378,7 +378,7 @@ mod tests {
 </mujoco>"#;
 
     #[test]
-    fn a_loop_is_closed_by_connect() {
+    fn connect_closes_a_loop() {
         let model = testing::read(FOUR_BAR);
         let mechanism = &model.mechanism;
         assert_eq!(mechanism.links(), ["world", "crank", "coupler, part 1", "coupler", "rocker"]);
@@ -414,7 +414,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_of_joint_is_taken_over() {
+    fn every_kind_of_joint_is_imported() {
         for (element, kind) in [
             ("<joint/>", JointKind::Revolute),
             ("<joint type=\"hinge\"/>", JointKind::Revolute),
@@ -436,20 +436,20 @@ mod tests {
         assert_eq!(limits("range=\"1 2\" limited=\"auto\""), [[1.0, 2.0]]);
         assert!(limits("range=\"1 2\" limited=\"false\"").is_empty());
         assert!(limits("range=\"0 0\"").is_empty());
-        // A joint that starts off its zero keeps its own coordinates.
+        // A joint whose reference is not zero keeps its own coordinates.
         let joint = joint("<joint type=\"slide\" ref=\"0.5\" range=\"0 1\"/>");
         assert_eq!((joint.limits, joint.guess), (vec![[0.0, 1.0]], vec![0.5]));
         assert_eq!(joint.frames[0].translation.vector, -Vector3::z() * 0.5);
     }
 
     #[test]
-    fn names_made_up_keep_away_from_those_given() {
+    fn generated_names_avoid_given_names() {
         let text = "<mujoco><worldbody><body/><body name=\"body 1\"/></worldbody></mujoco>";
         assert_eq!(testing::read(text).mechanism.links(), ["world", "body 1 (2)", "body 1"]);
     }
 
     #[test]
-    fn what_would_change_the_mechanism_is_refused() {
+    fn unsupported_and_invalid_elements_are_rejected() {
         let refuse =
             |from, to, blamed, message| testing::refuse(FOUR_BAR, from, to, blamed, message);
         let option = "<option timestep=\"0.001\"/>";
@@ -496,7 +496,12 @@ mod tests {
             "a range alone",
         );
         refuse("\"-90 90\"", "\"90 -90\" limited=\"true\"", "90 -90", "the least before");
-        refuse("euler=\"0 0 90\"", "euler=\"0 0 90\" quat=\"1 0 0 0\"", "0 0 90", "left out");
+        refuse(
+            "euler=\"0 0 90\"",
+            "euler=\"0 0 90\" quat=\"1 0 0 0\"",
+            "0 0 90",
+            "has to be absent",
+        );
         refuse("euler=\"0 0 90\"", "quat=\"0 0 0 0\"", "0 0 0 0", "a quaternion that is not 0");
         refuse("euler=\"0 0 90\"", "xyaxes=\"1 0 0 -2 0 0\"", "1 0 0 -2 0 0", "not parallel");
         refuse("childclass=\"d\"", "childclass=\"e\"", "e", "default class \"e\" is not known");
@@ -510,7 +515,7 @@ mod tests {
             "active=\"false\"",
             "torquescale=\"0\"",
             "<weld site1=\"tip\" site2=\"top\" torquescale=\"0\"/>",
-            "a connect says so",
+            "use a connect instead",
         );
         refuse(
             "site2=\"top\" active=\"false\"",
@@ -528,7 +533,7 @@ mod tests {
             "<weld site1=\"tip\" site2=\"top\" active=\"false\"/>",
             "<joint joint1=\"a\"/>",
             "<joint joint1=\"a\"/>",
-            "active=\"false\" to go without",
+            "active=\"false\" to import",
         );
         refuse("motor joint=\"a\"", "motor joint=\"z\"", "z", "joint \"z\" is not known");
     }

@@ -1,4 +1,4 @@
-//! Frames by name: where each is, and to which link it belongs.
+//! Frames by name: their poses and the links to which they belong.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::import::xml::{LONGEST_NAME, Value, Xml, attribute, child, elements, p
 /// The frame of the world.
 pub(super) const WORLD: usize = 0;
 
-/// From this version on, links and joints of one model have different names.
+/// First version in which links and joints of one model must have different names.
 const UNIQUE_NAMES: (u32, u32) = (1, 7);
 
 #[derive(Clone, Copy, PartialEq)]
@@ -27,22 +27,22 @@ pub(super) enum Kind {
 
 struct Frame<'a> {
     kind: Kind,
-    /// With the models around it.
+    /// Name, including those of the models around the frame.
     name: String,
-    /// Its element; of the world, none.
+    /// Element of the frame; `None` for the world.
     node: Option<Node<'a, 'a>>,
-    /// The model or world around it.
+    /// The model or world around the frame.
     scope: usize,
     relative_to: usize,
-    /// As written (m).
+    /// Pose as written (m).
     pose: Pose,
-    /// Of a model: the frame inside it whose place is given in its stead.
+    /// For a model: the frame inside it whose pose is given instead.
     placed_by: Option<usize>,
-    /// The frame with which it moves; of a link, itself.
+    /// The frame to which this one is attached; for a link, itself.
     attached_to: usize,
-    /// (m)
+    /// Pose in the world (m).
     world_from: Pose,
-    /// The link, or the world, with which it moves; `None` where attachments go in a circle.
+    /// The link, or the world, with which the frame moves; `None` for circular attachments.
     link: Option<usize>,
 }
 
@@ -70,7 +70,7 @@ impl<'a> Frames<'a> {
         Self { xml, version, frames: vec![world], by_name: BTreeMap::new() }
     }
 
-    /// Enters a frame by its name.
+    /// Enters a frame with its name.
     pub(super) fn add(
         &mut self,
         scope: usize,
@@ -86,7 +86,7 @@ impl<'a> Frames<'a> {
         let index = self.frames.len();
         if self.by_name.contains_key(&name) {
             if kind != Kind::Joint || self.version >= UNIQUE_NAMES {
-                return Err(self.xml.wrong(place(node), MechanismError::NameTwice { name }));
+                return Err(self.xml.error(place(node), MechanismError::NameTwice { name }));
             }
         } else {
             self.by_name.insert(name.clone(), index);
@@ -114,7 +114,7 @@ impl<'a> Frames<'a> {
         self.frames[frame].node.expect("only the world has no element")
     }
 
-    /// Its name, with the models around it.
+    /// Name of a frame, including those of the models around it.
     pub(super) fn name(&self, frame: usize) -> &str {
         &self.frames[frame].name
     }
@@ -136,13 +136,13 @@ impl<'a> Frames<'a> {
         self.frames[frame].kind == Kind::Link { is_static: true }
     }
 
-    /// The link that stands for the first model.
+    /// The canonical link of the first model.
     pub(super) fn canonical_link(&self) -> Option<usize> {
         let model = self.frames.iter().position(|frame| frame.kind == Kind::Model)?;
         self.link_of(model).ok().filter(|&link| link != WORLD)
     }
 
-    /// Where the ends of a joint are attached: to a link, or the world.
+    /// The link, or the world, at an end of a joint.
     pub(super) fn end(&self, joint: usize, end: &'static str) -> Result<usize, Error> {
         let frame = self.end_frame(joint, end)?;
         self.link_of(frame)
@@ -157,7 +157,7 @@ impl<'a> Frames<'a> {
         self.find(self.frames[joint].scope, &value)
     }
 
-    /// The frame that an attribute names, if there is one and it is not empty.
+    /// The frame that an attribute names; `None` for an absent or empty attribute.
     pub(super) fn named(
         &self,
         scope: usize,
@@ -193,7 +193,7 @@ impl<'a> Frames<'a> {
         }
     }
 
-    /// Follows all references between frames, once all are entered.
+    /// Resolves all references between frames, after all frames are entered.
     pub(super) fn resolve(&mut self) -> Result<(), Error> {
         let mut first_inside = vec![None; self.len()];
         for index in (1..self.len()).rev() {
@@ -209,7 +209,7 @@ impl<'a> Frames<'a> {
         }
         for (index, first) in first_inside.into_iter().enumerate().skip(1) {
             let (node, scope) = (self.node(index), self.frames[index].scope);
-            let (attached_to, beside) = match self.frames[index].kind {
+            let (attached_to, default_parent) = match self.frames[index].kind {
                 Kind::World | Kind::Link { .. } => (index, scope),
                 Kind::Joint => {
                     let child = self.end_frame(index, "child")?;
@@ -229,7 +229,7 @@ impl<'a> Frames<'a> {
             let relative_to =
                 pose.map(|pose| self.named(scope, pose, "relative_to")).transpose()?.flatten();
             self.frames[index].attached_to = attached_to;
-            self.frames[index].relative_to = relative_to.unwrap_or(beside);
+            self.frames[index].relative_to = relative_to.unwrap_or(default_parent);
         }
         self.attach_all();
         self.place_all()
@@ -240,15 +240,15 @@ impl<'a> Frames<'a> {
         let mut is_placed = vec![false; self.len()];
         is_placed[WORLD] = true;
         for index in 1..self.len() {
-            let (mut way, mut frame) = (Vec::new(), index);
+            let (mut path, mut frame) = (Vec::new(), index);
             while !is_placed[frame] {
-                if way.len() > self.len() {
+                if path.len() > self.len() {
                     return Err(self.circle("the pose of", index));
                 }
-                way.push(frame);
+                path.push(frame);
                 frame = self.frames[frame].relative_to;
             }
-            while let Some(next) = way.pop() {
+            while let Some(next) = path.pop() {
                 let local = self.local(next, &mut locals)?;
                 let around = self.frames[next].relative_to;
                 self.frames[next].world_from = self.frames[around].world_from * local;
@@ -258,7 +258,7 @@ impl<'a> Frames<'a> {
         Ok(())
     }
 
-    /// Where a frame is in the one that it is relative to (m).
+    /// Pose of a frame in the frame to which it is relative (m).
     fn local(&self, frame: usize, locals: &mut [Option<Pose>]) -> Result<Pose, Error> {
         if let Some(known) = locals[frame] {
             return Ok(known);
@@ -290,23 +290,23 @@ impl<'a> Frames<'a> {
         let mut is_seen = vec![false; self.len()];
         is_seen[WORLD] = true;
         for index in 1..self.len() {
-            let (mut way, mut frame) = (Vec::new(), index);
+            let (mut path, mut frame) = (Vec::new(), index);
             while !std::mem::replace(&mut is_seen[frame], true) {
-                way.push(frame);
+                path.push(frame);
                 if let Kind::Link { .. } = self.frames[frame].kind {
                     self.frames[frame].link = Some(frame);
                     break;
                 }
                 frame = self.frames[frame].attached_to;
             }
-            // Of a circle no link is known yet, and none will be.
+            // Frames in a circle have no link.
             let link = self.frames[frame].link;
-            way.into_iter().for_each(|frame| self.frames[frame].link = link);
+            path.into_iter().for_each(|frame| self.frames[frame].link = link);
         }
     }
 
     fn circle(&self, what: &'static str, frame: usize) -> Error {
         let name = self.frames[frame].name.clone();
-        self.xml.wrong(place(self.node(frame)), Problem::Circle { what, name })
+        self.xml.error(place(self.node(frame)), Problem::Circle { what, name })
     }
 }

@@ -15,10 +15,10 @@ use crate::import::xml::{
 };
 use jointplay_format::mechanism::frame::{pose, some_perpendicular};
 
-/// How far from perpendicular the axes of a universal joint may be (rad).
+/// Largest deviation of the axes of a universal joint from perpendicular (rad).
 const PERPENDICULAR: f64 = 1e-6;
 
-/// Numbers from here on stand for no limit.
+/// Numbers from here on mean no limit.
 const ENDLESS: f64 = 1e16;
 
 impl<'a> Reader<'a> {
@@ -82,10 +82,10 @@ impl<'a> Reader<'a> {
         }
         self.draft.add_joint(joint, place(node))
     }
-    /// Refuses parts of a joint that would change it, and lists those that do not.
+    /// Rejects parts of a joint that would affect it, and lists the others as ignored.
     fn check_parts(&mut self, joint: Node<'a, 'a>) -> Result<(), Error> {
         let refused = |node: Node<'a, 'a>, what: &str| {
-            let advice = Advice("what it would do to the mechanism is not known");
+            let advice = Advice("its effect on the mechanism is unknown");
             Err(self.draft.xml.unsupported(node, what, advice))
         };
         let mut ignored = Vec::new();
@@ -113,7 +113,7 @@ impl<'a> Reader<'a> {
                             }
                             "mimic" => {
                                 let advice = Advice(
-                                    "it couples joints, which no joint of a mechanism does; leave it out to go without it",
+                                    "it couples joints, which no joint of a mechanism does; remove it to import the model without it",
                                 );
                                 let what = "a joint that mimics another";
                                 return Err(self.draft.xml.unsupported(inner, what, advice));
@@ -154,9 +154,9 @@ impl<'a> Reader<'a> {
         Ok(Unit::new_normalize(joint_from_other * direction.into_inner()))
     }
 
-    /// Advance for a radian (m/rad).
+    /// Lead of a screw joint (m/rad).
     ///
-    /// The newer element counts metres per turn of a right-handed thread, the older one radians per metre of a left-handed one.
+    /// The newer element is in metres per revolution of a right-handed thread, the older one in radians per metre of a left-handed one.
     fn lead(&self, joint: Node<'a, 'a>) -> Result<f64, Error> {
         let xml = self.draft.xml;
         if let Some(pitch) = child(joint, "screw_thread_pitch") {
@@ -170,7 +170,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Least and greatest coordinate about an axis, where both are said (m, rad).
+    /// Least and greatest coordinate about an axis, if both are given (m, rad).
     fn limits(
         &mut self,
         joint: Node<'a, 'a>,
@@ -189,7 +189,7 @@ impl<'a> Reader<'a> {
         Ok(None)
     }
 
-    /// A limit, unless it stands for none.
+    /// A limit; `None` for a number that means no limit.
     fn bound(&self, value: &Value<'a>) -> Result<Option<f64>, Error> {
         match value.text.parse::<f64>() {
             Ok(bound) if bound.abs() >= ENDLESS => Ok(None),

@@ -1,6 +1,6 @@
-//! Models of Gazebo (SDF): links and joints in any graph, placed by frames.
+//! Models of Gazebo (SDF): links and joints in any graph, with poses in frames.
 //!
-//! The world is the base; a model that nothing holds to the world stands on its canonical link.
+//! The world is the base; in a model that is not fixed to a world, the canonical link is the base.
 //! Links of static models are fixed to the world.
 
 mod frames;

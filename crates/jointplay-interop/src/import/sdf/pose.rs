@@ -7,11 +7,11 @@ use roxmltree::Node;
 use crate::import::problem::Error;
 use crate::import::xml::{Xml, attribute, content, elements};
 
-/// The place that an element says it has, in whichever frame.
+/// The pose of an element, in the frame to which it is relative.
 pub(super) fn pose<'a>(xml: Xml<'a>, node: Node<'a, 'a>) -> Result<Pose, Error> {
     let Some(element) = elements(node, "pose").next() else { return Ok(Pose::identity()) };
     if let Some(frame) = attribute(element, "frame").filter(|frame| !frame.text.is_empty()) {
-        return Err(xml.unusable(&frame, "empty: versions from 1.7 on say relative_to instead"));
+        return Err(xml.unusable(&frame, "empty: from version 1.7 on use relative_to instead"));
     }
     let value = content(element);
     if value.text.is_empty() {

@@ -1,6 +1,6 @@
-//! Models of Gazebo (SDF): links and joints in any graph, placed by frames.
+//! Models of Gazebo (SDF): links and joints in any graph, with poses in frames.
 //!
-//! The world is the base; a model that nothing holds to the world stands on its canonical link.
+//! The world is the base; in a model that is not fixed to a world, the canonical link is the base.
 //! Links of static models are fixed to the world.
 
 use jointplay_core::mechanism::JointKind;
@@ -15,11 +15,10 @@ use crate::import::xml::{
     Advice, Xml, attribute, child, children, content, elements, is_foreign, place,
 };
 
-const EXPAND: Advice = Advice(
-    "it stands for a model of another file; `gz sdf -p FILE` prints the whole model with it",
-);
+const EXPAND: Advice =
+    Advice("it represents a model of another file; `gz sdf -p FILE` prints the expanded model");
 
-/// Elements of a world that are no part of its mechanism.
+/// Elements of a world that do not affect the mechanism.
 const WORLD_ASIDE: [&str; 15] = [
     "actor",
     "atmosphere",
@@ -38,18 +37,18 @@ const WORLD_ASIDE: [&str; 15] = [
     "particle_emitter",
 ];
 
-/// Elements of a model that are no part of its mechanism.
+/// Elements of a model that do not affect the mechanism.
 const MODEL_ASIDE: [&str; 5] =
     ["allow_auto_disable", "enable_wind", "gripper", "plugin", "self_collide"];
 
 pub(super) struct Reader<'a> {
     pub(super) draft: Draft<'a>,
     pub(super) frames: Frames<'a>,
-    /// Joints that are to be read, by their frames.
+    /// Frames of the joints to be read.
     pub(super) joints: Vec<usize>,
-    /// Which link of the mechanism a frame is, for frames that are links.
+    /// Link of the mechanism for each frame that is a link.
     pub(super) link_of_frame: Vec<Option<usize>>,
-    /// The model of a file that has no other, with `::`: its links need not be told from those of others.
+    /// Prefix, with `::`, of the only model of a file: its links need no prefix.
     pub(super) only_model: Option<String>,
 }
 
@@ -63,7 +62,7 @@ pub(in crate::import) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Resul
         match node.tag_name().name() {
             "world" | "model" if top.is_none() => top = Some(node),
             name @ ("world" | "model") => {
-                let advice = Advice("a file is one mechanism; keep one world or one model");
+                let advice = Advice("a file is one mechanism; keep only one world or model");
                 let what = format!("a second <{name}>");
                 return Err(reader.draft.xml.unsupported(node, what, advice));
             }
@@ -81,7 +80,7 @@ pub(in crate::import) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Resul
     for index in 0..reader.joints.len() {
         reader.joint(reader.joints[index])?;
     }
-    reader.let_float()?;
+    reader.add_floating_joints()?;
     reader.draft.finish(name, Dialect::Sdf)
 }
 
@@ -95,7 +94,7 @@ fn version<'a>(xml: Xml<'a>, root: Node<'a, 'a>) -> Result<(u32, u32), Error> {
 }
 
 impl<'a> Reader<'a> {
-    /// Enters all frames of a world or model: links, joints, models and frames proper.
+    /// Enters all frames of a world or model: links, joints, models and explicit frames.
     fn register(&mut self, top: Node<'a, 'a>, is_world: bool) -> Result<(), Error> {
         let xml = self.draft.xml;
         let mut open = Vec::new();
@@ -112,7 +111,7 @@ impl<'a> Reader<'a> {
                 let in_world = scope == WORLD;
                 match name {
                     "joint" if is_foreign(inner) => {
-                        let advice = Advice("only SDF's own joints are known");
+                        let advice = Advice("only joints of SDF itself are supported");
                         return Err(xml.unsupported(inner, "a joint of a dialect", advice));
                     }
                     _ if is_foreign(inner) => self.draft.ignore(name),
@@ -137,7 +136,7 @@ impl<'a> Reader<'a> {
                     _ if in_world && WORLD_ASIDE.contains(&name) => self.draft.ignore(name),
                     _ if !in_world && MODEL_ASIDE.contains(&name) => self.draft.ignore(name),
                     _ => {
-                        let advice = Advice("what it would do to the mechanism is not known");
+                        let advice = Advice("its effect on the mechanism is unknown");
                         let what = format!("<{name}> in {}", node.tag_name().name());
                         return Err(xml.unsupported(inner, what, advice));
                     }
@@ -162,14 +161,14 @@ impl<'a> Reader<'a> {
         Ok(around || own.unwrap_or(false))
     }
 
-    /// Lists what a link has beside its place.
+    /// Lists the parts of a link except its pose as ignored.
     fn ignore_parts(&mut self, link: Node<'a, 'a>) {
         for part in children(link).filter(|part| part.tag_name().name() != "pose") {
             self.draft.ignore(part.tag_name().name());
         }
     }
 
-    /// The base, then all links in the order of the file.
+    /// Adds the base, then all links in the order of the file.
     fn links(&mut self, top: Node<'a, 'a>, is_world: bool) -> Result<(), Error> {
         let frames: Vec<usize> = self.frames.links().collect();
         let Some(&first) = frames.first() else {
@@ -195,7 +194,7 @@ impl<'a> Reader<'a> {
             order.insert(0, base);
             let name = self.shown(base).to_owned();
             self.draft.remark(format!(
-                "nothing holds the model to the world: its link {name:?} is the base"
+                "the model is not fixed to the world: its link {name:?} is the base"
             ));
         }
         for frame in order {
@@ -217,8 +216,8 @@ impl<'a> Reader<'a> {
         self.only_model.as_deref().and_then(|model| name.strip_prefix(model)).unwrap_or(name)
     }
 
-    /// Joins what nothing holds to the base by floating joints.
-    fn let_float(&mut self) -> Result<(), Error> {
+    /// Adds floating joints between the base and groups of links without a connection to it.
+    fn add_floating_joints(&mut self) -> Result<(), Error> {
         let frame_of_link = |link: usize| {
             let found = self.link_of_frame.iter().position(|&found| found == Some(link));
             found.expect("every link is a frame")
@@ -232,14 +231,14 @@ impl<'a> Reader<'a> {
         let mut free = Vec::new();
         for (frame, link) in self.link_of_frame.iter().enumerate() {
             let Some(link) = *link else { continue };
-            // The first link of each group stands for it.
+            // The first link of each group represents it.
             if link != 0 && root_of(&mut group, link) == link {
                 free.push((link, frame));
             }
         }
         for (link, frame) in free {
             let of = self.draft.link_name(link).to_owned();
-            self.draft.remark(format!("nothing holds link {of:?}: it floats"));
+            self.draft.remark(format!("link {of:?} is not fixed to the world: it floats"));
             let name = self.draft.fresh(format!("{of} floats"));
             let frames =
                 [world_from_base.inverse() * self.frames.world_from(frame), Pose::identity()];
@@ -250,7 +249,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The least link of a group, with the way there shortened.
+/// The smallest link of a group, with path compression.
 fn root_of(group: &mut [usize], mut link: usize) -> usize {
     while group[link] != link {
         group[link] = group[group[link]];
@@ -284,21 +283,21 @@ mod tests {
 </sdf>"#;
 
     #[test]
-    fn a_model_that_nothing_holds_stands_on_its_canonical_link() {
+    fn without_a_world_the_canonical_link_is_the_base() {
         let model = testing::read(ARM);
         assert_eq!(model.mechanism.links(), ["foot", "leg"]);
         let [knee] = model.mechanism.joints() else { panic!() };
         assert_eq!(knee.limits, [[-1.0, 1.0]]);
         assert_eq!(knee.frames[0].translation.vector, Vector3::z());
         assert_eq!(knee.frames[1].rotation * Vector3::z(), Vector3::y());
-        let base = "nothing holds the model to the world: its link \"foot\" is the base";
+        let base = "the model is not fixed to the world: its link \"foot\" is the base";
         assert_eq!(model.ignored, [base, "1 × collision", "1 × plugin"]);
         let other = ARM.replace("name=\"arm\"", "name=\"arm\" canonical_link=\"leg\"");
         assert_eq!(testing::read(&other).mechanism.links(), ["leg", "foot"]);
     }
 
     #[test]
-    fn in_a_world_it_floats() {
+    fn in_a_world_a_free_model_floats() {
         let text =
             ARM.replace("<model", "<world name=\"w\"><gravity>0 0 1</gravity><model").replace(
                 "</model>",
@@ -318,11 +317,11 @@ mod tests {
             ("arm::foot floats", "floating", [0, 1]),
         ];
         assert_eq!(kinds, expected);
-        let floats = "nothing holds link \"arm::foot\": it floats";
+        let floats = "link \"arm::foot\" is not fixed to the world: it floats";
         assert_eq!(model.ignored, [floats, "1 × collision", "1 × gravity", "1 × plugin"]);
     }
 
-    /// The joint of the arm, its type and elements replaced.
+    /// The joint of the arm with another type and other elements.
     #[track_caller]
     fn knee(kind: &str, elements: &str) -> Imported {
         let start = ARM.find("<axis>").unwrap();
@@ -332,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_of_joint_is_taken_over() {
+    fn every_kind_of_joint_is_imported() {
         let (x, y) = ("<axis><xyz>1 0 0</xyz></axis>", "<axis2><xyz>0 1 0</xyz></axis2>");
         let helical = |lead| JointKind::Helical { lead };
         for (kind, elements, expected) in [
@@ -359,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_are_taken_where_both_sides_are_said() {
+    fn limits_are_imported_only_with_both_bounds() {
         let limit = |kind: &str, lower: &str, upper: &str| {
             let limit = format!("<limit><lower>{lower}</lower><upper>{upper}</upper></limit>");
             let model = knee(
@@ -379,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn older_versions_let_a_joint_have_the_name_of_a_link_and_its_axis_that_of_the_model() {
+    fn before_1_7_joints_may_share_names_with_links_and_axes_may_be_in_the_model_frame() {
         let old = ARM.replace("\"1.9\"", "\"1.6\"").replace("\"knee\"", "\"leg\"");
         let old = old.replace(
             "<pose relative_to=\"hip\">0 0 0 0 0 0<",
@@ -395,7 +394,7 @@ mod tests {
     }
 
     #[test]
-    fn what_would_change_the_mechanism_is_refused() {
+    fn unsupported_and_invalid_elements_are_rejected() {
         let refuse = |from, to, blamed, message| testing::refuse(ARM, from, to, blamed, message);
         let plugin = "<plugin name=\"p\" filename=\"f\"/>";
         refuse("\"1.9\"", "\"1.4\"", "1.4", "a version from 1.5 to 1.12");
@@ -412,7 +411,7 @@ mod tests {
             "<include><uri>u</uri></include>",
             "gz sdf -p",
         );
-        refuse(plugin, "<plugins/>", "<plugins/>", "<plugins> in model cannot be taken over");
+        refuse(plugin, "<plugins/>", "<plugins/>", "<plugins> in model cannot be imported");
         refuse("\"revolute\"", "\"gearbox\"", "gearbox", "revolute, continuous");
         refuse(
             "\"revolute\"",
@@ -450,7 +449,7 @@ mod tests {
         );
         refuse("\"knee\"", "\"leg\"", "<joint name=\"leg\" type=\"revolute\">", "used twice");
         refuse("0 0 1 0 0 0", "0 0 1 0 0", "0 0 1 0 0", "6 numbers: x y z roll pitch yaw");
-        refuse("<pose>", "<pose frame=\"a\">", "a", "say relative_to instead");
+        refuse("<pose>", "<pose frame=\"a\">", "a", "use relative_to instead");
         refuse("<pose>", "<pose rotation_format=\"q\">", "q", "euler_rpy or quat_xyzw");
         refuse(
             "<pose>",
@@ -478,7 +477,7 @@ mod tests {
     }
 
     #[test]
-    fn axes_of_a_universal_joint_are_at_a_right_angle() {
+    fn axes_of_a_universal_joint_must_be_perpendicular() {
         let text = ARM.replace("\"revolute\"", "\"universal\"");
         let axis2 = "</axis><axis2><xyz>0 1 1</xyz></axis2>";
         testing::refuse(

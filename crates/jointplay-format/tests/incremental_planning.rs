@@ -1,6 +1,6 @@
 //! Plans of the example cell: against a look at every sample, and after changes against planning from scratch.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -61,16 +61,16 @@ impl Labels<'_> {
     }
 }
 
-/// Who, what it is called, when, and the value.
+/// Names of a pair, kind of violation, time, and distance.
 type TooNear = (BTreeSet<String>, Kind, f64, f64);
 
-/// Least distances and what is too near, from each sample by itself as a motion that stands there.
+/// Minimum distances and violations, from an independent check of a dwell at each sample.
 fn sample_by_sample(
     cell: &Cell,
     motion: &Trajectory,
     options: &CheckOptions,
 ) -> (BTreeMap<BTreeSet<String>, f64>, Vec<TooNear>) {
-    let mut standing = cell.clone();
+    let mut current = cell.clone();
     let mut labels = Labels { cell, came_from: BTreeMap::new() };
     let (mut least, mut broken) = (BTreeMap::new(), Vec::new());
     for (index, step) in motion.steps.iter().enumerate() {
@@ -85,18 +85,18 @@ fn sample_by_sample(
             };
             let (from, to) = (positions.clone(), positions);
             let path = Path::Dwell(0.0);
-            // Rules of the step hold, whose path says which effector it is about.
+            // Contact rules of the step apply, whose path names the effector.
             let acting = match (step.path, step.handoff) {
                 (Path::Line(id), None) => Some(Path::Line(id)),
                 _ => None,
             };
             let still = Step { from, to, path: acting.unwrap_or(path), ..step.clone() };
             let found =
-                plan_trajectory(&standing, vec![still], &TrajectoryOptions::default()).unwrap();
-            let report = check(&standing, &found, options);
+                plan_trajectory(&current, vec![still], &TrajectoryOptions::default()).unwrap();
+            let report = check(&current, &found, options);
             let named = |entities: &[EntityId]| -> BTreeSet<String> {
                 let first = |&entity: &EntityId| {
-                    let name = standing.entity_name(entity);
+                    let name = current.entity_name(entity);
                     labels.came_from.get(&name).cloned().unwrap_or(name)
                 };
                 entities.iter().map(first).collect()
@@ -111,13 +111,13 @@ fn sample_by_sample(
         }
         match step.handoff {
             Some(Handoff::Picked(id, slot)) => {
-                standing.occupied.retain(|&at| at != slot);
-                standing.carried.push(id);
+                current.occupied.retain(|&at| at != slot);
+                current.carried.push(id);
                 labels.hand_off(labels.slot(slot), labels.effector(id));
             }
             Some(Handoff::Placed(id, slot)) => {
-                standing.carried.retain(|&at| at != id);
-                standing.occupied.push(slot);
+                current.carried.retain(|&at| at != id);
+                current.occupied.push(slot);
                 labels.hand_off(labels.effector(id), labels.slot(slot));
             }
             None => {}
@@ -127,7 +127,7 @@ fn sample_by_sample(
 }
 
 #[test]
-fn nothing_is_passed_over_that_a_sample_shows() {
+fn the_check_reports_every_violation_of_a_sample() {
     let options = CheckOptions { rate: 20.0, ..CheckOptions::default() };
     for (clearance, verdict) in [(1e-3, Verdict::Sound), (6e-3, Verdict::Broken)] {
         let mut cell = example();
@@ -152,19 +152,19 @@ fn nothing_is_passed_over_that_a_sample_shows() {
             assert!(!close || found.contains_key(names), "{names:?} at {distance}");
         }
         for (names, kind, time, value) in &broken {
-            let told = report.violations.iter().any(|one| {
+            let reported = report.violations.iter().any(|one| {
                 names_of(&cell, &one.entities) == *names
                     && (one.start - 1e-9..one.end + 1e-9).contains(time)
                     && one.worst <= value + 1e-6
             });
             let of_pair = |one: &&Violation| names_of(&cell, &one.entities).is_superset(names);
             let others: Vec<&Violation> = report.violations.iter().filter(of_pair).collect();
-            assert!(told, "{kind} of {names:?} at {time}: {value}, not in {others:#?}");
+            assert!(reported, "{kind} of {names:?} at {time}: {value}, not in {others:#?}");
         }
     }
 }
 
-/// At each sample of a step in which a wafer is carried: time, and what is needed as a share of what friction holds.
+/// At each sample of a step with a carried wafer: time, and utilization of the friction.
 fn pushes(cell: &Cell, motion: &Trajectory, index: usize, rate: f64) -> Vec<(f64, f64)> {
     let step = &motion.steps[index];
     let count = (motion.step_duration(index) * rate - 1e-3).ceil() as usize;
@@ -185,7 +185,7 @@ fn pushes(cell: &Cell, motion: &Trajectory, index: usize, rate: f64) -> Vec<(f64
 }
 
 #[test]
-fn slip_is_that_of_all_samples() {
+fn slip_is_the_largest_utilization_of_all_samples() {
     let blended = format!("BLEND 10 mm\n{SHORT}");
     for (text, friction, soft) in [(SHORT, 0.4, 1.0), (SHORT, 0.4, 6.0), (&blended, 0.12, 1.0)] {
         let mut cell = example();
@@ -214,7 +214,7 @@ fn slip_is_that_of_all_samples() {
             let found = row.slip.map(|slip| slip.ratio);
             match (most, found) {
                 (Some(most), Some(found)) => {
-                    // As closely as the report says; where rods move unevenly, the platform's accelerations are differences of positions, whose round-off shows in the ninth digit.
+                    // Within the resolution of the report; accelerations of the platform are differences of positions, with round-off in the ninth digit.
                     assert!(
                         found <= most + 1e-8 && found > most - 1.01e-4,
                         "{}: {most} {found} at {:?}, {:?}",
@@ -226,9 +226,9 @@ fn slip_is_that_of_all_samples() {
                 (most, found) => assert_eq!(most, found),
             }
             for (time, share) in pushes {
-                let told =
+                let reported =
                     slips.iter().any(|one| one.start <= time + 1e-6 && time - 1e-6 <= one.end);
-                assert!(told || share <= 1.0 + 1e-6, "{time} {share}");
+                assert!(reported || share <= 1.0 + 1e-6, "{time} {share}");
                 assert!(
                     share > 1.0 - 1e-6
                         || !slips
@@ -239,14 +239,14 @@ fn slip_is_that_of_all_samples() {
                 over += usize::from(share > 1.0);
             }
         }
-        // The one slips, and the other does not.
+        // Wafers slip only with the low friction.
         assert_eq!(over > 500, friction < 0.2, "{over}");
         assert_eq!(slips.is_empty(), over == 0);
     }
 }
 
 #[test]
-fn running_into_each_other_makes_no_wafer_slip() {
+fn blending_does_not_make_a_wafer_slip() {
     let mut cell = example();
     let blended = format!("BLEND 40 mm\n{SHORT}");
     let planned = |cell: &Cell, text: &str| {
@@ -259,7 +259,7 @@ fn running_into_each_other_makes_no_wafer_slip() {
     };
     let most = planned(&cell, SHORT).1;
     let free = planned(&cell, &blended).0;
-    // Just so much friction that no wafer slips where all come to rest between moves.
+    // Friction that just suffices for motions without blends.
     for arm in &mut cell.robot.arms {
         arm.effectors.iter_mut().for_each(|effector| effector.friction *= most / 0.98);
     }
@@ -269,7 +269,7 @@ fn running_into_each_other_makes_no_wafer_slip() {
 }
 
 #[test]
-fn running_into_each_other_takes_no_wafer_out_of_a_safe_zone() {
+fn blending_keeps_wafers_inside_safe_zones() {
     let mut cell = example();
     let text = "BLEND 10 mm\nTRANSFER LP1 SLOT 2 TO LP2 SLOT 3 WITH A\nTRANSFER LP2 SLOT 3 TO LP1 SLOT 2 WITH A";
     let planned = |cell: &Cell| {
@@ -289,7 +289,7 @@ fn running_into_each_other_takes_no_wafer_out_of_a_safe_zone() {
     assert!(free.duration() < motion.duration());
 }
 
-/// Runs a computation on so many threads.
+/// Runs a computation on `count` threads.
 fn on_threads<T: Send>(count: usize, compute: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap().install(compute)
 }
@@ -360,7 +360,7 @@ proptest! {
         for change in &changes {
             change.make(&mut cell, &mut lines);
             let text = lines.join("\n");
-            // Numbers are printed in full: no two of them look alike.
+            // The debug format distinguishes all numbers.
             let (motion, report) = on_threads(3, || planned(&mut planner, &cell, &text));
             let (same_motion, same_report) =
                 on_threads(1, || planned(&mut IncrementalPlanner::default(), &cell, &text));
@@ -371,7 +371,7 @@ proptest! {
 }
 
 #[test]
-fn a_plan_is_stopped_anywhere_and_planned_again_to_the_bit() {
+fn an_interrupted_plan_continues_to_the_same_bits() {
     let cell = example();
     let program = program::parse(SHORT).unwrap();
     let check = CheckOptions { rate: 100.0, report_distance: 0.05 };
@@ -392,7 +392,7 @@ fn a_plan_is_stopped_anywhere_and_planned_again_to_the_bit() {
 }
 
 #[test]
-fn only_what_a_change_touches_is_made_anew() {
+fn only_segments_affected_by_a_change_are_recomputed() {
     let mut cell = example();
     let mut memory = IncrementalPlanner::default();
     let none = |reuse: CacheStats| reuse.hits == 0 && reuse.misses > 0;
@@ -410,14 +410,14 @@ fn only_what_a_change_touches_is_made_anew() {
     for reuse in all(&memory) {
         assert!(reuse.misses == 0 && reuse.hits > 20, "{reuse:?}");
     }
-    // Another place of the last station: what leads to it and from it.
+    // Another position of the last station: only the motions to it and from it are recomputed.
     let port = cell.stations.iter().position(|station| station.name == "LP2").unwrap();
     cell.stations[port].base_from_station.translation.vector.z += 1e-4;
     planned(&mut memory, &cell, SHORT);
     for reuse in all(&memory) {
         assert!(reuse.hits > 2 * reuse.misses && reuse.misses > 0, "{reuse:?}");
     }
-    // A body that stands in nobody's reach: nothing.
+    // A body out of reach: nothing is recomputed.
     cell.bodies[0].carrier_from_shape.translation.vector.z -= 5.0;
     planned(&mut memory, &cell, SHORT);
     assert_eq!(
@@ -425,7 +425,7 @@ fn only_what_a_change_touches_is_made_anew() {
         [0; 2]
     );
     assert_eq!(memory.limit_cache_stats().misses, 0);
-    // A limit: everything.
+    // A limit: everything is recomputed.
     let axis = &mut cell.robot.axes[3];
     axis.empty.velocity *= 0.5;
     axis.loaded.velocity = axis.loaded.velocity.min(axis.empty.velocity);
@@ -434,14 +434,14 @@ fn only_what_a_change_touches_is_made_anew() {
 }
 
 #[test]
-fn an_arm_waits_at_one_place_whatever_slot_it_was_in() {
+fn an_arm_retracts_to_the_same_positions_from_every_slot() {
     let mut cell = example();
     let text = "HOME\nTRANSFER LP1 SLOT 3 TO LP2 SLOT 7 WITH A\nTRANSFER LP2 SLOT 7 TO ALIGN WITH A\n\
         TRANSFER PM1 TO LP2 SLOT 9 WITH B\nTRANSFER LP2 SLOT 9 TO LP1 SLOT 3 WITH B\nGET ALIGN WITH A\n";
     let mut memory = IncrementalPlanner::default();
     let (motion, _) = planned(&mut memory, &cell, text);
     let axis = |name: &str| cell.robot.axes.iter().position(|axis| axis.name == name).unwrap();
-    // What reaches out, of each arm from its first GET on.
+    // The extending motor of each arm, from its first GET on.
     for (name, from) in [("RA", 1), ("RB", 3)] {
         let axis = axis(name);
         let retracted = |step: &&Step| matches!(step.phase, Phase::Retract | Phase::Level);
@@ -453,7 +453,7 @@ fn an_arm_waits_at_one_place_whatever_slot_it_was_in() {
             .collect();
         assert_eq!(waits.len(), 1, "{name}");
     }
-    // So a station that leans, moved, changes the moves there, and not those of the other arm elsewhere.
+    // So a change of a tilted station changes the motions there, and not those of the other arm elsewhere.
     let port = cell.stations.iter().position(|station| station.name == "LP2").unwrap();
     cell.stations[port].base_from_station.translation.vector.y += 1e-4;
     let (moved, _) = planned(&mut memory, &cell, text);
