@@ -19,7 +19,7 @@
 //! | [`jog`] | interactive motion up to the limits |
 //! | [`IncrementalPlanner`] | expansion, trajectory and check, with results of the previous plan reused |
 //!
-//! Imports go from the bottom of this list to its top; two internal modules are in between: `incremental` (fingerprints, caches, parallel map) below all, and `collision` (continuous collision checking, with the guarantee at its head) below [`check`].
+//! Imports go from the bottom of this list to its top; two internal modules are in between: `incremental` (cache keys, caches, parallel map) below all, and `collision` (continuous collision checking, with the guarantee at its head) below [`check`].
 //!
 //! Pure mathematics in SI units: no files, no clock; results do not depend on the number of threads.
 

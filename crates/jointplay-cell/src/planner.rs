@@ -1,7 +1,7 @@
 //! Incremental planning: expansion, trajectory and check of a program, with results of the previous plan reused.
 
 use crate::check::{CheckCache, CheckOptions, Report};
-use crate::incremental::{CacheStats, Execution, Interrupted, Observer, Progress, Stop};
+use crate::incremental::{CacheStats, Interrupted, JobContext, Observer, Progress, Stop};
 use crate::program::{IkCache, Program, ProgramError, expand_by};
 use crate::trajectory::{SegmentCache, Trajectory, TrajectoryError, TrajectoryOptions};
 use crate::validate::InvalidPart;
@@ -112,15 +112,15 @@ impl IncrementalPlanner {
         options: &PlanOptions<'_>,
     ) -> Result<(Trajectory, Report), PlanError> {
         let PlanOptions { trajectory, check, stop, on_stage } = *options;
-        let execution = Execution { stop, observer: &*self.observer };
+        let context = JobContext { stop, observer: &*self.observer };
         cell.validate().map_err(PlanError::Cell)?;
         on_stage(PlanStage::Expansion);
         let steps = expand_by(cell, program, &mut self.ik_cache, stop)?;
         let steps = steps.map_err(PlanError::Program)?;
         on_stage(PlanStage::Trajectory);
-        let planned = self.segment_cache.plan_trajectory(cell, steps, &trajectory, execution)??;
+        let planned = self.segment_cache.plan_trajectory(cell, steps, &trajectory, context)??;
         on_stage(PlanStage::Check);
-        let report = self.checks.check(cell, &planned, &check, execution)?;
+        let report = self.checks.check(cell, &planned, &check, context)?;
         Ok((planned, report))
     }
 

@@ -3,7 +3,7 @@
 use jointplay_core::spatial::Pose;
 
 use crate::geometry::Shape;
-use crate::incremental::{Fingerprint, Fingerprinted};
+use crate::incremental::{CacheKey, CacheKeyPart};
 use crate::robot::{EffectorId, HybridRobot};
 use crate::station::{SlotId, Station};
 use crate::wafer::{Sag, SagError, Wafer, sag};
@@ -110,9 +110,9 @@ impl Cell {
     }
 }
 
-impl Fingerprinted for Zone {
-    fn append_to(&self, fingerprint: &mut Fingerprint) {
+impl CacheKeyPart for Zone {
+    fn append_to(&self, cache_key: &mut CacheKey) {
         let Self { name, rule, base_from_shape, shape } = self;
-        fingerprint.add(name).add(&(*rule == ZoneRule::Safe)).add(base_from_shape).add(shape);
+        cache_key.add(name).add(&(*rule == ZoneRule::Safe)).add(base_from_shape).add(shape);
     }
 }

@@ -11,7 +11,7 @@ use common::{A, GRAVITY};
 use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, check};
 use jointplay_cell::geometry::Shape;
-use jointplay_cell::program::{Handover, Path, Phase, SourceLocation, Step};
+use jointplay_cell::program::{Handoff, Path, Phase, SourceLocation, Step};
 use jointplay_cell::robot::{PlatformModel, WaferTarget};
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
@@ -39,12 +39,12 @@ fn step(instruction: usize, from: &[f64], to: &[f64]) -> Step {
         from: from.to_vec(),
         to: to.to_vec(),
         path: Path::PointToPoint,
-        speed: 1.0,
-        blend: 0.0,
+        speed_scaling: 1.0,
+        blend_radius: 0.0,
         postures: None,
         line_speed: None,
         loaded: vec![A],
-        handover: None,
+        handoff: None,
         slot: None,
     }
 }
@@ -104,7 +104,7 @@ fn a_sound_motion_is_sound() {
     // Only T moves, all the time, and reaches a limit.
     assert!((row.moving[T] - row.duration).abs() < 1e-12);
     assert_eq!(row.moving.iter().filter(|time| **time == 0.0).count(), 4);
-    assert!((row.jerk.unwrap().share - 1.0).abs() < 1e-9);
+    assert!((row.jerk.unwrap().ratio - 1.0).abs() < 1e-9);
     assert!((report.moving[T] - report.duration).abs() < 1e-12);
     assert_eq!((report.wafers, report.wafers_per_hour), (0, None));
 }
@@ -225,7 +225,7 @@ fn a_wafer_slips_as_computed_by_hand() {
         cell.robot.arms[0].effectors[0].friction = friction;
         let report = check(&cell, &motion, &CheckOptions::default());
         assert_eq!(report.verdict == Verdict::Sound, sound);
-        let share = report.by_instruction[0].slip.unwrap().share;
+        let share = report.by_instruction[0].slip.unwrap().ratio;
         assert!((share - 0.02_f64.tan() / friction).abs() < 1e-6, "{share}");
     }
 }
@@ -578,17 +578,17 @@ fn get(cell: &mut Cell, pitch: f64) -> Trajectory {
     for rod in 0..3 {
         out[rod] += above[rod] - below[rod];
     }
-    let line = |from: &[f64], to: &[f64], phase, handover, loaded: bool| Step {
+    let line = |from: &[f64], to: &[f64], phase, handoff, loaded: bool| Step {
         phase,
         path: Path::Line(A),
-        handover,
+        handoff,
         loaded: if loaded { vec![A] } else { Vec::new() },
         slot: Some(slot),
         ..step(0, from, to)
     };
     let steps = vec![
         line(&from, &below, Phase::Extend, None, false),
-        line(&below, &rest, Phase::Lift, Some(Handover::Picked(A, slot)), false),
+        line(&below, &rest, Phase::Lift, Some(Handoff::Picked(A, slot)), false),
         line(&rest, &above, Phase::Lift, None, true),
         line(&above, &out, Phase::Retract, None, true),
     ];
@@ -753,7 +753,7 @@ fn windows_of_samples_change_nothing() {
     }
     let peaks = |report: &Report| {
         let row = &report.by_instruction[0];
-        [row.velocity, row.acceleration, row.jerk].map(|share| share.unwrap().share)
+        [row.velocity, row.acceleration, row.jerk].map(|share| share.unwrap().ratio)
     };
     for (one, other) in peaks(&fine).into_iter().zip(peaks(&coarse)) {
         closely(one, other, 1e-4);

@@ -41,12 +41,12 @@ fn step(from: &[f64], to: &[f64], path: Path, speed: f64, loaded: bool) -> Step 
         from: from.to_vec(),
         to: to.to_vec(),
         path,
-        speed,
-        blend: 0.0,
+        speed_scaling: speed,
+        blend_radius: 0.0,
         postures: None,
         line_speed: None,
         loaded: if loaded { vec![A] } else { Vec::new() },
-        handover: None,
+        handoff: None,
         slot: None,
     }
 }
@@ -75,7 +75,7 @@ fn keeps(cell: &Cell, motion: &Trajectory) {
         }
         for axis in 0..now.positions.len() {
             let limits = axis_limits(&cell.robot, axis, &motion.steps[now.step]);
-            let share = motion.steps[now.step].speed;
+            let share = motion.steps[now.step].speed_scaling;
             let (v, a, j) = (now.velocities[axis], now.accelerations[axis], now.jerks[axis]);
             let name = &cell.robot.axes[axis].name;
             assert!(
@@ -230,7 +230,7 @@ proptest! {
         let Ok(apart) = plan_trajectory(&cell, steps.clone(), &TrajectoryOptions::default()) else {
             return Ok(());
         };
-        steps.iter_mut().zip(radii).for_each(|(step, radius)| step.blend = radius);
+        steps.iter_mut().zip(radii).for_each(|(step, radius)| step.blend_radius = radius);
         let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
         keeps(&cell, &motion);
         for k in 0..3 {
@@ -263,7 +263,7 @@ fn blended_wafer_stays_within_the_blend_radius() {
             step(&up, &back, Path::PointToPoint, 1.0, true),
             step(&back, &back, Path::Dwell(0.1), 1.0, true),
         ];
-        steps.iter_mut().for_each(|step| step.blend = radius);
+        steps.iter_mut().for_each(|step| step.blend_radius = radius);
         steps
     };
     let options = TrajectoryOptions::default();

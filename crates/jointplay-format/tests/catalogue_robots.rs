@@ -291,7 +291,7 @@ fn segments_are_slowed_until_the_wafer_stays() {
         let trajectory = planned(&cell, LOT).unwrap();
         let report = check(&cell, &trajectory, &CheckOptions::default());
         assert!(report.violations.is_empty(), "{friction}: {:?}", report.violations.first());
-        let shares = report.by_instruction.iter().filter_map(|row| row.slip).map(|it| it.share);
+        let shares = report.by_instruction.iter().filter_map(|row| row.slip).map(|it| it.ratio);
         let most = shares.fold(0.0, f64::max);
         // No slower than needed.
         assert!((0.97..=1.0).contains(&most), "{friction}: {most}");

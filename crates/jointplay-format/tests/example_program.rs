@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use jointplay_cell::program::{Handover, Path, Phase, Step, expand};
+use jointplay_cell::program::{Handoff, Path, Phase, Step, expand};
 use jointplay_format::{cell, program};
 
 const CELL: &str = include_str!("../../../cells/example.toml");
@@ -21,12 +21,12 @@ fn a_lot_is_processed_and_returned() {
     let mut carried = BTreeSet::new();
     let mut handed = [0, 0];
     for step in &steps {
-        match step.handover {
-            Some(Handover::Picked(effector, slot)) => {
+        match step.handoff {
+            Some(Handoff::Picked(effector, slot)) => {
                 assert!(full.remove(&slot) && carried.insert(effector));
                 handed[0] += 1;
             }
-            Some(Handover::Placed(effector, slot)) => {
+            Some(Handoff::Placed(effector, slot)) => {
                 assert!(full.insert(slot) && carried.remove(&effector));
                 handed[1] += 1;
             }

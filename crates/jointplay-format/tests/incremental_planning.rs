@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, Violation, check};
 use jointplay_cell::geometry::Shape;
-use jointplay_cell::program::{Handover, Path, Phase, Step, expand};
+use jointplay_cell::program::{Handoff, Path, Phase, Step, expand};
 use jointplay_cell::robot::{AxesMotion, EffectorId};
 use jointplay_cell::station::SlotId;
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
@@ -55,7 +55,7 @@ impl Labels<'_> {
         self.cell.entity_name(EntityId::HeldWafer(id))
     }
 
-    fn hand_over(&mut self, from: String, to: String) {
+    fn hand_off(&mut self, from: String, to: String) {
         let first = self.came_from.remove(&from).unwrap_or(from);
         self.came_from.insert(to, first);
     }
@@ -86,7 +86,7 @@ fn sample_by_sample(
             let (from, to) = (positions.clone(), positions);
             let path = Path::Dwell(0.0);
             // Contact rules of the step apply, whose path names the effector.
-            let acting = match (step.path, step.handover) {
+            let acting = match (step.path, step.handoff) {
                 (Path::Line(id), None) => Some(Path::Line(id)),
                 _ => None,
             };
@@ -109,16 +109,16 @@ fn sample_by_sample(
                 broken.push((named(&one.entities), one.kind, time, one.worst));
             }
         }
-        match step.handover {
-            Some(Handover::Picked(id, slot)) => {
+        match step.handoff {
+            Some(Handoff::Picked(id, slot)) => {
                 current.occupied.retain(|&at| at != slot);
                 current.carried.push(id);
-                labels.hand_over(labels.slot(slot), labels.effector(id));
+                labels.hand_off(labels.slot(slot), labels.effector(id));
             }
-            Some(Handover::Placed(id, slot)) => {
+            Some(Handoff::Placed(id, slot)) => {
                 current.carried.retain(|&at| at != id);
                 current.occupied.push(slot);
-                labels.hand_over(labels.effector(id), labels.slot(slot));
+                labels.hand_off(labels.effector(id), labels.slot(slot));
             }
             None => {}
         }
@@ -211,7 +211,7 @@ fn slip_is_the_largest_utilization_of_all_samples() {
                 .flat_map(|index| pushes(&cell, &motion, index, options.rate))
                 .collect();
             let most = pushes.iter().map(|push| push.1).reduce(f64::max);
-            let found = row.slip.map(|slip| slip.share);
+            let found = row.slip.map(|slip| slip.ratio);
             match (most, found) {
                 (Some(most), Some(found)) => {
                     // Within the resolution of the report; accelerations of the platform are differences of positions, with round-off in the ninth digit.
@@ -254,7 +254,7 @@ fn blending_does_not_make_a_wafer_slip() {
             plan_trajectory(cell, steps(cell, text), &TrajectoryOptions::default()).unwrap();
         let report = check(cell, &motion, &CheckOptions::default());
         let most = report.by_instruction.iter().filter_map(|row| row.slip);
-        let most = most.map(|slip| slip.share).fold(0.0, f64::max);
+        let most = most.map(|slip| slip.ratio).fold(0.0, f64::max);
         (motion.duration(), most)
     };
     let most = planned(&cell, SHORT).1;

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::program::{
-    Handover, MAX_CALLS, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
+    Handoff, MAX_CALLS, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
 };
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
@@ -153,9 +153,9 @@ fn steps(cell: &Cell, text: &str) -> Vec<Step> {
         assert_eq!(step.loaded, loaded, "step {index}");
         assert_eq!(cell.robot.limit_violations(&step.to).unwrap(), []);
         before.clone_from(&step.to);
-        match step.handover {
-            Some(Handover::Picked(effector, _)) => loaded.push(effector),
-            Some(Handover::Placed(effector, _)) => loaded.retain(|&id| id != effector),
+        match step.handoff {
+            Some(Handoff::Picked(effector, _)) => loaded.push(effector),
+            Some(Handoff::Placed(effector, _)) => loaded.retain(|&id| id != effector),
             None => {}
         }
         loaded.sort_unstable();
@@ -167,26 +167,26 @@ fn phases(steps: &[Step]) -> Vec<Phase> {
     steps.iter().map(|step| step.phase).collect()
 }
 
-use Phase::{Enter, Extend, Level, Lift, Lower, Move, Retract, TuckIn, Turn, Wait};
+use Phase::{Align, Extend, Level, Lift, Lower, Move, Retract, RetractArms, Turn, Wait};
 
 #[test]
-fn get_expands_to_turn_enter_extend_lift_retract_level() {
+fn get_expands_to_turn_align_extend_lift_retract_level() {
     let cell = cell();
     let steps = steps(&cell, "SPEED 50 %\nGET port-1 SLOT 3 WITH A");
     // The last phase levels the platform, which the droop compensation has tilted.
-    assert_eq!(phases(&steps), [Turn, Enter, Extend, Lift, Lift, Retract, Level]);
+    assert_eq!(phases(&steps), [Turn, Align, Extend, Lift, Lift, Retract, Level]);
     let slot = SlotId { station: 0, slot: 3 };
     let waypoints = cell.waypoints(A, slot, &steps[0].from).unwrap();
     for (index, step) in steps.iter().enumerate() {
         assert_eq!((step.instruction, step.place.line), (1, 2));
-        assert!((step.speed - 0.5).abs() < 1e-15);
+        assert!((step.speed_scaling - 0.5).abs() < 1e-15);
         let within = (2..=5).contains(&index);
         assert_eq!(step.slot, within.then_some(slot));
         assert_eq!(step.path, if within { Path::Line(A) } else { Path::PointToPoint });
         assert_eq!(step.line_speed.is_some(), matches!(step.phase, Lift));
     }
-    assert_eq!(steps[3].handover, Some(Handover::Picked(A, slot)));
-    // The turn moves no rod, and entering moves no motor.
+    assert_eq!(steps[3].handoff, Some(Handoff::Picked(A, slot)));
+    // The turn moves no rod, and the alignment moves no motor.
     assert_eq!(steps[0].from[..3], steps[0].to[..3]);
     assert_eq!(steps[1].from[3..], steps[1].to[3..]);
     // Wafer poses with compensated droop of the arm, and with the sag of the wafer.
@@ -220,7 +220,7 @@ fn blends_follow_the_program_and_exclude_motions_in_a_slot() {
         .filter(|&step| motion.blend(step).is_some())
         .map(|step| motion.steps[step].phase)
         .collect();
-    assert_eq!(corners, [Turn, Enter, Retract]);
+    assert_eq!(corners, [Turn, Align, Retract]);
     let stated = (0..motion.steps.len()).filter_map(|step| motion.blend(step));
     assert!(stated.map(|blend| blend.deviation).fold(0.0, f64::max) <= 0.005);
 }
@@ -230,9 +230,9 @@ fn put_reverses_the_phases_of_get_in_a_tilted_station() {
     let cell = cell();
     let all = steps(&cell, "GET port-1 SLOT 3 WITH A\nPUT port-2 SLOT 5 WITH A");
     let put: Vec<Step> = all.into_iter().filter(|step| step.instruction == 1).collect();
-    assert_eq!(phases(&put), [Turn, Enter, Extend, Lower, Lower, Retract, Level]);
+    assert_eq!(phases(&put), [Turn, Align, Extend, Lower, Lower, Retract, Level]);
     let slot = SlotId { station: 1, slot: 5 };
-    assert_eq!(put[3].handover, Some(Handover::Placed(A, slot)));
+    assert_eq!(put[3].handoff, Some(Handoff::Placed(A, slot)));
     let waypoints = cell.waypoints(A, slot, &put[0].from).unwrap();
     let pose = cell.wafer_pose(A, &put[3].to, true).unwrap();
     let sag = cell.sag(A).unwrap().plane_height;
@@ -248,7 +248,7 @@ fn put_reverses_the_phases_of_get_in_a_tilted_station() {
 fn via_points_are_passed_on_approach_and_retract() {
     let steps = steps(&cell(), "TRANSFER port-1 SLOT 1 TO process WITH A");
     let put: Vec<Step> = steps.into_iter().skip(7).collect();
-    assert_eq!(phases(&put), [Turn, Enter, Extend, Extend, Lower, Lower, Retract, Retract, Level]);
+    assert_eq!(phases(&put), [Turn, Align, Extend, Extend, Lower, Lower, Retract, Retract, Level]);
     assert!(put.iter().all(|step| step.instruction == 0));
 }
 
@@ -265,10 +265,7 @@ fn a_get_waits_for_the_end_of_the_process() {
     let waits: Vec<&Step> = steps.iter().filter(|step| step.phase == Wait).collect();
     let left = |effector| {
         let slot = SlotId { station: 3, slot: 1 };
-        steps
-            .iter()
-            .position(|step| step.handover == Some(Handover::Placed(effector, slot)))
-            .unwrap()
+        steps.iter().position(|step| step.handoff == Some(Handoff::Placed(effector, slot))).unwrap()
     };
     let [first, second] = waits[..] else { panic!("{waits:?}") };
     assert_eq!(first.path, Path::ProcessDwell { since: left(A), seconds: 30.0 });
@@ -277,7 +274,7 @@ fn a_get_waits_for_the_end_of_the_process() {
     assert_eq!(first.from, first.to);
     // Before the slot, not in it.
     let at = steps.iter().position(|step| step.phase == Wait).unwrap();
-    assert_eq!((steps[at - 1].phase, steps[at + 1].phase), (Enter, Extend));
+    assert_eq!((steps[at - 1].phase, steps[at + 1].phase), (Align, Extend));
     // A wafer of the initial occupancy is already processed.
     let mut done = cell();
     done.occupied.push(SlotId { station: 3, slot: 1 });
@@ -292,7 +289,7 @@ fn extended_arms_retract_before_the_next_turn() {
         &cell,
         "MOVE T 20 deg R1 30 deg\nMOVE LINE WITH A BY Z 5 mm\nGOTO port-2 SLOT 1 WITH A",
     );
-    assert_eq!(phases(&all), [Move, Move, TuckIn, Turn, Enter]);
+    assert_eq!(phases(&all), [Move, Move, RetractArms, Turn, Align]);
     let pose = |step: &Step, at: &[f64]| {
         assert!(step.loaded.is_empty());
         cell.wafer_pose(A, at, false).unwrap()
@@ -306,7 +303,7 @@ fn extended_arms_retract_before_the_next_turn() {
     assert_eq!(phases(&steps(&cell, "MOVE T 20 deg\nHOME\nHOME")), [Move, Move]);
     let home: Vec<f64> = cell.robot.axes.iter().map(|axis| axis.home).collect();
     let all = steps(&cell, "MOVE R1 30 deg T 10 deg\nHOME");
-    assert_eq!(phases(&all), [Move, TuckIn, Move]);
+    assert_eq!(phases(&all), [Move, RetractArms, Move]);
     assert_eq!(all[2].to, home);
 }
 
@@ -325,16 +322,16 @@ fn a_tilt_keeps_the_height_on_the_axis() {
 #[test]
 fn counters_increase_and_decrease_slot_numbers() {
     let text = "REPEAT 2 AS n\n  TRANSFER port-1 SLOT n + 1 TO port-2 SLOT 6 - n WITH B\nEND";
-    let handed: Vec<Handover> =
-        steps(&cell(), text).into_iter().filter_map(|step| step.handover).collect();
+    let handed: Vec<Handoff> =
+        steps(&cell(), text).into_iter().filter_map(|step| step.handoff).collect();
     let slot = |station, slot| SlotId { station, slot };
     assert_eq!(
         handed,
         [
-            Handover::Picked(B, slot(0, 2)),
-            Handover::Placed(B, slot(1, 5)),
-            Handover::Picked(B, slot(0, 3)),
-            Handover::Placed(B, slot(1, 4)),
+            Handoff::Picked(B, slot(0, 2)),
+            Handoff::Placed(B, slot(1, 5)),
+            Handoff::Picked(B, slot(0, 3)),
+            Handoff::Placed(B, slot(1, 4)),
         ]
     );
 }

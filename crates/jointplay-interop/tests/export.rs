@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::check::{CheckOptions, PoseContext, check_pose};
-use jointplay_cell::program::{Handover, Path, Phase, SourceLocation, Step, expand};
+use jointplay_cell::program::{Handoff, Path, Phase, SourceLocation, Step, expand};
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
     PlatformModel,
@@ -127,16 +127,16 @@ fn motion(cell: &Cell) -> Trajectory {
         from: from.to_vec(),
         to: to.to_vec(),
         path,
-        speed: 1.0,
-        blend: 0.0,
+        speed_scaling: 1.0,
+        blend_radius: 0.0,
         postures: None,
         line_speed: None,
         loaded: vec![],
-        handover: None,
+        handoff: None,
         slot: None,
     };
     let mut extend = step(1, Phase::Extend, &home, &out, Path::PointToPoint);
-    extend.handover = Some(Handover::Picked(ID, SLOT));
+    extend.handoff = Some(Handoff::Picked(ID, SLOT));
     let mut retract = step(1, Phase::Retract, &out, &home, Path::PointToPoint);
     retract.loaded = vec![ID];
     let mut wait = step(2, Phase::Wait, &home, &home, Path::Dwell(0.25));
@@ -365,7 +365,7 @@ fn droop_is_the_same_in_programs_and_in_jogging() {
         .steps
         .iter()
         .zip(&motion.times[1..])
-        .filter_map(|(step, &time)| step.handover.map(|_| time))
+        .filter_map(|(step, &time)| step.handoff.map(|_| time))
         .collect();
     let lies = serde_json::json!([
         { "slot": "LP1 1", "from_s": 0.0, "to_s": handed[0] },
@@ -401,8 +401,8 @@ fn durations_of_controller_text_add_up_to_the_motion() {
 fn controller_text_contains_the_overlap_of_blends() {
     let cell = cell();
     let [out, back] = [0, 1].map(|k| motion(&cell).steps[k].clone());
-    let mut steps = vec![Step { handover: None, ..out }, Step { loaded: vec![], ..back }];
-    steps.iter_mut().for_each(|step| step.blend = 0.05);
+    let mut steps = vec![Step { handoff: None, ..out }, Step { loaded: vec![], ..back }];
+    steps.iter_mut().for_each(|step| step.blend_radius = 0.05);
     let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
     let overlap = motion.blend(0).unwrap().overlap;
     let motion_export =
@@ -591,7 +591,7 @@ fn a_3d_scene_follows_the_motion_between_keys() {
     // At the hand-off the arm droops at once; a viewer spreads this over the time between two keys.
     let ends = motion.steps.iter().zip(&motion.times[1..]);
     let handed: Vec<f64> =
-        ends.filter(|(step, _)| step.handover.is_some()).map(|(_, &time)| time).collect();
+        ends.filter(|(step, _)| step.handoff.is_some()).map(|(_, &time)| time).collect();
     let between = |at: f64| handed.iter().all(|time| (time - at).abs() > 1.0 / rate);
     let (mut off, mut turned) = (0_f64, 0_f64);
     let fine = motion.samples(5.0 * rate).filter(|at| at.time > 800.0 && between(at.time));
@@ -674,7 +674,7 @@ fn the_check_and_the_3d_scene_have_the_same_poses() {
         .steps
         .iter()
         .zip(&motion.times[1..])
-        .filter_map(|(step, &time)| step.handover.map(|_| time))
+        .filter_map(|(step, &time)| step.handoff.map(|_| time))
         .collect();
     let options = CheckOptions { near: 10.0, ..CheckOptions::default() };
     let (mut state, mut compared, mut lowest) = (7_u64, 0, 0.0_f64);

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use jointplay_cell::check::{Report, Share, Verdict, Violation};
-use jointplay_cell::program::{HandoverDeflection, SourceLocation, handover_deflections};
+use jointplay_cell::check::{Report, Utilization, Verdict, Violation};
+use jointplay_cell::program::{HandoffDeflection, SourceLocation, handoff_deflections};
 use jointplay_cell::robot::AxisKind;
 use jointplay_cell::station::Origin;
 use jointplay_cell::trajectory::{Blend, LineDeviation, Trajectory};
@@ -93,7 +93,8 @@ pub struct BlendedReport {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct CompensatedReport {
     /// Number of hand-offs.
-    pub handovers: usize,
+    #[serde(rename = "handovers")]
+    pub handoffs: usize,
     /// Largest drop of a loaded arm, which is compensated.
     pub drop_um: f64,
     /// Largest slope of a loaded arm, which is compensated.
@@ -225,14 +226,14 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         .map(|id| robot.arms[id.arm].effectors[id.effector].name.clone())
         .collect();
     let axes: Vec<String> = robot.axes.iter().map(|axis| axis.name.clone()).collect();
-    let share = |share: &Option<Share>, names: &[String]| {
+    let share = |share: &Option<Utilization>, names: &[String]| {
         share.map(|one| ShareReport {
-            name: names.get(one.of).cloned().unwrap_or_default(),
-            share: one.share,
+            name: names.get(one.index).cloned().unwrap_or_default(),
+            share: one.ratio,
             time_s: one.time,
         })
     };
-    let carried = handover_deflections(cell, &motion.steps);
+    let carried = handoff_deflections(cell, &motion.steps);
     let instructions = report.by_instruction.iter().map(|row| InstructionReport {
         number: row.instruction + 1,
         line: row.place.line,
@@ -318,7 +319,7 @@ fn blended(motion: &Trajectory, steps: Range<usize>) -> Option<BlendedReport> {
 
 fn compensated(
     cell: &Cell,
-    carried: &[HandoverDeflection],
+    carried: &[HandoffDeflection],
     steps: Range<usize>,
 ) -> Option<CompensatedReport> {
     // Hand-offs are sorted by step.
@@ -338,14 +339,14 @@ fn compensated(
         height = Some(height.unwrap_or(0.0).max(known.height_95(&place)));
     }
     (!carried.is_empty()).then(|| CompensatedReport {
-        handovers: carried.len(),
+        handoffs: carried.len(),
         drop_um: um(most(carried, |one| one.deflection.drop)),
         slope_mrad: mm(most(carried, |one| one.deflection.slope)),
         sag_um: um(most(carried, |one| one.sag.abs())),
-        left_um: um(most(carried, |one| one.left)),
-        left_mrad: mm(most(carried, |one| one.left_tilt)),
-        bent_um: um(most(carried, |one| one.bent)),
-        jump_um: um(most(carried, |one| one.jump)),
+        left_um: um(most(carried, |one| one.position_residual)),
+        left_mrad: mm(most(carried, |one| one.tilt_residual)),
+        bent_um: um(most(carried, |one| one.rms_flatness)),
+        jump_um: um(most(carried, |one| one.load_step)),
         taught_mrad: tilt.map(mm),
         taught_um: height.map(um),
         taught_unknown: unknown.into_iter().collect(),

@@ -25,7 +25,7 @@ fn report(changes: &[(&str, &str)]) -> CellReport {
 fn compensated_droop_and_sag_are_reported() {
     let report = report(&[]);
     let all = report.compensated.unwrap();
-    assert_eq!(all.handovers, 2);
+    assert_eq!(all.handoffs, 2);
     // By the cantilever's formula, at the reach of LP1 with the wafer's 127.6 g: E I = 1500 N m², 2.5 kg/m, 0.7 m.
     let (own, tip, reach, stiffness) = (2.5 * 9.806_65, 0.127_6 * 9.806_65, 0.7_f64, 1500.0);
     let drop = reach.powi(3) * (own * reach / 8.0 + tip / 3.0) / stiffness;
@@ -38,7 +38,7 @@ fn compensated_droop_and_sag_are_reported() {
     let by_instruction: Vec<usize> = report
         .instructions
         .iter()
-        .map(|one| one.compensated.as_ref().map_or(0, |some| some.handovers))
+        .map(|one| one.compensated.as_ref().map_or(0, |some| some.handoffs))
         .collect();
     assert_eq!(by_instruction, [1, 1, 0]);
 }

@@ -59,7 +59,7 @@ export class MotionWindow {
   readonly #segments: Description['segments'];
   readonly #channels: Description['channels'];
   readonly #wafers: readonly WaferPlacement[];
-  readonly #handOvers: Description['changes'];
+  readonly #handOffs: Description['changes'];
   readonly #numbers: Float64Array;
 
   constructor(bytes: ArrayBuffer) {
@@ -69,7 +69,7 @@ export class MotionWindow {
     this.#segments = description.segments;
     this.#channels = description.channels;
     this.#wafers = description.wafers;
-    this.#handOvers = description.changes;
+    this.#handOffs = description.changes;
     this.violations = description.violations;
     let now = 0;
     this.steps = description.steps.map((step) => {
@@ -134,7 +134,7 @@ export class MotionWindow {
   held(start: readonly WaferPlacement[], step: number): WaferPlacement[] {
     const held = [...start];
     for (const one of this.#wafers) held[one.wafer] = one;
-    for (const one of this.#handOvers) if (one.step < step) held[one.wafer] = one;
+    for (const one of this.#handOffs) if (one.step < step) held[one.wafer] = one;
     return held;
   }
 }

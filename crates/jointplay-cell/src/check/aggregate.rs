@@ -1,9 +1,9 @@
-//! Aggregation of the findings of all segments into a report.
+//! Aggregation of the findings of all steps into a report.
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::report::{InstructionResult, MinimumDistance, Report, Share, Verdict};
-use super::segment_findings::{SegmentFindings, update_peak};
+use super::report::{InstructionResult, MinimumDistance, Report, Utilization, Verdict};
+use super::step_findings::{StepFindings, update_peak};
 use crate::EntityId;
 use crate::collision::{PairResults, Scene, distance_tolerance};
 use crate::trajectory::Trajectory;
@@ -61,7 +61,7 @@ impl<'a> Aggregator<'a> {
         &mut self,
         scene: &Scene<'_>,
         index: usize,
-        findings: &SegmentFindings,
+        findings: &StepFindings,
         distances: &PairResults,
         objects: &[usize],
     ) {
@@ -82,15 +82,15 @@ impl<'a> Aggregator<'a> {
                 (&mut row.jerk, findings.jerk),
                 (&mut row.slip, findings.slip),
             ] {
-                if let Some(Share { of, share, time }) = found {
-                    update_peak(most, Share { of, share, time: start + time });
+                if let Some(Utilization { index, ratio, time }) = found {
+                    update_peak(most, Utilization { index, ratio, time: start + time });
                 }
             }
         }
         for interval in &findings.violations {
             let Subject { kind, first, second } = interval.worst.subject;
             self.add_violation(index, findings.samples, interval, interval.worst.subject, || {
-                entities_of_segment(scene.cell, kind, first, second)
+                entities_of_step(scene.cell, kind, first, second)
             });
         }
         for interval in &distances.violations {
@@ -260,8 +260,8 @@ fn minimum_distance(scene: &Scene<'_>, pair: [usize; 2], minimum: Minimum) -> Mi
     }
 }
 
-/// Entities of a violation that concerns one segment by itself.
-fn entities_of_segment(cell: &Cell, kind: Kind, first: usize, second: usize) -> Vec<EntityId> {
+/// Entities of a violation that concerns one step and no pair of objects.
+fn entities_of_step(cell: &Cell, kind: Kind, first: usize, second: usize) -> Vec<EntityId> {
     let effector = || cell.robot.effectors().nth(first).map(EntityId::Effector);
     match kind {
         Kind::Position | Kind::Velocity | Kind::Acceleration | Kind::Jerk => {

@@ -1,4 +1,4 @@
-//! The check of all segments of a trajectory, with results of the last check reused.
+//! The check of all steps of a trajectory, with results of the last check reused.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -6,12 +6,12 @@ use std::convert::Infallible;
 use super::aggregate::Aggregator;
 use super::options::CheckOptions;
 use super::report::Report;
-use super::segment_findings::SegmentFindings;
-use super::segments::{SegmentChecks, SegmentKey};
+use super::step_checks::{StepChecks, StepKey};
+use super::step_findings::StepFindings;
 use crate::collision::{CandidatePairs, PairResults, Scene};
 use crate::geometry::ColliderCache;
 use crate::incremental::{
-    CacheStats, Execution, Fingerprint, GenerationalCache, Interrupted, compute_missing,
+    CacheKey, CacheStats, GenerationalCache, Interrupted, JobContext, compute_missing,
     parallel_map, uninterrupted,
 };
 use crate::program::WaferLocations;
@@ -21,10 +21,10 @@ use crate::workcell::{Cell, Zone, ZoneRule};
 /// Checks a trajectory against the limits of its axes, tilt, play, slip, safe zones and required clearances; all violations are reported.
 ///
 /// Axes, tilt, play, slip and safe zones are checked at samples: from the start of each step at the given rate, and at its end.
-/// Clearances are checked continuously, between the samples too, by conservative advancement; the module `collision` states the guarantee and its assumptions.
+/// Clearances are checked continuously, between the samples too, by adaptive bisection \[Schwarzer\]; the module `collision` states the guarantee and its assumptions.
 ///
 /// # Numerics
-/// Minimum distances are exact at the evaluated samples; a sample that was not evaluated may have a distance smaller by `within` of the row.
+/// Minimum distances are exact at the evaluated samples; a sample that was not evaluated may have a distance smaller by `tolerance` of the row.
 ///
 /// # Assumptions
 /// Bodies and wafers are rigid, and wafers are flat discs.
@@ -33,17 +33,17 @@ use crate::workcell::{Cell, Zone, ZoneRule};
 /// A distance is compared with the required clearance to a resolution of 10⁻⁸ m, the accuracy to which distances are tested.
 #[must_use]
 pub fn check(cell: &Cell, trajectory: &Trajectory, options: &CheckOptions) -> Report {
-    uninterrupted(CheckCache::default().check(cell, trajectory, options, Execution::unobserved()))
+    uninterrupted(CheckCache::default().check(cell, trajectory, options, JobContext::unmonitored()))
 }
 
 /// Segments that are checked at a time: memory for their scenes does not grow with the trajectory.
 const BATCH: usize = 1024;
 
-/// Results of the segments of the last check, by their inputs.
+/// Results of the steps of the last check, by their inputs.
 #[derive(Default)]
 pub(crate) struct CheckCache {
     colliders: ColliderCache,
-    findings: GenerationalCache<SegmentFindings>,
+    findings: GenerationalCache<StepFindings>,
     distances: GenerationalCache<PairResults>,
 }
 
@@ -54,7 +54,7 @@ impl CheckCache {
         cell: &Cell,
         trajectory: &Trajectory,
         options: &CheckOptions,
-        execution: Execution<'_>,
+        context: JobContext<'_>,
     ) -> Result<Report, Interrupted> {
         let shared = shared_inputs(cell, options);
         self.colliders.begin();
@@ -67,10 +67,9 @@ impl CheckCache {
             let steps = first..(first + BATCH).min(trajectory.steps.len());
             let colliders = &mut self.colliders;
             let transfers = locations.transfers_in(&steps);
-            let (checks, keys) = SegmentChecks::new(
-                trajectory, steps, transfers, options, scene, colliders, execution,
-            )?;
-            self.check_batch(&checks, &keys, first, execution, &mut aggregator)?;
+            let (checks, keys) =
+                StepChecks::new(trajectory, steps, transfers, options, scene, colliders, context)?;
+            self.check_batch(&checks, &keys, first, context, &mut aggregator)?;
             scene = checks.into_last_scene();
         }
         self.colliders.end();
@@ -79,46 +78,46 @@ impl CheckCache {
         Ok(aggregator.into_report(&scene, locations.placed_wafers()))
     }
 
-    /// Checks successive segments, from the step `first` on.
+    /// Checks successive steps, from the step `first` on.
     fn check_batch(
         &mut self,
-        checks: &SegmentChecks<'_>,
-        keys: &[SegmentKey],
+        checks: &StepChecks<'_>,
+        keys: &[StepKey],
         first: usize,
-        execution: Execution<'_>,
+        context: JobContext<'_>,
         aggregator: &mut Aggregator<'_>,
     ) -> Result<(), Interrupted> {
-        // New segments: limits, broad phase and distances at once, while their samples are in the buffer.
-        let missing = keys.iter().map(|key| &key.fingerprint).enumerate();
-        let missing = missing.filter(|(_, fingerprint)| !self.findings.contains(fingerprint));
-        let mut computed = compute_missing(missing, execution, |index| {
+        // Steps without cached findings: limits, broad phase and distances at once, while their samples are in the buffer.
+        let missing = keys.iter().map(|key| &key.cache_key).enumerate();
+        let missing = missing.filter(|(_, cache_key)| !self.findings.contains(cache_key));
+        let mut computed = compute_missing(missing, context, |index| {
             let (key, step) = (&keys[index], first + index);
-            checks.with_buffer(|segment| {
-                let findings = checks.findings(key, step, segment);
+            checks.with_buffer(|sampled| {
+                let findings = checks.findings(key, step, sampled);
                 let candidates = checks.candidates(key, step, &findings);
-                let is_missing = !self.distances.contains(&candidates.fingerprint);
+                let is_missing = !self.distances.contains(&candidates.cache_key);
                 let distances = is_missing
-                    .then(|| checks.distances(key, step, &findings, &candidates, segment));
+                    .then(|| checks.distances(key, step, &findings, &candidates, sampled));
                 (findings, candidates, distances)
             })
         })?;
-        let mut new_distances: BTreeMap<Fingerprint, PairResults> = BTreeMap::new();
+        let mut new_distances: BTreeMap<CacheKey, PairResults> = BTreeMap::new();
         let (mut findings, mut new_candidates) = (Vec::with_capacity(keys.len()), BTreeMap::new());
         for (index, key) in keys.iter().enumerate() {
             let compute = || {
                 let (found, candidates, distances) =
-                    computed.remove(&key.fingerprint).expect("missing findings were computed");
-                let fingerprint = &candidates.fingerprint;
-                new_distances.extend(distances.map(|found| (fingerprint.clone(), found)));
+                    computed.remove(&key.cache_key).expect("missing findings were computed");
+                let cache_key = &candidates.cache_key;
+                new_distances.extend(distances.map(|found| (cache_key.clone(), found)));
                 new_candidates.insert(index, candidates);
                 Ok(found)
             };
             let Ok(found) =
-                self.findings.get_or_compute::<Infallible>(key.fingerprint.clone(), compute);
+                self.findings.get_or_compute::<Infallible>(key.cache_key.clone(), compute);
             findings.push(found);
         }
         let candidates =
-            parallel_map(keys.len(), execution, |index| match new_candidates.get(&index) {
+            parallel_map(keys.len(), context, |index| match new_candidates.get(&index) {
                 Some(_) => None,
                 None => Some(checks.candidates(&keys[index], first + index, &findings[index])),
             })?;
@@ -126,24 +125,24 @@ impl CheckCache {
         let candidates: Vec<CandidatePairs> = candidates
             .filter_map(|(index, known)| known.or_else(|| new_candidates.remove(&index)))
             .collect();
-        // Known segments among other objects than before: distances alone.
-        let missing = candidates.iter().map(|candidates| &candidates.fingerprint).enumerate();
-        let missing = missing.filter(|(_, fingerprint)| {
-            !(self.distances.contains(fingerprint) || new_distances.contains_key(*fingerprint))
+        // Steps with cached findings whose candidates have changed: distances alone.
+        let missing = candidates.iter().map(|candidates| &candidates.cache_key).enumerate();
+        let missing = missing.filter(|(_, cache_key)| {
+            !(self.distances.contains(cache_key) || new_distances.contains_key(*cache_key))
         });
-        let others = compute_missing(missing, execution, |index| {
+        let others = compute_missing(missing, context, |index| {
             let (findings, candidates) = (&findings[index], &candidates[index]);
-            checks.with_buffer(|segment| {
-                checks.distances(&keys[index], first + index, findings, candidates, segment)
+            checks.with_buffer(|sampled| {
+                checks.distances(&keys[index], first + index, findings, candidates, sampled)
             })
         })?;
         new_distances.extend(others);
         for (index, (findings, candidates)) in findings.iter().zip(&candidates).enumerate() {
-            let fingerprint = &candidates.fingerprint;
+            let cache_key = &candidates.cache_key;
             let compute =
-                || Ok(new_distances.remove(fingerprint).expect("missing distances were computed"));
+                || Ok(new_distances.remove(cache_key).expect("missing distances were computed"));
             let Ok(distances) =
-                self.distances.get_or_compute::<Infallible>(fingerprint.clone(), compute);
+                self.distances.get_or_compute::<Infallible>(cache_key.clone(), compute);
             let scene = checks.scene(&keys[index]);
             aggregator.add(scene, first + index, findings, &distances, &candidates.objects);
         }
@@ -159,23 +158,23 @@ impl CheckCache {
     }
 }
 
-/// Checks all segments once, without a cache.
+/// Checks all steps once, without a cache.
 ///
 /// # Arguments
 /// * `placed_wafers` – number of different wafers that were placed before
 pub(super) fn check_uncached(
     cell: &Cell,
     trajectory: &Trajectory,
-    checks: SegmentChecks<'_>,
-    keys: &[SegmentKey],
+    checks: StepChecks<'_>,
+    keys: &[StepKey],
     placed_wafers: usize,
 ) -> Report {
     let mut aggregator = Aggregator::new(cell, trajectory);
     for (step, key) in keys.iter().enumerate() {
-        let (findings, candidates, distances) = checks.with_buffer(|segment| {
-            let findings = checks.findings(key, step, segment);
+        let (findings, candidates, distances) = checks.with_buffer(|sampled| {
+            let findings = checks.findings(key, step, sampled);
             let candidates = checks.candidates(key, step, &findings);
-            let distances = checks.distances(key, step, &findings, &candidates, segment);
+            let distances = checks.distances(key, step, &findings, &candidates, sampled);
             (findings, candidates, distances)
         });
         let scene = checks.scene(key);
@@ -184,11 +183,11 @@ pub(super) fn check_uncached(
     aggregator.into_report(&checks.into_last_scene(), placed_wafers)
 }
 
-/// Inputs that all segments share.
-fn shared_inputs(cell: &Cell, options: &CheckOptions) -> Fingerprint {
+/// Inputs that all steps share.
+fn shared_inputs(cell: &Cell, options: &CheckOptions) -> CacheKey {
     let safe: Vec<&Zone> = cell.zones.iter().filter(|zone| zone.rule == ZoneRule::Safe).collect();
     let CheckOptions { rate, near } = options;
-    let mut inputs = Fingerprint::default();
+    let mut inputs = CacheKey::default();
     inputs.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(&cell.play_budget);
     inputs.add(&safe).add(rate).add(near);
     inputs

@@ -2,11 +2,11 @@
 
 use jointplay_core::bulk::{Quantity, Status};
 
-use super::report::Share;
-use super::segment_findings::{SegmentFindings, update_peak};
+use super::report::Utilization;
 use super::slip::HeldWafer;
+use super::step_findings::{StepFindings, update_peak};
 use crate::CellError;
-use crate::collision::{MotionBoundModel, PoseError, SampledSegment, Scene, UnknownPose};
+use crate::collision::{MotionBoundModel, PoseError, SampledStep, Scene, UnknownPose};
 use crate::program::{Phase, Step};
 use crate::robot::{Axis, AxisKind, EffectorId, HybridRobot, Positions};
 use crate::trajectory::{AxisState, axis_limits};
@@ -44,12 +44,12 @@ struct LimitedAxis<'a> {
     limits: [f64; 3],
 }
 
-impl SegmentFindings {
+impl StepFindings {
     /// Checks all samples of a window.
     pub(super) fn new(
         scene: &Scene<'_>,
         step: &Step,
-        segment: &SampledSegment,
+        sampled: &SampledStep,
         bounds: &MotionBoundModel,
     ) -> Self {
         let robot = &scene.cell.robot;
@@ -61,13 +61,13 @@ impl SegmentFindings {
             tilt: 0.0,
             play: 0.0,
             moved: vec![false; robot.axes.len()],
-            samples: segment.times().len(),
+            samples: sampled.times().len(),
             violations: Vec::new(),
             runs: Vec::new(),
             paths: Vec::new(),
         };
         let mut violations = IntervalMerger::default();
-        let (moving, times) = (segment.moving_axes(), segment.times());
+        let (moving, times) = (sampled.moving_axes(), sampled.times());
         let mut moving = moving.moving().iter().zip(moving.states()).peekable();
         for (index, axis) in robot.axes.iter().enumerate() {
             let limits = axis_limits(robot, index, step);
@@ -75,19 +75,19 @@ impl SegmentFindings {
             let limited = LimitedAxis { index, axis, limits };
             if let Some((_, states)) = moving.next_if(|(moving, _)| **moving == index) {
                 findings.check_axis(&limited, times, states.iter().copied(), &mut violations);
-            } else if violated_limit(axis, segment.from()[index]).is_some() {
-                let at_rest = std::iter::repeat([segment.from()[index], 0.0, 0.0, 0.0]);
+            } else if violated_limit(axis, sampled.from()[index]).is_some() {
+                let at_rest = std::iter::repeat([sampled.from()[index], 0.0, 0.0, 0.0]);
                 findings.check_axis(&limited, times, at_rest, &mut violations);
             }
         }
-        findings.check_platform(scene, segment, &mut violations);
+        findings.check_platform(scene, sampled, &mut violations);
         let in_safe_zones = step.phase == Phase::Turn && !scene.safe_zones.is_empty();
         for (index, id) in robot.effectors().enumerate() {
             if scene.held_wafer(id).is_some() {
-                findings.check_slip(scene, segment, bounds, index, id, &mut violations);
+                findings.check_slip(scene, sampled, bounds, index, id, &mut violations);
             }
             if in_safe_zones {
-                findings.check_safe_zones(scene, segment, bounds, index, id, &mut violations);
+                findings.check_safe_zones(scene, sampled, bounds, index, id, &mut violations);
             }
         }
         findings.violations = violations.into_intervals();
@@ -119,7 +119,7 @@ impl SegmentFindings {
         for ((share, (value, sample)), limit) in shares.into_iter().zip(peaks).zip(limits) {
             if value > 0.0 {
                 let time = times[sample];
-                update_peak(share, Share { of: index, share: value / limit, time });
+                update_peak(share, Utilization { index, ratio: value / limit, time });
             }
         }
         let exceeds = |value: f64, limit: f64| value > limit * (1.0 + SLACK);
@@ -155,7 +155,7 @@ impl SegmentFindings {
     fn check_platform(
         &mut self,
         scene: &Scene<'_>,
-        segment: &SampledSegment,
+        sampled: &SampledStep,
         violations: &mut IntervalMerger,
     ) {
         let cell = scene.cell;
@@ -163,10 +163,10 @@ impl SegmentFindings {
         let has_table =
             |id: &EffectorId| matches!(cell.robot.arms[id.arm].droop, Droop::Table { .. });
         let tables: Vec<EffectorId> = cell.robot.effectors().filter(has_table).collect();
-        let states = PlatformStates::new(cell, segment);
-        for (sample, &time) in segment.times().iter().enumerate() {
+        let states = PlatformStates::new(cell, sampled);
+        for (sample, &time) in sampled.times().iter().enumerate() {
             let at = SampleTime { time, sample };
-            match states.at(sample, || segment.positions(sample)) {
+            match states.at(sample, || sampled.positions(sample)) {
                 Ok(state) => self.check_tilt_and_play(cell, state, at, violations),
                 Err(error) => {
                     UnknownPose { at, error: PoseError::from(error) }.report(violations);
@@ -175,7 +175,7 @@ impl SegmentFindings {
             }
             let mut is_known = true;
             for &id in &tables {
-                if let Err(error) = scene.wafer_pose(id, &segment.positions(sample)) {
+                if let Err(error) = scene.wafer_pose(id, &sampled.positions(sample)) {
                     UnknownPose { at, error }.report(violations);
                     is_known = false;
                 }
@@ -218,7 +218,7 @@ impl SegmentFindings {
     fn check_slip(
         &mut self,
         scene: &Scene<'_>,
-        segment: &SampledSegment,
+        sampled: &SampledStep,
         bounds: &MotionBoundModel,
         index: usize,
         id: EffectorId,
@@ -226,12 +226,12 @@ impl SegmentFindings {
     ) {
         let kind = Kind::Slip;
         let tilt = self.tilt * scene.cell.robot.gpr.limits().tilt_max;
-        let mut wafer = HeldWafer::new(scene, segment, bounds, id, tilt);
+        let mut wafer = HeldWafer::new(scene, sampled, bounds, id, tilt);
         self.runs.iter().for_each(|run| wafer.check_run(run));
         let mut evaluated = wafer.evaluated;
         evaluated.sort_unstable_by_key(|(sample, _)| *sample);
         for (sample, friction) in evaluated {
-            let time = segment.times()[sample];
+            let time = sampled.times()[sample];
             if friction.required > friction.available {
                 let violation = SampleViolation {
                     subject: Subject { kind, first: index, second: 0 },
@@ -243,14 +243,14 @@ impl SegmentFindings {
                 };
                 violations.add(SampleTime { time, sample }, violation, String::new);
             }
-            update_peak(&mut self.slip, Share { of: index, share: friction.utilization(), time });
+            update_peak(&mut self.slip, Utilization { index, ratio: friction.utilization(), time });
         }
     }
 }
 
 impl<'a> PlatformStates<'a> {
-    fn new(cell: &'a Cell, segment: &SampledSegment) -> Self {
-        let (robot, rods) = (&cell.robot, segment.rods());
+    fn new(cell: &'a Cell, sampled: &SampledStep) -> Self {
+        let (robot, rods) = (&cell.robot, sampled.rods());
         let count = rods[0].len();
         let (mut tilts, mut plays) = (vec![0.0; count], vec![0.0; count]);
         let mut status = vec![Status::Solved; count];

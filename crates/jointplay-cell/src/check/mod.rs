@@ -3,11 +3,11 @@
 //! | file | contents |
 //! | --- | --- |
 //! | `options`, `report` | options and result of a check |
-//! | `checker` | the check of all segments, with results of the last check reused |
-//! | `segments` | the check of one segment: limits, broad phase, distances |
-//! | `segment_findings`, `limits`, `slip`, `safe_zones` | a segment by itself: axes, tilt, play, friction, safe zones |
-//! | `aggregate` | results of all segments in one report |
-//! | `pose` | one pose, and a straight path up to a contact |
+//! | `checker` | the check of all steps, with results of the last check reused |
+//! | `step_checks` | checks of steps: limits, broad phase, distances |
+//! | `step_findings`, `limits`, `slip`, `safe_zones` | checks without pairs of objects: axes, tilt, play, friction, safe zones |
+//! | `aggregate` | results of all steps in one report |
+//! | `pose` | one pose; a joint-space line up to a contact |
 //!
 //! Distances between samples are checked by `collision`, whose head states the guarantee.
 
@@ -18,14 +18,14 @@ mod options;
 mod pose;
 mod report;
 mod safe_zones;
-mod segment_findings;
-mod segments;
 mod slip;
+mod step_checks;
+mod step_findings;
 
 pub(crate) use checker::CheckCache;
 pub use checker::check;
 pub use options::CheckOptions;
 pub use pose::{ContactFreePath, PoseContext, advance_until_contact, check_pose};
-pub use report::{InstructionResult, MinimumDistance, Report, Share, Verdict};
+pub use report::{InstructionResult, MinimumDistance, Report, Utilization, Verdict};
 
 pub use crate::violation::{Kind, Unit, Violation};

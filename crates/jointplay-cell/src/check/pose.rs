@@ -3,14 +3,14 @@
 use super::checker::check_uncached;
 use super::options::CheckOptions;
 use super::report::Report;
-use super::segments::SegmentChecks;
+use super::step_checks::StepChecks;
 use crate::collision::Scene;
 use crate::geometry::ColliderCache;
-use crate::incremental::{Execution, uninterrupted};
+use crate::incremental::{JobContext, uninterrupted};
 use crate::program::{Path, Phase, SourceLocation, Step, WaferLocations};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
-use crate::trajectory::{Trajectory, straight};
+use crate::trajectory::{Trajectory, joint_space_line};
 use crate::violation::Kind;
 use crate::workcell::Cell;
 use crate::{CellError, EntityId};
@@ -118,12 +118,12 @@ impl<'a> SceneAtTime<'a> {
             from: Vec::new(),
             to: Vec::new(),
             path: reaches.map_or(Path::PointToPoint, |(id, ..)| Path::Line(id)),
-            speed: 1.0,
-            blend: 0.0,
+            speed_scaling: 1.0,
+            blend_radius: 0.0,
             postures: None,
             line_speed: None,
             loaded: loaded.collect(),
-            handover: None,
+            handoff: None,
             slot: reaches.map(|(_, slot, _)| slot),
         };
         Self { cell, colliders, scene, placed_wafers, template }
@@ -132,16 +132,16 @@ impl<'a> SceneAtTime<'a> {
     fn report(&mut self, [from, to]: [&[f64]; 2], options: &CheckOptions) -> (Trajectory, Report) {
         let mut step = self.template.clone();
         (step.from, step.to) = (from.to_vec(), to.to_vec());
-        let motion = straight(step);
-        let (scene, execution) = (self.scene.clone(), Execution::unobserved());
-        let (steps, starts) = uninterrupted(SegmentChecks::new(
+        let motion = joint_space_line(step);
+        let (scene, context) = (self.scene.clone(), JobContext::unmonitored());
+        let (steps, starts) = uninterrupted(StepChecks::new(
             &motion,
             0..motion.steps.len(),
             &[],
             options,
             scene,
             &mut self.colliders,
-            execution,
+            context,
         ));
         let report = check_uncached(self.cell, &motion, steps, &starts, self.placed_wafers);
         (motion, report)

@@ -15,11 +15,11 @@ pub enum Verdict {
 
 /// Largest value relative to its limit; above 1 the limit is violated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Share {
+pub struct Utilization {
     /// Index of the axis or effector.
-    pub of: usize,
+    pub index: usize,
     /// Value divided by its limit.
-    pub share: f64,
+    pub ratio: f64,
     /// Time of the peak (s).
     pub time: f64,
 }
@@ -44,7 +44,7 @@ pub struct MinimumDistance {
 pub struct InstructionResult {
     /// Index of the instruction in the order of execution.
     pub instruction: usize,
-    /// SourceLocation of the instruction in the program text.
+    /// Location of the instruction in the program text.
     pub place: SourceLocation,
     /// Indices of the steps.
     pub steps: std::ops::Range<usize>,
@@ -55,17 +55,17 @@ pub struct InstructionResult {
     /// Time during which each axis moves (s).
     pub moving: Vec<f64>,
     /// Largest velocity relative to its limit.
-    pub velocity: Option<Share>,
+    pub velocity: Option<Utilization>,
     /// Largest acceleration relative to its limit.
-    pub acceleration: Option<Share>,
+    pub acceleration: Option<Utilization>,
     /// Largest jerk relative to its limit.
-    pub jerk: Option<Share>,
+    pub jerk: Option<Utilization>,
     /// Largest tilt relative to its limit.
     pub tilt: f64,
     /// Largest displacement of the virtual joints relative to the play budget.
     pub play: f64,
     /// Largest utilization of friction, by index among all effectors; samples that were not evaluated may have 0.0001 more, unless a wafer slips.
-    pub slip: Option<Share>,
+    pub slip: Option<Utilization>,
     /// Minimum distance of all pairs; `None` where all distances exceed the reporting range.
     pub nearest: Option<MinimumDistance>,
     /// Number of violations that begin in the instruction.

@@ -2,15 +2,15 @@
 
 use jointplay_core::spatial::Pose;
 
-use super::segment_findings::SegmentFindings;
+use super::step_findings::StepFindings;
 use crate::collision::{
-    MotionBoundCoefficients, MotionBoundModel, SampledSegment, Scene, UnknownPose,
+    MotionBoundCoefficients, MotionBoundModel, SampledStep, Scene, UnknownPose,
 };
 use crate::geometry::{PlacedCollider, signed_distance};
 use crate::robot::EffectorId;
 use crate::violation::{IntervalMerger, Kind, SampleTime, SampleViolation, Subject, Unit};
 
-impl SegmentFindings {
+impl StepFindings {
     /// Checks the centre of an effector against the safe zones, at samples where it may have reached a boundary.
     ///
     /// # Arguments
@@ -18,7 +18,7 @@ impl SegmentFindings {
     pub(super) fn check_safe_zones(
         &self,
         scene: &Scene<'_>,
-        segment: &SampledSegment,
+        sampled: &SampledStep,
         bounds: &MotionBoundModel,
         index: usize,
         effector: EffectorId,
@@ -29,8 +29,8 @@ impl SegmentFindings {
         for run in &self.runs {
             let (mut sample, mut stride) = (run.start, 1);
             while sample < run.end {
-                let at = SampleTime { time: segment.times()[sample], sample };
-                let pose = match scene.wafer_pose(effector, &segment.positions(sample)) {
+                let at = SampleTime { time: sampled.times()[sample], sample };
+                let pose = match scene.wafer_pose(effector, &sampled.positions(sample)) {
                     Ok(pose) => pose,
                     Err(error) => {
                         UnknownPose { at, error }.report(violations);
@@ -55,7 +55,7 @@ impl SegmentFindings {
                 }
                 // The last sample to which the centre cannot have left: first doubled strides, then bisection.
                 let stays_inside = |to: usize| {
-                    let travel = segment.axis_travel(&(sample..to));
+                    let travel = sampled.axis_travel(&(sample..to));
                     bounds.displacement(&coefficients, &travel).total() < margin
                 };
                 let mut near = sample;

@@ -2,22 +2,22 @@
 
 use std::ops::Range;
 
-use crate::collision::{AxisStates, MotionBoundModel, SampledSegment, Scene, droop_bounds};
+use crate::collision::{AxisStates, MotionBoundModel, SampledStep, Scene, droop_bounds};
 use crate::robot::{AxesMotion, EffectorId, MAX_JOINTS, RODS};
-use crate::wafer::{DroopBounds, FrictionMargin, SHORTEST};
+use crate::wafer::{DroopBounds, FrictionMargin, MIN_REACH};
 
 /// Factor for effects that the bound neglects: the centre of pressure of the pads, and the in-plane motion of the platform as it tilts.
 const SLACK: f64 = 1.1;
 /// Tolerance of the largest utilization of friction: samples that were not evaluated may have as much more.
 const UTILIZATION_TOLERANCE: f64 = 1e-4;
 
-/// A held wafer at the samples of a segment.
+/// A held wafer at the samples of a step.
 pub(super) struct HeldWafer<'a> {
     scene: &'a Scene<'a>,
     rods: AxisStates<'a, RODS>,
     arm: AxisStates<'a, MAX_JOINTS>,
     effector: EffectorId,
-    /// Upper bound of the sine of the wafer's tilt in the segment.
+    /// Upper bound of the sine of the wafer's tilt in the step.
     sin_tilt: f64,
     /// Variation of the required specific force since the start, by sample.
     variation: Vec<ForceVariation>,
@@ -29,21 +29,21 @@ pub(super) struct HeldWafer<'a> {
 
 impl<'a> HeldWafer<'a> {
     /// # Arguments
-    /// * `tilt` – largest tilt of the platform in the segment (rad)
+    /// * `tilt` – largest tilt of the platform in the step (rad)
     pub(super) fn new(
         scene: &'a Scene<'a>,
-        segment: &'a SampledSegment,
+        sampled: &'a SampledStep,
         bounds: &MotionBoundModel,
         effector: EffectorId,
         tilt: f64,
     ) -> Self {
-        let rods = segment.axis_states(&[0, 1, 2]);
-        let arm = segment.axis_states(scene.chain(effector).axes());
+        let rods = sampled.axis_states(&[0, 1, 2]);
+        let arm = sampled.axis_states(scene.chain(effector).axes());
         let droop = droop_bounds(scene.cell, effector);
         let inputs = VariationInputs {
             scene,
             effector,
-            segment,
+            sampled,
             bounds,
             rods: &rods,
             arm: &arm,
@@ -125,7 +125,7 @@ impl<'a> HeldWafer<'a> {
     }
 }
 
-/// Variation of the specific force that a wafer requires since the start of the segment, accumulated as an upper bound (m/s²).
+/// Variation of the specific force that a wafer requires since the start of the step, accumulated as an upper bound (m/s²).
 #[derive(Debug, Clone, Copy, Default)]
 struct ForceVariation {
     /// Variation in any direction (m/s²).
@@ -138,11 +138,11 @@ struct ForceVariation {
 struct VariationInputs<'i> {
     scene: &'i Scene<'i>,
     effector: EffectorId,
-    segment: &'i SampledSegment,
+    sampled: &'i SampledStep,
     bounds: &'i MotionBoundModel,
     rods: &'i AxisStates<'i, RODS>,
     arm: &'i AxisStates<'i, MAX_JOINTS>,
-    /// Largest tilt of the platform in the segment (rad).
+    /// Largest tilt of the platform in the step (rad).
     tilt: f64,
     droop: &'i DroopBounds,
 }
@@ -160,13 +160,13 @@ impl VariationInputs<'_> {
     ///               + (g + |r̈|) ((s' + s / l) |Δr| + s |Δϑ|)
     /// ```
     fn accumulate(&self) -> Vec<ForceVariation> {
-        let Self { scene, effector, segment, bounds, rods, arm, tilt, droop } = *self;
+        let Self { scene, effector, sampled, bounds, rods, arm, tilt, droop } = *self;
         let cell = scene.cell;
         let chain = scene.chain(effector);
         let described = &cell.robot.arms[effector.arm].effectors[effector.effector];
         let radius = 0.5 * cell.wafer.diameter;
         let twist_radius = 0.5 * radius * radius / described.support.lever(&cell.wafer);
-        let (moving, count) = (segment.moving_axes().moving(), segment.times().len());
+        let (moving, count) = (sampled.moving_axes().moving(), sampled.times().len());
         let [x, y, _] = cell.robot.arms[effector.arm].mount;
         let mount_radius = x.hypot(y);
         let rods_move = moving.first().is_some_and(|&axis| axis < RODS);
@@ -188,7 +188,7 @@ impl VariationInputs<'_> {
             let velocity_change = (now.velocity - previous.velocity).norm();
             if arm_moves {
                 let acceleration_change = (now.acceleration - previous.acceleration).norm();
-                let reach = (previous.place.norm() - mount_radius).abs().max(SHORTEST);
+                let reach = (previous.place.norm() - mount_radius).abs().max(MIN_REACH);
                 let acceleration = previous.acceleration.norm();
                 let transport = acceleration * displacement
                     + speed * (4.0 * velocity_change + speed * displacement / reach);

@@ -2,8 +2,8 @@
 
 use super::object::{Parent, Role};
 use super::scene::Scene;
-use crate::incremental::{Fingerprint, Fingerprinted};
-use crate::program::{Handover, Path, Phase, Step};
+use crate::incremental::{CacheKey, CacheKeyPart};
+use crate::program::{Handoff, Path, Phase, Step};
 use crate::robot::EffectorId;
 
 /// Required distance of two collision objects during a step.
@@ -19,9 +19,9 @@ pub(crate) enum ContactRule {
     KeepOut,
 }
 
-impl Fingerprinted for ContactRule {
-    fn append_to(&self, fingerprint: &mut Fingerprint) {
-        fingerprint.add(&match *self {
+impl CacheKeyPart for ContactRule {
+    fn append_to(&self, cache_key: &mut CacheKey) {
+        cache_key.add(&match *self {
             Self::Unchecked => (0_u64, 0.0),
             Self::MinClearance(limit) => (1, limit),
             Self::SlotClearance(limit) => (2, limit),
@@ -32,9 +32,9 @@ impl Fingerprinted for ContactRule {
 
 /// Effector that a step moves along a line, or that takes part in its hand-off.
 pub(crate) fn acting_effector(step: &Step) -> Option<EffectorId> {
-    match (step.path, step.handover) {
+    match (step.path, step.handoff) {
         (Path::Line(id), _) => Some(id),
-        (_, Some(Handover::Picked(id, _) | Handover::Placed(id, _))) => Some(id),
+        (_, Some(Handoff::Picked(id, _) | Handoff::Placed(id, _))) => Some(id),
         _ => None,
     }
 }
@@ -93,14 +93,16 @@ impl Scene<'_> {
         let (a, b) = (self.objects[a].parent, self.objects[b].parent);
         let linked = |x: Parent, y: Parent| match (x, y) {
             (Parent::Platform, Parent::Link { link: 0, .. }) => true,
-            (Parent::Platform, Parent::Tip(id)) => self.last_link(id.arm) == 0,
+            (Parent::Platform, Parent::DeflectedLastLink(id)) => self.last_link(id.arm) == 0,
             (Parent::Link { arm, link }, Parent::Link { arm: other, link: next }) => {
                 arm == other && link + 1 == next
             }
-            (Parent::Link { arm, link }, Parent::Tip(id)) => {
+            (Parent::Link { arm, link }, Parent::DeflectedLastLink(id)) => {
                 arm == id.arm && link + 1 == self.last_link(arm)
             }
-            (Parent::Tip(one), Parent::Tip(other)) => one.arm == other.arm,
+            (Parent::DeflectedLastLink(one), Parent::DeflectedLastLink(other)) => {
+                one.arm == other.arm
+            }
             (link, Parent::Effector(id)) => holds(link, id),
             _ => false,
         };
@@ -110,5 +112,5 @@ impl Scene<'_> {
 
 /// Whether a parent is the last link of the arm of an effector.
 fn holds(link: Parent, id: EffectorId) -> bool {
-    matches!(link, Parent::Tip(tip) if tip.arm == id.arm)
+    matches!(link, Parent::DeflectedLastLink(tip) if tip.arm == id.arm)
 }

@@ -1,14 +1,14 @@
-//! Broad phase: pairs of collision objects that may come near each other in a segment.
+//! Broad phase: pairs of collision objects that may come near each other in a step.
 
 use std::sync::OnceLock;
 
+use super::adaptive_bisection::{CandidatePair, RelativeMotion};
 use super::allowed_collisions::ContactRule;
-use super::conservative_advancement::{CandidatePair, RelativeMotion};
 use super::motion_bound::MotionBoundModel;
 use super::motion_bound_coefficients::{MotionBoundCoefficients, common_ancestor};
 use super::scene::Scene;
 use super::swept_aabb::SweptAabb;
-use crate::incremental::Fingerprint;
+use crate::incremental::CacheKey;
 use crate::program::Step;
 
 /// Moving and fixed objects of a scene, and the pairs of moving objects.
@@ -25,17 +25,17 @@ pub(crate) struct BroadPhase {
     pairs: Vec<CandidatePair>,
     /// Relative motion of these pairs, computed at its first use.
     relative: OnceLock<Vec<RelativeMotion>>,
-    /// Fingerprint of the moving objects.
-    pub(crate) fingerprint: Fingerprint,
+    /// Cache key of the moving objects.
+    pub(crate) cache_key: CacheKey,
 }
 
-/// Candidate pairs of one segment.
+/// Candidate pairs of one step.
 pub(crate) struct CandidatePairs {
     /// Objects of the pairs, as indices in the scene, moving objects first.
     pub(crate) objects: Vec<usize>,
     pub(crate) pairs: Vec<CandidatePair>,
-    /// Fingerprint of everything that their distances depend on.
-    pub(crate) fingerprint: Fingerprint,
+    /// Cache key of everything that their distances depend on.
+    pub(crate) cache_key: CacheKey,
 }
 
 impl BroadPhase {
@@ -44,15 +44,15 @@ impl BroadPhase {
     pub(crate) fn new(scene: &Scene<'_>, bounds: &MotionBoundModel, max_distance: f64) -> Self {
         let (moving, fixed): (Vec<usize>, Vec<usize>) =
             (0..scene.objects.len()).partition(|&object| scene.objects[object].parent.moves());
-        let mut fingerprint = Fingerprint::default();
+        let mut cache_key = CacheKey::default();
         for &object in &moving {
-            fingerprint.add(&*scene.objects[object]);
+            cache_key.add(&*scene.objects[object]);
         }
         let reaches = relevant_reaches(scene, &moving, &fixed, bounds, max_distance);
         for (&object, &reach) in moving.iter().zip(&reaches) {
             // A reach that is clipped depends on the other objects.
             if reach < scene.objects[object].collider.reach() {
-                fingerprint.add(&reach);
+                cache_key.add(&reach);
             }
         }
         let coefficients = |(&object, &reach): (&usize, &f64)| {
@@ -69,7 +69,7 @@ impl BroadPhase {
             }
         }
         let relative = OnceLock::new();
-        Self { moving, fixed, reaches, coefficients, pairs, relative, fingerprint }
+        Self { moving, fixed, reaches, coefficients, pairs, relative, cache_key }
     }
 
     /// Relative motion of the pairs of two moving objects.

@@ -19,7 +19,7 @@ const STEP: f64 = 1e-4;
 /// Bounds of the platform's motion beyond the shortest rotation to its normal, as its plane's slope changes.
 ///
 /// The slope s is the gradient of the plane's height, |s| = tan α.
-/// See "Motion bounds" in `docs/explanation/collision-guarantee.md` for the inequalities and their proof.
+/// See "Platform" in `docs/explanation/collision-guarantee.md` for the inequalities and their proof.
 #[derive(Debug, Clone)]
 pub(crate) enum InPlaneMotion {
     /// Bound of the planar model, in closed form.
@@ -35,7 +35,7 @@ pub(crate) enum InPlaneMotion {
     Sampled(Vec<(f64, InPlaneRates)>),
 }
 
-/// InPlaneRates by the slope of the platform's plane, at most.
+/// Upper bounds of the rates of in-plane motion per unit change of the plane's slope.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct InPlaneRates {
     /// Displacement of the platform's origin, without that of the plane's height on the base axis (m).

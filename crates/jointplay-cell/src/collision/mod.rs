@@ -22,15 +22,15 @@
 //! | --- | --- |
 //! | `object`, `scene` | collision objects, what they are attached to, and their poses |
 //! | `allowed_collisions` | contact rule of each pair |
-//! | `sample_times`, `sampled_segment`, `axis_states`, `link_poses`, `unknown_pose` | axis states and link poses of a segment at its samples |
+//! | `sample_windows`, `sampled_step`, `axis_states`, `link_poses`, `unknown_pose` | axis states and link poses of a step at its samples |
 //! | `motion_bound_coefficients`, `in_plane_motion`, `motion_bound` | upper bounds of the travel of any point between two samples |
 //! | `swept_aabb`, `broad_phase` | boxes around the path of each object, candidate pairs |
-//! | `conservative_advancement` | distances of candidate pairs over a segment |
+//! | `adaptive_bisection` | distances of candidate pairs over a step |
 
+mod adaptive_bisection;
 mod allowed_collisions;
 mod axis_states;
 mod broad_phase;
-mod conservative_advancement;
 mod in_plane_motion;
 mod interval_motion_bound;
 mod link_poses;
@@ -39,22 +39,22 @@ mod motion_bound_coefficients;
 #[cfg(test)]
 mod motion_bound_tests;
 mod object;
-mod sample_times;
-mod sampled_segment;
+mod sample_windows;
+mod sampled_step;
 mod scene;
 mod swept_aabb;
 mod unknown_pose;
 
+pub(crate) use adaptive_bisection::{
+    CandidatePair, PairAccumulator, PairResults, StepDistanceQuery, distance_tolerance,
+};
 pub(crate) use axis_states::AxisStates;
 pub(crate) use broad_phase::{BroadPhase, CandidatePairs};
-pub(crate) use conservative_advancement::{
-    CandidatePair, PairAccumulator, PairResults, SegmentDistanceQuery, distance_tolerance,
-};
 pub(crate) use link_poses::PoseError;
 pub(crate) use motion_bound::MotionBoundModel;
 pub(crate) use motion_bound_coefficients::{MotionBoundCoefficients, droop_bounds};
-pub(crate) use sample_times::SampleWindows;
-pub(crate) use sampled_segment::SampledSegment;
+pub(crate) use sample_windows::SampleWindows;
+pub(crate) use sampled_step::SampledStep;
 pub(crate) use scene::Scene;
 pub(crate) use swept_aabb::SweptAabb;
 pub(crate) use unknown_pose::UnknownPose;

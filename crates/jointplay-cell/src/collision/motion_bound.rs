@@ -1,6 +1,6 @@
 //! Motion bounds: upper bounds of the travel of any point of an object between two samples.
 //!
-//! The inequalities and their proofs are in the chapter "Motion bounds" of `docs/explanation/kinematics.md`.
+//! The inequalities and their proofs are in `docs/explanation/collision-guarantee.md`.
 
 use std::ops::Range;
 
@@ -53,7 +53,7 @@ pub(crate) struct AxisTravel {
 /// Prefix sums of the travel of all axes and of the platform, by sample.
 #[derive(Default)]
 pub(crate) struct CumulativeAxisTravel {
-    /// Travel, ∫|q̈| dt and ∫q̇² dt of each moving axis, in the order of the sampler; buffers of earlier segments may follow.
+    /// Travel, ∫|q̈| dt and ∫q̇² dt of each moving axis, in the order of the sampler; buffers of earlier steps may follow.
     axes: Vec<Vec<[f64; 3]>>,
     /// Travel of the platform's origin, rotation of its normal, and rotation about the normal; empty while no rod moves.
     platform: Vec<[f64; 3]>,
@@ -63,7 +63,7 @@ impl CumulativeAxisTravel {
     /// Accumulates the travel over the samples of a window.
     ///
     /// # Arguments
-    /// * `from` – positions of all axes at the start of the segment (m or rad)
+    /// * `from` – positions of all axes at the start of the step (m or rad)
     pub(crate) fn accumulate(
         &mut self,
         bounds: &MotionBoundModel,

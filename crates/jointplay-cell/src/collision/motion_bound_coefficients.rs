@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::object::{CollisionObject, Parent};
 use crate::robot::{Arm, ArmJoint, AxisKind, EffectorId, HybridRobot, MAX_AXES};
-use crate::wafer::{Droop, DroopBounds, SHORTEST};
+use crate::wafer::{Droop, DroopBounds, MIN_REACH};
 use crate::workcell::Cell;
 
 /// Least tilt up to which the motion of deflected arms is bounded (rad); the tilt limit of the robot counts where it is larger, and a motion beyond violates it.
@@ -45,7 +45,7 @@ impl ObjectExtent {
     fn new(cell: &Cell, object: &CollisionObject, reach: f64) -> Self {
         let from_origin = reach.min(object.collider.reach());
         let from_center = match object.parent {
-            Parent::Tip(EffectorId { arm, effector }) => {
+            Parent::DeflectedLastLink(EffectorId { arm, effector }) => {
                 let center = Vector3::from(cell.robot.arms[arm].effectors[effector].wafer_center);
                 object.collider.reach_from(&center).min(from_origin + center.norm())
             }
@@ -113,7 +113,9 @@ impl MotionBoundCoefficients {
         let robot = &cell.robot;
         let ObjectExtent { parent, from_origin, from_center } = extent;
         let mut coefficients = Self::without_deflection(robot, parent, from_origin, common_joints);
-        let (Parent::Effector(id) | Parent::Tip(id)) = parent else { return coefficients };
+        let (Parent::Effector(id) | Parent::DeflectedLastLink(id)) = parent else {
+            return coefficients;
+        };
         let arm = &robot.arms[id.arm];
         if arm.droop == Droop::Rigid {
             return coefficients;
@@ -125,7 +127,7 @@ impl MotionBoundCoefficients {
             [first, arm.joints.len(), common_joints].map(|joints| rotation_ratios(arm, joints));
         let (droop, height) = (droop_bounds(cell, id), height_of(arm, id));
         let max_tilt = robot.gpr.limits().tilt_max.max(MIN_BOUNDED_TILT);
-        let spread = (1.0 + height * max_tilt.sin() / SHORTEST) / max_tilt.cos();
+        let spread = (1.0 + height * max_tilt.sin() / MIN_REACH) / max_tilt.cos();
         let turn = droop.turn * spread;
         let size = droop.at.drop + from_center * droop.at.slope;
         for axis in 0..MAX_AXES {
@@ -267,7 +269,9 @@ pub(crate) fn common_ancestor(
 fn joints_of(robot: &HybridRobot, parent: Parent) -> Option<(usize, usize)> {
     match parent {
         Parent::Link { arm, link } => Some((arm, link + 1)),
-        Parent::Effector(id) | Parent::Tip(id) => Some((id.arm, robot.arms[id.arm].joints.len())),
+        Parent::Effector(id) | Parent::DeflectedLastLink(id) => {
+            Some((id.arm, robot.arms[id.arm].joints.len()))
+        }
         Parent::Platform | Parent::World | Parent::Slot(_) => None,
     }
 }

@@ -13,14 +13,14 @@ use super::link_poses::LinkPoses;
 use super::motion_bound::{DisplacementBound, MotionBoundModel};
 use super::motion_bound_coefficients::{MotionBoundCoefficients, common_ancestor};
 use super::object::Parent;
-use super::sample_times::SampleWindows;
-use super::sampled_segment::SampledSegment;
+use super::sample_windows::SampleWindows;
+use super::sampled_step::SampledStep;
 use super::scene::Scene;
 use crate::EntityId;
 use crate::geometry::{ColliderCache, Shape};
 use crate::program::{Path, Phase, SourceLocation, Step};
 use crate::robot::{AxisKind, PlatformModel, RODS};
-use crate::trajectory::{Sample, Trajectory, TrajectoryOptions, plan_trajectory, straight};
+use crate::trajectory::{Sample, Trajectory, TrajectoryOptions, joint_space_line, plan_trajectory};
 use crate::wafer::{Droop, DroopRow};
 use crate::workcell::{Body, Carrier, Cell};
 
@@ -134,16 +134,16 @@ fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Traj
         from,
         to,
         path: Path::PointToPoint,
-        speed: 1.0,
-        blend: 0.0,
+        speed_scaling: 1.0,
+        blend_radius: 0.0,
         postures: None,
         line_speed: None,
         loaded: cell.carried.clone(),
-        handover: None,
+        handoff: None,
         slot: None,
     };
     if round.is_multiple_of(5) {
-        straight(step)
+        joint_space_line(step)
     } else {
         plan_trajectory(cell, vec![step], &TrajectoryOptions::default()).unwrap()
     }
@@ -161,10 +161,10 @@ fn no_point_travels_farther_than_its_bound() {
         cache.begin();
         let scene = Scene::new(&cell, &mut cache);
         let bounds = MotionBoundModel::new(&cell.robot);
-        let mut segment = SampledSegment::default();
+        let mut sampled = SampledStep::default();
         let samples = SampleWindows::new(&motion, 0, 200.0);
-        segment.begin(&motion, 0, 0, &samples, &bounds);
-        let count = segment.times().len();
+        sampled.begin(&motion, 0, 0, &samples, &bounds);
+        let count = sampled.times().len();
         if count < 2 {
             continue;
         }
@@ -193,7 +193,7 @@ fn no_point_travels_farther_than_its_bound() {
         for _ in 0..6 {
             let from = (random.next() * (count - 1) as f64) as usize % (count - 1);
             let to = (from + 1 + (random.next() * 5.0) as usize).min(count - 1);
-            let [start, end] = [from, to].map(|sample| segment.times()[sample]);
+            let [start, end] = [from, to].map(|sample| sampled.times()[sample]);
             let states = (0..=PARTS * (to - from) as u32).map(|part| {
                 let share = f64::from(part) / f64::from(PARTS * (to - from) as u32);
                 let mut sample = Sample::default();
@@ -203,7 +203,7 @@ fn no_point_travels_farther_than_its_bound() {
             // A model that does not converge somewhere has no pose there, which the check reports.
             let states: Result<Vec<_>, _> = states.collect();
             let Ok(states) = states else { continue };
-            let travel = segment.axis_travel(&(from..to));
+            let travel = sampled.axis_travel(&(from..to));
             intervals += 1;
             let turned: f64 =
                 states.windows(2).map(|two| (two[1].normal - two[0].normal).norm()).sum();

@@ -4,7 +4,7 @@ use jointplay_core::spatial::Pose;
 
 use crate::EntityId;
 use crate::geometry::{CachedCollider, Collider, ColliderCache, Interval, PlacedCollider};
-use crate::incremental::{Fingerprint, Fingerprinted};
+use crate::incremental::{CacheKey, CacheKeyPart};
 use crate::program::WaferLocation;
 use crate::robot::EffectorId;
 use crate::station::SlotId;
@@ -20,7 +20,7 @@ pub(crate) enum Parent {
         link: usize,
     },
     /// The last link of an arm, with the deflection at this effector.
-    Tip(EffectorId),
+    DeflectedLastLink(EffectorId),
     Slot(SlotId),
     Effector(EffectorId),
 }
@@ -55,9 +55,9 @@ pub(crate) struct CollisionObject {
     pub(crate) entity: EntityId,
     pub(crate) collider: Collider,
     /// Number of the collider in the cache.
-    collider_number: u64,
+    collider_id: u64,
     /// Number of the collider at its fixed pose, for objects that do not move.
-    fixed_number: u64,
+    fixed_id: u64,
     pub(crate) parent: Parent,
     pub(crate) role: Role,
     /// Pose of the parent, for objects that do not move.
@@ -78,8 +78,8 @@ impl CollisionObject {
         let mut object = Self {
             entity,
             collider: collider.collider,
-            collider_number: collider.number,
-            fixed_number: 0,
+            collider_id: collider.number,
+            fixed_id: 0,
             parent,
             role,
             base_from_fixed_parent: Pose::identity(),
@@ -92,23 +92,23 @@ impl CollisionObject {
     /// Sets the pose of a parent that does not move.
     pub(super) fn set_fixed_pose(&mut self, base_from_parent: Pose, cache: &mut ColliderCache) {
         self.base_from_fixed_parent = base_from_parent;
-        self.fixed_number = cache.fixed_number(self.collider_number, &base_from_parent);
+        self.fixed_id = cache.fixed_id(self.collider_id, &base_from_parent);
         let (collider, base_from_parent) = (&self.collider, &self.base_from_fixed_parent);
         self.aabb = PlacedCollider { collider, base_from_parent }.aabb();
     }
 }
 
-impl Fingerprinted for CollisionObject {
+impl CacheKeyPart for CollisionObject {
     /// Collider and parent, and the pose of a fixed object; neither entity nor role, which distances do not depend on.
-    fn append_to(&self, fingerprint: &mut Fingerprint) {
+    fn append_to(&self, cache_key: &mut CacheKey) {
         match self.parent {
-            Parent::World | Parent::Slot(_) => fingerprint.add(&0_u64).add(&self.fixed_number),
-            Parent::Platform => fingerprint.add(&1_u64).add(&self.collider_number),
+            Parent::World | Parent::Slot(_) => cache_key.add(&0_u64).add(&self.fixed_id),
+            Parent::Platform => cache_key.add(&1_u64).add(&self.collider_id),
             Parent::Link { arm, link } => {
-                fingerprint.add(&2_u64).add(&self.collider_number).add(&arm).add(&link)
+                cache_key.add(&2_u64).add(&self.collider_id).add(&arm).add(&link)
             }
-            Parent::Effector(id) => fingerprint.add(&3_u64).add(&self.collider_number).add(&id),
-            Parent::Tip(id) => fingerprint.add(&4_u64).add(&self.collider_number).add(&id),
+            Parent::Effector(id) => cache_key.add(&3_u64).add(&self.collider_id).add(&id),
+            Parent::DeflectedLastLink(id) => cache_key.add(&4_u64).add(&self.collider_id).add(&id),
         };
     }
 }

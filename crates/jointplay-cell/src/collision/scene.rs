@@ -38,7 +38,9 @@ impl<'a> Scene<'a> {
                 Carrier::Platform => vec![Parent::Platform],
                 Carrier::Link { arm, link } if link + 1 == cell.robot.arms[arm].joints.len() => {
                     let effectors = 0..cell.robot.arms[arm].effectors.len();
-                    effectors.map(|effector| Parent::Tip(EffectorId { arm, effector })).collect()
+                    effectors
+                        .map(|effector| Parent::DeflectedLastLink(EffectorId { arm, effector }))
+                        .collect()
                 }
                 Carrier::Link { arm, link } => vec![Parent::Link { arm, link }],
             };
@@ -168,7 +170,7 @@ impl<'a> Scene<'a> {
             Parent::World | Parent::Slot(_) => &object.base_from_fixed_parent,
             Parent::Platform => &poses.base_from_platform,
             Parent::Link { arm, link } => &poses.poses[self.first_of(arm) + link],
-            Parent::Tip(id) => &poses.poses[self.tip_of(id)],
+            Parent::DeflectedLastLink(id) => &poses.poses[self.tip_of(id)],
             Parent::Effector(id) => &poses.poses[self.tip_of(id) + 1],
         };
         PlacedCollider { collider: &object.collider, base_from_parent }
@@ -180,7 +182,8 @@ impl<'a> Scene<'a> {
             Parent::World | Parent::Slot(_) => Rotation3::identity(),
             Parent::Platform => poses.base_from_platform.rotation,
             Parent::Link { arm, link } => poses.poses[self.first_of(arm) + link].rotation,
-            Parent::Tip(EffectorId { arm, .. }) | Parent::Effector(EffectorId { arm, .. }) => {
+            Parent::DeflectedLastLink(EffectorId { arm, .. })
+            | Parent::Effector(EffectorId { arm, .. }) => {
                 poses.poses[self.first_of(arm) + self.last_link(arm)].rotation
             }
         }

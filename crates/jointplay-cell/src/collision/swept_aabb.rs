@@ -1,4 +1,4 @@
-//! Axis-aligned boxes that contain a collision object over a segment.
+//! Axis-aligned boxes that contain a collision object over a step.
 
 use crate::geometry::Interval;
 

@@ -6,7 +6,7 @@ use jointplay_core::spatial::Pose;
 
 use super::collider::Collider;
 use super::shape::Shape;
-use crate::incremental::{Fingerprint, GenerationalCache};
+use crate::incremental::{CacheKey, GenerationalCache};
 
 /// Colliders of the last check, each with its own number; so have the poses of fixed colliders.
 #[derive(Default)]
@@ -26,8 +26,8 @@ pub(crate) struct CachedCollider {
 
 impl ColliderCache {
     pub(crate) fn begin(&mut self) {
-        self.colliders.begin(&Fingerprint::default());
-        self.fixed.begin(&Fingerprint::default());
+        self.colliders.begin(&CacheKey::default());
+        self.fixed.begin(&CacheKey::default());
     }
 
     /// Number and collider of a shape, as [`Collider::new`].
@@ -42,14 +42,14 @@ impl ColliderCache {
         };
         let Ok(found) = self
             .colliders
-            .get_or_compute(Fingerprint::default().with(parent_from_shape).with(shape), compute);
+            .get_or_compute(CacheKey::default().with(parent_from_shape).with(shape), compute);
         Some(CachedCollider { number: found.0, collider: found.1.clone()? })
     }
 
     /// Number of a collider at a fixed pose.
-    pub(crate) fn fixed_number(&mut self, number: u64, base_from_parent: &Pose) -> u64 {
-        let fingerprint = Fingerprint::default().with(&number).with(base_from_parent);
-        let Ok(found) = self.fixed.get_or_compute::<Infallible>(fingerprint, || {
+    pub(crate) fn fixed_id(&mut self, number: u64, base_from_parent: &Pose) -> u64 {
+        let cache_key = CacheKey::default().with(&number).with(base_from_parent);
+        let Ok(found) = self.fixed.get_or_compute::<Infallible>(cache_key, || {
             self.count += 1;
             Ok(self.count)
         });

@@ -7,15 +7,15 @@
 //! | `interval` | intervals of coordinates, of which axis-aligned boxes are made |
 //! | `collider` | shapes as the collision library takes them, with bounding spheres |
 //! | `collider_cache` | colliders of the last check |
-//! | `fingerprint` | fingerprints of shapes |
+//! | `cache_key` | cache keys of shapes |
 //! | `distance` | minimum distance, separation along a direction, penetration depth |
 //!
 //! Nothing in this folder knows of cells.
 
+mod cache_key;
 mod collider;
 mod collider_cache;
 mod distance;
-mod fingerprint;
 mod interval;
 mod shape;
 mod triangulate;

@@ -1,9 +1,9 @@
-//! Results of the previous and of the present generation, by their fingerprints.
+//! Results of the previous and of the present generation, by their cache keys.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::fingerprint::Fingerprint;
+use super::cache_key::CacheKey;
 
 /// How many results of a plan were reused, and how many computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -16,25 +16,25 @@ pub struct CacheStats {
     pub misses: usize,
 }
 
-/// Results by their fingerprints: a generation keeps what it asks for and forgets the rest.
+/// Results by their cache keys: a generation keeps what it asks for and forgets the rest.
 pub(crate) struct GenerationalCache<T> {
     /// Inputs that all results share.
-    shared: Fingerprint,
-    previous: BTreeMap<Fingerprint, Arc<T>>,
-    current: BTreeMap<Fingerprint, Arc<T>>,
+    shared: CacheKey,
+    previous: BTreeMap<CacheKey, Arc<T>>,
+    current: BTreeMap<CacheKey, Arc<T>>,
     stats: CacheStats,
 }
 
 impl<T> Default for GenerationalCache<T> {
     fn default() -> Self {
         let (previous, current) = (BTreeMap::new(), BTreeMap::new());
-        Self { shared: Fingerprint::default(), previous, current, stats: CacheStats::default() }
+        Self { shared: CacheKey::default(), previous, current, stats: CacheStats::default() }
     }
 }
 
 impl<T> GenerationalCache<T> {
     /// Begins a generation; all results are invalidated where the shared inputs have changed.
-    pub(crate) fn begin(&mut self, shared: &Fingerprint) {
+    pub(crate) fn begin(&mut self, shared: &CacheKey) {
         // `current` still holds the results of a generation that did not end, because it was interrupted.
         self.previous.append(&mut self.current);
         self.stats = CacheStats::default();
@@ -44,17 +44,17 @@ impl<T> GenerationalCache<T> {
         }
     }
 
-    /// The result for a fingerprint, computed if it is missing; errors are not cached.
+    /// The result for a cache key, computed if it is missing; errors are not cached.
     pub(crate) fn get_or_compute<E>(
         &mut self,
-        fingerprint: Fingerprint,
+        key: CacheKey,
         compute: impl FnOnce() -> Result<T, E>,
     ) -> Result<Arc<T>, E> {
-        if let Some(result) = self.current.get(&fingerprint) {
+        if let Some(result) = self.current.get(&key) {
             self.stats.duplicates += 1;
             return Ok(Arc::clone(result));
         }
-        let result = match self.previous.remove(&fingerprint) {
+        let result = match self.previous.remove(&key) {
             Some(result) => {
                 self.stats.hits += 1;
                 result
@@ -64,13 +64,13 @@ impl<T> GenerationalCache<T> {
                 Arc::new(compute()?)
             }
         };
-        self.current.insert(fingerprint, Arc::clone(&result));
+        self.current.insert(key, Arc::clone(&result));
         Ok(result)
     }
 
-    /// Whether the result for a fingerprint is there.
-    pub(crate) fn contains(&self, fingerprint: &Fingerprint) -> bool {
-        self.current.contains_key(fingerprint) || self.previous.contains_key(fingerprint)
+    /// Whether the result for a cache key is there.
+    pub(crate) fn contains(&self, key: &CacheKey) -> bool {
+        self.current.contains_key(key) || self.previous.contains_key(key)
     }
 
     /// Ends a generation: results that it did not ask for are forgotten.

@@ -25,19 +25,19 @@ pub(crate) type Observer = dyn Fn(Progress) + Send + Sync;
 
 /// Stop condition and progress observer of one computation.
 #[derive(Clone, Copy)]
-pub(crate) struct Execution<'e> {
+pub(crate) struct JobContext<'e> {
     pub(crate) stop: Stop<'e>,
     pub(crate) observer: &'e Observer,
 }
 
-impl Execution<'static> {
+impl JobContext<'static> {
     /// Without a stop condition and without an observer.
-    pub(crate) fn unobserved() -> Self {
+    pub(crate) fn unmonitored() -> Self {
         Self { stop: &|| false, observer: &|_| {} }
     }
 }
 
-impl Execution<'_> {
+impl JobContext<'_> {
     /// Fails once the stop condition holds.
     pub(crate) fn check_interruption(&self) -> Result<(), Interrupted> {
         if (self.stop)() { Err(Interrupted) } else { Ok(()) }

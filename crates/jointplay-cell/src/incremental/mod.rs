@@ -1,9 +1,9 @@
-//! Incremental computation: results by fingerprints of their inputs, computed in parallel where they are missing.
+//! Incremental computation: results by cache keys of their inputs, computed in parallel where they are missing.
 //!
 //! | file | contents |
 //! | --- | --- |
-//! | `fingerprint` | all inputs of a computation, bit by bit |
-//! | `unique` | values distinguished by an identity |
+//! | `cache_key` | all inputs of a computation, bit by bit |
+//! | `with_id` | values distinguished by an identity |
 //! | `cache` | results of the previous and of the present generation |
 //! | `parallel` | parallel map over jobs |
 //! | `interruption` | stop condition and progress of a computation |
@@ -11,15 +11,15 @@
 //! Nothing in this folder knows of robots.
 
 mod cache;
-mod fingerprint;
+mod cache_key;
 mod interruption;
 mod parallel;
-mod unique;
+mod with_id;
 
 pub use cache::CacheStats;
 pub(crate) use cache::GenerationalCache;
-pub(crate) use fingerprint::{Fingerprint, Fingerprinted};
-pub(crate) use interruption::{Execution, Observer, uninterrupted};
+pub(crate) use cache_key::{CacheKey, CacheKeyPart};
 pub use interruption::{Interrupted, Progress, Stop};
+pub(crate) use interruption::{JobContext, Observer, uninterrupted};
 pub(crate) use parallel::{compute_missing, parallel_map};
-pub(crate) use unique::Unique;
+pub(crate) use with_id::WithId;

@@ -10,7 +10,7 @@ use super::resolved::{
     ResolvedCommand, ResolvedInstruction, ResolvedProgram, ResolvedSlot, ResolvedSlotNumber,
 };
 use super::sequence::MotionSequencer;
-use super::{Handover, Path, Program, ProgramError, ProgramProblem, SourceLocation, Step};
+use super::{Handoff, Path, Program, ProgramError, ProgramProblem, SourceLocation, Step};
 use crate::incremental::{Interrupted, Stop, uninterrupted};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
@@ -148,8 +148,8 @@ impl ProgramExpander<'_> {
                 }
             }
             ResolvedCommand::Wait(seconds) => self.sequencer.dwell(Path::Dwell(seconds)),
-            ResolvedCommand::Speed(share) => self.sequencer.speed = share,
-            ResolvedCommand::Blend(radius) => self.sequencer.blend = radius,
+            ResolvedCommand::Speed(share) => self.sequencer.speed_scaling = share,
+            ResolvedCommand::Blend(radius) => self.sequencer.blend_radius = radius,
             ResolvedCommand::Tilt(tilt) => {
                 let done = self.sequencer.tilt(tilt);
                 self.report(place, done);
@@ -199,15 +199,15 @@ impl ProgramExpander<'_> {
             self.occupancy.invalidate();
             return;
         };
-        let handover = Handover::Picked(effector, slot);
-        for problem in self.occupancy.problems(handover) {
+        let handoff = Handoff::Picked(effector, slot);
+        for problem in self.occupancy.problems(handoff) {
             self.errors.add(place, problem);
         }
         let process_time = self.sequencer.cell.stations[slot.station].process_time;
         let since = self.occupancy.placed_by(slot).filter(|_| process_time > 0.0);
         let wait = since.map(|since| Path::ProcessDwell { since, seconds: process_time });
         let done = self.sequencer.get(effector, slot, wait);
-        self.hand_over(handover, place, done);
+        self.hand_off(handoff, place, done);
     }
 
     fn put(
@@ -221,23 +221,23 @@ impl ProgramExpander<'_> {
             self.occupancy.invalidate();
             return;
         };
-        let handover = Handover::Placed(effector, slot);
-        for problem in self.occupancy.problems(handover) {
+        let handoff = Handoff::Placed(effector, slot);
+        for problem in self.occupancy.problems(handoff) {
             self.errors.add(place, problem);
         }
         let done = self.sequencer.put(effector, slot);
-        self.hand_over(handover, place, done);
+        self.hand_off(handoff, place, done);
     }
 
-    /// Applies a hand-over at the end of the step that the sequencer returned.
-    fn hand_over(
+    /// Applies a hand-off at the end of the step that the sequencer returned.
+    fn hand_off(
         &mut self,
-        handover: Handover,
+        handoff: Handoff,
         place: SourceLocation,
         done: Result<usize, ProgramProblem>,
     ) {
         let step = done.as_ref().ok().copied();
         self.report(place, done.map(|_| ()));
-        self.occupancy.apply(handover, place, step);
+        self.occupancy.apply(handoff, place, step);
     }
 }

@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use crate::incremental::{CacheStats, Fingerprint, GenerationalCache};
+use crate::incremental::{CacheKey, CacheStats, GenerationalCache};
 use crate::robot::{EffectorId, Redundancy, WaferTarget};
 use crate::station::{BlockedLine, SlotId, Station, StationPostures, Waypoints};
 use crate::wafer::Unreachable;
@@ -28,14 +28,14 @@ pub(crate) struct IkCache {
 
 impl IkCache {
     pub(super) fn begin(&mut self, cell: &Cell) {
-        let mut shared = Fingerprint::default();
+        let mut shared = CacheKey::default();
         shared.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(&cell.plane_threshold);
-        self.stations.begin(&Fingerprint::default());
+        self.stations.begin(&CacheKey::default());
         self.waypoints.begin(&shared);
         self.postures.begin(&shared);
         self.reachable.begin(&shared);
         let number = |station: &Station| {
-            let inputs = Fingerprint::default().with(station);
+            let inputs = CacheKey::default().with(station);
             let Ok(number) = self.stations.get_or_compute::<Infallible>(inputs, || {
                 self.count += 1;
                 Ok(self.count)
@@ -60,7 +60,7 @@ impl IkCache {
         slot: SlotId,
         near: &[f64],
     ) -> Result<Arc<Waypoints>, Unreachable> {
-        let mut inputs = Fingerprint::default().with(&effector);
+        let mut inputs = CacheKey::default().with(&effector);
         inputs.add(&self.numbers[slot.station]).add(&slot.slot).add(near);
         self.waypoints.get_or_compute(inputs, || cell.waypoints(effector, slot, near))
     }
@@ -72,7 +72,7 @@ impl IkCache {
         effector: EffectorId,
         station: usize,
     ) -> Result<Arc<FoundPostures>, Unreachable> {
-        let inputs = Fingerprint::default().with(&effector).with(&self.numbers[station]);
+        let inputs = CacheKey::default().with(&effector).with(&self.numbers[station]);
         self.postures.get_or_compute(inputs, || cell.station_postures(effector, station))
     }
 
@@ -86,7 +86,7 @@ impl IkCache {
         near: &[f64],
         redundancy: Redundancy,
     ) -> Result<Vec<f64>, Unreachable> {
-        let mut inputs = Fingerprint::default().with(&effector).with(&loaded);
+        let mut inputs = CacheKey::default().with(&effector).with(&loaded);
         inputs.add(&(redundancy == Redundancy::AsNear));
         inputs.add(&target.center).add(&target.normal).add(&target.heading).add(near);
         let reach = || {

@@ -18,13 +18,13 @@
 //! | `ik_cache` | inverse kinematics of the last program |
 //! | `sequence` | motion sequences of instructions |
 //! | `expand` | from instructions to steps |
-//! | `handover_deflection` | droop and sag of wafers at hand-overs |
+//! | `handoff_deflection` | droop and sag of wafers at hand-offs |
 //!
 //! The text of programs is parsed and written by `jointplay-format`.
 
 mod bounds;
 mod expand;
-mod handover_deflection;
+mod handoff_deflection;
 mod ik_cache;
 mod occupancy;
 mod problem;
@@ -38,11 +38,11 @@ mod wafer_locations;
 pub use bounds::{MAX_CALLS, MAX_INSTRUCTIONS};
 pub use expand::expand;
 pub(crate) use expand::expand_by;
-pub use handover_deflection::{HandoverDeflection, handover_deflections};
+pub use handoff_deflection::{HandoffDeflection, handoff_deflections};
 pub(crate) use ik_cache::IkCache;
 pub use problem::{Count, Leveling, ProgramError, ProgramProblem};
 pub use resolve::name_errors;
-pub use step::{Handover, LinePostures, Path, Phase, Step};
+pub use step::{Handoff, LinePostures, Path, Phase, Step};
 pub use syntax::{
     AxisTarget, Command, Instruction, Name, Program, Routine, SlotName, SlotNumber, SourceLocation,
 };

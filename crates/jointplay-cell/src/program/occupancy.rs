@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::step::Handover;
+use super::step::Handoff;
 use super::wafer_locations::{WaferLocation, WaferLocations};
 use super::{ProgramProblem, SourceLocation};
 use crate::program::resolve::effector_name;
@@ -83,11 +83,11 @@ impl<'c> WaferOccupancy<'c> {
         self.locations.stays(wafer).last()?.since
     }
 
-    /// Problems of a hand-over, that of the effector first: a wafer is missing, or its destination is occupied.
-    pub(super) fn problems(&self, handover: Handover) -> Vec<ProgramProblem> {
-        let (Handover::Picked(id, slot) | Handover::Placed(id, slot)) = handover;
+    /// Problems of a hand-off, that of the effector first: a wafer is missing, or its destination is occupied.
+    pub(super) fn problems(&self, handoff: Handoff) -> Vec<ProgramProblem> {
+        let (Handoff::Picked(id, slot) | Handoff::Placed(id, slot)) = handoff;
         let (hand, place) = (WaferLocation::Effector(id), WaferLocation::Slot(slot));
-        let picks = matches!(handover, Handover::Picked(..));
+        let picks = matches!(handoff, Handoff::Picked(..));
         let mut problems = Vec::new();
         let effector = || effector_name(&self.cell.robot, id).to_owned();
         let since = self.changed_in(hand);
@@ -114,14 +114,14 @@ impl<'c> WaferOccupancy<'c> {
         problems
     }
 
-    /// Applies a hand-over, at the end of a step if the motion to it exists.
+    /// Applies a hand-off, at the end of a step if the motion to it exists.
     ///
     /// It counts as executed also where it has a problem, so that one mistake does not cause errors in later lines.
-    pub(super) fn apply(&mut self, handover: Handover, place: SourceLocation, step: Option<usize>) {
-        let (from, to) = (handover.source(), handover.destination());
+    pub(super) fn apply(&mut self, handoff: Handoff, place: SourceLocation, step: Option<usize>) {
+        let (from, to) = (handoff.source(), handoff.destination());
         let is_assumed = self.is_assumed(from) || self.is_assumed(to);
         let applied = match step {
-            Some(step) if !is_assumed => self.locations.apply(step, handover),
+            Some(step) if !is_assumed => self.locations.apply(step, handoff),
             _ => None,
         };
         if applied.is_none() {

@@ -10,7 +10,7 @@ use super::ik_cache::IkCache;
 use super::occupancy::slot_name;
 use super::problem::Leveling;
 use super::resolve::effector_name;
-use super::{Handover, LinePostures, Path, Phase, ProgramProblem, SourceLocation, Step};
+use super::{Handoff, LinePostures, Path, Phase, ProgramProblem, SourceLocation, Step};
 use crate::robot::{ArmChain, AxisKind, EffectorId, RODS, Redundancy, WaferTarget};
 use crate::station::LinePoint::{Retracted, Slot, Via};
 use crate::station::{LinePoint, SlotId, StationPostures, Waypoints};
@@ -18,13 +18,13 @@ use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
 /// Tilt of the platform below which it counts as level: over the reach of an arm it moves the wafer by less than a micrometre (rad).
-const LEVEL_ENOUGH: f64 = 1e-6;
+const LEVEL_TOLERANCE: f64 = 1e-6;
 
 /// Distance below which motors rotate together with the rods, without a step of their own (m or rad).
-const TURNED_ENOUGH: f64 = 1e-6;
+const TURNED_TOLERANCE: f64 = 1e-6;
 
 /// Distance of motors from their retracted position below which they are moved to it exactly: the droop of a retracted arm displaces them by less (m or rad).
-const RETRACTED_ENOUGH: f64 = 1e-6;
+const RETRACTED_TOLERANCE: f64 = 1e-6;
 
 /// Length of a line below which it is a move without duration: positions are solved to a tenth of it (m).
 const NO_DISPLACEMENT: f64 = 1e-11;
@@ -35,13 +35,13 @@ pub(super) struct MotionSequencer<'c> {
     /// Inverse kinematics of the last program.
     ik_cache: &'c mut IkCache,
     pub(super) steps: Vec<Step>,
-    /// Share of the limits.
-    pub(super) speed: f64,
+    /// Factor of the limits, see [`Step::speed_scaling`].
+    pub(super) speed_scaling: f64,
     /// Blend radius (m).
-    pub(super) blend: f64,
+    pub(super) blend_radius: f64,
     positions: Vec<f64>,
     /// Whether all arms are retracted.
-    tucked: bool,
+    arms_retracted: bool,
     /// Whether each axis turns whole arms and does nothing else.
     turning: Vec<bool>,
     /// Height of the sagging wafer's mean plane over the supports, for each effector that has carried one (m).
@@ -74,10 +74,10 @@ impl<'c> MotionSequencer<'c> {
             cell,
             ik_cache,
             steps: Vec::new(),
-            speed: 1.0,
-            blend: 0.0,
+            speed_scaling: 1.0,
+            blend_radius: 0.0,
             positions: axes.iter().map(|axis| axis.home).collect(),
-            tucked: true,
+            arms_retracted: true,
             turning: (0..axes.len()).map(|axis| turns_arms(cell, axis)).collect(),
             sag: BTreeMap::new(),
             retracted: BTreeMap::new(),
@@ -100,7 +100,7 @@ impl<'c> MotionSequencer<'c> {
 
     /// HOME: retracts the arms, then moves all axes to their home positions.
     pub(super) fn home(&mut self) {
-        self.tuck_in();
+        self.retract_arms();
         let home = self.cell.robot.axes.iter().map(|axis| axis.home).collect();
         self.move_to(Phase::Move, home, Path::PointToPoint);
     }
@@ -115,7 +115,7 @@ impl<'c> MotionSequencer<'c> {
         let reaches = |&(axis, _): &(usize, f64)| {
             axis >= RODS && !self.turning[axis] && self.positions[axis] != to[axis]
         };
-        self.tucked &= !targets.iter().any(reaches);
+        self.arms_retracted &= !targets.iter().any(reaches);
         self.move_to(Phase::Move, to, Path::PointToPoint);
         Ok(())
     }
@@ -143,14 +143,14 @@ impl<'c> MotionSequencer<'c> {
         let mut target = WaferTarget::of(&pose);
         target.center += Vector3::from(by);
         let to = self.reach(effector, &target, loaded).map_err(stopped)?;
-        self.tucked = false;
+        self.arms_retracted = false;
         self.move_to(Phase::Move, to, Path::Line(effector));
         Ok(())
     }
 
     /// TILT: the platform to a tilt at constant height on the axis.
     pub(super) fn tilt(&mut self, tilt: Tilt) -> Result<(), ProgramProblem> {
-        let to = self.tilt_rotation(tilt);
+        let to = self.positions_at_tilt(tilt);
         self.within_limits("this TILT", &to)?;
         self.move_to(Phase::Move, to, Path::PointToPoint);
         Ok(())
@@ -202,7 +202,7 @@ impl<'c> MotionSequencer<'c> {
         // The empty effector lifts to where the mean plane of the loaded wafer will be that of the slot.
         let resting = self.compensated_sag(effector, &waypoints.resting)?;
         self.line(Phase::Lift, goal("the resting pose in", Slot, &resting))?;
-        let picked = self.hand_over(Handover::Picked(effector, slot));
+        let picked = self.hand_off(Handoff::Picked(effector, slot));
         self.loaded.push(effector);
         self.loaded.sort_unstable();
         self.line(Phase::Lift, goal("the pose above", Slot, &waypoints.above))?;
@@ -237,7 +237,7 @@ impl<'c> MotionSequencer<'c> {
         }
         self.line(Phase::Extend, goal("the pose above", Slot, &waypoints.above))?;
         self.line(Phase::Lower, goal("the resting pose in", Slot, &waypoints.resting))?;
-        let placed = self.hand_over(Handover::Placed(effector, slot));
+        let placed = self.hand_off(Handoff::Placed(effector, slot));
         self.loaded.retain(|&id| id != effector);
         self.line(Phase::Lower, goal("the pose below", Slot, &waypoints.below))?;
         for (k, via) in waypoints.via_below.iter().enumerate().rev() {
@@ -289,24 +289,24 @@ impl<'c> MotionSequencer<'c> {
 
     /// Retracts the arms, levels, turns to a retracted pose with the motors alone, then moves there with the rods alone.
     fn approach(&mut self, goal: Goal<'_>) -> Result<(), ProgramProblem> {
-        self.tuck_in();
+        self.retract_arms();
         self.level();
         let mut to = self.positions_at(goal)?;
         self.snap_to_retracted(&mut to, goal.effector, goal.slot.station);
         let mut turned = to.clone();
         turned[..RODS].copy_from_slice(&self.positions[..RODS]);
         let distance = |(to, from): (&f64, &f64)| (to - from).abs();
-        if turned.iter().zip(&self.positions).map(distance).fold(0.0, f64::max) > TURNED_ENOUGH {
+        if turned.iter().zip(&self.positions).map(distance).fold(0.0, f64::max) > TURNED_TOLERANCE {
             self.push(Phase::Turn, turned, Path::PointToPoint);
         }
-        self.move_to(Phase::Enter, to, Path::PointToPoint);
+        self.move_to(Phase::Align, to, Path::PointToPoint);
         self.line_share = 0.0;
         Ok(())
     }
 
     /// Moves the motors that extend arms to their home positions, where an arm may be extended.
-    fn tuck_in(&mut self) {
-        if self.tucked {
+    fn retract_arms(&mut self) {
+        if self.arms_retracted {
             return;
         }
         let mut to = self.positions.clone();
@@ -315,14 +315,14 @@ impl<'c> MotionSequencer<'c> {
                 *position = self.cell.robot.axes[axis].home;
             }
         }
-        self.tucked = true;
-        self.move_to(Phase::TuckIn, to, Path::PointToPoint);
+        self.arms_retracted = true;
+        self.move_to(Phase::RetractArms, to, Path::PointToPoint);
     }
 
     fn level(&mut self) {
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
-        if self.cell.robot.gpr.plane_tilt(&rods).pitch > LEVEL_ENOUGH {
-            let to = self.tilt_rotation(Tilt::LEVEL);
+        if self.cell.robot.gpr.plane_tilt(&rods).pitch > LEVEL_TOLERANCE {
+            let to = self.positions_at_tilt(Tilt::LEVEL);
             self.push(Phase::Level, to, Path::PointToPoint);
         }
     }
@@ -333,13 +333,13 @@ impl<'c> MotionSequencer<'c> {
             let motors = retracted(self.cell, effector, station).unwrap_or_default();
             motors.into_iter().filter(|&(axis, _)| !self.turning[axis]).collect()
         });
-        if found.iter().all(|&(axis, at)| (to[axis] - at).abs() <= RETRACTED_ENOUGH) {
+        if found.iter().all(|&(axis, at)| (to[axis] - at).abs() <= RETRACTED_TOLERANCE) {
             found.iter().for_each(|&(axis, at)| to[axis] = at);
         }
     }
 
     /// Positions with another tilt, at the same height on the axis.
-    fn tilt_rotation(&self, tilt: Tilt) -> Vec<f64> {
+    fn positions_at_tilt(&self, tilt: Tilt) -> Vec<f64> {
         let gpr = &self.cell.robot.gpr;
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         let mut to = self.positions.clone();
@@ -465,20 +465,20 @@ impl<'c> MotionSequencer<'c> {
             from,
             to,
             path,
-            speed: self.speed,
-            blend: self.blend,
+            speed_scaling: self.speed_scaling,
+            blend_radius: self.blend_radius,
             postures: None,
             line_speed: None,
             loaded: self.loaded.clone(),
-            handover: None,
+            handoff: None,
             slot: None,
         });
     }
 
-    /// Sets the hand-over at the end of the last step, a line, and returns the index of that step.
-    fn hand_over(&mut self, handover: Handover) -> usize {
+    /// Sets the hand-off at the end of the last step, a line, and returns the index of that step.
+    fn hand_off(&mut self, handoff: Handoff) -> usize {
         let last = self.steps.len() - 1;
-        self.steps[last].handover = Some(handover);
+        self.steps[last].handoff = Some(handoff);
         last
     }
 

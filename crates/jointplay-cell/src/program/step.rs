@@ -29,12 +29,12 @@ pub enum Path {
 pub enum Phase {
     /// Axes to given positions.
     Move,
-    /// Retract arms that are extended.
-    TuckIn,
+    /// Retract arms that are extended; `tuck in` in text formats.
+    RetractArms,
     /// Turn toward the station, retracted and level.
     Turn,
-    /// To the height and tilt in front of the slot.
-    Enter,
+    /// Move the rods to the height and tilt in front of the slot; `enter` in text formats.
+    Align,
     /// Extend into the station.
     Extend,
     /// Lift by the stroke: first to the wafer, then with it.
@@ -49,9 +49,9 @@ pub enum Phase {
     Wait,
 }
 
-/// Hand-over of a wafer at the end of a step.
+/// Hand-off of a wafer at the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Handover {
+pub enum Handoff {
     /// The effector has lifted to the resting plane, and carries the wafer of the slot from then on.
     Picked(EffectorId, SlotId),
     /// The wafer has been lowered to the resting plane, and is in the slot from then on.
@@ -84,18 +84,18 @@ pub struct Step {
     pub to: Vec<f64>,
     /// Path between them.
     pub path: Path,
-    /// Share of the limits, from 0 to 1.
-    pub speed: f64,
+    /// Factor of the limits of velocity, acceleration and jerk, above 0 and at most 1.
+    pub speed_scaling: f64,
     /// Largest distance of a wafer's centre from the unblended path where this step is blended with a neighbour that allows as much; 0 brings all axes to rest (m).
-    pub blend: f64,
+    pub blend_radius: f64,
     /// Postures along a line; `None` where each point of the line has those nearest to the straight path of the axes.
     pub postures: Option<LinePostures>,
     /// Largest speed of the wafer's centre along a line (m/s); `None` where only the axes limit it.
     pub line_speed: Option<f64>,
     /// Effectors that carry a wafer during the step.
     pub loaded: Vec<EffectorId>,
-    /// Hand-over at the end of the step.
-    pub handover: Option<Handover>,
-    /// Slot that the effector reaches into; contact with its bodies and wafers is checked with the slot clearance.
+    /// Hand-off at the end of the step.
+    pub handoff: Option<Handoff>,
+    /// Slot that the effector reaches into; determines the contact rules of the step, see `Scene::contact_rule`: clearances within the station.
     pub slot: Option<SlotId>,
 }

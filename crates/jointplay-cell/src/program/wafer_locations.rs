@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::step::{Handover, Step};
+use super::step::{Handoff, Step};
 use crate::EntityId;
 use crate::robot::EffectorId;
 use crate::station::SlotId;
@@ -46,7 +46,7 @@ pub struct WaferTransfer {
 ///
 /// # Example
 /// ```
-/// use jointplay_cell::program::{Handover, Step, WaferLocation, WaferLocations};
+/// use jointplay_cell::program::{Handoff, Step, WaferLocation, WaferLocations};
 /// use jointplay_cell::workcell::Cell;
 ///
 /// /// Locations after the last step, by wafer.
@@ -84,7 +84,7 @@ impl WaferLocation {
     }
 }
 
-impl Handover {
+impl Handoff {
     /// Location that the wafer leaves.
     #[must_use]
     pub fn source(self) -> WaferLocation {
@@ -125,24 +125,24 @@ impl WaferLocations {
         }
     }
 
-    /// Locations during steps, whose hand-overs are applied in order.
+    /// Locations during steps, whose hand-offs are applied in order.
     #[must_use]
     pub fn of_steps(cell: &Cell, steps: &[Step]) -> Self {
         let mut locations = Self::at_start(cell);
         for (index, step) in steps.iter().enumerate() {
-            if let Some(handover) = step.handover {
-                locations.apply(index, handover);
+            if let Some(handoff) = step.handoff {
+                locations.apply(index, handoff);
             }
         }
         locations
     }
 
-    /// Applies the hand-over at the end of a step; `None`, without a change, where there is no wafer to hand over, or where its destination is occupied.
+    /// Applies the hand-off at the end of a step; `None`, without a change, where there is no wafer to hand off, or where its destination is occupied.
     ///
     /// # Arguments
     /// * `step` – index of the step, not below those of earlier calls
-    pub fn apply(&mut self, step: usize, handover: Handover) -> Option<WaferTransfer> {
-        let (from, to) = (handover.source(), handover.destination());
+    pub fn apply(&mut self, step: usize, handoff: Handoff) -> Option<WaferTransfer> {
+        let (from, to) = (handoff.source(), handoff.destination());
         if self.occupants.contains_key(&to) {
             return None;
         }

@@ -17,7 +17,7 @@
 mod acceleration;
 mod angle;
 mod arm_chain;
-mod fingerprint;
+mod cache_key;
 mod forward;
 mod hybrid_robot;
 mod inverse;

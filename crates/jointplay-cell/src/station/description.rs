@@ -80,7 +80,7 @@ pub enum Origin {
     Drift(super::teach::Drift),
 }
 
-/// Stroke of a hand-over.
+/// Stroke of a hand-off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stroke {
     /// Distance below the resting plane at which an empty effector enters (m).

@@ -1,7 +1,7 @@
 //! Stations: places for wafers, the poses in front of and in their slots, and their frames from taught points.
 
+mod cache_key;
 mod description;
-mod fingerprint;
 mod leveling;
 mod postures;
 pub mod teach;

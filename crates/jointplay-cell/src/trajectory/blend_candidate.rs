@@ -54,15 +54,15 @@ pub(super) struct BlendCandidate<'a> {
 }
 
 impl<'a> BlendCandidate<'a> {
-    /// Two steps with their segments; `None` where the robot has to stop between them: at a hand-over, before and after strokes in a slot, and at dwells.
+    /// Two steps with their segments; `None` where the robot has to stop between them: at a hand-off, before and after strokes in a slot, and at dwells.
     pub(super) fn new(
         conditions: BlendConditions<'a>,
         steps: [&'a Step; 2],
         segments: [&'a Segment; 2],
     ) -> Option<Self> {
-        let radius = steps[0].blend.min(steps[1].blend);
+        let radius = steps[0].blend_radius.min(steps[1].blend_radius);
         let may_blend = |step: &Step, segment: &Segment| {
-            step.handover.is_none()
+            step.handoff.is_none()
                 && !matches!(step.phase, Phase::Lift | Phase::Lower | Phase::Wait)
                 && !matches!(segment, Segment::Dwell { .. })
         };
@@ -156,7 +156,7 @@ struct SuperposedSegments<'c> {
 }
 
 /// Positions, velocities and accelerations of all axes.
-type AxesRates = [Positions; 3];
+type AxisVectors = [Positions; 3];
 
 impl SuperposedSegments<'_> {
     /// Largest distance of a wafer's centre from the unblended path for an overlap (m); `None` where the overlap is not admissible.
@@ -237,7 +237,7 @@ impl SuperposedSegments<'_> {
 /// The robot at one time of an overlap.
 struct BlendSample {
     /// Axes by the first segment alone, by the second alone, and superposed.
-    rates: [AxesRates; 3],
+    rates: [AxisVectors; 3],
     /// Platform in each of them.
     platforms: [PlatformPose; 3],
 }

@@ -10,7 +10,7 @@ use super::segment::Segment;
 use super::segment_key::segment_key;
 use crate::geometry::{Collider, ColliderCache};
 use crate::incremental::{
-    Execution, Fingerprint, GenerationalCache, Interrupted, Unique, compute_missing,
+    CacheKey, GenerationalCache, Interrupted, JobContext, WithId, compute_missing,
 };
 use crate::program::Step;
 use crate::workcell::{Cell, Zone, ZoneRule};
@@ -20,18 +20,18 @@ use crate::workcell::{Cell, Zone, ZoneRule};
 pub(super) struct BlendPlanner {
     /// Factors of time by which both segments at a corner are slowed.
     slowdowns: GenerationalCache<f64>,
-    slowed: GenerationalCache<Unique<Segment>>,
+    slowed: GenerationalCache<WithId<Segment>>,
     blends: GenerationalCache<Option<Blend>>,
     solids: ColliderCache,
     /// Zones in which the centres of wafers have to stay while the robot turns.
     safe_zones: Vec<Collider>,
 }
 
-/// SegmentChecks with their segments, and the factors of time by which the segments were slowed.
+/// Steps with their segments, and the factors of time by which the segments were slowed.
 #[derive(Clone, Copy)]
 pub(super) struct SlowedSegments<'a> {
     pub(super) steps: &'a [Step],
-    pub(super) segments: &'a [Arc<Unique<Segment>>],
+    pub(super) segments: &'a [Arc<WithId<Segment>>],
     pub(super) factors: &'a [f64],
 }
 
@@ -57,12 +57,12 @@ impl<'a> SlowedSegments<'a> {
         )
     }
 
-    /// Fingerprint of what the blend of a step with the next depends on.
-    fn key(self, first: usize) -> Fingerprint {
-        let mut key = Fingerprint::default();
+    /// Cache key of what the blend of a step with the next depends on.
+    fn key(self, first: usize) -> CacheKey {
+        let mut key = CacheKey::default();
         for index in [first, first + 1] {
             key.add(&segment_key(&self.steps[index]));
-            key.add(&self.factors[index]).add(&self.steps[index].blend);
+            key.add(&self.factors[index]).add(&self.steps[index].blend_radius);
         }
         key
     }
@@ -72,8 +72,8 @@ impl BlendPlanner {
     /// Starts a round of planning.
     ///
     /// # Arguments
-    /// * `shared` – fingerprint of what all segments depend on
-    pub(super) fn begin(&mut self, cell: &Cell, shared: &Fingerprint) {
+    /// * `shared` – cache key of what all segments depend on
+    pub(super) fn begin(&mut self, cell: &Cell, shared: &CacheKey) {
         self.slowed.begin(shared);
         let zones = || cell.zones.iter().filter(|zone| zone.rule == ZoneRule::Safe);
         let shared = shared.clone().with(&zones().collect::<Vec<_>>());
@@ -97,8 +97,8 @@ impl BlendPlanner {
         &mut self,
         cell: &Cell,
         steps: &[Step],
-        segments: &mut [Arc<Unique<Segment>>],
-        execution: Execution<'_>,
+        segments: &mut [Arc<WithId<Segment>>],
+        context: JobContext<'_>,
     ) -> Result<Vec<f64>, Interrupted> {
         let conditions = BlendConditions { cell, safe_zones: &self.safe_zones };
         let at_full_speed = vec![1.0_f64; steps.len()];
@@ -106,11 +106,11 @@ impl BlendPlanner {
         let corners: Vec<usize> = (0..steps.len().saturating_sub(1))
             .filter(|&first| original.candidate(conditions, first).is_some())
             .collect();
-        let keys = |of: SlowedSegments<'_>| -> Vec<(usize, Fingerprint)> {
+        let keys = |of: SlowedSegments<'_>| -> Vec<(usize, CacheKey)> {
             corners.iter().map(|&first| (first, of.key(first))).collect()
         };
         let original_keys = keys(original);
-        compute_missing_corners(&mut self.slowdowns, &original_keys, execution, |first| {
+        compute_missing_corners(&mut self.slowdowns, &original_keys, context, |first| {
             original.candidate(conditions, first).map_or(1.0, |one| one.best_slowdown())
         })?;
         let mut factors = at_full_speed.clone();
@@ -121,13 +121,13 @@ impl BlendPlanner {
                 *factor_of = factor_of.max(*factor);
             }
         }
-        let slowed: Vec<Arc<Unique<Segment>>> = (0..steps.len())
+        let slowed: Vec<Arc<WithId<Segment>>> = (0..steps.len())
             .map(|k| slow_segment(&mut self.slowed, &steps[k], &segments[k], factors[k]))
             .collect();
         let slow = SlowedSegments { steps, segments: &slowed, factors: &factors };
         for (of, keys) in [(original, original_keys), (slow, keys(slow))] {
             let blend = |first| of.candidate(conditions, first).and_then(|one| one.blend());
-            compute_missing_corners(&mut self.blends, &keys, execution, blend)?;
+            compute_missing_corners(&mut self.blends, &keys, context, blend)?;
         }
         // Factors are chosen for each corner alone; whether a run of blended steps gains by all of them together is decided from rest to rest.
         let mut chosen = vec![1.0; steps.len()];
@@ -178,31 +178,31 @@ impl BlendPlanner {
 
 /// A segment slowed by a factor of time.
 fn slow_segment(
-    cache: &mut GenerationalCache<Unique<Segment>>,
+    cache: &mut GenerationalCache<WithId<Segment>>,
     step: &Step,
-    segment: &Arc<Unique<Segment>>,
+    segment: &Arc<WithId<Segment>>,
     factor: f64,
-) -> Arc<Unique<Segment>> {
+) -> Arc<WithId<Segment>> {
     if factor == 1.0 {
         return Arc::clone(segment);
     }
     let mut key = segment_key(step);
     key.add(&factor);
     let Ok(slowed) =
-        cache.get_or_compute::<Infallible>(key, || Ok(Unique::new(segment.slowed(factor))));
+        cache.get_or_compute::<Infallible>(key, || Ok(WithId::new(segment.slowed(factor))));
     slowed
 }
 
 /// Computes the results of corners that are not in the cache.
 fn compute_missing_corners<T: Send + Sync>(
     cache: &mut GenerationalCache<T>,
-    corners: &[(usize, Fingerprint)],
-    execution: Execution<'_>,
+    corners: &[(usize, CacheKey)],
+    context: JobContext<'_>,
     compute: impl Fn(usize) -> T + Sync,
 ) -> Result<(), Interrupted> {
     let missing = corners.iter().filter(|(_, key)| !cache.contains(key));
     for (key, computed) in
-        compute_missing(missing.map(|(first, key)| (*first, key)), execution, compute)?
+        compute_missing(missing.map(|(first, key)| (*first, key)), context, compute)?
     {
         let Ok(_) = cache.get_or_compute::<Infallible>(key, || Ok(computed));
     }

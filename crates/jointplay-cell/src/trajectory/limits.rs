@@ -19,9 +19,9 @@ pub fn axis_moves_effector(robot: &HybridRobot, axis: usize, effector: EffectorI
 pub fn scaled_axis_limits(robot: &HybridRobot, axis: usize, step: &Step) -> KinematicLimits {
     let limits = axis_limits(robot, axis, step);
     KinematicLimits {
-        velocity: limits.velocity * step.speed,
-        acceleration: limits.acceleration * step.speed,
-        jerk: limits.jerk * step.speed,
+        velocity: limits.velocity * step.speed_scaling,
+        acceleration: limits.acceleration * step.speed_scaling,
+        jerk: limits.jerk * step.speed_scaling,
     }
 }
 

@@ -20,19 +20,20 @@
 //! | `sampler` | states of the moving axes of a step at many times |
 //! | `blend_candidate`, `blend_planner` | the longest overlap of two segments; the overlaps of all |
 //! | `options`, `error`, `segment_planner` | from steps to a trajectory |
-//! | `straight` | a step in proportion of all axes, for checks of poses |
-//! | `peaks` | times between which velocities and accelerations are straight lines |
+//! | `joint_space_line` | a step in proportion of all axes, for checks of poses |
+//! | `adaptive_sampling` | times between which velocities and accelerations are straight lines |
 //!
 //! A trajectory is independent of the shapes of bodies: this folder uses geometry only for safe zones.
 
+mod adaptive_sampling;
 mod blend;
 mod blend_candidate;
 mod blend_planner;
 mod cartesian_path;
 mod error;
+mod joint_space_line;
 mod limits;
 mod options;
-mod peaks;
 mod profile;
 mod sample;
 mod sampler;
@@ -41,7 +42,6 @@ mod segment_key;
 mod segment_planner;
 mod slip;
 mod spline;
-mod straight;
 mod synchronized;
 mod time_parameterization;
 #[expect(clippy::module_inception, reason = "the type that the folder is named after")]
@@ -50,13 +50,13 @@ mod trajectory;
 pub use blend::Blend;
 pub use cartesian_path::{PathError, PathErrorKind};
 pub use error::{StepError, StepErrorKind, TrajectoryError};
+pub(crate) use joint_space_line::joint_space_line;
 pub use limits::{axis_limits, axis_moves_effector, scaled_axis_limits};
 pub use options::TrajectoryOptions;
 pub(crate) use profile::AxisState;
-pub use sample::{Sample, SampleTimes};
+pub use sample::{Sample, UniformSampling};
 pub(crate) use sampler::AxisSampler;
 pub(crate) use segment_planner::SegmentCache;
 pub use segment_planner::{MAX_DURATION, plan_trajectory};
-pub(crate) use straight::straight;
 pub use synchronized::NoProfile;
 pub use trajectory::{LineDeviation, Trajectory};

@@ -41,13 +41,13 @@ impl Sample {
 
 /// Times of samples at an even rate from the start of a duration, and its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SampleTimes {
+pub struct UniformSampling {
     duration: f64,
     rate: f64,
     intervals: u64,
 }
 
-impl SampleTimes {
+impl UniformSampling {
     /// Sample times of a duration.
     ///
     /// # Arguments

@@ -1,28 +1,28 @@
-//! Fingerprints of segments.
+//! Cache keys of segments.
 
-use crate::incremental::Fingerprint;
+use crate::incremental::CacheKey;
 use crate::program::{LinePostures, Path, Step};
 use crate::workcell::Cell;
 
 use super::options::TrajectoryOptions;
 
-/// Fingerprint of the inputs that all segments of a trajectory share.
-pub(super) fn shared_key(cell: &Cell, options: &TrajectoryOptions) -> Fingerprint {
+/// Cache key of the inputs that all segments of a trajectory share.
+pub(super) fn shared_key(cell: &Cell, options: &TrajectoryOptions) -> CacheKey {
     let TrajectoryOptions { line_deviation } = options;
-    let mut inputs = Fingerprint::default();
+    let mut inputs = CacheKey::default();
     inputs.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(line_deviation);
     inputs
 }
 
-/// Fingerprint of the inputs that are particular to the segment of a moving step.
-pub(super) fn segment_key(step: &Step) -> Fingerprint {
+/// Cache key of the inputs that are particular to the segment of a moving step.
+pub(super) fn segment_key(step: &Step) -> CacheKey {
     let effector = match step.path {
         Path::Line(effector) => Some(effector),
         _ => None,
     };
-    let mut inputs = Fingerprint::default();
+    let mut inputs = CacheKey::default();
     inputs.add(&effector).add(&step.from).add(&step.to);
-    inputs.add(&step.speed).add(&step.line_speed).add(&step.loaded);
+    inputs.add(&step.speed_scaling).add(&step.line_speed).add(&step.loaded);
     inputs.add(&step.postures.is_some());
     if let Some(LinePostures { path, shares, keeps_heading }) = &step.postures {
         inputs.add(path.as_ref()).add(shares).add(keeps_heading);

@@ -16,7 +16,7 @@ use super::synchronized::synchronized_profile;
 use super::time_parameterization::TimeParameterization;
 use super::trajectory::Trajectory;
 use crate::incremental::{
-    CacheStats, Execution, Fingerprint, GenerationalCache, Interrupted, Unique, compute_missing,
+    CacheKey, CacheStats, GenerationalCache, Interrupted, JobContext, WithId, compute_missing,
     uninterrupted,
 };
 use crate::program::{Path, Step};
@@ -39,14 +39,14 @@ pub fn plan_trajectory(
         cell,
         steps,
         options,
-        Execution::unobserved(),
+        JobContext::unmonitored(),
     ))
 }
 
 /// Segments and blends of the last trajectory, by what they depend on.
 #[derive(Default)]
 pub(crate) struct SegmentCache {
-    segments: GenerationalCache<Unique<Segment>>,
+    segments: GenerationalCache<WithId<Segment>>,
     blends: BlendPlanner,
 }
 
@@ -64,18 +64,18 @@ impl Errors<'_> {
     fn or_empty(
         &mut self,
         step: usize,
-        planned: Planned<Arc<Unique<Segment>>>,
-    ) -> Arc<Unique<Segment>> {
+        planned: Planned<Arc<WithId<Segment>>>,
+    ) -> Arc<WithId<Segment>> {
         planned.unwrap_or_else(|kind| {
             let Step { instruction, place, .. } = self.steps[step];
             self.found.push(StepError { step, instruction, place, kind });
-            Arc::new(Unique::new(Segment::Dwell { duration: 0.0 }))
+            Arc::new(WithId::new(Segment::Dwell { duration: 0.0 }))
         })
     }
 }
 
 /// Segments on one clock.
-struct Clock {
+struct Timeline {
     times: Vec<f64>,
     blends: Vec<Option<Blend>>,
 }
@@ -87,20 +87,20 @@ impl SegmentCache {
         cell: &Cell,
         steps: Vec<Step>,
         options: &TrajectoryOptions,
-        execution: Execution<'_>,
+        context: JobContext<'_>,
     ) -> Result<Result<Trajectory, TrajectoryError>, Interrupted> {
         let shared = shared_key(cell, options);
         self.segments.begin(&shared);
         self.blends.begin(cell, &shared);
         let mut errors = Errors { steps: &steps, found: Vec::new() };
-        let mut segments = self.segments_of(cell, options, &mut errors, execution)?;
-        let factors = self.blends.slow(cell, &steps, &mut segments, execution)?;
-        let clock = self.clock(cell, &mut segments, &factors, &mut errors, execution)?;
+        let mut segments = self.segments_of(cell, options, &mut errors, context)?;
+        let factors = self.blends.slow(cell, &steps, &mut segments, context)?;
+        let clock = self.clock(cell, &mut segments, &factors, &mut errors, context)?;
         self.segments.end();
         self.blends.end();
         let mut found = errors.found;
         found.sort_by_key(|error| error.step);
-        let Clock { times, blends } = clock;
+        let Timeline { times, blends } = clock;
         Ok(if found.is_empty() {
             Ok(Trajectory { steps, times, segments, blends })
         } else {
@@ -114,18 +114,17 @@ impl SegmentCache {
         cell: &Cell,
         options: &TrajectoryOptions,
         errors: &mut Errors<'_>,
-        execution: Execution<'_>,
-    ) -> Result<Vec<Arc<Unique<Segment>>>, Interrupted> {
+        context: JobContext<'_>,
+    ) -> Result<Vec<Arc<WithId<Segment>>>, Interrupted> {
         let steps = errors.steps;
-        let keys: Vec<(usize, Fingerprint)> = (0..steps.len())
+        let keys: Vec<(usize, CacheKey)> = (0..steps.len())
             .filter(|&index| moves(&steps[index]) && invalid(cell, steps, index).is_none())
             .map(|index| (index, segment_key(&steps[index])))
             .collect();
         let missing = keys.iter().map(|(index, key)| (*index, key));
         let missing = missing.filter(|(_, key)| !self.segments.contains(key));
-        let mut computed = compute_missing(missing, execution, |index| {
-            plan_segment(cell, &steps[index], options)
-        })?;
+        let mut computed =
+            compute_missing(missing, context, |index| plan_segment(cell, &steps[index], options))?;
         let mut segments = Vec::with_capacity(steps.len());
         for (index, step) in steps.iter().enumerate() {
             let planned = match invalid(cell, steps, index) {
@@ -136,7 +135,7 @@ impl SegmentCache {
                 None => match step.path {
                     Path::Dwell(duration) => self.dwell(duration, step),
                     // The duration is known once all steps before are on the clock.
-                    _ => Ok(Arc::new(Unique::new(Segment::Dwell { duration: 0.0 }))),
+                    _ => Ok(Arc::new(WithId::new(Segment::Dwell { duration: 0.0 }))),
                 },
             };
             segments.push(errors.or_empty(index, planned));
@@ -148,37 +147,37 @@ impl SegmentCache {
     fn moving_segment(
         &mut self,
         step: &Step,
-        computed: &mut BTreeMap<Fingerprint, Planned<Segment>>,
+        computed: &mut BTreeMap<CacheKey, Planned<Segment>>,
         plan: impl FnOnce() -> Planned<Segment>,
-    ) -> Planned<Arc<Unique<Segment>>> {
+    ) -> Planned<Arc<WithId<Segment>>> {
         let key = segment_key(step);
         // Errors are not cached: a second step like this one plans again and reports its own.
         let found = computed.remove(&key);
-        self.segments.get_or_compute(key, || found.unwrap_or_else(plan).map(Unique::new))
+        self.segments.get_or_compute(key, || found.unwrap_or_else(plan).map(WithId::new))
     }
 
     /// A dwell, which depends on its duration alone.
-    fn dwell(&mut self, duration: f64, step: &Step) -> Planned<Arc<Unique<Segment>>> {
-        let inputs = Fingerprint::default().with(&duration);
-        self.segments.get_or_compute(inputs, || plan_dwell(duration, step).map(Unique::new))
+    fn dwell(&mut self, duration: f64, step: &Step) -> Planned<Arc<WithId<Segment>>> {
+        let inputs = CacheKey::default().with(&duration);
+        self.segments.get_or_compute(inputs, || plan_dwell(duration, step).map(WithId::new))
     }
 
     /// Puts all segments on one clock: blends neighbours, and determines the waits for processes.
     fn clock(
         &mut self,
         cell: &Cell,
-        segments: &mut [Arc<Unique<Segment>>],
+        segments: &mut [Arc<WithId<Segment>>],
         factors: &[f64],
         errors: &mut Errors<'_>,
-        execution: Execution<'_>,
-    ) -> Result<Clock, Interrupted> {
+        context: JobContext<'_>,
+    ) -> Result<Timeline, Interrupted> {
         let steps = errors.steps;
         let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
         let mut times = Vec::with_capacity(steps.len() + 1);
         let (mut now, mut is_over) = (0.0, false);
         times.push(now);
         for (index, step) in steps.iter().enumerate() {
-            execution.check_interruption()?;
+            context.check_interruption()?;
             if let Path::ProcessDwell { since, seconds } = step.path {
                 let planned = if since < index {
                     // Summed over the steps since the wafer was placed, not as a difference of times: the same steps make the same wait wherever they are in a program, to the bit.
@@ -213,7 +212,7 @@ impl SegmentCache {
                 segments[index] = errors.or_empty(index, Err(error));
             }
         }
-        Ok(Clock { times, blends })
+        Ok(Timeline { times, blends })
     }
 
     /// Cache statistics of the segments in the last trajectory.
@@ -233,8 +232,8 @@ fn invalid(cell: &Cell, steps: &[Step], index: usize) -> Option<StepErrorKind> {
     if let Some(&value) = step.from.iter().chain(&step.to).find(|value| !value.is_finite()) {
         return Some(StepErrorKind::PositionNotFinite { value });
     }
-    if !(step.speed > 0.0 && step.speed <= 1.0) {
-        return Some(StepErrorKind::SpeedShare { share: step.speed });
+    if !(step.speed_scaling > 0.0 && step.speed_scaling <= 1.0) {
+        return Some(StepErrorKind::SpeedShare { share: step.speed_scaling });
     }
     let previous = index.checked_sub(1).map(|before| &steps[before].to)?;
     let axis = previous.iter().zip(&step.from).position(|(end, start)| end != start)?;
@@ -282,7 +281,7 @@ fn plan_line(
     let variables: Vec<usize> =
         (0..robot.axes.len()).filter(|&axis| axis_moves_effector(robot, axis, effector)).collect();
     // Three rods and two motors place the centre and the plane; a third motor also determines the heading.
-    let heading_is_free = variables.len() >= RODS + 3
+    let heading_is_controlled = variables.len() >= RODS + 3
         && step.postures.as_ref().is_none_or(|postures| postures.keeps_heading);
     let postures = step.postures.as_ref().map(|postures| PostureSpline::new(&chain, postures));
     let turn: f64 = robot.arms[effector.arm]
@@ -296,7 +295,7 @@ fn plan_line(
         from: &step.from,
         to: &step.to,
         variables,
-        turn: heading_is_free.then_some(turn),
+        turn: heading_is_controlled.then_some(turn),
         pose: &pose,
         jacobian: &jacobian,
         max_deviation: options.line_deviation,

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use super::blend::Blend;
 use super::profile::hash_numbers;
-use super::sample::{Sample, SampleTimes};
+use super::sample::{Sample, UniformSampling};
 use super::segment::Segment;
-use crate::incremental::{Fingerprint, Unique};
+use crate::incremental::{CacheKey, WithId};
 use crate::program::Step;
 
 /// Discontinuities of the jerk closer to each other than this are one: they differ by round-off (s).
@@ -22,7 +22,7 @@ pub struct Trajectory {
     /// Start time of each step, and the end time of the last; where a step is blended with the next, the middle of their overlap (s).
     pub times: Vec<f64>,
     /// Motion of all axes in each step.
-    pub(super) segments: Vec<Arc<Unique<Segment>>>,
+    pub(super) segments: Vec<Arc<WithId<Segment>>>,
     /// Blend of each step with the next.
     pub(super) blends: Vec<Option<Blend>>,
 }
@@ -218,17 +218,17 @@ impl Trajectory {
 
     /// Times of [`Self::samples`].
     #[must_use]
-    pub fn sample_times(&self, rate: f64) -> SampleTimes {
-        SampleTimes::new(self.duration(), rate)
+    pub fn sample_times(&self, rate: f64) -> UniformSampling {
+        UniformSampling::new(self.duration(), rate)
     }
 
     /// Hash of the motion of all axes in each step; steps with the same motion have the same hash.
     ///
     /// A hash depends on the step and on the neighbours that overlap with it, and not on when the step starts.
     #[must_use]
-    pub fn fingerprints(&self) -> Vec<u64> {
+    pub fn motion_hashes(&self) -> Vec<u64> {
         let mut known: BTreeMap<u64, u64> = BTreeMap::new();
-        let mut segment_hash = |segment: &Unique<Segment>| {
+        let mut segment_hash = |segment: &WithId<Segment>| {
             *known.entry(segment.identity()).or_insert_with(|| {
                 let mut hasher = DefaultHasher::new();
                 segment.hash(&mut hasher);
@@ -255,7 +255,7 @@ impl Trajectory {
     }
 
     /// Segment of a step, then those of the previous and the next step where they overlap with it, each with half of the overlap (s).
-    fn overlapping_segments(&self, step: usize) -> [(Option<&Unique<Segment>>, f64); 3] {
+    fn overlapping_segments(&self, step: usize) -> [(Option<&WithId<Segment>>, f64); 3] {
         let HalfOverlaps { previous, next } = self.half_overlaps(step);
         [
             (Some(&*self.segments[step]), 0.0),
@@ -264,13 +264,13 @@ impl Trajectory {
         ]
     }
 
-    /// Fingerprint of the motion of all axes in a step.
-    pub(crate) fn step_fingerprint(&self, index: usize) -> Fingerprint {
-        let mut fingerprint = Fingerprint::default();
+    /// Cache key of the motion of all axes in a step.
+    pub(crate) fn step_motion_key(&self, index: usize) -> CacheKey {
+        let mut key = CacheKey::default();
         for (segment, overlap) in self.overlapping_segments(index) {
-            fingerprint.add(&segment).add(&overlap);
+            key.add(&segment).add(&overlap);
         }
-        fingerprint.add(&self.steps[index].from).add(&self.steps[index].to);
-        fingerprint
+        key.add(&self.steps[index].from).add(&self.steps[index].to);
+        key
     }
 }

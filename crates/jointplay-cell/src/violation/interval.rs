@@ -1,4 +1,4 @@
-//! Violations of one segment, merged from sample to sample into intervals of time.
+//! Violations of one step, merged from sample to sample into intervals of time.
 
 use super::kind::{Kind, Unit};
 
@@ -35,11 +35,11 @@ pub(crate) struct SampleViolation {
 pub(crate) struct ViolationInterval {
     /// The worst sample.
     pub(crate) worst: SampleViolation,
-    /// Time of the worst sample since the start of the segment (s).
+    /// Time of the worst sample since the start of the step (s).
     pub(crate) worst_time: f64,
-    /// Start of the interval since the start of the segment (s).
+    /// Start of the interval since the start of the step (s).
     pub(crate) start: f64,
-    /// End of the interval since the start of the segment (s).
+    /// End of the interval since the start of the step (s).
     pub(crate) end: f64,
     /// First sample at which, or before which, the violation occurs.
     pub(crate) first: usize,
@@ -48,7 +48,7 @@ pub(crate) struct ViolationInterval {
     pub(crate) detail: String,
 }
 
-/// Time of a finding since the start of the segment (s), and the sample at or before which it is.
+/// Time of a finding since the start of the step (s), and the sample at or before which it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SampleTime {
     pub(crate) time: f64,
@@ -96,7 +96,7 @@ impl IntervalMerger {
     /// Adds the intervals of the next window, whose first sample is the last of the window before.
     ///
     /// # Arguments
-    /// * `first` – number of that sample in the segment
+    /// * `first` – number of that sample in the step
     pub(crate) fn join(&mut self, next: Vec<ViolationInterval>, first: usize) {
         for mut interval in next {
             (interval.first, interval.last) = (interval.first + first, interval.last + first);

@@ -14,7 +14,7 @@ pub struct Violation {
     pub entities: Vec<EntityId>,
     /// Index of the instruction in the order of execution.
     pub instruction: usize,
-    /// SourceLocation of the instruction in the program text.
+    /// Location of the instruction in the program text.
     pub place: SourceLocation,
     /// Index of the step at the worst time.
     pub step: usize,

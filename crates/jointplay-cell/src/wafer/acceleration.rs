@@ -3,7 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 
 use super::deflection::{apply_deflection, deflection_rotation};
-use super::droop::{DroopError, SHORTEST};
+use super::droop::{DroopError, MIN_REACH};
 use super::friction::FrictionMargin;
 use super::model::Droop;
 use super::unreachable::Unreachable;
@@ -133,9 +133,9 @@ fn length_derivatives([vector, velocity, acceleration]: [Vector2<f64>; 3]) -> [f
 /// A horizontal vector of a given length along the direction of another vector, with its derivatives.
 fn vector_along(lengths: [f64; 3], of: [Vector2<f64>; 3]) -> [Vector3<f64>; 3] {
     let [norm, norm_rate, norm_acceleration] = length_derivatives(of);
-    if norm < SHORTEST {
+    if norm < MIN_REACH {
         // As in `deflection_rotation`: near the joint the angle grows in proportion to the horizontal reach.
-        let [l, rate, acceleration] = lengths.map(|length| length / SHORTEST);
+        let [l, rate, acceleration] = lengths.map(|length| length / MIN_REACH);
         return [
             (of[0] * l).push(0.0),
             (of[0] * rate + of[1] * l).push(0.0),

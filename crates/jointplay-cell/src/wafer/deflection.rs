@@ -3,7 +3,7 @@
 use jointplay_core::spatial::Pose;
 use nalgebra::{Point3, Rotation3, Translation3, Unit, Vector3};
 
-use super::droop::{Deflection, DroopError, SHORTEST};
+use super::droop::{Deflection, DroopError, MIN_REACH};
 use super::model::Droop;
 use super::unreachable::Unreachable;
 use crate::CellError;
@@ -45,7 +45,7 @@ pub fn apply_deflection(
     Pose::from_parts(Translation3::from(center), rotation * base_from_wafer.rotation)
 }
 
-/// The rotation of a deflected wafer: about the horizontal perpendicular to the reach, by an angle that falls to zero in proportion to the horizontal reach within [`SHORTEST`] of the joint.
+/// The rotation of a deflected wafer: about the horizontal perpendicular to the reach, by an angle that falls to zero in proportion to the horizontal reach within [`MIN_REACH`] of the joint.
 ///
 /// So the direction of an arm that passes over its own joint does not matter, and the rotation is Lipschitz in the reach.
 pub(super) fn deflection_rotation(
@@ -54,7 +54,7 @@ pub(super) fn deflection_rotation(
     slope: f64,
 ) -> Rotation3<f64> {
     let reach = base_from_wafer.translation.vector - joint;
-    let angle = slope * (reach.xy().norm() / SHORTEST).min(1.0);
+    let angle = slope * (reach.xy().norm() / MIN_REACH).min(1.0);
     match Unit::try_new(Vector3::new(-reach.y, reach.x, 0.0), f64::MIN_POSITIVE) {
         Some(axis) => Rotation3::from_axis_angle(&axis, angle),
         None => Rotation3::identity(),

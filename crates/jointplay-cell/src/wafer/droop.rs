@@ -6,7 +6,7 @@ use super::monotone_cubic::{CubicPiece, Measured};
 /// Relative tolerance at the ends of a table: a reach computed to lie on its end is not beyond it by round-off.
 const SLACK: f64 = 1e-9;
 /// Reach below which the droop of an arm is negligible (m).
-pub(crate) const SHORTEST: f64 = 0.05;
+pub(crate) const MIN_REACH: f64 = 0.05;
 
 /// Deflection of the end of an arm.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -112,7 +112,7 @@ impl Droop {
             let known: Vec<(f64, Deflection)> = known.collect();
             for &(reach, at) in &known {
                 most.at = most.at.or(at);
-                most.turn = most.turn.max(at.slope.abs() / reach.abs().max(SHORTEST));
+                most.turn = most.turn.max(at.slope.abs() / reach.abs().max(MIN_REACH));
             }
             for above in 1..rows.len() {
                 let Ok([drop, slope]) = pieces(rows, above, load) else { continue };
@@ -124,7 +124,7 @@ impl Droop {
                 // Between two rows a value is at most the larger of both.
                 let ends = [above - 1, above].map(|row| rows[row].reach);
                 let largest = ends.map(|reach| slope.at(reach)[0].abs());
-                let steepest = largest[0].max(largest[1]) / ends[0].abs().max(SHORTEST);
+                let steepest = largest[0].max(largest[1]) / ends[0].abs().max(MIN_REACH);
                 most.turn = most.turn.max(steepest);
             }
         }
@@ -258,7 +258,7 @@ mod tests {
                     seen.at = seen.at.or(at);
                     seen.rate = seen.rate.or(rate);
                     seen.bend = seen.bend.or(bend);
-                    seen.turn = seen.turn.max(at.slope.abs() / reach.max(SHORTEST));
+                    seen.turn = seen.turn.max(at.slope.abs() / reach.max(MIN_REACH));
                 }
             }
             assert!(looks > 80_000, "{looks}");

@@ -11,10 +11,10 @@
 //! | `friction` | friction that a wafer needs to stay on its effector |
 
 mod acceleration;
+mod cache_key;
 mod compensation;
 mod deflection;
 mod droop;
-mod fingerprint;
 mod friction;
 mod model;
 mod monotone_cubic;
@@ -26,7 +26,7 @@ mod validate;
 pub use compensation::CompensatedPose;
 pub use deflection::apply_deflection;
 pub use droop::{Deflection, DroopError};
-pub(crate) use droop::{DroopBounds, SHORTEST};
+pub(crate) use droop::{DroopBounds, MIN_REACH};
 pub use friction::FrictionMargin;
 pub use model::{Droop, DroopRow, Material, Support, Wafer};
 pub use sag::{Sag, SagError, sag};

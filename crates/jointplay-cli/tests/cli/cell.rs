@@ -720,13 +720,13 @@ fn gltf_document(bytes: &[u8]) -> Value {
 }
 
 #[test]
-fn reported_jumps_at_hand_overs_equal_those_of_the_exported_wafer_centre() {
+fn reported_jumps_at_hand_offs_equal_those_of_the_exported_wafer_centre() {
     let sandbox = sandbox(&[]);
     sandbox.write("example.program", "HOME\nTRANSFER LP1 SLOT 1 TO ALIGN WITH A\n");
     sandbox.done("cell export example.toml --to csv,gltf --rate 1000 --out out");
     let gltf = gltf_document(&std::fs::read(sandbox.file("out/example.glb")).unwrap());
-    let hand_overs = gltf["asset"]["extras"]["hand_overs"].as_array().unwrap();
-    let slots: Vec<&str> = hand_overs.iter().map(|one| one["slot"].as_str().unwrap()).collect();
+    let hand_offs = gltf["asset"]["extras"]["hand_offs"].as_array().unwrap();
+    let slots: Vec<&str> = hand_offs.iter().map(|one| one["slot"].as_str().unwrap()).collect();
     assert_eq!(slots, ["LP1 1", "ALIGN 1"]);
     let table = crate::study::columns(&sandbox.read("out/example.csv"));
     let column =
@@ -734,7 +734,7 @@ fn reported_jumps_at_hand_overs_equal_those_of_the_exported_wafer_centre() {
     let times = column("time_s");
     let center = ["A_x_mm", "A_y_mm", "A_z_mm"].map(column);
     let mut largest: f64 = 0.0;
-    for one in hand_overs {
+    for one in hand_offs {
         let time = one["time_s"].as_f64().unwrap();
         let after = times.iter().position(|&at| at > time).unwrap();
         // The robot is at rest there: within a millisecond it moves by less than 10 nm.

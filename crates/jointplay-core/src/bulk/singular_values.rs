@@ -13,9 +13,9 @@ const ORTHOGONAL: f64 = 1e-15;
 /// Singular values of ∂X/∂P in the metric, the largest first; with them, where they were found.
 ///
 /// ```text
-///    ∂X/∂P = C^½ (E C^½)† A        A Aᵀ = L Lᵀ        σ(∂X/∂P) = 1 / σ(C^½ Eᵀ L⁻ᵀ)
+///    C^−½ ∂X/∂P = (E C^½)† A        A Aᵀ = L Lᵀ        σ(C^−½ ∂X/∂P) = 1 / σ(C^½ Eᵀ L⁻ᵀ)
 /// ```
-/// E: what the virtual joints do to the edges, C^½: one over the metric's weights, A: what the balls do to the edges.
+/// E: derivative of the squared sides with respect to the virtual joints, C = W⁻¹: inverse weights of the metric, A: derivative of the squared sides with respect to the balls.
 ///
 /// # Source
 /// \[Virtualization\], eq. (3); the form is own derivation, `docs/explanation/kinematics.md`. One-sided Jacobi rotations: \[GolubVanLoan\], 8.6

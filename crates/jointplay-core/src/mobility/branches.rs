@@ -6,10 +6,10 @@ use super::tracking::ConfigurationTracker;
 use crate::Error;
 use crate::constraint::{Configuration, System};
 
-/// Dimensions of the branches that meet at a configuration, as far as a search finds them: different ones, smallest first.
+/// Dimensions of the branches near a configuration, as far as a search finds them: different ones, smallest first.
 ///
-/// More than one make it a kinematotropic candidate: a mechanism that can change there how many freedoms it has.
-/// Each dimension is proven at a configuration of the branch; see [`finite_mobility`](super::finite_mobility) for the proof.
+/// More than one dimension makes it a kinematotropic candidate: the mechanism may change its number of freedoms there, if the branches meet in the configuration itself.
+/// Each dimension is certified numerically at a configuration of the branch, see `docs/explanation/mobility.md`.
 ///
 /// # Arguments
 /// * `at`, `found` – a configuration, and the result of [`finite_mobility`](super::finite_mobility) for it

@@ -9,7 +9,7 @@ use crate::constraint::{ACCEPTED_RESIDUAL, Configuration, System, scaled_residua
 
 /// Dimension of the set of configurations near one, between two bounds of different origin.
 ///
-/// The upper bound is proved from first and second derivatives, to the rank threshold; the lower bound is the dimension spanned by configurations that were found nearby.
+/// The upper bound follows from first and second derivatives, to the rank threshold, and from a residual that no correction removes; the lower bound is the dimension of configurations that were found nearby and certified numerically.
 /// Where they meet, the dimension is decided.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FiniteMobility {
@@ -45,7 +45,7 @@ pub struct FiniteMobility {
 /// # Numerics
 /// Second order is not always enough: of several motions that are stopped at third order and beyond, step 4 takes away one dimension only; what is left is undecided, with both bounds reported.
 /// The search sees a branch only where it ends on it and can follow it for a tenth of the characteristic length, so that a lower bound can be too small.
-/// It would be too large only for a motion that breaks no constraint before the eleventh order.
+/// It is too large for a motion that is stopped at so high an order that its residual stays below the closure tolerance for the whole distance followed.
 /// Deterministic: the directions are the same at every call.
 ///
 /// # Source

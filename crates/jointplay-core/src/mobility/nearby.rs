@@ -12,11 +12,11 @@ use crate::random::Random;
 
 /// Distance from the given configuration at which branches are searched for, in radians and characteristic lengths.
 const RADIUS: f64 = 1e-2;
-/// Distance at which their dimension is proven: far enough out that a motion stopped at an order below 14 has ended.
+/// Distance at which their dimension is certified: far enough out that a motion stopped at an order below 14 has ended.
 const OUTER_RADIUS: f64 = 0.1;
 /// Distance nearer to which a branch has to be found again, so that it leads to the given configuration.
 const INNER_RADIUS: f64 = 1e-3;
-/// Distance for which all directions of a branch are followed from the configuration where its dimension is proven.
+/// Distance for which all directions of a branch are followed from the configuration where its dimension is certified.
 const PROOF_RADIUS: f64 = 0.1;
 /// Singular values there below this share of the largest count as zero: where a constraint touches, a configuration is known to 10⁻⁷ only.
 const NEIGHBOUR_RANK_THRESHOLD: f64 = 1e-6;
@@ -32,19 +32,19 @@ const MAX_STARTS: usize = 96;
 /// Branches of known dimensions found one after another, after which the search ends.
 const ENOUGH_ALIKE: usize = 24;
 
-/// Configurations found near a given one, and the dimensions proven there.
+/// Configurations found near a given one, and the dimensions certified there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearbyConfigurations {
     /// How many directions were tried about the given configuration, up to the one that decided.
     pub tried: usize,
     /// How many of them ended on another configuration nearby.
     pub found: usize,
-    /// Dimensions of the branches, each proven at a configuration of the branch; different ones, smallest first.
+    /// Dimensions of the branches, each certified numerically at a configuration of the branch; different ones, smallest first.
     pub dimensions: Vec<usize>,
 }
 
 impl NearbyConfigurations {
-    /// The largest dimension proven, 0 if none is.
+    /// The largest certified dimension, 0 if there is none.
     #[must_use]
     pub fn dimension(&self) -> usize {
         self.dimensions.last().copied().unwrap_or(0)
@@ -60,7 +60,7 @@ impl NearbyConfigurations {
 /// Searches for branches until one of dimension `enough` is found.
 ///
 /// Starts are random motions of first order, and zeros of the second-order conditions near them.
-/// A branch counts if it is found at three distances from the given configuration, and if its dimension is proven at the farthest of them.
+/// A branch counts if it is found at three distances from the given configuration, and if its dimension is certified at the farthest of them.
 pub(super) fn find_nearby<S: System + ?Sized>(
     tracker: &ConfigurationTracker<'_, S>,
     at: &Configuration,
@@ -115,7 +115,7 @@ pub(super) fn find_nearby<S: System + ?Sized>(
     Ok(found)
 }
 
-/// Dimension of the branch that a displacement leads to, if it can be proven.
+/// Dimension of the branch that a displacement leads to, if it can be certified.
 fn dimension_of_branch<S: System + ?Sized>(
     tracker: &ConfigurationTracker<'_, S>,
     at: &Configuration,
@@ -128,7 +128,7 @@ fn dimension_of_branch<S: System + ?Sized>(
     Ok(tracker.at_distance(at, displacement, INNER_RADIUS)?.map(|_| dimension))
 }
 
-/// Dimension of the configurations about one off the given, if it can be proven there: all constraints are independent, or every motion of first order is finite, or every one that second order leaves free is.
+/// Dimension of the configurations about one off the given, if it can be certified there: all constraints are independent, or random directions of all instantaneous motions can be followed, or of all that second order leaves free.
 fn proven_dimension<S: System + ?Sized>(
     tracker: &ConfigurationTracker<'_, S>,
     there: &Configuration,

@@ -9,7 +9,7 @@ mod parts;
 use gltf_json::animation::Animation;
 use gltf_json::scene::UnitQuaternion;
 use gltf_json::{Asset, Index, Node, Root, Scene as SceneOfNodes};
-use jointplay_cell::program::{HandoverDeflection, handover_deflections};
+use jointplay_cell::program::{HandoffDeflection, handoff_deflections};
 use jointplay_cell::station::SlotId;
 use jointplay_cell::workcell::Cell;
 use serde_json::{Map, Value, json};
@@ -83,21 +83,21 @@ fn initial_node(track: &Track, cell: &Cell) -> Node {
     node
 }
 
-/// Each handover of a wafer with its time, and the distance by which the effector jumps then, as its arm takes the weight or gives it up.
-fn hand_overs(motion_export: &MotionExport<'_>) -> Vec<Value> {
+/// Each hand-off of a wafer with its time, and the distance by which the effector jumps then, as its arm takes the weight or gives it up.
+fn hand_offs(motion_export: &MotionExport<'_>) -> Vec<Value> {
     let MotionExport { cell, motion, .. } = *motion_export;
-    let report = |one: &HandoverDeflection| {
+    let report = |one: &HandoffDeflection| {
         json!({
             "time_s": motion.times[one.step + 1],
             "effector": motion_export.effector_name(one.effector),
             "slot": slot_name(&cell.stations[one.slot.station], one.slot.slot),
-            "jump_um": um(one.jump),
+            "jump_um": um(one.load_step),
         })
     };
-    handover_deflections(cell, &motion.steps).iter().map(report).collect()
+    handoff_deflections(cell, &motion.steps).iter().map(report).collect()
 }
 
-/// The `extras` of the file: duration, violations and handovers of the motion.
+/// The `extras` of the file: duration, violations and hand-offs of the motion.
 fn notes(motion_export: &MotionExport<'_>) -> Value {
     let mut notes = Map::new();
     notes.insert("duration_s".to_owned(), json!(motion_export.motion.duration()));
@@ -107,9 +107,9 @@ fn notes(motion_export: &MotionExport<'_>) -> Value {
         let violations = motion_export.violation_notes.iter().map(note).collect();
         notes.insert("violations".to_owned(), violations);
     }
-    let handovers = hand_overs(motion_export);
-    if !handovers.is_empty() {
-        notes.insert("hand_overs".to_owned(), json!(handovers));
+    let handoffs = hand_offs(motion_export);
+    if !handoffs.is_empty() {
+        notes.insert("hand_offs".to_owned(), json!(handoffs));
     }
     Value::Object(notes)
 }

@@ -98,7 +98,7 @@ impl Timeline {
     ) -> Result<Self, Error> {
         let motion = motion_export.motion;
         let changes = changes(motion_export)?;
-        let motions = motion.fingerprints();
+        let motions = motion.motion_hashes();
         let marks: Vec<u64> =
             (0..motion.steps.len()).map(|k| mark(motion, motions[k], k)).collect();
         let starts = |step: usize| {
@@ -264,7 +264,7 @@ fn mark(motion: &Trajectory, axes: u64, index: usize) -> u64 {
     let step = &motion.steps[index];
     let mut hasher = DefaultHasher::new();
     (axes, phase(step.phase), &step.loaded).hash(&mut hasher);
-    step.handover.is_some().hash(&mut hasher);
+    step.handoff.is_some().hash(&mut hasher);
     motion.has_duration(index).hash(&mut hasher);
     let begins = index == 0 || motion.steps[index - 1].instruction != step.instruction;
     begins.hash(&mut hasher);

@@ -1,6 +1,6 @@
 //! The timing diagram of a trajectory: motions of the axes by instruction.
 
-use jointplay_cell::program::{Handover, Step};
+use jointplay_cell::program::{Handoff, Step};
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::station::SlotId;
 use jointplay_cell::trajectory::Trajectory;
@@ -317,10 +317,10 @@ fn labels<'s>(
     let effector_name = |id: EffectorId| &cell.robot.arms[id.arm].effectors[id.effector].name;
     let mut carried: Vec<(EffectorId, String)> = Vec::new();
     let mut moves: Vec<String> = Vec::new();
-    for handover in steps.filter_map(|step| step.handover) {
-        match handover {
-            Handover::Picked(id, slot) => carried.push((id, slot_name(slot))),
-            Handover::Placed(id, slot) => {
+    for handoff in steps.filter_map(|step| step.handoff) {
+        match handoff {
+            Handoff::Picked(id, slot) => carried.push((id, slot_name(slot))),
+            Handoff::Placed(id, slot) => {
                 let from = carried.iter().position(|(with, _)| *with == id);
                 let from = from.map(|place| carried.remove(place).1);
                 let from = from.unwrap_or_else(|| effector_name(id).clone());

@@ -111,7 +111,7 @@ pub(crate) async fn overview(
 
 /// The contents of a window of a motion
 ///
-/// Binary: the length of a JSON text as 32 bits, the text, and numbers of 64 bits, all little-endian. The text contains the motions, the channels of all axes, of the platform and of the deflections of the arms, the hand-overs of wafers before and within the window, and the violations.
+/// Binary: the length of a JSON text as 32 bits, the text, and numbers of 64 bits, all little-endian. The text contains the motions, the channels of all axes, of the platform and of the deflections of the arms, the hand-offs of wafers before and within the window, and the violations.
 /// The contents never change: the key is a hash of everything that they depend on.
 #[utoipa::path(
     get,

@@ -74,7 +74,7 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
             fixed(compensated.drop_um, 1),
             fixed(compensated.slope_mrad, 3),
             fixed(compensated.sag_um, 1),
-            counted(compensated.handovers, "hand-over")
+            counted(compensated.handoffs, "hand-off")
         );
         let _ = writeln!(
             text,
@@ -85,7 +85,7 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
         );
         let _ = writeln!(
             text,
-            "  hand-over jump       effectors move by up to {} µm as they take or release the weight",
+            "  hand-off step        effectors move by up to {} µm as they take or release the weight",
             fixed(compensated.jump_um, 1)
         );
         if let (Some(mrad), Some(height)) = (compensated.taught_mrad, compensated.taught_um) {

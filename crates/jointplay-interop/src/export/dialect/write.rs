@@ -1,6 +1,6 @@
 //! Text of a motion in a dialect.
 
-use jointplay_cell::program::{Handover, Path, Phase};
+use jointplay_cell::program::{Handoff, Path, Phase};
 use jointplay_cell::robot::AxisKind;
 
 use super::template::Template;
@@ -123,9 +123,9 @@ impl Dialect {
             if let Some(blend) = motion.blend(k) {
                 push(&mut text, &self.blend, |_| self.time(blend.overlap));
             }
-            let (lines, id, slot) = match step.handover {
-                Some(Handover::Picked(id, slot)) => (&self.taken, id, slot),
-                Some(Handover::Placed(id, slot)) => (&self.left, id, slot),
+            let (lines, id, slot) = match step.handoff {
+                Some(Handoff::Picked(id, slot)) => (&self.taken, id, slot),
+                Some(Handoff::Placed(id, slot)) => (&self.left, id, slot),
                 None => continue,
             };
             push(&mut text, lines, |name| match name {
@@ -194,9 +194,9 @@ fn one_line(text: &str) -> String {
 fn phase(phase: Phase) -> &'static str {
     match phase {
         Phase::Move => "move",
-        Phase::TuckIn => "tuck in",
+        Phase::RetractArms => "tuck in",
         Phase::Turn => "turn",
-        Phase::Enter => "enter",
+        Phase::Align => "enter",
         Phase::Extend => "extend",
         Phase::Lift => "lift",
         Phase::Lower => "lower",

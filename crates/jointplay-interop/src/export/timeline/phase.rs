@@ -6,9 +6,9 @@ use jointplay_cell::program::Phase;
 pub(crate) fn phase(phase: Phase) -> &'static str {
     match phase {
         Phase::Move => "move",
-        Phase::TuckIn => "tuck in",
+        Phase::RetractArms => "tuck in",
         Phase::Turn => "turn",
-        Phase::Enter => "enter",
+        Phase::Align => "enter",
         Phase::Extend => "extend",
         Phase::Lift => "lift",
         Phase::Lower => "lower",

@@ -1,19 +1,19 @@
-//! Sample times of a segment.
+//! Sample times of a step.
 
 use std::ops::Range;
 
-use crate::trajectory::{SampleTimes, Trajectory};
+use crate::trajectory::{Trajectory, UniformSampling};
 
-/// Intervals between samples in one window: memory does not grow with the duration of a segment.
+/// Intervals between samples in one window: memory does not grow with the duration of a step.
 const WINDOW: usize = 1 << 14;
 
-/// Sample times of a segment, divided into windows; neighbouring windows share a sample.
+/// Sample times of a step, divided into windows; neighbouring windows share a sample.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SampleWindows {
     /// Number of samples.
     pub(crate) count: usize,
-    /// Times of the samples since the start of the segment.
-    times: SampleTimes,
+    /// Times of the samples since the start of the step.
+    times: UniformSampling,
 }
 
 impl SampleWindows {
@@ -22,9 +22,9 @@ impl SampleWindows {
         let duration = trajectory.intrinsic_step_duration(step);
         // Nothing changes while all axes are at rest.
         let times = if trajectory.is_dwell(step) {
-            SampleTimes::ends(duration)
+            UniformSampling::ends(duration)
         } else {
-            SampleTimes::new(duration, rate)
+            UniformSampling::new(duration, rate)
         };
         Self { count: times.intervals() as usize + 1, times }
     }
@@ -40,7 +40,7 @@ impl SampleWindows {
         first..(first + WINDOW + 1).min(self.count)
     }
 
-    /// Time of a sample since the start of the segment (s).
+    /// Time of a sample since the start of the step (s).
     pub(super) fn time(&self, sample: usize) -> f64 {
         self.times.time(sample as u64)
     }

@@ -1,10 +1,10 @@
-//! Droop and sag of wafers at hand-overs: what is compensated, and what remains.
+//! Droop and sag of wafers at hand-offs: what is compensated, and what remains.
 
 use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
-use super::{Handover, Step};
+use super::{Handoff, Step};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::wafer::Deflection;
@@ -17,7 +17,7 @@ use crate::workcell::Cell;
 ///    placed:  at rest, in the plane
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HandoverDeflection {
+pub struct HandoffDeflection {
     /// Index of the step at whose end the wafer changes hands.
     pub step: usize,
     /// The effector.
@@ -29,23 +29,23 @@ pub struct HandoverDeflection {
     /// Height of the wafer's mean plane over its supports by its own sag, negative below them; compensated (m).
     pub sag: f64,
     /// Distance of the mean plane's centre from its target (m).
-    pub left: f64,
+    pub position_residual: f64,
     /// Angle between the mean plane and the slot (rad).
-    pub left_tilt: f64,
+    pub tilt_residual: f64,
     /// Root mean square distance of the wafer from its mean plane, which no tilt of the platform compensates (m).
-    pub bent: f64,
+    pub rms_flatness: f64,
     /// Distance by which the effector moves as the arm takes the wafer's weight or gives it up (m).
-    pub jump: f64,
+    pub load_step: f64,
 }
 
-/// Deflections of all hand-overs of a program, in order; those of arms whose droop is not known there are omitted.
+/// Deflections of all hand-offs of a program, in order; those of arms whose droop is not known there are omitted.
 #[must_use]
-pub fn handover_deflections(cell: &Cell, steps: &[Step]) -> Vec<HandoverDeflection> {
+pub fn handoff_deflections(cell: &Cell, steps: &[Step]) -> Vec<HandoffDeflection> {
     let mut sags = BTreeMap::new();
     let of = |(step, it): (usize, &Step)| {
-        let (effector, slot, at, lift) = match it.handover? {
-            Handover::Placed(effector, slot) => (effector, slot, &it.to, 0.0),
-            Handover::Picked(effector, slot) => {
+        let (effector, slot, at, lift) = match it.handoff? {
+            Handoff::Placed(effector, slot) => (effector, slot, &it.to, 0.0),
+            Handoff::Picked(effector, slot) => {
                 let above = cell.stations[slot.station].stroke.above;
                 (effector, slot, &steps.get(step + 1)?.to, above)
             }
@@ -57,19 +57,19 @@ pub fn handover_deflections(cell: &Cell, steps: &[Step]) -> Vec<HandoverDeflecti
         let (normal, wanted) = (rest.rotation * Vector3::z(), slot_frame.rotation * Vector3::z());
         let [loaded, empty] =
             [true, false].map(|loaded| cell.wafer_pose(effector, &it.to, loaded).ok());
-        let jump = loaded?.translation.vector - empty?.translation.vector;
+        let load_step = loaded?.translation.vector - empty?.translation.vector;
         let center = rest.translation.vector + normal * sag.plane_height;
-        let place = slot_frame.translation.vector + wanted * lift;
-        Some(HandoverDeflection {
+        let target = slot_frame.translation.vector + wanted * lift;
+        Some(HandoffDeflection {
             step,
             effector,
             slot,
             deflection,
             sag: sag.plane_height,
-            left: (center - place).norm(),
-            left_tilt: normal.cross(&wanted).norm().atan2(normal.dot(&wanted)),
-            bent: sag.deviation,
-            jump: jump.norm(),
+            position_residual: (center - target).norm(),
+            tilt_residual: normal.cross(&wanted).norm().atan2(normal.dot(&wanted)),
+            rms_flatness: sag.deviation,
+            load_step: load_step.norm(),
         })
     };
     steps.iter().enumerate().filter_map(of).collect()

@@ -1,4 +1,7 @@
-//! Conservative advancement: distances of candidate pairs over one segment, evaluated only where they can matter.
+//! Adaptive bisection of time: distances of candidate pairs over one step, evaluated only where motion bounds do not certify them.
+//!
+//! # Source
+//! \[Schwarzer\]
 
 use std::ops::Range;
 
@@ -10,7 +13,7 @@ use super::link_poses::LinkPoses;
 use super::motion_bound::{DisplacementBound, MotionBoundModel};
 use super::motion_bound_coefficients::MotionBoundCoefficients;
 use super::object::Parent;
-use super::sampled_segment::SampledSegment;
+use super::sampled_step::SampledStep;
 use super::scene::Scene;
 use super::unknown_pose::UnknownPose;
 use crate::geometry::{
@@ -37,7 +40,7 @@ pub(crate) fn distance_tolerance(distance: f64) -> f64 {
     (RELATIVE_DISTANCE_TOLERANCE * distance).max(DISTANCE_TOLERANCE)
 }
 
-/// Minimum distances and violations of the candidate pairs of one segment; objects are indices into the candidates, times count from the start of the segment.
+/// Minimum distances and violations of the candidate pairs of one step; objects are indices into the candidates, times count from the start of the step.
 pub(crate) struct PairResults {
     /// Minimum distances of pairs that come near.
     pub(crate) minima: Vec<PairMinimum>,
@@ -50,7 +53,7 @@ pub(crate) struct PairMinimum {
     pub(crate) objects: [usize; 2],
     /// Minimum distance (m).
     pub(crate) distance: f64,
-    /// Time of the minimum since the start of the segment (s).
+    /// Time of the minimum since the start of the step (s).
     pub(crate) time: f64,
 }
 
@@ -61,7 +64,7 @@ pub(crate) struct CandidatePair {
     pub(crate) rule: ContactRule,
 }
 
-/// Candidate pairs, with results of the windows of a segment that were checked so far.
+/// Candidate pairs, with results of the windows of a step that were checked so far.
 pub(crate) struct PairAccumulator<'p> {
     pairs: &'p [CandidatePair],
     /// Minimum distance (m) and its time (s) of each pair.
@@ -95,12 +98,12 @@ pub(crate) struct RelativeMotion {
     pub(crate) ancestor: Parent,
 }
 
-/// Distance query for the candidate pairs in one window of a segment.
-pub(crate) struct SegmentDistanceQuery<'a> {
+/// Distance query for the candidate pairs in one window of a step.
+pub(crate) struct StepDistanceQuery<'a> {
     pub(crate) scene: &'a Scene<'a>,
     pub(crate) trajectory: &'a Trajectory,
     pub(crate) step: usize,
-    pub(crate) segment: &'a mut SampledSegment,
+    pub(crate) sampled: &'a mut SampledStep,
     /// Indices of the candidates in the scene, moving objects first.
     pub(crate) objects: &'a [usize],
     pub(crate) bounds: &'a MotionBoundModel,
@@ -112,10 +115,10 @@ pub(crate) struct SegmentDistanceQuery<'a> {
     pub(crate) max_distance: f64,
 }
 
-impl SegmentDistanceQuery<'_> {
-    /// Checks all pairs over runs of samples of the segment, as far as they are in the window.
+impl StepDistanceQuery<'_> {
+    /// Checks all pairs over runs of samples of the step, as far as they are in the window.
     pub(crate) fn check(&mut self, pairs: &mut PairAccumulator<'_>, runs: &[Range<usize>]) {
-        let (first, count) = (self.segment.first(), self.segment.times().len());
+        let (first, count) = (self.sampled.first(), self.sampled.times().len());
         let in_window = |run: &Range<usize>| {
             let local = run.start.saturating_sub(first)..run.end.saturating_sub(first).min(count);
             (!local.is_empty()).then_some(local)
@@ -197,7 +200,7 @@ struct DistanceSample {
 
 /// Distance query for one pair.
 struct PairQuery<'q, 'a> {
-    query: &'q mut SegmentDistanceQuery<'a>,
+    query: &'q mut StepDistanceQuery<'a>,
     pair: &'q CandidatePair,
     /// Distance at which the pair violates its rule: the required clearance less the resolution (m).
     limit: f64,
@@ -228,11 +231,7 @@ fn distance_bound(left: &DistanceBound, right: &DistanceBound, motion: IntervalM
 
 impl DistanceBound {
     /// Bound by bounding spheres, and by the extents along the platform's normal.
-    fn of_spheres(
-        query: &SegmentDistanceQuery<'_>,
-        poses: &LinkPoses,
-        objects: [usize; 2],
-    ) -> Self {
+    fn of_spheres(query: &StepDistanceQuery<'_>, poses: &LinkPoses, objects: [usize; 2]) -> Self {
         let [a, b] = query.colliders(poses, objects);
         let along_normal = separation_along(a, b, &poses.normal);
         Self { value: bounding_sphere_gap(a, b), is_exact: false, along_normal }
@@ -279,7 +278,7 @@ impl PairQuery<'_, '_> {
             }
             self.evaluate(interval.start, left)?;
             self.evaluate(interval.end, right)?;
-            let times = [interval.start, interval.end].map(|k| self.query.segment.times()[k]);
+            let times = [interval.start, interval.end].map(|k| self.query.sampled.times()[k]);
             self.bisect_between_samples(interval.end, times, [*left, *right], motion)?;
             return Ok(());
         }
@@ -337,8 +336,8 @@ impl PairQuery<'_, '_> {
     /// Bound of the distance at a sample by bounding spheres.
     fn bound_at(&mut self, sample: usize) -> Result<DistanceBound, UnknownPose> {
         let query = &mut *self.query;
-        query.segment.locate(query.scene, sample)?;
-        let poses = query.segment.link_poses(sample)?;
+        query.sampled.locate(query.scene, sample)?;
+        let poses = query.sampled.link_poses(sample)?;
         Ok(DistanceBound::of_spheres(query, poses, self.pair.objects))
     }
 
@@ -349,7 +348,7 @@ impl PairQuery<'_, '_> {
         bound: &mut DistanceBound,
     ) -> Result<(), UnknownPose> {
         let (false, Some(direction)) = (bound.is_exact, &self.direction) else { return Ok(()) };
-        let poses = self.query.segment.link_poses(sample)?;
+        let poses = self.query.sampled.link_poses(sample)?;
         let [a, b] = self.query.colliders(poses, self.pair.objects);
         let rotation = self.query.scene.rotation_of(self.relative.ancestor, poses);
         bound.value = bound.value.max(separation_along(a, b, &(rotation * direction)));
@@ -377,7 +376,7 @@ impl PairQuery<'_, '_> {
             return Ok(());
         }
         let query = &mut *self.query;
-        let poses = query.segment.link_poses(sample)?;
+        let poses = query.sampled.link_poses(sample)?;
         let [a, b] = query.colliders(poses, self.pair.objects);
         let rotation = query.scene.rotation_of(self.relative.ancestor, poses);
         let guess = self.direction.map(|direction| rotation * direction);
@@ -386,7 +385,7 @@ impl PairQuery<'_, '_> {
         let direction = found.direction.map(|direction| rotation.inverse() * direction);
         self.direction = direction.or(self.direction);
         (bound.value, bound.is_exact) = (distance, true);
-        let time = query.segment.times()[sample];
+        let time = query.sampled.times()[sample];
         if distance <= self.limit {
             let depth = if distance == 0.0 { penetration_depth(a, b) } else { 0.0 };
             self.violating.push(DistanceSample {
@@ -421,8 +420,8 @@ impl PairQuery<'_, '_> {
     }
 
     fn motion_bound(&self, interval: &Range<usize>) -> IntervalMotionBound {
-        let SegmentDistanceQuery { segment, bounds, .. } = &*self.query;
-        let travel = segment.axis_travel(interval);
+        let StepDistanceQuery { sampled, bounds, .. } = &*self.query;
+        let travel = sampled.axis_travel(interval);
         let coefficients = &self.relative.coefficients;
         let DisplacementBound {
             platform,
@@ -431,7 +430,7 @@ impl PairQuery<'_, '_> {
             lateral_deflection,
             platform_deflection,
         } = bounds.displacement(coefficients, &travel);
-        let [from, to] = [interval.start, interval.end].map(|k| segment.times()[k]);
+        let [from, to] = [interval.start, interval.end].map(|k| sampled.times()[k]);
         let variation = bounds.velocity_variation(coefficients, &travel);
         let normal_rotation = travel.normal_rotation.min(1.0);
         // A common platform moves both alike: of its motion only the change of the deflections in its frame counts.
@@ -464,7 +463,7 @@ impl PairQuery<'_, '_> {
         let mut gap = f64::INFINITY;
         let mut vertical = 0.0_f64;
         for sample in [interval.start, interval.end] {
-            let poses = query.segment.link_poses(sample)?;
+            let poses = query.sampled.link_poses(sample)?;
             let [a, b] = query.colliders(poses, self.pair.objects);
             let direction = query.scene.rotation_of(self.relative.ancestor, poses) * direction;
             // Signed: an object that passes through another is apart from it before and after, but on opposite sides.

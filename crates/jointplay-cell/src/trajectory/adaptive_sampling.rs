@@ -1,6 +1,6 @@
 //! Sample times between which velocities and accelerations are straight lines.
 
-use super::sample::{Sample, SampleTimes};
+use super::sample::{Sample, UniformSampling};
 use super::trajectory::Trajectory;
 use crate::robot::KinematicLimits;
 
@@ -45,7 +45,7 @@ impl Trajectory {
         limits: impl Iterator<Item = &'l KinematicLimits>,
     ) -> Vec<f64> {
         let [start, end] = interval;
-        let even = SampleTimes::new(self.duration(), rate).iter();
+        let even = UniformSampling::new(self.duration(), rate).iter();
         let mut base: Vec<f64> = even.chain(self.times.iter().copied()).collect();
         base.retain(|time| (start..=end).contains(time));
         base.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! Axis states and link poses of a segment at its samples, a window at a time.
+//! Axis states and link poses of a step at its samples, a window at a time.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use super::axis_states::AxisStates;
 use super::link_poses::{LinkPoses, PoseError};
 use super::motion_bound::{AxisTravel, CumulativeAxisTravel, MotionBoundModel};
 use super::motion_bound_coefficients::MotionBoundCoefficients;
-use super::sample_times::SampleWindows;
+use super::sample_windows::SampleWindows;
 use super::scene::Scene;
 use super::swept_aabb::{SweptAabb, union};
 use super::unknown_pose::UnknownPose;
@@ -21,21 +21,21 @@ use crate::violation::{Kind, SampleTime};
 /// Least number of samples in one box of a swept AABB.
 const MIN_SAMPLES_PER_BOX: usize = 16;
 
-/// Approximate limit of the boxes of a swept AABB: the boxes of long segments contain more samples each.
+/// Approximate limit of the boxes of a swept AABB: the boxes of long steps contain more samples each.
 const MAX_BOXES: usize = 4096;
 
-/// A window of samples of one segment: axis states, cumulative travel, and the link poses as far as they were needed.
+/// A window of samples of one step: axis states, cumulative travel, and the link poses as far as they were needed.
 ///
 /// One value is used for many windows, so that its buffers are allocated once.
 #[derive(Default)]
-pub(crate) struct SampledSegment {
+pub(crate) struct SampledStep {
     /// Step and window that the samples belong to.
     window: Option<(usize, usize)>,
-    /// Number of the window's first sample in the segment.
+    /// Number of the window's first sample in the step.
     first: usize,
     /// Samples in one box of a swept AABB.
     samples_per_box: usize,
-    /// Times since the start of the segment (s).
+    /// Times since the start of the step (s).
     times: Vec<f64>,
     /// Positions of all axes at the start (m or rad).
     from: Vec<f64>,
@@ -47,7 +47,7 @@ pub(crate) struct SampledSegment {
     buffers: Vec<Vec<Pose>>,
 }
 
-impl SampledSegment {
+impl SampledStep {
     /// Samples a window of a step.
     pub(crate) fn begin(
         &mut self,
@@ -76,17 +76,17 @@ impl SampledSegment {
         self.window == Some((step, window))
     }
 
-    /// Invalidates the samples; the buffers stay for the next segment.
+    /// Invalidates the samples; the buffers stay for the next step.
     pub(crate) fn release(&mut self) {
         self.window = None;
     }
 
-    /// Number of the window's first sample in the segment.
+    /// Number of the window's first sample in the step.
     pub(crate) fn first(&self) -> usize {
         self.first
     }
 
-    /// Times of the samples since the start of the segment (s).
+    /// Times of the samples since the start of the step (s).
     pub(crate) fn times(&self) -> &[f64] {
         &self.times
     }

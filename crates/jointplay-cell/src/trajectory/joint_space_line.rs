@@ -7,7 +7,7 @@ use super::profile::JerkLimitedProfile;
 use super::segment::Segment;
 use super::spline::Spline;
 use super::trajectory::Trajectory;
-use crate::incremental::Unique;
+use crate::incremental::WithId;
 use crate::program::Step;
 
 /// Mean duration of a straight path of all axes for each unit of its longest displacement (s/m or s/rad).
@@ -16,7 +16,7 @@ const DURATION_BY_DISPLACEMENT: f64 = 2.0;
 const DURATION_RANGE: [f64; 2] = [0.02, 20.0];
 
 /// Trajectory of one step in which all axes move in proportion from start to end, from rest to rest; its limits are those of no robot.
-pub(crate) fn straight(step: Step) -> Trajectory {
+pub(crate) fn joint_space_line(step: Step) -> Trajectory {
     let displacement = |(from, to): (&f64, &f64)| (to - from).abs();
     let longest = step.from.iter().zip(&step.to).map(displacement).fold(0.0, f64::max);
     let segment = if longest == 0.0 {
@@ -34,7 +34,7 @@ pub(crate) fn straight(step: Step) -> Trajectory {
     Trajectory {
         steps: vec![step],
         times,
-        segments: vec![Arc::new(Unique::new(segment))],
+        segments: vec![Arc::new(WithId::new(segment))],
         blends: vec![None],
     }
 }

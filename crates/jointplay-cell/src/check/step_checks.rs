@@ -1,21 +1,21 @@
-//! Checks of single segments: their inputs, and the calls of limits, broad phase and distance queries.
+//! Checks of steps: cache keys, limits, broad phase and distance queries.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use super::options::CheckOptions;
-use super::segment_findings::SegmentFindings;
+use super::step_findings::StepFindings;
 use crate::collision::{
     BroadPhase, CandidatePair, CandidatePairs, MotionBoundModel, PairAccumulator, PairResults,
-    SampleWindows, SampledSegment, Scene, SegmentDistanceQuery,
+    SampleWindows, SampledStep, Scene, StepDistanceQuery,
 };
 use crate::geometry::ColliderCache;
-use crate::incremental::{Execution, Fingerprint, Interrupted, parallel_map};
+use crate::incremental::{CacheKey, Interrupted, JobContext, parallel_map};
 use crate::program::{Phase, WaferTransfer};
 use crate::trajectory::Trajectory;
 
-/// Successive segments of a trajectory, with their scenes.
-pub(super) struct SegmentChecks<'a> {
+/// Successive steps of a trajectory, with their scenes.
+pub(super) struct StepChecks<'a> {
     trajectory: &'a Trajectory,
     options: &'a CheckOptions,
     bounds: MotionBoundModel,
@@ -23,17 +23,17 @@ pub(super) struct SegmentChecks<'a> {
     scenes: Vec<Scene<'a>>,
     /// Broad phase of each scene.
     broad_phases: Vec<BroadPhase>,
-    /// Buffers for the samples of the next segments.
-    buffers: Mutex<Vec<SampledSegment>>,
+    /// Buffers for the samples of the next steps.
+    buffers: Mutex<Vec<SampledStep>>,
 }
 
-/// Inputs of the check of one segment by itself.
-pub(super) struct SegmentKey {
+/// Scene and cache key of one step.
+pub(super) struct StepKey {
     scene: usize,
-    pub(super) fingerprint: Fingerprint,
+    pub(super) cache_key: CacheKey,
 }
 
-impl<'a> SegmentChecks<'a> {
+impl<'a> StepChecks<'a> {
     /// # Arguments
     /// * `transfers` – of wafers at the ends of these steps
     /// * `scene` – before the first of the steps
@@ -44,14 +44,14 @@ impl<'a> SegmentChecks<'a> {
         options: &'a CheckOptions,
         scene: Scene<'a>,
         cache: &mut ColliderCache,
-        execution: Execution<'_>,
-    ) -> Result<(Self, Vec<SegmentKey>), Interrupted> {
+        context: JobContext<'_>,
+    ) -> Result<(Self, Vec<StepKey>), Interrupted> {
         let cell = scene.cell;
         let mut scenes = vec![scene];
         let mut scene_of = Vec::with_capacity(steps.len());
         let mut transfers = transfers.iter().peekable();
         for step in steps.clone() {
-            execution.check_interruption()?;
+            context.check_interruption()?;
             let last = scenes.len() - 1;
             scene_of.push(last);
             if let Some(transfer) = transfers.next_if(|transfer| transfer.step == step) {
@@ -62,23 +62,23 @@ impl<'a> SegmentChecks<'a> {
         }
         let bounds = MotionBoundModel::new(&cell.robot);
         let max_distance = options.near.max(cell.clearance).max(cell.slot_clearance);
-        let broad_phases = parallel_map(scenes.len(), execution, |scene| {
+        let broad_phases = parallel_map(scenes.len(), context, |scene| {
             BroadPhase::new(&scenes[scene], &bounds, max_distance)
         })?;
         let key = |index: usize| {
             let (step, scene) = (steps.start + index, scene_of[index]);
-            let mut fingerprint = trajectory.step_fingerprint(step);
+            let mut cache_key = trajectory.step_motion_key(step);
             let step = &trajectory.steps[step];
-            fingerprint.add(&(step.phase == Phase::Turn)).add(&step.loaded);
-            fingerprint.add(&broad_phases[scene].fingerprint);
-            SegmentKey { scene, fingerprint }
+            cache_key.add(&(step.phase == Phase::Turn)).add(&step.loaded);
+            cache_key.add(&broad_phases[scene].cache_key);
+            StepKey { scene, cache_key }
         };
-        let keys = parallel_map(steps.len(), execution, key)?;
+        let keys = parallel_map(steps.len(), context, key)?;
         let buffers = Mutex::default();
         Ok((Self { trajectory, options, bounds, scenes, broad_phases, buffers }, keys))
     }
 
-    pub(super) fn scene(&self, key: &SegmentKey) -> &Scene<'a> {
+    pub(super) fn scene(&self, key: &StepKey) -> &Scene<'a> {
         &self.scenes[key.scene]
     }
 
@@ -88,32 +88,32 @@ impl<'a> SegmentChecks<'a> {
     }
 
     /// Calls a function with a buffer for samples.
-    pub(super) fn with_buffer<T>(&self, call: impl FnOnce(&mut SampledSegment) -> T) -> T {
+    pub(super) fn with_buffer<T>(&self, call: impl FnOnce(&mut SampledStep) -> T) -> T {
         let buffers = || self.buffers.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut segment = buffers().pop().unwrap_or_default();
-        let result = call(&mut segment);
-        segment.release();
-        buffers().push(segment);
+        let mut sampled = buffers().pop().unwrap_or_default();
+        let result = call(&mut sampled);
+        sampled.release();
+        buffers().push(sampled);
         result
     }
 
-    /// Checks a segment by itself, and computes its swept boxes.
+    /// Checks limits, slip and safe zones in a step, and computes its swept boxes.
     pub(super) fn findings(
         &self,
-        key: &SegmentKey,
+        key: &StepKey,
         step: usize,
-        segment: &mut SampledSegment,
-    ) -> SegmentFindings {
+        sampled: &mut SampledStep,
+    ) -> StepFindings {
         let (scene, broad_phase) = (self.scene(key), &self.broad_phases[key.scene]);
         let mut check_window = |window: usize| {
-            self.sample(step, window, segment);
+            self.sample(step, window, sampled);
             let mut findings =
-                SegmentFindings::new(scene, &self.trajectory.steps[step], segment, &self.bounds);
+                StepFindings::new(scene, &self.trajectory.steps[step], sampled, &self.bounds);
             let mut paths = Vec::with_capacity(broad_phase.moving.len());
             for (&object, coefficients) in broad_phase.moving.iter().zip(&broad_phase.coefficients)
             {
                 let runs = &findings.runs;
-                match segment.swept_aabb(scene, object, &self.bounds, coefficients, runs) {
+                match sampled.swept_aabb(scene, object, &self.bounds, coefficients, runs) {
                     Ok(path) => paths.push(path),
                     Err(unknown) => {
                         // No distance of this window is known, which is reported as a violation.
@@ -124,7 +124,7 @@ impl<'a> SegmentChecks<'a> {
                 }
             }
             findings.paths = paths;
-            (findings, segment.first())
+            (findings, sampled.first())
         };
         let (mut findings, _) = check_window(0);
         for window in 1..self.windows(step).windows() {
@@ -138,52 +138,52 @@ impl<'a> SegmentChecks<'a> {
         SampleWindows::new(self.trajectory, step, self.options.rate)
     }
 
-    fn sample(&self, step: usize, window: usize, segment: &mut SampledSegment) {
-        if !segment.is_at(step, window) {
-            segment.begin(self.trajectory, step, window, &self.windows(step), &self.bounds);
+    fn sample(&self, step: usize, window: usize, sampled: &mut SampledStep) {
+        if !sampled.is_at(step, window) {
+            sampled.begin(self.trajectory, step, window, &self.windows(step), &self.bounds);
         }
     }
 
-    /// Broad phase of a segment.
+    /// Broad phase of a step.
     pub(super) fn candidates(
         &self,
-        key: &SegmentKey,
+        key: &StepKey,
         step: usize,
-        findings: &SegmentFindings,
+        findings: &StepFindings,
     ) -> CandidatePairs {
         let (scene, broad_phase) = (self.scene(key), &self.broad_phases[key.scene]);
         let clearance = scene.cell.clearance.max(scene.cell.slot_clearance);
         let distance = self.options.near.max(clearance);
         let step = &self.trajectory.steps[step];
         let (objects, pairs) = broad_phase.candidates(scene, step, &findings.paths, distance);
-        let mut fingerprint = key.fingerprint.clone();
+        let mut cache_key = key.cache_key.clone();
         for &object in &objects[broad_phase.moving.len()..] {
-            fingerprint.add(&*scene.objects[object]);
+            cache_key.add(&*scene.objects[object]);
         }
         for CandidatePair { objects, rule } in &pairs {
-            fingerprint.add(objects).add(rule);
+            cache_key.add(objects).add(rule);
         }
-        CandidatePairs { objects, pairs, fingerprint }
+        CandidatePairs { objects, pairs, cache_key }
     }
 
-    /// Narrow phase of a segment: distances of its candidate pairs.
+    /// Narrow phase of a step: distances of its candidate pairs.
     pub(super) fn distances(
         &self,
-        key: &SegmentKey,
+        key: &StepKey,
         step: usize,
-        findings: &SegmentFindings,
+        findings: &StepFindings,
         candidates: &CandidatePairs,
-        segment: &mut SampledSegment,
+        sampled: &mut SampledStep,
     ) -> PairResults {
         let (scene, broad_phase) = (self.scene(key), &self.broad_phases[key.scene]);
         let mut pairs = PairAccumulator::new(&candidates.pairs);
         for window in 0..self.windows(step).windows() {
-            self.sample(step, window, segment);
-            let mut query = SegmentDistanceQuery {
+            self.sample(step, window, sampled);
+            let mut query = StepDistanceQuery {
                 scene,
                 trajectory: self.trajectory,
                 step,
-                segment: &mut *segment,
+                sampled: &mut *sampled,
                 objects: &candidates.objects,
                 bounds: &self.bounds,
                 coefficients: &broad_phase.coefficients,

@@ -1,18 +1,18 @@
-//! Fingerprints of stations.
+//! Cache keys of stations.
 
 use super::description::{Approach, SlotId, Station, Stroke};
-use crate::incremental::{Fingerprint, Fingerprinted};
+use crate::incremental::{CacheKey, CacheKeyPart};
 
-impl Fingerprinted for SlotId {
-    fn append_to(&self, fingerprint: &mut Fingerprint) {
+impl CacheKeyPart for SlotId {
+    fn append_to(&self, key: &mut CacheKey) {
         let Self { station, slot } = self;
-        fingerprint.add(station).add(slot);
+        key.add(station).add(slot);
     }
 }
 
-impl Fingerprinted for Station {
+impl CacheKeyPart for Station {
     /// The origin and the taught points are in `base_from_station` already.
-    fn append_to(&self, fingerprint: &mut Fingerprint) {
+    fn append_to(&self, key: &mut CacheKey) {
         let Self {
             name,
             base_from_station,
@@ -28,12 +28,12 @@ impl Fingerprinted for Station {
             process_time,
         } = self;
         let Stroke { below, above, speed } = stroke;
-        fingerprint.add(name).add(base_from_station).add(slots).add(pitch);
-        fingerprint.add(below).add(above).add(speed).add(offset).add(retract_reach).add(via);
-        fingerprint.add(&match approach {
+        key.add(name).add(base_from_station).add(slots).add(pitch);
+        key.add(below).add(above).add(speed).add(offset).add(retract_reach).add(via);
+        key.add(&match approach {
             Approach::Radial => 0_u64,
             Approach::Line => 1,
         });
-        fingerprint.add(effectors).add(process_time);
+        key.add(effectors).add(process_time);
     }
 }

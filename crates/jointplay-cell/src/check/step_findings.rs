@@ -1,18 +1,18 @@
-//! Findings of one segment by itself: peaks relative to limits, violations, swept boxes.
+//! Findings of one step: peaks relative to limits, violations, swept boxes.
 
 use std::ops::Range;
 
-use super::report::Share;
+use super::report::Utilization;
 use crate::collision::{SweptAabb, UnknownPose};
 use crate::violation::{IntervalMerger, ViolationInterval};
 
-/// Findings of one segment by itself; times count from the start of the segment.
+/// Findings of one step that depend on its own motion alone; times are since the start of the step.
 #[derive(Debug)]
-pub(super) struct SegmentFindings {
-    pub(super) velocity: Option<Share>,
-    pub(super) acceleration: Option<Share>,
-    pub(super) jerk: Option<Share>,
-    pub(super) slip: Option<Share>,
+pub(super) struct StepFindings {
+    pub(super) velocity: Option<Utilization>,
+    pub(super) acceleration: Option<Utilization>,
+    pub(super) jerk: Option<Utilization>,
+    pub(super) slip: Option<Utilization>,
     /// Largest tilt as a share of its limit.
     pub(super) tilt: f64,
     /// Largest displacement of the virtual joints as a share of the play budget.
@@ -29,20 +29,20 @@ pub(super) struct SegmentFindings {
 }
 
 /// Keeps the larger of two peaks, of equal ones the earlier.
-pub(super) fn update_peak(peak: &mut Option<Share>, share: Share) {
-    let is_larger = |peak: &Share| {
-        share.share > peak.share || (share.share == peak.share && share.time < peak.time)
+pub(super) fn update_peak(peak: &mut Option<Utilization>, found: Utilization) {
+    let is_larger = |peak: &Utilization| {
+        found.ratio > peak.ratio || (found.ratio == peak.ratio && found.time < peak.time)
     };
     if peak.as_ref().is_none_or(is_larger) {
-        *peak = Some(share);
+        *peak = Some(found);
     }
 }
 
-impl SegmentFindings {
-    /// Adds the findings of a later window of the segment.
+impl StepFindings {
+    /// Adds the findings of a later window of the step.
     ///
     /// # Arguments
-    /// * `first` – number of its first sample in the segment
+    /// * `first` – number of its first sample in the step
     pub(super) fn join(&mut self, next: Self, first: usize) {
         let peaks = [
             (&mut self.velocity, next.velocity),
@@ -50,9 +50,9 @@ impl SegmentFindings {
             (&mut self.jerk, next.jerk),
             (&mut self.slip, next.slip),
         ];
-        for (peak, share) in peaks {
-            if let Some(share) = share {
-                update_peak(peak, share);
+        for (peak, found) in peaks {
+            if let Some(found) = found {
+                update_peak(peak, found);
             }
         }
         self.tilt = self.tilt.max(next.tilt);
@@ -80,7 +80,7 @@ impl SegmentFindings {
         }
     }
 
-    /// Reports a pose that is unknown although the segment has poses at all its samples; no distance is evaluated then.
+    /// Reports a pose that is unknown although the step has poses at all its samples; no distance is evaluated then.
     pub(super) fn add_unknown_pose(&mut self, unknown: UnknownPose) {
         let mut violations = IntervalMerger::default();
         unknown.report(&mut violations);
