@@ -170,7 +170,7 @@ fn phases(steps: &[Step]) -> Vec<Phase> {
 use Phase::{Align, Extend, Level, Lift, Lower, Move, Retract, RetractArms, Turn, Wait};
 
 #[test]
-fn get_expands_to_turn_enter_extend_lift_retract_level() {
+fn get_expands_to_turn_align_extend_lift_retract_level() {
     let cell = cell();
     let steps = steps(&cell, "SPEED 50 %\nGET port-1 SLOT 3 WITH A");
     // The last phase levels the platform, which the droop compensation has tilted.
@@ -186,7 +186,7 @@ fn get_expands_to_turn_enter_extend_lift_retract_level() {
         assert_eq!(step.line_speed.is_some(), matches!(step.phase, Lift));
     }
     assert_eq!(steps[3].handoff, Some(Handoff::Picked(A, slot)));
-    // The turn moves no rod, and entering moves no motor.
+    // The turn moves no rod, and the alignment moves no motor.
     assert_eq!(steps[0].from[..3], steps[0].to[..3]);
     assert_eq!(steps[1].from[3..], steps[1].to[3..]);
     // Wafer poses with compensated droop of the arm, and with the sag of the wafer.
@@ -268,8 +268,8 @@ fn a_get_waits_for_the_end_of_the_process() {
         steps.iter().position(|step| step.handoff == Some(Handoff::Placed(effector, slot))).unwrap()
     };
     let [first, second] = waits[..] else { panic!("{waits:?}") };
-    assert_eq!(first.path, Path::ProcessDwell { placed_at_step: left(A), seconds: 30.0 });
-    assert_eq!(second.path, Path::ProcessDwell { placed_at_step: left(B), seconds: 30.0 });
+    assert_eq!(first.path, Path::ProcessDwell { since: left(A), seconds: 30.0 });
+    assert_eq!(second.path, Path::ProcessDwell { since: left(B), seconds: 30.0 });
     assert_eq!((first.instruction, second.instruction), (2, 4));
     assert_eq!(first.from, first.to);
     // Before the slot, not in it.
