@@ -268,8 +268,8 @@ fn a_get_waits_for_the_end_of_the_process() {
         steps.iter().position(|step| step.handoff == Some(Handoff::Placed(effector, slot))).unwrap()
     };
     let [first, second] = waits[..] else { panic!("{waits:?}") };
-    assert_eq!(first.path, Path::ProcessDwell { since: left(A), seconds: 30.0 });
-    assert_eq!(second.path, Path::ProcessDwell { since: left(B), seconds: 30.0 });
+    assert_eq!(first.path, Path::ProcessDwell { placed_at_step: left(A), seconds: 30.0 });
+    assert_eq!(second.path, Path::ProcessDwell { placed_at_step: left(B), seconds: 30.0 });
     assert_eq!((first.instruction, second.instruction), (2, 4));
     assert_eq!(first.from, first.to);
     // Before the slot, not in it.
