@@ -170,7 +170,7 @@ fn phases(steps: &[Step]) -> Vec<Phase> {
 use Phase::{Align, Extend, Level, Lift, Lower, Move, Retract, RetractArms, Turn, Wait};
 
 #[test]
-fn get_expands_to_turn_enter_extend_lift_retract_level() {
+fn get_expands_to_turn_align_extend_lift_retract_level() {
     let cell = cell();
     let steps = steps(&cell, "SPEED 50 %\nGET port-1 SLOT 3 WITH A");
     // The last phase levels the platform, which the droop compensation has tilted.
@@ -186,7 +186,7 @@ fn get_expands_to_turn_enter_extend_lift_retract_level() {
         assert_eq!(step.line_speed.is_some(), matches!(step.phase, Lift));
     }
     assert_eq!(steps[3].handoff, Some(Handoff::Picked(A, slot)));
-    // The turn moves no rod, and entering moves no motor.
+    // The turn moves no rod, and the alignment moves no motor.
     assert_eq!(steps[0].from[..3], steps[0].to[..3]);
     assert_eq!(steps[1].from[3..], steps[1].to[3..]);
     // Wafer poses with compensated droop of the arm, and with the sag of the wafer.

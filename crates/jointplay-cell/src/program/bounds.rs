@@ -71,7 +71,7 @@ impl BlockCounter<'_> {
                 ResolvedCommand::Repeat { times, body } => {
                     self.enter(instruction.place, outer + 1)?;
                     let pass = self.block(body, outer + 1)?;
-                    // An empty pass takes time as well and counts as one instruction.
+                    // An empty pass also takes time and counts as one instruction.
                     let all = pass.instructions.max(1).saturating_mul(*times);
                     ("this REPEAT", all, 1 + pass.depth)
                 }
