@@ -495,6 +495,10 @@ impl Smoothing<'_> {
     }
 
     /// Weighted differences of the positions, so that the sum of their squares is the cost of the path.
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "the axes of several arrays, of which only the first ones are used"
+    )]
     fn residuals(&self) -> DVector<f64> {
         let step = self.step();
         let [first, second] = difference_weights(step);
@@ -520,6 +524,10 @@ impl Smoothing<'_> {
     }
 
     /// Derivatives of the residuals by the free angles, in the order of both.
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "the axes of several arrays, of which only the first ones are used"
+    )]
     fn jacobian(&self, free: &[usize], rows: usize) -> DMatrix<f64> {
         let step = self.step();
         let [first, second] = difference_weights(step);
