@@ -16,6 +16,8 @@
 //! | `wafer_locations` | locations of all wafers during the steps of a program |
 //! | `occupancy` | occupancy of effectors and slots during the expansion, also after errors |
 //! | `ik_cache` | inverse kinematics of the last program |
+//! | `limits` | limits of commanded positions |
+//! | `retracted_pose` | positions of arms that are retracted for a station |
 //! | `sequence` | motion sequences of instructions |
 //! | `expand` | from instructions to steps |
 //! | `handoff_deflection` | droop and sag of wafers at hand-offs |
@@ -26,10 +28,12 @@ mod bounds;
 mod expand;
 mod handoff_deflection;
 mod ik_cache;
+mod limits;
 mod occupancy;
 mod problem;
 mod resolve;
 mod resolved;
+mod retracted_pose;
 mod sequence;
 mod step;
 mod syntax;

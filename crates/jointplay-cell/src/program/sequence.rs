@@ -7,11 +7,13 @@ use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
 
 use super::ik_cache::IkCache;
+use super::limits::check_limits;
 use super::occupancy::slot_name;
 use super::problem::Leveling;
 use super::resolve::effector_name;
+use super::retracted_pose::{retracted_positions, turns_arms};
 use super::{Handoff, LinePostures, Path, Phase, ProgramProblem, SourceLocation, Step};
-use crate::robot::{ArmChain, AxisKind, EffectorId, RODS, Redundancy, WaferTarget};
+use crate::robot::{ArmChain, EffectorId, RODS, Redundancy, WaferTarget};
 use crate::station::LinePoint::{Retracted, Slot, Via};
 use crate::station::{LinePoint, SlotId, StationPostures, Waypoints};
 use crate::wafer::Unreachable;
@@ -111,7 +113,7 @@ impl<'c> MotionSequencer<'c> {
         for &(axis, position) in targets {
             to[axis] = position;
         }
-        self.within_limits("this MOVE", &to)?;
+        check_limits(self.cell, "this MOVE", &to)?;
         let extends_arm = |&(axis, _): &(usize, f64)| {
             axis >= RODS && !self.turning[axis] && self.positions[axis] != to[axis]
         };
@@ -151,7 +153,7 @@ impl<'c> MotionSequencer<'c> {
     /// TILT: the platform to a tilt at constant height on the axis.
     pub(super) fn tilt(&mut self, tilt: Tilt) -> Result<(), ProgramProblem> {
         let to = self.positions_at_tilt(tilt);
-        self.within_limits("this TILT", &to)?;
+        check_limits(self.cell, "this TILT", &to)?;
         self.move_to(Phase::Move, to, Path::PointToPoint);
         Ok(())
     }
@@ -330,7 +332,7 @@ impl<'c> MotionSequencer<'c> {
     /// Snaps an arm that is nearly retracted for a station to its retracted position, so that sequences repeat exactly and are found in caches.
     fn snap_to_retracted(&mut self, to: &mut [f64], effector: EffectorId, station: usize) {
         let found = self.retracted.entry((effector, station)).or_insert_with(|| {
-            let motors = retracted(self.cell, effector, station).unwrap_or_default();
+            let motors = retracted_positions(self.cell, effector, station).unwrap_or_default();
             motors.into_iter().filter(|&(axis, _)| !self.turning[axis]).collect()
         });
         if found.iter().all(|&(axis, at)| (to[axis] - at).abs() <= RETRACTED_TOLERANCE) {
@@ -490,35 +492,4 @@ impl<'c> MotionSequencer<'c> {
             step.slot = is_in_station.then_some(slot);
         }
     }
-
-    fn within_limits(&self, what: &'static str, to: &[f64]) -> Result<(), ProgramProblem> {
-        let robot = &self.cell.robot;
-        let violations = robot.limit_violations(to).unwrap_or_default();
-        if violations.is_empty() {
-            Ok(())
-        } else {
-            Err(ProgramProblem::Limits { what, violations })
-        }
-    }
-}
-
-/// Whether a motor turns whole arms about their first joints and does nothing else.
-fn turns_arms(cell: &Cell, axis: usize) -> bool {
-    let joints = cell.robot.arms.iter().flat_map(|arm| arm.joints.iter().enumerate());
-    let mut driven = joints.filter(|(_, joint)| joint.drives.iter().any(|drive| drive.0 == axis));
-    axis >= RODS && driven.all(|(index, joint)| index == 0 && joint.kind == AxisKind::Rotary)
-}
-
-/// Positions of an arm's motors with its wafer at the retract distance of a station, over a level platform.
-fn retracted(cell: &Cell, effector: EffectorId, station: usize) -> Option<Vec<(usize, f64)>> {
-    let robot = &cell.robot;
-    let home: Vec<f64> = robot.axes.iter().map(|axis| axis.home).collect();
-    let [x, y, _] = robot.arms[effector.arm].mount;
-    let height = robot.effector_pose(&home, effector).ok()?.translation.z;
-    let center = Vector3::new(x + cell.stations[station].retract_reach, y, height);
-    let target = WaferTarget { center, normal: Vector3::z(), heading: None };
-    let found = robot.inverse(effector, &target, &home).ok()?;
-    let branch = found.branches.get(found.chosen?)?;
-    let motors = robot.axes_of(effector).ok()?.into_iter().filter(|&axis| axis >= RODS);
-    Some(motors.map(|axis| (axis, branch.positions[axis])).collect())
 }

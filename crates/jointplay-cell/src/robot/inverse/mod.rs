@@ -6,7 +6,8 @@
 //! | `decomposition` | the joints of an arm by their role: redundant first joint, pair that places the centre, last joint that turns the wafer |
 //! | `closed_form` | the pair's positions in closed form |
 //! | `redundant`, `barrier` | redundancy resolution by a barrier function of limits and elbow |
-//! | `posture_path` | postures of an arm along a whole path of its wafer |
+//! | `posture_path` | paths of a wafer in the arm's plane, and postures along them |
+//! | `posture_search`, `posture_smoothing`, `posture_planner` | postures for a whole path: shortest path through a grid, smoothed |
 //! | `newton` | any other arm, from several starts |
 //! | `polish` | Newton's method on the whole chain |
 //! | `revolutions` | branches that differ by whole revolutions of axes |
@@ -19,6 +20,9 @@ mod decomposition;
 mod newton;
 mod polish;
 mod posture_path;
+mod posture_planner;
+mod posture_search;
+mod posture_smoothing;
 mod redundant;
 mod revolutions;
 mod solution;

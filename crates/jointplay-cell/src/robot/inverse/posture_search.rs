@@ -1,0 +1,299 @@
+//! Shortest path through a grid of an arm's postures along a path of its wafer.
+
+use std::array::from_fn;
+use std::f64::consts::TAU;
+
+use nalgebra::Vector2;
+
+use super::barrier::of_limits;
+use super::closed_form::PairSolution;
+use super::decomposition::{Decomposition, Pair};
+use super::posture_path::{NoPosturePath, PlanarPath};
+use super::revolutions::{Ranges, Revolutions};
+use super::solution::Configuration;
+use crate::robot::arm_chain::{ArmChain, AxisCoefficients, turned};
+use crate::robot::hybrid_robot::HybridRobot;
+
+/// Distance of neighbouring samples of the search (m).
+const SAMPLE_DISTANCE: f64 = 0.03;
+/// Least and largest number of intervals between samples of the search.
+const INTERVALS: [usize; 2] = [8, 64];
+/// Number of grid values of one free angle; for two, the values of each.
+const GRID: [usize; 2] = [120, 36];
+/// Largest change of a free angle between neighbouring samples, in steps of the grid, for one and for two free angles.
+const REACH: [usize; 2] = [6, 2];
+/// Largest change of a link's angle between neighbouring samples: beyond it the pair is too near its stretched or folded position to be followed (rad).
+const LARGEST_TURN: f64 = 0.8;
+/// Largest change of a prismatic joint between neighbouring samples, in distances of samples.
+const LARGEST_SLIDE: f64 = 4.0;
+/// Weight of the limits of axes, and of the stretched arm, against the squared duration of the path (s²).
+pub(super) const LIMIT_WEIGHT: f64 = 0.02;
+/// Weight of curvature against the squared duration.
+pub(super) const CURVATURE_WEIGHT: f64 = 0.02;
+/// Weight of the distance of the first posture from the home position.
+pub(super) const HOME_WEIGHT: f64 = 0.05;
+
+/// A posture at a sample.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Posture {
+    /// Angle of the last link vector and of the first, where they are free (rad).
+    pub(super) free: [f64; 2],
+    pub(super) unknown: AxisCoefficients,
+    pub(super) own: AxisCoefficients,
+    configuration: Configuration,
+    /// Cost of limits and elbow.
+    pub(super) cost: f64,
+}
+
+/// Postures of one sample, by the cell of the grid that they are in.
+struct Layer {
+    postures: Vec<Posture>,
+    /// Index of the first posture of each cell, and the number of all.
+    cells: Vec<usize>,
+}
+
+pub(super) struct PostureSearch<'a> {
+    chain: &'a ArmChain,
+    decomposition: &'a Decomposition,
+    revolutions: Revolutions,
+    pub(super) ranges: Ranges,
+    path: &'a PlanarPath,
+    /// Whether the last and the first link vector are free.
+    pub(super) is_free: [bool; 2],
+    /// Number of intervals between samples.
+    pub(super) intervals: usize,
+    /// Numbers of grid values of the free angles.
+    pub(super) grid: [usize; 2],
+    /// Largest changes of the free angles between samples, in steps of the grid.
+    reach: usize,
+    /// One over the velocity limit of each axis (s/m or s/rad).
+    pub(super) slowness: AxisCoefficients,
+    pub(super) home: AxisCoefficients,
+    /// Largest change of the pair between samples (rad, or m).
+    largest: [f64; 2],
+}
+
+impl<'a> PostureSearch<'a> {
+    pub(super) fn new(
+        robot: &HybridRobot,
+        chain: &'a ArmChain,
+        decomposition: &'a Decomposition,
+        path: &'a PlanarPath,
+    ) -> Self {
+        let is_free =
+            [decomposition.last.is_some() && path.heading.is_none(), decomposition.first.is_some()];
+        let count = is_free.iter().filter(|free| **free).count();
+        let [grid, reach] = [GRID, REACH].map(|both| both[count.saturating_sub(1)]);
+        let intervals = (path.length() / SAMPLE_DISTANCE).ceil() as usize;
+        let intervals = intervals.clamp(INTERVALS[0], INTERVALS[1]);
+        let (mut slowness, mut home) = ([0.0; 4], [0.0; 4]);
+        for (a, &axis) in chain.axes().iter().enumerate() {
+            slowness[a] = 1.0 / robot.axes[axis].loaded.velocity;
+            home[a] = robot.axes[axis].home;
+        }
+        let slide = LARGEST_SLIDE * path.length() / intervals as f64;
+        let largest = match decomposition.pair {
+            Pair::Prismatic(_) => [LARGEST_TURN, slide],
+            Pair::Links(_) | Pair::Belt(..) => [LARGEST_TURN; 2],
+        };
+        Self {
+            chain,
+            decomposition,
+            revolutions: Revolutions::of(decomposition),
+            ranges: robot.ranges(chain),
+            path,
+            is_free,
+            intervals,
+            grid: is_free.map(|free| if free { grid } else { 1 }),
+            reach,
+            slowness,
+            home,
+            largest,
+        }
+    }
+
+    /// The vector that the pair has to span at a point, for given angles of the other links (m).
+    fn spanned(&self, point: &Vector2<f64>, free: [f64; 2]) -> Vector2<f64> {
+        let mut spanned = point - self.chain.origin;
+        let angles = [self.last_angle(free), free[1]];
+        let links = [self.decomposition.last, self.decomposition.first];
+        for (link, angle) in links.into_iter().zip(angles) {
+            if let Some(k) = link {
+                spanned -= turned(&self.chain.link_vectors()[k].vector, angle);
+            }
+        }
+        spanned
+    }
+
+    /// Angle of the last link vector (rad).
+    fn last_angle(&self, free: [f64; 2]) -> f64 {
+        match self.path.heading {
+            Some(heading) if self.decomposition.last.is_some() => heading - self.chain.heading.0,
+            _ => free[0],
+        }
+    }
+
+    fn unknown(&self, found: &PairSolution, free: [f64; 2]) -> AxisCoefficients {
+        [found.pair[0], found.pair[1], self.last_angle(free), free[1]]
+    }
+
+    /// A posture with its cost; `own` may differ from `unknown` by whole revolutions.
+    fn posture(&self, found: &PairSolution, free: [f64; 2], own: &AxisCoefficients) -> Posture {
+        let unknown = self.decomposition.unknown(own);
+        let shares = from_fn(|a| {
+            let used = a < self.ranges.count;
+            if used { (own[a] - self.ranges.middle(a)) / self.ranges.half(a) } else { 0.0 }
+        });
+        let limits: f64 = of_limits(&shares)[0].iter().sum();
+        let configuration = found.configuration;
+        Posture { free, unknown, own: *own, configuration, cost: limits + self.elbow_cost(found) }
+    }
+
+    /// Cost of the stretched and of the folded arm.
+    fn elbow_cost(&self, found: &PairSolution) -> f64 {
+        match self.decomposition.pair {
+            Pair::Links(_) => {
+                1.0 / (1.0 - found.end_distance * found.end_distance).max(f64::MIN_POSITIVE)
+            }
+            Pair::Belt(..) | Pair::Prismatic(_) => 0.0,
+        }
+    }
+
+    fn is_within_limits(&self, own: &AxisCoefficients) -> bool {
+        (0..self.ranges.count).all(|a| (self.ranges.min[a]..=self.ranges.max[a]).contains(&own[a]))
+    }
+
+    /// All postures at a share of the path, on the grid of free angles.
+    fn layer(&self, share: f64) -> Layer {
+        let point = self.path.at(share);
+        let mut layer = Layer { postures: Vec::new(), cells: vec![0] };
+        for i in 0..self.grid[0] {
+            for j in 0..self.grid[1] {
+                let free =
+                    [TAU * i as f64 / self.grid[0] as f64, TAU * j as f64 / self.grid[1] as f64];
+                let spanned = self.spanned(&point, free);
+                let any = Configuration::default();
+                if let Ok(found) = self.decomposition.span(self.chain, &spanned, any, [0.0; 2]) {
+                    for found in found.iter().flatten() {
+                        let own = self.decomposition.positions(&self.unknown(found, free));
+                        self.revolutions.within(&own, &self.ranges, |own| {
+                            if self.is_within_limits(own) {
+                                layer.postures.push(self.posture(found, free, own));
+                            }
+                        });
+                    }
+                }
+                layer.cells.push(layer.postures.len());
+            }
+        }
+        layer
+    }
+
+    /// Squared duration of a change at the velocity limits (s²).
+    pub(super) fn squared_duration(&self, change: &AxisCoefficients) -> f64 {
+        let each = change.iter().zip(&self.slowness);
+        each.map(|(change, slowness)| (change * slowness) * (change * slowness)).sum()
+    }
+
+    /// Whether two neighbouring postures are on one branch.
+    pub(super) fn is_continuous(&self, from: &Posture, to: &Posture) -> bool {
+        (0..2).all(|r| (to.unknown[r] - from.unknown[r]).abs() <= self.largest[r])
+            && (2..4).all(|r| (to.unknown[r] - from.unknown[r]).abs() < std::f64::consts::PI)
+            && from.configuration.agrees_with(to.configuration)
+    }
+
+    /// The shortest path through the grid.
+    pub(super) fn shortest(&self) -> Result<Vec<Posture>, NoPosturePath> {
+        let layers: Vec<Layer> =
+            (0..=self.intervals).map(|k| self.layer(k as f64 / self.intervals as f64)).collect();
+        let step = 1.0 / self.intervals as f64;
+        let first = layers[0].postures.iter().map(|posture| {
+            let away: AxisCoefficients = from_fn(|a| posture.own[a] - self.home[a]);
+            HOME_WEIGHT * self.squared_duration(&away) + LIMIT_WEIGHT * step * posture.cost
+        });
+        let mut costs: Vec<f64> = first.collect();
+        let mut before: Vec<Vec<usize>> = vec![Vec::new()];
+        if costs.is_empty() {
+            return Err(NoPosturePath { share: 0.0 });
+        }
+        for k in 1..layers.len() {
+            let (from, to) = (&layers[k - 1], &layers[k]);
+            let mut next = vec![f64::INFINITY; to.postures.len()];
+            let mut by = vec![usize::MAX; to.postures.len()];
+            self.for_neighbours(from, to, |f, t| {
+                if !costs[f].is_finite() {
+                    return;
+                }
+                let (a, b) = (&from.postures[f], &to.postures[t]);
+                if !self.is_continuous(a, b) {
+                    return;
+                }
+                let change: AxisCoefficients = from_fn(|a_| b.own[a_] - a.own[a_]);
+                let cost =
+                    costs[f] + self.squared_duration(&change) / step + LIMIT_WEIGHT * step * b.cost;
+                if cost < next[t] {
+                    (next[t], by[t]) = (cost, f);
+                }
+            });
+            if !next.iter().any(|cost| cost.is_finite()) {
+                return Err(NoPosturePath { share: (k - 1) as f64 * step });
+            }
+            costs = next;
+            before.push(by);
+        }
+        let least = |best: usize, k: usize| if costs[k] < costs[best] { k } else { best };
+        let mut at = (0..costs.len()).fold(0, least);
+        let mut found = Vec::with_capacity(layers.len());
+        for k in (0..layers.len()).rev() {
+            found.push(layers[k].postures[at]);
+            if k > 0 {
+                at = before[k][at];
+            }
+        }
+        found.reverse();
+        Ok(found)
+    }
+
+    /// Calls a function with all pairs of postures in neighbouring cells of two layers.
+    fn for_neighbours(&self, from: &Layer, to: &Layer, mut each: impl FnMut(usize, usize)) {
+        let near = |k: usize, count: usize| {
+            let reach = self.reach.min(count / 2);
+            let all = if count == 1 { 1 } else { (2 * reach + 1).min(count) };
+            (0..all).map(move |d| (k + count + d - if count == 1 { 0 } else { reach }) % count)
+        };
+        let [rows, columns] = self.grid;
+        for i in 0..rows {
+            for j in 0..columns {
+                let cell = i * columns + j;
+                let ends = from.cells[cell]..from.cells[cell + 1];
+                if ends.is_empty() {
+                    continue;
+                }
+                for row in near(i, rows) {
+                    for column in near(j, columns) {
+                        let other = row * columns + column;
+                        for t in to.cells[other]..to.cells[other + 1] {
+                            ends.clone().for_each(|f| each(f, t));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// The posture of given free angles in the configuration and revolutions of another.
+    pub(super) fn posture_near(
+        &self,
+        share: f64,
+        free: [f64; 2],
+        near: &Posture,
+    ) -> Option<Posture> {
+        let spanned = self.spanned(&self.path.at(share), free);
+        let pair = [near.unknown[0], near.unknown[1]];
+        let found = self.decomposition.span(self.chain, &spanned, near.configuration, pair).ok()?;
+        let found = found.into_iter().flatten().next()?;
+        let unknown = self.decomposition.wrapped(&self.unknown(&found, free), &near.unknown);
+        let own = self.decomposition.positions(&unknown);
+        self.is_within_limits(&own).then(|| self.posture(&found, free, &own))
+    }
+}
