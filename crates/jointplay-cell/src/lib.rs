@@ -54,4 +54,4 @@ pub use entity::EntityId;
 pub use error::CellError;
 pub use incremental::{CacheStats, Interrupted, Progress, Stop};
 pub use planner::{IncrementalPlanner, PlanError, PlanOptions, PlanStage};
-pub use validate::{CellPart, InvalidPart, MAX_BODIES};
+pub use validate::{CellPart, InvalidPart, MAX_BODIES, MAX_COVERAGE_FACTOR};

@@ -94,6 +94,8 @@ pub struct Cell {
     pub gravity: f64,
     /// Largest angle between the plane of a held wafer and that of its station after compensation (rad).
     pub plane_threshold: f64,
+    /// Multiple of the standard deviation of a station's frame that its clearances and its plane have to allow.
+    pub coverage_factor: f64,
 }
 
 impl Cell {

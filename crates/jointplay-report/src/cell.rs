@@ -329,7 +329,8 @@ fn compensated(
     let mut unknown = std::collections::BTreeSet::new();
     for one in carried {
         let station = &cell.stations[one.slot.station];
-        let Origin::Taught(fit) = &station.origin else { continue };
+        let Origin::Taught(taught) = &station.origin else { continue };
+        let Some(fit) = &taught.plane else { continue };
         let Some(known) = &fit.uncertainty else {
             unknown.insert(station.name.clone());
             continue;

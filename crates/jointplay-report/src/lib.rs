@@ -50,7 +50,10 @@ pub use motion::{MotionReport, SingularReport, motion};
 pub use nearest::NearestReport;
 pub use relief::{ReliefReport, VirtualJointReport, relief};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
-pub use station::{PlaneReport, StationReport, TeachReport, UncertaintyReport, teach};
+pub use station::{
+    NextPointsReport, PlaneReport, ReferenceReport, SlotUncertaintyReport, StationReport,
+    StationUncertaintyReport, TeachReport, UncertaintyReport, teach,
+};
 pub use study::{BoundsHeldReport, SeriesReport, StudyReport, study};
 pub use suggest::{SetReport, SuggestReport, SuggestedJoint, suggestions};
 pub use table_error::TableError;

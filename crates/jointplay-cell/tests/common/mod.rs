@@ -179,5 +179,6 @@ pub(crate) fn cell(robot: HybridRobot) -> Cell {
         slot_clearance: 1e-3,
         gravity: GRAVITY,
         plane_threshold: 1e-6,
+        coverage_factor: 2.0,
     }
 }

@@ -6,7 +6,7 @@ use jointplay_cell::robot::{EffectorId, HybridRobot};
 use jointplay_cell::station::SlotId;
 use jointplay_cell::wafer::{Material, Wafer, check_thin_plate};
 use jointplay_cell::workcell::Cell;
-use jointplay_cell::{CellError, CellPart, InvalidPart};
+use jointplay_cell::{CellError, CellPart, InvalidPart, MAX_COVERAGE_FACTOR};
 
 use super::effectors::{Effectors, effectors, named_effectors};
 use super::explain::explain;
@@ -22,6 +22,9 @@ pub const MAX_BYTES: usize = 1_000_000;
 
 /// Standard gravity (m/s²).
 const GRAVITY: f64 = 9.80665;
+
+/// Default of the coverage factor: about 95 % of a normal distribution.
+const COVERAGE_FACTOR: f64 = 2.0;
 
 /// Materials by name: Young's modulus in GPa, Poisson's ratio, density in kg/m³.
 ///
@@ -106,7 +109,14 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
     let zones = bodies::zones(top, files);
     let carried = carried(top, effectors.as_ref());
     kind?;
-    let [play_budget, clearance, slot_clearance, plane_threshold, gravity] = budgets?;
+    let Budgets {
+        play_budget,
+        clearance,
+        slot_clearance,
+        plane_threshold,
+        coverage_factor,
+        gravity,
+    } = budgets?;
     let occupied = occupied
         .into_iter()
         .enumerate()
@@ -127,6 +137,7 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
         slot_clearance,
         gravity,
         plane_threshold,
+        coverage_factor,
     })
 }
 
@@ -134,9 +145,16 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
 fn bare(
     robot: Option<&HybridRobot>,
     wafer: Option<&Wafer>,
-    budgets: Option<[f64; 5]>,
+    budgets: Option<Budgets>,
 ) -> Option<Cell> {
-    let [play_budget, clearance, slot_clearance, plane_threshold, gravity] = budgets?;
+    let Budgets {
+        play_budget,
+        clearance,
+        slot_clearance,
+        plane_threshold,
+        coverage_factor,
+        gravity,
+    } = budgets?;
     Some(Cell {
         name: String::new(),
         assumed: Vec::new(),
@@ -152,6 +170,7 @@ fn bare(
         clearance,
         slot_clearance,
         plane_threshold,
+        coverage_factor,
         gravity,
     })
 }
@@ -243,13 +262,33 @@ fn material(name: &str, [young, poisson, density]: [f64; 3]) -> Material {
     Material { name: name.to_owned(), young, poisson, density }
 }
 
-fn budgets(table: &Table) -> Option<[f64; 5]> {
+/// Budgets of a cell, as in [`Cell`].
+#[derive(Clone, Copy)]
+struct Budgets {
+    play_budget: f64,
+    clearance: f64,
+    slot_clearance: f64,
+    plane_threshold: f64,
+    coverage_factor: f64,
+    gravity: f64,
+}
+
+fn budgets(table: &Table) -> Option<Budgets> {
     let micro = |key, span| table.number(key, span).map(|value| crate::units::shift(value, -6));
     let play = micro("play_um", AllowedRange::Positive);
     let clearance = table.length("clearance_mm", AllowedRange::NotNegative);
     let slot_clearance = table.length("slot_clearance_mm", AllowedRange::NotNegative);
     let plane = micro("plane_urad", AllowedRange::Positive);
     let gravity = table.number_or("gravity_m_s2", AllowedRange::NotNegative, GRAVITY);
+    let range = AllowedRange::Within(0.0, MAX_COVERAGE_FACTOR);
+    let coverage_factor = table.number_or("coverage_factor", range, COVERAGE_FACTOR);
     table.finish();
-    Some([play?, clearance?, slot_clearance?, plane?, gravity])
+    Some(Budgets {
+        play_budget: play?,
+        clearance: clearance?,
+        slot_clearance: slot_clearance?,
+        plane_threshold: plane?,
+        coverage_factor,
+        gravity,
+    })
 }
