@@ -26,6 +26,8 @@ pub enum EntityId {
     HeldWafer(EffectorId),
     /// Zone of the cell.
     Zone(usize),
+    /// Slot of a station.
+    Slot(SlotId),
 }
 
 impl EntityId {
@@ -55,6 +57,14 @@ impl Cell {
             }
             EntityId::HeldWafer(id) => format!("wafer of {}", self.effector_name(id)),
             EntityId::Zone(zone) => self.zones[zone].name.clone(),
+            EntityId::Slot(SlotId { station, slot }) => {
+                let station = &self.stations[station];
+                if station.slots == 1 {
+                    station.name.clone()
+                } else {
+                    format!("{} slot {slot}", station.name)
+                }
+            }
         }
     }
 

@@ -140,8 +140,10 @@ fn two_hundred_teaches_cover_the_true_frame_in_95_percent() {
     // 95 % quantiles of chi-square with 6 and 3 degrees of freedom, and of the absolute value of a normal number.
     let (of_frame, of_slot, of_one) = (12.592, 7.815, 1.959_964);
     let slot = Vector3::new(0.0, 0.0, 0.24);
-    let mut shares = Vec::new();
-    for draws in [200_u32, 5000] {
+    // Batches of 200 teaches; each share scatters by 1.5 % around 95 %.
+    let (batches, draws) = (25_u32, 200_u32);
+    let (mut total, mut within) = ([0_u32; 4], [0_u32; 4]);
+    for _ in 0..batches {
         let mut covered = [0_u32; 4];
         for _ in 0..draws {
             let taught = teaching.teach(&mut normal, true);
@@ -161,14 +163,17 @@ fn two_hundred_teaches_cover_the_true_frame_in_95_percent() {
             covered[2] += u32::from(sideways <= of_one);
             covered[3] += u32::from(height <= of_one);
         }
-        shares.push(covered.map(|count| f64::from(count) / f64::from(draws)));
+        for k in 0..4 {
+            total[k] += covered[k];
+            within[k] += u32::from(covered[k].abs_diff(190) <= 4);
+        }
     }
     // The whole frame, the wafer in slot 25, its position across, and its height.
-    for share in shares[0] {
-        assert!((share - 0.95).abs() <= 0.02, "{shares:?}");
-    }
-    for share in shares[1] {
-        assert!((share - 0.95).abs() <= 0.01, "{shares:?}");
+    for (total, within) in total.into_iter().zip(within) {
+        let share = f64::from(total) / f64::from(batches * draws);
+        assert!((share - 0.95).abs() <= 0.01, "{share}");
+        // 186 to 194 of 200 are expected in 82 % of the batches.
+        assert!(within >= 16, "{within}");
     }
 }
 

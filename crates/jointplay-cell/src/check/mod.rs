@@ -15,6 +15,7 @@ mod aggregate;
 mod checker;
 mod limits;
 mod options;
+mod plane_budget;
 mod pose;
 mod report;
 mod safe_zones;

@@ -63,6 +63,7 @@ impl Scene<'_> {
     /// Contact rule of a moving and a fixed object during a step.
     ///
     /// While a step is in a slot, the end effector and its wafer must satisfy the slot clearance to the wafers of that station, and the lesser of slot clearance and general clearance to all fixed objects.
+    /// The wafers of the station need more, by the uncertainty of its frame: see [`Cell::slot_margins`](crate::workcell::Cell::slot_margins).
     /// During lift and lower, the last link may touch the wafer of that slot.
     pub(crate) fn contact_rule(&self, mover: usize, fixed: usize, step: &Step) -> ContactRule {
         let general = self.general_contact_rule(mover, fixed);
@@ -79,10 +80,14 @@ impl Scene<'_> {
         match other {
             Parent::Slot(there) if there == slot => {
                 let is_handoff = matches!(step.phase, Phase::Lift | Phase::Lower);
-                if is_handoff { ContactRule::Unchecked } else { ContactRule::SlotClearance(lesser) }
+                if is_handoff {
+                    ContactRule::Unchecked
+                } else {
+                    ContactRule::SlotClearance(lesser + self.slot_margin(there))
+                }
             }
             Parent::Slot(there) if there.station == slot.station => {
-                ContactRule::SlotClearance(self.cell.slot_clearance)
+                ContactRule::SlotClearance(self.cell.slot_clearance + self.slot_margin(there))
             }
             _ => ContactRule::MinClearance(lesser),
         }

@@ -3,6 +3,7 @@
 mod cache_key;
 mod description;
 mod leveling;
+mod margin;
 mod postures;
 pub mod teach;
 mod validate;

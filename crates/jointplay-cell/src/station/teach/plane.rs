@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::error::{TeachError, check_noise};
 use super::frame::frame;
-use super::quantile::{TWO_SIDED, angle_95, chi_square, f_95, student};
+use super::quantile::{TWO_SIDED, angle_95, chi_square, f_95, normal_beyond};
 use super::uncertainty::coverage;
 use super::verdict::{PointDiagnostic, Verdict};
 
@@ -23,6 +23,8 @@ pub(super) const REDUNDANT: usize = 2;
 pub(super) const FALSE_ALARM_QUANTILE: f64 = 3.090_232;
 /// False alarm rate of that quantile, and of the test of single points.
 pub(super) const FALSE_ALARM: f64 = 1e-3;
+/// Multiple of the standard deviation that no false alarm rate of a single point allows to reject, whatever the number of points.
+const LEAST_OUTLIER: f64 = 3.0;
 /// Redundancy below which the deviation of a point is round-off.
 pub(super) const NO_REDUNDANCY: f64 = 1e-9;
 
@@ -201,9 +203,10 @@ pub fn fit_plane(
     let largest = diagnostics.iter().filter_map(|point| point.studentized);
     let largest = largest.fold(0.0_f64, |largest, one| largest.max(one.abs()));
     let is_noisier = chi.zip(limit).is_some_and(|(found, limit)| found > limit);
-    let has_outlier = noise.is_some() && freedom > 0 && {
-        largest > student(FALSE_ALARM / points.len() as f64, None)
-    };
+    let has_outlier = noise.is_some()
+        && freedom > 0
+        && largest > LEAST_OUTLIER
+        && normal_beyond(largest) < FALSE_ALARM / points.len() as f64;
     let verdict = if worst > threshold || is_noisier || has_outlier {
         Verdict::Scattered
     } else if is_testable(noise.is_some(), points.len()) {

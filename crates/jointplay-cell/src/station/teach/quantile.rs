@@ -7,9 +7,9 @@ const BEYOND: f64 = 0.05;
 /// Number of standard deviations that contain 95 % of a normal distribution.
 pub(super) const TWO_SIDED: f64 = 1.959_964;
 /// Parts of numerical integrals.
-const PARTS: usize = 1000;
+const PARTS: usize = 400;
 /// Halvings of a bisection.
-const HALVINGS: usize = 50;
+const HALVINGS: usize = 44;
 
 /// Integral from 0 by the midpoint rule.
 fn integral(to: f64, density: impl Fn(f64) -> f64) -> f64 {
