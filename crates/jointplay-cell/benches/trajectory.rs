@@ -83,6 +83,7 @@ fn cell() -> Cell {
         bodies,
         plane_threshold: 1e-5,
         coverage_factor: 2.0,
+        tolerances: jointplay_cell::displacement::Tolerances::default(),
         ..common::cell(common::kind(0, [0.25, 0.22, 0.2]))
     }
 }

@@ -35,6 +35,7 @@ mod arm_placement;
 pub mod check;
 mod collision;
 mod conditions;
+pub mod displacement;
 mod entity;
 mod error;
 pub mod geometry;

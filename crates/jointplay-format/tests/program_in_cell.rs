@@ -136,6 +136,7 @@ fn cell() -> Cell {
         gravity: 9.80665,
         plane_threshold: 1e-6,
         coverage_factor: 2.0,
+        tolerances: jointplay_cell::displacement::Tolerances::default(),
     }
 }
 

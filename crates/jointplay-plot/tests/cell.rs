@@ -117,6 +117,7 @@ fn cell() -> Cell {
         gravity: 9.81,
         plane_threshold: 1e-3,
         coverage_factor: 2.0,
+        tolerances: jointplay_cell::displacement::Tolerances::default(),
     }
 }
 

@@ -11,6 +11,7 @@
 mod beyond;
 mod cell;
 mod compare;
+mod displacement;
 mod distance;
 mod expected;
 mod forward;
@@ -36,6 +37,10 @@ pub use cell::{
     AxisReport, CellReport, InstructionReport, ShareReport, ViolationReport, cell, excerpt,
 };
 pub use compare::{CompareReport, ModelReport, compare};
+pub use displacement::{
+    BoundReport, ContributionReport, DisplacementReport, ShiftReport, UnknownReport,
+    WaferDisplacementReport, displacement,
+};
 pub use distance::DistanceReport;
 pub use expected::{DisagreementReport, disagreements};
 pub use forward::{ForwardReport, PlatformReport, forward};

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use jointplay_cell::displacement::Tolerances;
 use jointplay_cell::robot::{EffectorId, HybridRobot};
 use jointplay_cell::station::SlotId;
 use jointplay_cell::wafer::{Material, Wafer, check_thin_plate};
@@ -101,6 +102,9 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
         },
         |table| budgets(&table),
     );
+    let tolerances = top
+        .table("tolerances", "`[tolerances]`")
+        .map_or_else(Tolerances::default, |table| tolerances(&table));
     let bare = bare(robot.as_ref(), wafer.as_ref(), budgets);
     let read = stations::read(top, (robot.as_ref(), bare.as_ref()), effectors.as_ref());
     let (stations, occupied): (Vec<_>, Vec<Vec<usize>>) = read.into_iter().unzip();
@@ -138,6 +142,7 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
         gravity,
         plane_threshold,
         coverage_factor,
+        tolerances,
     })
 }
 
@@ -172,6 +177,7 @@ fn bare(
         plane_threshold,
         coverage_factor,
         gravity,
+        tolerances: Tolerances::default(),
     })
 }
 
@@ -260,6 +266,28 @@ fn wafer(table: &Table) -> Option<Wafer> {
 fn material(name: &str, [young, poisson, density]: [f64; 3]) -> Material {
     let young = crate::units::shift(young, 9);
     Material { name: name.to_owned(), young, poisson, density }
+}
+
+/// Tolerances, each to either side.
+fn tolerances(table: &Table) -> Tolerances {
+    let scaled = |key, exponent| {
+        let value = table.entry(key)?.number(table.reader, AllowedRange::NotNegative)?;
+        Some(crate::units::shift(value, exponent))
+    };
+    let found = Tolerances {
+        guide: scaled("guide_um", -6),
+        socket: scaled("socket_um", -6),
+        rod_zero: scaled("rod_zero_um", -6),
+        mount: scaled("mount_um", -6),
+        link: scaled("link_um", -6),
+        joint_zero: scaled("joint_zero_urad", -6),
+        linear_resolution: scaled("linear_resolution_um", -6),
+        rotary_resolution: scaled("rotary_resolution_urad", -6),
+        droop_share: scaled("droop_percent", -2),
+        sag_share: scaled("sag_percent", -2),
+    };
+    table.finish();
+    found
 }
 
 /// Budgets of a cell, as in [`Cell`].

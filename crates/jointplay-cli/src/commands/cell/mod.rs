@@ -1,6 +1,7 @@
 //! `jointplay cell`: work cells and their programs.
 
 mod check;
+mod displacement;
 mod example;
 mod export;
 mod format;
@@ -15,7 +16,7 @@ use clap::{Args, Subcommand};
 use crate::failure::Failure;
 use crate::output::FormatArgs;
 
-/// Check, run and export programs of work cells; teach stations
+/// Check, run and export programs of work cells; teach stations, compute displacements of wafers
 ///
 /// Without files, the commands use the included example: a dual-arm robot with two load ports, an aligner and a process station.
 #[derive(Args)]
@@ -25,6 +26,7 @@ Examples:
   jointplay cell run --out example-run
   jointplay cell export --to gltf,csv
   jointplay cell teach
+  jointplay cell displacement
   jointplay cell format
   jointplay cell example --out my-cell")]
 pub(crate) struct CellCommand {
@@ -38,6 +40,7 @@ enum Action {
     Run(run::Run),
     Export(export::Export),
     Teach(teach::Teach),
+    Displacement(displacement::Displacement),
     Format(format::Format),
     Example(example::ExampleCommand),
 }
@@ -49,6 +52,7 @@ impl CellCommand {
             Action::Run(command) => command.run(),
             Action::Export(command) => command.run(),
             Action::Teach(command) => command.run(),
+            Action::Displacement(command) => command.run(),
             Action::Format(command) => command.run(),
             Action::Example(command) => command.run(),
         }
@@ -60,6 +64,7 @@ impl CellCommand {
             Action::Run(command) => command.input.format(),
             Action::Export(command) => command.input.format(),
             Action::Teach(command) => command.cell.format,
+            Action::Displacement(command) => command.input.format(),
             Action::Format(command) => command.format,
             Action::Example(command) => command.format,
         }
