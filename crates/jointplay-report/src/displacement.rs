@@ -196,12 +196,12 @@ fn basis(basis: Basis) -> &'static str {
 
 fn keys(cause: Cause) -> &'static str {
     match cause {
-        Cause::Droop => "droop_percent",
-        Cause::Sag => "sag_percent",
-        Cause::AxisResolution => "linear_resolution_um, rotary_resolution_urad",
-        Cause::PlatformTolerances => "guide_um, socket_um, rod_zero_um",
-        Cause::ArmTolerances => "mount_um, link_um, joint_zero_urad",
-        Cause::Station => "taught or uncertainty of the station",
+        Cause::Droop => "[tolerances] droop_percent",
+        Cause::Sag => "[tolerances] sag_percent",
+        Cause::AxisResolution => "[tolerances] linear_resolution_um, rotary_resolution_urad",
+        Cause::PlatformTolerances => "[tolerances] guide_um, socket_um, rod_zero_um",
+        Cause::ArmTolerances => "[tolerances] mount_um, link_um, joint_zero_urad",
+        Cause::Station => "[[station]] taught, uncertainty",
         Cause::Lever | Cause::PlatformModel | Cause::Compensation => "",
     }
 }

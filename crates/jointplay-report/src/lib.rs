@@ -36,7 +36,7 @@ pub use beyond::beyond_limits;
 pub use cell::{
     AxisReport, CellReport, InstructionReport, ShareReport, ViolationReport, cell, excerpt,
 };
-pub use compare::{CompareReport, ModelReport, compare};
+pub use compare::{CompareReport, LeverReport, ModelReport, WaferOverPlatform, compare};
 pub use displacement::{
     BoundReport, ContributionReport, DisplacementReport, ShiftReport, UnknownReport,
     WaferDisplacementReport, displacement,

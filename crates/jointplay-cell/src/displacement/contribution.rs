@@ -13,6 +13,15 @@ pub struct Bound {
     pub vertical: f64,
 }
 
+impl Bound {
+    fn at_most(self, other: Self) -> Self {
+        Self {
+            horizontal: self.horizontal.min(other.horizontal),
+            vertical: self.vertical.min(other.vertical),
+        }
+    }
+}
+
 /// Contribution of a cause to the uncertainty of a wafer's position, to first order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contribution {
@@ -44,6 +53,11 @@ impl Contribution {
         self.worst.vertical += largest.z.abs();
     }
 
+    /// For random deviations without a largest value: the worst case is the expanded uncertainty.
+    pub(super) fn set_worst_to_expanded(&mut self, coverage_factor: f64) {
+        self.worst = expanded(&self.offset, &self.covariance, coverage_factor);
+    }
+
     /// Adds a known displacement.
     pub(super) fn add_offset(&mut self, offset: &Vector3<f64>) {
         self.parameters += 1;
@@ -52,10 +66,10 @@ impl Contribution {
         self.worst.vertical += offset.z.abs();
     }
 
-    /// Coverage factor times the standard deviation, plus the offset.
+    /// Coverage factor times the standard deviation, plus the offset; at most the worst case.
     #[must_use]
     pub fn expanded(&self, coverage_factor: f64) -> Bound {
-        expanded(&self.offset, &self.covariance, coverage_factor)
+        expanded(&self.offset, &self.covariance, coverage_factor).at_most(self.worst)
     }
 
     /// Sum of all contributions in the worst case: all deviations are the largest at once, in one direction.
@@ -68,12 +82,12 @@ impl Contribution {
         all.iter().fold(Bound::default(), add)
     }
 
-    /// Expanded uncertainty of all contributions: independent deviations add by their variances, offsets as they are.
+    /// Expanded uncertainty of all contributions: independent deviations add by their variances, offsets as they are; at most the worst case.
     #[must_use]
     pub fn expanded_sum(all: &[Self], coverage_factor: f64) -> Bound {
         let offset: Vector3<f64> = all.iter().map(|one| one.offset).sum();
         let covariance: Matrix3<f64> = all.iter().map(|one| one.covariance).sum();
-        expanded(&offset, &covariance, coverage_factor)
+        expanded(&offset, &covariance, coverage_factor).at_most(Self::worst_sum(all))
     }
 }
 

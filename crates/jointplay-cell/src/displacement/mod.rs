@@ -10,4 +10,4 @@ pub use cause::{Basis, Cause};
 pub use contribution::{Bound, Contribution};
 pub use effects::{ParameterEffect, parameter_effects};
 pub use tolerances::Tolerances;
-pub use wafer_displacement::{NominalShift, PlacedWafer, WaferDisplacement};
+pub use wafer_displacement::{NominalShift, PlacedWafer, WaferDisplacement, lever_shift};

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use jointplay_core::virtualization::BuiltIn;
-use nalgebra::{Translation3, Vector3};
+use nalgebra::{Translation3, Vector2, Vector3};
 
 use super::cause::Cause;
 use super::contribution::Contribution;
@@ -21,6 +21,9 @@ use crate::workcell::Cell;
 /// All virtualizations.
 const VIRTUALIZATIONS: [BuiltIn; 4] =
     [BuiltIn::Radial, BuiltIn::Polar, BuiltIn::Offset, BuiltIn::Planar];
+
+/// Relative tolerance on the robot's largest tilt.
+const TILT_TOLERANCE: f64 = 1e-9;
 
 /// A wafer on an effector, at rest.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,6 +74,15 @@ pub struct WaferDisplacement {
     pub unknown: Vec<Cause>,
 }
 
+/// Horizontal displacement of a point over the platform's centre by a tilt about it (m).
+///
+/// # Arguments
+/// * `height` – of the point over the platform plane (m)
+#[must_use]
+pub fn lever_shift(height: f64, tilt: Tilt) -> Vector2<f64> {
+    tilt.normal().xy() * height
+}
+
 impl Cell {
     /// The wafer that an effector holds at rest in a slot, its droop and sag compensated.
     ///
@@ -105,6 +117,16 @@ impl Cell {
         center: Option<[f64; 2]>,
     ) -> Result<PlacedWafer, Unreachable> {
         self.robot.check_effector(effector)?;
+        let allowed = self.robot.gpr.limits().tilt_max;
+        if tilt.pitch.abs() > allowed * (1.0 + TILT_TOLERANCE) {
+            let (needed, threshold) = (tilt.pitch.abs(), self.plane_threshold);
+            return Err(Unreachable::Tilt {
+                needed,
+                allowed,
+                residual: needed - allowed,
+                threshold,
+            });
+        }
         let home: Vec<f64> = self.robot.axes.iter().map(|axis| axis.home).collect();
         let mut positions = match center {
             None => home.clone(),
@@ -277,7 +299,7 @@ impl Cell {
         let mut contribution = Contribution::new(Cause::Station);
         contribution.parameters = known.known.iter().filter(|known| **known).count();
         contribution.covariance = rotation * own * rotation.inverse() * (factor * factor);
-        contribution.worst = contribution.expanded(self.coverage_factor);
+        contribution.set_worst_to_expanded(self.coverage_factor);
         Some(contribution)
     }
 }

@@ -141,7 +141,7 @@ fn taught_points_determine_the_uncertainty_of_their_plane() {
     assert_eq!(no.code, 1, "{}", no.stderr);
     // Two more points, the best of which is on the circle of the others.
     assert!(
-        no.stderr.contains("cannot be judged with 4 points: measure 2 points more"),
+        no.stderr.contains("cannot be judged with 4 points: measure 2 more points"),
         "{}",
         no.stderr
     );
@@ -779,7 +779,8 @@ fn displacement_of_wafers_names_causes_and_bounds() {
     assert_eq!(wafer["contributions"][0]["basis"], "model");
 
     let text = sandbox.done("cell displacement example.toml --station PM1 --effector A");
-    for part in ["lever of the tilt", "relative to the slot", "not included", "link_um", "station"]
+    for part in
+        ["lever of the tilt", "relative to the slot", "not stated in full", "link_um", "station"]
     {
         assert!(text.contains(part), "{part}: {text}");
     }

@@ -198,24 +198,32 @@ fn text(report: &DisplacementReport, is_program: bool) -> String {
     if is_program {
         let _ = writeln!(
             text,
-            "  {:<24} {:>8} {:>13} {:>11} {:>16} {:>16}",
-            "hand-off",
-            "tilt °",
-            "horizontal mm",
-            "vertical mm",
-            "k: ±hor., ver. µm",
-            "worst ±hor., ver."
+            "  {:<24} {:>8} {:>23} {:>19} {:>19}",
+            "", "", "displacement (mm)", "coverage f. (±µm)", "worst case (±µm)"
         );
-        for wafer in &report.wafers {
+        let _ = writeln!(
+            text,
+            "  {:<24} {:>8} {:>12} {:>10} {:>10} {:>8} {:>10} {:>8}",
+            "station", "tilt (°)", "horizontal", "vertical", "hor.", "ver.", "hor.", "ver."
+        );
+        for (wafer, slots) in largest_by_station(&report.wafers) {
+            let name = match (&wafer.station, slots) {
+                (Some(station), 2..) => {
+                    format!("{station}, {slots} slots, with {}", wafer.effector)
+                }
+                _ => place(wafer),
+            };
+            let (expanded, worst) = (&wafer.expanded, &wafer.worst);
             let _ = writeln!(
                 text,
-                "  {:<24} {:>8} {:>13} {:>11} {:>16} {:>16}",
-                place(wafer),
+                "  {name:<24} {:>8} {:>12} {:>10} {:>10} {:>8} {:>10} {:>8}",
                 fixed(wafer.tilt_pitch_deg, 4),
                 fixed(wafer.total_horizontal_mm, 4),
                 fixed(wafer.total_mm[2], 4),
-                bound(&wafer.expanded),
-                bound(&wafer.worst)
+                fixed(expanded.horizontal_um, 1),
+                fixed(expanded.vertical_um, 1),
+                fixed(worst.horizontal_um, 1),
+                fixed(worst.vertical_um, 1)
             );
         }
         let most = |wafer: &&WaferDisplacementReport| wafer.worst.horizontal_um;
@@ -238,8 +246,26 @@ fn place(wafer: &WaferDisplacementReport) -> String {
     }
 }
 
-fn bound(bound: &report::BoundReport) -> String {
-    format!("{}, {}", fixed(bound.horizontal_um, 1), fixed(bound.vertical_um, 1))
+/// For each station and effector the wafer with the largest uncertainty, and the number of slots.
+fn largest_by_station(
+    wafers: &[WaferDisplacementReport],
+) -> Vec<(&WaferDisplacementReport, usize)> {
+    let mut groups: Vec<(&WaferDisplacementReport, usize)> = Vec::new();
+    for wafer in wafers {
+        let is_same = |(other, _): &&mut (&WaferDisplacementReport, usize)| {
+            (&other.station, &other.effector) == (&wafer.station, &wafer.effector)
+        };
+        match groups.iter_mut().find(is_same) {
+            Some((largest, slots)) => {
+                *slots += 1;
+                if wafer.worst.horizontal_um > largest.worst.horizontal_um {
+                    *largest = wafer;
+                }
+            }
+            None => groups.push((wafer, 1)),
+        }
+    }
+    groups
 }
 
 fn write_wafer(text: &mut String, wafer: &WaferDisplacementReport, coverage_factor: f64) {
@@ -293,11 +319,10 @@ fn write_wafer(text: &mut String, wafer: &WaferDisplacementReport, coverage_fact
     let values =
         [expanded.horizontal_um, expanded.vertical_um, worst.horizontal_um, worst.vertical_um];
     row("all", values, "");
+    if !wafer.unknown.is_empty() {
+        let _ = writeln!(text, "  not stated in full, and not included");
+    }
     for unknown in &wafer.unknown {
-        let _ = writeln!(
-            text,
-            "  not included, because not stated in full: {} ({})",
-            unknown.cause, unknown.keys
-        );
+        let _ = writeln!(text, "    {:<22} {}", unknown.cause, unknown.keys);
     }
 }

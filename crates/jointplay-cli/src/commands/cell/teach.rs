@@ -34,8 +34,8 @@ use crate::output::{self, fixed};
 Examples:
   jointplay cell teach
   jointplay cell teach --figure stations.png
-  jointplay cell teach --station ALIGN --point-mm 470,606,600 --point-mm 350,726,600 --point-mm 230,606,600 --noise-um 5
-  jointplay cell teach --station ALIGN --reference 0,0=350.1,606.2,600 --reference-noise-um 20
+  jointplay cell teach --station ALIGN --point-mm 470,606,600 --point-mm 350,726,600 --point-mm 230,606,600 --point-mm 350,486,600 --point-mm 350,606,600 --noise-um 1
+  jointplay cell teach --station ALIGN --reference 0,0=350.1,606.2,600 --reference 0,100=400.1,692.803,600 --reference 100,0=436.703,556.2,600 --reference-noise-um 20
   jointplay cell teach --station LP2 --first-mm -495,-495,500 --last-mm -492,-495,740
 
 Exit codes: 0 done, 1 the points are scattered, too few to be judged, or the tilt is too uncertain or exceeds the robot's limit, 2 bad input or usage.")]
@@ -270,8 +270,9 @@ fn next_points(plane: &PlaneReport) -> Option<String> {
     };
     Some(if next.suffices {
         let count = next.points_mm.len();
-        let best = if count == 1 { "best" } else { "the next one best" };
-        format!(": measure {} more, {best} near {x}, {y}, {z}{quieter}", counted(count, "point"))
+        let (points, best) =
+            if count == 1 { ("point", "best") } else { ("points", "the next one best") };
+        format!(": measure {count} more {points}, {best} near {x}, {y}, {z}{quieter}")
     } else {
         format!(
             ": {} more points do not suffice{quieter}, or measure points farther apart",
@@ -442,12 +443,13 @@ fn write_uncertainty(text: &mut String, known: &StationUncertaintyReport) {
         let [given, applied] = [number(known.coverage_factor), fixed(known.applied_factor, 2)];
         format!("{given}, {applied} for the estimated noise")
     };
+    let by_tilt = if known.unknown.contains(&"position") { " by its tilt" } else { "" };
     let slots: Vec<String> = known
         .slots
         .iter()
         .map(|one| {
             format!(
-                "slot {} ±{} µm sideways, ±{} µm in height",
+                "slot {} ±{} µm sideways{by_tilt}, ±{} µm in height",
                 one.slot,
                 fixed(one.lateral_um, 1),
                 fixed(one.height_um, 1)
