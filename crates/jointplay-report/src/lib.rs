@@ -29,6 +29,7 @@ pub mod table;
 mod table_error;
 mod totals;
 mod violation;
+mod violation_group;
 mod virtual_joints;
 
 pub use beyond::beyond_limits;
@@ -56,4 +57,8 @@ pub use suggest::{SetReport, SuggestReport, SuggestedJoint, suggestions};
 pub use table_error::TableError;
 pub use totals::{ColumnReport, OutcomeReport, SHARES, TotalsReport, totals};
 pub use violation::explain_violation;
+pub use violation_group::{
+    BodyInZoneReport, OccurrenceReport, RemedyReport, ViolationGroupReport, remedy_reports,
+    violation_groups,
+};
 pub use virtual_joints::VirtualJointGroups;

@@ -48,6 +48,29 @@ pub enum Unit {
     None,
 }
 
+impl Kind {
+    /// Kind that represents the cause: contacts and clearances of a pair have one cause.
+    pub(super) fn cause(self) -> Self {
+        match self {
+            Self::Clearance | Self::SlotClearance => Self::Collision,
+            kind => kind,
+        }
+    }
+
+    /// Rank by severity, 0 for the most severe: unknown poses, contacts, zones, clearances, slip, other limits.
+    #[must_use]
+    pub fn severity_rank(self) -> u8 {
+        match self {
+            Self::Platform | Self::Droop => 0,
+            Self::Collision => 1,
+            Self::KeepOut => 2,
+            Self::Clearance | Self::SlotClearance | Self::SafeZone => 3,
+            Self::Slip => 4,
+            _ => 5,
+        }
+    }
+}
+
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

@@ -28,7 +28,7 @@ pub struct Violation {
     pub worst_time: f64,
     /// Worst value in SI units; a negative distance is a penetration depth.
     pub worst: f64,
-    /// Limit in SI units.
+    /// Limit in SI units; of a collision the required clearance.
     pub limit: f64,
     /// Quantity of `worst` and `limit`.
     pub unit: Unit,

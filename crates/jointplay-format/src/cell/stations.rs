@@ -10,7 +10,7 @@ use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::{Pose, Tilt};
 
 use super::effectors::{Effectors, named_effectors};
-use super::explain::explain_teach;
+use super::explain::{explain_teach, leveling_angle};
 use super::pose::{points, yaw_and_tilt};
 use super::problem::Fault;
 use super::tree::{AllowedRange, Reader, Table};
@@ -214,17 +214,12 @@ fn check_tilt(table: &Table, station: &Station, robot: &HybridRobot, bare: Optio
     let (pitch, yaw) = (deg(tilt.pitch), deg(tilt.yaw));
     let excess = pitch - deg(max);
     let by = bare.and_then(|cell| cell.leveling(station)).map_or(excess, deg);
-    // Rounded up, so that following the message suffices.
-    let [by, for_arms] = [by.max(excess), by - excess].map(|angle| (angle * 1e3).ceil() * 1e-3);
-    let arms = if for_arms > 1e-3 {
-        format!(", {for_arms:.3}° of which compensate the deflection of the loaded arms")
-    } else {
-        String::new()
-    };
+    let by = by.max(excess);
     table.reader.report(span, Fault::Unfit(format!(
-        "{} tilts {pitch:.3}° toward {yaw:.1}°, but the robot tilts by at most {:.3}°: level the station by at least {by:.3}°{arms}",
+        "{} tilts {pitch:.3}° toward {yaw:.1}°, but the robot tilts by at most {:.3}°: level the station by at least {}",
         table.whose,
         deg(max),
+        leveling_angle(by, by - excess)
     )));
 }
 

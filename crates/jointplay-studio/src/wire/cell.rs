@@ -279,7 +279,7 @@ pub(crate) fn truncated(report: &CellReport) -> CellReport {
         all[..count.min(all.len())].to_vec()
     }
     // The fields that are not copied below are short.
-    let CellReport { instructions: _, violations, distances, .. } = report;
+    let CellReport { instructions: _, violations, violation_groups, distances, .. } = report;
     CellReport {
         cell: report.cell.clone(),
         robot: report.robot.clone(),
@@ -292,6 +292,9 @@ pub(crate) fn truncated(report: &CellReport) -> CellReport {
         nearest: report.nearest.clone(),
         instructions: Vec::new(),
         violations: first(violations, MAX_LISTED),
+        violation_groups: first(violation_groups, MAX_LISTED),
+        remedies: report.remedies.clone(),
+        bodies_in_zones: report.bodies_in_zones.clone(),
         distances: first(distances, MAX_LISTED),
         ..*report
     }

@@ -1,19 +1,20 @@
 //! The report of a check as text.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use jointplay::cell::EntityId;
-use jointplay::cell::check::{Kind, Violation};
+use jointplay::cell::check::Kind;
 use jointplay::cell::program::SourceLocation;
 use jointplay::format::number::counted;
-use jointplay::report::{CellReport, InstructionReport, ShareReport, explain_violation};
+use jointplay::report::{
+    CellReport, InstructionReport, OccurrenceReport, ShareReport, ViolationGroupReport,
+    violation_groups,
+};
 
 use super::input::Planned;
 use crate::output::fixed;
 
-/// Largest number of times listed of a repeated violation.
-const TIMES: usize = 4;
+/// Largest number of instructions listed of a violation group.
+const OCCURRENCES: usize = 4;
 /// Largest number of violation groups listed.
 const GROUPS: usize = 12;
 
@@ -113,8 +114,24 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
         }
     }
     if count > 0 {
-        text.push_str("violations\n");
+        text.push_str("violations by cause\n");
         text.push_str(&violations(planned));
+    }
+    let remedies = report.remedies.as_deref().unwrap_or_default();
+    if !remedies.is_empty() {
+        text.push_str("remedies, each verified by a check of the program\n");
+        for remedy in remedies {
+            let _ = writeln!(text, "  {}", remedy.message);
+        }
+    }
+    if !report.bodies_in_zones.is_empty() {
+        text.push_str(
+            "fixed bodies in keep-out zones, which restrict only the robot and its wafers\n",
+        );
+        for one in &report.bodies_in_zones {
+            let depth = fixed(one.depth_mm, 3);
+            let _ = writeln!(text, "  {} is in {}, {depth} mm deep", one.body, one.zone);
+        }
     }
     lines(&mut text, report);
     axes(&mut text, report);
@@ -138,62 +155,45 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     text
 }
 
-/// The common properties of a group of violations; wafers count as one entity, `None`.
-#[derive(PartialEq, Eq, PartialOrd, Ord)]
-struct GroupKey {
-    place: SourceLocation,
-    kind: Kind,
-    entities: Vec<Option<EntityId>>,
-}
-
-/// Violations grouped by command and pair, worst first: the worst of each group with an excerpt, and the times and number of the others.
+/// Violations by cause, worst first: the worst of each group with an excerpt, and the number of violations by instruction and station.
 pub(super) fn violations(planned: &Planned) -> String {
-    let mut groups: BTreeMap<GroupKey, Vec<&Violation>> = BTreeMap::new();
-    for one in &planned.report.violations {
-        let entities = one.entities.iter().map(|&one| (!one.is_wafer()).then_some(one)).collect();
-        let key = GroupKey { place: one.place, kind: one.kind, entities };
-        groups.entry(key).or_default().push(one);
-    }
-    let mut groups: Vec<Vec<&Violation>> = groups.into_values().collect();
-    for group in &mut groups {
-        // The worst one represents the group; of equal ones the first.
-        group.sort_by(|a, b| excess(b).total_cmp(&excess(a)).then(a.start.total_cmp(&b.start)));
-    }
-    groups.sort_by(|a, b| {
-        let [one, other] = [a[0], b[0]];
-        let by_kind = severity(one.kind).cmp(&severity(other.kind));
-        by_kind.then(excess(other).total_cmp(&excess(one))).then(one.start.total_cmp(&other.start))
-    });
+    let all = &planned.report.violations;
+    let groups = violation_groups(planned.cell(), &planned.motion.steps, all);
     let mut text = String::new();
     for group in groups.iter().take(GROUPS) {
-        let worst = group[0];
-        let message = format!("{}: {}", worst.kind, explain_violation(planned.cell(), worst));
-        for line in planned.input.excerpt(worst.place, &message).lines() {
+        let place = SourceLocation { line: group.line, column: group.column };
+        let message = format!("{}: {}", group.kind, group.message);
+        for line in planned.input.excerpt(place, &message).lines() {
             let _ = writeln!(text, "  {line}");
         }
-        let times: Vec<String> = group
-            .iter()
-            .take(TIMES)
-            .map(|one| match (fixed(one.start, 3), fixed(one.end, 3)) {
-                (start, end) if start == end => start,
-                (start, end) => format!("{start} to {end}"),
-            })
-            .collect();
-        let more = match group.len().saturating_sub(TIMES) {
-            0 => String::new(),
-            more => format!(", and {} more", counted(more, "time")),
-        };
-        let entities = group.iter().flat_map(|one| &one.entities);
-        let wafers: BTreeSet<&EntityId> = entities.filter(|one| one.is_wafer()).collect();
-        let wafers = match wafers.len() {
+        let excess = group.excess.filter(|_| is_pair(group)).map_or(String::new(), |excess| {
+            format!(", {} {} too close", fixed(excess, 3), group.unit)
+        });
+        let wafers = match group.wafers {
             0 | 1 => String::new(),
-            wafers => format!("; {wafers} wafers in total"),
+            wafers => format!(", {wafers} wafers"),
         };
-        let _ = writeln!(text, "    at {} s{more}{wafers}", times.join(", "));
+        let _ = writeln!(
+            text,
+            "    {}{wafers}; first at {} s, worst at {} s{excess}",
+            counted(group.count, "time"),
+            fixed(group.first_s, 3),
+            fixed(group.worst_s, 3)
+        );
+        if group.occurrences.len() > 1 {
+            for one in group.occurrences.iter().take(OCCURRENCES) {
+                text.push_str(&occurrence(group, one));
+            }
+            let left = &group.occurrences[group.occurrences.len().min(OCCURRENCES)..];
+            if !left.is_empty() {
+                let count = left.iter().map(|one| one.count).sum();
+                let _ = writeln!(text, "      and {} elsewhere", counted(count, "time"));
+            }
+        }
     }
     let left = &groups[groups.len().min(GROUPS)..];
     if !left.is_empty() {
-        let count: usize = left.iter().map(Vec::len).sum();
+        let count: usize = left.iter().map(|group| group.count).sum();
         let _ = writeln!(
             text,
             "  and {} more in {} (--format json lists all)",
@@ -204,21 +204,25 @@ pub(super) fn violations(planned: &Planned) -> String {
     text
 }
 
-/// Amount by which a limit is exceeded, in SI units; not comparable between kinds.
-fn excess(one: &Violation) -> f64 {
-    (one.worst - one.limit).abs()
+/// Whether a group is about the distance of two bodies.
+fn is_pair(group: &ViolationGroupReport) -> bool {
+    group.names.len() == 2 && group.unit == "mm" && group.kind != Kind::SafeZone.to_string()
 }
 
-/// Rank of a kind: damage first, then clearances, then limits of the axes.
-fn severity(kind: Kind) -> u8 {
-    match kind {
-        Kind::Platform | Kind::Droop => 0,
-        Kind::Collision => 1,
-        Kind::KeepOut => 2,
-        Kind::Clearance | Kind::SlotClearance | Kind::SafeZone => 3,
-        Kind::Slip => 4,
-        _ => 5,
-    }
+/// Violations of a group in one instruction.
+fn occurrence(group: &ViolationGroupReport, one: &OccurrenceReport) -> String {
+    let station = one.station.as_ref().map_or(String::new(), |name| format!(" {name},"));
+    let excess = one
+        .excess
+        .filter(|_| is_pair(group))
+        .map_or(String::new(), |excess| format!(", {} {} too close", fixed(excess, 3), group.unit));
+    format!(
+        "      line {},{station} {}: {}, worst at {} s{excess}\n",
+        one.line,
+        one.phase,
+        counted(one.count, "time"),
+        fixed(one.worst_s, 3)
+    )
 }
 
 /// A row for each line of the program, over all its executions.
