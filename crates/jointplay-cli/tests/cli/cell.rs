@@ -104,9 +104,24 @@ fn a_collision_is_reported_with_line_and_time() {
     let all = report["violations"].as_array().unwrap().len();
     let shown = refused.stderr.lines().filter(|line| line.ends_with('^')).count();
     assert!(1 < shown && shown < all, "{shown} {all}: {}", refused.stderr);
-    for line in run.stdout.lines().filter(|line| line.starts_with("    at ")) {
+    let numbers: Vec<&str> =
+        run.stdout.lines().filter(|line| line.contains("; first at ")).collect();
+    assert!(!numbers.is_empty());
+    for line in numbers {
         assert!(refused.stderr.contains(line), "{line}: {}", refused.stderr);
     }
+    // One group for each pair, and all its violations by line, station and phase.
+    let groups = report["violation_groups"].as_array().unwrap();
+    let total: u64 = groups.iter().map(|group| group["count"].as_u64().unwrap()).sum();
+    assert_eq!(total as usize, all);
+    for group in groups {
+        let occurrences = group["occurrences"].as_array().unwrap();
+        let count: u64 = occurrences.iter().map(|one| one["count"].as_u64().unwrap()).sum();
+        assert_eq!(count, group["count"].as_u64().unwrap());
+    }
+    let remedy = &report["remedies"][0];
+    assert_eq!(remedy["name"], "wall");
+    assert!(run.stdout.contains(remedy["message"].as_str().unwrap()), "{}", run.stdout);
 
     sandbox.done("cell export example.toml --despite-errors --rate 50");
     let names = sandbox.names("cell-export");
