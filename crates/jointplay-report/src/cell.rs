@@ -5,6 +5,7 @@ use std::ops::Range;
 use jointplay_cell::check::{Report, Utilization, Verdict, Violation};
 use jointplay_cell::program::{HandoffDeflection, SourceLocation, handoff_deflections};
 use jointplay_cell::robot::AxisKind;
+use jointplay_cell::schedule::schedule;
 use jointplay_cell::station::Origin;
 use jointplay_cell::trajectory::{Blend, LineDeviation, Trajectory};
 use jointplay_cell::workcell::Cell;
@@ -13,6 +14,7 @@ use serde::Serialize;
 
 use crate::distance::{DistanceReport, distance};
 use crate::nearest::{NearestReport, nearest};
+use crate::schedule::{ScheduleReport, schedule_report};
 use crate::violation::{explain_violation, in_display_unit};
 use crate::violation_group::{
     BodyInZoneReport, RemedyReport, ViolationGroupReport, body_in_zone_reports, violation_groups,
@@ -45,6 +47,8 @@ pub struct CellReport {
     pub wafers: usize,
     /// Wafers per hour of the repeated program.
     pub wafers_per_hour: Option<f64>,
+    /// Use of robot and stations, bottleneck, periodic parts, and stays of wafers.
+    pub schedule: ScheduleReport,
     /// Number of motions; a wait of zero length is not counted.
     pub steps: usize,
     /// Cartesian lines, if there are any.
@@ -291,6 +295,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         duration_s: report.duration,
         wafers: report.wafers,
         wafers_per_hour: report.wafers_per_hour,
+        schedule: schedule_report(cell, motion, &schedule(cell, motion)),
         steps: lasting(motion, 0..motion.steps.len()),
         straight: straight(motion, 0..motion.steps.len()),
         blended: blended(motion, 0..motion.steps.len()),

@@ -20,6 +20,7 @@ mod mobility;
 mod motion;
 mod nearest;
 mod relief;
+mod schedule;
 mod sensitivity;
 mod station;
 mod study;
@@ -50,6 +51,10 @@ pub use mobility::{FreedomsReport, MobilityReport, mobility};
 pub use motion::{MotionReport, SingularReport, motion};
 pub use nearest::NearestReport;
 pub use relief::{ReliefReport, VirtualJointReport, relief};
+pub use schedule::{
+    BottleneckReport, CriticalTimeReport, PeriodicPartReport, ProcessWaitReport, RobotUseReport,
+    ScheduleReport, StationUseReport, StayReport, WaferStaysReport, schedule_report,
+};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
 pub use station::{PlaneReport, StationReport, TeachReport, UncertaintyReport, teach};
 pub use study::{BoundsHeldReport, SeriesReport, StudyReport, study};

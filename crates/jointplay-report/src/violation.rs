@@ -10,6 +10,7 @@ pub(crate) fn in_display_unit(one: &Violation, value: f64) -> (&'static str, f64
     match (one.unit, one.kind) {
         (Unit::None, _) => ("", value),
         (Unit::Acceleration, _) => ("m/s²", value),
+        (Unit::Time, _) => ("s", value),
         (Unit::Length, Kind::Velocity) => ("mm/s", mm(value)),
         (Unit::Length, Kind::Acceleration) => ("mm/s²", mm(value)),
         (Unit::Length, Kind::Jerk) => ("mm/s³", mm(value)),
@@ -78,6 +79,23 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
             )
         }
         Kind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
+        Kind::LongDwell => format!(
+            "{} stays in {} for {worst}, allowed are {limit}: pick it {} earlier",
+            name(0),
+            name(1),
+            number(one.excess())
+        ),
+        Kind::ShortDwell => format!(
+            "{} leaves {} after {worst}, required are {limit}: wait {} longer before this instruction",
+            name(0),
+            name(1),
+            number(one.excess())
+        ),
+        Kind::LeftInStation => format!(
+            "{} is left in {} at the end of the program, where a wafer may stay for {limit}: pick it before the program ends",
+            name(0),
+            name(1)
+        ),
         Kind::SafeZone => format!(
             "the wafer centre of {} is {worst} outside safe zone {} while the robot rotates",
             name(0),

@@ -63,7 +63,7 @@ impl Violation {
     }
 }
 
-/// Groups violations by cause, the most severe cause first: unknown poses, collisions, keep-out zones, clearances, slip, then other limits; within each by excess.
+/// Groups violations by cause, the most severe cause first: unknown poses, collisions, keep-out zones, clearances, slip, rules for wafers, then other limits; within each by excess.
 ///
 /// # Arguments
 /// * `steps` – of the trajectory

@@ -33,6 +33,14 @@ pub enum Kind {
     KeepOut,
     /// The centre of an end effector leaves a safe zone while the robot turns.
     SafeZone,
+    /// A wafer stays at a station for longer than allowed.
+    LongDwell,
+    /// A wafer leaves a station earlier than allowed.
+    ShortDwell,
+    /// A wafer is left at the end of the program in a station that limits its stay.
+    LeftInStation,
+    /// A wafer does not make a visit that a rule requires, or makes too many.
+    MissingVisit,
 }
 
 /// Quantity of the value and limit of a violation.
@@ -44,6 +52,8 @@ pub enum Unit {
     Angle,
     /// Specific force (m/s²).
     Acceleration,
+    /// Time (s).
+    Time,
     /// No value.
     None,
 }
@@ -57,7 +67,7 @@ impl Kind {
         }
     }
 
-    /// Rank by severity, 0 for the most severe: unknown poses, contacts, zones, clearances, slip, other limits.
+    /// Rank by severity, 0 for the most severe: unknown poses, contacts, zones, clearances, slip, rules for wafers, other limits.
     #[must_use]
     pub fn severity_rank(self) -> u8 {
         match self {
@@ -66,7 +76,8 @@ impl Kind {
             Self::KeepOut => 2,
             Self::Clearance | Self::SlotClearance | Self::SafeZone => 3,
             Self::Slip => 4,
-            _ => 5,
+            Self::LongDwell | Self::LeftInStation | Self::ShortDwell | Self::MissingVisit => 5,
+            _ => 6,
         }
     }
 }
@@ -88,6 +99,10 @@ impl fmt::Display for Kind {
             Self::SlotClearance => "slot clearance",
             Self::KeepOut => "keep-out zone",
             Self::SafeZone => "safe zone",
+            Self::LongDwell => "long stay",
+            Self::ShortDwell => "short stay",
+            Self::LeftInStation => "wafer left in station",
+            Self::MissingVisit => "visit rule",
         })
     }
 }

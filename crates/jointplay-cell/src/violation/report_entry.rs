@@ -10,7 +10,7 @@ use crate::workcell::Cell;
 pub struct Violation {
     /// Kind of the violation.
     pub kind: Kind,
-    /// Entities concerned: an axis, an effector, an effector and a zone, or two collision objects; empty for the platform.
+    /// Entities concerned: an axis, an effector, an effector and a zone, two collision objects, or a wafer and a station; empty for the platform.
     pub entities: Vec<EntityId>,
     /// Index of the instruction in the order of execution.
     pub instruction: usize,
@@ -32,7 +32,7 @@ pub struct Violation {
     pub limit: f64,
     /// Quantity of `worst` and `limit`.
     pub unit: Unit,
-    /// Reason, where a pose is unknown.
+    /// Reason, where a pose is unknown or a visit is missing.
     pub detail: String,
 }
 
@@ -43,6 +43,7 @@ impl Violation {
         match (self.unit, self.kind) {
             (Unit::None, _) => "",
             (Unit::Acceleration, _) => "m/s²",
+            (Unit::Time, _) => "s",
             (Unit::Length, Kind::Velocity) => "m/s",
             (Unit::Length, Kind::Acceleration) => "m/s²",
             (Unit::Length, Kind::Jerk) => "m/s³",
@@ -96,7 +97,7 @@ impl Violation {
             Kind::Play => format!(
                 "the virtual joints are displaced by {worst:.3e} m, the play budget is {limit:.3e} m"
             ),
-            Kind::Platform | Kind::Droop => self.detail.clone(),
+            Kind::Platform | Kind::Droop | Kind::MissingVisit => self.detail.clone(),
             Kind::Slip if worst.is_infinite() => {
                 format!("the wafer on {} lifts off its supports", name(0))
             }
@@ -138,6 +139,21 @@ impl Violation {
                 )
             }
             Kind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
+            Kind::LongDwell => format!(
+                "{} stays in {} for {worst:.3} s, allowed are {limit:.3} s",
+                name(0),
+                name(1)
+            ),
+            Kind::ShortDwell => format!(
+                "{} stays in {} for {worst:.3} s, required are {limit:.3} s",
+                name(0),
+                name(1)
+            ),
+            Kind::LeftInStation => format!(
+                "{} is left in {} at the end, where it may stay for {limit:.3} s",
+                name(0),
+                name(1)
+            ),
             Kind::SafeZone => format!(
                 "the wafer centre of {} is {worst:.6} m outside safe zone {} while the robot rotates",
                 name(0),

@@ -1,6 +1,7 @@
 //! Pictures of cells: top view, timing diagram, taught stations.
 
 mod gantt;
+mod gantt_places;
 mod outline;
 mod station_label;
 mod teach;

@@ -4,7 +4,7 @@ use jointplay::format::cell::Change;
 use jointplay::format::place::Place;
 use jointplay::format::program::keywords;
 use jointplay::nalgebra::Vector3;
-use jointplay::report::{CellReport, InstructionReport, ViolationReport};
+use jointplay::report::{CellReport, InstructionReport, ScheduleReport, ViolationReport};
 use jointplay::spatial::Tilt;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -289,6 +289,10 @@ pub(crate) fn truncated(report: &CellReport) -> CellReport {
         blended: report.blended.clone(),
         compensated: report.compensated.clone(),
         axes: report.axes.clone(),
+        schedule: ScheduleReport {
+            wafers: first(&report.schedule.wafers, MAX_LISTED),
+            ..report.schedule.clone()
+        },
         nearest: report.nearest.clone(),
         instructions: Vec::new(),
         violations: first(violations, MAX_LISTED),

@@ -6,8 +6,8 @@ use jointplay::cell::check::Kind;
 use jointplay::cell::program::SourceLocation;
 use jointplay::format::number::counted;
 use jointplay::report::{
-    CellReport, InstructionReport, OccurrenceReport, ShareReport, ViolationGroupReport,
-    violation_groups,
+    CellReport, InstructionReport, OccurrenceReport, ScheduleReport, ShareReport, StationUseReport,
+    ViolationGroupReport, violation_groups,
 };
 
 use super::input::Planned;
@@ -51,6 +51,7 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
             fixed(rate, 1)
         );
     }
+    schedule(&mut text, &report.schedule);
     if let Some(straight) = &report.straight {
         let _ = writeln!(
             text,
@@ -133,6 +134,7 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
             let _ = writeln!(text, "  {} is in {}, {depth} mm deep", one.body, one.zone);
         }
     }
+    stations(&mut text, &report.schedule);
     lines(&mut text, report);
     axes(&mut text, report);
     if !report.nearest.is_empty() {
@@ -153,6 +155,85 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
         }
     }
     text
+}
+
+/// Waits, bottleneck and periodic parts.
+fn schedule(text: &mut String, schedule: &ScheduleReport) {
+    let robot = &schedule.robot;
+    let mut waits: Vec<String> = robot
+        .process_waits
+        .iter()
+        .map(|wait| format!("{} s for {}", fixed(wait.waiting_s, 1), wait.station))
+        .collect();
+    if robot.commanded_waits_s > 0.0 {
+        waits.push(format!("{} s by WAIT", fixed(robot.commanded_waits_s, 1)));
+    }
+    let waits = match waits.len() {
+        0 => "no waits".to_owned(),
+        1 => format!("waits {}", waits[0]),
+        _ => format!("waits {} s: {}", fixed(robot.waiting_s, 1), waits.join(", ")),
+    };
+    let _ = writeln!(
+        text,
+        "  robot                moving {} % of the time, {waits}",
+        percent(robot.busy_share)
+    );
+    for part in &schedule.periodic_parts {
+        let _ = writeln!(
+            text,
+            "  periodic             lines {} to {}: {} of {} s ({} to {}), {} wafers/h",
+            part.lines[0],
+            part.lines[1],
+            counted(part.cycles, "cycle"),
+            fixed(part.period_s, 3),
+            fixed(part.shortest_period_s, 3),
+            fixed(part.longest_period_s, 3),
+            fixed(part.wafers_per_hour, 1)
+        );
+    }
+    if let Some(bottleneck) = &schedule.bottleneck {
+        let name = match bottleneck.kind {
+            "process" => format!("process of {}", bottleneck.name),
+            "wait command" => "WAIT commands".to_owned(),
+            _ => "robot".to_owned(),
+        };
+        let of =
+            if schedule.periodic_parts.is_empty() { "program" } else { "longest periodic part" };
+        let _ = writeln!(
+            text,
+            "  bottleneck           {name}: {} % of the critical path of the {of}",
+            percent(bottleneck.share)
+        );
+    }
+}
+
+/// A row for each station that the program uses.
+fn stations(text: &mut String, schedule: &ScheduleReport) {
+    let used: Vec<&StationUseReport> =
+        schedule.stations.iter().filter(|station| station.visits > 0).collect();
+    if used.is_empty() {
+        return;
+    }
+    text.push_str("stations, shares of the time in %\n");
+    text.push_str(
+        "  station     visits  occupied  processing  robot waits s  shortest stay s  longest stay s\n",
+    );
+    for station in used {
+        let seconds = |time: Option<f64>| time.map_or("–".to_owned(), |time| fixed(time, 1));
+        let limit =
+            station.max_dwell_s.map_or(String::new(), |max| format!(" of {}", fixed(max, 1)));
+        let _ = writeln!(
+            text,
+            "  {:<12} {:>5} {:>9} {:>11} {:>14} {:>16} {:>15}{limit}",
+            station.name,
+            station.visits,
+            percent(station.occupied_share),
+            percent(station.busy_share),
+            fixed(station.robot_waits_s, 1),
+            seconds(station.shortest_stay_s),
+            seconds(station.longest_stay_s)
+        );
+    }
 }
 
 /// Violations by cause, worst first: the worst of each group with an excerpt, and the number of violations by instruction and station.
