@@ -80,7 +80,7 @@ impl WaferRules {
                 return Err(CellError::NoName { what: format!("a station of rule {}", rule.name) });
             }
             if rule.count == Some(0) {
-                let what = format!("rule {}, which requires 0 visits", rule.name);
+                let what = format!("rule {:?}, which requires 0 visits", rule.name);
                 return Err(CellError::Contradiction { what });
             }
         }
@@ -114,7 +114,7 @@ impl WaferRules {
             None => Ok(()),
             Some(rule) => {
                 let what = format!(
-                    "rule {}, which with the other rules requires a visit before itself",
+                    "rule {:?}, which with the other rules requires a visit before itself",
                     rule.name
                 );
                 Err(CellError::Contradiction { what })

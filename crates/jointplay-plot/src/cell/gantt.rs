@@ -7,6 +7,7 @@ use jointplay_cell::station::SlotId;
 use jointplay_cell::trajectory::Trajectory;
 use jointplay_cell::workcell::Cell;
 
+use super::gantt_interval::{Interval, IntervalKind};
 use super::gantt_places::places;
 use crate::linear_ticks::linear_ticks;
 use crate::svg::{Anchor, INK, Svg, px};
@@ -24,39 +25,6 @@ const TICKS: f64 = 36.0;
 const SHORTEST: f64 = 60.0;
 /// Largest number of bands.
 const MOST_BANDS: f64 = 12.0;
-
-/// A time interval of one kind.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Interval {
-    /// Start (s).
-    pub from: f64,
-    /// End (s).
-    pub to: f64,
-    /// Its kind.
-    pub kind: IntervalKind,
-}
-
-/// The kind of a time interval.
-#[derive(Debug, Clone, PartialEq)]
-pub enum IntervalKind {
-    /// Motion of an axis, by index, without a wafer on any effector.
-    Empty(usize),
-    /// Motion of an axis, by index, with a wafer on an effector.
-    Loaded(usize),
-    /// An instruction, with its labels from long to short; the first one that fits is shown.
-    Instruction(Vec<String>),
-    /// Wafers on an effector or at a station, by row of `places`.
-    Wafers {
-        /// The row.
-        row: usize,
-        /// Number of wafers as a share of the slots.
-        share: f64,
-    },
-    /// Process of a station, by row of `places`.
-    Process(usize),
-    /// A violation.
-    Violation,
-}
 
 /// The timing diagram of a trajectory; long trajectories are split into bands, one below the other.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,7 @@ use jointplay_cell::program::WaferLocation;
 use jointplay_cell::schedule::{Schedule, TimedStay};
 use jointplay_cell::workcell::Cell;
 
-use super::gantt::{Interval, IntervalKind};
+use super::gantt_interval::{Interval, IntervalKind};
 
 /// Names of the effectors that carry wafers and of the stations that the program uses, and their intervals.
 pub(super) fn places(cell: &Cell, schedule: &Schedule) -> (Vec<String>, Vec<Interval>) {

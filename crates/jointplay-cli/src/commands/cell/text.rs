@@ -15,6 +15,8 @@ use crate::output::fixed;
 
 /// Largest number of instructions listed of a violation group.
 const OCCURRENCES: usize = 4;
+/// Shortest wait for a process that is listed (s).
+const SHORTEST_WAIT: f64 = 0.05;
 /// Largest number of violation groups listed.
 const GROUPS: usize = 12;
 
@@ -163,6 +165,7 @@ fn schedule(text: &mut String, schedule: &ScheduleReport) {
     let mut waits: Vec<String> = robot
         .process_waits
         .iter()
+        .filter(|wait| wait.waiting_s >= SHORTEST_WAIT)
         .map(|wait| format!("{} s for {}", fixed(wait.waiting_s, 1), wait.station))
         .collect();
     if robot.commanded_waits_s > 0.0 {
