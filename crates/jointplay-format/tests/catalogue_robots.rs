@@ -5,7 +5,7 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 
-use jointplay_cell::check::{CheckOptions, Kind, check};
+use jointplay_cell::check::{CheckOptions, ViolationKind, check};
 use jointplay_cell::program::{Path, ProgramProblem, expand};
 use jointplay_cell::robot::RODS;
 use jointplay_cell::station::LineRemedy;
@@ -151,10 +151,14 @@ fn each_change_that_the_message_of_a_blocked_line_names_makes_the_line_possible(
         let cell = cell_of(robot, &[at], "line", 150.0);
         let refusal = planned(&cell, get).expect_err(robot);
         let message = &refusal.message;
-        let Some(ProgramProblem::BlockedLine { blocked, .. }) = refusal.problem.as_deref() else {
+        let Some(ProgramProblem::InfeasibleLine { blocked, .. }) = refusal.problem.as_deref()
+        else {
             panic!("{robot}: {message}")
         };
-        assert!((0.0..1.0).contains(&blocked.share) && blocked.remedies.len() >= 2, "{blocked:?}");
+        assert!(
+            (0.0..1.0).contains(&blocked.fraction) && blocked.remedies.len() >= 2,
+            "{blocked:?}"
+        );
         assert!(message.contains("set approach = \"radial\" of S0"), "{message}");
         for remedy in &blocked.remedies {
             let changed = match *remedy {
@@ -310,5 +314,5 @@ fn segments_are_slowed_until_the_wafer_stays() {
     }
     let trajectory = planned(&cell, LOT).unwrap();
     let report = check(&cell, &trajectory, &CheckOptions::default());
-    assert!(report.violations.iter().any(|one| one.kind == Kind::Slip));
+    assert!(report.violations.iter().any(|one| one.kind == ViolationKind::Slip));
 }

@@ -26,6 +26,6 @@ pub(crate) use checker::CheckCache;
 pub use checker::check;
 pub use options::CheckOptions;
 pub use pose::{ContactFreePath, PoseContext, advance_until_contact, check_pose};
-pub use report::{InstructionResult, MinimumDistance, Report, Utilization, Verdict};
+pub use report::{CheckResult, InstructionResult, MinimumDistance, Report, Utilization};
 
-pub use crate::violation::{Kind, Unit, Violation};
+pub use crate::violation::{Violation, ViolationKind, ViolationQuantity};

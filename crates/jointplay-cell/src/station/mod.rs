@@ -9,7 +9,7 @@ mod validate;
 mod waypoints;
 
 pub use description::{Approach, Origin, SlotId, Station, Stroke};
-pub use postures::{BlockedLine, LineRemedy};
+pub use postures::{InfeasibleLine, LineRemedy};
 pub(crate) use postures::{LinePoint, StationPostures};
 pub use validate::MAX_SLOTS;
 pub use waypoints::Waypoints;

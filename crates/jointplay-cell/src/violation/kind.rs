@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Kinds of violations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
+pub enum ViolationKind {
     /// The position of an axis is out of its range.
     Position,
     /// The velocity of an axis exceeds its limit.
@@ -37,7 +37,7 @@ pub enum Kind {
 
 /// Quantity of the value and limit of a violation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
+pub enum ViolationQuantity {
     /// Length, or one of its derivatives by time.
     Length,
     /// Angle, or one of its derivatives by time.
@@ -48,7 +48,7 @@ pub enum Unit {
     None,
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for ViolationKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Position => "position limit",

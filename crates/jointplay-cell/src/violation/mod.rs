@@ -7,5 +7,5 @@ mod report_entry;
 pub(crate) use interval::{
     IntervalMerger, SampleTime, SampleViolation, Subject, ViolationInterval,
 };
-pub use kind::{Kind, Unit};
+pub use kind::{ViolationKind, ViolationQuantity};
 pub use report_entry::Violation;

@@ -72,7 +72,7 @@ fn span_of(top: &Table, part: CellPart) -> Range<usize> {
         CellPart::Zone(index) => nth("zone", index),
         CellPart::AllowedPair(_) => entry("may_touch"),
         CellPart::Occupied(_) => entry("station"),
-        CellPart::Carried(_) => entry("carried"),
+        CellPart::LoadedEffector(_) => entry("carried"),
     };
     found.unwrap_or(0..0)
 }
@@ -104,7 +104,7 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
     let bodies = bodies::bodies(top, robot.as_ref(), &stations, files);
     let allowed_pairs = bodies::pairs(top, &bodies);
     let zones = bodies::zones(top, files);
-    let carried = carried(top, effectors.as_ref());
+    let loaded_effectors = loaded_effectors(top, effectors.as_ref());
     kind?;
     let [play_budget, clearance, slot_clearance, plane_threshold, gravity] = budgets?;
     let occupied = occupied
@@ -118,7 +118,7 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
         wafer: wafer?,
         occupied: occupied.collect(),
         stations,
-        carried,
+        loaded_effectors,
         bodies,
         allowed_pairs,
         zones,
@@ -144,7 +144,7 @@ fn bare(
         wafer: wafer?.clone(),
         stations: Vec::new(),
         occupied: Vec::new(),
-        carried: Vec::new(),
+        loaded_effectors: Vec::new(),
         bodies: Vec::new(),
         allowed_pairs: Vec::new(),
         zones: Vec::new(),
@@ -156,7 +156,7 @@ fn bare(
     })
 }
 
-fn carried(top: &Table, effectors: Option<&Effectors>) -> Vec<EffectorId> {
+fn loaded_effectors(top: &Table, effectors: Option<&Effectors>) -> Vec<EffectorId> {
     let (Some(entry), Some(known)) = (top.entry("carried"), effectors) else { return Vec::new() };
     named_effectors(&entry, top.reader, known)
 }

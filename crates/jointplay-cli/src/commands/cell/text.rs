@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use jointplay::cell::EntityId;
-use jointplay::cell::check::{Kind, Violation};
+use jointplay::cell::check::{Violation, ViolationKind};
 use jointplay::cell::program::SourceLocation;
 use jointplay::format::number::counted;
 use jointplay::report::{CellReport, InstructionReport, ShareReport, explain_violation};
@@ -17,7 +17,7 @@ const TIMES: usize = 4;
 /// Largest number of violation groups listed.
 const GROUPS: usize = 12;
 
-/// Verdict, violations, and a table by program line.
+/// CheckResult, violations, and a table by program line.
 pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     let mut text = format!("{} with {}\n", report.cell, report.robot);
     let metric = report
@@ -29,11 +29,11 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
         report.virtualization, report.solver
     );
     let count = report.violations.len();
-    let verdict = match count {
-        0 => "sound".to_owned(),
+    let result = match count {
+        0 => "passed".to_owned(),
         count => format!("{}, not safe to run", counted(count, "violation")),
     };
-    let _ = writeln!(text, "  verdict              {verdict}");
+    let _ = writeln!(text, "  result               {result}");
     let _ = writeln!(
         text,
         "  program              {}, {} in {}",
@@ -142,7 +142,7 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct GroupKey {
     place: SourceLocation,
-    kind: Kind,
+    kind: ViolationKind,
     entities: Vec<Option<EntityId>>,
 }
 
@@ -210,13 +210,13 @@ fn excess(one: &Violation) -> f64 {
 }
 
 /// Rank of a kind: damage first, then clearances, then limits of the axes.
-fn severity(kind: Kind) -> u8 {
+fn severity(kind: ViolationKind) -> u8 {
     match kind {
-        Kind::Platform | Kind::Droop => 0,
-        Kind::Collision => 1,
-        Kind::KeepOut => 2,
-        Kind::Clearance | Kind::SlotClearance | Kind::SafeZone => 3,
-        Kind::Slip => 4,
+        ViolationKind::Platform | ViolationKind::Droop => 0,
+        ViolationKind::Collision => 1,
+        ViolationKind::KeepOut => 2,
+        ViolationKind::Clearance | ViolationKind::SlotClearance | ViolationKind::SafeZone => 3,
+        ViolationKind::Slip => 4,
         _ => 5,
     }
 }
