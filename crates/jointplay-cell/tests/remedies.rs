@@ -8,12 +8,12 @@ mod common;
 use common::A;
 use jointplay_cell::EntityId;
 use jointplay_cell::check::{
-    CheckOptions, Kind, Report, bodies_in_zones, check, group_violations, remedies,
+    CheckOptions, Report, ViolationKind, bodies_in_zones, check, group_violations, remedies,
 };
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::{Path, Phase, SourceLocation, Step};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
-use jointplay_cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
+use jointplay_cell::workcell::{Body, Cell, ParentFrame, Zone, ZoneRule};
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector3};
 
@@ -56,8 +56,8 @@ fn with_post(gap: f64) -> Cell {
     let center = wafer.translation.vector - Vector3::z() * (gap + half);
     cell.bodies.push(Body {
         name: "post".into(),
-        carrier: Carrier::World,
-        carrier_from_shape: Pose::from_parts(center.into(), Rotation3::identity()),
+        parent: ParentFrame::World,
+        parent_from_shape: Pose::from_parts(center.into(), Rotation3::identity()),
         shape: Shape::Box { half: [0.01, 0.01, half] },
         station: None,
     });
@@ -84,10 +84,10 @@ fn a_post_is_lowered_by_its_depth_and_the_clearance() {
         assert_eq!([x, y], [0.0, 0.0]);
         assert!((z + lowered).abs() < 1e-9, "{z} for {lowered}");
         let mut moved = cell.clone();
-        moved.bodies[0].carrier_from_shape.translation.vector.z += z;
+        moved.bodies[0].parent_from_shape.translation.vector.z += z;
         assert!(checked(&moved).1.violations.is_empty());
         // Less by one increment does not suffice.
-        moved.bodies[0].carrier_from_shape.translation.vector.z += 1e-4;
+        moved.bodies[0].parent_from_shape.translation.vector.z += 1e-4;
         assert!(!checked(&moved).1.violations.is_empty());
     }
 }
@@ -99,7 +99,7 @@ fn a_pair_is_one_cause_with_its_instructions_and_its_depth() {
     let groups = group_violations(&motion.steps, &report.violations);
     let [group] = groups.as_slice() else { panic!("{groups:?}") };
     let worst = &report.violations[group.worst];
-    assert_eq!(worst.kind, Kind::Collision);
+    assert_eq!(worst.kind, ViolationKind::Collision);
     // The depth is the wafer's in the post, sideways or upward, and the clearance is added.
     assert!((worst.excess() - (0.1e-3 + CLEARANCE)).abs() < 1e-5, "{}", worst.excess());
     assert_eq!(worst.limit, CLEARANCE);
@@ -121,8 +121,8 @@ fn a_fixed_body_in_a_keep_out_zone_is_listed_with_its_depth() {
     let mut cell = cell();
     let block = |name: &str, x: f64| Body {
         name: name.into(),
-        carrier: Carrier::World,
-        carrier_from_shape: Pose::from_parts(
+        parent: ParentFrame::World,
+        parent_from_shape: Pose::from_parts(
             Vector3::new(x, 2.0, 0.0).into(),
             Rotation3::identity(),
         ),
@@ -130,7 +130,7 @@ fn a_fixed_body_in_a_keep_out_zone_is_listed_with_its_depth() {
         station: None,
     };
     cell.bodies = vec![block("far", 5.0), block("door", 2.0), block("hand", 2.0)];
-    cell.bodies[2].carrier = Carrier::Platform;
+    cell.bodies[2].parent = ParentFrame::Platform;
     cell.zones.push(Zone {
         name: "gap".into(),
         rule: ZoneRule::KeepOut,
@@ -153,7 +153,7 @@ fn a_keep_out_zone_is_lowered_by_its_depth() {
     cell.zones.push(Zone {
         name: "door".into(),
         rule: ZoneRule::KeepOut,
-        base_from_shape: post.carrier_from_shape,
+        base_from_shape: post.parent_from_shape,
         shape: post.shape,
     });
     let (motion, report) = checked(&cell);

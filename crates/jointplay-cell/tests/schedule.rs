@@ -7,7 +7,7 @@ mod common;
 
 use jointplay_cell::CellError;
 use jointplay_cell::EntityId;
-use jointplay_cell::check::{CheckOptions, Kind, Violation, check};
+use jointplay_cell::check::{CheckOptions, Violation, ViolationKind, check};
 use jointplay_cell::program::{Handoff, Path, Phase, SourceLocation, Step};
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::schedule::{Resource, Schedule, schedule};
@@ -53,7 +53,7 @@ fn tool(processes: &[f64], wafers: usize) -> Cell {
     for (index, &process) in processes.iter().enumerate() {
         cell.stations.push(station(index + 1, 1, process));
     }
-    cell.carried.clear();
+    cell.loaded_effectors.clear();
     cell.occupied = (1..=wafers).map(|slot| SlotId { station: LOAD_LOCK, slot }).collect();
     cell
 }
@@ -308,7 +308,12 @@ fn forgetful(cell: &Cell, wait: f64) -> Trajectory {
 }
 
 fn rule_violations(cell: &Cell, trajectory: &Trajectory) -> Vec<Violation> {
-    let rules = [Kind::LongDwell, Kind::ShortDwell, Kind::LeftInStation, Kind::MissingVisit];
+    let rules = [
+        ViolationKind::LongDwell,
+        ViolationKind::ShortDwell,
+        ViolationKind::LeftInStation,
+        ViolationKind::MissingVisit,
+    ];
     let report = check(cell, trajectory, &CheckOptions::default());
     report.violations.into_iter().filter(|one| rules.contains(&one.kind)).collect()
 }
@@ -327,17 +332,23 @@ fn long_and_short_stays_and_forgotten_wafers_are_violations() {
         let row = |one: Violation| (one.kind, one.entities, one.place.line, one.worst);
         found.into_iter().map(row).collect::<Vec<_>>()
     };
-    let none: Vec<(Kind, Vec<EntityId>, usize, f64)> = Vec::new();
+    let none: Vec<(ViolationKind, Vec<EntityId>, usize, f64)> = Vec::new();
     assert_eq!(found(limits(dwell - 1e-6, None)), none);
     let short = found(limits(dwell + 0.5, None));
-    let [(Kind::ShortDwell, entities, 3, worst)] = short.as_slice() else { panic!("{short:?}") };
+    let [(ViolationKind::ShortDwell, entities, 3, worst)] = short.as_slice() else {
+        panic!("{short:?}")
+    };
     assert_eq!(entities, &[wafer(1), EntityId::Station(1)]);
     assert!((worst - dwell).abs() < 1e-9);
     let left = found(limits(0.0, Some(dwell)));
-    let [(Kind::LeftInStation, entities, 4, _)] = left.as_slice() else { panic!("{left:?}") };
+    let [(ViolationKind::LeftInStation, entities, 4, _)] = left.as_slice() else {
+        panic!("{left:?}")
+    };
     assert_eq!(entities, &[wafer(2), EntityId::Station(1)]);
     let long = found(limits(0.0, Some(dwell - 0.5)));
-    let [(Kind::LongDwell, _, 3, worst), (Kind::LeftInStation, ..)] = long.as_slice() else {
+    let [(ViolationKind::LongDwell, _, 3, worst), (ViolationKind::LeftInStation, ..)] =
+        long.as_slice()
+    else {
         panic!("{long:?}")
     };
     assert!((worst - dwell).abs() < 1e-9);

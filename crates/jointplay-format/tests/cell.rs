@@ -53,9 +53,10 @@ fn every_slot_of_the_example_is_within_reach_of_both_arms() {
                     &waypoints.retracted_above,
                 ];
                 for (k, place) in places.into_iter().enumerate() {
-                    let reached = cell.reach(id, place, k > 2, &near).unwrap_or_else(|error| {
-                        panic!("{} slot {slot} place {k} {id:?}: {error}", station.name)
-                    });
+                    let reached =
+                        cell.compensated_inverse(id, place, k > 2, &near).unwrap_or_else(|error| {
+                            panic!("{} slot {slot} place {k} {id:?}: {error}", station.name)
+                        });
                     // An arm that extends and retracts along its own radius does not rotate.
                     if k > 0 {
                         assert!((reached.positions[RODS] - near[RODS]).abs() < 0.01, "{k} {slot}");

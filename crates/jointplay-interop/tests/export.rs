@@ -103,7 +103,7 @@ fn cell() -> Cell {
             process_time: 0.0,
         }],
         occupied: vec![SLOT],
-        carried: vec![],
+        loaded_effectors: vec![],
         bodies: vec![],
         allowed_pairs: vec![],
         zones: vec![],

@@ -10,7 +10,7 @@ use jointplay_cell::robot::{
 use jointplay_cell::station::teach::fit_plane;
 use jointplay_cell::station::{Approach, Origin, Station, Stroke};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
-use jointplay_cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
+use jointplay_cell::workcell::{Body, Cell, ParentFrame, Zone, ZoneRule};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use jointplay_plot::Error;
@@ -86,8 +86,8 @@ fn cell() -> Cell {
     };
     let wall = Body {
         name: "wall".to_owned(),
-        carrier: Carrier::World,
-        carrier_from_shape: Pose::translation(0.0, -0.5, 0.5),
+        parent: ParentFrame::World,
+        parent_from_shape: Pose::translation(0.0, -0.5, 0.5),
         shape: Shape::Box { half: [0.3, 0.02, 0.5] },
         station: None,
     };
@@ -106,7 +106,7 @@ fn cell() -> Cell {
         wafer: Wafer { diameter: 0.3, thickness: 775e-6, material: silicon },
         stations: vec![station("port", 0.6, 0.2, 25, 0.0), station("aligner", 0.1, 0.6, 1, 0.014)],
         occupied: vec![],
-        carried: vec![],
+        loaded_effectors: vec![],
         bodies: vec![wall],
         allowed_pairs: vec![],
         zones: vec![zone],

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use jointplay_cell::check::{Report, Utilization, Verdict, Violation};
+use jointplay_cell::check::{CheckResult, Report, Utilization, Violation};
 use jointplay_cell::program::{HandoffDeflection, SourceLocation, handoff_deflections};
 use jointplay_cell::robot::AxisKind;
 use jointplay_cell::schedule::schedule;
@@ -39,8 +39,8 @@ pub struct CellReport {
     pub metric_mm: Option<f64>,
     /// Values of cell and robot that are assumptions, with their reasons.
     pub assumed: Vec<String>,
-    /// `sound` or `broken`.
-    pub verdict: &'static str,
+    /// `passed` or `failed`.
+    pub result: &'static str,
     /// Duration of the motion.
     pub duration_s: f64,
     /// Number of different wafers that are put into a slot.
@@ -288,9 +288,9 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         solver: model.options.solver.to_string(),
         metric_mm: metric,
         assumed: robot.assumed.iter().chain(&cell.assumed).cloned().collect(),
-        verdict: match report.verdict {
-            Verdict::Sound => "sound",
-            Verdict::Broken => "broken",
+        result: match report.result {
+            CheckResult::Passed => "passed",
+            CheckResult::Failed => "failed",
         },
         duration_s: report.duration,
         wafers: report.wafers,

@@ -17,7 +17,7 @@ use crate::violation::{explain_violation, in_display_unit};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct ViolationGroupReport {
-    /// Kind of the worst violation.
+    /// ViolationKind of the worst violation.
     pub kind: String,
     /// Names of the axis, effector or bodies of the worst violation.
     pub names: Vec<String>,
@@ -39,7 +39,7 @@ pub struct ViolationGroupReport {
     pub limit: Option<f64>,
     /// Amount by which the limit is exceeded, in `unit`; of bodies the depth with the required clearance.
     pub excess: Option<f64>,
-    /// Unit of these values; empty if they have no value.
+    /// ViolationQuantity of these values; empty if they have no value.
     pub unit: &'static str,
     /// Message of the worst violation with values and units.
     pub message: String,

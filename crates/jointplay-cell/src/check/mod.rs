@@ -31,10 +31,10 @@ pub use checker::check;
 pub use options::CheckOptions;
 pub use pose::{ContactFreePath, PoseContext, advance_until_contact, check_pose};
 pub use remedy::{Remedy, remedies};
-pub use report::{InstructionResult, MinimumDistance, Report, Utilization, Verdict};
-
+pub use report::{CheckResult, InstructionResult, MinimumDistance, Report, Utilization};
 pub use zone_bodies::{BodyInZone, bodies_in_zones};
 
 pub use crate::violation::{
-    Kind, Unit, Violation, ViolationGroup, ViolationOccurrence, group_violations,
+    Violation, ViolationGroup, ViolationKind, ViolationOccurrence, ViolationQuantity,
+    group_violations,
 };

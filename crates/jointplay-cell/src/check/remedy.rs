@@ -7,13 +7,13 @@ use super::checker::CheckCache;
 use super::options::CheckOptions;
 use super::report::Report;
 use crate::EntityId;
-use crate::collision::{CONTACT_RESOLUTION, ContactRule, LinkPoses, Scene};
+use crate::collision::{CONTACT_RESOLUTION, ClearanceRule, LinkPoses, Scene};
 use crate::geometry::{ColliderCache, PlacedCollider, distance};
 use crate::incremental::{Interrupted, JobContext, Stop};
 use crate::program::WaferLocations;
 use crate::trajectory::{Sample, Trajectory};
-use crate::violation::{Kind, Violation};
-use crate::workcell::{Carrier, Cell};
+use crate::violation::{Violation, ViolationKind};
+use crate::workcell::{Cell, ParentFrame};
 
 /// Largest number of bodies and zones for which a remedy is searched, the most severe first.
 const MAX_OBSTACLES: usize = 4;
@@ -125,14 +125,17 @@ fn is_more_severe(one: &Violation, other: &Violation) -> bool {
 fn obstacle_of(cell: &Cell, violation: &Violation) -> Option<Obstacle> {
     let is_pair = matches!(
         violation.kind,
-        Kind::Collision | Kind::Clearance | Kind::SlotClearance | Kind::KeepOut
+        ViolationKind::Collision
+            | ViolationKind::Clearance
+            | ViolationKind::SlotClearance
+            | ViolationKind::KeepOut
     );
     if !is_pair {
         return None;
     }
     violation.entities.iter().find_map(|&entity| match entity {
         EntityId::Zone(zone) => Some(Obstacle::Zone(zone)),
-        EntityId::Body(body) if cell.bodies[body].carrier == Carrier::World => {
+        EntityId::Body(body) if cell.bodies[body].parent == ParentFrame::World => {
             Some(Obstacle::Body(body))
         }
         _ => None,
@@ -158,7 +161,7 @@ impl Obstacle {
     fn translated(self, cell: &Cell, translation: &Vector3<f64>) -> Cell {
         let mut moved = cell.clone();
         let pose = match self {
-            Self::Body(body) => &mut moved.bodies[body].carrier_from_shape,
+            Self::Body(body) => &mut moved.bodies[body].parent_from_shape,
             Self::Zone(zone) => &mut moved.zones[zone].base_from_shape,
         };
         *pose = Translation3::from(*translation) * *pose;
@@ -222,7 +225,7 @@ fn needed_translations(
             Ok(poses) => {
                 let pairs = pairs_of(&scene, violation, obstacle.entity());
                 for [mover, fixed] in pairs {
-                    let rule = scene.contact_rule(mover, fixed, &trajectory.steps[step]);
+                    let rule = scene.clearance_rule(mover, fixed, &trajectory.steps[step]);
                     for need in &mut needs {
                         need.extend(&scene, &poses, [mover, fixed], rule);
                     }
@@ -257,14 +260,14 @@ impl Need {
         scene: &Scene<'_>,
         poses: &LinkPoses,
         [mover, fixed]: [usize; 2],
-        rule: ContactRule,
+        rule: ClearanceRule,
     ) {
         let required = match rule {
-            ContactRule::Unchecked => return,
-            ContactRule::MinClearance(clearance) | ContactRule::SlotClearance(clearance) => {
+            ClearanceRule::Unchecked => return,
+            ClearanceRule::MinClearance(clearance) | ClearanceRule::SlotClearance(clearance) => {
                 clearance
             }
-            ContactRule::KeepOut => 0.0,
+            ClearanceRule::KeepOut => 0.0,
         };
         let (mover, placed) = (scene.collider_at(mover, poses), scene.collider_at(fixed, poses));
         let is_clear = |translation: f64| {

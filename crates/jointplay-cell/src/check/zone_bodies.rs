@@ -4,7 +4,7 @@ use jointplay_core::spatial::Pose;
 
 use crate::collision::CONTACT_RESOLUTION;
 use crate::geometry::{Collider, PlacedCollider, bounding_sphere_gap, distance, penetration_depth};
-use crate::workcell::{Carrier, Cell, Zone, ZoneRule};
+use crate::workcell::{Cell, ParentFrame, Zone, ZoneRule};
 
 /// Fixed body that is in a keep-out zone.
 ///
@@ -24,9 +24,10 @@ pub struct BodyInZone {
 pub fn bodies_in_zones(cell: &Cell) -> Vec<BodyInZone> {
     let is_keep_out = |(_, zone): &(usize, &Zone)| zone.rule == ZoneRule::KeepOut;
     let collider = |shape, pose| Collider::new(shape, pose);
-    let fixed = cell.bodies.iter().enumerate().filter(|(_, body)| body.carrier == Carrier::World);
+    let fixed =
+        cell.bodies.iter().enumerate().filter(|(_, body)| body.parent == ParentFrame::World);
     let fixed: Vec<(usize, Collider)> = fixed
-        .filter_map(|(index, body)| Some((index, collider(&body.shape, &body.carrier_from_shape)?)))
+        .filter_map(|(index, body)| Some((index, collider(&body.shape, &body.parent_from_shape)?)))
         .collect();
     let mut found = Vec::new();
     let base_from_parent = &Pose::identity();

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::allowed_collisions::ContactRule;
+use super::allowed_collisions::ClearanceRule;
 use super::interval_motion_bound::IntervalMotionBound;
 use super::link_poses::LinkPoses;
 use super::motion_bound::{DisplacementBound, MotionBoundModel};
@@ -21,7 +21,8 @@ use crate::geometry::{
 };
 use crate::trajectory::{Sample, Trajectory};
 use crate::violation::{
-    IntervalMerger, Kind, SampleTime, SampleViolation, Subject, Unit, ViolationInterval,
+    IntervalMerger, SampleTime, SampleViolation, Subject, ViolationInterval, ViolationKind,
+    ViolationQuantity,
 };
 
 /// Relative tolerance of reported minimum distances.
@@ -61,7 +62,7 @@ pub(crate) struct PairMinimum {
 #[derive(Clone, Copy)]
 pub(crate) struct CandidatePair {
     pub(crate) objects: [usize; 2],
-    pub(crate) rule: ContactRule,
+    pub(crate) rule: ClearanceRule,
 }
 
 /// Candidate pairs, with results of the windows of a step that were checked so far.
@@ -127,10 +128,9 @@ impl StepDistanceQuery<'_> {
         let mut unknown: Vec<UnknownPose> = Vec::new();
         for (index, pair) in pairs.pairs.iter().enumerate() {
             let required = match pair.rule {
-                ContactRule::MinClearance(clearance) | ContactRule::SlotClearance(clearance) => {
-                    clearance
-                }
-                ContactRule::Unchecked | ContactRule::KeepOut => 0.0,
+                ClearanceRule::MinClearance(clearance)
+                | ClearanceRule::SlotClearance(clearance) => clearance,
+                ClearanceRule::Unchecked | ClearanceRule::KeepOut => 0.0,
             };
             // A fixed object does not move against the world.
             let against_fixed = || RelativeMotion {
@@ -177,15 +177,22 @@ impl CandidatePair {
     /// The violation of this pair's rule at a distance (m) or penetration depth (m).
     fn violation(&self, distance: f64, depth: f64, required: f64) -> SampleViolation {
         let (kind, value, limit) = match self.rule {
-            ContactRule::KeepOut => (Kind::KeepOut, 0.0 - depth, 0.0),
-            _ if distance == 0.0 => (Kind::Collision, 0.0 - depth, required),
-            ContactRule::SlotClearance(_) => (Kind::SlotClearance, distance, required),
-            _ => (Kind::Clearance, distance, required),
+            ClearanceRule::KeepOut => (ViolationKind::KeepOut, 0.0 - depth, 0.0),
+            _ if distance == 0.0 => (ViolationKind::Collision, 0.0 - depth, required),
+            ClearanceRule::SlotClearance(_) => (ViolationKind::SlotClearance, distance, required),
+            _ => (ViolationKind::Clearance, distance, required),
         };
         let [first, second] = self.objects;
         // One subject for all kinds: clearance violation and contact merge into one interval.
-        let subject = Subject { kind: Kind::Collision, first, second };
-        SampleViolation { subject, kind, severity: -value, value, limit, unit: Unit::Length }
+        let subject = Subject { kind: ViolationKind::Collision, first, second };
+        SampleViolation {
+            subject,
+            kind,
+            severity: -value,
+            value,
+            limit,
+            unit: ViolationQuantity::Length,
+        }
     }
 }
 
@@ -406,14 +413,14 @@ impl PairQuery<'_, '_> {
             }
             None => distance < self.query.max_distance,
         };
-        if is_smaller && self.pair.rule != ContactRule::KeepOut {
+        if is_smaller && self.pair.rule != ClearanceRule::KeepOut {
             self.minimum = Some((distance, time));
         }
     }
 
     /// Distance above which neither a violation nor a smaller minimum is possible (m).
     fn relevant_distance(&self) -> f64 {
-        if self.pair.rule == ContactRule::KeepOut {
+        if self.pair.rule == ClearanceRule::KeepOut {
             return 0.0;
         }
         let minimum = self.minimum.map_or(self.query.max_distance, |(minimum, _)| minimum);

@@ -5,7 +5,7 @@ use crate::EntityId;
 use crate::program::WaferLocations;
 use crate::station::{DwellLimits, VisitRule, WaferRules};
 use crate::trajectory::Trajectory;
-use crate::violation::{Kind, Unit, Violation};
+use crate::violation::{Violation, ViolationKind, ViolationQuantity};
 use crate::workcell::Cell;
 
 /// Tolerance of times: sums of durations differ by round-off (s).
@@ -43,7 +43,13 @@ struct RuleChecker<'a> {
 
 impl RuleChecker<'_> {
     /// A violation at the end of a step, without a value.
-    fn violation(&self, kind: Kind, wafer: usize, station: usize, step: usize) -> Violation {
+    fn violation(
+        &self,
+        kind: ViolationKind,
+        wafer: usize,
+        station: usize,
+        step: usize,
+    ) -> Violation {
         let time = self.trajectory.times[step + 1];
         let described = &self.trajectory.steps[step];
         Violation {
@@ -58,7 +64,7 @@ impl RuleChecker<'_> {
             worst_time: time,
             worst: 0.0,
             limit: 0.0,
-            unit: Unit::None,
+            unit: ViolationQuantity::None,
             detail: String::new(),
         }
     }
@@ -67,27 +73,28 @@ impl RuleChecker<'_> {
     fn dwell(&self, stay: &TimedStay, limits: &DwellLimits) -> Option<Violation> {
         let (station, dwell) = (limits.station, stay.duration());
         let (arrival, departure) = (stay.stay.arrival_step, stay.stay.departure_step);
-        let timed = |kind: Kind, step: usize, limit: f64, start: f64, end: f64| Violation {
-            start,
-            end,
-            worst_time: end,
-            worst: dwell,
-            limit,
-            unit: Unit::Time,
-            ..self.violation(kind, stay.wafer, station, step)
-        };
+        let timed =
+            |kind: ViolationKind, step: usize, limit: f64, start: f64, end: f64| Violation {
+                start,
+                end,
+                worst_time: end,
+                worst: dwell,
+                limit,
+                unit: ViolationQuantity::Time,
+                ..self.violation(kind, stay.wafer, station, step)
+            };
         match (limits.max, departure) {
             (Some(max), None) => {
                 // The instruction that placed the wafer, which no other picks.
                 let step = arrival.unwrap_or(0);
                 let start = (stay.start + max).min(stay.end);
-                Some(timed(Kind::LeftInStation, step, max, start, stay.end))
+                Some(timed(ViolationKind::LeftInStation, step, max, start, stay.end))
             }
             (Some(max), Some(step)) if dwell > max + TIME_TOLERANCE => {
-                Some(timed(Kind::LongDwell, step, max, stay.start + max, stay.end))
+                Some(timed(ViolationKind::LongDwell, step, max, stay.start + max, stay.end))
             }
             (_, Some(step)) if arrival.is_some() && dwell < limits.min - TIME_TOLERANCE => {
-                Some(timed(Kind::ShortDwell, step, limits.min, stay.end, stay.end))
+                Some(timed(ViolationKind::ShortDwell, step, limits.min, stay.end, stay.end))
             }
             _ => None,
         }
@@ -117,7 +124,7 @@ impl RuleChecker<'_> {
         let station = rule.stations[0];
         let missing = |at: &TimedStay, detail: String| Violation {
             detail,
-            ..self.violation(Kind::MissingVisit, first.wafer, station, step(at))
+            ..self.violation(ViolationKind::MissingVisit, first.wafer, station, step(at))
         };
         if !rule.before.is_empty() {
             let (mut is_done, mut is_entered) = (false, false);

@@ -59,7 +59,7 @@ impl Cell {
             [1, station.slots].into_iter().all(|slot| {
                 let places = station.waypoints(slot, [[0.0; 2]; 3]);
                 let follows = |target: &WaferTarget| {
-                    let found = self.reach(effector, target, true, &home);
+                    let found = self.compensated_inverse(effector, target, true, &home);
                     !matches!(found, Err(Unreachable::Tilt { .. }))
                 };
                 [&places.resting, &places.above, &places.retracted_above].into_iter().all(follows)

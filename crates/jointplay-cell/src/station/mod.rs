@@ -10,7 +10,7 @@ mod validate;
 mod waypoints;
 
 pub use description::{Approach, Origin, SlotId, Station, Stroke};
-pub use postures::{BlockedLine, LineRemedy};
+pub use postures::{InfeasibleLine, LineRemedy};
 pub(crate) use postures::{LinePoint, StationPostures};
 pub use rules::{DwellLimits, VisitRule, WaferRules};
 pub use validate::MAX_SLOTS;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::kind::Kind;
+use super::kind::ViolationKind;
 use super::report_entry::Violation;
 use crate::EntityId;
 use crate::program::{Phase, SourceLocation, Step};
@@ -41,7 +41,7 @@ pub struct ViolationOccurrence {
 
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct GroupKey {
-    cause: Kind,
+    cause: ViolationKind,
     entities: Vec<Option<EntityId>>,
 }
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Kinds of violations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
+pub enum ViolationKind {
     /// The position of an axis is out of its range.
     Position,
     /// The velocity of an axis exceeds its limit.
@@ -45,7 +45,7 @@ pub enum Kind {
 
 /// Quantity of the value and limit of a violation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
+pub enum ViolationQuantity {
     /// Length, or one of its derivatives by time.
     Length,
     /// Angle, or one of its derivatives by time.
@@ -58,8 +58,8 @@ pub enum Unit {
     None,
 }
 
-impl Kind {
-    /// Kind that represents the cause: contacts and clearances of a pair have one cause.
+impl ViolationKind {
+    /// ViolationKind that represents the cause: contacts and clearances of a pair have one cause.
     pub(super) fn cause(self) -> Self {
         match self {
             Self::Clearance | Self::SlotClearance => Self::Collision,
@@ -82,7 +82,7 @@ impl Kind {
     }
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for ViolationKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Position => "position limit",

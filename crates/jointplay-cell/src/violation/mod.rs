@@ -9,5 +9,5 @@ pub use group::{ViolationGroup, ViolationOccurrence, group_violations};
 pub(crate) use interval::{
     IntervalMerger, SampleTime, SampleViolation, Subject, ViolationInterval,
 };
-pub use kind::{Kind, Unit};
+pub use kind::{ViolationKind, ViolationQuantity};
 pub use report_entry::Violation;

@@ -170,7 +170,7 @@ pub(crate) fn cell(robot: HybridRobot) -> Cell {
         wafer: Wafer { diameter: 0.3, thickness: 775e-6, material },
         stations: Vec::new(),
         occupied: Vec::new(),
-        carried: vec![A],
+        loaded_effectors: vec![A],
         bodies: Vec::new(),
         allowed_pairs: Vec::new(),
         zones: Vec::new(),

@@ -31,7 +31,7 @@ const WALL: (&str, &str) =
 #[test]
 fn the_first_try_needs_no_flag() {
     let report = Sandbox::new().json("cell check");
-    assert_eq!(report["verdict"], "sound");
+    assert_eq!(report["result"], "passed");
     assert_eq!(report["violations"], Value::Array(vec![]));
     assert!(report["wafers_per_hour"].as_f64().unwrap() > 10.0);
     assert_eq!(report["wafers"], 25);
@@ -432,7 +432,7 @@ fn two_faults_of_the_example_are_found_and_fixed() {
         let run = sandbox.run("cell check example.toml --format json");
         assert_eq!(run.code, 1, "{}", run.stderr);
         let report: Value = serde_json::from_str(&run.stdout).unwrap();
-        assert_eq!(report["verdict"], "broken");
+        assert_eq!(report["result"], "failed");
         let found = report["violations"].as_array().unwrap().iter();
         let found: Vec<Value> = found.filter(|one| one["kind"] == kind).cloned().collect();
         assert!(!found.is_empty(), "no {kind}: {}", run.stdout);
@@ -482,7 +482,7 @@ fn two_faults_of_the_example_are_found_and_fixed() {
     assert!(run.stderr.contains("100 %"), "{}", run.stderr);
 
     // Fixed, it is sound and can be exported.
-    assert_eq!(sandbox.json("cell check example.toml")["verdict"], "sound");
+    assert_eq!(sandbox.json("cell check example.toml")["result"], "passed");
     sandbox.done("cell export example.toml --to csv,gltf --rate 20");
     assert_eq!(sandbox.names("cell-export"), ["example.csv", "example.glb"]);
 }

@@ -74,7 +74,7 @@ fn span_of(top: &Table, part: CellPart) -> Range<usize> {
         CellPart::Zone(index) => nth("zone", index),
         CellPart::AllowedPair(_) => entry("may_touch"),
         CellPart::Occupied(_) => entry("station"),
-        CellPart::Carried(_) => entry("carried"),
+        CellPart::LoadedEffector(_) => entry("carried"),
         CellPart::Rules => entry("rule"),
     };
     found.unwrap_or(0..0)
@@ -113,7 +113,7 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
     let bodies = bodies::bodies(top, robot.as_ref(), &stations, files);
     let allowed_pairs = bodies::pairs(top, &bodies);
     let zones = bodies::zones(top, files);
-    let carried = carried(top, effectors.as_ref());
+    let loaded_effectors = loaded_effectors(top, effectors.as_ref());
     kind?;
     let [play_budget, clearance, slot_clearance, plane_threshold, gravity] = budgets?;
     let occupied = occupied
@@ -127,7 +127,7 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
         wafer: wafer?,
         occupied: occupied.collect(),
         stations,
-        carried,
+        loaded_effectors,
         bodies,
         allowed_pairs,
         zones,
@@ -154,7 +154,7 @@ fn bare(
         wafer: wafer?.clone(),
         stations: Vec::new(),
         occupied: Vec::new(),
-        carried: Vec::new(),
+        loaded_effectors: Vec::new(),
         bodies: Vec::new(),
         allowed_pairs: Vec::new(),
         zones: Vec::new(),
@@ -167,7 +167,7 @@ fn bare(
     })
 }
 
-fn carried(top: &Table, effectors: Option<&Effectors>) -> Vec<EffectorId> {
+fn loaded_effectors(top: &Table, effectors: Option<&Effectors>) -> Vec<EffectorId> {
     let (Some(entry), Some(known)) = (top.entry("carried"), effectors) else { return Vec::new() };
     named_effectors(&entry, top.reader, known)
 }

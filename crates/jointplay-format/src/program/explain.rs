@@ -44,10 +44,10 @@ fn message(robot: &HybridRobot, error: &ProgramError) -> String {
             let remedy = leveling.as_ref().map_or_else(String::new, remedy);
             format!("effector {effector}, {load}, does not reach {target}: {why}{remedy}")
         }
-        ProgramProblem::BlockedLine { station, effector, blocked } => {
+        ProgramProblem::InfeasibleLine { station, effector, blocked } => {
             format!(
                 "effector {effector} cannot follow the line into {station}: its arm stops {:.1} % along the line, with the wafer {:.1} mm from the axis that the arm turns about{}",
-                blocked.share * 1e2,
+                blocked.fraction * 1e2,
                 blocked.reach * 1e3,
                 line_remedies(robot, station, &blocked.remedies)
             )

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::cell::check::{CheckOptions, Report, Verdict, remedies};
+use jointplay::cell::check::{CheckOptions, CheckResult, Report, remedies};
 use jointplay::cell::program::{
     Program, ProgramError, ProgramProblem, SourceLocation, name_errors,
 };
@@ -272,8 +272,8 @@ impl Planned {
         &self.input.cell.cell
     }
 
-    pub(super) fn is_sound(&self) -> bool {
-        self.report.verdict == Verdict::Sound
+    pub(super) fn passed(&self) -> bool {
+        self.report.result == CheckResult::Passed
     }
 
     pub(super) fn motion_export(&self) -> MotionExport<'_> {
@@ -302,8 +302,8 @@ impl Planned {
     }
 
     /// Fails if the report has violations.
-    pub(super) fn verdict(&self) -> Result<(), Failure> {
-        if self.is_sound() {
+    pub(super) fn exit(&self) -> Result<(), Failure> {
+        if self.passed() {
             return Ok(());
         }
         let count = counted(self.report.violations.len(), "violation");

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use jointplay::cell::check::Kind;
+use jointplay::cell::check::ViolationKind;
 use jointplay::cell::program::SourceLocation;
 use jointplay::format::number::counted;
 use jointplay::report::{
@@ -20,7 +20,7 @@ const SHORTEST_WAIT: f64 = 0.05;
 /// Largest number of violation groups listed.
 const GROUPS: usize = 12;
 
-/// Verdict, violations, and a table by program line.
+/// CheckResult, violations, and a table by program line.
 pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     let mut text = format!("{} with {}\n", report.cell, report.robot);
     let metric = report
@@ -32,11 +32,11 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
         report.virtualization, report.solver
     );
     let count = report.violations.len();
-    let verdict = match count {
-        0 => "sound".to_owned(),
+    let result = match count {
+        0 => "passed".to_owned(),
         count => format!("{}, not safe to run", counted(count, "violation")),
     };
-    let _ = writeln!(text, "  verdict              {verdict}");
+    let _ = writeln!(text, "  result               {result}");
     let _ = writeln!(
         text,
         "  program              {}, {} in {}",
@@ -290,7 +290,9 @@ pub(super) fn violations(planned: &Planned) -> String {
 
 /// Whether a group is about the distance of two bodies.
 fn is_pair(group: &ViolationGroupReport) -> bool {
-    group.names.len() == 2 && group.unit == "mm" && group.kind != Kind::SafeZone.to_string()
+    group.names.len() == 2
+        && group.unit == "mm"
+        && group.kind != ViolationKind::SafeZone.to_string()
 }
 
 /// Violations of a group in one instruction.
