@@ -250,9 +250,7 @@ pub(super) fn violations(planned: &Planned) -> String {
         for line in planned.input.excerpt(place, &message).lines() {
             let _ = writeln!(text, "  {line}");
         }
-        let excess = group.excess.filter(|_| is_pair(group)).map_or(String::new(), |excess| {
-            format!(", {} {} too close", fixed(excess, 3), group.unit)
-        });
+        let excess = depth(group, group.excess);
         let wafers = match group.wafers {
             0 | 1 => String::new(),
             wafers => format!(", {wafers} wafers"),
@@ -288,20 +286,26 @@ pub(super) fn violations(planned: &Planned) -> String {
     text
 }
 
-/// Whether a group is about the distance of two bodies.
-fn is_pair(group: &ViolationGroupReport) -> bool {
-    group.names.len() == 2
-        && group.unit == "mm"
-        && group.kind != ViolationKind::SafeZone.to_string()
+/// Depth of a violation of two bodies or of a body and a zone, for a list; empty for other violations.
+fn depth(group: &ViolationGroupReport, excess: Option<f64>) -> String {
+    let is_of = |kinds: &[ViolationKind]| kinds.iter().any(|kind| group.kind == kind.to_string());
+    let is_pair =
+        [ViolationKind::Collision, ViolationKind::Clearance, ViolationKind::SlotClearance];
+    let meaning = if is_of(&is_pair) {
+        "too close"
+    } else if is_of(&[ViolationKind::KeepOut]) {
+        "deep"
+    } else {
+        return String::new();
+    };
+    excess
+        .map_or(String::new(), |excess| format!(", {} {} {meaning}", fixed(excess, 3), group.unit))
 }
 
 /// Violations of a group in one instruction.
 fn occurrence(group: &ViolationGroupReport, one: &OccurrenceReport) -> String {
     let station = one.station.as_ref().map_or(String::new(), |name| format!(" {name},"));
-    let excess = one
-        .excess
-        .filter(|_| is_pair(group))
-        .map_or(String::new(), |excess| format!(", {} {} too close", fixed(excess, 3), group.unit));
+    let excess = depth(group, one.excess);
     format!(
         "      line {},{station} {}: {}, worst at {} s{excess}\n",
         one.line,
