@@ -290,7 +290,7 @@ fn axes_over_time() {
         "violations",
         "GET port SLOT 1 WITH A",
         "moving without wafer",
-        "wafers (height: share of the slots)",
+        "wafers, share of slots",
         "process",
         "violation",
     ];

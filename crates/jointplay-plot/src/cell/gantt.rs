@@ -258,7 +258,7 @@ impl Gantt {
             self.intervals.iter().any(|interval| is_kind(&interval.kind))
         };
         if shows(|kind| matches!(kind, IntervalKind::Wafers { .. })) {
-            entries.push((Colour::GREEN.hex(), "wafers (height: share of the slots)"));
+            entries.push((Colour::GREEN.hex(), "wafers, share of slots"));
         }
         if shows(|kind| matches!(kind, IntervalKind::Process(_))) {
             entries.push((Colour::ORANGE.hex(), "process"));
