@@ -182,11 +182,13 @@ fn schedule(text: &mut String, schedule: &ScheduleReport) {
         percent(robot.busy_share)
     );
     for part in &schedule.periodic_parts {
+        let lines = match part.lines {
+            [first, last] if first == last => format!("line {first}"),
+            [first, last] => format!("lines {first} to {last}"),
+        };
         let _ = writeln!(
             text,
-            "  periodic             lines {} to {}: {} of {} s ({} to {}), {} wafers/h",
-            part.lines[0],
-            part.lines[1],
+            "  periodic             {lines}: {} of {} s ({} to {}), {} wafers/h",
             counted(part.cycles, "cycle"),
             fixed(part.period_s, 3),
             fixed(part.shortest_period_s, 3),
