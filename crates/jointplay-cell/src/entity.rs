@@ -26,8 +26,8 @@ pub enum EntityId {
     HeldWafer(EffectorId),
     /// Zone of the cell.
     Zone(usize),
-    /// Slot of a station.
-    Slot(SlotId),
+    /// Station of the cell.
+    Station(usize),
 }
 
 impl EntityId {
@@ -57,14 +57,7 @@ impl Cell {
             }
             EntityId::HeldWafer(id) => format!("wafer of {}", self.effector_name(id)),
             EntityId::Zone(zone) => self.zones[zone].name.clone(),
-            EntityId::Slot(SlotId { station, slot }) => {
-                let station = &self.stations[station];
-                if station.slots == 1 {
-                    station.name.clone()
-                } else {
-                    format!("{} slot {slot}", station.name)
-                }
-            }
+            EntityId::Station(station) => self.stations[station].name.clone(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
-use jointplay_cell::check::{Kind, Report};
+use jointplay_cell::check::{Report, ViolationKind};
 use jointplay_cell::station::teach::Verdict;
 use jointplay_cell::station::{Origin, SlotId, Station};
 use jointplay_cell::workcell::Cell;
@@ -113,7 +113,7 @@ fn checked(text: &str) -> (Cell, Report) {
 #[test]
 fn uncertain_planes_violate_the_plane_budget() {
     let of = |report: &Report| {
-        let found = report.violations.iter().filter(|one| one.kind == Kind::PlaneBudget);
+        let found = report.violations.iter().filter(|one| one.kind == ViolationKind::PlaneBudget);
         found.map(|one| one.worst).collect::<Vec<_>>()
     };
     let (_, report) = checked(EXAMPLE);
@@ -162,7 +162,7 @@ fn uncertain_carriers_need_more_slot_clearance_at_the_far_slot() {
         wide(text).replacen("slot_clearance_mm = 1.0", &budget, 1)
     };
     let slot_violations = |report: &Report| {
-        report.violations.iter().filter(|one| one.kind == Kind::SlotClearance).count()
+        report.violations.iter().filter(|one| one.kind == ViolationKind::SlotClearance).count()
     };
     assert_eq!(slot_violations(&checked(&close(EXAMPLE)).1), 0);
     assert!(slot_violations(&checked(&close(&stated)).1) > 0);

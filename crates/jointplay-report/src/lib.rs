@@ -21,6 +21,7 @@ mod mobility;
 mod motion;
 mod nearest;
 mod relief;
+mod schedule;
 mod sensitivity;
 mod station;
 mod study;
@@ -30,6 +31,7 @@ pub mod table;
 mod table_error;
 mod totals;
 mod violation;
+mod violation_group;
 mod virtual_joints;
 
 pub use beyond::beyond_limits;
@@ -54,6 +56,10 @@ pub use mobility::{FreedomsReport, MobilityReport, mobility};
 pub use motion::{MotionReport, SingularReport, motion};
 pub use nearest::NearestReport;
 pub use relief::{ReliefReport, VirtualJointReport, relief};
+pub use schedule::{
+    BottleneckReport, CriticalTimeReport, PeriodicPartReport, ProcessWaitReport, RobotUseReport,
+    ScheduleReport, StationUseReport, StayReport, WaferStaysReport, schedule_report,
+};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
 pub use station::{
     NextPointsReport, PlaneReport, ReferenceReport, SlotUncertaintyReport, StationReport,
@@ -64,4 +70,8 @@ pub use suggest::{SetReport, SuggestReport, SuggestedJoint, suggestions};
 pub use table_error::TableError;
 pub use totals::{ColumnReport, OutcomeReport, SHARES, TotalsReport, totals};
 pub use violation::explain_violation;
+pub use violation_group::{
+    BodyInZoneReport, OccurrenceReport, RemedyReport, ViolationGroupReport, remedy_reports,
+    violation_groups,
+};
 pub use virtual_joints::VirtualJointGroups;

@@ -3,7 +3,7 @@
 use crate::EntityId;
 use crate::program::handoff_deflections;
 use crate::trajectory::Trajectory;
-use crate::violation::{Kind, Unit, Violation};
+use crate::violation::{Violation, ViolationKind, ViolationQuantity};
 use crate::workcell::Cell;
 
 /// Hand-offs at which the angle between the wafer and its station may exceed the plane budget.
@@ -32,8 +32,11 @@ pub(super) fn plane_violations(cell: &Cell, trajectory: &Trajectory) -> Vec<Viol
         let step = &trajectory.steps[handoff.step];
         let time = trajectory.times[handoff.step + 1];
         Some(Violation {
-            kind: Kind::PlaneBudget,
-            entities: vec![EntityId::Effector(handoff.effector), EntityId::Slot(handoff.slot)],
+            kind: ViolationKind::PlaneBudget,
+            entities: vec![
+                EntityId::Effector(handoff.effector),
+                EntityId::Station(handoff.slot.station),
+            ],
             instruction: step.instruction,
             place: step.place,
             step: handoff.step,
@@ -43,7 +46,7 @@ pub(super) fn plane_violations(cell: &Cell, trajectory: &Trajectory) -> Vec<Viol
             worst_time: time,
             worst: angle,
             limit: cell.plane_threshold,
-            unit: Unit::Angle,
+            unit: ViolationQuantity::Angle,
             detail: String::new(),
         })
     };

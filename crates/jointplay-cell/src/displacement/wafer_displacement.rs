@@ -99,7 +99,12 @@ impl Cell {
         let near: Vec<f64> = self.robot.axes.iter().map(|axis| axis.home).collect();
         let mut target = self.waypoints(effector, slot, &near)?.resting;
         target.center -= target.normal * self.sag_height(effector);
-        let found = self.reach(effector, &target, true, &near)?;
+        // The displacement does not depend on the posture, which a redundant arm chooses along its whole line.
+        let found = if self.robot.has_posture_paths(effector) {
+            self.compensated_inverse_beyond_limits(effector, &target, true, &near)?
+        } else {
+            self.compensated_inverse(effector, &target, true, &near)?
+        };
         Ok(PlacedWafer { effector, positions: found.positions, slot: Some(slot), lift: 0.0 })
     }
 
@@ -139,7 +144,7 @@ impl Cell {
                     Some(branch) => branch.positions.to_vec(),
                     None => {
                         return Err(self
-                            .reach(effector, &target, false, &home)
+                            .compensated_inverse(effector, &target, false, &home)
                             .err()
                             .unwrap_or(Unreachable::NoBranch));
                     }

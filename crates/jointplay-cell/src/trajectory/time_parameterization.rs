@@ -28,7 +28,7 @@ const ROUND_OFF_TOLERANCE: f64 = 3e-10;
 const ACCELERATION_SHARES: [f64; 5] = [1.0, 0.8, 0.6, 0.42, 0.28];
 /// Windows of the moving average as shares of the duration, halved k times; those first that are most often the best, because a good candidate shortens the comparison of all others.
 const WINDOW_HALVINGS: [i32; 7] = [3, 4, 2, 5, 1, 6, 7];
-/// Windows relative to the best window of the acceleration share before.
+/// Windows relative to the best window of the acceleration fraction before.
 const WINDOW_FACTORS: [f64; 5] = [1.0, 0.7, 1.4, 0.5, 2.0];
 /// Largest difference of an axis' slopes along a path that counts as constant, relative to the slope.
 const PROPORTIONALITY_TOLERANCE: f64 = 0.02;
@@ -106,8 +106,8 @@ impl<'a> TimeParameterization<'a> {
         let mut best = (f64::INFINITY, None);
         let mut best_window = None;
         let grid: Vec<GridPoint> = grid().map(|s| self.grid_point(s)).collect();
-        for share in ACCELERATION_SHARES {
-            let pieces = self.fastest_pieces(&grid, share);
+        for fraction in ACCELERATION_SHARES {
+            let pieces = self.fastest_pieces(&grid, fraction);
             let starts = start_times(&pieces);
             let duration = starts[pieces.len()];
             let windows: Vec<f64> = match best_window {
@@ -182,23 +182,23 @@ impl<'a> TimeParameterization<'a> {
         })
     }
 
-    /// The fastest parameterization under the velocity limits and a share of the acceleration limits.
+    /// The fastest parameterization under the velocity limits and a fraction of the acceleration limits.
     ///
     /// The backward pass computes, for each grid point, the largest x = ṡ² from which the rest of the path can be followed (the upper end of the controllable set);
     /// the forward pass accelerates as much as the axes allow without leaving these sets.
-    fn fastest_pieces(&self, grid: &[GridPoint], share: f64) -> Vec<Piece> {
+    fn fastest_pieces(&self, grid: &[GridPoint], fraction: f64) -> Vec<Piece> {
         let ds = 1.0 / GRID_INTERVALS as f64;
         let mut controllable = vec![0.0; GRID_INTERVALS + 1];
         for k in (0..GRID_INTERVALS).rev() {
-            controllable[k] = grid[k].controllable(share, ds, controllable[k + 1]);
+            controllable[k] = grid[k].controllable(fraction, ds, controllable[k + 1]);
         }
         let mut pieces = Vec::with_capacity(GRID_INTERVALS);
         let mut x = 0.0_f64;
         for k in 0..GRID_INTERVALS {
-            let acceleration = grid[k].max_acceleration(share, x);
+            let acceleration = grid[k].max_acceleration(fraction, x);
             // The rate stays above zero between the ends: otherwise the piece would take for ever.
             let floor = if k + 1 < GRID_INTERVALS {
-                1e-9 * grid[k + 1].max_squared_rate(share)
+                1e-9 * grid[k + 1].max_squared_rate(fraction)
             } else {
                 0.0
             };
@@ -349,14 +349,14 @@ struct GridPoint {
 }
 
 impl GridPoint {
-    /// Largest squared rate with a share of the acceleration limits (1/s²).
-    fn max_squared_rate(&self, share: f64) -> f64 {
-        self.by_velocity.min(share * self.by_acceleration)
+    /// Largest squared rate with a fraction of the acceleration limits (1/s²).
+    fn max_squared_rate(&self, fraction: f64) -> f64 {
+        self.by_velocity.min(fraction * self.by_acceleration)
     }
 
     /// Largest acceleration of the path parameter at a squared rate x (1/s²).
-    fn max_acceleration(&self, share: f64, x: f64) -> f64 {
-        self.rows.iter().fold(1e12, |most, row| most.min(share * row.limit - row.curvature * x))
+    fn max_acceleration(&self, fraction: f64, x: f64) -> f64 {
+        self.rows.iter().fold(1e12, |most, row| most.min(fraction * row.limit - row.curvature * x))
     }
 
     /// Largest squared rate x from which a squared rate of at most `next` is reached at the next grid point.
@@ -365,9 +365,10 @@ impl GridPoint {
     ///    −c_i x − l_i  ≤  s̈  ≤  −c_i x + l_i   for all axes i,   and   0  ≤  x + 2 ds s̈  ≤  next   for one s̈
     /// ```
     /// Each constraint bounds x from above or always holds, because all hold for x = 0; constraints of two axes on each other are part of [`Self::max_squared_rate`].
-    fn controllable(&self, share: f64, ds: f64, next: f64) -> f64 {
-        self.rows.iter().fold(self.max_squared_rate(share), |x, row| {
-            let (slope, constant) = (1.0 - 2.0 * ds * row.curvature, 2.0 * ds * share * row.limit);
+    fn controllable(&self, fraction: f64, ds: f64, next: f64) -> f64 {
+        self.rows.iter().fold(self.max_squared_rate(fraction), |x, row| {
+            let (slope, constant) =
+                (1.0 - 2.0 * ds * row.curvature, 2.0 * ds * fraction * row.limit);
             if slope > 0.0 {
                 x.min((next + constant) / slope)
             } else if slope < 0.0 {
