@@ -1,6 +1,8 @@
 //! Report on the displacement of wafers and the uncertainty of their positions.
 
-use jointplay_cell::displacement::{Basis, Bound, Cause, Contribution, WaferDisplacement};
+use jointplay_cell::displacement::{
+    Basis, Bound, Cause, Contribution, Tolerances, WaferDisplacement,
+};
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::workcell::Cell;
 use jointplay_format::cell::robot::virtualization_name;
@@ -55,7 +57,7 @@ pub struct WaferDisplacementReport {
     pub worst: BoundReport,
     /// Expanded uncertainty of all contributions.
     pub expanded: BoundReport,
-    /// Causes, or parts of them, without data, and the key of the cell file that states them.
+    /// Causes without all data, and the keys of the cell file that are missing.
     pub unknown: Vec<UnknownReport>,
 }
 
@@ -105,8 +107,8 @@ pub struct BoundReport {
 pub struct UnknownReport {
     /// The cause.
     pub cause: &'static str,
-    /// Keys of the cell file that state it.
-    pub keys: &'static str,
+    /// Missing keys of the cell file: of `[tolerances]`, or of the station.
+    pub keys: Vec<&'static str>,
 }
 
 /// Reports displacements.
@@ -162,7 +164,10 @@ fn wafer(cell: &Cell, one: &WaferDisplacement) -> WaferDisplacementReport {
         unknown: one
             .unknown
             .iter()
-            .map(|&unknown| UnknownReport { cause: cause(unknown), keys: keys(unknown) })
+            .map(|&unknown| UnknownReport {
+                cause: cause(unknown),
+                keys: keys(unknown, &cell.tolerances),
+            })
             .collect(),
     }
 }
@@ -194,14 +199,27 @@ fn basis(basis: Basis) -> &'static str {
     }
 }
 
-fn keys(cause: Cause) -> &'static str {
-    match cause {
-        Cause::Droop => "[tolerances] droop_percent",
-        Cause::Sag => "[tolerances] sag_percent",
-        Cause::AxisResolution => "[tolerances] linear_resolution_um, rotary_resolution_urad",
-        Cause::PlatformTolerances => "[tolerances] guide_um, socket_um, rod_zero_um",
-        Cause::ArmTolerances => "[tolerances] mount_um, link_um, joint_zero_urad",
-        Cause::Station => "[[station]] taught, uncertainty",
-        Cause::Lever | Cause::PlatformModel | Cause::Compensation => "",
-    }
+/// Keys of the cell file that are missing for a cause.
+fn keys(cause: Cause, tolerances: &Tolerances) -> Vec<&'static str> {
+    let all = match cause {
+        Cause::Droop => vec![("droop_percent", tolerances.droop_share)],
+        Cause::Sag => vec![("sag_percent", tolerances.sag_share)],
+        Cause::AxisResolution => vec![
+            ("linear_resolution_um", tolerances.linear_resolution),
+            ("rotary_resolution_urad", tolerances.rotary_resolution),
+        ],
+        Cause::PlatformTolerances => vec![
+            ("guide_um", tolerances.guide),
+            ("socket_um", tolerances.socket),
+            ("rod_zero_um", tolerances.rod_zero),
+        ],
+        Cause::ArmTolerances => vec![
+            ("mount_um", tolerances.mount),
+            ("link_um", tolerances.link),
+            ("joint_zero_urad", tolerances.joint_zero),
+        ],
+        Cause::Station => vec![("taught", None), ("uncertainty", None)],
+        Cause::Lever | Cause::PlatformModel | Cause::Compensation => Vec::new(),
+    };
+    all.into_iter().filter(|(_, stated)| stated.is_none()).map(|(key, _)| key).collect()
 }

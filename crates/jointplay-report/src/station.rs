@@ -81,7 +81,7 @@ pub struct PlaneReport {
     pub allowed_urad: f64,
     /// `fits`, `unproven` (too few points to judge them), `uncertain` (the tilt is known too poorly for `allowed_urad`) or `scattered`.
     pub verdict: &'static str,
-    /// Number of the point to be measured again, from 1, if the points are scattered and it can be told.
+    /// Number of the point to be measured again, from 1, if the points are scattered and determine it.
     pub remeasure: Option<usize>,
     /// Further points that are needed, if any.
     pub next: Option<NextPointsReport>,
@@ -91,7 +91,7 @@ pub struct PlaneReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct NextPointsReport {
-    /// The points, the most useful first; those that differ by few millimetres serve as well.
+    /// The points, the most useful first; places a few millimetres away are equivalent.
     pub points_mm: Vec<[f64; 3]>,
     /// Whether they suffice.
     pub suffices: bool,

@@ -22,7 +22,7 @@ impl Bound {
     }
 }
 
-/// Contribution of a cause to the uncertainty of a wafer's position, to first order.
+/// Contribution of a cause to the uncertainty of a wafer's position, linear in the deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contribution {
     /// The cause.

@@ -1,4 +1,4 @@
-//! Effects of the robot's parameters on the position of a wafer, to first order.
+//! Linear effects of the robot's parameters on the position of a wafer.
 
 use jointplay_core::gpr::Gpr;
 use nalgebra::Vector3;

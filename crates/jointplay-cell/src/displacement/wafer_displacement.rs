@@ -98,7 +98,7 @@ impl Cell {
     ) -> Result<PlacedWafer, Unreachable> {
         let near: Vec<f64> = self.robot.axes.iter().map(|axis| axis.home).collect();
         let mut target = self.waypoints(effector, slot, &near)?.resting;
-        target.center -= target.normal * self.sag_height(effector);
+        target.center -= target.normal * self.sag_height(effector).unwrap_or(0.0);
         // The displacement does not depend on the posture, which a redundant arm chooses along its whole line.
         let found = if self.robot.has_posture_paths(effector) {
             self.compensated_inverse_beyond_limits(effector, &target, true, &near)?
@@ -177,13 +177,14 @@ impl Cell {
         steps.iter().enumerate().filter_map(wafer).collect()
     }
 
-    fn sag_height(&self, effector: EffectorId) -> f64 {
-        self.sag(effector).map_or(0.0, |sag| sag.plane_height)
+    /// Height of the wafer's mean plane over its supports (m); `None` where they do not carry it.
+    fn sag_height(&self, effector: EffectorId) -> Option<f64> {
+        self.sag(effector).ok().map(|sag| sag.plane_height)
     }
 
     /// Displacement of a wafer by all known causes, and the uncertainty of its position by all others.
     ///
-    /// Tolerances are rectangular: any deviation within them is equally probable. The model of the platform contributes the largest difference of the other virtualizations from the chosen one, in the same way.
+    /// Tolerances are rectangular: any deviation within them is equally probable. The model of the platform contributes the largest difference of the other virtualizations from the chosen one, as a tolerance does.
     ///
     /// # Errors
     /// [`Unreachable`], where the pose or the droop is not known.
@@ -208,7 +209,8 @@ impl Cell {
         let drooping = self.wafer_pose(effector, positions, true)?;
         let drooped = drooping.translation.vector;
         let normal = drooping.rotation * Vector3::z();
-        let mean = drooped + normal * self.sag_height(effector);
+        let sag = self.sag_height(effector);
+        let mean = drooped + normal * sag.unwrap_or(0.0);
         let shift = |cause, shift| NominalShift { cause, shift };
         let shifts = vec![
             shift(Cause::Lever, ideal - level),
@@ -239,7 +241,9 @@ impl Cell {
                     contribution.add_rectangular(&shift, share);
                     contributions.push(contribution);
                 }
-                None if shift.norm() > 0.0 => unknown.push(cause),
+                None if shift.norm() > 0.0 || (cause == Cause::Sag && sag.is_none()) => {
+                    unknown.push(cause);
+                }
                 None => {}
             }
         }

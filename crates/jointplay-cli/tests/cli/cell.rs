@@ -813,7 +813,7 @@ fn displacement_of_wafers_names_causes_and_bounds() {
     assert_eq!(wafer["unknown"].as_array().unwrap().len(), 1, "{wafer}");
     assert!(number(&wafer["expanded"]["horizontal_um"]) < number(&wafer["worst"]["horizontal_um"]));
     let program = sandbox.done("cell displacement stated.toml example.program");
-    assert!(program.contains("hand-off") && program.contains("least certain"), "{program}");
+    assert!(program.contains("worst case (±µm)") && program.contains("least certain"), "{program}");
 
     for (line, expected) in [
         ("cell displacement --station PM9", "known: LP1, LP2, ALIGN, PM1"),

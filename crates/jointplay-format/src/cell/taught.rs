@@ -140,7 +140,7 @@ pub fn scattered_points(fit: &PlaneFit) -> String {
             relative(index)
         ),
         None => format!(
-            "the taught points are up to {:.1} µm from their plane, and one redundant point does not tell which of them deviates",
+            "the taught points are up to {:.1} µm from their plane, and one redundant point does not determine which of them deviates",
             um(fit.worst)
         ),
     };
@@ -171,7 +171,7 @@ pub fn scattered_references(fit: &ReferenceFit) -> String {
             um(fit.deviations[index].norm())
         ),
         None => format!(
-            "the references deviate by up to {:.1} µm from the fitted frame, and two of them do not tell which one is wrong; at most {allowed} µm are allowed: measure them again, or add a third",
+            "the references deviate by up to {:.1} µm from the fitted frame, and two of them do not determine which one deviates; at most {allowed} µm are allowed: measure them again, or add a third",
             um(fit.worst)
         ),
     }

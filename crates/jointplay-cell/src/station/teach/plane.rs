@@ -339,7 +339,7 @@ impl PlaneFit {
 
     /// Index of the point to be measured again, where the points are scattered: the one with the largest deviation relative to its noise.
     ///
-    /// `None` where the points agree, and where one redundant point does not tell which of them deviates.
+    /// `None` where the points agree, and where one redundant point does not determine which of them deviates.
     #[must_use]
     pub fn suspect(&self) -> Option<usize> {
         if self.verdict != Verdict::Scattered || self.freedom < REDUNDANT {
@@ -410,7 +410,7 @@ mod tests {
         // The fit distributes the deviation over all four: a quarter each.
         assert_eq!(fit.verdict, Verdict::Scattered);
         assert!((fit.worst - 1e-4).abs() < 1e-8 && (fit.residual - 1e-4).abs() < 1e-8, "{fit:?}");
-        // One redundant point does not tell which of the four deviates.
+        // One redundant point does not determine which of the four deviates.
         assert_eq!(fit.suspect(), None);
         let explained = fit_plane(&points, 2e-4, Some(&[1e-4; 4])).unwrap();
         assert_eq!(explained.verdict, Verdict::Unproven);
@@ -421,15 +421,16 @@ mod tests {
 
     #[test]
     fn point_with_the_error_is_named() {
-        for wrong in 0..7 {
+        for deviating in 0..7 {
             let mut points = plane(Tilt { yaw: 0.2, pitch: 0.01 }, &SEVEN);
-            points[wrong].z += 3e-4;
+            points[deviating].z += 3e-4;
             for noise in [None, Some([1e-5; 7])] {
                 let fit = fit_plane(&points, 5e-5, noise.as_ref().map(<[f64; 7]>::as_slice));
-                assert_eq!(fit.unwrap().suspect(), Some(wrong));
+                assert_eq!(fit.unwrap().suspect(), Some(deviating));
             }
             // The largest distance alone would be misled by a point that is known to be poor.
-            let noise: Vec<f64> = (0..7).map(|k| if k == wrong { 1e-3 } else { 1e-5 }).collect();
+            let noise: Vec<f64> =
+                (0..7).map(|k| if k == deviating { 1e-3 } else { 1e-5 }).collect();
             let fit = fit_plane(&points, 5e-4, Some(&noise)).unwrap();
             assert_eq!(fit.verdict, Verdict::Fits, "{fit:?}");
         }

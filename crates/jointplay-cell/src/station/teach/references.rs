@@ -220,7 +220,7 @@ pub fn fit_references(
 }
 
 impl ReferenceFit {
-    /// Index of the reference point to be measured again, where they are scattered; `None` where they agree, and where it cannot be told which one deviates.
+    /// Index of the reference point to be measured again, where they are scattered; `None` where they agree, and where they do not determine which one deviates.
     #[must_use]
     pub fn suspect(&self) -> Option<usize> {
         if self.verdict != Verdict::Scattered

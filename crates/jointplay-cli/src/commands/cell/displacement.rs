@@ -323,6 +323,6 @@ fn write_wafer(text: &mut String, wafer: &WaferDisplacementReport, coverage_fact
         let _ = writeln!(text, "  not stated in full, and not included");
     }
     for unknown in &wafer.unknown {
-        let _ = writeln!(text, "    {:<22} {}", unknown.cause, unknown.keys);
+        let _ = writeln!(text, "    {:<22} missing: {}", unknown.cause, unknown.keys.join(", "));
     }
 }
