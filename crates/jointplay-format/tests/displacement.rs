@@ -66,7 +66,7 @@ fn first_order_effects_agree_with_recomputation_of_perturbed_robots() {
         let nominal = cell.wafer_pose(A, &wafer.positions, true).unwrap().translation.vector;
         let effect = |name: &str| effects.iter().find(|one| one.parameter == name).unwrap().effect;
         // All deviations at once: links, mounts, zeros and axes of a perturbed robot.
-        let size = 2e-5;
+        let size = 2e-6;
         let mut changed = cell.clone();
         let arm = &mut changed.robot.arms[0];
         let mut expected = Vector3::zeros();

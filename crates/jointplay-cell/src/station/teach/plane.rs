@@ -8,7 +8,7 @@ use super::error::{TeachError, check_noise};
 use super::frame::frame;
 use super::quantile::{TWO_SIDED, angle_95, chi_square, f_95, normal_beyond};
 use super::uncertainty::coverage;
-use super::verdict::{PointDiagnostic, Verdict};
+use super::verdict::{PointDiagnostic, Verdict, largest_deviation};
 
 /// Multiple of the threshold below which points are on one line: the tilt about that line is undetermined.
 pub(super) const SPREAD: f64 = 10.0;
@@ -345,8 +345,7 @@ impl PlaneFit {
         if self.verdict != Verdict::Scattered || self.freedom < REDUNDANT {
             return None;
         }
-        let relative = |k: &usize| self.diagnostics[*k].studentized.map_or(0.0, f64::abs);
-        (0..self.points.len()).max_by(|a, b| relative(a).total_cmp(&relative(b)))
+        largest_deviation(&self.diagnostics)
     }
 
     /// The nominal frame laid into the plane: its origin moved vertically, its yaw unchanged.

@@ -6,7 +6,7 @@ use nalgebra::{Rotation2, Vector2, Vector3};
 use super::error::{TeachError, check_noise};
 use super::plane::{FALSE_ALARM, FALSE_ALARM_QUANTILE, NO_REDUNDANCY, REDUNDANT, SPREAD};
 use super::quantile::chi_square;
-use super::verdict::{PointDiagnostic, Verdict};
+use super::verdict::{PointDiagnostic, Verdict, largest_deviation};
 
 /// Number of redundant coordinates from which on the deviations estimate an unknown noise.
 const ENOUGH_FREEDOM: usize = 3;
@@ -229,8 +229,7 @@ impl ReferenceFit {
         {
             return None;
         }
-        let relative = |k: &usize| self.diagnostics[*k].studentized.unwrap_or(0.0);
-        (0..self.references.len()).max_by(|a, b| relative(a).total_cmp(&relative(b)))
+        largest_deviation(&self.diagnostics)
     }
 
     /// Number of further reference points with which the fit can be judged.

@@ -11,6 +11,16 @@ pub enum Verdict {
     Scattered,
 }
 
+/// Relative difference below which two deviations are equal.
+const EQUAL: f64 = 1e-9;
+
+/// Index of the point with the largest deviation relative to its noise, the first of equal ones.
+pub(super) fn largest_deviation(points: &[PointDiagnostic]) -> Option<usize> {
+    let relative = |point: &PointDiagnostic| point.studentized.map_or(0.0, f64::abs);
+    let largest = points.iter().map(relative).fold(0.0, f64::max);
+    points.iter().position(|point| relative(point) >= largest * (1.0 - EQUAL))
+}
+
 /// Influence of a taught point on the fit, and its deviation relative to the noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointDiagnostic {
