@@ -62,7 +62,7 @@ impl NearbyConfigurations {
 pub enum FreeMotions {
     /// There are none, or they cannot all be continued.
     NotFinite,
-    /// Random directions of them can be continued; whether there are other motions, second order leaves open.
+    /// Random directions of them can be continued; the rank was not compared, as the second-order bound equals their number, or it is larger at the ends.
     Finite,
     /// Random directions of them can be continued, and all self-stresses persist along these motions, so that there are no other configurations nearby.
     Isolated,
@@ -91,6 +91,9 @@ pub(super) fn free_motions<S: System + ?Sized>(
         }
     };
     let Some(ends) = ends else { return Ok(FreeMotions::NotFinite) };
+    if second.upper_bound == second.free {
+        return Ok(FreeMotions::Finite);
+    }
     // Round-off of an end changes singular values in proportion to the second derivatives.
     let curvature = second.quadrics.iter().map(DMatrix::amax).fold(0.0, f64::max);
     let cut = NEIGHBOUR_RANK_THRESHOLD * curvature.max(first.singular_values[0]);
@@ -102,6 +105,16 @@ pub(super) fn free_motions<S: System + ?Sized>(
         }
     }
     Ok(FreeMotions::Isolated)
+}
+
+/// Dimension of the configurations, if it is that of the motions that second order leaves free: they are finite, and there are no others.
+fn decided_by_free_motions(second: &SecondOrder, free_motions: FreeMotions) -> Option<usize> {
+    let are_all = match free_motions {
+        FreeMotions::NotFinite => false,
+        FreeMotions::Finite => second.upper_bound == second.free,
+        FreeMotions::Isolated => true,
+    };
+    are_all.then_some(second.free)
 }
 
 /// Searches for branches until one of dimension `enough` is found.
@@ -117,10 +130,10 @@ pub(super) fn find_nearby<S: System + ?Sized>(
     enough: usize,
 ) -> Result<NearbyConfigurations, Error> {
     let mut found = NearbyConfigurations { tried: 0, found: 0, dimensions: Vec::new() };
-    if free_motions == FreeMotions::Isolated {
-        found.tried += second.free + 2;
-        found.found += second.free + 2;
-        found.add(second.free);
+    if let Some(dimension) = decided_by_free_motions(second, free_motions) {
+        found.tried += dimension + 2;
+        found.found += dimension + 2;
+        found.add(dimension);
     }
     let (mut random, mut nothing_new) = (Random(1), 0);
     for _ in 0..(STARTS_PER_MOTION * first.mobility).min(MAX_STARTS) {
@@ -189,8 +202,9 @@ fn verified_dimension<S: System + ?Sized>(
         Continuation::Unresolved => false,
     };
     let second = second_order(tracker.system(), there, &first)?;
-    if free_motions(tracker, there, &first, &second, FOLLOWED_RADIUS)? == FreeMotions::Isolated {
-        return Ok(Some(second.free));
+    let free_motions = free_motions(tracker, there, &first, &second, FOLLOWED_RADIUS)?;
+    if let Some(dimension) = decided_by_free_motions(&second, free_motions) {
+        return Ok(Some(dimension));
     }
     // A direction that is obstructed leaves one dimension less at most.
     let upper_bound = second.upper_bound.min(first.mobility - usize::from(broken));
