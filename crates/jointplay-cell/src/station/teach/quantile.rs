@@ -72,7 +72,7 @@ pub(super) fn chi_square(freedom: usize, quantile: f64) -> f64 {
 ///    P(angle > R)  =  mean over θ of exp(−R² / (2 (σ_1² cos² θ + σ_2² sin² θ)))
 /// ```
 pub(super) fn angle_95(slopes: [f64; 2]) -> f64 {
-    const DIRECTIONS: usize = 256;
+    const DIRECTIONS: usize = 64;
     let [one, other] = slopes.map(|slope| slope * slope);
     let largest = slopes[0].max(slopes[1]);
     let beyond = |angle: f64| {
