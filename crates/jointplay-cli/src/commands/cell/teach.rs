@@ -34,8 +34,6 @@ use crate::output::{self, fixed};
 Examples:
   jointplay cell teach
   jointplay cell teach --figure stations.png
-  jointplay cell teach --station ALIGN --point-mm 470,606,600 --point-mm 350,726,600 --point-mm 230,606,600 --point-mm 350,486,600 --point-mm 350,606,600 --noise-um 1
-  jointplay cell teach --station ALIGN --reference 0,0=350.1,606.2,600 --reference 0,100=400.1,692.803,600 --reference 100,0=436.703,556.2,600 --reference-noise-um 20
   jointplay cell teach --station LP2 --first-mm -495,-495,500 --last-mm -492,-495,740
 
 Exit codes: 0 done, 1 the points are scattered, too few to be judged, or the tilt is too uncertain or exceeds the robot's limit, 2 bad input or usage.")]
