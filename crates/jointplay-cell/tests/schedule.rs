@@ -176,30 +176,35 @@ fn single_arm(cell: &Cell, wafers: usize) -> Trajectory {
     steps.trajectory()
 }
 
-/// A dual arm that swaps at each chamber and at the load lock.
+/// A dual arm that swaps at each chamber and at the load lock, from the first wafer to the last.
 fn dual_arm(cell: &Cell, wafers: usize) -> Trajectory {
     let chambers = cell.stations.len() - 1;
     let mut steps = Steps::new(cell);
-    for cycle in 1..=wafers {
-        steps.pick(A, LOAD_LOCK, cycle);
+    let is_wafer = |wafer: &usize| (1..=wafers).contains(wafer);
+    steps.go();
+    for cycle in 1..=wafers + chambers {
         let (mut full, mut empty) = (A, B);
-        let mut last = None;
+        if is_wafer(&cycle) {
+            steps.pick(full, LOAD_LOCK, cycle);
+        }
         for chamber in 1..=chambers {
+            let before = cycle.checked_sub(chamber).filter(is_wafer);
+            let enters = (cycle + 1).checked_sub(chamber).filter(is_wafer);
+            if before.is_none() && enters.is_none() {
+                continue;
+            }
             steps.go();
-            let swaps = cycle > chamber;
-            if swaps {
+            if before.is_some() {
                 steps.pick(empty, chamber, 1);
             }
-            steps.place(full, chamber, 1);
-            last = swaps.then_some(empty);
-            if !swaps {
-                break;
+            if enters.is_some() {
+                steps.place(full, chamber, 1);
             }
             (full, empty) = (empty, full);
         }
         steps.go();
-        if let (Some(effector), true) = (last, cycle > chambers) {
-            steps.place(effector, LOAD_LOCK, cycle - chambers);
+        if let Some(wafer) = cycle.checked_sub(chambers).filter(is_wafer) {
+            steps.place(full, LOAD_LOCK, wafer);
         }
     }
     steps.trajectory()
