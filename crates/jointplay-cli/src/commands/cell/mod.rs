@@ -6,6 +6,8 @@ mod example;
 mod export;
 mod format;
 mod input;
+mod optimise;
+mod optimise_log;
 mod pictures;
 mod run;
 mod teach;
@@ -16,7 +18,7 @@ use clap::{Args, Subcommand};
 use crate::failure::Failure;
 use crate::output::FormatArgs;
 
-/// Check, run and export programs of work cells; teach stations, compute displacements of wafers
+/// Check, run, export and optimise programs of work cells; teach stations
 ///
 /// Without files, the commands use the included example: a dual-arm robot with two load ports, an aligner and a process station.
 #[derive(Args)]
@@ -25,6 +27,7 @@ Examples:
   jointplay cell check
   jointplay cell run --out example-run
   jointplay cell export --to gltf,csv
+  jointplay cell optimise --out faster
   jointplay cell teach
   jointplay cell displacement
   jointplay cell format
@@ -39,6 +42,7 @@ enum Action {
     Check(check::Check),
     Run(run::Run),
     Export(export::Export),
+    Optimise(optimise::Optimise),
     Teach(teach::Teach),
     Displacement(displacement::Displacement),
     Format(format::Format),
@@ -51,6 +55,7 @@ impl CellCommand {
             Action::Check(command) => command.run(),
             Action::Run(command) => command.run(),
             Action::Export(command) => command.run(),
+            Action::Optimise(command) => command.run(),
             Action::Teach(command) => command.run(),
             Action::Displacement(command) => command.run(),
             Action::Format(command) => command.run(),
@@ -63,6 +68,7 @@ impl CellCommand {
             Action::Check(command) => command.input.format(),
             Action::Run(command) => command.input.format(),
             Action::Export(command) => command.input.format(),
+            Action::Optimise(command) => command.input.format(),
             Action::Teach(command) => command.cell.format,
             Action::Displacement(command) => command.input.format(),
             Action::Format(command) => command.format,
