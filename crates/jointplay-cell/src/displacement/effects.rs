@@ -26,12 +26,15 @@ pub struct ParameterEffect {
     pub half_width: f64,
 }
 
+/// Function that changes a robot, or the positions of its axes, by a deviation of a parameter.
+type Change = Box<dyn Fn(&mut HybridRobot, &mut [f64], f64) -> Result<(), CellError>>;
+
 /// Parameter of a robot, with a function that changes it.
 struct Parameter {
     cause: Cause,
     name: String,
     half_width: f64,
-    change: Box<dyn Fn(&mut HybridRobot, &mut [f64], f64) -> Result<(), CellError>>,
+    change: Change,
 }
 
 /// Effects of all parameters whose tolerance is known on the wafer of an effector, at given positions of the axes.
@@ -133,8 +136,6 @@ fn parameters(
     }
     found
 }
-
-type Change = Box<dyn Fn(&mut HybridRobot, &mut [f64], f64) -> Result<(), CellError>>;
 
 /// Change of one limb of the platform.
 fn limb_change(
