@@ -10,16 +10,16 @@ use jointplay::cell::robot::AxisKind;
 use jointplay::cell::trajectory::Trajectory;
 use jointplay::cell::workcell::Cell;
 use jointplay::cell::{IncrementalPlanner, PlanError, PlanOptions, check::Report};
-use jointplay::format::cell::edit::{Change, set_station};
 use jointplay::format::cell::explain_trajectory::explain_step;
+use jointplay::format::cell::{Change, set_station};
 use jointplay::format::{cell, program};
 use jointplay::nalgebra::Vector3;
 use jointplay::spatial::Tilt;
 use pyo3::prelude::*;
 use pyo3::types::{PyString, PyTuple};
 
-use crate::cell_plan::PyCellPlan;
 use crate::arrays::numbers_of_shape;
+use crate::cell_plan::PyCellPlan;
 use crate::numbers::finite;
 use crate::threads::Threads;
 use crate::{errors, files};
@@ -65,7 +65,7 @@ impl PyCell {
     ///     For a file that cannot be read.
     #[staticmethod]
     fn from_file(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let text = files::read_text(py, &path, cell::MAX_BYTES)?;
+        let text = files::read_text(py, &path, cell::MAX_BYTES as u64)?;
         let folder = path.parent().map(Path::to_owned).unwrap_or_default();
         Self::parse(py, text, Some(folder), path.display().to_string())
     }
@@ -217,10 +217,11 @@ impl PyCell {
         let threads = Threads::of(threads, usize::MAX)?;
         let stop = AtomicBool::new(false);
         let compute = || {
-            let options =
-                PlanOptions { stop: &|| stop.load(Ordering::Relaxed), ..PlanOptions::default() };
-            let mut planner = IncrementalPlanner::default();
-            let plan = || planner.plan(&self.cell, &parsed, &options);
+            let plan = || {
+                let stop = || stop.load(Ordering::Relaxed);
+                let options = PlanOptions { stop: &stop, ..PlanOptions::default() };
+                IncrementalPlanner::default().plan(&self.cell, &parsed, &options)
+            };
             match threads {
                 Threads::Here => plan(),
                 Threads::Pool(pool) => pool.install(plan),
@@ -286,10 +287,10 @@ impl PyCell {
                 if !problems.iter().all(|problem| problem.problem.is_infeasible()) {
                     return errors::file(py, &source.label, &explained);
                 }
-                let entry = |one: &jointplay::format::place::Error<_>| {
-                    (one.place.line, one.place.column, one.problem.to_string())
-                };
-                explained.iter().map(entry).collect()
+                explained
+                    .iter()
+                    .map(|one| (one.place.line, one.place.column, one.problem.to_string()))
+                    .collect()
             }
             PlanError::Trajectory(error) => error
                 .steps
