@@ -20,6 +20,7 @@
 //! | [`workcell`] | robot, stations, wafers, bodies and zones |
 //! | [`program`] | programs, and the steps that they expand to |
 //! | [`trajectory`] | steps over time: jerk-limited, synchronized, along straight lines |
+//! | [`schedule`] | stays of wafers, use of robot and stations, critical path, steady state |
 //! | [`check`] | violations of a trajectory, minimum distances, and results by instruction |
 //! | [`jog`] | interactive motion up to the limits |
 //! | [`IncrementalPlanner`] | expansion, trajectory and check, with results of the previous plan reused |
@@ -44,6 +45,7 @@ pub mod jog;
 mod planner;
 pub mod program;
 pub mod robot;
+pub mod schedule;
 pub mod station;
 pub mod trajectory;
 mod validate;

@@ -35,6 +35,8 @@ pub enum CellPart {
     Occupied(usize),
     /// An effector with a wafer at the start, by index in [`Cell::loaded_effectors`].
     LoadedEffector(usize),
+    /// The rules for the stays and visits of wafers.
+    Rules,
 }
 
 /// A part of a cell that violates a condition.
@@ -99,6 +101,7 @@ impl Cell {
             let exists = |&body| index("an allowed pair", "body", body, self.bodies.len());
             add(CellPart::AllowedPair(number), pair.iter().try_for_each(exists));
         }
+        add(CellPart::Rules, self.rules.validate(self.stations.len()));
         let mut known = BTreeSet::new();
         for (index, &slot) in self.occupied.iter().enumerate() {
             let checked = self.check_slot(slot).and_then(|()| {

@@ -5,7 +5,7 @@ use jointplay_core::spatial::Pose;
 use crate::geometry::Shape;
 use crate::incremental::{CacheKey, CacheKeyPart};
 use crate::robot::{EffectorId, HybridRobot};
-use crate::station::{SlotId, Station};
+use crate::station::{SlotId, Station, WaferRules};
 use crate::wafer::{Sag, SagError, Wafer, sag};
 
 /// Frame that a body is attached to.
@@ -84,6 +84,8 @@ pub struct Cell {
     pub allowed_pairs: Vec<[usize; 2]>,
     /// Zones.
     pub zones: Vec<Zone>,
+    /// Rules for the stays and visits of wafers.
+    pub rules: WaferRules,
     /// Largest displacement of the virtual joints that the play of the mechanism allows (m).
     pub play_budget: f64,
     /// Required clearance of bodies (m).

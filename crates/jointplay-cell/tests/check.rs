@@ -296,7 +296,7 @@ fn a_wall_between_two_samples_is_seen() {
     );
     assert!(hit.start > 0.4 && hit.start < 0.41, "{}", hit.start);
     let text = hit.describe(&cell);
-    assert!(text.contains("pin and sheet touch"), "{text}");
+    assert!(text.contains("pin and sheet collide"), "{text}");
     assert_eq!(
         kinds(&report),
         BTreeSet::from([ViolationKind::Collision]),

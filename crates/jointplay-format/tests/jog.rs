@@ -143,7 +143,9 @@ fn jogging_beyond_the_reach_stops_at_the_reach() {
         &SlotRelativePose { radial: 0.4, ..IN },
     );
     let jogged = jogged.unwrap();
-    let Some(StopReason::Unreachable(why)) = &jogged.stopped else { panic!("{:?}", jogged.stopped) };
+    let Some(StopReason::Unreachable(why)) = &jogged.stopped else {
+        panic!("{:?}", jogged.stopped)
+    };
     assert!(matches!(why, Unreachable::OutOfReach(_) | Unreachable::Limits(_)), "{why:?}");
     assert!(cell.robot.limit_violations(&jogged.positions).unwrap().is_empty());
     let pose = cell.wafer_pose(A, &jogged.positions, false).unwrap();

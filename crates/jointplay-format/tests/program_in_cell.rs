@@ -128,6 +128,7 @@ fn cell() -> Cell {
         bodies: Vec::new(),
         allowed_pairs: Vec::new(),
         zones: Vec::new(),
+        rules: jointplay_cell::station::WaferRules::default(),
         play_budget: 1e-3,
         clearance: 1e-3,
         slot_clearance: 1e-3,

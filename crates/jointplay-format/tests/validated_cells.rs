@@ -4,7 +4,7 @@
 use jointplay_cell::check::CheckOptions;
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::robot::EffectorId;
-use jointplay_cell::station::SlotId;
+use jointplay_cell::station::{DwellLimits, SlotId};
 use jointplay_cell::workcell::{Cell, ParentFrame};
 use jointplay_cell::{CellError, CellPart, IncrementalPlanner, PlanError, PlanOptions};
 use jointplay_format::{cell, program};
@@ -60,6 +60,10 @@ fn mutate(cell: &mut Cell, field: usize, value: f64, index: usize) {
         28 => cell.robot.axes[axis].empty.jerk = speed,
         29 => cell.robot.arms[arm].mount[index % 3] = value,
         30 => cell.robot.arms[arm].joints[0].length = value,
+        32 => {
+            let limits = DwellLimits { station: index, min: value, max: Some(0.1) };
+            cell.rules.dwell.push(limits);
+        }
         31 => cell.robot.arms[arm].effectors[0].friction = value,
         _ => cell.stations[station].via = vec![[value; 3]],
     }
@@ -85,7 +89,7 @@ proptest! {
 
     #[test]
     fn mutated_cells_are_rejected_or_planned_without_panic(
-        mutations in prop::collection::vec((0..33_usize, value(), 0..30_usize), 1..3)
+        mutations in prop::collection::vec((0..34_usize, value(), 0..30_usize), 1..3)
     ) {
         let mut cell = example();
         for (field, value, index) in mutations {

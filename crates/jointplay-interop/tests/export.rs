@@ -107,6 +107,7 @@ fn cell() -> Cell {
         bodies: vec![],
         allowed_pairs: vec![],
         zones: vec![],
+        rules: jointplay_cell::station::WaferRules::default(),
         play_budget: 1e-4,
         clearance: 0.001,
         slot_clearance: 0.001,

@@ -110,6 +110,7 @@ fn cell() -> Cell {
         bodies: vec![wall],
         allowed_pairs: vec![],
         zones: vec![zone],
+        rules: jointplay_cell::station::WaferRules::default(),
         play_budget: 1e-4,
         clearance: 0.001,
         slot_clearance: 0.001,
@@ -261,11 +262,15 @@ fn gantt(duration: f64) -> Gantt {
     let span = |from: f64, to: f64, kind| Interval { from, to, kind };
     Gantt {
         axes: vec!["q1".to_owned(), "T".to_owned()],
+        places: vec!["wafer on A".to_owned(), "port".to_owned()],
         intervals: vec![
             span(0.0, 0.5 * duration, IntervalKind::Instruction(labels("GET port SLOT 1 WITH A"))),
             span(0.5 * duration, duration, IntervalKind::Instruction(labels("PUT aligner"))),
             span(0.0, 0.4 * duration, IntervalKind::Empty(1)),
             span(0.5 * duration, duration, IntervalKind::Loaded(0)),
+            span(0.2 * duration, 0.7 * duration, IntervalKind::Wafers { row: 0, share: 1.0 }),
+            span(0.7 * duration, duration, IntervalKind::Wafers { row: 1, share: 0.04 }),
+            span(0.7 * duration, 0.9 * duration, IntervalKind::Process(1)),
             span(0.6 * duration, 0.6 * duration, IntervalKind::Violation),
         ],
         duration,
@@ -280,9 +285,13 @@ fn axes_over_time() {
         "axes",
         "q1",
         "T",
+        "wafer on A",
+        "port",
         "violations",
         "GET port SLOT 1 WITH A",
         "moving without wafer",
+        "wafers, share of slots",
+        "process",
         "violation",
     ];
     check(&gantt(8.0).to_svg().unwrap(), &expected);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use jointplay::cell::check::{CheckResult, Report};
+use jointplay::cell::check::{self, CheckOptions, CheckResult, Report};
 use jointplay::cell::trajectory::Trajectory;
 use jointplay::cell::workcell::Cell;
 use jointplay::interop::export::dialect::{DIALECTS, Dialect, MAX_BYTES};
@@ -91,16 +91,29 @@ impl PyCellPlan {
         distances.reduce(f64::min)
     }
 
-    /// Everything that `jointplay cell check --format json` prints, with the units that its names carry.
+    /// What `jointplay cell check --format json` prints, with the units that its names carry.
+    ///
+    /// Parameters
+    /// ----------
+    /// remedies : bool
+    ///     Whether to search remedies of violations, each verified by a check of the whole program.
     ///
     /// Returns
     /// -------
     /// dict
-    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let document = report::cell(&self.cell, &self.program, &self.motion, &self.report);
-        let text = py
-            .detach(|| serde_json::to_string(&document))
-            .map_err(|error| errors::internal(&error.to_string()))?;
+    #[pyo3(signature = (*, remedies=false))]
+    fn report<'py>(&self, py: Python<'py>, remedies: bool) -> PyResult<Bound<'py, PyAny>> {
+        let text = py.detach(|| {
+            let (cell, motion) = (&*self.cell, &self.motion);
+            let mut document = report::cell(cell, &self.program, motion, &self.report);
+            if remedies {
+                let options = CheckOptions::default();
+                let found = check::remedies(cell, motion, &options, &self.report, &|| false).ok();
+                document.remedies = found.map(|found| report::remedy_reports(cell, &found));
+            }
+            serde_json::to_string(&document)
+        });
+        let text = text.map_err(|error| errors::internal(&error.to_string()))?;
         py.import("json")?.call_method1("loads", (text,))
     }
 

@@ -5,11 +5,12 @@ use jointplay_cell::workcell::Cell;
 
 use jointplay_format::units::{deg, mm};
 
-/// Unit of messages, and a value of a violation in this unit.
+/// ViolationQuantity of messages, and a value of a violation in this unit.
 pub(crate) fn in_display_unit(one: &Violation, value: f64) -> (&'static str, f64) {
     match (one.unit, one.kind) {
         (ViolationQuantity::None, _) => ("", value),
         (ViolationQuantity::Acceleration, _) => ("m/s²", value),
+        (ViolationQuantity::Time, _) => ("s", value),
         (ViolationQuantity::Length, ViolationKind::Velocity) => ("mm/s", mm(value)),
         (ViolationQuantity::Length, ViolationKind::Acceleration) => ("mm/s²", mm(value)),
         (ViolationQuantity::Length, ViolationKind::Jerk) => ("mm/s³", mm(value)),
@@ -84,6 +85,23 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
             )
         }
         ViolationKind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
+        ViolationKind::LongDwell => format!(
+            "{} stays in {} for {worst}, allowed are {limit}: pick it {} earlier",
+            name(0),
+            name(1),
+            number(one.excess())
+        ),
+        ViolationKind::ShortDwell => format!(
+            "{} leaves {} after {worst}, required are {limit}: wait {} longer before this instruction",
+            name(0),
+            name(1),
+            number(one.excess())
+        ),
+        ViolationKind::LeftInStation => format!(
+            "{} is left in {} at the end of the program, where a wafer may stay for {limit}: pick it before the program ends",
+            name(0),
+            name(1)
+        ),
         ViolationKind::SafeZone => format!(
             "the wafer centre of {} is {worst} outside safe zone {} while the robot rotates",
             name(0),

@@ -207,9 +207,16 @@ impl<'a> Aggregator<'a> {
     ///
     /// # Arguments
     /// * `wafers` – number of different wafers that were placed
-    pub(super) fn into_report(mut self, scene: &Scene<'_>, wafers: usize) -> Report {
+    /// * `rule_violations` – violations that concern no single step
+    pub(super) fn into_report(
+        mut self,
+        scene: &Scene<'_>,
+        wafers: usize,
+        rule_violations: Vec<Violation>,
+    ) -> Report {
         self.end_instruction(scene);
         let mut violations = self.violations;
+        violations.extend(rule_violations);
         violations.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.kind.cmp(&b.kind)));
         for violation in &violations {
             let row = self.rows.iter_mut().find(|row| row.instruction == violation.instruction);

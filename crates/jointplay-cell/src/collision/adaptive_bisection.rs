@@ -34,7 +34,7 @@ const MIN_INTERVAL_TRAVEL: f64 = 2e-6;
 /// Resolution of the comparison of a distance with the required clearance: the accuracy to which distances are tested (m).
 ///
 /// A pair violates its clearance where its distance is smaller by more than this; a contact is a violation for any required clearance.
-pub(super) const RESOLUTION: f64 = 1e-8;
+pub(crate) const CONTACT_RESOLUTION: f64 = 1e-8;
 
 /// Tolerance of a reported minimum distance: a sample that was not evaluated may have a distance smaller by this much (m).
 pub(crate) fn distance_tolerance(distance: f64) -> f64 {
@@ -141,7 +141,7 @@ impl StepDistanceQuery<'_> {
             let mut query = PairQuery {
                 query: self,
                 pair,
-                limit: (required - RESOLUTION).max(0.0),
+                limit: (required - CONTACT_RESOLUTION).max(0.0),
                 relative,
                 minimum: pairs.minima[index],
                 violating: Vec::new(),
@@ -178,7 +178,7 @@ impl CandidatePair {
     fn violation(&self, distance: f64, depth: f64, required: f64) -> SampleViolation {
         let (kind, value, limit) = match self.rule {
             ClearanceRule::KeepOut => (ViolationKind::KeepOut, 0.0 - depth, 0.0),
-            _ if distance == 0.0 => (ViolationKind::Collision, -depth, 0.0),
+            _ if distance == 0.0 => (ViolationKind::Collision, 0.0 - depth, required),
             ClearanceRule::SlotClearance(_) => (ViolationKind::SlotClearance, distance, required),
             _ => (ViolationKind::Clearance, distance, required),
         };
@@ -329,7 +329,8 @@ impl PairQuery<'_, '_> {
         let mut middle = DistanceBound::of_spheres(query, &poses, self.pair.objects);
         (middle.value, middle.is_exact) = (distance(a, b), true);
         if middle.value <= self.limit {
-            self.violating.push(DistanceSample { at, distance: middle.value, depth: 0.0 });
+            let depth = if middle.value == 0.0 { penetration_depth(a, b) } else { 0.0 };
+            self.violating.push(DistanceSample { at, distance: middle.value, depth });
         }
         if middle.value == 0.0 {
             self.update_minimum(0.0, time);

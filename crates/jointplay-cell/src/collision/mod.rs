@@ -47,11 +47,13 @@ mod swept_aabb;
 mod unknown_pose;
 
 pub(crate) use adaptive_bisection::{
-    CandidatePair, PairAccumulator, PairResults, StepDistanceQuery, distance_tolerance,
+    CONTACT_RESOLUTION, CandidatePair, PairAccumulator, PairResults, StepDistanceQuery,
+    distance_tolerance,
 };
+pub(crate) use allowed_collisions::ClearanceRule;
 pub(crate) use axis_states::AxisStates;
 pub(crate) use broad_phase::{BroadPhase, CandidatePairs};
-pub(crate) use link_poses::PoseError;
+pub(crate) use link_poses::{LinkPoses, PoseError};
 pub(crate) use motion_bound::MotionBoundModel;
 pub(crate) use motion_bound_coefficients::{MotionBoundCoefficients, droop_bounds};
 pub(crate) use sample_windows::SampleWindows;

@@ -257,6 +257,8 @@ pub struct Leveling {
     pub station: String,
     /// Least angle by which to level it (rad).
     pub angle: f64,
+    /// Part of the angle that the compensation of the deflection of the loaded arms needs (rad).
+    pub for_deflection: f64,
 }
 
 /// Number of instructions; `u64::MAX` also represents all larger numbers, and is displayed in words.

@@ -286,7 +286,9 @@ impl<'c> MotionSequencer<'c> {
         let Unreachable::Tilt { .. } = error else { return None };
         let station = &self.cell.stations[slot.station];
         let angle = self.cell.leveling(station)?;
-        Some(Leveling { station: station.name.clone(), angle })
+        let excess = station.excess_tilt(&self.cell.robot);
+        let for_deflection = (angle - excess).max(0.0);
+        Some(Leveling { station: station.name.clone(), angle, for_deflection })
     }
 
     /// Retracts the arms, levels, turns to a retracted pose with the motors alone, then moves there with the rods alone.

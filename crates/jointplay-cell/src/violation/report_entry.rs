@@ -8,9 +8,9 @@ use crate::workcell::Cell;
 /// Violation of one limit over an interval of time, within one instruction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Violation {
-    /// Kind of the violation.
+    /// ViolationKind of the violation.
     pub kind: ViolationKind,
-    /// Entities concerned: an axis, an effector, an effector and a zone, or two collision objects; empty for the platform.
+    /// Entities concerned: an axis, an effector, an effector and a zone, two collision objects, or a wafer and a station; empty for the platform.
     pub entities: Vec<EntityId>,
     /// Index of the instruction in the order of execution.
     pub instruction: usize,
@@ -28,11 +28,11 @@ pub struct Violation {
     pub worst_time: f64,
     /// Worst value in SI units; a negative distance is a penetration depth.
     pub worst: f64,
-    /// Limit in SI units.
+    /// Limit in SI units; of a collision the required clearance.
     pub limit: f64,
     /// Quantity of `worst` and `limit`.
     pub unit: ViolationQuantity,
-    /// Reason, where a pose is unknown.
+    /// Reason, where a pose is unknown or a visit is missing.
     pub detail: String,
 }
 
@@ -43,6 +43,7 @@ impl Violation {
         match (self.unit, self.kind) {
             (ViolationQuantity::None, _) => "",
             (ViolationQuantity::Acceleration, _) => "m/s²",
+            (ViolationQuantity::Time, _) => "s",
             (ViolationQuantity::Length, ViolationKind::Velocity) => "m/s",
             (ViolationQuantity::Length, ViolationKind::Acceleration) => "m/s²",
             (ViolationQuantity::Length, ViolationKind::Jerk) => "m/s³",
@@ -96,7 +97,9 @@ impl Violation {
             ViolationKind::Play => format!(
                 "the virtual joints are displaced by {worst:.3e} m, the play budget is {limit:.3e} m"
             ),
-            ViolationKind::Platform | ViolationKind::Droop => self.detail.clone(),
+            ViolationKind::Platform | ViolationKind::Droop | ViolationKind::MissingVisit => {
+                self.detail.clone()
+            }
             ViolationKind::Slip if worst.is_infinite() => {
                 format!("the wafer on {} lifts off its supports", name(0))
             }
@@ -138,6 +141,21 @@ impl Violation {
                 )
             }
             ViolationKind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
+            ViolationKind::LongDwell => format!(
+                "{} stays in {} for {worst:.3} s, allowed are {limit:.3} s",
+                name(0),
+                name(1)
+            ),
+            ViolationKind::ShortDwell => format!(
+                "{} stays in {} for {worst:.3} s, required are {limit:.3} s",
+                name(0),
+                name(1)
+            ),
+            ViolationKind::LeftInStation => format!(
+                "{} is left in {} at the end, where it may stay for {limit:.3} s",
+                name(0),
+                name(1)
+            ),
             ViolationKind::SafeZone => format!(
                 "the wafer centre of {} is {worst:.6} m outside safe zone {} while the robot rotates",
                 name(0),

@@ -174,6 +174,7 @@ pub(crate) fn cell(robot: HybridRobot) -> Cell {
         bodies: Vec::new(),
         allowed_pairs: Vec::new(),
         zones: Vec::new(),
+        rules: jointplay_cell::station::WaferRules::default(),
         play_budget: 1e-2,
         clearance: 1e-3,
         slot_clearance: 1e-3,

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use jointplay_cell::robot::{EffectorId, HybridRobot};
-use jointplay_cell::station::SlotId;
+use jointplay_cell::station::{DwellLimits, SlotId, WaferRules};
 use jointplay_cell::wafer::{Material, Wafer, check_thin_plate};
 use jointplay_cell::workcell::Cell;
 use jointplay_cell::{CellError, CellPart, InvalidPart};
@@ -12,6 +12,8 @@ use super::effectors::{Effectors, effectors, named_effectors};
 use super::explain::explain;
 use super::files::{Files, read_named_file};
 use super::problem::{Errors, Fault};
+use super::rules::visits;
+use super::stations::Dwell;
 use super::tree::{AllowedRange, Entry, Reader, Table};
 use super::{bodies, robot, stations};
 use crate::catalogue;
@@ -73,6 +75,7 @@ fn span_of(top: &Table, part: CellPart) -> Range<usize> {
         CellPart::AllowedPair(_) => entry("may_touch"),
         CellPart::Occupied(_) => entry("station"),
         CellPart::LoadedEffector(_) => entry("carried"),
+        CellPart::Rules => entry("rule"),
     };
     found.unwrap_or(0..0)
 }
@@ -100,7 +103,13 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
     );
     let bare = bare(robot.as_ref(), wafer.as_ref(), budgets);
     let read = stations::read(top, (robot.as_ref(), bare.as_ref()), effectors.as_ref());
-    let (stations, occupied): (Vec<_>, Vec<Vec<usize>>) = read.into_iter().unzip();
+    let dwell = read.iter().enumerate().filter_map(|(station, read)| {
+        read.dwell.map(|Dwell { min, max }| DwellLimits { station, min, max })
+    });
+    let dwell = dwell.collect();
+    let (stations, occupied): (Vec<_>, Vec<Vec<usize>>) =
+        read.into_iter().map(|read| (read.station, read.wafers)).unzip();
+    let rules = WaferRules { dwell, visits: visits(top, &stations) };
     let bodies = bodies::bodies(top, robot.as_ref(), &stations, files);
     let allowed_pairs = bodies::pairs(top, &bodies);
     let zones = bodies::zones(top, files);
@@ -122,6 +131,7 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
         bodies,
         allowed_pairs,
         zones,
+        rules,
         play_budget,
         clearance,
         slot_clearance,
@@ -148,6 +158,7 @@ fn bare(
         bodies: Vec::new(),
         allowed_pairs: Vec::new(),
         zones: Vec::new(),
+        rules: WaferRules::default(),
         play_budget,
         clearance,
         slot_clearance,

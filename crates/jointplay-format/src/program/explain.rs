@@ -5,7 +5,7 @@ use jointplay_cell::robot::{Axis, AxisKind, HybridRobot};
 use jointplay_cell::station::LineRemedy;
 
 use super::lexer::{Token, line_at};
-use crate::cell::explain::{explain_limit, explain_sag, explain_unreachable_pose};
+use crate::cell::explain::{explain_limit, explain_sag, explain_unreachable_pose, leveling_angle};
 use crate::place::{self, Error, nearest, suggestion};
 
 /// A planning error of a program as a message.
@@ -93,9 +93,8 @@ fn line_remedies(robot: &HybridRobot, station: &str, remedies: &[LineRemedy]) ->
 }
 
 fn remedy(leveling: &Leveling) -> String {
-    // Rounded up: a correction by less would not suffice.
-    let angle = (leveling.angle.to_degrees() * 1e3).ceil() * 1e-3;
-    format!("; level {} by at least {angle:.3}°", leveling.station)
+    let [by, for_arms] = [leveling.angle, leveling.for_deflection].map(f64::to_degrees);
+    format!("; level {} by at least {}", leveling.station, leveling_angle(by, for_arms))
 }
 
 /// The place in the text, with the width of the marked part.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::cell::check::{CheckResult, Report};
+use jointplay::cell::check::{CheckOptions, CheckResult, Report, remedies};
 use jointplay::cell::program::{Program, ProgramError, SourceLocation, name_errors};
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::trajectory::{StepError, Trajectory};
@@ -275,8 +275,15 @@ impl Planned {
         }
     }
 
+    /// The report, with remedies of violations.
     pub(super) fn document(&self) -> report::CellReport {
-        report::cell(self.cell(), &self.input.text, &self.motion, &self.report)
+        let progress = Progress::new(1);
+        progress.reporter().stage("searching remedies");
+        let (cell, options) = (self.cell(), CheckOptions::default());
+        let remedies = remedies(cell, &self.motion, &options, &self.report, &|| false).ok();
+        let remedies = remedies.map(|found| report::remedy_reports(cell, &found));
+        let document = report::cell(cell, &self.input.text, &self.motion, &self.report);
+        report::CellReport { remedies, ..document }
     }
 
     /// All effectors of the robot.

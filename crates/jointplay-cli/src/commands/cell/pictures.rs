@@ -3,6 +3,7 @@
 use jointplay::cell::EntityId;
 use jointplay::cell::check::Violation;
 use jointplay::cell::robot::EffectorId;
+use jointplay::cell::schedule::schedule;
 use jointplay::cell::workcell::ParentFrame;
 use jointplay::interop::export;
 use jointplay::plot::cell::{EffectorPath, Gantt, TopView};
@@ -70,6 +71,7 @@ fn involved(planned: &Planned, one: &Violation) -> Vec<EffectorId> {
 fn gantt(planned: &Planned) -> Gantt {
     let violations: Vec<[f64; 2]> =
         planned.report.violations.iter().map(|one| [one.start, one.end]).collect();
-    let title = format!("{}: axes over time", planned.cell().name);
-    Gantt::new(&title, planned.cell(), &planned.motion, &planned.input.text, &violations)
+    let (cell, motion) = (planned.cell(), &planned.motion);
+    let title = format!("{}: axes, wafers and stations over time", cell.name);
+    Gantt::new(&title, cell, motion, &schedule(cell, motion), &planned.input.text, &violations)
 }

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use jointplay_cell::robot::EffectorId;
+use jointplay_format::program::phase_name;
 use serde_json::{Value, json};
 
 use super::Timeline;
 use super::held_at::HeldAt;
-use super::phase::phase;
 use super::relative_time::since;
 use crate::export::channel::Channel;
 use crate::export::error::Error;
@@ -96,7 +96,7 @@ impl Timeline {
                 "segment": segment,
                 "instruction": described.instruction - window.instruction,
                 "line": described.place.line as i64 - window.line as i64,
-                "phase": phase(described.phase),
+                "phase": phase_name(described.phase),
                 "loaded": described.loaded.iter().filter_map(|&id| number(id)).collect::<Vec<_>>(),
             }));
         }

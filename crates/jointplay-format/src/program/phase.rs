@@ -1,9 +1,10 @@
-//! Names of phases.
+//! Names of the phases of instructions.
 
 use jointplay_cell::program::Phase;
 
-/// Name of a phase.
-pub(crate) fn phase(phase: Phase) -> &'static str {
+/// Name of a phase, as in exports and reports.
+#[must_use]
+pub fn phase_name(phase: Phase) -> &'static str {
     match phase {
         Phase::Move => "move",
         Phase::RetractArms => "tuck in",
