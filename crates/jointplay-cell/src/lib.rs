@@ -23,6 +23,7 @@
 //! | [`schedule`] | stays of wafers, use of robot and stations, critical path, steady state |
 //! | [`check`] | violations of a trajectory, minimum distances, and results by instruction |
 //! | [`jog`] | interactive motion up to the limits |
+//! | [`optimise`] | orders of hand-offs, arms, blends and speeds that are better than those of a program |
 //! | [`IncrementalPlanner`] | expansion, trajectory and check, with results of the previous plan reused |
 //!
 //! Internal modules are `incremental` (cache keys, caches, parallel map), `collision` (continuous collision checking, with the guarantee at its head) and `violation`.
@@ -42,6 +43,7 @@ mod error;
 pub mod geometry;
 mod incremental;
 pub mod jog;
+pub mod optimise;
 mod planner;
 pub mod program;
 pub mod robot;

@@ -8,8 +8,11 @@ mod common;
 use jointplay_cell::CellError;
 use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, Violation, ViolationKind, check};
-use jointplay_cell::program::{Handoff, Path, Phase, SourceLocation, Step};
-use jointplay_cell::robot::EffectorId;
+use jointplay_cell::optimise::{
+    Evaluation, Objectives, OptimiseOptions, Search, TimingModel, WaferFlow,
+};
+use jointplay_cell::program::{Handoff, Path, Phase, Program, SourceLocation, Step};
+use jointplay_cell::robot::{Effector, EffectorId};
 use jointplay_cell::schedule::{Resource, Schedule, schedule};
 use jointplay_cell::station::{
     Approach, DwellLimits, Origin, SlotId, Station, Stroke, VisitRule, WaferRules,
@@ -116,12 +119,20 @@ impl<'c> Steps<'c> {
             }
         }
         self.turn(UNLOAD, Some(Handoff::Picked(effector, SlotId { station, slot })));
+        self.mark_in_station(station, slot);
     }
 
     fn place(&mut self, effector: EffectorId, station: usize, slot: usize) {
         self.turn(LOAD, Some(Handoff::Placed(effector, SlotId { station, slot })));
+        self.mark_in_station(station, slot);
         if station != LOAD_LOCK {
             self.placed[station] = Some(self.steps.len() - 1);
+        }
+    }
+
+    fn mark_in_station(&mut self, station: usize, slot: usize) {
+        if let Some(last) = self.steps.last_mut() {
+            last.slot = Some(SlotId { station, slot });
         }
     }
 
@@ -165,30 +176,35 @@ fn single_arm(cell: &Cell, wafers: usize) -> Trajectory {
     steps.trajectory()
 }
 
-/// A dual arm that swaps at each chamber and at the load lock.
+/// A dual arm that swaps at each chamber and at the load lock, from the first wafer to the last.
 fn dual_arm(cell: &Cell, wafers: usize) -> Trajectory {
     let chambers = cell.stations.len() - 1;
     let mut steps = Steps::new(cell);
-    for cycle in 1..=wafers {
-        steps.pick(A, LOAD_LOCK, cycle);
+    let is_wafer = |wafer: &usize| (1..=wafers).contains(wafer);
+    steps.go();
+    for cycle in 1..=wafers + chambers {
         let (mut full, mut empty) = (A, B);
-        let mut last = None;
+        if is_wafer(&cycle) {
+            steps.pick(full, LOAD_LOCK, cycle);
+        }
         for chamber in 1..=chambers {
+            let before = cycle.checked_sub(chamber).filter(is_wafer);
+            let enters = (cycle + 1).checked_sub(chamber).filter(is_wafer);
+            if before.is_none() && enters.is_none() {
+                continue;
+            }
             steps.go();
-            let swaps = cycle > chamber;
-            if swaps {
+            if before.is_some() {
                 steps.pick(empty, chamber, 1);
             }
-            steps.place(full, chamber, 1);
-            last = swaps.then_some(empty);
-            if !swaps {
-                break;
+            if enters.is_some() {
+                steps.place(full, chamber, 1);
             }
             (full, empty) = (empty, full);
         }
         steps.go();
-        if let (Some(effector), true) = (last, cycle > chambers) {
-            steps.place(effector, LOAD_LOCK, cycle - chambers);
+        if let Some(wafer) = cycle.checked_sub(chambers).filter(is_wafer) {
+            steps.place(full, LOAD_LOCK, wafer);
         }
     }
     steps.trajectory()
@@ -285,6 +301,78 @@ fn stays_of_a_wafer_follow_each_other_without_gaps() {
 fn a_program_without_repetition_has_no_steady_state() {
     let cell = tool(&[3.0], 2);
     assert_eq!(schedule(&cell, &single_arm(&cell, 2)).steady_state(), None);
+}
+
+/// Each wafer through all chambers before the next.
+fn one_by_one(cell: &Cell, wafers: usize) -> Trajectory {
+    let mut order = Vec::new();
+    for wafer in 1..=wafers {
+        for station in 0..cell.stations.len() {
+            let slot = |station| {
+                let slot = if station == LOAD_LOCK { wafer } else { 1 };
+                SlotId { station, slot }
+            };
+            order.push(Handoff::Picked(A, slot(station)));
+            order.push(Handoff::Placed(A, slot((station + 1) % cell.stations.len())));
+        }
+    }
+    executed(cell, &order)
+}
+
+/// Hand-offs in an order, with a move where the station changes.
+fn executed(cell: &Cell, order: &[Handoff]) -> Trajectory {
+    let mut steps = Steps::new(cell);
+    let mut at = None;
+    for &handoff in order {
+        let (Handoff::Picked(effector, slot) | Handoff::Placed(effector, slot)) = handoff;
+        if at != Some(slot.station) {
+            steps.go();
+        }
+        at = Some(slot.station);
+        match handoff {
+            Handoff::Picked(..) => steps.pick(effector, slot.station, slot.slot),
+            Handoff::Placed(..) => steps.place(effector, slot.station, slot.slot),
+        }
+    }
+    steps.trajectory()
+}
+
+/// Shortest duration that a search finds from wafers one by one (s).
+fn optimised(cell: &Cell, wafers: usize) -> f64 {
+    let given = one_by_one(cell, wafers);
+    let flow = WaferFlow::new(cell, &Program::default(), &given).unwrap();
+    let mut search = Search::new(cell, &flow, OptimiseOptions::default());
+    let mut shortest = f64::INFINITY;
+    while let Some(candidate) = search.next_candidate() {
+        let trajectory = executed(cell, &search.order(&candidate));
+        shortest = shortest.min(trajectory.duration());
+        let objectives = Objectives {
+            wafers_per_hour: 3600.0 * wafers as f64 / trajectory.duration(),
+            clearance: 0.01,
+            slip_margin: 0.5,
+        };
+        let (objectives, timing) = (Some(objectives), TimingModel::measure(&trajectory));
+        search.record(Evaluation { objectives, timing });
+    }
+    shortest
+}
+
+#[test]
+fn the_search_finds_orders_as_short_as_the_published_ones() {
+    let mut found = Vec::new();
+    for processes in [&[0.5][..], &[4.0], &[20.0], &[6.0, 6.0], &[3.0, 15.0], &[15.0, 3.0]] {
+        let mut cell = tool(processes, 10);
+        found.push((processes, 1, optimised(&cell, 10), single_arm(&cell, 10).duration()));
+        let second = cell.robot.arms[0].effectors[0].clone();
+        cell.robot.arms[0].effectors.push(Effector { name: "B".into(), ..second });
+        for station in &mut cell.stations {
+            station.effectors = vec![A, B];
+        }
+        found.push((processes, 2, optimised(&cell, 10), dual_arm(&cell, 10).duration()));
+    }
+    let longer: Vec<_> =
+        found.iter().filter(|(.., shortest, published)| *shortest > published + 1e-9).collect();
+    assert!(longer.is_empty(), "{longer:#?} of {found:#?}");
 }
 
 /// Two wafers into chamber 1: the first is picked after a wait, the second stays.

@@ -24,6 +24,11 @@ pub(crate) struct ForceArgs {
 impl ForceArgs {
     /// Permission to change a file given by the user, as `--write` does.
     pub(crate) const REPLACE: Self = Self { force: true };
+
+    /// Whether existing files may be replaced.
+    pub(crate) fn is_given(self) -> bool {
+        self.force
+    }
 }
 
 /// Prefix of temporary files; one that is found was left by a killed run.

@@ -52,6 +52,44 @@ fn a_check_reads_well() {
 }
 
 #[test]
+fn a_search_finds_a_faster_program_and_continues_after_an_interruption() {
+    let sandbox = sandbox(&[]);
+    let naive = "HOME\nREPEAT 3 AS n\n  TRANSFER LP1 SLOT n TO ALIGN WITH A\n  TRANSFER ALIGN TO LP2 SLOT n WITH A\nEND\nHOME\n";
+    sandbox.write("example.program", naive);
+    let command =
+        "cell optimise example.toml --rounds 2 --blend-mm 0,3 --speed-percent 100 --out found";
+    let found = sandbox.json(command);
+    let [given, best] = [&found["given"], &found["programs"][0]];
+    let rate = |one: &Value| one["wafers_per_hour"].as_f64().unwrap();
+    assert!(rate(best) > 1.1 * rate(given), "{found}");
+    // The program is what `cell check` reports, and moves the same wafers.
+    let check = sandbox.json("cell check example.toml found/optimised-1.program");
+    assert!((check["wafers_per_hour"].as_f64().unwrap() - rate(best)).abs() < 1e-9);
+    assert_eq!((&check["wafers"], &check["result"]), (&Value::from(3), &Value::from("passed")));
+    let last = |wafer: &Value| {
+        let stay = wafer["stays"].as_array().unwrap().last().unwrap();
+        (stay["place"].clone(), stay["slot"].clone())
+    };
+    let ends: Vec<_> = check["schedule"]["wafers"].as_array().unwrap().iter().map(last).collect();
+    let expected: Vec<_> = (1..=3).map(|slot| (Value::from("LP2"), Value::from(slot))).collect();
+    assert_eq!(ends, expected);
+    // The log of a killed run, whose last line is cut off.
+    let log = sandbox.read("found/evaluations.jsonl");
+    let kept: String = log.split_inclusive('\n').take(3).collect();
+    sandbox.write("found/evaluations.jsonl", &(kept + "{\"program\": \"HO"));
+    assert_eq!(sandbox.json(command), found);
+    assert_eq!(sandbox.read("found/evaluations.jsonl"), log);
+    sandbox.write("example.program", SMALL);
+    let refused = sandbox.run(command);
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("another cell, program or version"), "{}", refused.stderr);
+    sandbox.write("example.program", "HOME\nWAIT 3 s\nTRANSFER LP1 SLOT 1 TO ALIGN WITH A\n");
+    let refused = sandbox.run("cell optimise example.toml --out other");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("line 2: only programs of HOME"), "{}", refused.stderr);
+}
+
+#[test]
 fn a_run_writes_report_samples_and_pictures() {
     let sandbox = sandbox(&[]);
     let text = sandbox.done("cell run example.toml --rate 50");

@@ -96,6 +96,7 @@ fn every_example_in_a_help_text_runs() {
         "cell check",
         "cell run",
         "cell export",
+        "cell optimise",
         "cell teach",
         "cell format",
         "cell example",

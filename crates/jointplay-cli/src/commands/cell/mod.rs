@@ -5,6 +5,8 @@ mod example;
 mod export;
 mod format;
 mod input;
+mod optimise;
+mod optimise_log;
 mod pictures;
 mod run;
 mod teach;
@@ -15,7 +17,7 @@ use clap::{Args, Subcommand};
 use crate::failure::Failure;
 use crate::output::FormatArgs;
 
-/// Check, run and export programs of work cells; teach stations
+/// Check, run, export and optimise programs of work cells; teach stations
 ///
 /// Without files, the commands use the included example: a dual-arm robot with two load ports, an aligner and a process station.
 #[derive(Args)]
@@ -24,6 +26,7 @@ Examples:
   jointplay cell check
   jointplay cell run --out example-run
   jointplay cell export --to gltf,csv
+  jointplay cell optimise --out faster
   jointplay cell teach
   jointplay cell format
   jointplay cell example --out my-cell")]
@@ -37,6 +40,7 @@ enum Action {
     Check(check::Check),
     Run(run::Run),
     Export(export::Export),
+    Optimise(optimise::Optimise),
     Teach(teach::Teach),
     Format(format::Format),
     Example(example::ExampleCommand),
@@ -48,6 +52,7 @@ impl CellCommand {
             Action::Check(command) => command.run(),
             Action::Run(command) => command.run(),
             Action::Export(command) => command.run(),
+            Action::Optimise(command) => command.run(),
             Action::Teach(command) => command.run(),
             Action::Format(command) => command.run(),
             Action::Example(command) => command.run(),
@@ -59,6 +64,7 @@ impl CellCommand {
             Action::Check(command) => command.input.format(),
             Action::Run(command) => command.input.format(),
             Action::Export(command) => command.input.format(),
+            Action::Optimise(command) => command.input.format(),
             Action::Teach(command) => command.cell.format,
             Action::Format(command) => command.format,
             Action::Example(command) => command.format,
