@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
-use jointplay::cell::robot::AxisKind;
 use jointplay::cell::trajectory::Trajectory;
 use jointplay::cell::workcell::Cell;
 use jointplay::cell::{IncrementalPlanner, PlanError, PlanOptions, check::Report};
@@ -19,7 +18,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyString, PyTuple};
 
 use crate::arrays::numbers_of_shape;
-use crate::cell_plan::PyCellPlan;
+use crate::cell_plan::{PyCellPlan, axis_units};
 use crate::numbers::finite;
 use crate::threads::Threads;
 use crate::{errors, files};
@@ -312,15 +311,6 @@ fn finite_numbers<const N: usize>(given: &Bound<'_, PyAny>, what: &str) -> PyRes
         return Err(errors::not_finite(given.py(), what, value));
     }
     Ok(std::array::from_fn(|k| numbers[k]))
-}
-
-/// Unit of each axis.
-pub(crate) fn axis_units(cell: &Cell) -> Vec<&'static str> {
-    let unit = |kind| match kind {
-        AxisKind::Linear => "m",
-        AxisKind::Rotary => "rad",
-    };
-    cell.robot.axes.iter().map(|axis| unit(axis.kind)).collect()
 }
 
 /// A program given as text or as a file.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use jointplay::cell::check::{self, CheckOptions, CheckResult, Report};
+use jointplay::cell::robot::AxisKind;
 use jointplay::cell::trajectory::Trajectory;
 use jointplay::cell::workcell::Cell;
 use jointplay::interop::export::dialect::{DIALECTS, Dialect, MAX_BYTES};
@@ -12,7 +13,6 @@ use numpy::{IntoPyArray as _, PyArray1, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyString};
 
-use crate::cell::axis_units;
 use crate::skin::{self, fields};
 use crate::{errors, files};
 
@@ -233,6 +233,15 @@ impl PyCellPlan {
         let violations = self.report.violations.len();
         format!("<CellPlan of {:.3} s with {violations} violations>", self.motion.duration())
     }
+}
+
+/// Unit of each axis.
+pub(crate) fn axis_units(cell: &Cell) -> Vec<&'static str> {
+    let unit = |kind| match kind {
+        AxisKind::Linear => "m",
+        AxisKind::Rotary => "rad",
+    };
+    cell.robot.axes.iter().map(|axis| unit(axis.kind)).collect()
 }
 
 /// An included dialect, or that of a file.
