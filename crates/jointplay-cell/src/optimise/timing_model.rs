@@ -27,6 +27,9 @@ impl Signature {
     }
 }
 
+/// A hand-off with the one before it; `None` from the start of the program.
+type Pair = (Option<Signature>, Signature);
+
 /// Mean times of one kind of hand-off after another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimingSample {
@@ -43,14 +46,14 @@ pub struct TimingSample {
 /// Times between hand-offs by their signatures, the last measured ones.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TimingModel {
-    travel: BTreeMap<(Option<Signature>, Signature), [f64; 2]>,
+    travel: BTreeMap<Pair, [f64; 2]>,
 }
 
 impl TimingModel {
     /// Mean times between hand-offs in a trajectory.
     #[must_use]
     pub fn measure(trajectory: &Trajectory) -> Vec<TimingSample> {
-        let mut sums: BTreeMap<(Option<Signature>, Signature), ([f64; 2], f64)> = BTreeMap::new();
+        let mut sums: BTreeMap<Pair, ([f64; 2], f64)> = BTreeMap::new();
         let (mut previous, mut travel, mut in_station) = (None, 0.0, 0.0);
         for (index, step) in trajectory.steps.iter().enumerate() {
             if !matches!(step.path, Path::Dwell(_) | Path::ProcessDwell { .. }) {
@@ -87,14 +90,13 @@ impl TimingModel {
         let from = previous.map(|previous| previous.station);
         // Within a station the robot does not turn: too short a time is corrected once the order was evaluated.
         if from == Some(signature.station) {
-            let alike = |(_, one): &(Option<Signature>, Signature)| {
-                (one.picks, one.station) == (signature.picks, signature.station)
-            };
+            let alike =
+                |(_, one): &Pair| (one.picks, one.station) == (signature.picks, signature.station);
             if let Some([_, in_station]) = self.mean(&alike) {
                 return [in_station; 2];
             }
         }
-        let similar: [&dyn Fn(&(Option<Signature>, Signature)) -> bool; 5] = [
+        let similar: [&dyn Fn(&Pair) -> bool; 5] = [
             &|(before, one)| {
                 before.map(|before| before.station) == from
                     && (one.picks, one.station) == (signature.picks, signature.station)
@@ -107,10 +109,7 @@ impl TimingModel {
         similar.iter().find_map(|is_similar| self.mean(is_similar)).unwrap_or_default()
     }
 
-    fn mean(
-        &self,
-        is_similar: &dyn Fn(&(Option<Signature>, Signature)) -> bool,
-    ) -> Option<[f64; 2]> {
+    fn mean(&self, is_similar: &dyn Fn(&Pair) -> bool) -> Option<[f64; 2]> {
         let found: Vec<&[f64; 2]> =
             self.travel.iter().filter(|(key, _)| is_similar(key)).map(|(_, times)| times).collect();
         #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
