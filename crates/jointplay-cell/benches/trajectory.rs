@@ -16,6 +16,7 @@ use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::{
     Command, Instruction, Name, Program, SlotName, SlotNumber, SourceLocation, Step, expand,
 };
+use jointplay_cell::station::teach::FrameUncertainty;
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::{Body, Cell, ParentFrame};
@@ -34,6 +35,7 @@ fn port(name: &str, direction: f64) -> Station {
         name: name.to_owned(),
         base_from_station: Pose::from_parts(place, turn),
         origin: Origin::Nominal,
+        uncertainty: FrameUncertainty::UNKNOWN,
         slots: WAFERS,
         pitch: 0.01,
         stroke: Stroke { below: 0.003, above: 0.003, speed: 0.05 },
@@ -80,6 +82,8 @@ fn cell() -> Cell {
         loaded_effectors: Vec::new(),
         bodies,
         plane_threshold: 1e-5,
+        coverage_factor: 2.0,
+        tolerances: jointplay_cell::displacement::Tolerances::default(),
         ..common::cell(common::kind(0, [0.25, 0.22, 0.2]))
     }
 }

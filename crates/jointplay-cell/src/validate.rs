@@ -11,6 +11,9 @@ use crate::workcell::{Body, Cell, ParentFrame, Zone};
 /// Largest number of bodies, and of zones: all pairs are checked for collisions.
 pub const MAX_BODIES: usize = 400;
 
+/// Largest coverage factor.
+pub const MAX_COVERAGE_FACTOR: f64 = 6.0;
+
 /// Largest gravitational acceleration, and required clearance, in SI units.
 const MAX_BUDGET: f64 = 1e9;
 
@@ -121,6 +124,13 @@ impl Cell {
         count("zones", self.zones.len(), 0, MAX_BODIES)?;
         positive("the play budget".to_owned(), self.play_budget, "m")?;
         positive("the plane threshold".to_owned(), self.plane_threshold, "rad")?;
+        in_range(
+            "the coverage factor".to_owned(),
+            self.coverage_factor,
+            0.0,
+            MAX_COVERAGE_FACTOR,
+            "",
+        )?;
         for (what, value, unit) in [
             ("the clearance", self.clearance, "m"),
             ("the slot clearance", self.slot_clearance, "m"),

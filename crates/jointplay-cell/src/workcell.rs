@@ -2,6 +2,7 @@
 
 use jointplay_core::spatial::Pose;
 
+use crate::displacement::Tolerances;
 use crate::geometry::Shape;
 use crate::incremental::{CacheKey, CacheKeyPart};
 use crate::robot::{EffectorId, HybridRobot};
@@ -96,6 +97,10 @@ pub struct Cell {
     pub gravity: f64,
     /// Largest angle between the plane of a held wafer and that of its station after compensation (rad).
     pub plane_threshold: f64,
+    /// Multiple of the standard deviation of a station's frame that its clearances and its plane have to allow.
+    pub coverage_factor: f64,
+    /// Tolerances of robot and cell.
+    pub tolerances: Tolerances,
 }
 
 impl Cell {

@@ -13,6 +13,7 @@ use jointplay_cell::check::{CheckOptions, CheckResult, Report, ViolationKind, ch
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::{Handoff, Path, Phase, SourceLocation, Step};
 use jointplay_cell::robot::{PlatformModel, WaferTarget};
+use jointplay_cell::station::teach::FrameUncertainty;
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::{Droop, DroopRow};
@@ -561,6 +562,7 @@ fn get(cell: &mut Cell, pitch: f64) -> Trajectory {
         name: "port".into(),
         base_from_station,
         origin: Origin::Nominal,
+        uncertainty: FrameUncertainty::UNKNOWN,
         slots: 3,
         pitch,
         stroke: Stroke { below: 0.002, above: 0.002, speed: 0.05 },

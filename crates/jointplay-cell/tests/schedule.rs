@@ -42,6 +42,7 @@ fn tool(processes: &[f64], wafers: usize) -> Cell {
             nalgebra::Rotation3::identity(),
         ),
         origin: Origin::Nominal,
+        uncertainty: jointplay_cell::station::teach::FrameUncertainty::UNKNOWN,
         slots,
         pitch: 0.01,
         stroke: Stroke { below: 0.002, above: 0.002, speed: 0.01 },

@@ -25,7 +25,7 @@ const LARGEST_ROBOT_FILE: usize = 1_000_000;
 pub(crate) struct RobotArgs {
     /// Robot file (TOML), or a name from `jointplay catalogue` [default: the paper's robot]
     #[arg(long, value_name = "FILE")]
-    robot: Option<PathBuf>,
+    pub(crate) robot: Option<PathBuf>,
 }
 
 impl RobotArgs {
@@ -169,7 +169,7 @@ impl LimitArgs {
 #[derive(Args)]
 pub(crate) struct AnswerArgs {
     #[command(flatten)]
-    robot: RobotArgs,
+    pub(crate) robot: RobotArgs,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
     #[command(flatten)]

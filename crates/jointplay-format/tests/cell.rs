@@ -174,7 +174,7 @@ fn errors_name_their_place_and_the_allowed_values() {
     refuse(
         "threshold_um = 100.0",
         "threshold_um = 2.0",
-        "taught point 3 lies 2.5 µm from the common plane",
+        "taught point 1 deviates most: it is 2.5 µm from the plane of all points",
     );
     refuse("rule = \"safe\"", "rule = \"save\"", "did you mean `safe`?");
     refuse("on = \"platform\"", "on = \"plattform\"", "did you mean `platform`?");
@@ -426,7 +426,8 @@ fn an_edit_replaces_the_previous_definition_of_the_frame() {
         last: Vector3::new(-0.494, 0.495, 0.74),
     };
     assert!(matches!(of(&[Change::Tilt(Tilt::LEVEL)]).origin, Origin::Nominal));
-    assert!(matches!(of(&[taught(0.621)]).origin, Origin::Taught(fit) if fit.threshold == 5e-5));
+    let Origin::Taught(found) = of(&[taught(0.621)]).origin else { panic!() };
+    assert_eq!(found.plane.unwrap().threshold, 5e-5);
     let text = set_station(EXAMPLE, "LP1", &[drift]).unwrap();
     assert!(matches!(read(&text, &mut no_files).unwrap().stations[0].origin, Origin::Drift(_)));
     // The tilt replaces the drift, and the position of the first slot remains.

@@ -9,6 +9,7 @@ use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
     PlatformModel,
 };
+use jointplay_cell::station::teach::FrameUncertainty;
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
@@ -65,6 +66,7 @@ fn station(name: &str, azimuth: f64, tilt: Tilt, slots: usize) -> Station {
         name: name.into(),
         base_from_station: Pose::from_parts(origin.into(), tilt_rotation(&tilt.normal()) * facing),
         origin: Origin::Nominal,
+        uncertainty: FrameUncertainty::UNKNOWN,
         slots,
         pitch: 0.01,
         stroke: Stroke { below: 0.004, above: 0.003, speed: 0.02 },
@@ -134,6 +136,8 @@ fn cell() -> Cell {
         slot_clearance: 1e-3,
         gravity: 9.80665,
         plane_threshold: 1e-6,
+        coverage_factor: 2.0,
+        tolerances: jointplay_cell::displacement::Tolerances::default(),
     }
 }
 

@@ -7,6 +7,7 @@ use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
     PlatformModel,
 };
+use jointplay_cell::station::teach::FrameUncertainty;
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
@@ -92,6 +93,7 @@ fn cell() -> Cell {
             name: "port".to_owned(),
             base_from_station: Pose::translation(0.5, 0.1, 0.62),
             origin: Origin::Nominal,
+            uncertainty: FrameUncertainty::UNKNOWN,
             slots: 1,
             pitch: 0.01,
             stroke: Stroke { below: 0.005, above: 0.005, speed: 0.05 },
@@ -113,6 +115,8 @@ fn cell() -> Cell {
         slot_clearance: 0.001,
         gravity: 9.81,
         plane_threshold: 1e-3,
+        coverage_factor: 2.0,
+        tolerances: jointplay_cell::displacement::Tolerances::default(),
     }
 }
 

@@ -7,7 +7,7 @@ use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
     PlatformModel,
 };
-use jointplay_cell::station::teach::fit_plane;
+use jointplay_cell::station::teach::{FrameUncertainty, TaughtFrame, fit_plane};
 use jointplay_cell::station::{Approach, Origin, Station, Stroke};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_cell::workcell::{Body, Cell, ParentFrame, Zone, ZoneRule};
@@ -74,6 +74,7 @@ fn cell() -> Cell {
             tilt_rotation(&Tilt { yaw: 0.4, pitch }.normal()),
         ),
         origin: Origin::Nominal,
+        uncertainty: FrameUncertainty::UNKNOWN,
         slots,
         pitch: 0.01,
         stroke: Stroke { below: 0.005, above: 0.005, speed: 0.05 },
@@ -116,6 +117,8 @@ fn cell() -> Cell {
         slot_clearance: 0.001,
         gravity: 9.81,
         plane_threshold: 1e-3,
+        coverage_factor: 2.0,
+        tolerances: jointplay_cell::displacement::Tolerances::default(),
     }
 }
 
@@ -208,7 +211,8 @@ fn taught(off: f64, threshold: f64) -> Cell {
     let points: Vec<Vector3<f64>> = (0..4).map(point).collect();
     let fit = fit_plane(&points, threshold, None).unwrap();
     cell.stations[0].base_from_station = fit.frame(&points[0], 0.0);
-    cell.stations[0].origin = Origin::Taught(fit);
+    cell.stations[0].origin =
+        Origin::Taught(Box::new(TaughtFrame { plane: Some(fit), references: None }));
     cell
 }
 

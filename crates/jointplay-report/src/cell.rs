@@ -6,7 +6,6 @@ use jointplay_cell::check::{CheckResult, Report, Utilization, Violation};
 use jointplay_cell::program::{HandoffDeflection, SourceLocation, handoff_deflections};
 use jointplay_cell::robot::AxisKind;
 use jointplay_cell::schedule::schedule;
-use jointplay_cell::station::Origin;
 use jointplay_cell::trajectory::{Blend, LineDeviation, Trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::virtualization::BuiltIn;
@@ -122,11 +121,15 @@ pub struct CompensatedReport {
     pub bent_um: f64,
     /// Largest displacement of an effector when its load changes; poses jump by it at the hand-off.
     pub jump_um: f64,
-    /// Largest tilt by which the taught planes of these slots may deviate, with 95 % confidence; none without taught planes.
+    /// Largest uncertainty of the tilt of these stations, times the coverage factor; none where it is not known.
     pub taught_mrad: Option<f64>,
-    /// Largest height by which these slots may deviate, with 95 % confidence.
+    /// Largest uncertainty of the height of these slots, times the coverage factor.
     pub taught_um: Option<f64>,
-    /// Stations whose taught planes have an unknown uncertainty: three points with unknown noise.
+    /// Largest uncertainty of the position of these slots in their plane, times the coverage factor.
+    pub taught_sideways_um: Option<f64>,
+    /// Coverage factor of the cell; it is larger where the noise of points is estimated.
+    pub coverage_factor: f64,
+    /// Stations whose tilt has no known uncertainty; it counts as exact.
     pub taught_unknown: Vec<String>,
 }
 
@@ -342,18 +345,28 @@ fn compensated(
     // Hand-offs are sorted by step.
     let at = |step| carried.partition_point(|one| one.step < step);
     let carried = &carried[at(steps.start)..at(steps.end)];
-    let (mut tilt, mut height) = (None::<f64>, None::<f64>);
+    let (mut tilt, mut sideways, mut height) = (None::<f64>, None::<f64>, None::<f64>);
     let mut unknown = std::collections::BTreeSet::new();
     for one in carried {
         let station = &cell.stations[one.slot.station];
-        let Origin::Taught(fit) = &station.origin else { continue };
-        let Some(known) = &fit.uncertainty else {
-            unknown.insert(station.name.clone());
-            continue;
+        let known = &station.uncertainty;
+        let factor = known.coverage(cell.coverage_factor);
+        let largest = |so_far: &mut Option<f64>, deviation: f64| {
+            *so_far = Some(so_far.unwrap_or(0.0).max(factor * deviation));
         };
-        let place = station.slot_frame(one.slot.slot).translation.vector;
-        tilt = Some(tilt.unwrap_or(0.0).max(known.tilt_95));
-        height = Some(height.unwrap_or(0.0).max(known.height_95(&place)));
+        match known.tilt_deviation() {
+            Some(deviation) => largest(&mut tilt, deviation),
+            None => {
+                unknown.insert(station.name.clone());
+            }
+        }
+        let [across, up] = known.lateral_and_height(&station.slot_position(one.slot.slot));
+        if known.known[0] && known.known[1] {
+            largest(&mut sideways, across);
+        }
+        if known.known[2] {
+            largest(&mut height, up);
+        }
     }
     (!carried.is_empty()).then(|| CompensatedReport {
         handoffs: carried.len(),
@@ -366,6 +379,8 @@ fn compensated(
         jump_um: um(most(carried, |one| one.load_step)),
         taught_mrad: tilt.map(mm),
         taught_um: height.map(um),
+        taught_sideways_um: sideways.map(um),
+        coverage_factor: cell.coverage_factor,
         taught_unknown: unknown.into_iter().collect(),
     })
 }

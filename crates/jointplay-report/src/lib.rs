@@ -11,6 +11,7 @@
 mod beyond;
 mod cell;
 mod compare;
+mod displacement;
 mod distance;
 mod expected;
 mod forward;
@@ -37,7 +38,11 @@ pub use beyond::beyond_limits;
 pub use cell::{
     AxisReport, CellReport, InstructionReport, ShareReport, ViolationReport, cell, excerpt,
 };
-pub use compare::{CompareReport, ModelReport, compare};
+pub use compare::{CompareReport, LeverReport, ModelReport, WaferOverPlatform, compare};
+pub use displacement::{
+    BoundReport, ContributionReport, DisplacementReport, ShiftReport, UnknownReport,
+    WaferDisplacementReport, displacement,
+};
 pub use distance::DistanceReport;
 pub use expected::{DisagreementReport, disagreements};
 pub use forward::{ForwardReport, PlatformReport, forward};
@@ -56,7 +61,10 @@ pub use schedule::{
     ScheduleReport, StationUseReport, StayReport, WaferStaysReport, schedule_report,
 };
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
-pub use station::{PlaneReport, StationReport, TeachReport, UncertaintyReport, teach};
+pub use station::{
+    NextPointsReport, PlaneReport, ReferenceReport, SlotUncertaintyReport, StationReport,
+    StationUncertaintyReport, TeachReport, UncertaintyReport, teach,
+};
 pub use study::{BoundsHeldReport, SeriesReport, StudyReport, study};
 pub use suggest::{SetReport, SuggestReport, SuggestedJoint, suggestions};
 pub use table_error::TableError;

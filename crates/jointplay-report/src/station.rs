@@ -1,6 +1,6 @@
 //! Report on the poses of stations and their uncertainty.
 
-use jointplay_cell::station::teach::Verdict;
+use jointplay_cell::station::teach::{PlaneFit, ReferenceFit, Verdict};
 use jointplay_cell::station::{Origin, Station};
 use jointplay_cell::workcell::Cell;
 use nalgebra::Vector3;
@@ -41,6 +41,11 @@ pub struct StationReport {
     /// The plane through taught points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plane: Option<PlaneReport>,
+    /// Centre and heading from reference points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub references: Option<ReferenceReport>,
+    /// Expanded uncertainty of the wafers at rest.
+    pub uncertainty: StationUncertaintyReport,
     /// Horizontal distance of the last slot from the vertical through the first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drift_mm: Option<f64>,
@@ -52,6 +57,10 @@ pub struct StationReport {
 pub struct PlaneReport {
     /// Distance of each point from the plane, positive above.
     pub distances_um: Vec<f64>,
+    /// Share of an error of each point that the plane follows, so that the error does not show.
+    pub leverages: Vec<f64>,
+    /// Distance of each point divided by its standard deviation; none where that is not known.
+    pub studentized: Vec<Option<f64>>,
     /// Root mean square of the distances.
     pub residual_um: f64,
     /// Largest distance.
@@ -60,21 +69,41 @@ pub struct PlaneReport {
     pub threshold_um: f64,
     /// Number of points in addition to the three that determine a plane.
     pub freedom: usize,
-    /// Standard deviation of a measured coordinate, if given.
-    pub noise_um: Option<f64>,
+    /// Standard deviation of the coordinates of each point, if given.
+    pub noise_um: Option<Vec<f64>>,
+    /// Sum of the squared distances, each divided by its variance, if the noise is given.
+    pub chi_square: Option<f64>,
+    /// Largest accepted `chi_square`: the 99.9 % quantile; none without points to test.
+    pub chi_square_limit: Option<f64>,
     /// Uncertainty of the plane; none for three points of unknown noise.
     pub uncertainty: Option<UncertaintyReport>,
     /// Allowed uncertainty of the tilt, the budget `plane_urad` of the cell.
     pub allowed_urad: f64,
-    /// `fits`, `unproven` (too few points to test their noise), `uncertain` (the tilt is known too poorly for `allowed_urad`) or `scattered`.
+    /// `fits`, `unproven` (too few points to judge them), `uncertain` (the tilt is known too poorly for `allowed_urad`) or `scattered`.
     pub verdict: &'static str,
+    /// Number of the point to be measured again, from 1, if the points are scattered and determine it.
+    pub remeasure: Option<usize>,
+    /// Further points that are needed, if any.
+    pub next: Option<NextPointsReport>,
+}
+
+/// Further points that a plane needs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+pub struct NextPointsReport {
+    /// The points, the most useful first; places a few millimetres away are equivalent.
+    pub points_mm: Vec<[f64; 3]>,
+    /// Whether they suffice.
+    pub suffices: bool,
+    /// Noise with which the present points would make the tilt certain enough; none where it does not limit them.
+    pub noise_um: Option<f64>,
 }
 
 /// Uncertainty of a plane through taught points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct UncertaintyReport {
-    /// Standard deviation of a measured coordinate, given or estimated.
+    /// Standard deviation of a measured coordinate, given or estimated; of the most accurate point.
     pub noise_um: f64,
     /// Whether `noise_um` is estimated from the distances of the points.
     pub estimated: bool,
@@ -82,8 +111,72 @@ pub struct UncertaintyReport {
     pub tilt_rms_urad: f64,
     /// Largest tilt error with 95 % confidence.
     pub tilt_95_urad: f64,
+    /// Standard deviation of the tilt in its least certain direction, times the coverage factor.
+    pub tilt_expanded_urad: f64,
     /// Largest height error of the lowest wafer with 95 % confidence.
     pub height_95_um: f64,
+}
+
+/// Fit of centre and heading to reference points.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+pub struct ReferenceReport {
+    /// Displacement of the station from its nominal position, across and inward.
+    pub shift_mm: [f64; 2],
+    /// Rotation of the station from its nominal heading; none where the references do not determine it.
+    pub turn_deg: Option<f64>,
+    /// Distance of each reference from its place in the fitted frame.
+    pub deviations_um: Vec<f64>,
+    /// Share of an error of each reference that the fit follows.
+    pub leverages: Vec<f64>,
+    /// Deviation of each reference divided by its standard deviation; none where that is not known.
+    pub studentized: Vec<Option<f64>>,
+    /// Largest deviation.
+    pub worst_um: f64,
+    /// Allowed deviation.
+    pub threshold_um: f64,
+    /// Number of coordinates in addition to those that determine centre and heading.
+    pub freedom: usize,
+    /// Standard deviation of the coordinates of each reference, if given.
+    pub noise_um: Option<Vec<f64>>,
+    /// Sum of the squared deviations, each divided by its variance, if the noise is given.
+    pub chi_square: Option<f64>,
+    /// Largest accepted `chi_square`: the 99.9 % quantile; none without redundancy.
+    pub chi_square_limit: Option<f64>,
+    /// `fits`, `unproven` or `scattered`.
+    pub verdict: &'static str,
+    /// Number of further references with which the fit can be judged.
+    pub missing: usize,
+}
+
+/// Expanded uncertainty of a station: standard deviations times the coverage factor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+pub struct StationUncertaintyReport {
+    /// The coverage factor of the cell.
+    pub coverage_factor: f64,
+    /// The factor that was applied: larger where the noise is estimated from few points.
+    pub applied_factor: f64,
+    /// Components without a known uncertainty: `position`, `height`, `tilt`, `heading`; they count as exact.
+    pub unknown: Vec<&'static str>,
+    /// Tilt in its least certain direction; none where it is not known.
+    pub tilt_urad: Option<f64>,
+    /// Heading; none where it is not known.
+    pub heading_urad: Option<f64>,
+    /// The wafer in the lowest slot, and in the highest; none where nothing is known.
+    pub slots: Vec<SlotUncertaintyReport>,
+}
+
+/// Expanded uncertainty of the centre of a wafer at rest, from the known components.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+pub struct SlotUncertaintyReport {
+    /// The slot, from 1.
+    pub slot: usize,
+    /// In the plane of the wafer, in the least certain direction.
+    pub lateral_um: f64,
+    /// Along the normal of the plane.
+    pub height_um: f64,
 }
 
 /// Reports the poses of stations.
@@ -97,43 +190,21 @@ pub fn teach(cell: &Cell, name: Option<&str>) -> TeachReport {
     TeachReport {
         cell: cell.name.clone(),
         tilt_limit_deg: deg(limit),
-        stations: asked.map(|one| station(one, limit, cell.plane_threshold)).collect(),
+        stations: asked.map(|one| station(cell, one)).collect(),
     }
 }
 
-fn station(station: &Station, limit: f64, allowed: f64) -> StationReport {
+fn station(cell: &Cell, station: &Station) -> StationReport {
+    let limit = cell.robot.gpr.limits().tilt_max;
     let normal = station.base_from_station.rotation * Vector3::z();
     let pitch = normal.x.hypot(normal.y).atan2(normal.z);
     let yaw = if pitch > 0.0 { normal.y.atan2(normal.x) } else { 0.0 };
-    let (from, plane, drift) = match &station.origin {
+    let (from, taught, drift) = match &station.origin {
         Origin::Nominal => ("nominal", None, None),
-        Origin::Taught(fit) => {
-            let plane = PlaneReport {
-                distances_um: fit.distances.iter().map(|&one| um(one)).collect(),
-                residual_um: um(fit.residual),
-                worst_um: um(fit.worst),
-                threshold_um: um(fit.threshold),
-                freedom: fit.freedom,
-                noise_um: fit.noise.map(um),
-                uncertainty: fit.uncertainty.as_ref().map(|known| UncertaintyReport {
-                    noise_um: um(known.noise),
-                    estimated: known.is_estimated,
-                    tilt_rms_urad: um(known.tilt()),
-                    tilt_95_urad: um(known.tilt_95),
-                    height_95_um: um(known.height_95(&station.slot_frame(1).translation.vector)),
-                }),
-                allowed_urad: um(allowed),
-                verdict: match fit.verdict {
-                    _ if fit.is_uncertain(allowed) => "uncertain",
-                    Verdict::Fits => "fits",
-                    Verdict::Unproven => "unproven",
-                    Verdict::Scattered => "scattered",
-                },
-            };
-            ("taught", Some(plane), None)
-        }
+        Origin::Taught(taught) => ("taught", Some(taught), None),
         Origin::Drift(drift) => ("drift", None, Some(mm(drift.drift))),
     };
+    let fit = taught.and_then(|taught| taught.plane.as_ref());
     StationReport {
         name: station.name.clone(),
         from,
@@ -142,7 +213,95 @@ fn station(station: &Station, limit: f64, allowed: f64) -> StationReport {
         tilt_yaw_deg: deg(yaw),
         tilt_pitch_deg: deg(pitch),
         tilt_share: pitch / limit,
-        plane,
+        plane: fit.map(|fit| plane(cell, station, fit)),
+        references: taught.and_then(|taught| taught.references.as_ref()).map(references),
+        uncertainty: uncertainty(cell, station),
         drift_mm: drift,
+    }
+}
+
+fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Fits => "fits",
+        Verdict::Unproven => "unproven",
+        Verdict::Scattered => "scattered",
+    }
+}
+
+fn plane(cell: &Cell, station: &Station, fit: &PlaneFit) -> PlaneReport {
+    let (allowed, factor) = (cell.plane_threshold, cell.coverage_factor);
+    let is_uncertain = fit.verdict == Verdict::Fits && fit.is_uncertain(allowed, factor);
+    PlaneReport {
+        distances_um: fit.distances.iter().map(|&one| um(one)).collect(),
+        leverages: fit.diagnostics.iter().map(|one| one.leverage).collect(),
+        studentized: fit.diagnostics.iter().map(|one| one.studentized).collect(),
+        residual_um: um(fit.residual),
+        worst_um: um(fit.worst),
+        threshold_um: um(fit.threshold),
+        freedom: fit.freedom,
+        noise_um: fit.noise.as_ref().map(|noise| noise.iter().map(|&one| um(one)).collect()),
+        chi_square: fit.chi_square,
+        chi_square_limit: fit.chi_square_limit,
+        uncertainty: fit.uncertainty.as_ref().map(|known| UncertaintyReport {
+            noise_um: um(known.noise),
+            estimated: known.is_estimated,
+            tilt_rms_urad: um(known.tilt()),
+            tilt_95_urad: um(known.tilt_95),
+            tilt_expanded_urad: um(known.expanded_tilt(factor)),
+            height_95_um: um(known.height_95(&station.slot_frame(1).translation.vector)),
+        }),
+        allowed_urad: um(allowed),
+        verdict: if is_uncertain { "uncertain" } else { verdict(fit.verdict) },
+        remeasure: fit.suspect().map(|index| index + 1),
+        next: fit.next_points(allowed, factor).map(|next| NextPointsReport {
+            points_mm: next.points.iter().map(|point| <[f64; 3]>::from(*point).map(mm)).collect(),
+            suffices: next.suffices,
+            noise_um: next.noise.map(um),
+        }),
+    }
+}
+
+fn references(fit: &ReferenceFit) -> ReferenceReport {
+    ReferenceReport {
+        shift_mm: [mm(fit.shift.x), mm(fit.shift.y)],
+        turn_deg: fit.turn.map(deg),
+        deviations_um: fit.deviations.iter().map(|one| um(one.norm())).collect(),
+        leverages: fit.diagnostics.iter().map(|one| one.leverage).collect(),
+        studentized: fit.diagnostics.iter().map(|one| one.studentized).collect(),
+        worst_um: um(fit.worst),
+        threshold_um: um(fit.threshold),
+        freedom: fit.freedom,
+        noise_um: fit.noise.as_ref().map(|noise| noise.iter().map(|&one| um(one)).collect()),
+        chi_square: fit.chi_square,
+        chi_square_limit: fit.chi_square_limit,
+        verdict: verdict(fit.verdict),
+        missing: fit.missing(),
+    }
+}
+
+fn uncertainty(cell: &Cell, station: &Station) -> StationUncertaintyReport {
+    let known = &station.uncertainty;
+    let factor = known.coverage(cell.coverage_factor);
+    let components = [("position", 0..2), ("height", 2..3), ("tilt", 3..5), ("heading", 5..6)];
+    let unknown =
+        components.into_iter().filter(|(_, range)| known.known[range.clone()].contains(&false));
+    let last = (station.slots > 1).then_some(station.slots);
+    let slots = std::iter::once(1).chain(last).filter(|_| known.is_known());
+    StationUncertaintyReport {
+        coverage_factor: cell.coverage_factor,
+        applied_factor: factor,
+        unknown: unknown.map(|(name, _)| name).collect(),
+        tilt_urad: known.tilt_deviation().map(|deviation| um(factor * deviation)),
+        heading_urad: known.known[5].then(|| um(factor * known.covariance[(5, 5)].sqrt())),
+        slots: slots
+            .map(|slot| {
+                let [lateral, height] = known.lateral_and_height(&station.slot_position(slot));
+                SlotUncertaintyReport {
+                    slot,
+                    lateral_um: um(factor * lateral),
+                    height_um: um(factor * height),
+                }
+            })
+            .collect(),
     }
 }

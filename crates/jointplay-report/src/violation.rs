@@ -3,7 +3,8 @@
 use jointplay_cell::check::{Violation, ViolationKind, ViolationQuantity};
 use jointplay_cell::workcell::Cell;
 
-use jointplay_format::units::{deg, mm};
+use jointplay_format::number::number as plain;
+use jointplay_format::units::{deg, mm, um};
 
 /// ViolationQuantity of messages, and a value of a violation in this unit.
 pub(crate) fn in_display_unit(one: &Violation, value: f64) -> (&'static str, f64) {
@@ -70,12 +71,30 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
             )
         }
         ViolationKind::SlotClearance => {
+            let margin = one.limit - cell.slot_clearance;
+            let of_it = if margin > LEAST_MARGIN {
+                let margin = number(margin);
+                format!(
+                    ", {margin} of it for the uncertainty of the station (coverage factor {})",
+                    plain(cell.coverage_factor)
+                )
+            } else {
+                String::new()
+            };
             format!(
-                "{} comes within {worst} of {}; the required slot clearance is {limit}",
+                "{} comes within {worst} of {}; the required slot clearance is {limit}{of_it}",
                 name(0),
                 name(1)
             )
         }
+        ViolationKind::PlaneBudget => format!(
+            "the plane of the wafer on {} may deviate by {:.1} µrad from that of {}, with the uncertainty of the station (coverage factor {}); {:.1} µrad are allowed (`plane_urad`)",
+            name(0),
+            um(one.worst),
+            name(1),
+            plain(cell.coverage_factor),
+            um(one.limit)
+        ),
         ViolationKind::KeepOut if one.worst < 0.0 => {
             format!(
                 "{} is in keep-out zone {} with a penetration depth of {}",
@@ -111,6 +130,8 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
     }
 }
 
+/// Smallest part of a slot clearance that is listed as uncertainty (m).
+const LEAST_MARGIN: f64 = 1e-9;
 /// Decimals of a value in a message, before more are needed to distinguish it from its limit.
 const DECIMALS: usize = 3;
 /// Largest number of decimals.

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use super::plane_budget::plane_violations;
 use super::report::{CheckResult, InstructionResult, MinimumDistance, Report, Utilization};
 use super::step_findings::{StepFindings, update_peak};
 use crate::EntityId;
@@ -217,6 +218,7 @@ impl<'a> Aggregator<'a> {
         self.end_instruction(scene);
         let mut violations = self.violations;
         violations.extend(rule_violations);
+        violations.extend(plane_violations(self.cell, self.trajectory));
         violations.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.kind.cmp(&b.kind)));
         for violation in &violations {
             let row = self.rows.iter_mut().find(|row| row.instruction == violation.instruction);

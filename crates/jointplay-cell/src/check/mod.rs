@@ -17,6 +17,7 @@ mod aggregate;
 mod checker;
 mod limits;
 mod options;
+mod plane_budget;
 mod pose;
 mod remedy;
 mod report;

@@ -61,7 +61,8 @@ impl<'a> StepChecks<'a> {
             }
         }
         let bounds = MotionBoundModel::new(&cell.robot);
-        let max_distance = options.report_distance.max(cell.clearance).max(cell.slot_clearance);
+        let in_slots = cell.slot_clearance.max(cell.clearance) + scenes[0].largest_slot_margin();
+        let max_distance = options.report_distance.max(in_slots);
         let broad_phases = parallel_map(scenes.len(), context, |scene| {
             BroadPhase::new(&scenes[scene], &bounds, max_distance)
         })?;
@@ -152,7 +153,8 @@ impl<'a> StepChecks<'a> {
         findings: &StepFindings,
     ) -> CandidatePairs {
         let (scene, broad_phase) = (self.scene(key), &self.broad_phases[key.scene]);
-        let clearance = scene.cell.clearance.max(scene.cell.slot_clearance);
+        let clearance =
+            scene.cell.clearance.max(scene.cell.slot_clearance) + scene.largest_slot_margin();
         let distance = self.options.report_distance.max(clearance);
         let step = &self.trajectory.steps[step];
         let (objects, pairs) = broad_phase.candidates(scene, step, &findings.swept_boxes, distance);

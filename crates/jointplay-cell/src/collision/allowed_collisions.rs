@@ -63,6 +63,7 @@ impl Scene<'_> {
     /// Contact rule of a moving and a fixed object during a step.
     ///
     /// While a step is in a slot, the end effector and its wafer must satisfy the slot clearance to the wafers of that station, and the lesser of slot clearance and general clearance to all fixed objects.
+    /// The wafers of the station need more, by the uncertainty of its frame: see [`Cell::slot_margins`](crate::workcell::Cell::slot_margins).
     /// During lift and lower, the last link may touch the wafer of that slot.
     pub(crate) fn clearance_rule(&self, mover: usize, fixed: usize, step: &Step) -> ClearanceRule {
         let general = self.general_contact_rule(mover, fixed);
@@ -82,11 +83,11 @@ impl Scene<'_> {
                 if is_handoff {
                     ClearanceRule::Unchecked
                 } else {
-                    ClearanceRule::SlotClearance(lesser)
+                    ClearanceRule::SlotClearance(lesser + self.slot_margin(there))
                 }
             }
             Parent::Slot(there) if there.station == slot.station => {
-                ClearanceRule::SlotClearance(self.cell.slot_clearance)
+                ClearanceRule::SlotClearance(self.cell.slot_clearance + self.slot_margin(there))
             }
             _ => ClearanceRule::MinClearance(lesser),
         }

@@ -11,6 +11,7 @@ use crate::EntityId;
 use crate::geometry::{Collider, ColliderCache, PlacedCollider, Shape};
 use crate::program::{WaferLocation, WaferLocations, WaferTransfer};
 use crate::robot::{ArmChain, EffectorId};
+use crate::station::SlotId;
 use crate::workcell::{Cell, ParentFrame, ZoneRule};
 
 /// All collision objects of a cell, and the wafers that effectors hold.
@@ -26,6 +27,8 @@ pub(crate) struct Scene<'a> {
     pub(crate) safe_zones: Vec<(usize, Collider)>,
     /// Chain to each effector, by arm and effector.
     chains: Vec<Vec<ArmChain>>,
+    /// Distances that the slots of each station need for the uncertainty of its frame (m).
+    slot_margins: Arc<Vec<Vec<f64>>>,
 }
 
 impl<'a> Scene<'a> {
@@ -101,7 +104,8 @@ impl<'a> Scene<'a> {
         };
         let chains = (0..cell.robot.arms.len()).map(|arm| chains_of(arm).collect()).collect();
         let objects = objects.into_iter().map(Arc::new).collect();
-        Self { cell, objects, first_wafer, held, safe_zones, chains }
+        let slot_margins = Arc::new(cell.stations.iter().map(|it| cell.slot_margins(it)).collect());
+        Self { cell, objects, first_wafer, held, safe_zones, chains, slot_margins }
     }
 
     /// Poses of all moving bodies at axis positions.
@@ -189,6 +193,16 @@ impl<'a> Scene<'a> {
                 poses.poses[self.first_of(arm) + self.last_link(arm)].rotation
             }
         }
+    }
+
+    /// Distance that a slot needs for the uncertainty of its station (m).
+    pub(super) fn slot_margin(&self, SlotId { station, slot }: SlotId) -> f64 {
+        self.slot_margins[station].get(slot - 1).copied().unwrap_or(0.0)
+    }
+
+    /// Largest of these distances (m).
+    pub(crate) fn largest_slot_margin(&self) -> f64 {
+        self.slot_margins.iter().flatten().copied().fold(0.0, f64::max)
     }
 
     /// Index of the last link of an arm.

@@ -157,6 +157,15 @@ impl HybridRobot {
         Ok(others.collect())
     }
 
+    /// Height of an effector's wafer over the platform plane: the lever of a tilt (m).
+    ///
+    /// # Errors
+    /// [`CellError::NoSuchEffector`]
+    pub fn wafer_height(&self, id: EffectorId) -> Result<f64, CellError> {
+        self.check_effector(id)?;
+        Ok(ArmChain::new(self, id).height())
+    }
+
     /// All effectors, arm by arm.
     pub fn effectors(&self) -> impl Iterator<Item = EffectorId> + '_ {
         self.arms.iter().enumerate().flat_map(|(arm, one)| {

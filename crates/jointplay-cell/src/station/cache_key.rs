@@ -11,12 +11,13 @@ impl CacheKeyPart for SlotId {
 }
 
 impl CacheKeyPart for Station {
-    /// The origin and the taught points are in `base_from_station` already.
+    /// The origin and the taught points are in `base_from_station` already; the uncertainty has no effect on motions, and its effect on clearances is part of the contact rules.
     fn append_to(&self, key: &mut CacheKey) {
         let Self {
             name,
             base_from_station,
             origin: _,
+            uncertainty: _,
             slots,
             pitch,
             stroke,

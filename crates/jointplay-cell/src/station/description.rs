@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector3};
 
+use super::teach::{Drift, FrameUncertainty, TaughtFrame};
 use crate::robot::EffectorId;
 
 /// Direction in which a wafer enters a station.
@@ -27,6 +28,8 @@ pub struct Station {
     pub base_from_station: Pose,
     /// Source of the frame.
     pub origin: Origin,
+    /// Uncertainty of the frame.
+    pub uncertainty: FrameUncertainty,
     /// Number of slots, from the lowest.
     pub slots: usize,
     /// Distance between slots along z of the station frame (m); without meaning for one slot.
@@ -74,10 +77,10 @@ impl Station {
 pub enum Origin {
     /// Nominal, from the drawing.
     Nominal,
-    /// Nominal position and yaw, fitted to the plane of taught points.
-    Taught(super::teach::PlaneFit),
+    /// Fitted to taught points; the parts that they do not determine are nominal.
+    Taught(Box<TaughtFrame>),
     /// Positions of the first and the last slot.
-    Drift(super::teach::Drift),
+    Drift(Drift),
 }
 
 /// Stroke of a hand-off.

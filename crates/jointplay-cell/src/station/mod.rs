@@ -3,6 +3,7 @@
 mod cache_key;
 mod description;
 mod leveling;
+mod margin;
 mod postures;
 mod rules;
 pub mod teach;

@@ -42,12 +42,18 @@ impl Station {
     /// Slots beyond the last continue the pitch; see [`Self::has_slot`].
     #[must_use]
     pub fn slot_frame(&self, slot: usize) -> Pose {
-        let above = self.pitch * (slot as f64 - 1.0);
-        let in_station = Vector3::from(self.offset) + Vector3::new(0.0, 0.0, above);
+        let in_station = Point3::from(self.slot_position(slot));
         Pose::from_parts(
-            (self.base_from_station * Point3::from(in_station)).coords.into(),
+            (self.base_from_station * in_station).coords.into(),
             self.base_from_station.rotation,
         )
+    }
+
+    /// Resting position of the wafer in a slot, counted from 1, in the station frame (m).
+    #[must_use]
+    pub fn slot_position(&self, slot: usize) -> Vector3<f64> {
+        let above = self.pitch * (slot as f64 - 1.0);
+        Vector3::from(self.offset) + Vector3::new(0.0, 0.0, above)
     }
 
     /// Waypoints for a slot, counted from 1.
@@ -196,6 +202,7 @@ impl Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::station::teach::FrameUncertainty;
     use crate::station::{Origin, Stroke, teach};
     use jointplay_core::spatial::Tilt;
 
@@ -205,6 +212,7 @@ mod tests {
             name: "LP".into(),
             base_from_station: teach::frame(Vector3::new(0.3, 0.6, 0.5), &normal, -0.2),
             origin: Origin::Nominal,
+            uncertainty: FrameUncertainty::UNKNOWN,
             slots: 25,
             pitch: 0.01,
             stroke: Stroke { below: 0.004, above: 0.003, speed: 0.02 },

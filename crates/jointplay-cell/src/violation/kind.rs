@@ -29,6 +29,8 @@ pub enum ViolationKind {
     Clearance,
     /// An end effector or its wafer violates the slot clearance of a station.
     SlotClearance,
+    /// The plane of a wafer may deviate from that of its station by more than the plane budget.
+    PlaneBudget,
     /// A collision object is in a keep-out zone.
     KeepOut,
     /// The centre of an end effector leaves a safe zone while the robot turns.
@@ -97,6 +99,7 @@ impl fmt::Display for ViolationKind {
             Self::Collision => "collision",
             Self::Clearance => "clearance",
             Self::SlotClearance => "slot clearance",
+            Self::PlaneBudget => "plane budget",
             Self::KeepOut => "keep-out zone",
             Self::SafeZone => "safe zone",
             Self::LongDwell => "long stay",

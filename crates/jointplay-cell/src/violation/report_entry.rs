@@ -132,6 +132,11 @@ impl Violation {
                     name(1)
                 )
             }
+            ViolationKind::PlaneBudget => format!(
+                "the plane of the wafer on {} may deviate by {worst:.3e} rad from that of {}, with the uncertainty of the station; {limit:.3e} rad are allowed",
+                name(0),
+                name(1)
+            ),
             ViolationKind::KeepOut if worst < 0.0 => {
                 format!(
                     "{} is in keep-out zone {} with a penetration depth of {:.6} m",

@@ -180,5 +180,7 @@ pub(crate) fn cell(robot: HybridRobot) -> Cell {
         slot_clearance: 1e-3,
         gravity: GRAVITY,
         plane_threshold: 1e-6,
+        coverage_factor: 2.0,
+        tolerances: jointplay_cell::displacement::Tolerances::default(),
     }
 }

@@ -3,11 +3,13 @@
 use std::fmt::Write as _;
 
 use clap::Args;
+use jointplay::cell::robot::EffectorId;
+use jointplay::format::cell;
 use jointplay::format::number::number;
 use jointplay::format::units::m_from_mm;
-use jointplay::gpr::AxisHeight;
+use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::plot::results::comparison as comparison_figure;
-use jointplay::report::{self, CompareReport};
+use jointplay::report::{self, CompareReport, WaferOverPlatform};
 use jointplay::spatial::Tilt;
 use jointplay::study::{compare, refine};
 use jointplay::virtualization::built_in;
@@ -16,6 +18,7 @@ use crate::arguments::{AnswerArgs, MetricArgs, SolverName, Steps, finite, length
 use crate::failure::Failure;
 use crate::figure::{FIGURE_REFINEMENT, FigureArgs};
 use crate::output::{self, fixed, limits};
+use crate::source::{Kind, Source};
 
 /// Compare all models over a range of tilts
 ///
@@ -25,6 +28,7 @@ use crate::output::{self, fixed, limits};
 #[command(after_help = "\
 Examples:
   jointplay compare
+  jointplay compare --robot dual-arm
   jointplay compare --pitch-deg 0:2:0.1 --ignore-limits --figure shifts.svg")]
 pub(crate) struct Compare {
     /// Tilt direction γ
@@ -50,7 +54,7 @@ pub(crate) struct Compare {
 impl Compare {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         self.figure.target()?;
-        let gpr = self.answer.load()?;
+        let (gpr, wafers) = self.robot()?;
         let height = AxisHeight(self.height_mm.map_or(gpr.working_height(), m_from_mm));
         let yaw = yaw(self.yaw_deg);
         let pitches: Vec<f64> = self.pitch_deg.0.iter().map(|pitch| pitch.to_radians()).collect();
@@ -68,7 +72,7 @@ impl Compare {
         }
         let options = self.metric.options(self.solver);
         let comparison = compare(&gpr, &built_in(), yaw, &pitches, height, &options)?;
-        let report = report::compare(&comparison, &broken);
+        let report = report::compare(&comparison, &broken, &wafers);
         self.answer.format.print(&report, table)?;
         if self.figure.target()?.is_none() {
             return Ok(());
@@ -82,6 +86,29 @@ impl Compare {
             }
             _ => Ok(()),
         }
+    }
+}
+
+impl Compare {
+    /// The three-rod robot, and the wafers over it if the file has arms.
+    fn robot(&self) -> Result<(Gpr, Vec<WaferOverPlatform>), Failure> {
+        let Some(path) = &self.answer.robot.robot else {
+            return Ok((self.answer.load()?, Vec::new()));
+        };
+        let source = Source::read(path, cell::MAX_BYTES)?;
+        if source.kind() != Some(Kind::Arms) {
+            return Ok((self.answer.load()?, Vec::new()));
+        }
+        let robot = cell::robot::parse(&source.text)
+            .map_err(|errors| Failure::invalid(&errors, &source.label))?;
+        let wafer = |id: EffectorId| {
+            let height =
+                robot.wafer_height(id).map_err(|error| Failure::Robot(error.to_string()))?;
+            let effector = robot.arms[id.arm].effectors[id.effector].name.clone();
+            Ok(WaferOverPlatform { effector, height })
+        };
+        let wafers = robot.effectors().map(wafer).collect::<Result<Vec<_>, Failure>>()?;
+        Ok((robot.gpr.without_limit_checks(), wafers))
     }
 }
 
@@ -99,7 +126,7 @@ fn table(report: &CompareReport) -> String {
         let _ = write!(text, "  {:>11}", fixed(*pitch, 4));
         for model in &report.models {
             let (x, y) = (model.center_shift_x_um.get(i), model.center_shift_y_um.get(i));
-            let _ = write!(text, "{:>10}{:>10}", cell(x), cell(y));
+            let _ = write!(text, "{:>10}{:>10}", entry(x), entry(y));
         }
         let _ = writeln!(text, "{:>10}{:>10}", fixed(0.0, 3), fixed(0.0, 3));
     }
@@ -111,7 +138,7 @@ fn table(report: &CompareReport) -> String {
     for (i, pitch) in report.pitch_deg.iter().enumerate() {
         let _ = write!(text, "  {:>11}", fixed(*pitch, 4));
         for model in &report.models {
-            let _ = write!(text, "{:>20}", cell(model.largest_displacement_um.get(i)));
+            let _ = write!(text, "{:>20}", entry(model.largest_displacement_um.get(i)));
         }
         let _ = writeln!(text, "{:>20}", fixed(report.approximate_gap_um[i], 3));
     }
@@ -126,10 +153,40 @@ fn table(report: &CompareReport) -> String {
             let _ = writeln!(text, "  {failure}");
         }
     }
+    let _ = writeln!(
+        text,
+        "centre shifts are those of the platform's centre; the centre of a wafer moves in addition by the lever of the tilt"
+    );
+    if report.wafers.is_empty() {
+        let _ = writeln!(
+            text,
+            "  lever not known: the robot file has no arms; compare a robot with arms, or use `jointplay cell displacement`"
+        );
+    } else {
+        let names: String = report
+            .wafers
+            .iter()
+            .map(|wafer| {
+                format!(
+                    "{:>30}",
+                    format!("{}, {} mm high", wafer.effector, fixed(wafer.height_mm, 1))
+                )
+            })
+            .collect();
+        let _ = writeln!(text, "lever x, y (µm)\n  pitch (deg){names}");
+        for (i, pitch) in report.pitch_deg.iter().enumerate() {
+            let _ = write!(text, "  {:>11}", fixed(*pitch, 4));
+            for wafer in &report.wafers {
+                let [x, y] = [wafer.lever_x_um[i], wafer.lever_y_um[i]].map(|um| fixed(um, 1));
+                let _ = write!(text, "{x:>15}{y:>15}");
+            }
+            text.push('\n');
+        }
+    }
     text + &limits(&report.limits_broken)
 }
 
 /// A number of the table, or a dash if the model has no solution.
-fn cell(value: Option<&f64>) -> String {
+fn entry(value: Option<&f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |&value| fixed(value, 3))
 }

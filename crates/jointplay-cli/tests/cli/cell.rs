@@ -190,10 +190,21 @@ fn taught_points_determine_the_uncertainty_of_their_plane() {
     // Noise as a shop measures it, on points that are near each other: their plane is not what it seems.
     let close = "--point-mm 620,500,620.0033 --point-mm 500,620,619.9967 --point-mm 380,500,620.0033 --point-mm 500,380,619.9967";
     let line = format!("cell teach example.toml --station ALIGN {close}");
-    let unproven = sandbox.json(&line)["stations"][0]["plane"].clone();
+    let no = sandbox.run(&format!("{line} --format json"));
+    assert_eq!(no.code, 1, "{}", no.stderr);
+    // Two more points, the best of which is on the circle of the others.
+    assert!(
+        no.stderr.contains("cannot be judged with 4 points: measure 2 more points"),
+        "{}",
+        no.stderr
+    );
+    let unproven: Value = serde_json::from_str(&no.stdout).unwrap();
+    let unproven = &unproven["stations"][0]["plane"];
     assert_eq!((&unproven["verdict"], &unproven["freedom"]), (&"unproven".into(), &1.into()));
+    let [x, y] = [0, 1].map(|k| unproven["next"]["points_mm"][0][k].as_f64().unwrap() - 500.0);
+    assert!((x.hypot(y) - 120.0).abs() < 1e-2, "{unproven}");
     assert!(unproven["uncertainty"]["tilt_95_urad"].as_f64().unwrap() > 500.0, "{unproven}");
-    let no = sandbox.run(&format!("{line} --noise-um 20 --format json"));
+    let no = sandbox.run(&format!("{line} --point-mm 500,500,620 --noise-um 20 --format json"));
     assert_eq!(no.code, 1, "{}", no.stderr);
     assert!(no.stderr.contains("plane_urad"), "{}", no.stderr);
     let uncertain: Value = serde_json::from_str(&no.stdout).unwrap();
@@ -203,8 +214,12 @@ fn taught_points_determine_the_uncertainty_of_their_plane() {
     let known = |key: &str| uncertain["uncertainty"][key].as_f64().unwrap();
     assert!((known("tilt_rms_urad") / 163.0 - 1.0).abs() < 0.05, "{uncertain}");
     assert!((known("tilt_95_urad") / 281.0 - 1.0).abs() < 0.05, "{uncertain}");
-    // 1.96 √(10² + (117.85 µrad · 183.7 mm)²): the station is that far from the middle of the points.
-    assert!((known("height_95_um") - 46.7).abs() < 0.5, "{uncertain}");
+    // 1.96 √(20²/5 + (117.85 µrad · 183.7 mm)²): the station is that far from the middle of the points.
+    assert!((known("height_95_um") - 45.9).abs() < 0.5, "{uncertain}");
+    assert!((known("tilt_expanded_urad") - 235.7).abs() < 0.5, "{uncertain}");
+    // The noise that the message names is the largest with which these points suffice.
+    let noise = uncertain["next"]["noise_um"].as_f64().unwrap();
+    assert!((noise - 20.0 * 20.0 / 235.7).abs() < 1e-2, "{uncertain}");
 }
 
 #[test]
@@ -686,7 +701,7 @@ fn every_file_lasts_as_long_as_the_motion() {
 fn stations_are_taught_and_written_back() {
     let sandbox = sandbox(&[]);
     // A plane tilted by 10 mm over 1 m toward -x, with a scatter of a fifth of a millimetre.
-    let points = "--point-mm 400,600,600 --point-mm 300,600,599 --point-mm 350,700,599.5 --point-mm 350,500,599.5 --noise-um 0.5";
+    let points = "--point-mm 400,600,600 --point-mm 300,600,599 --point-mm 350,700,599.5 --point-mm 350,500,599.5 --point-mm 350,600,599.5 --noise-um 0.5";
     let taught = sandbox.json(&format!("cell teach example.toml --station ALIGN {points}"));
     let station = &taught["stations"][0];
     let tilt = station["tilt_pitch_deg"].as_f64().unwrap();
@@ -708,7 +723,7 @@ fn stations_are_taught_and_written_back() {
     let one = sandbox.read("one.svg");
     for text in [
         "tilt 0.5729° toward ",
-        "4 points, distances up to 0.0 µm (allowed 100.0), tilt ±",
+        "5 points, distances up to 0.0 µm (allowed 100.0), tilt ±",
         "fits",
         "dashed: level",
     ] {
@@ -801,4 +816,55 @@ fn reported_jumps_at_hand_offs_equal_those_of_the_exported_wafer_centre() {
     }
     let report = sandbox.json("cell check example.toml");
     assert_eq!(report["compensated"]["jump_um"], largest);
+}
+
+#[test]
+fn displacement_of_wafers_names_causes_and_bounds() {
+    let sandbox = sandbox(&[]);
+    let found = sandbox.json("cell displacement example.toml --tilt-deg 0,0.6 --at-mm 0,700");
+    let wafer = &found["wafers"][0];
+    let number = |value: &Value| value.as_f64().unwrap();
+    // The lever times the sine of the tilt, toward the tilt.
+    let expected = number(&wafer["lever_mm"]) * 0.6_f64.to_radians().sin();
+    assert_eq!(wafer["shifts"][0]["cause"], "lever of the tilt");
+    assert!((number(&wafer["shifts"][0]["shift_mm"][0]) - expected).abs() < 1e-9, "{wafer}");
+    // The platform's centre moves by micrometres only.
+    assert!(number(&wafer["platform_center_um"][0]).abs() < 10.0, "{wafer}");
+    assert_eq!(wafer["contributions"][0]["basis"], "model");
+
+    let text = sandbox.done("cell displacement example.toml --station PM1 --effector A");
+    for part in
+        ["lever of the tilt", "relative to the slot", "not stated in full", "link_um", "station"]
+    {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    sandbox.write(
+        "stated.toml",
+        &sandbox.read("example.toml").replacen(
+            "[budgets]",
+            "[tolerances]\nguide_um = 10\nsocket_um = 10\nrod_zero_um = 5\nmount_um = 20\nlink_um = 20\njoint_zero_urad = 50\nlinear_resolution_um = 1\nrotary_resolution_urad = 5\ndroop_percent = 5\nsag_percent = 10\n\n[budgets]",
+            1,
+        ),
+    );
+    let stated = sandbox.json("cell displacement stated.toml --station PM1 --effector A");
+    let wafer = &stated["wafers"][0];
+    assert_eq!(wafer["unknown"].as_array().unwrap().len(), 1, "{wafer}");
+    assert!(number(&wafer["expanded"]["horizontal_um"]) < number(&wafer["worst"]["horizontal_um"]));
+    let program = sandbox.done("cell displacement stated.toml example.program");
+    assert!(program.contains("worst case (±µm)") && program.contains("least certain"), "{program}");
+
+    for (line, expected) in [
+        ("cell displacement --station PM9", "known: LP1, LP2, ALIGN, PM1"),
+        ("cell displacement --station PM1 --slot 2", "no slot 2"),
+        ("cell displacement --tilt-deg 0", "expected 2 numbers, got 1"),
+        ("cell displacement --station PM1 --effector C", "known: A, B"),
+    ] {
+        let refused = sandbox.run(line);
+        assert_eq!(refused.code, 2, "{line}");
+        assert!(refused.stderr.contains(expected), "{line}: {}", refused.stderr);
+    }
+    let far = sandbox.run("cell displacement --tilt-deg 0,0.6 --at-mm 2000,0");
+    assert_eq!(far.code, 1, "{}", far.stderr);
+    let steep = sandbox.run("cell displacement --tilt-deg 0,3");
+    assert_eq!(steep.code, 1, "{}", steep.stderr);
 }

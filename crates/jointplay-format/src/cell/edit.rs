@@ -1,5 +1,6 @@
 //! Changes of a cell file that keep its comments.
 
+use jointplay_cell::station::teach::ReferencePoint;
 use jointplay_cell::station::{Approach, Stroke};
 use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
@@ -9,6 +10,17 @@ use super::problem::{Fault, Problem};
 use crate::file_problem::FileProblem;
 use crate::place::{Error, Form, nearest};
 use crate::units::{deg, mm, shift};
+
+/// Noise of taught points: the standard deviation of each coordinate.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TaughtNoise {
+    /// Of all points (m).
+    Equal(f64),
+    /// Of each point (m).
+    PerPoint(Vec<f64>),
+    /// That of a sensor of the cell, by name.
+    Sensor(String),
+}
 
 /// A new value of a station.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +39,15 @@ pub enum Change {
         points: Vec<Vector3<f64>>,
         /// The threshold (m).
         threshold: f64,
-        /// Standard deviation of a measured coordinate (m); `None` leaves the file's value.
-        noise: Option<f64>,
+        /// Noise of the points; `None` leaves that of the file.
+        noise: Option<TaughtNoise>,
+    },
+    /// Reference points, which determine centre and heading; replace those of the file and a drift.
+    References {
+        /// The reference points.
+        references: Vec<ReferencePoint>,
+        /// Noise of the reference points; `None` leaves that of the file.
+        noise: Option<TaughtNoise>,
     },
     /// Wafer centres at rest in the first and the last slot (m); replace position, tilt and taught points.
     Drift {
@@ -133,6 +152,11 @@ fn is_called(table: &dyn TableLike, name: &str) -> bool {
     table.get("name").and_then(Item::as_str) == Some(name)
 }
 
+/// Keys of the noise of taught points.
+const NOISE_KEYS: [&str; 2] = ["noise_um", "sensor"];
+/// Keys of reference points and of their noise.
+const REFERENCE_KEYS: [&str; 3] = ["references", "reference_noise_um", "reference_sensor"];
+
 /// A station: a table of its own under `[[station]]`, or one of the list `station = [{ … }]`.
 struct Station<'d> {
     table: &'d mut dyn TableLike,
@@ -167,10 +191,45 @@ impl Station<'_> {
         }
     }
 
-    /// Noise of the taught points in the file (µm).
-    fn taught_noise(&self) -> Option<f64> {
-        let noise = self.table.get("taught")?.as_table_like()?.get("noise_um")?.as_value()?;
-        noise.as_float().or_else(|| noise.as_integer().map(|whole| whole as f64))
+    /// A value of the taught points in the file.
+    fn taught(&self, key: &str) -> Option<Value> {
+        self.table.get("taught")?.as_table_like()?.get(key)?.as_value().cloned()
+    }
+
+    /// Sets the noise of taught points, or takes that of the file.
+    fn set_noise(
+        &self,
+        taught: &mut InlineTable,
+        [noise_key, sensor_key]: [&str; 2],
+        noise: Option<&TaughtNoise>,
+        count: usize,
+    ) {
+        let micro = |noise: f64| number(shift(noise, 6));
+        match noise {
+            Some(TaughtNoise::Equal(noise)) => taught.insert(noise_key, micro(*noise)),
+            Some(TaughtNoise::PerPoint(noise)) => {
+                taught.insert(noise_key, Value::Array(noise.iter().copied().map(micro).collect()))
+            }
+            Some(TaughtNoise::Sensor(name)) => taught.insert(sensor_key, name.as_str().into()),
+            None => {
+                for key in [noise_key, sensor_key] {
+                    let Some(mut value) = self.taught(key) else { continue };
+                    if let Value::Array(list) = &mut value {
+                        // Further points are measured as the last one.
+                        while list.len() > count {
+                            list.remove(list.len() - 1);
+                        }
+                        while let Some(last) = list.iter().last().cloned()
+                            && list.len() < count
+                        {
+                            list.push(last);
+                        }
+                    }
+                    taught.insert(key, value);
+                }
+                None
+            }
+        };
     }
 
     /// Replaces a drift by the position of its first slot.
@@ -293,14 +352,33 @@ fn apply(station: &mut Station<'_>, change: &Change) {
         Change::Taught { points, threshold, noise } => {
             station.undrift();
             station.drop_keys(&["tilt"]);
+            let count = points.len();
             let points: Array = points.iter().map(point).collect();
             let threshold = number(shift(*threshold, 6));
-            let noise = noise.map(|noise| shift(noise, 6)).or_else(|| station.taught_noise());
-            let values = [("points_mm", Value::Array(points)), ("threshold_um", threshold)];
-            let mut taught = table(values);
-            if let Some(noise) = noise {
-                taught.insert("noise_um", number(noise));
+            let mut taught =
+                table([("points_mm", Value::Array(points)), ("threshold_um", threshold)]);
+            station.set_noise(&mut taught, NOISE_KEYS, noise.as_ref(), count);
+            for key in REFERENCE_KEYS {
+                taught.extend(station.taught(key).map(|value| (key, value)));
             }
+            station.set("taught", Value::InlineTable(taught));
+        }
+        Change::References { references, noise } => {
+            station.undrift();
+            let mut taught = InlineTable::new();
+            for key in ["points_mm", "threshold_um", NOISE_KEYS[0], NOISE_KEYS[1]] {
+                taught.extend(station.taught(key).map(|value| (key, value)));
+            }
+            let one = |one: &ReferencePoint| {
+                let nominal = one.nominal.iter().map(|value| mm(*value)).collect();
+                let values =
+                    [("station_mm", Value::Array(nominal)), ("measured_mm", point(&one.measured))];
+                Value::InlineTable(table(values))
+            };
+            let listed: Array = references.iter().map(one).collect();
+            taught.insert(REFERENCE_KEYS[0], Value::Array(listed));
+            let keys = [REFERENCE_KEYS[1], REFERENCE_KEYS[2]];
+            station.set_noise(&mut taught, keys, noise.as_ref(), references.len());
             station.set("taught", Value::InlineTable(taught));
         }
         Change::Drift { first, last } => {

@@ -209,12 +209,18 @@ pub fn explain_unreachable_pose(robot: &HybridRobot, error: &Unreachable) -> Str
 pub fn explain_teach(error: &TeachError) -> String {
     match error {
         TeachError::Noise { found } => {
-            format!("the noise of taught points is {:.3} µm, but has to be positive", found * 1e6)
+            format!(
+                "the noise of taught points is {:.3} µm, but has to be positive; omit it if it is not known",
+                found * 1e6
+            )
         }
-        TeachError::Collinear { spread, min } => format!(
-            "the taught points lie within {:.1} µm of one line, which leaves the tilt about it undetermined: teach a point at least {:.1} mm from it",
+        TeachError::Collinear { spread, min, best } => format!(
+            "the taught points lie within {:.1} µm of one line, which leaves the tilt about it undetermined: teach a point at least {:.1} mm from it, best near {:.0}, {:.0}, {:.0}",
             spread * 1e6,
-            mm(*min)
+            mm(*min),
+            mm(best.x),
+            mm(best.y),
+            mm(best.z)
         ),
         TeachError::Upright { tilt } => format!(
             "the plane of the taught points is upright: its normal is {:.3}° from vertical",

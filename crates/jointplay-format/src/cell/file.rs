@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
+use jointplay_cell::displacement::Tolerances;
 use jointplay_cell::robot::{EffectorId, HybridRobot};
 use jointplay_cell::station::{DwellLimits, SlotId, WaferRules};
 use jointplay_cell::wafer::{Material, Wafer, check_thin_plate};
 use jointplay_cell::workcell::Cell;
-use jointplay_cell::{CellError, CellPart, InvalidPart};
+use jointplay_cell::{CellError, CellPart, InvalidPart, MAX_COVERAGE_FACTOR};
 
 use super::effectors::{Effectors, effectors, named_effectors};
 use super::explain::explain;
@@ -24,6 +25,9 @@ pub const MAX_BYTES: usize = 1_000_000;
 
 /// Standard gravity (m/s²).
 const GRAVITY: f64 = 9.80665;
+
+/// Default of the coverage factor: about 95 % of a normal distribution.
+const COVERAGE_FACTOR: f64 = 2.0;
 
 /// Materials by name: Young's modulus in GPa, Poisson's ratio, density in kg/m³.
 ///
@@ -101,6 +105,9 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
         },
         |table| budgets(&table),
     );
+    let tolerances = top
+        .table("tolerances", "`[tolerances]`")
+        .map_or_else(Tolerances::default, |table| tolerances(&table));
     let bare = bare(robot.as_ref(), wafer.as_ref(), budgets);
     let read = stations::read(top, (robot.as_ref(), bare.as_ref()), effectors.as_ref());
     let dwell = read.iter().enumerate().filter_map(|(station, read)| {
@@ -115,7 +122,14 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
     let zones = bodies::zones(top, files);
     let loaded_effectors = loaded_effectors(top, effectors.as_ref());
     kind?;
-    let [play_budget, clearance, slot_clearance, plane_threshold, gravity] = budgets?;
+    let Budgets {
+        play_budget,
+        clearance,
+        slot_clearance,
+        plane_threshold,
+        coverage_factor,
+        gravity,
+    } = budgets?;
     let occupied = occupied
         .into_iter()
         .enumerate()
@@ -137,6 +151,8 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
         slot_clearance,
         gravity,
         plane_threshold,
+        coverage_factor,
+        tolerances,
     })
 }
 
@@ -144,9 +160,16 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
 fn bare(
     robot: Option<&HybridRobot>,
     wafer: Option<&Wafer>,
-    budgets: Option<[f64; 5]>,
+    budgets: Option<Budgets>,
 ) -> Option<Cell> {
-    let [play_budget, clearance, slot_clearance, plane_threshold, gravity] = budgets?;
+    let Budgets {
+        play_budget,
+        clearance,
+        slot_clearance,
+        plane_threshold,
+        coverage_factor,
+        gravity,
+    } = budgets?;
     Some(Cell {
         name: String::new(),
         assumed: Vec::new(),
@@ -163,7 +186,9 @@ fn bare(
         clearance,
         slot_clearance,
         plane_threshold,
+        coverage_factor,
         gravity,
+        tolerances: Tolerances::default(),
     })
 }
 
@@ -254,13 +279,55 @@ fn material(name: &str, [young, poisson, density]: [f64; 3]) -> Material {
     Material { name: name.to_owned(), young, poisson, density }
 }
 
-fn budgets(table: &Table) -> Option<[f64; 5]> {
+/// Tolerances, each to either side.
+fn tolerances(table: &Table) -> Tolerances {
+    let scaled = |key, exponent| {
+        let value = table.entry(key)?.number(table.reader, AllowedRange::NotNegative)?;
+        Some(crate::units::shift(value, exponent))
+    };
+    let found = Tolerances {
+        guide: scaled("guide_um", -6),
+        socket: scaled("socket_um", -6),
+        rod_zero: scaled("rod_zero_um", -6),
+        mount: scaled("mount_um", -6),
+        link: scaled("link_um", -6),
+        joint_zero: scaled("joint_zero_urad", -6),
+        linear_resolution: scaled("linear_resolution_um", -6),
+        rotary_resolution: scaled("rotary_resolution_urad", -6),
+        droop_share: scaled("droop_percent", -2),
+        sag_share: scaled("sag_percent", -2),
+    };
+    table.finish();
+    found
+}
+
+/// Budgets of a cell, as in [`Cell`].
+#[derive(Clone, Copy)]
+struct Budgets {
+    play_budget: f64,
+    clearance: f64,
+    slot_clearance: f64,
+    plane_threshold: f64,
+    coverage_factor: f64,
+    gravity: f64,
+}
+
+fn budgets(table: &Table) -> Option<Budgets> {
     let micro = |key, span| table.number(key, span).map(|value| crate::units::shift(value, -6));
     let play = micro("play_um", AllowedRange::Positive);
     let clearance = table.length("clearance_mm", AllowedRange::NotNegative);
     let slot_clearance = table.length("slot_clearance_mm", AllowedRange::NotNegative);
     let plane = micro("plane_urad", AllowedRange::Positive);
     let gravity = table.number_or("gravity_m_s2", AllowedRange::NotNegative, GRAVITY);
+    let range = AllowedRange::Within(0.0, MAX_COVERAGE_FACTOR);
+    let coverage_factor = table.number_or("coverage_factor", range, COVERAGE_FACTOR);
     table.finish();
-    Some([play?, clearance?, slot_clearance?, plane?, gravity])
+    Some(Budgets {
+        play_budget: play?,
+        clearance: clearance?,
+        slot_clearance: slot_clearance?,
+        plane_threshold: plane?,
+        coverage_factor,
+        gravity,
+    })
 }

@@ -15,14 +15,16 @@ mod problem;
 pub mod robot;
 mod rules;
 mod stations;
+mod taught;
 mod tree;
 mod unique;
 
-pub use edit::{Change, note_station, set_station};
+pub use edit::{Change, TaughtNoise, note_station, set_station};
 pub use file::{MAX_BYTES, read};
 pub use files::Files;
 pub use mesh::{MAX_MESH_BYTES, MAX_TRIANGLES};
 pub use problem::{Errors, Fault, Problem};
+pub use taught::{scattered_points, scattered_references};
 
 /// Example cell: a robot with two arms, two load ports, an aligner and a process station.
 pub const EXAMPLE: &str = include_str!("../../../../cells/example.toml");

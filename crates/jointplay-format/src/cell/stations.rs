@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use jointplay_cell::CellError;
 use jointplay_cell::robot::HybridRobot;
-use jointplay_cell::station::teach::{self, Verdict};
+use jointplay_cell::station::teach::{self, FrameUncertainty, NominalFrame};
 use jointplay_cell::station::{Approach, MAX_SLOTS, Origin, Station, Stroke};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::{Pose, Tilt};
@@ -13,14 +13,12 @@ use super::effectors::{Effectors, named_effectors};
 use super::explain::{explain_teach, leveling_angle};
 use super::pose::{points, yaw_and_tilt};
 use super::problem::Fault;
+use super::taught::{self, Sensors};
 use super::tree::{AllowedRange, Reader, Table};
 use super::unique::unique;
 use crate::file_problem::FileProblem;
 use crate::number::number;
-use crate::units::{deg, m_from_mm, mm, shift, um};
-
-/// Default of the largest distance of taught points from their plane (µm).
-const TAUGHT_THRESHOLD_UM: f64 = 100.0;
+use crate::units::{deg, m_from_mm, mm, shift};
 
 /// Largest relative deviation of the pitch between the first and the last slot.
 const PITCH_SHARE: f64 = 0.01;
@@ -45,6 +43,7 @@ pub(super) fn read(
     robot: (Option<&HybridRobot>, Option<&Cell>),
     effectors: Option<&Effectors>,
 ) -> Vec<ReadStation> {
+    let sensors = taught::sensors(top);
     let mut names = BTreeMap::new();
     let tables = top.tables("station");
     if tables.is_empty() {
@@ -57,7 +56,7 @@ pub(super) fn read(
             table.whose = format!("the station {name:?}");
             unique(&table, "station", name, &mut names);
         }
-        stations.extend(station(&table, name, robot, effectors));
+        stations.extend(station(&table, name, robot, effectors, &sensors));
         table.finish();
     }
     stations
@@ -68,12 +67,14 @@ fn station(
     name: Option<String>,
     (robot, bare): (Option<&HybridRobot>, Option<&Cell>),
     effectors: Option<&Effectors>,
+    sensors: &Sensors,
 ) -> Option<ReadStation> {
     let reader = table.reader;
     let slots = table.entry("slots").map_or(Some(1), |slots| slots.count(reader, 1, MAX_SLOTS));
     let pitch =
         table.entry("pitch_mm").and_then(|pitch| pitch.number(reader, AllowedRange::Positive));
-    let placed = place(table, slots.unwrap_or(1), pitch.map(m_from_mm));
+    let placed = place(table, slots.unwrap_or(1), pitch.map(m_from_mm), sensors);
+    let stated = taught::stated_uncertainty(table);
     let offset = table.entry("offset_mm").and_then(|offset| offset.point(reader));
     let retract_reach = table.length("retract_mm", AllowedRange::NotNegative);
     let via = table.entry("via_mm").and_then(|via| points(&via, reader)).unwrap_or_default();
@@ -98,11 +99,12 @@ fn station(
     let process_time = table.number_or("process_s", AllowedRange::NotNegative, 0.0);
     let dwell = dwell(table, process_time);
     let wafers = wafers(table, slots.unwrap_or(1));
-    let (base_from_station, origin, pitch) = placed?;
+    let Place { frame, origin, uncertainty, pitch } = placed?;
     let station = Station {
         name: name?,
-        base_from_station,
+        base_from_station: frame,
         origin,
+        uncertainty: uncertainty.or_stated(&stated),
         slots: slots?,
         pitch,
         stroke: stroke?,
@@ -154,14 +156,22 @@ fn stroke(table: &Table) -> Option<Stroke> {
     Some(Stroke { below: below?, above: above?, speed: speed? })
 }
 
-/// Pose of the station, origin of the pose, and pitch.
-fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origin, f64)> {
+/// Frame of a station, and its pitch.
+struct Place {
+    frame: Pose,
+    origin: Origin,
+    uncertainty: FrameUncertainty,
+    pitch: f64,
+}
+
+fn place(table: &Table, slots: usize, pitch: Option<f64>, sensors: &Sensors) -> Option<Place> {
     let reader = table.reader;
     let (yaw, tilt) = yaw_and_tilt(table);
     let taught = table.table("taught", "taught points");
     let drift = table.table("drift", "a drift");
+    let has_plane = taught.as_ref().is_some_and(|it| drift.is_some() || taught::has_plane(it));
     let sources: Vec<&str> =
-        [("tilt", tilt.is_some()), ("taught", taught.is_some()), ("drift", drift.is_some())]
+        [("tilt", tilt.is_some()), ("taught", has_plane), ("drift", drift.is_some())]
             .into_iter()
             .filter_map(|(key, is_there)| is_there.then_some(key))
             .collect();
@@ -181,12 +191,15 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
     };
     if let Some(drift) = drift {
         let (first, last) = (drift.point("first_mm"), drift.point("last_mm"));
+        let noise =
+            drift.entry("noise_um").and_then(|it| it.number(reader, AllowedRange::Positive));
+        let noise = noise.map(|noise| shift(noise, -6));
         drift.finish();
         if let Some(entry) = table.entry("position_mm") {
             let why = "`position_mm` cannot be combined with `drift`, whose `first_mm` is the position of the station";
             entry.report(reader, Fault::Unfit(why.to_owned()));
         }
-        let found = teach::drift(first?, last?, slots)
+        let found = teach::drift(first?, last?, slots, noise)
             .map_err(|error| drift.report(Fault::Unfit(explain_teach(&error))))
             .ok()?;
         if let Some(pitch) = pitch.filter(|pitch| (found.pitch / pitch - 1.0).abs() > PITCH_SHARE) {
@@ -197,47 +210,26 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
                 mm(pitch)
             )));
         }
-        let pose = teach::frame(found.first, &found.tilt.normal(), yaw);
-        return Some((pose, Origin::Drift(found), found.pitch));
+        let frame = teach::frame(found.first, &found.tilt.normal(), yaw);
+        let (uncertainty, pitch) = (found.uncertainty(), found.pitch);
+        return Some(Place { frame, origin: Origin::Drift(found), uncertainty, pitch });
     }
     let position = table.point("position_mm");
+    let nominal = position.map(|origin| NominalFrame {
+        origin,
+        yaw,
+        normal: tilt.unwrap_or(Tilt::LEVEL).normal(),
+    });
     if let Some(taught) = taught {
-        let threshold =
-            taught.number_or("threshold_um", AllowedRange::Positive, TAUGHT_THRESHOLD_UM);
-        let threshold = shift(threshold, -6);
-        let noise =
-            taught.entry("noise_um").and_then(|noise| noise.number(reader, AllowedRange::Positive));
-        let points = taught.needed("points_mm").map(|entry| points(&entry, reader));
-        taught.finish();
-        let fit = teach::fit_plane(&points??, threshold, noise.map(|noise| shift(noise, -6)))
-            .map_err(|error| taught.report(Fault::Unfit(explain_teach(&error))))
-            .ok()?;
-        if fit.verdict == Verdict::Scattered {
-            taught.report(Fault::Unfit(scattered(&fit)));
-        }
-        return Some((fit.frame(&position?, yaw), Origin::Taught(fit), nominal_pitch()?));
+        let found = taught::taught(&taught, nominal, sensors)?;
+        let frame = found.frame(&nominal?);
+        let uncertainty = found.uncertainty(&frame);
+        let origin = Origin::Taught(Box::new(found));
+        return Some(Place { frame, origin, uncertainty, pitch: nominal_pitch()? });
     }
-    let normal = tilt.unwrap_or(Tilt::LEVEL).normal();
     let pitch = nominal_pitch();
-    Some((teach::frame(position?, &normal, yaw), Origin::Nominal, pitch?))
-}
-
-/// Reports taught points that do not lie in one plane.
-fn scattered(fit: &teach::PlaneFit) -> String {
-    let worst = fit.distances.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    let which = worst.map_or(1, |(index, _)| index + 1);
-    match fit.noise {
-        Some(noise) if fit.worst <= fit.threshold => format!(
-            "the taught points lie up to {:.1} µm from their plane (point {which}), which a noise of {} µm does not explain: teach them again, or set `noise_um` to the noise of the measurement",
-            um(fit.worst),
-            um(noise)
-        ),
-        _ => format!(
-            "taught point {which} lies {:.1} µm from the common plane, but at most {} µm are allowed: teach the points again, or increase `threshold_um`",
-            um(fit.worst),
-            um(fit.threshold)
-        ),
-    }
+    let (frame, uncertainty) = (nominal?.in_plane(None), FrameUncertainty::UNKNOWN);
+    Some(Place { frame, origin: Origin::Nominal, uncertainty, pitch: pitch? })
 }
 
 /// Checks that the platform can tilt as far as a station requires.

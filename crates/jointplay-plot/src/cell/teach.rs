@@ -269,7 +269,7 @@ fn places(fit: Option<&PlaneFit>) -> impl Iterator<Item = Vector3<f64>> {
 
 fn fit(station: &Station) -> Option<&PlaneFit> {
     match &station.origin {
-        Origin::Taught(fit) => Some(fit),
+        Origin::Taught(taught) => taught.plane.as_ref(),
         _ => None,
     }
 }
@@ -288,7 +288,16 @@ fn description(station: &Station, normal: &Vector3<f64>) -> Vec<String> {
         Origin::Nominal => lines.push("nominal, not taught".to_owned()),
         Origin::Drift(drift) => lines
             .push(format!("drift: the last slot is {:.3} mm off the vertical", drift.drift * 1e3)),
-        Origin::Taught(fit) => {
+        Origin::Taught(taught) => {
+            if let Some(references) = &taught.references {
+                lines.push(format!(
+                    "{} references, deviations up to {:.1} µm (allowed {:.1})",
+                    references.references.len(),
+                    references.worst * 1e6,
+                    references.threshold * 1e6
+                ));
+            }
+            let Some(fit) = &taught.plane else { return lines };
             let verdict = match fit.verdict {
                 Verdict::Fits => "fits",
                 Verdict::Unproven => "unverified",

@@ -62,5 +62,5 @@ fn compute(gpr: &Gpr, request: CompareRequest) -> Result<CompareReport, Problem>
         }
     }
     let compared = jointplay::study::compare(gpr, &built_in(), yaw, &pitches, height, &options)?;
-    Ok(report::compare(&compared, &broken))
+    Ok(report::compare(&compared, &broken, &[]))
 }

@@ -149,7 +149,7 @@ fn planning_after_a_station_change_reuses_results() {
     let texts = CellFiles::example().into_texts();
     session.plan(texts.0.clone(), program.to_owned(), &|| false).unwrap();
     assert_eq!(session.reuse().hits, 0);
-    let moved = texts.0.replace("[800.0, 0.0, 620.18]", "[800.0, 0.0, 620.17]");
+    let moved = texts.0.replace("[800.0, 0.0, 620.18]", "[800.0, 0.0, 620.178]");
     let plan = session.plan(moved, program.to_owned(), &|| false).unwrap();
     assert!(plan.report.is_some());
     let reuse = session.reuse();

@@ -214,7 +214,19 @@ pub(crate) fn stations(cell: &Cell) -> Vec<StationDocument> {
             Origin::Nominal | Origin::Drift(_) => {
                 (vec![X, Y, Height, Yaw, AboutX, AboutY], Vec::new())
             }
-            Origin::Taught(fit) => (vec![X, Y, Yaw], fit.points.clone()),
+            Origin::Taught(taught) => {
+                let plane = taught.plane.as_ref();
+                let turn = taught.references.as_ref().map(|references| references.turn);
+                let mut freedoms = match turn {
+                    None => vec![X, Y, Yaw],
+                    Some(None) => vec![Yaw],
+                    Some(Some(_)) => Vec::new(),
+                };
+                if plane.is_none() {
+                    freedoms.extend([Height, AboutX, AboutY]);
+                }
+                (freedoms, plane.map_or_else(Vec::new, |plane| plane.points.clone()))
+            }
         };
         StationDocument {
             slots: station.slots,

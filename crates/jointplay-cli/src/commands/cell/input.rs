@@ -128,6 +128,11 @@ impl InputArgs {
         self.cell.format
     }
 
+    /// The cell alone.
+    pub(super) fn load_cell(&self) -> Result<CellSource, Failure> {
+        self.cell.load()
+    }
+
     pub(super) fn load(&self) -> Result<Input, Failure> {
         // Errors of both files are reported together.
         let (cell, program) = (self.cell.load(), self.program_text());
@@ -244,7 +249,7 @@ impl Input {
     }
 
     /// The failure for errors of the program in its cell: infeasible if all of them concern reach and limits, else invalid input.
-    fn refused(&self, errors: &[ProgramError]) -> Failure {
+    pub(super) fn refused(&self, errors: &[ProgramError]) -> Failure {
         let all = errors
             .iter()
             .map(|one| program_diagnostic(&self.cell.cell, one, &self.text, &self.label))

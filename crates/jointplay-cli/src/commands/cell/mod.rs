@@ -1,6 +1,7 @@
 //! `jointplay cell`: work cells and their programs.
 
 mod check;
+mod displacement;
 mod example;
 mod export;
 mod format;
@@ -28,6 +29,7 @@ Examples:
   jointplay cell export --to gltf,csv
   jointplay cell optimise --out faster
   jointplay cell teach
+  jointplay cell displacement
   jointplay cell format
   jointplay cell example --out my-cell")]
 pub(crate) struct CellCommand {
@@ -42,6 +44,7 @@ enum Action {
     Export(export::Export),
     Optimise(optimise::Optimise),
     Teach(teach::Teach),
+    Displacement(displacement::Displacement),
     Format(format::Format),
     Example(example::ExampleCommand),
 }
@@ -54,6 +57,7 @@ impl CellCommand {
             Action::Export(command) => command.run(),
             Action::Optimise(command) => command.run(),
             Action::Teach(command) => command.run(),
+            Action::Displacement(command) => command.run(),
             Action::Format(command) => command.run(),
             Action::Example(command) => command.run(),
         }
@@ -66,6 +70,7 @@ impl CellCommand {
             Action::Export(command) => command.input.format(),
             Action::Optimise(command) => command.input.format(),
             Action::Teach(command) => command.cell.format,
+            Action::Displacement(command) => command.input.format(),
             Action::Format(command) => command.format,
             Action::Example(command) => command.format,
         }

@@ -4,13 +4,16 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use clap::Args;
-use jointplay::format::cell::{self, Change};
-use jointplay::format::number::number;
+use jointplay::cell::station::teach::ReferencePoint;
+use jointplay::format::cell::{self, Change, TaughtNoise};
+use jointplay::format::number::{counted, number};
 use jointplay::format::place::not_known;
 use jointplay::format::units::m_from_mm;
-use jointplay::nalgebra::Vector3;
+use jointplay::nalgebra::{Vector2, Vector3};
 use jointplay::plot::cell::Taught;
-use jointplay::report::{self, StationReport, TeachReport};
+use jointplay::report::{
+    self, PlaneReport, ReferenceReport, StationReport, StationUncertaintyReport, TeachReport,
+};
 
 use super::input::{CellArgs, CellSource};
 use crate::arguments::{finite, length};
@@ -21,8 +24,10 @@ use crate::output::{self, fixed};
 
 /// Compute the pose of a station from taught points, or list the poses of all stations
 ///
-/// Three or more points on the resting plane determine its tilt, the uncertainty of the tilt, and the distances of the points from the plane.
+/// Three or more points on the resting plane determine its tilt and height; five or more of known noise also test it.
+/// Reference points, such as the centre of a wafer and pins, determine the centre and the heading.
 /// The positions of the first and the last wafer determine the tilt by the drift between them.
+/// Each result has its uncertainty, and the point to be measured again or next.
 /// Without points, the poses in the cell file are listed.
 #[derive(Args)]
 #[command(after_help = "\
@@ -31,7 +36,7 @@ Examples:
   jointplay cell teach --figure stations.png
   jointplay cell teach --station LP2 --first-mm -495,-495,500 --last-mm -492,-495,740
 
-Exit codes: 0 done, 1 the tilt exceeds the robot's limit, the points are scattered, or the plane is too uncertain, 2 bad input or usage.")]
+Exit codes: 0 done, 1 the points are scattered, too few to be judged, or the tilt is too uncertain or exceeds the robot's limit, 2 bad input or usage.")]
 pub(super) struct Teach {
     #[command(flatten)]
     pub(super) cell: CellArgs,
@@ -44,9 +49,26 @@ pub(super) struct Teach {
     /// Largest accepted distance of a point from the plane
     #[arg(long, value_name = "UM", default_value = "100", value_parser = threshold)]
     threshold_um: f64,
-    /// Standard deviation of a measured coordinate [default: estimated from the points]
-    #[arg(long, value_name = "UM", value_parser = threshold, requires = "point_mm")]
-    noise_um: Option<f64>,
+    /// Standard deviation of the coordinates: one value, or one for each point, separated by commas [default: estimated from the points]
+    #[arg(long, value_name = "UM", value_delimiter = ',', value_parser = threshold, requires = "point_mm")]
+    noise_um: Vec<f64>,
+    /// Name of the sensor that measured the points, a `[[sensor]]` of the cell file
+    #[arg(long, value_name = "NAME", requires = "point_mm", conflicts_with = "noise_um")]
+    sensor: Option<String>,
+    /// Reference point: its position across and inward in the station, and its measured position in the base frame; 0,0 is the wafer centre
+    #[arg(long, value_name = "X,Y=X,Y,Z", value_parser = reference, requires = "station", conflicts_with_all = ["first_mm", "last_mm"])]
+    reference: Vec<Reference>,
+    /// Standard deviation of the coordinates of references: one value, or one for each, separated by commas
+    #[arg(long, value_name = "UM", value_delimiter = ',', value_parser = threshold, requires = "reference")]
+    reference_noise_um: Vec<f64>,
+    /// Name of the sensor that measured the references
+    #[arg(
+        long,
+        value_name = "NAME",
+        requires = "reference",
+        conflicts_with = "reference_noise_um"
+    )]
+    reference_sensor: Option<String>,
     /// Position of the wafer in the first slot, in the base frame
     #[arg(long, value_name = "X,Y,Z", value_parser = point, requires_all = ["station", "last_mm"])]
     first_mm: Option<Point>,
@@ -72,6 +94,33 @@ fn point(text: &str) -> Result<Point, String> {
     Ok(Point(Vector3::from(values.map(m_from_mm))))
 }
 
+/// A reference point.
+#[derive(Clone, Debug)]
+struct Reference(ReferencePoint);
+
+fn reference(text: &str) -> Result<Reference, String> {
+    let (nominal, measured) = text.split_once('=').ok_or(
+        "expected the position in the station and the measured one, as 0,0=350.1,606.2,600",
+    )?;
+    let values = nominal.split(',').map(length).collect::<Result<Vec<f64>, String>>()?;
+    let values: [f64; 2] = values.try_into().map_err(|values: Vec<f64>| {
+        format!("expected 2 coordinates in the station, got {}", values.len())
+    })?;
+    let nominal = Vector2::from(values.map(m_from_mm));
+    Ok(Reference(ReferencePoint { nominal, measured: point(measured)?.0 }))
+}
+
+/// Noise from flags: of a sensor, of all points, or of each point.
+fn noise(noise_um: &[f64], sensor: Option<&String>) -> Option<TaughtNoise> {
+    let micro = |noise: &f64| m_from_mm(noise / 1e3);
+    match (noise_um, sensor) {
+        (_, Some(sensor)) => Some(TaughtNoise::Sensor(sensor.clone())),
+        ([], None) => None,
+        ([one], None) => Some(TaughtNoise::Equal(micro(one))),
+        (many, None) => Some(TaughtNoise::PerPoint(many.iter().map(micro).collect())),
+    }
+}
+
 fn threshold(text: &str) -> Result<f64, String> {
     let value = finite(text)?;
     if value > 0.0 && value <= 1e5 {
@@ -91,8 +140,9 @@ impl Teach {
             if !names.contains(station) {
                 return Err(Failure::Usage(not_known("the station", station, &names)));
             }
-            if let Some(change) = self.change() {
-                source = changed(source, station, change)?;
+            let changes = self.changes();
+            if !changes.is_empty() {
+                source = changed(source, station, &changes)?;
                 if self.write {
                     self.save(&source)?;
                 }
@@ -109,26 +159,8 @@ impl Teach {
         if let Some(path) = written.filter(|_| !self.cell.format.json()) {
             output::text(&format!("picture: {}\n", path.display()))?;
         }
-        let scattered = document.stations.iter().find(|station| {
-            station.plane.as_ref().is_some_and(|plane| plane.verdict == "scattered")
-        });
-        if let Some(station) = scattered {
-            return Err(Failure::Unsolved(format!(
-                "the taught points of {} are scattered: teach them again, or increase --threshold-um",
-                station.name
-            )));
-        }
-        let uncertain = document.stations.iter().find_map(|station| {
-            let plane = station.plane.as_ref().filter(|plane| plane.verdict == "uncertain")?;
-            Some((&station.name, plane, plane.uncertainty.as_ref()?))
-        });
-        uncertain.map_or(Ok(()), |(name, plane, known)| {
-            Err(Failure::Unsolved(format!(
-                "the tilt of the taught plane of {name} is uncertain by ±{} µrad, but only {} µrad are allowed (`plane_urad`): teach more points, points farther apart, or reduce the noise",
-                fixed(known.tilt_95_urad, 1),
-                fixed(plane.allowed_urad, 1)
-            )))
-        })
+        let unjudged: Vec<String> = document.stations.iter().flat_map(unjudged).collect();
+        if unjudged.is_empty() { Ok(()) } else { Err(Failure::Unsolved(unjudged.join("\n"))) }
     }
 
     /// The picture of the selected stations.
@@ -141,16 +173,25 @@ impl Teach {
         picture
     }
 
-    fn change(&self) -> Option<Change> {
-        match (&self.first_mm, &self.last_mm) {
-            (Some(first), Some(last)) => Some(Change::Drift { first: first.0, last: last.0 }),
-            _ if self.point_mm.is_empty() => None,
-            _ => Some(Change::Taught {
+    fn changes(&self) -> Vec<Change> {
+        if let (Some(first), Some(last)) = (&self.first_mm, &self.last_mm) {
+            return vec![Change::Drift { first: first.0, last: last.0 }];
+        }
+        let mut changes = Vec::new();
+        if !self.point_mm.is_empty() {
+            changes.push(Change::Taught {
                 points: self.point_mm.iter().map(|point| point.0).collect(),
                 threshold: m_from_mm(self.threshold_um / 1e3),
-                noise: self.noise_um.map(|noise| m_from_mm(noise / 1e3)),
-            }),
+                noise: noise(&self.noise_um, self.sensor.as_ref()),
+            });
         }
+        if !self.reference.is_empty() {
+            changes.push(Change::References {
+                references: self.reference.iter().map(|reference| reference.0).collect(),
+                noise: noise(&self.reference_noise_um, self.reference_sensor.as_ref()),
+            });
+        }
+        changes
     }
 
     fn save(&self, source: &CellSource) -> Result<(), Failure> {
@@ -167,14 +208,75 @@ impl Teach {
 }
 
 /// The cell with another pose of one station.
-fn changed(source: CellSource, station: &str, change: Change) -> Result<CellSource, Failure> {
-    let text = cell::set_station(&source.text, station, &[change])
+fn changed(source: CellSource, station: &str, changes: &[Change]) -> Result<CellSource, Failure> {
+    let text = cell::set_station(&source.text, station, changes)
         .map_err(|problem| Failure::at(&problem, &source.label))?;
+    let label = source.label.clone();
     match CellSource::parse(source.label, source.stem, text, source.folder) {
-        // The file was valid before: the new points are infeasible.
-        Err(Failure::Invalid(all)) => Err(Failure::Infeasible(all)),
+        // The file was valid before: the new points are infeasible. They are not in the file, so that no line of it is quoted.
+        Err(Failure::Invalid(mut all)) => {
+            for one in &mut all {
+                one.excerpt = format!("{label}: station {station}: {}", one.message);
+            }
+            Err(Failure::Infeasible(all))
+        }
         other => other,
     }
+}
+
+/// The reasons why a taught station is not accepted.
+fn unjudged(station: &StationReport) -> Vec<String> {
+    let mut reasons = Vec::new();
+    if let Some(plane) = &station.plane {
+        let next = || next_points(plane).unwrap_or_default();
+        match (plane.verdict, &plane.uncertainty) {
+            ("unproven", _) => reasons.push(format!(
+                "the plane of {} cannot be judged with {}{}",
+                station.name,
+                counted(plane.distances_um.len(), "point"),
+                next()
+            )),
+            ("uncertain", Some(known)) => reasons.push(format!(
+                "the tilt of the taught plane of {} is uncertain by ±{} µrad (coverage factor {}), but only {} µrad are allowed (`plane_urad`){}",
+                station.name,
+                fixed(known.tilt_expanded_urad, 1),
+                number(station.uncertainty.coverage_factor),
+                fixed(plane.allowed_urad, 1),
+                next()
+            )),
+            _ => {}
+        }
+    }
+    if let Some(references) = station.references.as_ref().filter(|it| it.verdict == "unproven") {
+        reasons.push(format!(
+            "the centre and the heading of {} cannot be judged with {}: measure {} more, far from each other",
+            station.name,
+            counted(references.deviations_um.len(), "reference"),
+            references.missing
+        ));
+    }
+    reasons
+}
+
+/// What to measure next.
+fn next_points(plane: &PlaneReport) -> Option<String> {
+    let next = plane.next.as_ref()?;
+    let [x, y, z] = next.points_mm.first()?.map(|value| fixed(value, 1));
+    let quieter = match next.noise_um {
+        Some(noise) => format!(", or reduce the noise to {} µm", fixed(noise, 2)),
+        None => String::new(),
+    };
+    Some(if next.suffices {
+        let count = next.points_mm.len();
+        let (points, best) =
+            if count == 1 { ("point", "best") } else { ("points", "the next one best") };
+        format!(": measure {count} more {points}, {best} near {x}, {y}, {z}{quieter}")
+    } else {
+        format!(
+            ": {} more points do not suffice{quieter}, or measure points farther apart",
+            next.points_mm.len()
+        )
+    })
 }
 
 fn text(report: &TeachReport) -> String {
@@ -209,52 +311,156 @@ fn write_station(text: &mut String, station: &StationReport, limit: f64) {
         let _ = writeln!(text, "  drift (mm)           {}", fixed(drift, 3));
     }
     if let Some(plane) = &station.plane {
-        let distances: Vec<String> = plane.distances_um.iter().map(|&one| fixed(one, 1)).collect();
-        let result = match plane.verdict {
-            "fits" => "fits",
-            "uncertain" => "uncertain: the tilt uncertainty exceeds `plane_urad`",
-            "unproven" if plane.freedom == 0 => {
-                "unverified: three points always define a plane, teach a fourth"
-            }
-            "unproven" => {
-                "unverified: too few points to test their noise; use --noise-um, or teach 6 or more"
-            }
-            _ => "scattered: teach them again",
-        };
+        write_plane(text, plane, station.uncertainty.coverage_factor);
+    }
+    if let Some(references) = &station.references {
+        write_references(text, references);
+    }
+    write_uncertainty(text, &station.uncertainty);
+}
+
+/// A list of values with one decimal.
+fn listed(values: &[f64]) -> String {
+    values.iter().map(|&one| fixed(one, 1)).collect::<Vec<_>>().join(", ")
+}
+
+/// The noise of points: one value, or one for each.
+fn noise_text(noise: &[f64]) -> String {
+    match noise {
+        [first, rest @ ..] if rest.iter().all(|one| one == first) => fixed(*first, 1),
+        all => listed(all),
+    }
+}
+
+fn studentized(values: &[Option<f64>]) -> Option<String> {
+    let values: Vec<f64> = values.iter().copied().collect::<Option<_>>()?;
+    Some(values.iter().map(|&one| fixed(one, 2)).collect::<Vec<_>>().join(", "))
+}
+
+fn chi_square(found: Option<f64>, limit: Option<f64>) -> String {
+    match (found, limit) {
+        (Some(found), Some(limit)) => {
+            format!("; chi-square {}, limit {}", fixed(found, 2), fixed(limit, 2))
+        }
+        _ => String::new(),
+    }
+}
+
+fn write_plane(text: &mut String, plane: &PlaneReport, coverage_factor: f64) {
+    let verdict = match plane.verdict {
+        "fits" => "fits".to_owned(),
+        "uncertain" => format!("uncertain{}", next_points(plane).unwrap_or_default()),
+        "unproven" => format!("cannot be judged{}", next_points(plane).unwrap_or_default()),
+        _ => "scattered: measure the points again".to_owned(),
+    };
+    let _ = writeln!(
+        text,
+        "  point distances (µm) {}; largest {}, allowed {}",
+        listed(&plane.distances_um),
+        fixed(plane.worst_um, 1),
+        fixed(plane.threshold_um, 1)
+    );
+    if let Some(values) = studentized(&plane.studentized) {
+        let _ = writeln!(text, "  studentized          {values}");
+    }
+    let leverages: Vec<String> = plane.leverages.iter().map(|&one| fixed(one, 2)).collect();
+    let _ = writeln!(text, "  leverage             {}", leverages.join(", "));
+    let freedom = counted_freedom(plane.freedom);
+    let noise = match (&plane.noise_um, &plane.uncertainty) {
+        (Some(noise), _) => format!("{} µm per coordinate, given", noise_text(noise)),
+        (None, Some(known)) => {
+            format!("not given; {} µm estimated from the distances", fixed(known.noise_um, 1))
+        }
+        (None, None) => "not given; cannot be estimated from three points".to_owned(),
+    };
+    let chi = chi_square(plane.chi_square, plane.chi_square_limit);
+    let _ = writeln!(text, "  noise                {noise}, {freedom}{chi}");
+    if let Some(known) = &plane.uncertainty {
         let _ = writeln!(
             text,
-            "  point distances (µm) {}; largest {}, allowed {}",
-            distances.join(", "),
-            fixed(plane.worst_um, 1),
-            fixed(plane.threshold_um, 1)
+            "  plane tilt           ±{} µrad (coverage factor {}), allowed {}; angle of the normal ±{} µrad (95 %), {} µrad rms",
+            fixed(known.tilt_expanded_urad, 1),
+            number(coverage_factor),
+            fixed(plane.allowed_urad, 1),
+            fixed(known.tilt_95_urad, 1),
+            fixed(known.tilt_rms_urad, 1)
         );
-        let freedom = match plane.freedom {
-            1 => "1 degree of freedom".to_owned(),
-            freedom => format!("{freedom} degrees of freedom"),
-        };
-        let noise = match (&plane.noise_um, &plane.uncertainty) {
-            (Some(noise), _) => format!("{} µm per coordinate, given", fixed(*noise, 1)),
-            (None, Some(known)) => {
-                format!("not given; {} µm estimated from the distances", fixed(known.noise_um, 1))
-            }
-            (None, None) => "not given; cannot be estimated from three points".to_owned(),
-        };
-        let _ = writeln!(text, "  noise                {noise}, {freedom}");
-        match &plane.uncertainty {
-            Some(known) => {
-                let _ = writeln!(
-                    text,
-                    "  uncertainty          tilt ±{} µrad, height ±{} µm (95 %); tilt {} µrad rms, allowed {}",
-                    fixed(known.tilt_95_urad, 1),
-                    fixed(known.height_95_um, 1),
-                    fixed(known.tilt_rms_urad, 1),
-                    fixed(plane.allowed_urad, 1)
-                );
-            }
-            None => {
-                let _ = writeln!(text, "  uncertainty          unknown; use --noise-um");
-            }
-        }
-        let _ = writeln!(text, "  result               {result}");
     }
+    let _ = writeln!(text, "  plane                {verdict}");
+}
+
+fn counted_freedom(freedom: usize) -> String {
+    match freedom {
+        1 => "1 degree of freedom".to_owned(),
+        freedom => format!("{freedom} degrees of freedom"),
+    }
+}
+
+fn write_references(text: &mut String, references: &ReferenceReport) {
+    let [x, y] = references.shift_mm.map(|value| fixed(value, 4));
+    let heading = match references.turn_deg {
+        Some(turn) => format!("heading {}°", fixed(turn, 4)),
+        None => "heading nominal: add a reference at another place".to_owned(),
+    };
+    let _ = writeln!(text, "  from nominal (mm)    {x} across, {y} inward; {heading}");
+    let _ = writeln!(
+        text,
+        "  reference dev. (µm)  {}; largest {}, allowed {}",
+        listed(&references.deviations_um),
+        fixed(references.worst_um, 1),
+        fixed(references.threshold_um, 1)
+    );
+    if let Some(values) = studentized(&references.studentized) {
+        let _ = writeln!(text, "  studentized          {values}");
+    }
+    let noise = match &references.noise_um {
+        Some(noise) => format!("{} µm per coordinate, given", noise_text(noise)),
+        None => "not given".to_owned(),
+    };
+    let freedom = counted_freedom(references.freedom);
+    let chi = chi_square(references.chi_square, references.chi_square_limit);
+    let _ = writeln!(text, "  noise                {noise}, {freedom}{chi}");
+    let verdict = match references.verdict {
+        "fits" => "fits".to_owned(),
+        "unproven" => {
+            format!("cannot be judged: measure {} more, far from each other", references.missing)
+        }
+        _ => "scattered: measure the references again".to_owned(),
+    };
+    let _ = writeln!(text, "  references           {verdict}");
+}
+
+fn write_uncertainty(text: &mut String, known: &StationUncertaintyReport) {
+    if known.slots.is_empty() {
+        let _ = writeln!(text, "  uncertainty          not known");
+        return;
+    }
+    let factor = if (known.applied_factor - known.coverage_factor).abs() < 5e-3 {
+        number(known.coverage_factor)
+    } else {
+        let [given, applied] = [number(known.coverage_factor), fixed(known.applied_factor, 2)];
+        format!("{given}, {applied} for the estimated noise")
+    };
+    let by_tilt = if known.unknown.contains(&"position") { " by its tilt" } else { "" };
+    let slots: Vec<String> = known
+        .slots
+        .iter()
+        .map(|one| {
+            format!(
+                "slot {} ±{} µm sideways{by_tilt}, ±{} µm in height",
+                one.slot,
+                fixed(one.lateral_um, 1),
+                fixed(one.height_um, 1)
+            )
+        })
+        .collect();
+    let unknown = match known.unknown.as_slice() {
+        [] => String::new(),
+        unknown => format!("; not known and counted as exact: {}", unknown.join(", ")),
+    };
+    let _ = writeln!(
+        text,
+        "  uncertainty          {} (coverage factor {factor}){unknown}",
+        slots.join("; ")
+    );
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use jointplay::cell::check::ViolationKind;
 use jointplay::cell::program::SourceLocation;
-use jointplay::format::number::counted;
+use jointplay::format::number::{counted, number};
 use jointplay::report::{
     CellReport, InstructionReport, OccurrenceReport, ScheduleReport, ShareReport, StationUseReport,
     ViolationGroupReport, violation_groups,
@@ -92,18 +92,29 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
             "  hand-off step        effectors move by up to {} µm as they take or release the weight",
             fixed(compensated.jump_um, 1)
         );
-        if let (Some(mrad), Some(height)) = (compensated.taught_mrad, compensated.taught_um) {
+        let known = [
+            (compensated.taught_mrad, 4, "mrad of tilt"),
+            (compensated.taught_um, 1, "µm in height"),
+            (compensated.taught_sideways_um, 1, "µm sideways"),
+        ];
+        let known: Vec<String> = known
+            .iter()
+            .filter_map(|(value, decimals, unit)| {
+                value.map(|value| format!("±{} {unit}", fixed(value, *decimals)))
+            })
+            .collect();
+        if !known.is_empty() {
             let _ = writeln!(
                 text,
-                "  taught planes        additional uncertainty ±{} mrad and ±{} µm (95 %)",
-                fixed(mrad, 4),
-                fixed(height, 1)
+                "  stations             known to {} (coverage factor {}); in slot clearance and plane budget",
+                known.join(", "),
+                number(compensated.coverage_factor)
             );
         }
         if !compensated.taught_unknown.is_empty() {
             let _ = writeln!(
                 text,
-                "  taught planes        uncertainty unknown for {}: add `noise_um` or more points",
+                "  stations             tilt counted as exact: {}; add `taught` with `noise_um`, or `uncertainty`",
                 compensated.taught_unknown.join(", ")
             );
         }
