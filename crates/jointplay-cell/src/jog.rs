@@ -19,16 +19,16 @@ pub struct JogOutcome {
     /// Positions of all axes, rods first ((m), (rad)).
     pub positions: Vec<f64>,
     /// Why the target was not reached; `None` if it was.
-    pub stopped: Option<Stopped>,
+    pub stopped: Option<StopReason>,
 }
 
 /// Why a jog stops before its target.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Stopped {
+pub enum StopReason {
     /// The target violates these limits.
     Limits(Vec<LimitViolation>),
     /// No axis positions exist for the target.
-    Place(Unreachable),
+    Unreachable(Unreachable),
     /// These two collision objects would touch beyond.
     Contact([EntityId; 2]),
 }
@@ -110,7 +110,7 @@ impl Cell {
         }
         let rods = |all: &[f64]| [all[0], all[1], all[2]];
         positions[..RODS].copy_from_slice(&robot.gpr.clamp_to_limits(&rods(from), &rods(to)));
-        let stopped = (!broken.is_empty()).then_some(Stopped::Limits(broken));
+        let stopped = (!broken.is_empty()).then_some(StopReason::Limits(broken));
         Ok(JogOutcome { positions, stopped })
     }
 
@@ -245,6 +245,6 @@ impl Cell {
                 Err(_) => far = fraction,
             }
         }
-        Ok(JogOutcome { positions, stopped: Some(Stopped::Place(why)) })
+        Ok(JogOutcome { positions, stopped: Some(StopReason::Unreachable(why)) })
     }
 }

@@ -58,6 +58,6 @@ pub mod workcell;
 
 pub use entity::EntityId;
 pub use error::CellError;
-pub use incremental::{CacheStats, Interrupted, Progress, Stop};
+pub use incremental::{CacheStats, Interrupted, Progress, StopRequested};
 pub use planner::{IncrementalPlanner, PlanError, PlanOptions, PlanStage};
 pub use validate::{CellPart, InvalidPart, MAX_BODIES, MAX_COVERAGE_FACTOR};

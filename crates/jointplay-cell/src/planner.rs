@@ -1,7 +1,7 @@
 //! Incremental planning: expansion, trajectory and check of a program, with results of the previous plan reused.
 
 use crate::check::{CheckCache, CheckOptions, Report};
-use crate::incremental::{CacheStats, Interrupted, JobContext, Observer, Progress, Stop};
+use crate::incremental::{CacheStats, Interrupted, JobContext, Observer, Progress, StopRequested};
 use crate::program::{IkCache, Program, ProgramError, expand_by};
 use crate::trajectory::{SegmentCache, Trajectory, TrajectoryError, TrajectoryOptions};
 use crate::validate::InvalidPart;
@@ -38,7 +38,7 @@ pub struct PlanOptions<'a> {
     /// Options of the check.
     pub check: CheckOptions,
     /// Polled between instructions and between segments; true stops the computation.
-    pub stop: Stop<'a>,
+    pub stop: StopRequested<'a>,
     /// Called at the start of each stage.
     pub on_stage: &'a dyn Fn(PlanStage),
 }

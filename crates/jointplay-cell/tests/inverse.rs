@@ -242,7 +242,7 @@ proptest! {
             return Ok(());
         };
         prop_assert!(next.configuration.agrees_with(start.configuration));
-        prop_assert!(next.distance < 0.05, "{start:?} {next:?}");
+        prop_assert!(next.travel_time < 0.05, "{start:?} {next:?}");
     }
 }
 
@@ -314,10 +314,11 @@ fn branch_selection_names_the_reason() {
     let selections: Vec<BranchSelection> =
         found.branches.iter().map(|branch| branch.selection).collect();
     assert_eq!(found.chosen().unwrap().configuration.to_string(), "elbow right");
-    assert!(selections.contains(&BranchSelection::OtherElbow), "{found:#?}");
+    assert!(selections.contains(&BranchSelection::OtherConfiguration), "{found:#?}");
 
     // The other elbow from the other side; and once it violates a limit, this elbow with the limit.
-    let other = found.branches.iter().find(|b| b.selection == BranchSelection::OtherElbow).unwrap();
+    let other =
+        found.branches.iter().find(|b| b.selection == BranchSelection::OtherConfiguration).unwrap();
     let from_there = robot.inverse(A, &target, &other.positions).unwrap();
     assert_eq!(from_there.chosen().unwrap().configuration.to_string(), "elbow left");
     let mut short = robot.clone();

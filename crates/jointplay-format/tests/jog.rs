@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use jointplay_cell::jog::{SlotRelativePose, Stopped};
+use jointplay_cell::jog::{SlotRelativePose, StopReason};
 use jointplay_cell::robot::{EffectorId, LimitViolation, RODS, WaferTarget};
 use jointplay_cell::station::{SlotId, teach};
 use jointplay_cell::wafer::Unreachable;
@@ -54,7 +54,7 @@ fn motors_stop_at_their_limits_and_rods_at_the_tilt_limit() {
     assert_eq!((jogged.positions[3], jogged.positions[4]), (0.5, cell.robot.axes[4].max));
     let stopped = jogged.stopped.unwrap();
     assert!(
-        matches!(&stopped, Stopped::Limits(broken) if matches!(broken[..], [LimitViolation::Axis { axis: 4, .. }]))
+        matches!(&stopped, StopReason::Limits(broken) if matches!(broken[..], [LimitViolation::Axis { axis: 4, .. }]))
     );
     assert_eq!(
         explain_stopped(&cell, &stopped),
@@ -81,7 +81,7 @@ fn the_platform_tilts_up_to_its_limit() {
     near(cell.robot.gpr.plane_height(&rods).0, 0.51, 1e-14);
     assert_eq!((jogged.stopped, &jogged.positions[RODS..]), (None, &from[RODS..]));
     let far = cell.jog_platform(&from, Tilt { yaw: 1.0, pitch: 0.1 }, AxisHeight(0.5)).unwrap();
-    assert!(matches!(far.stopped, Some(Stopped::Limits(_))));
+    assert!(matches!(far.stopped, Some(StopReason::Limits(_))));
     assert!(cell.robot.limit_violations(&far.positions).unwrap().is_empty());
 }
 
@@ -143,7 +143,9 @@ fn jogging_beyond_the_reach_stops_at_the_reach() {
         &SlotRelativePose { radial: 0.4, ..IN },
     );
     let jogged = jogged.unwrap();
-    let Some(Stopped::Place(why)) = &jogged.stopped else { panic!("{:?}", jogged.stopped) };
+    let Some(StopReason::Unreachable(why)) = &jogged.stopped else {
+        panic!("{:?}", jogged.stopped)
+    };
     assert!(matches!(why, Unreachable::OutOfReach(_) | Unreachable::Limits(_)), "{why:?}");
     assert!(cell.robot.limit_violations(&jogged.positions).unwrap().is_empty());
     let pose = cell.wafer_pose(A, &jogged.positions, false).unwrap();

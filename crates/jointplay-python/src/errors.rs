@@ -198,6 +198,19 @@ pub(crate) fn beyond_limits(
     new(py, "JointLimitsError", &message, facts())
 }
 
+/// That a program has no trajectory, with line, column and message of each reason.
+pub(crate) fn planning(py: Python<'_>, label: &str, reasons: &[(usize, usize, String)]) -> PyErr {
+    let lines: Vec<String> = reasons
+        .iter()
+        .map(|(line, column, message)| format!("{label}:{line}:{column}: {message}"))
+        .collect();
+    let facts = || {
+        let reasons = PyTuple::new(py, reasons.iter().cloned())?;
+        Ok(fields!(py; file = label, reasons = reasons))
+    };
+    new(py, "PlanningError", &lines.join("\n"), facts())
+}
+
 /// An internal error.
 pub(crate) fn internal(message: &str) -> PyErr {
     PyException::new_err(format!("a bug of jointplay, please report it: {message}"))

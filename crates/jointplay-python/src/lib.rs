@@ -1,10 +1,12 @@
 //! The Python binding: reads arrays and names, calls the façade, returns arrays.
 //!
-//! Classes for single poses and for mechanisms are here; errors and results of many numbers are Python classes in `python/jointplay/`, which this module fills.
+//! Classes for single poses, mechanisms and cells are here; errors and results of many numbers are Python classes in `python/jointplay/`, which this module fills.
 
 mod analyses;
 mod arrays;
 mod arrow;
+mod cell;
+mod cell_plan;
 mod errors;
 mod files;
 mod gpr;
@@ -31,6 +33,8 @@ fn _jointplay(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<gpr::PyGpr>()?;
     module.add_class::<mechanism::PyMechanism>()?;
     module.add_function(wrap_pyfunction!(mechanism::catalogue_of_names, module)?)?;
+    module.add_class::<cell::PyCell>()?;
+    module.add_class::<cell_plan::PyCellPlan>()?;
     module.add_class::<pose::PyForward>()?;
     module.add_class::<pose::PyInverse>()?;
     module.add_function(wrap_pyfunction!(arrow::arrow_stream, module)?)?;

@@ -11,7 +11,9 @@ use jointplay::cell::trajectory::{
     Trajectory, TrajectoryError, TrajectoryOptions, plan_trajectory,
 };
 use jointplay::cell::workcell::Cell;
-use jointplay::cell::{IncrementalPlanner, Interrupted, InvalidPart, PlanError, PlanOptions, Stop};
+use jointplay::cell::{
+    IncrementalPlanner, Interrupted, InvalidPart, PlanError, PlanOptions, StopRequested,
+};
 use jointplay::format::cell::explain::explain;
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::program;
@@ -77,7 +79,7 @@ impl Plan {
         (cell_text, program_text): (String, String),
         memory: &mut IncrementalPlanner,
         last: Option<&Self>,
-        stop: Stop<'_>,
+        stop: StopRequested<'_>,
     ) -> Result<Self, Interrupted> {
         let mut plan = Self {
             key: key(&cell_text, &program_text),
@@ -140,7 +142,7 @@ impl Plan {
         motion: Trajectory,
         report: &Report,
         last: Option<&Self>,
-        stop: Stop<'_>,
+        stop: StopRequested<'_>,
     ) -> Result<(), Interrupted> {
         let go_on = || if stop() { Err(Interrupted) } else { Ok(()) };
         go_on()?;

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use jointplay::cell::{IncrementalPlanner, Interrupted, Stop};
+use jointplay::cell::{IncrementalPlanner, Interrupted, StopRequested};
 
 use crate::cell_files::{CellFiles, SaveError};
 use crate::plan::{Plan, Scene};
@@ -49,7 +49,7 @@ impl WorkcellSession {
         &self,
         cell: String,
         program: String,
-        stop: Stop<'_>,
+        stop: StopRequested<'_>,
     ) -> Result<Arc<Plan>, Interrupted> {
         let cached =
             || self.plans().iter().find(|plan| plan.is_of(&cell, &program)).map(Arc::clone);

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use axum::http::StatusCode;
-use jointplay::cell::Stop;
+use jointplay::cell::StopRequested;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use crate::problem::Problem;
@@ -72,7 +72,7 @@ impl WorkerPool {
     /// Runs a computation that polls whether to stop: the client has disconnected, the deadline has passed, or the server is shutting down.
     pub(crate) async fn run_while_awaited<T: Send + 'static>(
         &self,
-        compute: impl FnOnce(Stop<'_>) -> Result<T, Problem> + Send + 'static,
+        compute: impl FnOnce(StopRequested<'_>) -> Result<T, Problem> + Send + 'static,
     ) -> Result<T, Problem> {
         // Dropped with this future when the client disconnects.
         let awaited = Arc::new(());

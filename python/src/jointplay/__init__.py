@@ -26,6 +26,7 @@ from ._analyses import (
     TiltPlay,
 )
 from ._base import Result, Table
+from ._cells import Samples
 from ._errors import (
     ArgumentTypeError,
     ArrayError,
@@ -46,6 +47,7 @@ from ._errors import (
     NotRelievedError,
     OutOfRangeError,
     PitchTooLargeError,
+    PlanningError,
     RobotLimitsError,
     StoppedError,
     TooLargeError,
@@ -53,6 +55,8 @@ from ._errors import (
     UnknownNameError,
 )
 from ._jointplay import (
+    Cell,
+    CellPlan,
     Forward,
     Gpr,
     Inverse,
@@ -96,6 +100,8 @@ __all__ = [
     "BoundsCheck",
     "BrokenLimit",
     "BrokenLimits",
+    "Cell",
+    "CellPlan",
     "RedundantConstraint",
     "Comparison",
     "Configuration",
@@ -127,11 +133,13 @@ __all__ = [
     "NotRelievedError",
     "OutOfRangeError",
     "PitchTooLargeError",
+    "PlanningError",
     "Platform",
     "Positions",
     "Relief",
     "Result",
     "RobotLimitsError",
+    "Samples",
     "Sensitivity",
     "SeriesSummary",
     "SingularConfiguration",

@@ -216,6 +216,15 @@ class JointLimitsError(BeyondLimitsError):
     """The result computed at the configuration."""
 
 
+class PlanningError(NoAnswerError):
+    """A program has no trajectory: targets out of reach, limits, or lines that the arm cannot follow."""
+
+    file: str
+    """Name of the program."""
+    reasons: tuple[tuple[int, int, str], ...]
+    """Line, column and message of each reason."""
+
+
 class StoppedError(NoAnswerError):
     """A mechanism stopped before the start of its path."""
 

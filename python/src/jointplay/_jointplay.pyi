@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._analyses import BoundsCheck, Comparison, Mobility, Sensitivity, Study, TiltPlay
+from ._cells import Samples
 from ._mechanisms import (
     Configuration,
     MechanismMobility,
@@ -24,7 +25,17 @@ from ._poses import (
 )
 from ._virtualization import Virtualization
 
-__all__ = ["Forward", "Gpr", "Inverse", "Mechanism", "__version__", "arrow_stream", "catalogue"]
+__all__ = [
+    "Cell",
+    "CellPlan",
+    "Forward",
+    "Gpr",
+    "Inverse",
+    "Mechanism",
+    "__version__",
+    "arrow_stream",
+    "catalogue",
+]
 
 __version__: str
 
@@ -347,6 +358,60 @@ class Mechanism:
     ) -> Mechanism: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
+
+@final
+class Cell:
+    example_program: str
+    @staticmethod
+    def from_file(path: str | PathLike[str]) -> Cell: ...
+    @staticmethod
+    def from_toml(text: str, *, folder: str | PathLike[str] | None = None) -> Cell: ...
+    @staticmethod
+    def example() -> Cell: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def stations(self) -> tuple[str, ...]: ...
+    @property
+    def effectors(self) -> tuple[str, ...]: ...
+    @property
+    def axes(self) -> tuple[str, ...]: ...
+    @property
+    def axis_units(self) -> tuple[str, ...]: ...
+    def with_station(
+        self,
+        name: str,
+        *,
+        position_m: Sequence[float] | NDArray[np.float64] | None = None,
+        heading_rad: float | None = None,
+        tilt_rad: Sequence[float] | NDArray[np.float64] | None = None,
+    ) -> Cell: ...
+    def plan(self, program: str | PathLike[str], *, threads: int | None = None) -> CellPlan: ...
+    @staticmethod
+    def _again(text: str, folder: str | PathLike[str] | None, label: str) -> Cell: ...
+
+@final
+class CellPlan:
+    @property
+    def duration_s(self) -> float: ...
+    @property
+    def passed(self) -> bool: ...
+    @property
+    def violations(self) -> int: ...
+    @property
+    def min_distance_m(self) -> float | None: ...
+    def report(self, *, remedies: bool = False) -> dict[str, Any]: ...
+    def samples(self, rate_hz: float = 100.0) -> Samples: ...
+    def gltf(self, *, rate_hz: float = 60.0, despite_errors: bool = False) -> bytes: ...
+    def controller_text(
+        self,
+        dialect: str | PathLike[str] | None = None,
+        *,
+        rate_hz: float = 100.0,
+        despite_errors: bool = False,
+    ) -> str: ...
 
 def catalogue() -> dict[str, str]: ...
 def arrow_stream(columns: Sequence[tuple[str, NDArray[Any]]]) -> object: ...

@@ -9,7 +9,7 @@ use super::report::Report;
 use crate::EntityId;
 use crate::collision::{CONTACT_RESOLUTION, ClearanceRule, LinkPoses, Scene};
 use crate::geometry::{ColliderCache, PlacedCollider, distance};
-use crate::incremental::{Interrupted, JobContext, Stop};
+use crate::incremental::{Interrupted, JobContext, StopRequested};
 use crate::program::WaferLocations;
 use crate::trajectory::{Sample, Trajectory};
 use crate::violation::{Violation, ViolationKind};
@@ -64,7 +64,7 @@ pub fn remedies(
     trajectory: &Trajectory,
     options: &CheckOptions,
     report: &Report,
-    stop: Stop<'_>,
+    stop: StopRequested<'_>,
 ) -> Result<Vec<Remedy>, Interrupted> {
     let context = JobContext { stop, observer: &|_| {} };
     let mut worst: Vec<(Obstacle, &Violation)> = Vec::new();

@@ -54,7 +54,7 @@ impl<'a> HeldWafer<'a> {
             droop: &droop,
         };
         let variation = inputs.accumulate();
-        let sin_tilt = tilt.sin() + droop.at.slope;
+        let sin_tilt = tilt.sin() + droop.value.slope;
         let evaluated = Vec::new();
         Self { scene, rods, arm, effector, sin_tilt, variation, peak: 0.0, evaluated }
     }
@@ -200,10 +200,10 @@ impl VariationInputs<'_> {
                 let acceleration = previous.acceleration.norm();
                 let transport = acceleration * displacement
                     + speed * (4.0 * velocity_change + speed * displacement / reach);
-                let slope_change =
-                    (droop.rate.slope + droop.turn) * displacement + droop.at.slope * turn;
-                change += (1.0 + droop.rate.drop) * acceleration_change
-                    + (droop.rate.drop / reach + 3.0 * droop.bend.drop) * transport
+                let slope_change = (droop.by_reach.slope + droop.slope_per_reach) * displacement
+                    + droop.value.slope * turn;
+                change += (1.0 + droop.by_reach.drop) * acceleration_change
+                    + (droop.by_reach.drop / reach + 3.0 * droop.second_by_reach.drop) * transport
                     + (cell.gravity + acceleration) * slope_change
                     + cell.gravity * tilt * turn
                     + twist_radius * heading_acceleration;

@@ -113,7 +113,7 @@ impl MotionBoundCoefficients {
     /// ```
     /// Symbols as in the chapter "Deflection" of `docs/explanation/collision-guarantee.md`:
     /// δ: displacement of a point by the deflection; a: its distance from the wafer's centre (`from_center`); ϱ: reach, the extension of the arm from its first joint to that centre;
-    /// f, φ: drop and slope at the reach (`droop.at`), f', φ': their derivatives by it (`droop.rate`); v: horizontal part of the reach, r₀: [`MIN_REACH`], with φ / max(|v|, r₀) ≤ `turn`;
+    /// f, φ: drop and slope at the reach (`droop.value`), f', φ': their derivatives by it (`droop.by_reach`); v: horizontal part of the reach, r₀: [`MIN_REACH`], with φ / max(|v|, r₀) ≤ `slope_per_reach`;
     /// ψ: rotation of the last link (`at_last`); ω: rotation of the common ancestor (`at_common`).
     fn with_deflection(cell: &Cell, extent: ObjectExtent, common_joints: usize) -> Self {
         let robot = &cell.robot;
@@ -134,18 +134,18 @@ impl MotionBoundCoefficients {
         let (droop, height) = (droop_bounds(cell, id), height_of(arm, id));
         let max_tilt = robot.gpr.limits().tilt_max.max(MIN_BOUNDED_TILT);
         let spread = (1.0 + height * max_tilt.sin() / MIN_REACH) / max_tilt.cos();
-        let turn = droop.turn * spread;
-        let size = droop.at.drop + from_center * droop.at.slope;
+        let turn = droop.slope_per_reach * spread;
+        let size = droop.value.drop + from_center * droop.value.slope;
         for axis in 0..MAX_AXES {
-            let rotated = droop.at.slope * (spread * at_first[axis] + at_last[axis]);
-            let lateral = from_center * ((droop.rate.slope + turn) * center[axis] + rotated)
+            let rotated = droop.value.slope * (spread * at_first[axis] + at_last[axis]);
+            let lateral = from_center * ((droop.by_reach.slope + turn) * center[axis] + rotated)
                 + at_common[axis] * size;
             coefficients.lateral_deflection[axis] = lateral;
-            coefficients.deflection[axis] = droop.rate.drop * center[axis] + lateral;
+            coefficients.deflection[axis] = droop.by_reach.drop * center[axis] + lateral;
         }
         let from_first_joint = max_extension(robot, id) + height;
         coefficients.platform_deflection =
-            size + from_center * (droop.at.slope + turn * from_first_joint);
+            size + from_center * (droop.value.slope + turn * from_first_joint);
         coefficients.max_deflection = size;
         coefficients
     }

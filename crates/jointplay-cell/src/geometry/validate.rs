@@ -7,7 +7,7 @@ use crate::CellError;
 use crate::conditions::{MAX_LENGTH, in_range, index, lengths, positive};
 
 /// Fraction of its length and width below which the depth of a point set is flat.
-const FLAT: f64 = 1e-6;
+const MIN_RELATIVE_DEPTH: f64 = 1e-6;
 
 impl Shape {
     /// Checks that dimensions are positive and finite, that the points of a convex hull span a volume, and that the triangles of a mesh have vertices.
@@ -59,5 +59,5 @@ fn spans_volume(points: &[[f64; 3]]) -> bool {
         return false;
     };
     let deepest = far.map(|p| two.dot(&p).abs()).fold(0.0, f64::max);
-    deepest > FLAT * one.norm() * two.norm() && two.norm() > 0.0
+    deepest > MIN_RELATIVE_DEPTH * one.norm() * two.norm() && two.norm() > 0.0
 }

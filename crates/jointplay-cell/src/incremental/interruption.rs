@@ -1,7 +1,7 @@
 //! Interruption and progress of a computation.
 
 /// Returns true when the computation is to stop; polled between instructions and between segments.
-pub type Stop<'s> = &'s (dyn Fn() -> bool + Sync);
+pub type StopRequested<'s> = &'s (dyn Fn() -> bool + Sync);
 
 /// The computation was stopped before its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -26,7 +26,7 @@ pub(crate) type Observer = dyn Fn(Progress) + Send + Sync;
 /// Stop condition and progress observer of a computation.
 #[derive(Clone, Copy)]
 pub(crate) struct JobContext<'e> {
-    pub(crate) stop: Stop<'e>,
+    pub(crate) stop: StopRequested<'e>,
     pub(crate) observer: &'e Observer,
 }
 

@@ -19,7 +19,7 @@ mod with_id;
 pub use cache::CacheStats;
 pub(crate) use cache::GenerationalCache;
 pub(crate) use cache_key::{CacheKey, CacheKeyPart};
-pub use interruption::{Interrupted, Progress, Stop};
+pub use interruption::{Interrupted, Progress, StopRequested};
 pub(crate) use interruption::{JobContext, Observer, uninterrupted};
 pub(crate) use parallel::{compute_missing, parallel_map};
 pub(crate) use with_id::WithId;

@@ -11,7 +11,7 @@ use super::resolved::{
 };
 use super::sequence::MotionSequencer;
 use super::{Handoff, Path, Program, ProgramError, ProgramProblem, SourceLocation, Step};
-use crate::incremental::{Interrupted, Stop, uninterrupted};
+use crate::incremental::{Interrupted, StopRequested, uninterrupted};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::workcell::Cell;
@@ -35,7 +35,7 @@ pub(crate) fn expand_by(
     cell: &Cell,
     program: &Program,
     ik_cache: &mut IkCache,
-    stop: Stop<'_>,
+    stop: StopRequested<'_>,
 ) -> Result<Result<Vec<Step>, Vec<ProgramError>>, Interrupted> {
     let (resolved, unresolved) = resolve(cell, program);
     let mut errors = Errors::default();
@@ -84,7 +84,7 @@ struct ProgramExpander<'r> {
     errors: &'r mut Errors,
     /// Number of instructions executed.
     instruction: usize,
-    stop: Stop<'r>,
+    stop: StopRequested<'r>,
 }
 
 impl ProgramExpander<'_> {

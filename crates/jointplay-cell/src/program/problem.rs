@@ -236,6 +236,20 @@ pub enum ProgramProblem {
     },
 }
 
+impl ProgramProblem {
+    /// Whether the program is valid, but the robot cannot execute it: out of reach, beyond limits, or along lines that its arm cannot follow.
+    #[must_use]
+    pub fn is_infeasible(&self) -> bool {
+        matches!(
+            self,
+            Self::Range { .. }
+                | Self::Limits { .. }
+                | Self::Unreachable { .. }
+                | Self::InfeasibleLine { .. }
+        )
+    }
+}
+
 /// A station to level so that the platform can follow its tilt.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Leveling {

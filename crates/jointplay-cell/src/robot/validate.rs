@@ -17,15 +17,15 @@ use crate::wafer::Droop;
 const MAX_EFFECTORS: usize = 4;
 
 /// Largest range of a rotary axis: ten revolutions (rad).
-const WIDEST_TURN: f64 = 10.0 * std::f64::consts::TAU;
+const MAX_ROTATION: f64 = 10.0 * std::f64::consts::TAU;
 
 /// Least difference of reach between rows of a droop table (m).
-const ROWS_APART: f64 = 1e-6;
+const MIN_ROW_SPACING: f64 = 1e-6;
 /// Largest reach of a droop table (m).
-const LONGEST_REACH: f64 = 100.0;
+const MAX_REACH: f64 = 100.0;
 
 /// Fraction of their squares below which the parallelogram of two velocities is flat: they have one direction.
-const FLAT: f64 = 1e-9;
+const MIN_RELATIVE_AREA: f64 = 1e-9;
 
 impl AxisKind {
     /// Unit of positions: `m` or `rad`.
@@ -140,7 +140,7 @@ impl HybridRobot {
         }
         in_range(of("home position"), *home, *min, *max, unit)?;
         if *kind == AxisKind::Rotary {
-            in_range(of("range"), max - min, 0.0, WIDEST_TURN, unit)?;
+            in_range(of("range"), max - min, 0.0, MAX_ROTATION, unit)?;
         }
         let units = match kind {
             AxisKind::Rotary => ["rad/s", "rad/s²", "rad/s³"],
@@ -275,7 +275,7 @@ impl HybridRobot {
             let velocities = chain.tip_velocities(&arm_positions);
             let largest = velocities.iter().map(Vector2::norm_squared).fold(0.0, f64::max);
             let flat = |one: &Vector2<f64>| {
-                velocities.iter().all(|other| one.perp(other).abs() <= FLAT * largest)
+                velocities.iter().all(|other| one.perp(other).abs() <= MIN_RELATIVE_AREA * largest)
             };
             match largest {
                 0.0 => 0,
@@ -299,7 +299,7 @@ fn check_droop(droop: &Droop, of: impl Fn(&str) -> String) -> Result<(), CellErr
             let mut least = 0.0;
             for (k, row) in rows.iter().enumerate() {
                 let of = |what: &str| of(&format!("{what} in row {} of the droop", k + 1));
-                in_range(of("the reach"), row.reach, least, LONGEST_REACH, "m")?;
+                in_range(of("the reach"), row.reach, least, MAX_REACH, "m")?;
                 positive(of("the load"), row.load, "kg")?;
                 for drop in [row.empty_drop, row.loaded_drop] {
                     finite(of("the drop"), drop)?;
@@ -307,7 +307,7 @@ fn check_droop(droop: &Droop, of: impl Fn(&str) -> String) -> Result<(), CellErr
                 for slope in [row.empty_slope, row.loaded_slope] {
                     finite(of("the slope"), slope)?;
                 }
-                least = row.reach + ROWS_APART;
+                least = row.reach + MIN_ROW_SPACING;
             }
             Ok(())
         }

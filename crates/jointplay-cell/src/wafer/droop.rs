@@ -102,17 +102,23 @@ impl Droop {
     pub(crate) fn at_most(&self, reach: f64, load: f64, gravity: f64) -> DroopBounds {
         let Self::Table { rows } = self else {
             // All derivatives grow with reach and load.
-            let [at, rate, bend] =
+            let [value, by_reach, second_by_reach] =
                 self.derivatives_by_reach(reach, load, gravity).unwrap_or_default();
-            return DroopBounds { at, rate, bend, turn: rate.slope };
+            return DroopBounds {
+                value,
+                by_reach,
+                second_by_reach,
+                slope_per_reach: by_reach.slope,
+            };
         };
         let mut most = DroopBounds::default();
         for load in [0.0, load] {
             let known = rows.iter().filter_map(|row| Some((row.reach, row.under(load).ok()?)));
             let known: Vec<(f64, Deflection)> = known.collect();
             for &(reach, at) in &known {
-                most.at = most.at.or(at);
-                most.turn = most.turn.max(at.slope.abs() / reach.abs().max(MIN_REACH));
+                most.value = most.value.or(at);
+                most.slope_per_reach =
+                    most.slope_per_reach.max(at.slope.abs() / reach.abs().max(MIN_REACH));
             }
             for above in 1..rows.len() {
                 let Ok([drop, slope]) = pieces(rows, above, load) else { continue };
@@ -120,12 +126,13 @@ impl Droop {
                     let [drop, slope] = [drop, slope].map(|piece| piece.largest_derivatives());
                     [0, 1].map(|order| Deflection { drop: drop[order], slope: slope[order] })
                 };
-                (most.rate, most.bend) = (most.rate.or(rates), most.bend.or(bends));
+                (most.by_reach, most.second_by_reach) =
+                    (most.by_reach.or(rates), most.second_by_reach.or(bends));
                 // Between two rows a value is at most the larger of both.
                 let ends = [above - 1, above].map(|row| rows[row].reach);
                 let largest = ends.map(|reach| slope.at(reach)[0].abs());
                 let steepest = largest[0].max(largest[1]) / ends[0].abs().max(MIN_REACH);
-                most.turn = most.turn.max(steepest);
+                most.slope_per_reach = most.slope_per_reach.max(steepest);
             }
         }
         most
@@ -135,13 +142,13 @@ impl Droop {
 /// Upper bounds on the magnitudes of a deflection and its derivatives by the reach.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct DroopBounds {
-    pub(crate) at: Deflection,
+    pub(crate) value: Deflection,
     /// First derivative by the reach.
-    pub(crate) rate: Deflection,
+    pub(crate) by_reach: Deflection,
     /// Second derivative by the reach.
-    pub(crate) bend: Deflection,
+    pub(crate) second_by_reach: Deflection,
     /// Slope divided by its reach (rad/m).
-    pub(crate) turn: f64,
+    pub(crate) slope_per_reach: f64,
 }
 
 impl Deflection {
@@ -255,21 +262,26 @@ mod tests {
                         continue;
                     };
                     looks += 1;
-                    seen.at = seen.at.or(at);
-                    seen.rate = seen.rate.or(rate);
-                    seen.bend = seen.bend.or(bend);
-                    seen.turn = seen.turn.max(at.slope.abs() / reach.max(MIN_REACH));
+                    seen.value = seen.value.or(at);
+                    seen.by_reach = seen.by_reach.or(rate);
+                    seen.second_by_reach = seen.second_by_reach.or(bend);
+                    seen.slope_per_reach =
+                        seen.slope_per_reach.max(at.slope.abs() / reach.max(MIN_REACH));
                 }
             }
             assert!(looks > 80_000, "{looks}");
-            let pairs = [(most.at, seen.at), (most.rate, seen.rate), (most.bend, seen.bend)];
+            let pairs = [
+                (most.value, seen.value),
+                (most.by_reach, seen.by_reach),
+                (most.second_by_reach, seen.second_by_reach),
+            ];
             for (most, seen) in pairs {
                 for (most, seen) in [(most.drop, seen.drop), (most.slope, seen.slope)] {
                     assert!(seen <= most * (1.0 + 1e-12), "{droop:?}: {seen} above {most}");
                     assert!(most <= 1.01 * seen, "{droop:?}: {most} far above {seen}");
                 }
             }
-            assert!(seen.turn <= most.turn * (1.0 + 1e-12), "{droop:?}");
+            assert!(seen.slope_per_reach <= most.slope_per_reach * (1.0 + 1e-12), "{droop:?}");
         }
     }
 

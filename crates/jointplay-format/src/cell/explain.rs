@@ -1,7 +1,7 @@
 //! Errors of cells and of robots with arms as messages in mm and degrees.
 
 use jointplay_cell::CellError;
-use jointplay_cell::jog::Stopped;
+use jointplay_cell::jog::StopReason;
 use jointplay_cell::robot::{
     Axis, AxisKind, Branch, BranchSelection, HybridRobot, Inverse, LimitViolation, OutOfReach,
 };
@@ -105,12 +105,12 @@ pub fn explain_out_of_reach(reach: &OutOfReach) -> String {
 #[must_use]
 pub fn explain_branch(robot: &HybridRobot, branch: &Branch) -> String {
     let why = match branch.selection {
-        BranchSelection::Chosen => format!("chosen, {:.3} s away at top speed", branch.distance),
-        BranchSelection::OtherElbow => {
+        BranchSelection::Chosen => format!("chosen, {:.3} s away at top speed", branch.travel_time),
+        BranchSelection::OtherConfiguration => {
             "not chosen: the arm would have to pass its stretched or folded position".to_owned()
         }
         BranchSelection::NotNearest => {
-            format!("not chosen: farther, {:.3} s at top speed", branch.distance)
+            format!("not chosen: farther, {:.3} s at top speed", branch.travel_time)
         }
         BranchSelection::BreaksLimits => {
             let limits: Vec<String> =
@@ -136,24 +136,26 @@ pub fn explain_unreachable(robot: &HybridRobot, inverse: &Inverse) -> Option<Str
 
 /// The reasons why jogging stops: one line for each limit, or for each elbow configuration of the arm.
 #[must_use]
-pub fn explain_stopped(cell: &Cell, stopped: &Stopped) -> Vec<String> {
+pub fn explain_stopped(cell: &Cell, stopped: &StopReason) -> Vec<String> {
     let robot = &cell.robot;
     let limits = |broken: &mut dyn Iterator<Item = &LimitViolation>| {
         broken.map(|limit| explain_limit(robot, limit)).collect::<Vec<String>>()
     };
     match stopped {
-        Stopped::Limits(broken) => limits(&mut broken.iter()),
-        Stopped::Place(Unreachable::Limits(branches)) => {
+        StopReason::Limits(broken) => limits(&mut broken.iter()),
+        StopReason::Unreachable(Unreachable::Limits(branches)) => {
             let rejection = |branch: &RejectedBranch| {
                 let why = limits(&mut branch.violations.iter()).join("; ");
                 format!("{}: {why}", branch.configuration)
             };
             branches.iter().map(rejection).collect()
         }
-        Stopped::Place(Unreachable::OutOfReach(reach)) => vec![explain_out_of_reach(reach)],
-        Stopped::Place(Unreachable::Robot(error)) => vec![explain(error)],
-        Stopped::Place(other) => vec![explain_unreachable_pose(robot, other)],
-        Stopped::Contact(pair) => {
+        StopReason::Unreachable(Unreachable::OutOfReach(reach)) => {
+            vec![explain_out_of_reach(reach)]
+        }
+        StopReason::Unreachable(Unreachable::Robot(error)) => vec![explain(error)],
+        StopReason::Unreachable(other) => vec![explain_unreachable_pose(robot, other)],
+        StopReason::Contact(pair) => {
             let [one, other] = pair.map(|one| cell.entity_name(one));
             vec![format!("{one} and {other} would touch")]
         }

@@ -3,11 +3,11 @@
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
-use jointplay::cell::Stop;
+use jointplay::cell::StopRequested;
 use jointplay::cell::check::{
     CheckOptions, ContactFreePath, PoseContext, advance_until_contact, check_pose,
 };
-use jointplay::cell::jog::{JogOutcome, Stopped};
+use jointplay::cell::jog::{JogOutcome, StopReason};
 use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
 use jointplay::cell::wafer::Unreachable;
@@ -51,7 +51,7 @@ pub(crate) async fn jog(
     let kept = request.plan.take().map(|key| session.kept_plan(&key).ok_or_else(unknown_key));
     let kept = kept.transpose()?;
     let (cell, program) = session.texts(request.cell.take(), request.program.take());
-    let moved = move |stop: Stop<'_>| {
+    let moved = move |stop: StopRequested<'_>| {
         let plan = match kept {
             Some(plan) => plan,
             None => session.plan(cell, program, stop).map_err(interrupted)?,
@@ -107,7 +107,7 @@ fn moved(motion_export: &MotionExport<'_>, request: JogRequest) -> Result<JogDoc
             advance_until_contact(cell, &moment, line, &CheckOptions::default())
                 .map_err(cell_error)?;
         if let Some(pair) = touching {
-            jogged = JogOutcome { positions, stopped: Some(Stopped::Contact(pair)) };
+            jogged = JogOutcome { positions, stopped: Some(StopReason::Contact(pair)) };
         }
     }
     document(motion_export, (&moment, id, slot), &loaded_effectors, &jogged, export_error)
@@ -117,7 +117,7 @@ fn moved(motion_export: &MotionExport<'_>, request: JogRequest) -> Result<JogDoc
 fn or_start(from: &[f64], jogged: Result<JogOutcome, Unreachable>) -> JogOutcome {
     jogged.unwrap_or_else(|why| JogOutcome {
         positions: from.to_vec(),
-        stopped: Some(Stopped::Place(why)),
+        stopped: Some(StopReason::Unreachable(why)),
     })
 }
 

@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::cell::Stop;
+use jointplay::cell::StopRequested;
 use jointplay::interop::export::Window;
 
 use super::lookup::interrupted;
@@ -50,7 +50,7 @@ pub(crate) async fn plan(
         }
         None => session.texts(cell, program),
     };
-    let planned = move |stop: Stop<'_>| {
+    let planned = move |stop: StopRequested<'_>| {
         let plan = session.plan(cell, program, stop).map_err(interrupted)?;
         Ok(Json(document(&plan)))
     };

@@ -9,7 +9,7 @@ use arrow_schema::{ArrowError, DataType, Field, Schema};
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use jointplay::cell::Stop;
+use jointplay::cell::StopRequested;
 use jointplay::interop::export;
 use jointplay::report::table::{Column, Values};
 
@@ -46,7 +46,7 @@ pub(crate) async fn samples(
     let (session, rate, peaks) = (state.session()?, request.rate()?, request.peaks);
     let (from, to) = (request.from_s.unwrap_or(0.0), request.to_s.unwrap_or(f64::INFINITY));
     let (cell, program) = session.texts(request.cell, request.program);
-    let sampled = move |stop: Stop<'_>| {
+    let sampled = move |stop: StopRequested<'_>| {
         let plan = session.plan(cell, program, stop).map_err(interrupted)?;
         let refused = |why: String| Problem::request(StatusCode::CONFLICT, why);
         let motion_export = plan.motion_export().ok_or_else(|| refused(no_motion(&plan)))?;

@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::cell::Stop;
+use jointplay::cell::StopRequested;
 use jointplay::cell::check::{CheckOptions, PoseContext, check_pose};
 use jointplay::format::cell;
 
@@ -41,7 +41,7 @@ pub(crate) async fn station(
     let program = by.as_ref().and_then(|by| by.program.clone());
     let (text, program) = session.texts(request.cell, program);
     let station = request.station;
-    let set = move |stop: Stop<'_>| {
+    let set = move |stop: StopRequested<'_>| {
         let invalid_station =
             |problem: cell::Problem| Problem::field("station", problem.to_string());
         let mut touching = Vec::new();

@@ -1,6 +1,6 @@
 //! Documents of the state of a jogged robot.
 
-use jointplay::cell::jog::{SlotRelativePose, Stopped};
+use jointplay::cell::jog::{SlotRelativePose, StopReason};
 use jointplay::cell::robot::{
     self, Branch, BranchSelection, EffectorId, LimitViolation, WaferTarget,
 };
@@ -221,7 +221,7 @@ impl BranchDocument {
             selection: match branch.selection {
                 BranchSelection::Chosen => SelectionName::Chosen,
                 BranchSelection::BreaksLimits => SelectionName::BreaksLimits,
-                BranchSelection::OtherElbow => SelectionName::OtherElbow,
+                BranchSelection::OtherConfiguration => SelectionName::OtherElbow,
                 BranchSelection::NotNearest => SelectionName::NotNearest,
             },
             description: explain_branch(&cell.robot, branch),
@@ -231,24 +231,24 @@ impl BranchDocument {
 }
 
 impl StoppedDocument {
-    pub(crate) fn new(cell: &Cell, stopped: &Stopped) -> Self {
+    pub(crate) fn new(cell: &Cell, stopped: &StopReason) -> Self {
         let mut limits: Vec<&LimitViolation> = Vec::new();
         let other = match stopped {
-            Stopped::Limits(broken) => {
+            StopReason::Limits(broken) => {
                 limits.extend(broken);
                 None
             }
-            Stopped::Place(Unreachable::Limits(branches)) => {
+            StopReason::Unreachable(Unreachable::Limits(branches)) => {
                 limits.extend(branches.iter().flat_map(|branch| &branch.violations));
                 None
             }
-            Stopped::Place(Unreachable::Tilt { .. }) => Some(StoppedKind::TiltLimit),
-            Stopped::Place(Unreachable::OutOfReach(_)) => Some(StoppedKind::OutOfReach),
-            Stopped::Place(Unreachable::Droop(_) | Unreachable::NotConverged { .. }) => {
+            StopReason::Unreachable(Unreachable::Tilt { .. }) => Some(StoppedKind::TiltLimit),
+            StopReason::Unreachable(Unreachable::OutOfReach(_)) => Some(StoppedKind::OutOfReach),
+            StopReason::Unreachable(Unreachable::Droop(_) | Unreachable::NotConverged { .. }) => {
                 Some(StoppedKind::Droop)
             }
-            Stopped::Place(_) => Some(StoppedKind::NoSolution),
-            Stopped::Contact(_) => Some(StoppedKind::Contact),
+            StopReason::Unreachable(_) => Some(StoppedKind::NoSolution),
+            StopReason::Contact(_) => Some(StoppedKind::Contact),
         };
         let mut axes: Vec<String> = Vec::new();
         for limit in &limits {
@@ -262,7 +262,7 @@ impl StoppedDocument {
         let of_limits =
             if axes.is_empty() { StoppedKind::TiltLimit } else { StoppedKind::AxisLimit };
         let contact = match stopped {
-            Stopped::Contact(pair) => pair.map(|one| cell.entity_name(one)).to_vec(),
+            StopReason::Contact(pair) => pair.map(|one| cell.entity_name(one)).to_vec(),
             _ => Vec::new(),
         };
         let reasons = explain_stopped(cell, stopped);

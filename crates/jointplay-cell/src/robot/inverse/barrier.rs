@@ -5,22 +5,22 @@ use std::array::from_fn;
 use nalgebra::Vector2;
 
 /// Fraction of a range beyond which the cost is continued as a parabola, so that it is finite beyond the limit.
-const EDGE: f64 = 0.9999;
+const CONTINUED_FROM: f64 = 0.9999;
 
 /// Largest number of axes; unused ones count as centred in their range and cost 1.
 pub(super) const AXES: usize = 4;
 
-/// Largest number of poles of a configuration.
-pub(super) const ENDS: usize = 2;
+/// Largest number of barriers at the ends of a configuration.
+pub(super) const MAX_BARRIERS: usize = 2;
 
-/// Largest number of Newton steps; two to four are usual, ten from a ten-thousandth before a pole.
-const MOST_STEPS: usize = 30;
+/// Largest number of Newton steps; two to four are usual, ten from a ten-thousandth before a barrier.
+const MAX_ITERATIONS: usize = 30;
 
 /// Fraction of both the total gain and the cost below which a step is the last: the next would gain the square of it.
-const FINE: f64 = 0.01;
+const LAST_STEP_GAIN: f64 = 0.01;
 
 /// Fraction of the cost below which a gain ends the descent.
-pub(super) const LEAST: f64 = 2e-9;
+pub(super) const RELATIVE_TOLERANCE: f64 = 2e-9;
 
 /// One number for each axis.
 pub(super) type PerAxis = [f64; AXES];
@@ -28,7 +28,7 @@ pub(super) type PerAxis = [f64; AXES];
 /// Cost 1/(1 − u²) of axes from −1 at one limit to 1 at the other, continued as a parabola beyond; with slopes and curvatures.
 #[inline]
 pub(super) fn of_limits(u: &PerAxis) -> [PerAxis; 3] {
-    let within: PerAxis = from_fn(|a| u[a].clamp(-EDGE, EDGE));
+    let within: PerAxis = from_fn(|a| u[a].clamp(-CONTINUED_FROM, CONTINUED_FROM));
     let beyond: PerAxis = from_fn(|a| u[a] - within[a]);
     let cost: PerAxis = from_fn(|a| 1.0 / (1.0 - within[a] * within[a]));
     let slope: PerAxis = from_fn(|a| 2.0 * within[a] * cost[a] * cost[a]);
@@ -101,8 +101,8 @@ impl<const N: usize> QuadraticModel<N> {
 /// Second-order model of the cost.
 pub(super) struct Model {
     pub(super) limits: QuadraticModel<AXES>,
-    pub(super) ends: QuadraticModel<ENDS>,
-    pub(super) poles: [EndBarrier; ENDS],
+    pub(super) ends: QuadraticModel<MAX_BARRIERS>,
+    pub(super) poles: [EndBarrier; MAX_BARRIERS],
     /// Whether each unknown is free.
     pub(super) free: [bool; 2],
 }
@@ -169,7 +169,7 @@ impl Model {
         let (numbers, along) = self.limits.at(x);
         local.add(&self.limits, &along, &of_limits(&numbers), fraction);
         let (numbers, along) = self.ends.at(x);
-        let [one, other]: [[f64; 3]; ENDS] = from_fn(|t| self.poles[t].of(numbers[t]));
+        let [one, other]: [[f64; 3]; MAX_BARRIERS] = from_fn(|t| self.poles[t].of(numbers[t]));
         local.add(&self.ends, &along, &from_fn(|k| [one[k], other[k]]), fraction);
         for (k, free) in self.free.into_iter().enumerate() {
             if !free {
@@ -186,11 +186,13 @@ impl Model {
         let mut x = Vector2::zeros();
         let mut here = self.at(&x, 1.0);
         let start = here.cost;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_ITERATIONS {
             let DescentStep { step, gain } = here.step().or_else(|| self.at(&x, 0.0).step())?;
             let gained = start - here.cost;
             let mut fraction = room(&x, &step, radius);
-            if gain <= f64::max(FINE * gained.min(here.cost), LEAST * here.cost) {
+            if gain
+                <= f64::max(LAST_STEP_GAIN * gained.min(here.cost), RELATIVE_TOLERANCE * here.cost)
+            {
                 return Some(DescentStep {
                     step: x + step * fraction,
                     gain: gained + gain * fraction,
@@ -275,19 +277,28 @@ mod tests {
             let there = model.at(&found.step, 1.0);
             let start = model.at(&Vector2::zeros(), 1.0).cost;
             let stated = start - found.gain;
-            assert!((stated - there.cost).abs() <= FINE * there.cost, "{stated} {}", there.cost);
+            assert!(
+                (stated - there.cost).abs() <= LAST_STEP_GAIN * there.cost,
+                "{stated} {}",
+                there.cost
+            );
             // The remaining gain is a small part of the total gain.
             let left = there.step().unwrap().gain;
-            assert!(left <= FINE * found.gain.min(there.cost), "{left:e} {:e}", found.gain);
+            assert!(
+                left <= LAST_STEP_GAIN * found.gain.min(there.cost),
+                "{left:e} {:e}",
+                found.gain
+            );
             // In a box that is too small, the step ends on its boundary.
             let near = model.least(0.01).unwrap();
             assert!((near.step.amax() - 0.01).abs() <= 1e-12 && near.gain > 0.0);
         }
         let mut held = limits([0.5, 0.0, 0.0, 0.0]);
         held.free[1] = false;
-        (held.limits.slopes[1], held.ends.slopes[1]) = ([0.0; AXES], [0.0; ENDS]);
+        (held.limits.slopes[1], held.ends.slopes[1]) = ([0.0; AXES], [0.0; MAX_BARRIERS]);
         for k in [1, 2] {
-            (held.limits.curvatures[k], held.ends.curvatures[k]) = ([0.0; AXES], [0.0; ENDS]);
+            (held.limits.curvatures[k], held.ends.curvatures[k]) =
+                ([0.0; AXES], [0.0; MAX_BARRIERS]);
         }
         assert_eq!(held.least(1.0).unwrap().step[1], 0.0);
     }

@@ -181,7 +181,7 @@ impl HybridRobot {
             }
             self.check_tilt(tilt, &mut violations);
             branches.push(Branch {
-                distance: self.time_between(seed, &positions),
+                travel_time: self.time_between(seed, &positions),
                 positions,
                 configuration,
                 selection: if violations.is_empty() {
@@ -345,11 +345,15 @@ impl Solver<'_> {
             point -= turned(&chain.link_vectors()[k].vector, turn);
         }
         let now = decomposition.unknown(self.seed);
-        let solutions: PairSolutions =
-            match decomposition.span(chain, &point, Configuration::default(), [now[0], now[1]]) {
-                Ok(solutions) => solutions,
-                Err(out_of_reach) => return Some(out_of_reach),
-            };
+        let solutions: PairSolutions = match decomposition.solve_links(
+            chain,
+            &point,
+            Configuration::default(),
+            [now[0], now[1]],
+        ) {
+            Ok(solutions) => solutions,
+            Err(out_of_reach) => return Some(out_of_reach),
+        };
         for solution in solutions.into_iter().flatten() {
             (unknown[0], unknown[1]) = (solution.pair[0], solution.pair[1]);
             let arm_positions = decomposition.positions(&unknown);
@@ -387,8 +391,8 @@ fn choose(branches: &mut [Branch], configuration: Configuration) -> Option<usize
             continue;
         }
         if stays && !branch.configuration.agrees_with(configuration) {
-            branches[k].selection = BranchSelection::OtherElbow;
-        } else if chosen.is_none_or(|best| branch.distance < branches[best].distance) {
+            branches[k].selection = BranchSelection::OtherConfiguration;
+        } else if chosen.is_none_or(|best| branch.travel_time < branches[best].travel_time) {
             chosen = Some(k);
         }
     }

@@ -7,7 +7,7 @@ use super::solution::{Configuration, Elbow, OutOfReach, ReachDirection};
 use crate::robot::arm_chain::{ArmChain, LinkVector, dot, perpendicular, turned};
 
 /// Fraction of the stretched length by which a point may be out of reach and counts as reached: round-off.
-const STRETCHED: f64 = 1e-14;
+const ROUND_OFF: f64 = 1e-14;
 
 /// One solution for both unknowns, with its configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,7 +38,7 @@ impl Decomposition {
     /// # Arguments
     /// * `like` – values of the pair that decide where any direction would do
     #[inline]
-    pub(super) fn span(
+    pub(super) fn solve_links(
         &self,
         chain: &ArmChain,
         point: &Vector2<f64>,
@@ -167,7 +167,7 @@ fn links(
 ) -> Result<PairSolutions, OutOfReach> {
     let (a, b, d) = (one.length, other.length, point.norm());
     let (min, max) = ((a - b).abs(), a + b);
-    if d > max + STRETCHED * max || d < min - STRETCHED * max {
+    if d > max + ROUND_OFF * max || d < min - ROUND_OFF * max {
         return Err(OutOfReach { distance: d, min, max });
     }
     let cosine = (d * d - a * a - b * b) * 0.5;
@@ -212,7 +212,7 @@ fn belt(
     let along = (d - w.y.abs()) * (d + w.y.abs());
     let far = Vector2::new(w.x + stretched, w.y).norm();
     let near = Vector2::new((w.x - stretched).max(0.0), w.y).norm();
-    if d > far * (1.0 + STRETCHED) || d < near - STRETCHED * far {
+    if d > far * (1.0 + ROUND_OFF) || d < near - ROUND_OFF * far {
         return Err(OutOfReach { distance: d, min: near, max: far });
     }
     let along = along.max(0.0).sqrt();
@@ -220,7 +220,7 @@ fn belt(
     let mut count = 0;
     for (sign, reaching) in [(1.0, ReachDirection::Forward), (-1.0, ReachDirection::Backward)] {
         let grown = sign * along - w.x;
-        if grown.abs() > stretched * (1.0 + STRETCHED) || (sign < 0.0 && along == 0.0) {
+        if grown.abs() > stretched * (1.0 + ROUND_OFF) || (sign < 0.0 && along == 0.0) {
             continue;
         }
         let reaching = (along > 0.0).then_some(reaching);
@@ -268,7 +268,7 @@ fn prismatic(
     let w = within(unit, &belt_driven_link.vector);
     let d = point.norm();
     let aside = w.y.abs();
-    if d < aside * (1.0 - STRETCHED) {
+    if d < aside * (1.0 - ROUND_OFF) {
         return Err(OutOfReach { distance: d, min: aside, max: f64::INFINITY });
     }
     let along = ((d - aside) * (d + aside)).max(0.0).sqrt();

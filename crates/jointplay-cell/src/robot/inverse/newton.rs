@@ -10,16 +10,16 @@ use crate::robot::arm_chain::{ArmChain, ArmVector};
 /// Number of starts along each axis, between its limits.
 const STARTS: usize = 5;
 
-const MOST_STEPS: usize = 40;
+const MAX_ITERATIONS: usize = 40;
 
 /// Largest step, as a fraction of the ranges of the axes: farther, the linearization is too inaccurate.
-const LARGEST_STEP: f64 = 0.25;
+const MAX_STEP: f64 = 0.25;
 
 /// Distance below which two solutions are one, as a fraction of the ranges.
-const SAME: f64 = 1e-6;
+const SAME_SOLUTION: f64 = 1e-6;
 
 /// Largest number of solutions.
-const MOST: usize = 16;
+const MAX_SOLUTIONS: usize = 16;
 
 /// Solutions from several starts, the one nearest to `seed` first.
 ///
@@ -52,12 +52,12 @@ pub(super) fn solutions(
         let Some(solution) = descend(chain, ranges, point, heading, &arm_positions) else {
             continue;
         };
-        if found.iter().all(|known| apart(known, &solution) > SAME) {
+        if found.iter().all(|known| apart(known, &solution) > SAME_SOLUTION) {
             found.push(solution);
         }
     }
     found.sort_by(|one, other| apart(one, seed).total_cmp(&apart(other, seed)));
-    found.truncate(if free { 1 } else { MOST });
+    found.truncate(if free { 1 } else { MAX_SOLUTIONS });
     found
 }
 
@@ -77,7 +77,7 @@ fn descend(
     }
     let size = point.norm()
         + chain.link_vectors().iter().map(|link_vector| link_vector.vector.norm()).sum::<f64>();
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_ITERATIONS {
         let missing = point - chain.tip(&arm_positions);
         let turn =
             heading.map_or(0.0, |heading| wrap_angle(heading - chain.heading(&arm_positions)));
@@ -103,7 +103,7 @@ fn descend(
         }
         let largest =
             (0..ranges.count).map(|a| (step[a] / ranges.half(a)).abs()).fold(0.0, f64::max);
-        let fraction = (2.0 * LARGEST_STEP / largest).min(1.0);
+        let fraction = (2.0 * MAX_STEP / largest).min(1.0);
         for a in 0..ranges.count {
             arm_positions[a] += fraction * step[a];
         }

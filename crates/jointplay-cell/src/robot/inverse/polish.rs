@@ -11,13 +11,13 @@ use crate::robot::hybrid_robot::{EffectorId, HybridRobot};
 use crate::robot::positions::Positions;
 
 /// Residual below which nothing is corrected: round-off of a metre (m and rad).
-const EXACT: f64 = 1e-13;
+const MAX_RESIDUAL: f64 = 1e-13;
 
 /// Largest number of Newton steps; one or two are usual.
-const MOST_STEPS: usize = 8;
+const MAX_ITERATIONS: usize = 8;
 
 /// Characteristic length by which angles are weighed against lengths (m).
-const ARM: f64 = 0.1;
+const CHARACTERISTIC_LENGTH: f64 = 0.1;
 
 /// Residual of a pose with respect to a target.
 #[derive(Debug, Clone, Copy)]
@@ -50,9 +50,9 @@ impl PoseResidual {
     }
 
     fn is_exact(&self, with_heading: bool) -> bool {
-        self.center.norm() <= EXACT
-            && self.tilt.norm() <= EXACT
-            && (!with_heading || self.turn.abs() <= EXACT)
+        self.center.norm() <= MAX_RESIDUAL
+            && self.tilt.norm() <= MAX_RESIDUAL
+            && (!with_heading || self.turn.abs() <= MAX_RESIDUAL)
     }
 }
 
@@ -71,7 +71,7 @@ impl HybridRobot {
         positions: &mut Positions,
     ) -> Result<(usize, PoseResidual), CellError> {
         let mut missing = PoseResidual::of(base_from_wafer, target, normal);
-        for step in 0..MOST_STEPS {
+        for step in 0..MAX_ITERATIONS {
             if missing.is_exact(with_heading) {
                 return Ok((step, missing));
             }
@@ -92,10 +92,22 @@ impl HybridRobot {
             for k in 0..3 {
                 fill(k, &|linear, _| linear[k], missing.center[k]);
             }
-            fill(3, &|_, angular| ARM * angular.dot(&e_1), ARM * missing.tilt.dot(&e_1));
-            fill(4, &|_, angular| ARM * angular.dot(&e_2), ARM * missing.tilt.dot(&e_2));
+            fill(
+                3,
+                &|_, angular| CHARACTERISTIC_LENGTH * angular.dot(&e_1),
+                CHARACTERISTIC_LENGTH * missing.tilt.dot(&e_1),
+            );
+            fill(
+                4,
+                &|_, angular| CHARACTERISTIC_LENGTH * angular.dot(&e_2),
+                CHARACTERISTIC_LENGTH * missing.tilt.dot(&e_2),
+            );
             if with_heading {
-                fill(5, &|_, angular| ARM * angular.dot(normal), ARM * missing.turn);
+                fill(
+                    5,
+                    &|_, angular| CHARACTERISTIC_LENGTH * angular.dot(normal),
+                    CHARACTERISTIC_LENGTH * missing.turn,
+                );
             }
             let found = svd(&a).map_err(jointplay_core::Error::from)?;
             let change = found.solve(&b, found.rank(1e-10));
@@ -106,13 +118,13 @@ impl HybridRobot {
             let then = PoseResidual::of(&self.effector_pose(&next, id)?, target, normal);
             let size = |missing: &PoseResidual| {
                 let turn = if with_heading { missing.turn } else { 0.0 };
-                missing.center.norm() + ARM * (missing.tilt.norm() + turn.abs())
+                missing.center.norm() + CHARACTERISTIC_LENGTH * (missing.tilt.norm() + turn.abs())
             };
             if size(&then) >= size(&missing) {
                 return Ok((step, missing));
             }
             (*positions, missing) = (next, then);
         }
-        Ok((MOST_STEPS, missing))
+        Ok((MAX_ITERATIONS, missing))
     }
 }

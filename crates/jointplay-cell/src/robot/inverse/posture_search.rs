@@ -21,11 +21,11 @@ const INTERVALS: [usize; 2] = [8, 64];
 /// Number of grid values of one free angle; for two, the values of each.
 const GRID: [usize; 2] = [120, 36];
 /// Largest change of a free angle between neighbouring samples, in steps of the grid, for one and for two free angles.
-const REACH: [usize; 2] = [6, 2];
+const NEIGHBOURHOOD: [usize; 2] = [6, 2];
 /// Largest change of a link's angle between neighbouring samples: beyond it the pair is too near its stretched or folded position to be followed (rad).
-const LARGEST_TURN: f64 = 0.8;
+const MAX_ROTATION: f64 = 0.8;
 /// Largest change of a prismatic joint between neighbouring samples, in distances of samples.
-const LARGEST_SLIDE: f64 = 4.0;
+const MAX_TRANSLATION: f64 = 4.0;
 /// Weight of the limits of axes, and of the stretched arm, against the squared duration of the path (s²).
 pub(super) const LIMIT_WEIGHT: f64 = 0.02;
 /// Weight of curvature against the squared duration.
@@ -49,7 +49,7 @@ pub(super) struct Posture {
 struct Layer {
     postures: Vec<Posture>,
     /// Index of the first posture of each cell, and the number of all.
-    cells: Vec<usize>,
+    bins: Vec<usize>,
 }
 
 pub(super) struct PostureSearch<'a> {
@@ -65,7 +65,7 @@ pub(super) struct PostureSearch<'a> {
     /// Numbers of grid values of the free angles.
     pub(super) grid: [usize; 2],
     /// Largest changes of the free angles between samples, in steps of the grid.
-    reach: usize,
+    neighbourhood: usize,
     /// One over the velocity limit of each axis (s/m or s/rad).
     pub(super) inverse_speed: ArmVector,
     pub(super) home: ArmVector,
@@ -83,7 +83,7 @@ impl<'a> PostureSearch<'a> {
         let is_free =
             [decomposition.last.is_some() && path.heading.is_none(), decomposition.first.is_some()];
         let count = is_free.iter().filter(|free| **free).count();
-        let [grid, reach] = [GRID, REACH].map(|both| both[count.saturating_sub(1)]);
+        let [grid, neighbourhood] = [GRID, NEIGHBOURHOOD].map(|both| both[count.saturating_sub(1)]);
         let intervals = (path.length() / SAMPLE_DISTANCE).ceil() as usize;
         let intervals = intervals.clamp(INTERVALS[0], INTERVALS[1]);
         let (mut inverse_speed, mut home) = ([0.0; 4], [0.0; 4]);
@@ -91,10 +91,10 @@ impl<'a> PostureSearch<'a> {
             inverse_speed[a] = 1.0 / robot.axes[axis].loaded.velocity;
             home[a] = robot.axes[axis].home;
         }
-        let slide = LARGEST_SLIDE * path.length() / intervals as f64;
+        let slide = MAX_TRANSLATION * path.length() / intervals as f64;
         let largest = match decomposition.pair {
-            Pair::Prismatic(_) => [LARGEST_TURN, slide],
-            Pair::Links(_) | Pair::Belt(..) => [LARGEST_TURN; 2],
+            Pair::Prismatic(_) => [MAX_ROTATION, slide],
+            Pair::Links(_) | Pair::Belt(..) => [MAX_ROTATION; 2],
         };
         Self {
             chain,
@@ -105,7 +105,7 @@ impl<'a> PostureSearch<'a> {
             is_free,
             intervals,
             grid: is_free.map(|free| if free { grid } else { 1 }),
-            reach,
+            neighbourhood,
             inverse_speed,
             home,
             largest,
@@ -177,14 +177,16 @@ impl<'a> PostureSearch<'a> {
     /// All postures at a fraction of the path, on the grid of free angles.
     fn layer(&self, fraction: f64) -> Layer {
         let point = self.path.at(fraction);
-        let mut layer = Layer { postures: Vec::new(), cells: vec![0] };
+        let mut layer = Layer { postures: Vec::new(), bins: vec![0] };
         for i in 0..self.grid[0] {
             for j in 0..self.grid[1] {
                 let free =
                     [TAU * i as f64 / self.grid[0] as f64, TAU * j as f64 / self.grid[1] as f64];
                 let spanned = self.spanned(&point, free);
                 let any = Configuration::default();
-                if let Ok(found) = self.decomposition.span(self.chain, &spanned, any, [0.0; 2]) {
+                if let Ok(found) =
+                    self.decomposition.solve_links(self.chain, &spanned, any, [0.0; 2])
+                {
                     for found in found.iter().flatten() {
                         let arm_positions =
                             self.decomposition.positions(&self.unknown(found, free));
@@ -195,7 +197,7 @@ impl<'a> PostureSearch<'a> {
                         });
                     }
                 }
-                layer.cells.push(layer.postures.len());
+                layer.bins.push(layer.postures.len());
             }
         }
         layer
@@ -267,25 +269,26 @@ impl<'a> PostureSearch<'a> {
         Ok(found)
     }
 
-    /// Calls a function with all pairs of postures in neighbouring cells of two layers.
+    /// Calls a function with all pairs of postures in neighbouring bins of two layers.
     fn for_neighbours(&self, from: &Layer, to: &Layer, mut each: impl FnMut(usize, usize)) {
         let seed = |k: usize, count: usize| {
-            let reach = self.reach.min(count / 2);
-            let all = if count == 1 { 1 } else { (2 * reach + 1).min(count) };
-            (0..all).map(move |d| (k + count + d - if count == 1 { 0 } else { reach }) % count)
+            let neighbourhood = self.neighbourhood.min(count / 2);
+            let all = if count == 1 { 1 } else { (2 * neighbourhood + 1).min(count) };
+            (0..all)
+                .map(move |d| (k + count + d - if count == 1 { 0 } else { neighbourhood }) % count)
         };
         let [rows, columns] = self.grid;
         for i in 0..rows {
             for j in 0..columns {
                 let cell = i * columns + j;
-                let ends = from.cells[cell]..from.cells[cell + 1];
+                let ends = from.bins[cell]..from.bins[cell + 1];
                 if ends.is_empty() {
                     continue;
                 }
                 for row in seed(i, rows) {
                     for column in seed(j, columns) {
                         let other = row * columns + column;
-                        for t in to.cells[other]..to.cells[other + 1] {
+                        for t in to.bins[other]..to.bins[other + 1] {
                             ends.clone().for_each(|f| each(f, t));
                         }
                     }
@@ -303,7 +306,8 @@ impl<'a> PostureSearch<'a> {
     ) -> Option<Posture> {
         let spanned = self.spanned(&self.path.at(fraction), free);
         let pair = [seed.unknown[0], seed.unknown[1]];
-        let found = self.decomposition.span(self.chain, &spanned, seed.configuration, pair).ok()?;
+        let found =
+            self.decomposition.solve_links(self.chain, &spanned, seed.configuration, pair).ok()?;
         let found = found.into_iter().flatten().next()?;
         let unknown = self.decomposition.wrapped(&self.unknown(&found, free), &seed.unknown);
         let arm_positions = self.decomposition.positions(&unknown);

@@ -8,15 +8,15 @@ use super::posture_search::{CURVATURE_WEIGHT, HOME_WEIGHT, LIMIT_WEIGHT, Posture
 use crate::robot::arm_chain::ArmVector;
 
 /// Step of the free angles for derivatives (rad).
-const DIFFERENCE: f64 = 1e-5;
+const DIFFERENCE_STEP: f64 = 1e-5;
 /// Damping of the first descent step, and its limits, as a fraction of the diagonal.
 const FIRST_DAMPING: f64 = 1e-3;
-const LEAST_DAMPING: f64 = 1e-9;
-const LARGEST_DAMPING: f64 = 1e9;
+const MIN_DAMPING: f64 = 1e-9;
+const MAX_DAMPING: f64 = 1e9;
 /// Largest number of descent steps.
 const MAX_ITERATIONS: usize = 60;
 /// Fraction of the cost below which a gain ends the descent.
-const LEAST_GAIN: f64 = 1e-5;
+const RELATIVE_TOLERANCE: f64 = 1e-5;
 
 /// Levenberg–Marquardt descent of the cost of a path over its free angles.
 pub(super) struct Smoothing<'a> {
@@ -46,7 +46,7 @@ impl Smoothing<'_> {
             let gradient = jacobian.tr_mul(&residuals);
             let normal = jacobian.tr_mul(&jacobian);
             let mut improved = None;
-            while damping < LARGEST_DAMPING {
+            while damping < MAX_DAMPING {
                 let mut damped = normal.clone();
                 for k in 0..damped.nrows() {
                     damped[(k, k)] *= 1.0 + damping;
@@ -59,14 +59,14 @@ impl Smoothing<'_> {
                     if now < cost {
                         improved = Some((cost - now) / cost);
                         cost = now;
-                        damping = (damping * 0.1).max(LEAST_DAMPING);
+                        damping = (damping * 0.1).max(MIN_DAMPING);
                         break;
                     }
                     self.postures = before;
                 }
                 damping *= 10.0;
             }
-            if improved.is_none_or(|gain| gain < LEAST_GAIN) {
+            if improved.is_none_or(|gain| gain < RELATIVE_TOLERANCE) {
                 break;
             }
         }
@@ -176,7 +176,7 @@ impl Smoothing<'_> {
                 angles[f] += offset;
                 self.search.posture_near(self.fractions[k], angles, here)
             };
-            let [(low, before), (high, after)] = [-DIFFERENCE, DIFFERENCE]
+            let [(low, before), (high, after)] = [-DIFFERENCE_STEP, DIFFERENCE_STEP]
                 .map(|offset| at(offset).map_or((0.0, *here), |found| (offset, found)));
             if high > low {
                 let by = 1.0 / (high - low);

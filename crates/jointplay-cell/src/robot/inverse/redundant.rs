@@ -5,7 +5,8 @@ use std::array::from_fn;
 use nalgebra::{Matrix2, Vector2};
 
 use super::barrier::{
-    AXES, DescentStep, ENDS, EndBarrier, LEAST, Model, PerAxis, QuadraticModel, of_limits,
+    AXES, DescentStep, EndBarrier, MAX_BARRIERS, Model, PerAxis, QuadraticModel,
+    RELATIVE_TOLERANCE, of_limits,
 };
 use super::closed_form::PairSolution;
 use super::decomposition::{Decomposition, Pair};
@@ -14,24 +15,24 @@ use super::solution::Configuration;
 use crate::robot::arm_chain::{ArmChain, ArmVector, perpendicular, turned};
 
 /// Largest number of descent steps; three to five are usual, more only out of a nearly stretched arm.
-const MOST_STEPS: usize = 100;
+const MAX_ITERATIONS: usize = 100;
 
 /// Longest step of a free angle: beyond it the second-order model is too inaccurate (rad).
-const LONGEST: f64 = 1.0;
+const MAX_STEP: f64 = 1.0;
 
 /// Step below which the descent has converged (rad).
-const NONE: f64 = 1e-9;
+const MIN_STEP: f64 = 1e-9;
 
 /// Elbow cost above which a start is useless: within 3° of the stretched arm the pair moves too fast for any free angle to lead out.
-const STRETCHED: f64 = 400.0;
+const MAX_ELBOW_COST: f64 = 400.0;
 
 /// Numbers of grid values of each free angle that are tried for a start where the present positions give none, one after the other.
 const STARTS: [usize; 3] = [8, 16, 48];
 /// Largest of [`STARTS`].
-const MOST_STARTS: usize = 48;
+const MAX_STARTS: usize = 48;
 
 /// Reach of a radial arm, as a fraction of its last link, below which the end of its reach direction costs.
-const NEAR: f64 = 0.1;
+const MIN_REACH: f64 = 0.1;
 
 /// The free angles of an arm: of its first and of its last link vector.
 pub(super) struct Redundant<'a> {
@@ -51,7 +52,7 @@ pub(super) struct Redundant<'a> {
     by_unknown: [PerAxis; 4],
     /// Position of each axis, from −1 at one limit to 1 at the other, where all unknowns are zero.
     at_zero: PerAxis,
-    poles: [EndBarrier; ENDS],
+    poles: [EndBarrier; MAX_BARRIERS],
 }
 
 /// Unknowns that reach the target, with their cost.
@@ -92,7 +93,7 @@ impl<'a> Redundant<'a> {
         }
         let vector = |k: usize| &chain.link_vectors()[k].vector;
         let near_end =
-            EndBarrier::Reach(NEAR * decomposition.last.map_or(0.0, |k| vector(k).norm()));
+            EndBarrier::Reach(MIN_REACH * decomposition.last.map_or(0.0, |k| vector(k).norm()));
         let poles = match decomposition.pair {
             Pair::Links(_) => [EndBarrier::Elbow, EndBarrier::None],
             Pair::Belt(..) => [EndBarrier::Elbow, near_end],
@@ -127,21 +128,21 @@ impl<'a> Redundant<'a> {
         let here = self.at([self.seed[2], self.seed[3]], configuration, &self.seed);
         let here = here.map(|here| self.wrapped_to_limits(here));
         let (mut now, stretched) = match here {
-            Some(here) if here.of_bend < STRETCHED => (here, None),
+            Some(here) if here.of_bend < MAX_ELBOW_COST => (here, None),
             here => match STARTS.iter().find_map(|&count| self.start(count, configuration)) {
                 Some(now) => (now, here),
                 None => return here.map(|here| self.decomposition.positions(&here.unknown)),
             },
         };
-        let mut radius = LONGEST;
-        for _ in 0..MOST_STEPS {
+        let mut radius = MAX_STEP;
+        for _ in 0..MAX_ITERATIONS {
             let found = self.model(&now).and_then(|model| model.least(radius));
             let Some(DescentStep { step, gain }) = found else { break };
             let size = step.amax();
-            if size.is_nan() || size < NONE {
+            if size.is_nan() || size < MIN_STEP {
                 break;
             }
-            let is_last = gain <= LEAST * now.cost;
+            let is_last = gain <= RELATIVE_TOLERANCE * now.cost;
             let there = [now.unknown[2] + step[0], now.unknown[3] + step[1]];
             match self.at(there, configuration, &now.unknown) {
                 Some(next) if is_last => {
@@ -150,7 +151,7 @@ impl<'a> Redundant<'a> {
                 }
                 Some(next) if next.cost < now.cost => {
                     now = next;
-                    radius = (2.0 * size).clamp(radius, LONGEST);
+                    radius = (2.0 * size).clamp(radius, MAX_STEP);
                 }
                 _ if is_last => break,
                 _ => radius = 0.3 * size,
@@ -199,7 +200,7 @@ impl<'a> Redundant<'a> {
         let turn = |k: usize| std::f64::consts::TAU * k as f64 / count as f64;
         // The vectors that a free link takes on the grid.
         let raster = |link_vector: Option<usize>| {
-            let mut reached = [Vector2::zeros(); MOST_STARTS];
+            let mut reached = [Vector2::zeros(); MAX_STARTS];
             if let Some(k) = link_vector {
                 let vector = &self.chain.link_vectors()[k].vector;
                 (0..count).for_each(|i| reached[i] = turned(vector, turn(i)));
@@ -252,7 +253,7 @@ impl<'a> Redundant<'a> {
         });
         let point = self.point - link_vectors[0] - link_vectors[1];
         let solutions =
-            self.decomposition.span(self.chain, &point, configuration, [0.0; 2]).ok()?;
+            self.decomposition.solve_links(self.chain, &point, configuration, [0.0; 2]).ok()?;
         let found = solutions.into_iter().flatten().next()?;
         let unknown = [found.pair[0], found.pair[1], self.last.unwrap_or(free[0]), free[1]];
         let unknown = self.decomposition.wrapped(&unknown, seed);
@@ -278,14 +279,14 @@ impl<'a> Redundant<'a> {
                 + (by[2][a] * y[2] + by[3][a] * y[3])
         });
         let ends = self.ends(&place.found);
-        place.of_bend = (0..ENDS).map(|t| self.poles[t].of(ends[t][0])[0]).sum();
+        place.of_bend = (0..MAX_BARRIERS).map(|t| self.poles[t].of(ends[t][0])[0]).sum();
         place.cost = of_limits(&place.normalized_positions)[0].iter().sum::<f64>() + place.of_bend;
         place
     }
 
     /// Distance of the configuration from its ends, one for each pole, with its first two derivatives by the squared length of the spanned vector.
     #[inline]
-    fn ends(&self, found: &PairSolution) -> [[f64; 3]; ENDS] {
+    fn ends(&self, found: &PairSolution) -> [[f64; 3]; MAX_BARRIERS] {
         let perpendicular = found.end_distance.abs();
         let of_ahead = [
             perpendicular,

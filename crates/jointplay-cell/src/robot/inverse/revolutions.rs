@@ -9,7 +9,7 @@ use super::decomposition::{Decomposition, Pair};
 use crate::robot::arm_chain::ArmVector;
 
 /// Largest number of combinations of revolutions that are tried; axes of at most ten revolutions have fewer on any usual arm.
-const MOST: i64 = 20_000;
+const MAX_CANDIDATES: i64 = 20_000;
 
 /// Tolerance of limits for round-off, as a fraction of the ranges.
 const LIMIT_TOLERANCE: f64 = 1e-12;
@@ -138,7 +138,7 @@ impl Revolutions {
             combinations = combinations.saturating_mul((high[m] - low[m] + 1).max(0));
         }
         let mut found = false;
-        if combinations <= MOST {
+        if combinations <= MAX_CANDIDATES {
             let tolerance: ArmVector =
                 from_fn(|a| LIMIT_TOLERANCE * (ranges.max[a] - ranges.min[a]));
             for_each(&low[..self.count], &high[..self.count], |k| {

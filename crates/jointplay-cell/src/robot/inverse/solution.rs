@@ -63,7 +63,7 @@ pub struct Branch {
     /// Whether the branch is taken, and why not.
     pub selection: BranchSelection,
     /// Duration of the slowest axis to the branch at its velocity limit without a wafer (s).
-    pub distance: f64,
+    pub travel_time: f64,
     /// Distance of the wafer's centre from the target (m).
     pub residual: f64,
     /// Angle between the wafer's plane and that of the target (rad).
@@ -84,7 +84,7 @@ pub enum BranchSelection {
     /// The branch violates limits, see [`Branch::violations`].
     BreaksLimits,
     /// Another branch keeps the present configuration; this one would take the arm through its stretched or folded position.
-    OtherElbow,
+    OtherConfiguration,
     /// Another branch of the same configuration is nearer.
     NotNearest,
 }

@@ -4,9 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::cell::check::{CheckOptions, CheckResult, Report, remedies};
-use jointplay::cell::program::{
-    Program, ProgramError, ProgramProblem, SourceLocation, name_errors,
-};
+use jointplay::cell::program::{Program, ProgramError, SourceLocation, name_errors};
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::trajectory::{StepError, Trajectory};
 use jointplay::cell::workcell::Cell;
@@ -256,15 +254,7 @@ impl Input {
             .iter()
             .map(|one| program_diagnostic(&self.cell.cell, one, &self.text, &self.label))
             .collect();
-        let out_of_reach = |one: &ProgramError| {
-            matches!(
-                one.problem,
-                ProgramProblem::Range { .. }
-                    | ProgramProblem::Limits { .. }
-                    | ProgramProblem::Unreachable { .. }
-            )
-        };
-        if errors.iter().all(out_of_reach) {
+        if errors.iter().all(|one| one.problem.is_infeasible()) {
             Failure::Infeasible(all)
         } else {
             Failure::Invalid(all)
