@@ -13,6 +13,7 @@
 //! | `synchronized` | point-to-point moves: all axes end together |
 //! | `spline` | positions of all axes over a path parameter |
 //! | `cartesian_path` | straight lines of the wafer, followed by inverse kinematics |
+//! | `squared_rate`, `rate_constraints`, `rate_search` | the fastest parameterization of a path: variables, constraints, interior-point method |
 //! | `time_parameterization` | path parameter over time, within the limits of all axes |
 //! | `slip` | slowdown of segments on which a wafer would slip |
 //! | `segment` | motion of all axes in one step |
@@ -35,6 +36,8 @@ mod joint_space_line;
 mod limits;
 mod options;
 mod profile;
+mod rate_constraints;
+mod rate_search;
 mod sample;
 mod sampler;
 mod segment;
@@ -42,6 +45,7 @@ mod segment_key;
 mod segment_planner;
 mod slip;
 mod spline;
+mod squared_rate;
 mod synchronized;
 mod time_parameterization;
 #[expect(clippy::module_inception, reason = "the type that the folder is named after")]
