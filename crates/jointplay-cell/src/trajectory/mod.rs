@@ -12,6 +12,7 @@
 //! | `limits` | limits of the axes in a step |
 //! | `synchronized` | point-to-point moves: all axes end together |
 //! | `spline` | positions of all axes over a path parameter |
+//! | `quintic_interpolation` | positions between the points of a path |
 //! | `cartesian_path` | straight lines of the wafer, followed by inverse kinematics |
 //! | `squared_rate`, `rate_constraints`, `rate_search` | the fastest parameterization of a path: variables, constraints, interior-point method |
 //! | `time_parameterization` | path parameter over time, within the limits of all axes |
@@ -36,6 +37,7 @@ mod joint_space_line;
 mod limits;
 mod options;
 mod profile;
+mod quintic_interpolation;
 mod rate_constraints;
 mod rate_search;
 mod sample;
