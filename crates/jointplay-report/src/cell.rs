@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use crate::distance::{DistanceReport, distance};
 use crate::nearest::{NearestReport, nearest};
+use crate::segment::{SegmentReport, segments};
 use crate::violation::{explain_violation, in_display_unit};
 use jointplay_format::cell::robot::virtualization_name;
 use jointplay_format::place;
@@ -157,6 +158,8 @@ pub struct InstructionReport {
     pub duration_s: f64,
     /// Number of motions; a wait of zero length is not counted.
     pub steps: usize,
+    /// Segments that move, in order.
+    pub segments: Vec<SegmentReport>,
     /// Cartesian lines of the instruction, if there are any.
     pub straight: Option<StraightReport>,
     /// Blended motions of the instruction, if there are any.
@@ -234,6 +237,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         })
     };
     let carried = handoff_deflections(cell, &motion.steps);
+    let constraints = motion.limiting_constraints(cell);
     let instructions = report.by_instruction.iter().map(|row| InstructionReport {
         number: row.instruction + 1,
         line: row.place.line,
@@ -241,6 +245,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         start_s: row.start,
         duration_s: row.duration,
         steps: lasting(motion, row.steps.clone()),
+        segments: segments(cell, motion, &constraints, row.steps.clone()),
         straight: straight(motion, row.steps.clone()),
         blended: blended(motion, row.steps.clone()),
         compensated: compensated(cell, &carried, row.steps.clone()),

@@ -21,6 +21,7 @@
 //! | `blend`, `trajectory` | segments and blends of all steps over time |
 //! | `sampler` | states of the moving axes of a step at many times |
 //! | `blend_candidate`, `blend_planner` | the longest overlap of two segments; the overlaps of all |
+//! | `limiting_constraint` | what limits the duration of a step |
 //! | `options`, `error`, `segment_planner` | from steps to a trajectory |
 //! | `joint_space_line` | all axes in proportion, for checks of poses |
 //! | `adaptive_sampling` | adaptive sample times for plots |
@@ -34,6 +35,7 @@ mod blend_planner;
 mod cartesian_path;
 mod error;
 mod joint_space_line;
+mod limiting_constraint;
 mod limits;
 mod options;
 mod profile;
@@ -57,6 +59,7 @@ pub use blend::Blend;
 pub use cartesian_path::{PathError, PathErrorKind};
 pub use error::{StepError, StepErrorKind, TrajectoryError};
 pub(crate) use joint_space_line::joint_space_line;
+pub use limiting_constraint::{LimitingConstraint, MotionLimit};
 pub use limits::{axis_limits, axis_moves_effector, scaled_axis_limits};
 pub use options::TrajectoryOptions;
 pub(crate) use profile::AxisState;

@@ -4,7 +4,6 @@ mod cut;
 mod encode;
 mod envelope;
 mod held_at;
-mod phase;
 mod relative_time;
 
 use std::collections::BTreeMap;
@@ -18,13 +17,12 @@ use jointplay_cell::trajectory::Trajectory;
 use jointplay_cell::workcell::Cell;
 
 use self::envelope::of_step;
-use self::phase::phase;
 use self::relative_time::since;
 use super::error::Error;
 use super::motion_export::MotionExport;
 use super::segment::Segment;
 use super::wafer_frames::WaferFrames;
-use jointplay_report::ViolationReport;
+use jointplay_report::{ViolationReport, phase_name};
 
 pub use envelope::Envelope;
 pub use held_at::{HeldAt, wafers_at_start};
@@ -263,7 +261,7 @@ fn shared(cell: &Cell) -> u64 {
 fn mark(motion: &Trajectory, axes: u64, index: usize) -> u64 {
     let step = &motion.steps[index];
     let mut hasher = DefaultHasher::new();
-    (axes, phase(step.phase), &step.loaded).hash(&mut hasher);
+    (axes, phase_name(step.phase), &step.loaded).hash(&mut hasher);
     step.handoff.is_some().hash(&mut hasher);
     motion.has_duration(index).hash(&mut hasher);
     let begins = index == 0 || motion.steps[index - 1].instruction != step.instruction;

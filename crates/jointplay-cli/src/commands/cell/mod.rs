@@ -7,6 +7,7 @@ mod format;
 mod input;
 mod pictures;
 mod run;
+mod slowest;
 mod teach;
 mod text;
 

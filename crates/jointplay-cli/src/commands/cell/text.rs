@@ -10,6 +10,7 @@ use jointplay::format::number::counted;
 use jointplay::report::{CellReport, InstructionReport, ShareReport, explain_violation};
 
 use super::input::Planned;
+use super::slowest::slowest_segments;
 use crate::output::fixed;
 
 /// Largest number of times listed of a repeated violation.
@@ -117,6 +118,7 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
         text.push_str(&violations(planned));
     }
     lines(&mut text, report);
+    text.push_str(&slowest_segments(report));
     axes(&mut text, report);
     if !report.nearest.is_empty() {
         let _ = writeln!(text, "minimum distances");

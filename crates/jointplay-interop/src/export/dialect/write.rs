@@ -1,7 +1,8 @@
 //! Text of a motion in a dialect.
 
-use jointplay_cell::program::{Handoff, Path, Phase};
+use jointplay_cell::program::{Handoff, Path};
 use jointplay_cell::robot::AxisKind;
+use jointplay_report::phase_name;
 
 use super::template::Template;
 use super::{Dialect, Motions};
@@ -97,7 +98,7 @@ impl Dialect {
                     };
                     push(&mut text, lines, |name| match name {
                         "number" => (k + 1).to_string(),
-                        "phase" => phase(step.phase).to_owned(),
+                        "phase" => phase_name(step.phase).to_owned(),
                         "time" => self.time(start),
                         "duration" => self.duration(start, end),
                         "positions" => self.values(motion_export, &step.to),
@@ -189,19 +190,4 @@ fn fixed(value: f64, decimals: usize) -> String {
 /// A quoted text in one line.
 fn one_line(text: &str) -> String {
     text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect()
-}
-
-fn phase(phase: Phase) -> &'static str {
-    match phase {
-        Phase::Move => "move",
-        Phase::RetractArms => "tuck in",
-        Phase::Turn => "turn",
-        Phase::Align => "enter",
-        Phase::Extend => "extend",
-        Phase::Lift => "lift",
-        Phase::Lower => "lower",
-        Phase::Retract => "retract",
-        Phase::Level => "level",
-        Phase::Wait => "wait",
-    }
 }

@@ -7,12 +7,11 @@ use serde_json::{Value, json};
 
 use super::Timeline;
 use super::held_at::HeldAt;
-use super::phase::phase;
 use super::relative_time::since;
 use crate::export::channel::Channel;
 use crate::export::error::Error;
 use crate::export::motion_export::MotionExport;
-use jointplay_report::ViolationReport;
+use jointplay_report::{ViolationReport, phase_name};
 
 /// Distinct channels.
 #[derive(Default)]
@@ -96,7 +95,7 @@ impl Timeline {
                 "segment": segment,
                 "instruction": described.instruction - window.instruction,
                 "line": described.place.line as i64 - window.line as i64,
-                "phase": phase(described.phase),
+                "phase": phase_name(described.phase),
                 "loaded": described.loaded.iter().filter_map(|&id| number(id)).collect::<Vec<_>>(),
             }));
         }
