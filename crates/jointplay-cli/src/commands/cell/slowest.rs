@@ -49,7 +49,8 @@ pub(super) fn slowest_segments(report: &CellReport) -> String {
         return String::new();
     }
     groups.sort_by(|a, b| b.total_s.total_cmp(&a.total_s));
-    let mut text = "segments that take most time, and the limit that is reached longest\n".to_owned();
+    let mut text =
+        "segments that take most time, and the limit that is reached longest\n".to_owned();
     let _ = writeln!(text, "  line  runs   s each  segment  limited by");
     for group in groups.iter().take(ROWS) {
         #[expect(clippy::cast_precision_loss, reason = "a count of runs")]
