@@ -85,6 +85,11 @@ impl JerkLimitedProfile {
         self.duration
     }
 
+    /// Duration of the first piece, in which the acceleration grows from zero (s).
+    pub(crate) fn ramp_duration(&self) -> f64 {
+        self.pieces.get(1).map_or(self.duration, |second| second.start)
+    }
+
     /// Times at which the jerk changes, and the end (s).
     pub(crate) fn jerk_discontinuities(&self) -> impl Iterator<Item = f64> + '_ {
         self.pieces.iter().map(|piece| piece.start).chain([self.duration])

@@ -1,7 +1,7 @@
 //! Constraints of all axes on the squared rate of a path at collocation points.
 
 use super::spline::Spline;
-use super::squared_rate::{Basis, COEFFICIENTS, INTERVALS, basis, path_parameter, product};
+use super::squared_rate::{Basis, COEFFICIENTS, INTERVALS, RateGrid, product};
 use crate::robot::KinematicLimits;
 
 /// Shares of the first and last interval at which the jerk is constrained besides its ends: jerk and acceleration start from rest there, and the constraint is strongly curved.
@@ -58,7 +58,8 @@ impl Exceedance {
 }
 
 /// Constraints on the coefficients of the squared rate, in a unit of time in which a constant rate of 1 is feasible.
-pub(super) struct RateConstraints {
+pub(super) struct RateConstraints<'a> {
+    pub(super) grid: &'a RateGrid,
     pub(super) points: Vec<CollocationPoint>,
     /// k₀, k₁ and k₂ of all constraints.
     pub(super) rows: Vec<[f64; 3]>,
@@ -68,23 +69,26 @@ pub(super) struct RateConstraints {
     pub(super) unit: f64,
 }
 
-impl RateConstraints {
+impl<'a> RateConstraints<'a> {
     /// # Arguments
     /// * `limits` – index and limits of each axis that moves
     /// * `max_rate` – largest rate of the path parameter (1/s)
     pub(super) fn new(
+        grid: &'a RateGrid,
         spline: &Spline,
         limits: &[(usize, KinematicLimits)],
         max_rate: f64,
         exceedance: &Exceedance,
     ) -> Self {
         let mut constraints = Self {
+            grid,
             points: Vec::new(),
             rows: Vec::new(),
             largest: vec![f64::INFINITY; INTERVALS + 1],
             unit: f64::INFINITY,
         };
         let mut path = PathAtPoint {
+            grid,
             spline,
             limits,
             max_rate,
@@ -95,6 +99,8 @@ impl RateConstraints {
         for interval in 0..INTERVALS {
             let is_end = interval == 0 || interval + 1 == INTERVALS;
             let shares = if is_end { END_SHARES.as_slice() } else { INNER_SHARES.as_slice() };
+            path.advance(interval, 0.5);
+            constraints.add(&path, interval, 0.5, Bound::Acceleration);
             for &share in shares {
                 path.advance(interval, share);
                 constraints.add(&path, interval, share, Bound::Jerk);
@@ -151,7 +157,7 @@ impl RateConstraints {
         self.rows.truncate(kept);
         self.points.push(CollocationPoint {
             interval,
-            basis: basis(share),
+            basis: path.grid.basis(interval, share),
             bound,
             rows: kept - first,
         });
@@ -173,6 +179,12 @@ impl RateConstraints {
         }
     }
 
+    /// Squared rate at the start of an interval, or its change.
+    pub(super) fn at_knot(&self, knot: usize, coefficients: &[f64; COEFFICIENTS]) -> f64 {
+        let [first, second] = self.grid.knot_weights(knot);
+        first * coefficients[knot] + second * coefficients[knot + 1]
+    }
+
     /// Slacks of all constraints for coefficients of the squared rate; `false` where one is not positive.
     pub(super) fn slacks(&self, coefficients: &[f64; COEFFICIENTS], slacks: &mut Slacks) -> bool {
         let mut least = coefficients.iter().copied().fold(f64::INFINITY, f64::min);
@@ -188,8 +200,7 @@ impl RateConstraints {
             }
         }
         for knot in 1..INTERVALS {
-            slacks.knots[knot] =
-                self.largest[knot] - 0.5 * (coefficients[knot] + coefficients[knot + 1]);
+            slacks.knots[knot] = self.largest[knot] - self.at_knot(knot, coefficients);
             least = least.min(slacks.knots[knot]);
         }
         // A comparison with NaN is false.
@@ -208,6 +219,7 @@ pub(super) struct Slacks {
 
 /// Derivatives of a path by the reparameterization at a collocation point.
 struct PathAtPoint<'a> {
+    grid: &'a RateGrid,
     spline: &'a Spline,
     limits: &'a [(usize, KinematicLimits)],
     max_rate: f64,
@@ -221,7 +233,7 @@ struct PathAtPoint<'a> {
 impl PathAtPoint<'_> {
     /// Computes everything at a share of an interval.
     fn advance(&mut self, interval: usize, share: f64) {
-        let [s, s1, s2, s3] = path_parameter((interval as f64 + share) / INTERVALS as f64);
+        let [s, s1, s2, s3] = self.grid.path_parameter(interval, share);
         let piece = self.spline.interval(s);
         self.derivatives.clear();
         let mut largest = self.max_rate / s1;

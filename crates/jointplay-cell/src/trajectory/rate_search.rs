@@ -1,7 +1,9 @@
 //! Search for the largest squared rate within constraints: a primal-dual interior-point method.
 
 use super::rate_constraints::{Bound, RateConstraints, Slacks};
-use super::squared_rate::{COEFFICIENTS, INTERVALS, SquaredRate, basis, product};
+use super::squared_rate::{
+    COEFFICIENTS, INTERVALS, QuadraturePoint, RateGrid, SquaredRate, product,
+};
 
 /// Largest number of iterations.
 const MAX_ITERATIONS: usize = 40;
@@ -19,9 +21,6 @@ const MAX_SHORTENINGS: usize = 40;
 const SLOWDOWN: f64 = 0.97;
 /// Largest number of slowdowns.
 const MAX_SLOWDOWNS: usize = 100;
-/// Positions on an interval from 0 to 1 of the Gauss–Legendre quadrature with two points of equal weight.
-const QUADRATURE: [f64; 2] = [0.211_324_865_405_187_12, 0.788_675_134_594_812_9];
-
 /// Coefficients of the squared rate.
 pub(super) type Coefficients = [f64; COEFFICIENTS];
 
@@ -34,13 +33,13 @@ type Banded = [[f64; 3]; COEFFICIENTS];
 ///
 /// # Source
 /// \\[Verscheure\\] for the formulation without jerk; \\[LippBoyd\\] for the tangents; \\[NocedalWright\\], chapter 19, for the method
-pub(super) struct RateSearch {
+pub(super) struct RateSearch<'a> {
     coefficients: Coefficients,
     slacks: Slacks,
     multipliers: Slacks,
     /// Multipliers of the sign of each coefficient.
     signs: Coefficients,
-    constraints: RateConstraints,
+    constraints: RateConstraints<'a>,
 }
 
 /// Direction of a step, and the change of everything along it.
@@ -54,9 +53,9 @@ struct Step {
     dual_share: f64,
 }
 
-impl RateSearch {
+impl<'a> RateSearch<'a> {
     /// A search that starts with a constant rate.
-    pub(super) fn new(constraints: RateConstraints) -> Option<Self> {
+    pub(super) fn new(constraints: RateConstraints<'a>) -> Option<Self> {
         Self::started(constraints, [1.0; COEFFICIENTS], FIRST_GAP)
     }
 
@@ -65,8 +64,8 @@ impl RateSearch {
     /// # Arguments
     /// * `gap` – relative excess of the duration over the least one that the search starts with
     pub(super) fn continued(
-        constraints: RateConstraints,
-        solution: &SquaredRate,
+        constraints: RateConstraints<'a>,
+        solution: &SquaredRate<'_>,
         gap: f64,
     ) -> Option<Self> {
         let mut start = [1.0; COEFFICIENTS];
@@ -78,7 +77,7 @@ impl RateSearch {
 
     /// A search from given coefficients; `None` where no slowdown makes them feasible, because numbers overflow.
     fn started(
-        constraints: RateConstraints,
+        constraints: RateConstraints<'a>,
         mut coefficients: Coefficients,
         gap: f64,
     ) -> Option<Self> {
@@ -93,7 +92,7 @@ impl RateSearch {
             }
         }
         let count = 2 * constraints.rows.len() + INTERVALS - 1 + COEFFICIENTS;
-        let product = gap * duration(&coefficients) / count as f64;
+        let product = gap * duration(constraints.grid, &coefficients) / count as f64;
         let mut multipliers = slacks.clone();
         for multiplier in
             multipliers.rows.as_flattened_mut().iter_mut().chain(&mut multipliers.knots)
@@ -109,7 +108,7 @@ impl RateSearch {
         let count = 2 * self.constraints.rows.len() + INTERVALS - 1 + COEFFICIENTS;
         for _ in 0..MAX_ITERATIONS {
             let products = self.products();
-            if products < gap * duration(&self.coefficients) {
+            if products < gap * duration(self.constraints.grid, &self.coefficients) {
                 return;
             }
             let step = self.step(CENTERING * products / count as f64);
@@ -120,9 +119,12 @@ impl RateSearch {
     }
 
     /// The squared rate that was found.
-    pub(super) fn solution(&self) -> SquaredRate {
+    pub(super) fn solution(&self) -> SquaredRate<'a> {
         let unit = self.constraints.unit;
-        SquaredRate { coefficients: self.coefficients.iter().map(|value| value * unit).collect() }
+        SquaredRate {
+            grid: self.constraints.grid,
+            coefficients: self.coefficients.iter().map(|value| value * unit).collect(),
+        }
     }
 
     /// Sum of the products of slacks and multipliers: the duality gap of the linearized problem.
@@ -182,12 +184,13 @@ impl RateSearch {
         }
         for knot in 1..INTERVALS {
             let inverse = 1.0 / self.slacks.knots[knot];
-            let weight = 0.25 * self.multipliers.knots[knot] * inverse;
-            right[knot] -= 0.5 * target * inverse;
-            right[knot + 1] -= 0.5 * target * inverse;
-            matrix[knot][0] += weight;
-            matrix[knot][1] += weight;
-            matrix[knot + 1][0] += weight;
+            let [first, second] = self.constraints.grid.knot_weights(knot);
+            let weight = self.multipliers.knots[knot] * inverse;
+            right[knot] -= first * target * inverse;
+            right[knot + 1] -= second * target * inverse;
+            matrix[knot][0] += weight * first * first;
+            matrix[knot][1] += weight * first * second;
+            matrix[knot + 1][0] += weight * second * second;
         }
         for k in 0..COEFFICIENTS {
             right[k] += target / self.coefficients[k];
@@ -199,17 +202,15 @@ impl RateSearch {
 
     /// Adds the gradient and the curvature of the duration.
     fn add_duration(&self, matrix: &mut Banded, right: &mut Coefficients) {
-        for interval in 0..INTERVALS {
-            for share in QUADRATURE {
-                let weights = basis(share)[0];
-                let x = product(&weights, &self.coefficients[interval..]);
-                let slope = 0.25 / (INTERVALS as f64 * x * x.sqrt());
-                let curvature = 1.5 * slope / x;
-                for a in 0..3 {
-                    right[interval + a] += slope * weights[a];
-                    for b in a..3 {
-                        matrix[interval + a][b - a] += curvature * weights[a] * weights[b];
-                    }
+        for point in self.constraints.grid.quadrature() {
+            let (interval, weights) = (point.interval, point.basis);
+            let x = product(&weights, &self.coefficients[interval..]);
+            let slope = 0.5 * point.weight / (x * x.sqrt());
+            let curvature = 1.5 * slope / x;
+            for a in 0..3 {
+                right[interval + a] += slope * weights[a];
+                for b in a..3 {
+                    matrix[interval + a][b - a] += curvature * weights[a] * weights[b];
                 }
             }
         }
@@ -248,7 +249,7 @@ impl RateSearch {
             }
         }
         for knot in 1..INTERVALS {
-            let slack_change = -0.5 * (direction[knot] + direction[knot + 1]);
+            let slack_change = -self.constraints.at_knot(knot, &direction);
             change(self.slacks.knots[knot], slack_change, &mut step.multipliers.knots[knot]);
         }
         for k in 0..COEFFICIENTS {
@@ -295,11 +296,11 @@ fn tangent(bound: Bound, x: f64) -> f64 {
 }
 
 /// Duration of the path in the unit of time of the constraints.
-fn duration(coefficients: &Coefficients) -> f64 {
-    let rates = (0..INTERVALS).flat_map(|interval| {
-        QUADRATURE.map(|share| product(&basis(share)[0], &coefficients[interval..]).sqrt())
-    });
-    rates.map(f64::recip).sum::<f64>() * (0.5 / INTERVALS as f64)
+fn duration(grid: &RateGrid, coefficients: &Coefficients) -> f64 {
+    let duration = |point: &QuadraturePoint| {
+        point.weight / product(&point.basis, &coefficients[point.interval..]).sqrt()
+    };
+    grid.quadrature().iter().map(duration).sum()
 }
 
 /// Solves a linear system with a positive definite matrix, in place.

@@ -6,7 +6,7 @@
 //! ```text
 //!    |Q' √x| ≤ v        |Q'' x + Q' x' / 2| ≤ a        |Q''' x + 3/2 Q'' x' + 1/2 Q' x''|  ≤  j / √x        Q(u) = q(σ(u))
 //! ```
-//! x is a quadratic spline over equal intervals of u; the constraints hold at collocation points.
+//! x is a quadratic spline over intervals of u; the constraints hold at collocation points.
 //! All left sides are linear in x, and so is everything but the right side of the jerk, which is convex: its tangents are inner approximations.
 
 use super::profile::JerkLimitedProfile;
@@ -14,8 +14,6 @@ use super::spline::Jet;
 
 /// Number of intervals of the spline.
 pub(super) const INTERVALS: usize = 48;
-/// Width of an interval of the reparameterization.
-const WIDTH: f64 = 1.0 / INTERVALS as f64;
 /// Number of coefficients of the spline.
 pub(super) const COEFFICIENTS: usize = INTERVALS + 2;
 /// Positions and weights of the Gauss–Legendre quadrature with three points on an interval from 0 to 1.
@@ -25,56 +23,165 @@ const QUADRATURE: [(f64, f64); 3] = [
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
 
+/// Positions on an interval from 0 to 1 of the Gauss–Legendre quadrature with two points of equal weight.
+const TWO_POINTS: [f64; 2] = [0.211_324_865_405_187_12, 0.788_675_134_594_812_9];
+
 /// Coefficients of three consecutive basis splines in x, x' and x'' at one place of their interval.
 pub(super) type Basis = [[f64; 3]; 3];
-
-/// Basis splines at a share of an interval.
-pub(super) fn basis(share: f64) -> Basis {
-    let rest = 1.0 - share;
-    let second = 1.0 / (WIDTH * WIDTH);
-    [
-        [0.5 * rest * rest, 0.5 + share * rest, 0.5 * share * share],
-        [-rest / WIDTH, (rest - share) / WIDTH, share / WIDTH],
-        [second, -2.0 * second, second],
-    ]
-}
 
 /// Product of basis splines and their coefficients.
 pub(super) fn product(weights: &[f64; 3], coefficients: &[f64]) -> f64 {
     weights[0] * coefficients[0] + weights[1] * coefficients[1] + weights[2] * coefficients[2]
 }
 
-/// Path parameter σ(u) with its first three derivatives.
-pub(super) fn path_parameter(u: f64) -> Jet {
-    let w = 1.0 - u;
-    [
-        u * u * u * (10.0 + u * (6.0 * u - 15.0)),
-        30.0 * (u * w) * (u * w),
-        60.0 * u * w * (w - u),
-        60.0 - 360.0 * u * w,
-    ]
+/// Share of the reparameterization in which the acceleration grows from rest, for motions that take much of their time for it.
+const LONG_RAMP: f64 = 0.28;
+/// Number of intervals in a long ramp: as wide as the others.
+const LONG_RAMP_INTERVALS: usize = 13;
+/// Share of the duration from which on a ramp is long.
+const LONG_RAMP_THRESHOLD: f64 = 0.05;
+/// Least share of a ramp.
+const MIN_RAMP: f64 = 1e-3;
+/// Number of intervals in a short ramp.
+const SHORT_RAMP_INTERVALS: usize = 4;
+
+/// The reparameterization σ(u) and the intervals of u.
+///
+/// ```text
+///    σ'''  =  k / r  for u < r        −k / (1/2 − r)  for r < u < 1 − r        k / r  for u > 1 − r
+/// ```
+#[derive(Debug)]
+pub(super) struct RateGrid {
+    /// r
+    ramp: f64,
+    /// k
+    peak: f64,
+    /// Number of intervals in a ramp.
+    ramp_intervals: usize,
+    /// Points and weights at which durations of intervals are integrated.
+    quadrature: Vec<QuadraturePoint>,
+    /// Weights of the two basis splines that are not zero at the start of each interval.
+    knot_weights: Vec<[f64; 2]>,
+}
+
+/// A point at which the duration is integrated.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct QuadraturePoint {
+    pub(super) interval: usize,
+    /// Weights of the basis splines in x.
+    pub(super) basis: [f64; 3],
+    /// Weight of 1/√x.
+    pub(super) weight: f64,
+}
+
+impl RateGrid {
+    /// # Arguments
+    /// * `ramp_share` – share of its duration in which the acceleration of a motion grows from rest
+    pub(super) fn new(ramp_share: f64) -> Self {
+        let (ramp, ramp_intervals) = if ramp_share >= LONG_RAMP_THRESHOLD {
+            (LONG_RAMP, LONG_RAMP_INTERVALS)
+        } else {
+            (ramp_share.max(MIN_RAMP), SHORT_RAMP_INTERVALS)
+        };
+        let rest = 0.5 - ramp;
+        let peak = 0.5 / (ramp * ramp / 6.0 + rest / 4.0 - rest * rest / 6.0);
+        let mut grid = Self {
+            ramp,
+            peak,
+            ramp_intervals,
+            quadrature: Vec::with_capacity(2 * INTERVALS),
+            knot_weights: Vec::with_capacity(INTERVALS),
+        };
+        for interval in 0..INTERVALS {
+            let weight = 0.5 * grid.width(interval);
+            let points = TWO_POINTS.map(|share| QuadraturePoint {
+                interval,
+                basis: grid.basis(interval, share)[0],
+                weight,
+            });
+            grid.quadrature.extend(points);
+            let [first, second, _] = grid.basis(interval, 0.0)[0];
+            grid.knot_weights.push([first, second]);
+        }
+        grid
+    }
+
+    /// Points at which the duration is integrated.
+    pub(super) fn quadrature(&self) -> &[QuadraturePoint] {
+        &self.quadrature
+    }
+
+    /// Weights of the coefficients `knot` and `knot + 1` in the squared rate at the start of an interval.
+    pub(super) fn knot_weights(&self, knot: usize) -> [f64; 2] {
+        self.knot_weights[knot]
+    }
+
+    /// Width of an interval; those before the first and after the last are as wide as these.
+    pub(super) fn width(&self, interval: usize) -> f64 {
+        let inner = INTERVALS - 2 * self.ramp_intervals;
+        if interval < self.ramp_intervals || interval >= INTERVALS - self.ramp_intervals {
+            self.ramp / self.ramp_intervals as f64
+        } else {
+            (1.0 - 2.0 * self.ramp) / inner as f64
+        }
+    }
+
+    /// Basis splines at a share of an interval.
+    pub(super) fn basis(&self, interval: usize, share: f64) -> Basis {
+        let width = self.width(interval);
+        let before = width + self.width(interval.saturating_sub(1));
+        let after = width + self.width((interval + 1).min(INTERVALS - 1));
+        let (t, rest) = (share * width, (1.0 - share) * width);
+        let [first, last] = [1.0 / (width * before), 1.0 / (width * after)];
+        let (b0, b2) = (rest * rest * first, t * t * last);
+        let (s0, s2) = (-2.0 * rest * first, 2.0 * t * last);
+        let (c0, c2) = (2.0 * first, 2.0 * last);
+        [[b0, 1.0 - b0 - b2, b2], [s0, -s0 - s2, s2], [c0, -c0 - c2, c2]]
+    }
+
+    /// Path parameter σ with its first three derivatives by u at a share of an interval.
+    pub(super) fn path_parameter(&self, interval: usize, share: f64) -> Jet {
+        let (r, k) = (self.ramp, self.peak);
+        let ramp = |u: f64| [k * u * u * u / (6.0 * r), k * u * u / (2.0 * r), k * u / r, k / r];
+        if interval < self.ramp_intervals {
+            return ramp((interval as f64 + share) * self.width(0));
+        }
+        if interval >= INTERVALS - self.ramp_intervals {
+            let [s, slope, curvature, third] =
+                ramp(((INTERVALS - interval) as f64 - share) * self.width(0));
+            return [1.0 - s, slope, -curvature, third];
+        }
+        let from_ramp = (interval - self.ramp_intervals) as f64 + share;
+        let rest = 0.5 - r;
+        let v = from_ramp * self.width(interval) - rest;
+        let third = -k / rest;
+        [0.5 + v * (k / 4.0 + v * v * third / 6.0), k / 4.0 + v * v * third / 2.0, v * third, third]
+    }
 }
 
 /// Squared rate x = u̇² over u (1/s²).
 #[derive(Debug, Clone)]
-pub(super) struct SquaredRate {
+pub(super) struct SquaredRate<'a> {
+    pub(super) grid: &'a RateGrid,
     pub(super) coefficients: Vec<f64>,
 }
 
-impl SquaredRate {
+impl SquaredRate<'_> {
     /// Rate ṡ (1/s) and acceleration s̈ (1/s²) of the path parameter at a share of an interval.
     fn motion(&self, interval: usize, share: f64) -> [f64; 2] {
         let coefficients = &self.coefficients[interval..];
-        let [x, slope, _] = basis(share).map(|weights| product(&weights, coefficients));
-        let [_, first, second, _] = path_parameter((interval as f64 + share) * WIDTH);
+        let basis = self.grid.basis(interval, share);
+        let [x, slope, _] = basis.map(|weights| product(&weights, coefficients));
+        let [_, first, second, _] = self.grid.path_parameter(interval, share);
         [first * x.sqrt(), second * x + 0.5 * first * slope]
     }
 
     /// Duration of an interval (s).
     pub(super) fn duration(&self, interval: usize) -> f64 {
         let coefficients = &self.coefficients[interval..];
-        let at = |share: f64| product(&basis(share)[0], coefficients).sqrt();
-        QUADRATURE.iter().map(|&(share, weight)| weight * WIDTH / at(share)).sum()
+        let at = |share: f64| product(&self.grid.basis(interval, share)[0], coefficients).sqrt();
+        let width = self.grid.width(interval);
+        QUADRATURE.iter().map(|&(share, weight)| weight * width / at(share)).sum()
     }
 
     /// The path parameter over time: two pieces of constant jerk for each interval.

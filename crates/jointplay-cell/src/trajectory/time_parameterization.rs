@@ -12,7 +12,7 @@ use super::profile::{AxisState, JerkLimitedProfile};
 use super::rate_constraints::{Exceedance, RateConstraints};
 use super::rate_search::RateSearch;
 use super::spline::{self, Jet, Spline};
-use super::squared_rate::INTERVALS;
+use super::squared_rate::{INTERVALS, RateGrid};
 use super::synchronized::{NoProfile, synchronized_profile};
 use crate::robot::KinematicLimits;
 
@@ -76,7 +76,8 @@ impl<'a> TimeParameterization<'a> {
         if single.duration() == 0.0 || self.is_proportional() {
             return Ok(self.slowed_for_curvature(single));
         }
-        let Some(fastest) = self.fastest_profile() else {
+        let ramp_share = single.ramp_duration() / single.duration();
+        let Some(fastest) = self.fastest_profile(ramp_share) else {
             return Ok(self.slowed_for_curvature(single));
         };
         // The slowdown for curvature never shortens a profile.
@@ -88,10 +89,15 @@ impl<'a> TimeParameterization<'a> {
     }
 
     /// The fastest profile found, slowed until it satisfies all limits; `None` where numbers overflow.
-    fn fastest_profile(&self) -> Option<JerkLimitedProfile> {
+    ///
+    /// # Arguments
+    /// * `ramp_share` – share of its duration in which the acceleration grows from rest, by constant limits
+    fn fastest_profile(&self, ramp_share: f64) -> Option<JerkLimitedProfile> {
+        let grid = RateGrid::new(ramp_share);
         let mut tightened = Exceedance::none(self.limits.len());
-        let constraints =
-            |by: &Exceedance| RateConstraints::new(self.spline, &self.limits, self.max_rate, by);
+        let constraints = |by: &Exceedance| {
+            RateConstraints::new(&grid, self.spline, &self.limits, self.max_rate, by)
+        };
         let mut search = RateSearch::new(constraints(&tightened))?;
         let mut best: Option<JerkLimitedProfile> = None;
         for (refinement, gap) in GAPS.into_iter().enumerate() {
