@@ -33,7 +33,7 @@ async function write(kind: 'program' | 'cell', text: string): Promise<void> {
 }
 
 test('the cell is displayed with its named parts, and its program is safe to run', async () => {
-  await checkResult('sound');
+  await checkResult('passed');
   await until('the cell is drawn', async () => (await partNames(page)).length > 0 && (await page.evaluate(() => window.jointplay.probe.cellFrames > 0)));
   const parts = await partNames(page);
   for (const name of ['wall', 'optics', 'blade-A', 'LP1-left']) expect(parts).toContain(name);
@@ -66,7 +66,7 @@ test('errors are marked in their lines', async () => {
   await page.getByTestId('diagnostics').filter({ hasText: 'line 2, column 5' }).filter({ hasText: 'LP9' }).waitFor();
   await page.getByTestId('text-program').locator('.cm-lintRange-error', { hasText: 'LP9' }).waitFor();
   await write('program', SHORT_PROGRAM);
-  await checkResult('sound');
+  await checkResult('passed');
 });
 
 test('a collision is listed and marked at its time, in its line and in the 3D view', async () => {
@@ -79,7 +79,7 @@ test('a collision is listed and marked at its time, in its line and in the 3D vi
   await page.getByTestId('text-program').locator('.cm-lintRange-warning').first().waitFor();
   await page.keyboard.press('Escape');
   await page.getByRole('button', { name: 'Undo' }).click();
-  await checkResult('sound');
+  await checkResult('passed');
 });
 
 test('an excessive tilt of a station is fixed, and saving preserves comments', async () => {
@@ -91,11 +91,11 @@ test('an excessive tilt of a station is fixed, and saving preserves comments', a
   await page.getByTestId('diagnostics').getByRole('button').first().click();
   await page.getByTestId('text-cell').locator('.cm-lintRange-error').first().waitFor();
   await page.getByRole('button', { name: 'Undo' }).click();
-  await checkResult('sound');
+  await checkResult('passed');
   await page.getByTestId('station-LP1-x').fill('-494');
   await page.getByTestId('station-LP1-x').press('Enter');
   await until('it can be kept', () => page.getByTestId('save').isEnabled());
-  await checkResult('sound');
+  await checkResult('passed');
   await page.getByTestId('save').click();
   await until('it is saved', () => page.getByTestId('save').isDisabled());
   const kept = readFileSync(join(fixture.folder, 'mine.toml'), 'utf8');
@@ -200,7 +200,7 @@ test('a station is taught by position and by plane points, and undo restores it'
   }
   for (let k = 0; k < 4; k += 1) await undo.click();
   await until('no point is left', async () => (await page.getByTestId('points-ALIGN').count()) === 0);
-  await checkResult('sound');
+  await checkResult('passed');
   expect(await text()).toBe(kept);
   await page.getByTestId('jog-release').click();
 });
@@ -233,7 +233,7 @@ test('a station is dragged by the handles of its degrees of freedom in one undo 
   await until('it is replanned', async () => (await page.getByTestId('planned').textContent())!.startsWith('Planned') && (await z()) > 601);
   await page.getByRole('button', { name: 'Undo' }).click();
   await until('one step takes it back', async () => (await z()) === 600);
-  await checkResult('sound');
+  await checkResult('passed');
 });
 
 test('wafers and bodies of a station move with it during a drag and after planning', async () => {
@@ -249,10 +249,11 @@ test('wafers and bodies of a station move with it during a drag and after planni
     await until('the field follows', async () => (await field('z')) > z + 0.5);
     shown = await places();
     const moved = (await field('z')) - z;
-    for (const by of off(shown)) [0, 0, moved].forEach((value, i) => expect(by[i]).toBeCloseTo(value, 6));
+    // Single precision at half a metre is 30 nm.
+    for (const by of off(shown)) [0, 0, moved].forEach((value, i) => expect(by[i]).toBeCloseTo(value, 4));
     expect(await origin('wall'), 'what is not of the station stays').toEqual(wall);
   });
-  await checkResult('sound');
+  await checkResult('passed');
   // Single precision is what the file of the picture has.
   await until('the server reports the same', async () => (await places()).every((place, k) => place.every((value, i) => Math.abs(value - shown[k]![i]!) < 1e-6)));
   await page.getByRole('button', { name: 'Undo' }).click();
@@ -264,7 +265,7 @@ test('wafers and bodies of a station move with it during a drag and after planni
     // The slot on top moves far as the station tilts about its lowest.
     expect(Math.hypot(...off(shown)[2]!)).toBeGreaterThan(0.2);
   });
-  await checkResult('sound');
+  await checkResult('passed');
   await until('the server reports the same', async () => (await places()).every((place, k) => place.every((value, i) => Math.abs(value - shown[k]![i]!) < 1e-6)));
   await page.getByRole('button', { name: 'Undo' }).click();
   await until('it is back', async () => off(await places()).every((by) => by.every((value) => Math.abs(value) < 1e-3)));
@@ -275,12 +276,12 @@ test('a station defined by its first and last slot keeps its definition when it 
   const text = EXAMPLE_CELL.replace('position_mm = [-495.0, -495.0, 500.0]', drift).replace('tilt = { yaw_deg = 100.0, pitch_deg = 0.8 }\n', '');
   await write('cell', text);
   await until('it is planned so', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'drift' }).count()) > 0);
-  await checkResult('sound');
+  await checkResult('passed');
   await choose('LP2');
   for (const freedom of ['x', 'y', 'height', 'yaw', 'about_x', 'about_y']) await until(`it has ${freedom}`, async () => (await grip(freedom)) !== null);
   await drag('height', 14);
   const kept = async () => {
-    await checkResult('sound');
+    await checkResult('passed');
     await page.getByTestId('save').click();
     await until('it is saved', () => page.getByTestId('save').isDisabled());
     const [, first, last] = /drift = \{ first_mm = \[(.*?)\], last_mm = \[(.*?)\] \} # as measured/.exec(readFileSync(join(fixture.folder, 'mine.toml'), 'utf8'))!;
@@ -300,7 +301,7 @@ test('a station defined by its first and last slot keeps its definition when it 
   expect(long(turned!)).toBeCloseTo(long(last!), 6);
   for (let k = 0; k < 3; k += 1) await page.getByRole('button', { name: 'Undo' }).click();
   await until('it is as drawn', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'drift' }).count()) === 0);
-  await checkResult('sound');
+  await checkResult('passed');
   await page.getByTestId('save').click();
 });
 
@@ -359,14 +360,14 @@ test('files that have changed on disk are overwritten only after confirmation', 
   expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
   await page.getByRole('button', { name: 'Overwrite' }).click();
   await until('mine is kept', async () => readFileSync(path, 'utf8').includes('-492'));
-  await checkResult('sound');
+  await checkResult('passed');
 });
 
 test('the robot view is available next to the cell view', async () => {
   await page.getByRole('button', { name: 'Robot', exact: true }).first().click();
   await until('the robot is drawn', () => page.evaluate(() => window.jointplay.probe.frames > 0));
   await page.getByRole('button', { name: 'Cell', exact: true }).click();
-  await checkResult('sound');
+  await checkResult('passed');
 });
 
 test('an invalid cell is opened, its error is marked, and it is fixed', async () => {
@@ -384,7 +385,7 @@ test('an invalid cell is opened, its error is marked, and it is fixed', async ()
     await second.getByTestId('text-cell').locator('.cm-content').click();
     await second.keyboard.press('Control+a');
     await second.keyboard.insertText(EXAMPLE_CELL);
-    await until('it is sound', async () => (await second.getByTestId('check-result').getAttribute('data-state')) === 'sound');
+    await until('it passes', async () => (await second.getByTestId('check-result').getAttribute('data-state')) === 'passed');
     await until('it is drawn', async () => (await partNames(second)).length > 0);
     await second.getByTestId('save').click();
     await until('it is saved', () => second.getByTestId('save').isDisabled());

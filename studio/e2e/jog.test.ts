@@ -33,13 +33,13 @@ const text = () => page.getByTestId('text-cell').locator('.cm-content').innerTex
 async function intoTheWall(): Promise<void> {
   await set('T', -90);
   await until('it turned', async () => (await value('T')) === -90);
-  await state('sound');
+  await state('passed');
   await set('RA', 60);
 }
 
 test('a jogged pose without contact lists its minimum distances and highlights nothing', async () => {
   await until('the cell is drawn', async () => (await partNames(page)).length > 0);
-  await state('sound');
+  await state('passed');
   expect(await page.getByTestId('jog-stop').isChecked(), 'the safe choice is the first').toBe(true);
   const rows = await page.getByTestId('jog-distances').locator('td:last-child').allTextContents();
   const distances = rows.map((row) => Number(/^([\d.]+) mm$/.exec(row)![1]));
@@ -126,7 +126,7 @@ test('a plane point taught in contact requires a confirmation, and its comment s
   await until('the point is taken', async () => (await page.getByTestId('points-ALIGN').locator('li').count()) === 1);
   await page.getByTestId('text-cell').locator('.cm-line', { hasText: NOTE }).waitFor();
   await set('RA', 20);
-  await until('it is out of the wall', async () => (await value('RA')) === 20 && (await page.getByTestId('jog-check').getAttribute('data-state')) === 'sound');
+  await until('it is out of the wall', async () => (await value('RA')) === 20 && (await page.getByTestId('jog-check').getAttribute('data-state')) === 'passed');
   await page.getByTestId('teach-ALIGN-point').click();
   await until('the second point is taken', async () => (await page.getByTestId('points-ALIGN').locator('li').count()) === 2);
   expect(await text()).toContain(NOTE);

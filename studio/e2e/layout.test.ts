@@ -31,7 +31,7 @@ async function at(width: number, height: number, part: 'robot' | 'cell', does: (
     await page.addInitScript((shown) => localStorage.setItem('jointplay.studio.part', JSON.stringify(shown)), part);
     await page.goto(server.address);
     if (part === 'robot') await drawn(page);
-    else await until('the result is there', async () => (await page.getByTestId('check-result').getAttribute('data-state')) === 'sound');
+    else await until('the result is there', async () => (await page.getByTestId('check-result').getAttribute('data-state')) === 'passed');
     await does(page);
     expect(heard).toEqual([]);
   } finally {

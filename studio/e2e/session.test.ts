@@ -20,7 +20,7 @@ beforeEach(async () => {
   page = await visit(fixture.browser);
   heard = complaints(page);
   await page.goto(fixture.server.address);
-  await checkResult('sound');
+  await checkResult('passed');
 });
 afterEach(async () => {
   // The browser itself notes requests without an answer.
@@ -57,17 +57,17 @@ async function hold(): Promise<() => Promise<void>> {
 async function outdated(): Promise<void> {
   await checkResult('outdated');
   expect(await page.getByTestId('check-result').innerText()).toContain('Outdated');
-  expect(await page.getByText('Safe to run').count()).toBe(0);
+  expect(await page.getByText('No violations').count()).toBe(0);
   expect(await page.getByTestId('gantt').getAttribute('data-outdated')).toBe('true');
   expect(await page.getByTestId('outdated').isVisible()).toBe(true);
   expect(await page.title()).toMatch(/^Outdated/);
 }
 /** And valid again. */
 async function valid(): Promise<void> {
-  await checkResult('sound');
+  await checkResult('passed');
   expect(await page.getByTestId('gantt').getAttribute('data-outdated')).toBe('false');
   expect(await page.getByTestId('outdated').count()).toBe(0);
-  expect(await page.title()).toMatch(/^Safe to run/);
+  expect(await page.title()).toMatch(/^No violations/);
 }
 
 test('typing makes the result outdated until the text is checked', async () => {
@@ -140,7 +140,7 @@ test('dragging a station makes the result outdated', async () => {
   await outdated();
   await release();
   // Checked, whatever the result.
-  await until('it is checked', async () => ['sound', 'broken'].includes((await shown())!));
+  await until('it is checked', async () => ['passed', 'failed'].includes((await shown())!));
   expect(await page.getByTestId('gantt').getAttribute('data-outdated')).toBe('false');
 });
 
@@ -155,7 +155,7 @@ test('without a server the result is outdated and saving fails; the page recover
   await outdated();
   expect(readFileSync(fixture.programFile, 'utf8')).toBe(SHORT_PROGRAM);
   fixture.server = await serve(fixture.server.port, ['--cell', fixture.cellFile]);
-  await checkResult('sound');
+  await checkResult('passed');
   await page.getByTestId('disconnected').waitFor({ state: 'hidden' });
   await page.getByTestId('save').click();
   await until('it is saved', async () => readFileSync(fixture.programFile, 'utf8') === `${SHORT_PROGRAM}# while away\n`);
@@ -167,7 +167,7 @@ test('without a server the result is outdated and saving fails; the page recover
 test('edits, undo history and the open text persist in the robot view', async () => {
   await append('# one\n');
   await until('it can be undone', () => page.getByRole('button', { name: 'Undo' }).isEnabled());
-  await checkResult('sound');
+  await checkResult('passed');
   await page.getByRole('button', { name: 'Robot', exact: true }).click();
   await until('the robot is drawn', () => page.evaluate(() => window.jointplay.probe.frames > 0));
   expect(await page.title()).toBe('jointplay studio');
@@ -176,7 +176,7 @@ test('edits, undo history and the open text persist in the robot view', async ()
   await page.getByRole('button', { name: 'Cell', exact: true }).click();
   await editor().waitFor();
   expect(await text()).toContain('# one');
-  expect(await shown()).toBe('sound');
+  expect(await shown()).toBe('passed');
   expect(await page.getByTestId('save').isEnabled()).toBe(true);
   await until('it is drawn', async () => (await partNames(page)).length > 0);
   expect(fetched, 'what is there is not fetched again').toBe(0);
@@ -184,7 +184,7 @@ test('edits, undo history and the open text persist in the robot view', async ()
   await editor().click();
   await page.keyboard.press('Control+z');
   await until('it is undone', async () => !(await text()).includes('# one'));
-  await checkResult('sound');
+  await checkResult('passed');
   expect(await page.getByTestId('save').isDisabled()).toBe(true);
 });
 
@@ -195,7 +195,7 @@ test('closing with unsaved changes requires a confirmation, and reloading restor
     void dialog.accept();
   });
   await page.reload();
-  await checkResult('sound');
+  await checkResult('passed');
   expect(asked, 'nothing unsaved, nothing asked').toEqual([]);
   await append('# draft\n');
   // At once: the text has not rested yet.
@@ -203,7 +203,7 @@ test('closing with unsaved changes requires a confirmation, and reloading restor
   expect(asked).toEqual(['beforeunload']);
   await page.getByTestId('draft').filter({ hasText: 'were restored' }).waitFor();
   expect(await text()).toContain('# draft');
-  await checkResult('sound');
+  await checkResult('passed');
   expect(await page.title()).toContain('(unsaved)');
   await page.getByRole('button', { name: 'Discard' }).click();
   await until('the text is the file’s', async () => !(await text()).includes('# draft'));
@@ -214,7 +214,7 @@ test('closing with unsaved changes requires a confirmation, and reloading restor
   await until('it is saved', () => page.getByTestId('save').isDisabled());
   asked.length = 0;
   await page.reload();
-  await checkResult('sound');
+  await checkResult('passed');
   expect(asked).toEqual([]);
   expect(await page.getByTestId('draft').count()).toBe(0);
   expect(await text()).toContain('# draft');
@@ -223,25 +223,25 @@ test('closing with unsaved changes requires a confirmation, and reloading restor
 test('a draft of changed files is offered and not applied', async () => {
   page.on('dialog', (dialog) => void dialog.accept());
   await append('# mine\n');
-  await checkResult('sound');
+  await checkResult('passed');
   writeFileSync(fixture.programFile, `${SHORT_PROGRAM}# theirs\n`);
   await page.reload();
   await page.getByTestId('draft').filter({ hasText: 'another version of the files' }).waitFor();
   expect(await text()).toContain('# theirs');
   await append('# more\n');
-  await checkResult('sound');
+  await checkResult('passed');
   await page.reload();
   await page.getByTestId('draft').filter({ hasText: 'were restored' }).waitFor();
   expect(await text()).toContain('# more');
   await page.getByRole('button', { name: 'Discard' }).click();
-  await checkResult('sound');
+  await checkResult('passed');
   expect(await text()).not.toContain('# mine');
 });
 
 test('a draft of another version is restored on request, and undo reverts it', async () => {
   page.on('dialog', (dialog) => void dialog.accept());
   await append('# mine\n');
-  await checkResult('sound');
+  await checkResult('passed');
   writeFileSync(fixture.programFile, `${SHORT_PROGRAM}# theirs\n`);
   await page.reload();
   await page.getByTestId('draft').filter({ hasText: 'another version of the files' }).waitFor();

@@ -60,7 +60,7 @@ fn radial_is_the_fermat_point() {
 }
 
 #[test]
-fn planar_is_the_centroid_without_twist() {
+fn planar_is_the_centroid_without_torsion() {
     for pitch in PITCHES_DEG {
         for yaw in yaws_deg() {
             let found = pose(&Planar, Solver::ClosedForm, Metric::Paper, yaw, pitch);

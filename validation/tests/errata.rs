@@ -188,7 +188,7 @@ fn equation_8_to_the_letter_ends_a_few_picometres_aside() {
     near(letter[0] - midpoint[0], 3.96e-9 * MM, 1e-11 * MM);
 }
 
-// Trap 3: the answer depends on the unit of length.
+// Remark 3: the answer depends on the unit of length.
 
 #[test]
 fn characteristic_length_decides_the_centre_shift() {
@@ -239,7 +239,7 @@ fn the_same_robot_in_metres_would_give_another_answer() {
     assert!(mm.center_shift().x > 28.0 * UM);
 }
 
-// Trap 4: small angles without information.
+// Remark 4: small angles without information.
 
 /// Largest X over all yaws at 2°, linear and angular ((m), (rad)).
 fn largest(model: &dyn jointplay::virtualization::Virtualization, solver: Solver) -> (f64, f64) {
@@ -308,7 +308,7 @@ fn polar_angles_carry_more_play_than_the_lengths() {
     near(x[0] - RADIUS, 28.4 * UM, 0.1 * UM);
 }
 
-// Trap 5: the iteration ends near, not at, the least norm.
+// Remark 5: the iteration ends near, not at, the least norm.
 
 #[test]
 fn newton_is_not_the_least_norm() {
@@ -329,7 +329,7 @@ fn newton_is_not_the_least_norm() {
     near(gap(2.0) / gap(1.0), 16.0, 0.1);
 }
 
-// Trap 6: a start at the last pose makes the answer depend on the path.
+// Remark 6: a start at the last pose makes the answer depend on the path.
 
 const SAMPLES: u32 = 360;
 
@@ -343,7 +343,7 @@ fn ends() -> [usize; 3] {
 }
 
 #[test]
-fn least_rotation_from_the_last_pose_gains_twist_at_every_turn() {
+fn least_rotation_from_the_last_pose_gains_torsion_at_every_turn() {
     let rotations = least_rotation(&three_turns());
     // The solid angle that the normal runs round.
     let gain = std::f64::consts::TAU * (1.0 - 2.0_f64.to_radians().cos());

@@ -39,12 +39,12 @@ fn cases(robot: &HybridRobot, with_heading: bool) -> Vec<(Vec<f64>, WaferTarget)
     let strides = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3, 0.819_172_513_396_164_5];
     (1..=POSES)
         .map(|i| {
-            let share = |stride: f64| (f64::from(i) * stride).fract();
-            let tilt = Tilt { yaw: TAU * share(0.618), pitch: 0.026 * share(0.414_213_562) };
+            let fraction = |stride: f64| (f64::from(i) * stride).fract();
+            let tilt = Tilt { yaw: TAU * fraction(0.618), pitch: 0.026 * fraction(0.414_213_562) };
             let mut positions = robot.gpr.inverse(tilt, AxisHeight(0.5)).unwrap().to_vec();
             for (k, axis) in robot.axes[3..].iter().enumerate() {
-                let share = 0.1 + 0.8 * share(strides[k % 3] + 0.1 * k as f64);
-                positions.push(axis.min + share * (axis.max - axis.min));
+                let fraction = 0.1 + 0.8 * fraction(strides[k % 3] + 0.1 * k as f64);
+                positions.push(axis.min + fraction * (axis.max - axis.min));
             }
             let pose = robot.effector_pose(&positions, A).unwrap();
             let normal = pose.rotation * Vector3::z();

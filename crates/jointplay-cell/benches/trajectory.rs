@@ -18,7 +18,7 @@ use jointplay_cell::program::{
 };
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
-use jointplay_cell::workcell::{Body, Carrier, Cell};
+use jointplay_cell::workcell::{Body, Cell, ParentFrame};
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
@@ -46,9 +46,9 @@ fn port(name: &str, direction: f64) -> Station {
     }
 }
 
-fn body(name: &str, carrier: Carrier, pose: Pose, half: [f64; 3]) -> Body {
+fn body(name: &str, parent: ParentFrame, pose: Pose, half: [f64; 3]) -> Body {
     let shape = Shape::Box { half };
-    Body { name: name.to_owned(), carrier, carrier_from_shape: pose, shape, station: None }
+    Body { name: name.to_owned(), parent, parent_from_shape: pose, shape, station: None }
 }
 
 fn at(x: f64, y: f64, z: f64) -> Pose {
@@ -57,7 +57,7 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
 
 fn cell() -> Cell {
     let stations = vec![port("P1", 0.4), port("P2", -1.2)];
-    let link = |link| Carrier::Link { arm: 0, link };
+    let link = |link| ParentFrame::Link { arm: 0, link };
     let mut bodies = vec![
         body("upper arm", link(0), at(0.125, 0.0, -0.02), [0.15, 0.03, 0.005]),
         body("forearm", link(1), at(0.125, 0.0, -0.02), [0.15, 0.03, 0.005]),
@@ -71,13 +71,13 @@ fn cell() -> Cell {
         ];
         for (side, pose, half) in walls {
             let name = format!("{} {side}", station.name);
-            bodies.push(body(&name, Carrier::World, station.base_from_station * pose, half));
+            bodies.push(body(&name, ParentFrame::World, station.base_from_station * pose, half));
         }
     }
     Cell {
         stations,
         occupied: (1..=WAFERS).map(|slot| SlotId { station: 0, slot }).collect(),
-        carried: Vec::new(),
+        loaded_effectors: Vec::new(),
         bodies,
         plane_threshold: 1e-5,
         ..common::cell(common::kind(0, [0.25, 0.22, 0.2]))

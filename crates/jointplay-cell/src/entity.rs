@@ -26,6 +26,8 @@ pub enum EntityId {
     HeldWafer(EffectorId),
     /// Zone of the cell.
     Zone(usize),
+    /// Station of the cell.
+    Station(usize),
 }
 
 impl EntityId {
@@ -55,6 +57,7 @@ impl Cell {
             }
             EntityId::HeldWafer(id) => format!("wafer of {}", self.effector_name(id)),
             EntityId::Zone(zone) => self.zones[zone].name.clone(),
+            EntityId::Station(station) => self.stations[station].name.clone(),
         }
     }
 

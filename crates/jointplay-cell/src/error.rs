@@ -50,6 +50,12 @@ pub enum CellError {
         /// Their unit.
         unit: &'static str,
     },
+    /// Parts of a description contradict each other.
+    #[error("contradictory: {what}")]
+    Contradiction {
+        /// The contradiction.
+        what: String,
+    },
     /// Two things of one kind have the same name.
     #[error("two {what} are called {name:?}; each needs a name of its own")]
     NameTwice {

@@ -130,7 +130,7 @@ impl Cell {
         self.jog_axes(from, &to)
     }
 
-    /// Moves the wafer of an effector along a straight line toward a target in the base frame, its plane rotating evenly, with droop compensated as by [`Self::reach`].
+    /// Moves the wafer of an effector along a straight line toward a target in the base frame, its plane rotating evenly, with droop compensated as by [`Self::compensated_inverse`].
     ///
     /// # Arguments
     /// * `from` – present positions of all axes
@@ -149,11 +149,11 @@ impl Cell {
     ) -> Result<JogOutcome, Unreachable> {
         let (pose, _) = self.wafer_pose_or_rigid(effector, from, loaded)?;
         let start = WaferTarget::of(&pose);
-        let path = |share: f64| WaferTarget {
-            center: start.center.lerp(&to.center, share),
-            normal: start.normal.lerp(&to.normal.normalize(), share),
+        let path = |fraction: f64| WaferTarget {
+            center: start.center.lerp(&to.center, fraction),
+            normal: start.normal.lerp(&to.normal.normalize(), fraction),
             heading: match (start.heading, to.heading) {
-                (Some(from), Some(to)) => Some(from + share * wrap_angle(to - from)),
+                (Some(from), Some(to)) => Some(from + fraction * wrap_angle(to - from)),
                 _ => to.heading,
             },
         };
@@ -178,17 +178,17 @@ impl Cell {
         let (pose, _) = self.wafer_pose_or_rigid(effector, from, loaded)?;
         let view = self.slot_view(effector, slot);
         let (start, normal) = (view.relative_pose(&pose), pose.rotation * Vector3::z());
-        let between = |from: f64, to: f64, share: f64| from + share * (to - from);
-        let turned = |from: f64, to: f64, share: f64| from + share * wrap_angle(to - from);
+        let between = |from: f64, to: f64, fraction: f64| from + fraction * (to - from);
+        let turned = |from: f64, to: f64, fraction: f64| from + fraction * wrap_angle(to - from);
         let free = self.robot.heading_is_free(effector)?;
-        let path = |share: f64| {
+        let path = |fraction: f64| {
             let part = SlotRelativePose {
-                radial: between(start.radial, to.radial, share),
-                turn: turned(start.turn, to.turn, share),
-                height: between(start.height, to.height, share),
-                yaw: turned(start.yaw, to.yaw, share),
+                radial: between(start.radial, to.radial, fraction),
+                turn: turned(start.turn, to.turn, fraction),
+                height: between(start.height, to.height, fraction),
+                yaw: turned(start.yaw, to.yaw, fraction),
             };
-            let mut target = view.target(&part, normal.lerp(&view.normal, share).normalize());
+            let mut target = view.target(&part, normal.lerp(&view.normal, fraction).normalize());
             target.heading = target.heading.filter(|_| free);
             target
         };
@@ -217,7 +217,7 @@ impl Cell {
         let frame = self.stations[slot.station].slot_frame(slot.slot);
         let (center, normal) = (frame.translation.vector, frame.rotation * Vector3::z());
         let home: Vec<f64> = self.robot.axes.iter().map(|axis| axis.home).collect();
-        let axis = self.turning_axis(effector, slot, &home).unwrap_or_else(|_| {
+        let axis = self.shoulder_point(effector, slot, &home).unwrap_or_else(|_| {
             Vector3::z() * (center.z + (normal.x * center.x + normal.y * center.y) / normal.z)
         });
         SlotFrame { frame, normal, axis, out: center - axis }
@@ -231,7 +231,7 @@ impl Cell {
         loaded: bool,
         path: impl Fn(f64) -> WaferTarget,
     ) -> Result<JogOutcome, Unreachable> {
-        let why = match self.reach(effector, &path(1.0), loaded, from) {
+        let why = match self.compensated_inverse(effector, &path(1.0), loaded, from) {
             Ok(reached) => return Ok(JogOutcome { positions: reached.positions, stopped: None }),
             Err(Unreachable::Robot(error)) => return Err(Unreachable::Robot(error)),
             Err(why) => why,
@@ -239,10 +239,10 @@ impl Cell {
         let mut positions = from.to_vec();
         let (mut near, mut far) = (0.0, 1.0);
         for _ in 0..BISECTIONS {
-            let share = 0.5 * (near + far);
-            match self.reach(effector, &path(share), loaded, from) {
-                Ok(reached) => (positions, near) = (reached.positions, share),
-                Err(_) => far = share,
+            let fraction = 0.5 * (near + far);
+            match self.compensated_inverse(effector, &path(fraction), loaded, from) {
+                Ok(reached) => (positions, near) = (reached.positions, fraction),
+                Err(_) => far = fraction,
             }
         }
         Ok(JogOutcome { positions, stopped: Some(Stopped::Place(why)) })

@@ -6,7 +6,7 @@ use crate::CellError;
 use crate::conditions::{count, in_range, index, not_negative, pose, positive, unique};
 use crate::robot::RobotPart;
 use crate::station::SlotId;
-use crate::workcell::{Body, Carrier, Cell, Zone};
+use crate::workcell::{Body, Cell, ParentFrame, Zone};
 
 /// Largest number of bodies, and of zones: all pairs are checked for collisions.
 pub const MAX_BODIES: usize = 400;
@@ -33,8 +33,10 @@ pub enum CellPart {
     AllowedPair(usize),
     /// A slot with a wafer at the start, by index in [`Cell::occupied`].
     Occupied(usize),
-    /// An effector with a wafer at the start, by index in [`Cell::carried`].
-    Carried(usize),
+    /// An effector with a wafer at the start, by index in [`Cell::loaded_effectors`].
+    LoadedEffector(usize),
+    /// The rules for the stays and visits of wafers.
+    Rules,
 }
 
 /// A part of a cell that violates a condition.
@@ -81,12 +83,12 @@ impl Cell {
                 add(CellPart::Station(index), station.validate(&self.robot));
             }
             let mut known = BTreeSet::new();
-            for (index, &id) in self.carried.iter().enumerate() {
+            for (index, &id) in self.loaded_effectors.iter().enumerate() {
                 let checked = self.robot.check_effector(id).and_then(|()| {
                     let location = || format!("effector {}", self.effector_name(id));
                     once(known.insert(id), location)
                 });
-                add(CellPart::Carried(index), checked);
+                add(CellPart::LoadedEffector(index), checked);
             }
             for (index, body) in self.bodies.iter().enumerate() {
                 add(CellPart::Body(index), self.check_body(body));
@@ -99,6 +101,7 @@ impl Cell {
             let exists = |&body| index("an allowed pair", "body", body, self.bodies.len());
             add(CellPart::AllowedPair(number), pair.iter().try_for_each(exists));
         }
+        add(CellPart::Rules, self.rules.validate(self.stations.len()));
         let mut known = BTreeSet::new();
         for (index, &slot) in self.occupied.iter().enumerate() {
             let checked = self.check_slot(slot).and_then(|()| {
@@ -139,14 +142,14 @@ impl Cell {
 
     fn check_body(&self, body: &Body) -> Result<(), CellError> {
         let of = format!("body {}", body.name);
-        if let Carrier::Link { arm, link } = body.carrier {
+        if let ParentFrame::Link { arm, link } = body.parent {
             index(&of, "arm", arm, self.robot.arms.len())?;
             index(&of, "link", link, self.robot.arms[arm].joints.len())?;
         }
         if let Some(station) = body.station {
             index(&of, "station", station, self.stations.len())?;
         }
-        pose(&of, &body.carrier_from_shape)?;
+        pose(&of, &body.parent_from_shape)?;
         body.shape.validate()
     }
 }

@@ -5,12 +5,12 @@ use jointplay_core::spatial::Pose;
 use crate::geometry::Shape;
 use crate::incremental::{CacheKey, CacheKeyPart};
 use crate::robot::{EffectorId, HybridRobot};
-use crate::station::{SlotId, Station};
+use crate::station::{SlotId, Station, WaferRules};
 use crate::wafer::{Sag, SagError, Wafer, sag};
 
 /// Frame that a body is attached to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Carrier {
+pub enum ParentFrame {
     /// The base frame.
     World,
     /// The platform frame.
@@ -30,9 +30,9 @@ pub struct Body {
     /// Name.
     pub name: String,
     /// Frame that it is attached to.
-    pub carrier: Carrier,
+    pub parent: ParentFrame,
     /// Pose of the shape in that frame.
-    pub carrier_from_shape: Pose,
+    pub parent_from_shape: Pose,
     /// Shape.
     pub shape: Shape,
     /// Index of the station in whose frame it is described; it is fixed in the world.
@@ -77,13 +77,15 @@ pub struct Cell {
     /// Slots with a wafer at the start.
     pub occupied: Vec<SlotId>,
     /// Effectors with a wafer at the start.
-    pub carried: Vec<EffectorId>,
+    pub loaded_effectors: Vec<EffectorId>,
     /// Bodies, without the wafers.
     pub bodies: Vec<Body>,
     /// Pairs of bodies, by index, that may touch.
     pub allowed_pairs: Vec<[usize; 2]>,
     /// Zones.
     pub zones: Vec<Zone>,
+    /// Rules for the stays and visits of wafers.
+    pub rules: WaferRules,
     /// Largest displacement of the virtual joints that the play of the mechanism allows (m).
     pub play_budget: f64,
     /// Required clearance of bodies (m).

@@ -9,14 +9,14 @@ use std::collections::BTreeSet;
 
 use common::{A, GRAVITY};
 use jointplay_cell::EntityId;
-use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, check};
+use jointplay_cell::check::{CheckOptions, CheckResult, Report, ViolationKind, check};
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::{Handoff, Path, Phase, SourceLocation, Step};
 use jointplay_cell::robot::{PlatformModel, WaferTarget};
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::{Droop, DroopRow};
-use jointplay_cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
+use jointplay_cell::workcell::{Body, Cell, ParentFrame, Zone, ZoneRule};
 use jointplay_core::gpr::{AxisHeight, Gpr, Limits};
 use jointplay_core::spatial::{Pose, Tilt};
 use jointplay_core::virtualization::{BuiltIn, SolveOptions, Solver};
@@ -67,19 +67,19 @@ fn names(cell: &Cell, entities: &[EntityId]) -> Vec<String> {
     entities.iter().map(|&entity| cell.entity_name(entity)).collect()
 }
 
-fn kinds(report: &Report) -> BTreeSet<Kind> {
+fn kinds(report: &Report) -> BTreeSet<ViolationKind> {
     report.violations.iter().map(|violation| violation.kind).collect()
 }
 
 /// Checks the turn in a cell that was changed since, and that just this is broken.
 #[track_caller]
-fn breaks(change: impl FnOnce(&mut Cell), kind: Kind, message: &str) -> Report {
+fn breaks(change: impl FnOnce(&mut Cell), kind: ViolationKind, message: &str) -> Report {
     let mut cell = cell();
     let motion = turn(&cell);
     change(&mut cell);
     let report = check(&cell, &motion, &CheckOptions::default());
     assert_eq!(kinds(&report), BTreeSet::from([kind]), "{:#?}", report.violations);
-    assert_eq!(report.verdict, Verdict::Broken);
+    assert_eq!(report.result, CheckResult::Failed);
     let description = report.violations[0].describe(&cell);
     assert!(description.contains(message) && description.starts_with("line 10,"), "{description}");
     assert!(report.violations.windows(2).all(|pair| pair[0].start <= pair[1].start));
@@ -96,7 +96,7 @@ fn a_sound_motion_is_sound() {
     let cell = cell();
     let motion = turn(&cell);
     let report = check(&cell, &motion, &CheckOptions::default());
-    assert_eq!((report.verdict, report.violations.len()), (Verdict::Sound, 0));
+    assert_eq!((report.result, report.violations.len()), (CheckResult::Passed, 0));
     assert_eq!(report.by_instruction.len(), 2);
     let row = &report.by_instruction[0];
     assert_eq!((row.steps.clone(), row.start), (0..1, 0.0));
@@ -111,18 +111,23 @@ fn a_sound_motion_is_sound() {
 
 #[test]
 fn every_limit_of_an_axis_has_its_message() {
-    let report = breaks(|cell| cell.robot.axes[T].max = 0.9, Kind::Position, "axis T reaches 1.2");
+    let report =
+        breaks(|cell| cell.robot.axes[T].max = 0.9, ViolationKind::Position, "axis T reaches 1.2");
     assert_eq!(report.violations.len(), 2, "out in one instruction, back in the next");
     assert!((report.violations[0].worst - 1.2).abs() < 1e-12);
-    breaks(|cell| cell.robot.axes[T].loaded.velocity = 1.0, Kind::Velocity, "axis T moves at");
+    breaks(
+        |cell| cell.robot.axes[T].loaded.velocity = 1.0,
+        ViolationKind::Velocity,
+        "axis T moves at",
+    );
     breaks(
         |cell| cell.robot.axes[T].loaded.acceleration = 5.0,
-        Kind::Acceleration,
+        ViolationKind::Acceleration,
         "axis T accelerates at",
     );
     let report = breaks(
         |cell| cell.robot.axes[T].loaded.jerk = 80.0,
-        Kind::Jerk,
+        ViolationKind::Jerk,
         "axis T has a jerk of 100",
     );
     assert_eq!(report.violations[0].limit, 80.0);
@@ -130,7 +135,7 @@ fn every_limit_of_an_axis_has_its_message() {
     let mut cell = cell();
     let motion = turn(&cell);
     cell.robot.axes[T].empty.velocity = 0.1;
-    assert_eq!(check(&cell, &motion, &CheckOptions::default()).verdict, Verdict::Sound);
+    assert_eq!(check(&cell, &motion, &CheckOptions::default()).result, CheckResult::Passed);
 }
 
 #[test]
@@ -145,16 +150,16 @@ fn tilt_play_and_droop_have_their_messages() {
     };
     let mut tilted = cell();
     let motion = tilted_program(&mut tilted);
-    assert_eq!(check(&tilted, &motion, &CheckOptions::default()).verdict, Verdict::Sound);
+    assert_eq!(check(&tilted, &motion, &CheckOptions::default()).result, CheckResult::Passed);
     let gpr = tilted.robot.gpr.clone();
     let limits = Limits { tilt_max: 0.015, ..*gpr.limits() };
     tilted.robot.gpr =
         Gpr::new(gpr.limbs(), limits, gpr.working_height()).unwrap().without_limit_checks();
     let report = check(&tilted, &motion, &CheckOptions::default());
-    assert_eq!(kinds(&report), BTreeSet::from([Kind::Tilt]));
+    assert_eq!(kinds(&report), BTreeSet::from([ViolationKind::Tilt]));
     assert!((report.violations[0].worst - 0.02).abs() < 1e-9);
     assert!((report.by_instruction[0].tilt - 0.02 / 0.015).abs() < 1e-9);
-    breaks(|cell| cell.play_budget = 1e-4, Kind::Play, "the play budget is 1.000e-4 m");
+    breaks(|cell| cell.play_budget = 1e-4, ViolationKind::Play, "the play budget is 1.000e-4 m");
     let row = |reach| DroopRow {
         reach,
         empty_drop: 0.0,
@@ -164,7 +169,7 @@ fn tilt_play_and_droop_have_their_messages() {
         load: 0.1,
     };
     let rows = vec![row(1.0), row(1.2)];
-    breaks(|cell| cell.robot.arms[0].droop = Droop::Table { rows }, Kind::Droop, "droop");
+    breaks(|cell| cell.robot.arms[0].droop = Droop::Table { rows }, ViolationKind::Droop, "droop");
 }
 
 #[test]
@@ -172,7 +177,7 @@ fn a_platform_that_cannot_be_placed_has_its_message() {
     let hasty = SolveOptions { solver: Solver::Newton, max_iterations: 0, ..Default::default() };
     let model = PlatformModel { virtualization: BuiltIn::Polar, options: hasty };
     let message = "platform: the newton iteration did not converge in 0 steps: the sides are";
-    let report = breaks(|cell| cell.robot.model = model, Kind::Platform, message);
+    let report = breaks(|cell| cell.robot.model = model, ViolationKind::Platform, message);
     // All the time, in both instructions, and nothing else is known meanwhile.
     assert_eq!(report.violations.len(), 2);
     assert_eq!((report.violations[0].start, report.violations[1].end), (0.0, report.duration));
@@ -204,7 +209,7 @@ fn a_wafer_slips_as_computed_by_hand() {
     let worst = motion.samples(1000.0).map(|sample| push(sample.time)).fold(0.0, f64::max);
     cell.robot.arms[0].effectors[0].friction = 0.9 * worst / GRAVITY;
     let report = check(&cell, &motion, &CheckOptions::default());
-    assert_eq!(kinds(&report), BTreeSet::from([Kind::Slip]));
+    assert_eq!(kinds(&report), BTreeSet::from([ViolationKind::Slip]));
     let found = report.violations.iter().map(|one| one.worst).fold(0.0, f64::max);
     assert!((found - worst).abs() < 1e-5 * worst, "{found} {worst}");
     assert!((report.violations[0].limit - 0.9 * worst).abs() < 1e-9);
@@ -213,7 +218,7 @@ fn a_wafer_slips_as_computed_by_hand() {
     let start = report.violations[0].start;
     assert!(push(start) > 0.9 * worst && push(start - 1e-3) <= 0.9 * worst);
     cell.robot.arms[0].effectors[0].friction = 1.01 * worst / GRAVITY;
-    assert_eq!(check(&cell, &motion, &CheckOptions::default()).verdict, Verdict::Sound);
+    assert_eq!(check(&cell, &motion, &CheckOptions::default()).result, CheckResult::Passed);
     // Tilted at rest: g sin α against µ g cos α.
     let rods = cell.robot.gpr.inverse(Tilt { yaw: 0.4, pitch: 0.02 }, AxisHeight(0.5)).unwrap();
     let mut still = rods.to_vec();
@@ -221,12 +226,12 @@ fn a_wafer_slips_as_computed_by_hand() {
     let mut wait = step(0, &still, &still);
     wait.path = Path::Dwell(0.01);
     let motion = plan_trajectory(&cell, vec![wait], &TrajectoryOptions::default()).unwrap();
-    for (friction, sound) in [(0.0199, false), (0.0201, true)] {
+    for (friction, passes) in [(0.0199, false), (0.0201, true)] {
         cell.robot.arms[0].effectors[0].friction = friction;
         let report = check(&cell, &motion, &CheckOptions::default());
-        assert_eq!(report.verdict == Verdict::Sound, sound);
-        let share = report.by_instruction[0].slip.unwrap().ratio;
-        assert!((share - 0.02_f64.tan() / friction).abs() < 1e-6, "{share}");
+        assert_eq!(report.result == CheckResult::Passed, passes);
+        let fraction = report.by_instruction[0].slip.unwrap().ratio;
+        assert!((fraction - 0.02_f64.tan() / friction).abs() < 1e-6, "{fraction}");
     }
 }
 
@@ -242,8 +247,8 @@ fn wall(name: &str, cell: &Cell, angle: f64, radius: f64, thickness: f64) -> Bod
     let center = joint + Vector3::new(out.x, out.y, 0.0) * radius;
     Body {
         name: name.into(),
-        carrier: Carrier::World,
-        carrier_from_shape: Pose::from_parts(Translation3::new(center.x, center.y, wafer.z), along),
+        parent: ParentFrame::World,
+        parent_from_shape: Pose::from_parts(Translation3::new(center.x, center.y, wafer.z), along),
         shape: Shape::Box { half: [0.03, 0.5 * thickness, 0.05] },
         station: None,
     }
@@ -252,13 +257,13 @@ fn wall(name: &str, cell: &Cell, angle: f64, radius: f64, thickness: f64) -> Bod
 #[test]
 fn a_wall_between_two_samples_is_seen() {
     let mut cell = cell();
-    cell.carried.clear();
+    cell.loaded_effectors.clear();
     cell.clearance = 1e-6;
     // A pin on the first link, of a millimetre.
     cell.bodies.push(Body {
         name: "pin".into(),
-        carrier: Carrier::Link { arm: 0, link: 0 },
-        carrier_from_shape: Pose::identity(),
+        parent: ParentFrame::Link { arm: 0, link: 0 },
+        parent_from_shape: Pose::identity(),
         shape: Shape::Capsule { ends: [[0.25, 0.0, -0.01], [0.25, 0.0, 0.01]], radius: 5e-4 },
         station: None,
     });
@@ -278,8 +283,8 @@ fn a_wall_between_two_samples_is_seen() {
     let place = joint + out * 0.25;
     cell.bodies.push(Body {
         name: "sheet".into(),
-        carrier: Carrier::World,
-        carrier_from_shape: Pose::from_parts(Translation3::from(place), along),
+        parent: ParentFrame::World,
+        parent_from_shape: Pose::from_parts(Translation3::from(place), along),
         shape: Shape::Box { half: [0.02, 2e-4, 0.05] },
         station: None,
     });
@@ -287,20 +292,20 @@ fn a_wall_between_two_samples_is_seen() {
     let hit = &report.violations[0];
     assert_eq!(
         (hit.kind, names(&cell, &hit.entities)),
-        (Kind::Collision, vec!["pin".to_string(), "sheet".to_string()])
+        (ViolationKind::Collision, vec!["pin".to_string(), "sheet".to_string()])
     );
     assert!(hit.start > 0.4 && hit.start < 0.41, "{}", hit.start);
     let text = hit.describe(&cell);
-    assert!(text.contains("pin and sheet touch"), "{text}");
+    assert!(text.contains("pin and sheet collide"), "{text}");
     assert_eq!(
         kinds(&report),
-        BTreeSet::from([Kind::Collision]),
+        BTreeSet::from([ViolationKind::Collision]),
         "no sample is near enough itself"
     );
     // Next to the path, nothing collides.
-    cell.bodies[1].carrier_from_shape.translation.vector += out * 0.03;
+    cell.bodies[1].parent_from_shape.translation.vector += out * 0.03;
     let report = check(&cell, &motion, &CheckOptions { rate: 4000.0, report_distance: 0.05 });
-    assert_eq!(report.verdict, Verdict::Sound, "{:#?}", report.violations);
+    assert_eq!(report.result, CheckResult::Passed, "{:#?}", report.violations);
     let nearest = &report.distances[0];
     assert!((nearest.distance - 9.5e-3).abs() < 2e-4, "{}", nearest.distance);
 }
@@ -321,7 +326,7 @@ fn in_round_and_down(cell: &Cell) -> Trajectory {
     let mut target = WaferTarget::of(&cell.wafer_pose(A, &from, true).unwrap());
     let out = (target.center.xy()).push(0.0).normalize();
     target.center -= out * 0.3;
-    let reached = cell.reach(A, &target, true, &from).unwrap().positions;
+    let reached = cell.compensated_inverse(A, &target, true, &from).unwrap().positions;
     let mut turned = reached.clone();
     turned[T] -= 0.8;
     let mut lower = turned.clone();
@@ -338,7 +343,7 @@ fn in_round_and_down(cell: &Cell) -> Trajectory {
 fn least_distances_are_those_of_all_samples() {
     let mut random = random(5);
     let mut cell = cell();
-    cell.carried.clear();
+    cell.loaded_effectors.clear();
     cell.clearance = 0.0;
     let motion = in_round_and_down(&cell);
     // Of each step from its start on, and at its end.
@@ -364,34 +369,34 @@ fn least_distances_are_those_of_all_samples() {
         let turn = Rotation3::from_euler_angles(tilt, 0.3 * tilt, spin);
         let off = turn * Vector3::new(0.0, half[1] + 0.06 * random(), 0.0);
         let base_from_wall = Pose::from_parts((near + off).into(), turn);
-        let (carrier, frames): (Carrier, Vec<Pose>) = match round % 3 {
-            0 => (Carrier::World, vec![Pose::identity(); samples.len()]),
+        let (parent, frames): (ParentFrame, Vec<Pose>) = match round % 3 {
+            0 => (ParentFrame::World, vec![Pose::identity(); samples.len()]),
             1 => {
                 let platforms = chains.iter().map(|chain| chain.platform.base_from_platform);
-                (Carrier::Platform, platforms.collect())
+                (ParentFrame::Platform, platforms.collect())
             }
             _ => {
                 let links = chains.iter().map(|chain| chain.base_from_link[0][0]);
-                (Carrier::Link { arm: 0, link: 0 }, links.collect())
+                (ParentFrame::Link { arm: 0, link: 0 }, links.collect())
             }
         };
         let middle = (random() * samples.len() as f64) as usize % samples.len();
-        let carrier_from_shape = frames[middle].inverse() * base_from_wall;
+        let parent_from_shape = frames[middle].inverse() * base_from_wall;
         let ball = Shape::Capsule { ends: [place, place], radius };
-        let body = |name: &str, carrier, carrier_from_shape, shape| Body {
+        let body = |name: &str, parent, parent_from_shape, shape| Body {
             name: name.into(),
             station: None,
-            carrier,
-            carrier_from_shape,
+            parent,
+            parent_from_shape,
             shape,
         };
         cell.bodies = vec![
-            body("ball", Carrier::Link { arm: 0, link: 2 }, Pose::identity(), ball),
-            body("wall", carrier, carrier_from_shape, Shape::Box { half }),
+            body("ball", ParentFrame::Link { arm: 0, link: 2 }, Pose::identity(), ball),
+            body("wall", parent, parent_from_shape, Shape::Box { half }),
         ];
         // Of a point and a box.
         let apart = |(ball, frame): (&Vector3<f64>, &Pose)| {
-            let at = (frame * carrier_from_shape).inverse() * nalgebra::Point3::from(*ball);
+            let at = (frame * parent_from_shape).inverse() * nalgebra::Point3::from(*ball);
             let beyond = |k: usize| (at[k].abs() - half[k]).max(0.0);
             (Vector3::new(beyond(0), beyond(1), beyond(2)).norm() - radius).max(0.0)
         };
@@ -465,8 +470,8 @@ fn least_distances_are_those_of_all_samples_however_steep_the_droop() {
         let below = off - Vector3::z() * (0.001 + 0.03 * random());
         cell.bodies = vec![Body {
             name: "post".into(),
-            carrier: Carrier::World,
-            carrier_from_shape: Pose::from_parts(
+            parent: ParentFrame::World,
+            parent_from_shape: Pose::from_parts(
                 (wafer.translation.vector + below).into(),
                 Rotation3::identity(),
             ),
@@ -496,16 +501,16 @@ fn least_distances_are_those_of_all_samples_however_steep_the_droop() {
 fn bodies_too_near_touching_allowed_and_zones() {
     let fixed = cell();
     let thick = |cell: &mut Cell| cell.bodies.push(wall("wall", &fixed, 0.9, 0.6, 0.01));
-    let report = breaks(thick, Kind::Collision, "wafer of A and wall collide");
+    let report = breaks(thick, ViolationKind::Collision, "wafer of A and wall collide");
     assert!(report.violations[0].worst < 0.0);
     assert!(report.by_instruction[0].nearest.as_ref().unwrap().distance == 0.0);
     // Above the wafer by half of the clearance.
     let above = |cell: &mut Cell| {
         let mut body = wall("lamp", &fixed, 0.9, 0.6, 0.01);
-        body.carrier_from_shape.translation.vector.z += 0.05 + 775e-6 + 5e-4;
+        body.parent_from_shape.translation.vector.z += 0.05 + 775e-6 + 5e-4;
         cell.bodies.push(body);
     };
-    let report = breaks(above, Kind::Clearance, "comes within 0.000500 m of lamp");
+    let report = breaks(above, ViolationKind::Clearance, "comes within 0.000500 m of lamp");
     assert!((report.distances[0].distance - 5e-4).abs() < 1e-7);
     let zone = |rule, name: &str, shape, pose| Zone {
         name: name.into(),
@@ -514,29 +519,30 @@ fn bodies_too_near_touching_allowed_and_zones() {
         shape,
     };
     let body = wall("", &fixed, 0.9, 0.6, 0.01);
-    let keep_out = zone(ZoneRule::KeepOut, "door", body.shape, body.carrier_from_shape);
-    breaks(|cell| cell.zones.push(keep_out), Kind::KeepOut, "is in keep-out zone door");
+    let keep_out = zone(ZoneRule::KeepOut, "door", body.shape, body.parent_from_shape);
+    breaks(|cell| cell.zones.push(keep_out), ViolationKind::KeepOut, "is in keep-out zone door");
     let safe = zone(ZoneRule::Safe, "yard", Shape::Box { half: [0.2; 3] }, at(0.0, 0.0, 0.6));
-    let report = breaks(|cell| cell.zones.push(safe), Kind::SafeZone, "outside safe zone yard");
+    let report =
+        breaks(|cell| cell.zones.push(safe), ViolationKind::SafeZone, "outside safe zone yard");
     assert!(report.violations.iter().all(|one| one.instruction == 0), "only while it turns");
     // Two bodies of the robot that may touch.
     let mut cell = cell();
-    let block = |name: &str, carrier| Body {
+    let block = |name: &str, parent| Body {
         name: name.into(),
-        carrier,
-        carrier_from_shape: Pose::identity(),
+        parent,
+        parent_from_shape: Pose::identity(),
         shape: Shape::Cylinder { radius: 0.3, half_height: 0.2 },
         station: None,
     };
-    cell.bodies.push(block("base", Carrier::Platform));
-    cell.bodies.push(block("hand", Carrier::Link { arm: 0, link: 1 }));
+    cell.bodies.push(block("base", ParentFrame::Platform));
+    cell.bodies.push(block("hand", ParentFrame::Link { arm: 0, link: 1 }));
     let motion = turn(&cell);
     let report = check(&cell, &motion, &CheckOptions::default());
-    assert!(kinds(&report).contains(&Kind::Collision));
+    assert!(kinds(&report).contains(&ViolationKind::Collision));
     cell.allowed_pairs.push([1, 0]);
-    cell.carried.clear();
+    cell.loaded_effectors.clear();
     let report = check(&cell, &motion, &CheckOptions::default());
-    assert_eq!(report.verdict, Verdict::Sound, "{:#?}", report.violations);
+    assert_eq!(report.result, CheckResult::Passed, "{:#?}", report.violations);
 }
 
 /// Into slot 2 of three, up with its wafer, and out.
@@ -550,7 +556,7 @@ fn get(cell: &mut Cell, pitch: f64) -> Trajectory {
         Rotation3::identity(),
     );
     let slot = SlotId { station: 0, slot: 2 };
-    cell.carried.clear();
+    cell.loaded_effectors.clear();
     cell.stations = vec![Station {
         name: "port".into(),
         base_from_station,
@@ -569,7 +575,7 @@ fn get(cell: &mut Cell, pitch: f64) -> Trajectory {
     let up = |height: f64, near: &[f64]| {
         let center = place + Vector3::new(0.0, 0.0, height);
         let target = WaferTarget { center, normal: Vector3::z(), heading: None };
-        cell.reach(A, &target, false, near).unwrap().positions
+        cell.compensated_inverse(A, &target, false, near).unwrap().positions
     };
     let below = up(-0.002, &from);
     let rest = up(0.0, &below);
@@ -604,14 +610,14 @@ fn a_slot_is_reached_into_with_the_clearance_of_slots() {
     let blade = Shape::Box { half: [0.1, 0.02, 0.0002] };
     cell.bodies.push(Body {
         name: "blade".into(),
-        carrier: Carrier::Link { arm: 0, link: 2 },
-        carrier_from_shape: at(0.2, 0.0, 0.005 - 0.0002),
+        parent: ParentFrame::Link { arm: 0, link: 2 },
+        parent_from_shape: at(0.2, 0.0, 0.005 - 0.0002),
         shape: blade,
         station: None,
     });
     let motion = get(&mut cell, 0.01);
     let report = check(&cell, &motion, &CheckOptions::default());
-    assert_eq!(report.verdict, Verdict::Sound, "{:#?}", report.violations);
+    assert_eq!(report.result, CheckResult::Passed, "{:#?}", report.violations);
     let distance = |pair: [&str; 2]| {
         let row = report.distances.iter().find(|row| names(&cell, &row.entities) == pair);
         row.map(|row| row.distance).unwrap()
@@ -624,7 +630,12 @@ fn a_slot_is_reached_into_with_the_clearance_of_slots() {
     // Slots that lie too close.
     let motion = get(&mut cell, 0.0037);
     let report = check(&cell, &motion, &CheckOptions::default());
-    assert_eq!(kinds(&report), BTreeSet::from([Kind::SlotClearance]), "{:#?}", report.violations);
+    assert_eq!(
+        kinds(&report),
+        BTreeSet::from([ViolationKind::SlotClearance]),
+        "{:#?}",
+        report.violations
+    );
     let concerned = report.violations.iter().flat_map(|one| names(&cell, &one.entities));
     let names: BTreeSet<String> = concerned.collect();
     assert!(names.contains("wafer of port 2") && names.contains("blade"), "{names:?}");
@@ -643,8 +654,8 @@ fn blade_and_bar(cell: &mut Cell, positions: &[f64], deep: f64) {
     let blade = at(center[0], center[1], center[2] - half[2]);
     cell.bodies.push(Body {
         name: "blade".into(),
-        carrier: Carrier::Link { arm: 0, link: 2 },
-        carrier_from_shape: blade,
+        parent: ParentFrame::Link { arm: 0, link: 2 },
+        parent_from_shape: blade,
         shape: Shape::Box { half },
         station: None,
     });
@@ -666,8 +677,8 @@ fn blade_and_bar(cell: &mut Cell, positions: &[f64], deep: f64) {
     let center = below + turn * Vector3::new(0.0, 0.0, -2.0 * half[2] + deep - thick);
     cell.bodies.push(Body {
         name: "bar".into(),
-        carrier: Carrier::World,
-        carrier_from_shape: Pose::from_parts(center.into(), turn),
+        parent: ParentFrame::World,
+        parent_from_shape: Pose::from_parts(center.into(), turn),
         shape: Shape::Box { half: [0.005, 0.3, thick] },
         station: None,
     });
@@ -676,7 +687,7 @@ fn blade_and_bar(cell: &mut Cell, positions: &[f64], deep: f64) {
 #[test]
 fn a_body_on_the_last_link_deflects_with_its_arm() {
     let positions = [0.5, 0.5, 0.5, 0.4, 0.9];
-    for (deep, kind) in [(3e-4, Some(Kind::Collision)), (-3e-4, None)] {
+    for (deep, kind) in [(3e-4, Some(ViolationKind::Collision)), (-3e-4, None)] {
         let mut cell = cell();
         blade_and_bar(&mut cell, &positions, deep);
         let mut wait = step(0, &positions, &positions);
@@ -717,8 +728,8 @@ fn windows_of_samples_change_nothing() {
     let turned = |angle: f64| at(0.45 * angle.cos(), 0.45 * angle.sin(), 0.5);
     cell.bodies.push(Body {
         name: "post".into(),
-        carrier: Carrier::World,
-        carrier_from_shape: turned(0.6),
+        parent: ParentFrame::World,
+        parent_from_shape: turned(0.6),
         shape: wall,
         station: None,
     });
@@ -753,7 +764,7 @@ fn windows_of_samples_change_nothing() {
     }
     let peaks = |report: &Report| {
         let row = &report.by_instruction[0];
-        [row.velocity, row.acceleration, row.jerk].map(|share| share.unwrap().ratio)
+        [row.velocity, row.acceleration, row.jerk].map(|fraction| fraction.unwrap().ratio)
     };
     for (one, other) in peaks(&fine).into_iter().zip(peaks(&coarse)) {
         closely(one, other, 1e-4);
@@ -770,8 +781,8 @@ fn a_distance_is_compared_with_a_resolution() {
         let above = 775e-6 + 3e-3 - missing + 0.01;
         cell.bodies.push(Body {
             name: "lamp".into(),
-            carrier: Carrier::World,
-            carrier_from_shape: at(wafer.x, wafer.y, wafer.z + above),
+            parent: ParentFrame::World,
+            parent_from_shape: at(wafer.x, wafer.y, wafer.z + above),
             shape: Shape::Box { half: [0.02, 0.02, 0.01] },
             station: None,
         });
@@ -783,12 +794,12 @@ fn a_distance_is_compared_with_a_resolution() {
     };
     for missing in [-1e-7, 0.0, 1e-10, 5e-9] {
         let (_, report) = of(missing);
-        assert_eq!(report.verdict, Verdict::Sound, "{missing}: {:#?}", report.violations);
+        assert_eq!(report.result, CheckResult::Passed, "{missing}: {:#?}", report.violations);
     }
     for missing in [2e-8, 1e-7, 1e-5] {
         let (cell, report) = of(missing);
         let [violation] = &report.violations[..] else { panic!("{missing}: {report:#?}") };
-        assert_eq!(violation.kind, Kind::Clearance);
+        assert_eq!(violation.kind, ViolationKind::Clearance);
         // The two numbers of the message differ.
         let message = violation.message(&cell);
         let numbers: Vec<&str> =
@@ -838,16 +849,16 @@ fn a_pose_that_is_lost_between_two_samples_is_reported() {
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), out.y.atan2(out.x));
     cell.bodies.push(Body {
         name: "wall".into(),
-        carrier: Carrier::World,
-        carrier_from_shape: Pose::from_parts(wall.into(), turn),
+        parent: ParentFrame::World,
+        parent_from_shape: Pose::from_parts(wall.into(), turn),
         shape: Shape::Box { half: [0.01, 0.2, 0.1] },
         station: None,
     });
     let report = check(&cell, &motion, &options);
-    assert_eq!(report.verdict, Verdict::Sound, "{:#?}", report.violations);
+    assert_eq!(report.result, CheckResult::Passed, "{:#?}", report.violations);
     cell.robot.arms[0].droop = Droop::Table { rows: vec![row(0.0), row(known)] };
     let report = check(&cell, &motion, &options);
-    assert_eq!(kinds(&report), BTreeSet::from([Kind::Droop]), "{:#?}", report.violations);
+    assert_eq!(kinds(&report), BTreeSet::from([ViolationKind::Droop]), "{:#?}", report.violations);
     assert!(report.violations[0].describe(&cell).contains("droop at a reach of"));
 }
 
@@ -866,9 +877,9 @@ fn a_keep_out_zone_reports_the_penetration_depth() {
         base_from_shape: at(place.x, place.y, place.z + 3e-3 - 0.2),
         shape: Shape::Box { half: [0.4, 0.4, 0.2] },
     });
-    cell.carried = vec![A];
+    cell.loaded_effectors = vec![A];
     let report = check(&cell, &motion, &CheckOptions::default());
-    let found = report.violations.iter().find(|one| one.kind == Kind::KeepOut).unwrap();
+    let found = report.violations.iter().find(|one| one.kind == ViolationKind::KeepOut).unwrap();
     // Its thickness adds to the separation downwards; it has no tilt.
     assert!((found.worst + 3e-3).abs() < 2e-5, "{found:?}");
     assert!(found.message(&cell).contains("penetration depth"), "{}", found.message(&cell));
@@ -883,8 +894,8 @@ fn the_far_end_of_a_long_body_changes_no_distance() {
         cell.clearance = 0.002;
         cell.bodies.push(Body {
             name: "bar".into(),
-            carrier: Carrier::Link { arm: 0, link: 2 },
-            carrier_from_shape: at(0.5 * length, 0.0, 0.0),
+            parent: ParentFrame::Link { arm: 0, link: 2 },
+            parent_from_shape: at(0.5 * length, 0.0, 0.0),
             shape: Shape::Box { half: [0.5 * length, 0.005, 0.005] },
             station: None,
         });
@@ -893,8 +904,8 @@ fn the_far_end_of_a_long_body_changes_no_distance() {
             let height = pose.base_from_link[0][2].translation.vector.z;
             cell.bodies.push(Body {
                 name: name.into(),
-                carrier: Carrier::World,
-                carrier_from_shape: at(1.2 * angle.cos(), 1.2 * angle.sin(), height - 0.1 - z),
+                parent: ParentFrame::World,
+                parent_from_shape: at(1.2 * angle.cos(), 1.2 * angle.sin(), height - 0.1 - z),
                 shape: Shape::Box { half: [0.02, 0.02, 0.1] },
                 station: None,
             });
@@ -903,7 +914,7 @@ fn the_far_end_of_a_long_body_changes_no_distance() {
     };
     let [long, short] = [100.0, 3.0].map(bar);
     assert!(!short.violations.is_empty() && !short.distances.is_empty());
-    let listed = |report: &Report| -> Vec<(Kind, Vec<EntityId>, usize)> {
+    let listed = |report: &Report| -> Vec<(ViolationKind, Vec<EntityId>, usize)> {
         let one =
             |v: &jointplay_cell::check::Violation| (v.kind, v.entities.clone(), v.instruction);
         report.violations.iter().map(one).collect()

@@ -19,7 +19,7 @@ fn cell(kind: usize, droop: Droop) -> Cell {
     for arm in &mut robot.arms {
         arm.droop = droop.clone();
     }
-    Cell { carried: Vec::new(), play_budget: 1e-3, ..common::cell(robot) }
+    Cell { loaded_effectors: Vec::new(), play_budget: 1e-3, ..common::cell(robot) }
 }
 
 fn cantilever() -> Droop {
@@ -74,19 +74,19 @@ proptest! {
     fn compensated_wafer_lies_at_the_target(
         kind in 0..common::KINDS,
         droop in droops(),
-        (share, yaw, pitch) in (prop::array::uniform8(0.1..0.9), -PI..PI, 0.0_f64..1.3),
+        (fraction, yaw, pitch) in (prop::array::uniform8(0.1..0.9), -PI..PI, 0.0_f64..1.3),
         loaded: bool,
     ) {
         let cell = cell(kind, droop);
-        let axes = cell.robot.axes.iter().zip(share.iter().cycle());
-        let mut near: Vec<f64> = axes.map(|(axis, share)| axis.min + share * (axis.max - axis.min)).collect();
+        let axes = cell.robot.axes.iter().zip(fraction.iter().cycle());
+        let mut near: Vec<f64> = axes.map(|(axis, fraction)| axis.min + fraction * (axis.max - axis.min)).collect();
         // A level platform, so that the target alone determines the tilt.
         let rod = near[0];
         near[..3].fill(rod.clamp(0.3, 0.7));
         let before = cell.robot.effector_pose(&near, A).unwrap();
         let normal = Tilt { yaw, pitch: pitch.to_radians() }.normal();
         let target = WaferTarget { center: before.translation.vector, normal, heading: None };
-        match cell.reach(A, &target, loaded, &near) {
+        match cell.compensated_inverse(A, &target, loaded, &near) {
             Ok(reached) => {
                 let found = cell.wafer_pose(A, &reached.positions, loaded).unwrap();
                 prop_assert!((found.translation.vector - target.center).norm() < 1e-12);
@@ -111,7 +111,7 @@ fn compensation_keeps_a_free_heading() {
     let along = tilt_rotation(&normal).inverse() * (pose.rotation * Vector3::x());
     let heading = along.y.atan2(along.x);
     let target = WaferTarget { center: pose.translation.vector, normal, heading: Some(heading) };
-    let reached = cell.reach(A, &target, true, &near).unwrap();
+    let reached = cell.compensated_inverse(A, &target, true, &near).unwrap();
     assert!(reached.deflection.drop > 1e-5, "{reached:?}");
     let found = cell.wafer_pose(A, &reached.positions, true).unwrap();
     let found = tilt_rotation(&normal).inverse() * (found.rotation * Vector3::x());
@@ -132,7 +132,7 @@ fn tilt_beyond_the_platform_limit_is_reported() {
         normal: Tilt { yaw, pitch }.normal(),
         heading: None,
     };
-    let error = cell.reach(A, &target(limit + 0.009), true, &near).unwrap_err();
+    let error = cell.compensated_inverse(A, &target(limit + 0.009), true, &near).unwrap_err();
     let Unreachable::Tilt { needed, allowed, residual: left, threshold } = error else {
         panic!("{error}")
     };
@@ -140,7 +140,7 @@ fn tilt_beyond_the_platform_limit_is_reported() {
     assert!((left - (needed - allowed)).abs() < 1e-5, "{needed} {left}");
     // With a threshold that is wide enough, the centre is met and the residual tilt returned.
     cell.plane_threshold = 0.02;
-    let reached = cell.reach(A, &target(limit + 0.009), true, &near).unwrap();
+    let reached = cell.compensated_inverse(A, &target(limit + 0.009), true, &near).unwrap();
     assert!(reached.residual < 1e-12 && (reached.residual_tilt - left).abs() < 1e-12);
 }
 
@@ -151,7 +151,7 @@ fn out_of_reach_error_has_the_span() {
     let at = |x: f64| {
         let center = Vector3::new(x, 0.0, 0.7);
         let target = WaferTarget { center, normal: Vector3::z(), heading: None };
-        cell.reach(A, &target, true, &near).unwrap_err().to_string()
+        cell.compensated_inverse(A, &target, true, &near).unwrap_err().to_string()
     };
     assert!(at(2.0).contains("but span 0 to 0.7 m"), "{}", at(2.0));
     assert!(at(0.66).contains("the table ranges from 0.2 to 0.6 m"), "{}", at(0.66));

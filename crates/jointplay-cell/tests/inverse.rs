@@ -32,15 +32,15 @@ fn target_of(pose: &Pose, with_heading: bool) -> WaferTarget {
 }
 
 /// A robot at positions within its limits.
-fn positions(robot: &HybridRobot, tilt: Tilt, height: f64, shares: [f64; 5]) -> Vec<f64> {
+fn positions(robot: &HybridRobot, tilt: Tilt, height: f64, fractions: [f64; 5]) -> Vec<f64> {
     let mut positions = robot.gpr.inverse(tilt, AxisHeight(height)).unwrap().to_vec();
-    for (axis, share) in robot.axes[3..].iter().zip(shares) {
-        positions.push(axis.min + share * (axis.max - axis.min));
+    for (axis, fraction) in robot.axes[3..].iter().zip(fractions) {
+        positions.push(axis.min + fraction * (axis.max - axis.min));
     }
     positions
 }
 
-fn shares() -> impl Strategy<Value = [f64; 5]> {
+fn fractions() -> impl Strategy<Value = [f64; 5]> {
     prop::array::uniform5(0.02..0.98_f64)
 }
 
@@ -83,11 +83,11 @@ proptest! {
         lengths in prop::array::uniform3(0.12..0.3_f64),
         tilt in tilt(),
         height in 0.3..0.7_f64,
-        shares in shares(),
+        fractions in fractions(),
     ) {
         let mut robot = kind(number, lengths);
         robot.model = model(over);
-        let at = positions(&robot, tilt, height, shares);
+        let at = positions(&robot, tilt, height, fractions);
         for id in robot.effectors() {
             let pose = robot.effector_pose(&at, id).unwrap();
             let target = target_of(&pose, true);
@@ -116,11 +116,11 @@ proptest! {
         with_heading in any::<bool>(),
         lengths in prop::array::uniform3(0.12..0.3_f64),
         tilt in tilt(),
-        shares in shares(),
+        fractions in fractions(),
     ) {
         let robot = kind(number, lengths);
         let with_heading = with_heading && number == FOUR_LINKS;
-        let at = positions(&robot, tilt, 0.5, shares);
+        let at = positions(&robot, tilt, 0.5, fractions);
         let target = target_of(&robot.effector_pose(&at, A).unwrap(), with_heading);
         let found = robot.inverse(A, &target, &at).unwrap();
         check(&robot, &found, A, &target);
@@ -133,10 +133,10 @@ proptest! {
             return Ok(());
         }
         let cost = |positions: &[f64]| -> f64 {
-            let shares = robot.axes.iter().zip(positions).skip(3).map(|(axis, position)| {
+            let fractions = robot.axes.iter().zip(positions).skip(3).map(|(axis, position)| {
                 (2.0 * position - axis.min - axis.max) / (axis.max - axis.min)
             });
-            shares.map(|u| 1.0 / (1.0 - u * u)).sum::<f64>() + bend_cost(&robot, number, positions)
+            fractions.map(|u| 1.0 / (1.0 - u * u)).sum::<f64>() + bend_cost(&robot, number, positions)
         };
         prop_assert!(cost(&chosen.positions) <= cost(&at) * (1.0 + 1e-9), "{} {}", cost(&chosen.positions), cost(&at));
         // No step along the free directions reduces the cost: its gradient is in the row space of the Jacobian.
@@ -166,11 +166,11 @@ proptest! {
         over in 0..4_usize,
         lengths in prop::array::uniform3(0.12..0.3_f64),
         tilt in tilt(),
-        shares in shares(),
+        fractions in fractions(),
     ) {
         let mut robot = kind(number, lengths);
         robot.model = model(over);
-        let at = positions(&robot, tilt, 0.5, shares);
+        let at = positions(&robot, tilt, 0.5, fractions);
         for id in robot.effectors() {
             let jacobian = robot.effector_jacobian(&at, id).unwrap();
             let moving = robot.axes_of(id).unwrap();
@@ -199,10 +199,10 @@ proptest! {
         number in 0..KINDS,
         lengths in prop::array::uniform3(0.12..0.3_f64),
         tilt in tilt(),
-        shares in shares(),
+        fractions in fractions(),
     ) {
         let robot = kind(number, lengths);
-        let at = positions(&robot, tilt, 0.5, shares);
+        let at = positions(&robot, tilt, 0.5, fractions);
         let pose = robot.forward(&at).unwrap();
         for id in robot.effectors() {
             let wafer = pose.base_from_wafer[id.arm][id.effector];
@@ -226,11 +226,11 @@ proptest! {
     fn branches_are_continuous(
         number in prop::sample::select(vec![0_usize, 3, 5, 7, 8, FOUR_LINKS]),
         lengths in prop::array::uniform3(0.18..0.3_f64),
-        shares in prop::array::uniform5(0.2..0.8_f64),
+        fractions in prop::array::uniform5(0.2..0.8_f64),
         by in prop::array::uniform3(-1e-4..1e-4_f64),
     ) {
         let robot = kind(number, lengths);
-        let at = positions(&robot, Tilt { yaw: 0.4, pitch: 0.01 }, 0.5, shares);
+        let at = positions(&robot, Tilt { yaw: 0.4, pitch: 0.01 }, 0.5, fractions);
         let mut target = target_of(&robot.effector_pose(&at, A).unwrap(), true);
         prop_assume!(bend_cost(&robot, number, &at) < 400.0);
         let start = robot.inverse(A, &target, &at).unwrap().chosen().unwrap().clone();
@@ -385,9 +385,9 @@ fn free_heading_uses_other_revolutions_within_limits() {
         let last = robot.axes.len() - 1;
         for (first, other) in [(0.05, 0.05), (0.05, 0.95), (0.95, 0.05), (0.95, 0.95)] {
             let mut near = at.clone();
-            for (axis, share) in [(3, first), (last, other)] {
+            for (axis, fraction) in [(3, first), (last, other)] {
                 let (min, max) = (robot.axes[axis].min, robot.axes[axis].max);
-                near[axis] = min + share * (max - min);
+                near[axis] = min + fraction * (max - min);
             }
             let found = robot.inverse(A, &target, &near).unwrap();
             assert!(found.chosen.is_some(), "{number} {near:?} {found:?}");

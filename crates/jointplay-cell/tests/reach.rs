@@ -9,10 +9,10 @@ use jointplay_cell::robot::{EffectorId, RODS};
 
 /// Evenly distributed numbers from 0 to 1, the same in each run.
 fn spread(index: usize, base: usize) -> f64 {
-    let (mut rest, mut share, mut value) = (index, 1.0, 0.0);
+    let (mut rest, mut fraction, mut value) = (index, 1.0, 0.0);
     while rest > 0 {
-        share /= base as f64;
-        value += share * (rest % base) as f64;
+        fraction /= base as f64;
+        value += fraction * (rest % base) as f64;
         rest /= base;
     }
     value
@@ -24,7 +24,7 @@ fn reach_range_is_a_tight_bound() {
     for number in 0..KINDS {
         let robot = kind(number, [0.2, 0.22, 0.15]);
         let id = EffectorId { arm: 0, effector: 0 };
-        let [least, most] = robot.reach(id).unwrap();
+        let [least, most] = robot.reach_range(id).unwrap();
         let (mut nearest, mut farthest) = (f64::MAX, 0.0_f64);
         for index in 0..20_000 {
             let positions: Vec<f64> = robot

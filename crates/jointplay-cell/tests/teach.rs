@@ -62,10 +62,10 @@ fn plane_uncertainty_agrees_with_simulated_teachings() {
         let rms = (squares / f64::from(draws)).sqrt();
         assert!((rms / expected_rms - 1.0).abs() < 0.03, "{rms}");
         assert!((bounds[0] / rms - 1.0).abs() < 0.03, "{bounds:?} {rms}");
-        let share = |count: usize| count as f64 / f64::from(draws);
-        assert!((share(within) - 0.95).abs() < 0.012, "{}", share(within));
-        assert!((share(heights) - 0.95).abs() < 0.012, "{}", share(heights));
+        let fraction = |count: usize| count as f64 / f64::from(draws);
+        assert!((fraction(within) - 0.95).abs() < 0.012, "{}", fraction(within));
+        assert!((fraction(heights) - 0.95).abs() < 0.012, "{}", fraction(heights));
         // Estimated from the distances alone, the bound holds at least as often.
-        assert!((0.93..=1.0).contains(&share(estimated)), "{}", share(estimated));
+        assert!((0.93..=1.0).contains(&fraction(estimated)), "{}", fraction(estimated));
     }
 }

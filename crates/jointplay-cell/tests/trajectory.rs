@@ -25,9 +25,9 @@ fn cell(kind: usize, droop: Droop) -> Cell {
     }
     for (place, axis) in robot.axes.iter_mut().enumerate() {
         // Unequal, so that each axis is the limiting one in some case.
-        let share = [1.0, 0.6, 0.35, 0.8][place % 4];
-        axis.empty.velocity *= share;
-        axis.loaded.acceleration *= 0.5 * share;
+        let fraction = [1.0, 0.6, 0.35, 0.8][place % 4];
+        axis.empty.velocity *= fraction;
+        axis.loaded.acceleration *= 0.5 * fraction;
         axis.loaded.jerk *= 0.7;
     }
     common::cell(robot)
@@ -75,20 +75,20 @@ fn keeps(cell: &Cell, motion: &Trajectory) {
         }
         for axis in 0..now.positions.len() {
             let limits = axis_limits(&cell.robot, axis, &motion.steps[now.step]);
-            let share = motion.steps[now.step].speed_scaling;
+            let fraction = motion.steps[now.step].speed_scaling;
             let (v, a, j) = (now.velocities[axis], now.accelerations[axis], now.jerks[axis]);
             let name = &cell.robot.axes[axis].name;
             assert!(
-                v.abs() <= share * limits.velocity * (1.0 + 1e-9),
+                v.abs() <= fraction * limits.velocity * (1.0 + 1e-9),
                 "{name} {v} at {}",
                 now.time
             );
             assert!(
-                a.abs() <= share * limits.acceleration * (1.0 + 1e-9),
+                a.abs() <= fraction * limits.acceleration * (1.0 + 1e-9),
                 "{name} {a} at {}",
                 now.time
             );
-            assert!(j.abs() <= share * limits.jerk * (1.0 + 1e-9), "{name} {j} at {}", now.time);
+            assert!(j.abs() <= fraction * limits.jerk * (1.0 + 1e-9), "{name} {j} at {}", now.time);
             let difference =
                 |of: fn(&Sample) -> &Vec<f64>| (of(after)[axis] - of(before)[axis]) / (2.0 * dt);
             // Differences deviate by the change of acceleration in one interval.
@@ -96,7 +96,7 @@ fn keeps(cell: &Cell, motion: &Trajectory) {
             assert!((difference(|s| &s.velocities) - a).abs() <= limits.jerk * dt);
             let jerk = difference(|s| &s.accelerations);
             assert!(
-                jerk.abs() <= share * limits.jerk * 1.001 + 1e-6,
+                jerk.abs() <= fraction * limits.jerk * 1.001 + 1e-6,
                 "{name} {jerk} at {}",
                 now.time
             );
@@ -105,16 +105,16 @@ fn keeps(cell: &Cell, motion: &Trajectory) {
 }
 
 /// Positions with the platform at a tilt and height and the motors at shares of their range.
-fn positions(cell: &Cell, tilt: Tilt, height: f64, shares: [f64; 5]) -> Vec<f64> {
+fn positions(cell: &Cell, tilt: Tilt, height: f64, fractions: [f64; 5]) -> Vec<f64> {
     let robot = &cell.robot;
     let mut all = robot.gpr.inverse(tilt, AxisHeight(height)).unwrap().to_vec();
-    for (axis, share) in robot.axes[RODS..].iter().zip(shares) {
-        all.push(axis.min + share * (axis.max - axis.min));
+    for (axis, fraction) in robot.axes[RODS..].iter().zip(fractions) {
+        all.push(axis.min + fraction * (axis.max - axis.min));
     }
     all
 }
 
-fn shares() -> impl Strategy<Value = [f64; 5]> {
+fn fractions() -> impl Strategy<Value = [f64; 5]> {
     prop::array::uniform5(0.15..0.85)
 }
 
@@ -128,7 +128,7 @@ proptest! {
     #[test]
     fn axes_keep_their_limits(
         kind in 0..common::KINDS,
-        first in shares(), second in shares(), third in shares(),
+        first in fractions(), second in fractions(), third in fractions(),
         tilts in [tilt(), tilt(), tilt()],
         heights in [0.3..0.7, 0.3..0.7, 0.3..0.7],
         speed in 0.1..1.0,
@@ -136,7 +136,7 @@ proptest! {
     ) {
         let cell = cell(kind, Droop::Rigid);
         let [a, b, c] = [(0, first), (1, second), (2, third)]
-            .map(|(k, shares)| positions(&cell, tilts[k], heights[k], shares));
+            .map(|(k, fractions)| positions(&cell, tilts[k], heights[k], fractions));
         let steps = vec![
             step(&a, &b, Path::PointToPoint, 1.0, loaded),
             step(&b, &b, Path::Dwell(0.1), 1.0, loaded),
@@ -151,7 +151,7 @@ proptest! {
     #[test]
     fn cartesian_lines_are_straight_and_keep_limits(
         kind in 0..common::KINDS,
-        shares in shares(),
+        fractions in fractions(),
         tilts in [tilt(), tilt()],
         displacement in [-0.06..0.06, -0.06..0.06, -0.02..0.02],
         droops: bool,
@@ -159,14 +159,14 @@ proptest! {
     ) {
         let droop = Droop::Cantilever { stiffness: 900.0, mass_per_length: 2.5 };
         let cell = cell(kind, if droops { droop } else { Droop::Rigid });
-        let from = positions(&cell, tilts[0], 0.5, shares);
+        let from = positions(&cell, tilts[0], 0.5, fractions);
         let start = cell.wafer_pose(A, &from, loaded).unwrap();
         let target = WaferTarget {
             center: start.translation.vector + Vector3::from(displacement),
             normal: tilts[1].normal(),
             heading: None,
         };
-        let reached = cell.reach(A, &target, loaded, &from);
+        let reached = cell.compensated_inverse(A, &target, loaded, &from);
         prop_assume!(reached.is_ok());
         let to = reached.unwrap().positions;
         // The other elbow cannot be reached along a line.
@@ -175,7 +175,7 @@ proptest! {
         let steps = vec![step(&from, &to, Path::Line(A), 1.0, loaded)];
         let motion = match plan_trajectory(&cell, steps, &TrajectoryOptions::default()) {
             Ok(motion) => motion,
-            // Past a singular position there may be no path; the error has the share of the line.
+            // Past a singular position there may be no path; the error has the fraction of the line.
             Err(error) => {
                 prop_assert!(error.to_string().contains("of the line"), "{error}");
                 return Ok(());
@@ -203,7 +203,7 @@ proptest! {
     #[test]
     fn blends_keep_the_limits_of_both_steps(
         kind in 0..common::KINDS,
-        shares in [shares(), shares(), shares()],
+        fractions in [fractions(), fractions(), fractions()],
         tilts in [tilt(), tilt(), tilt()],
         displacement in [-0.06..0.06, -0.06..0.06, -0.02..0.02],
         speeds in prop::array::uniform4(0.2..1.0),
@@ -211,14 +211,14 @@ proptest! {
         loaded: bool,
     ) {
         let cell = cell(kind, Droop::Rigid);
-        let [a, b, c] = [0, 1, 2].map(|k| positions(&cell, tilts[k], 0.5, shares[k]));
+        let [a, b, c] = [0, 1, 2].map(|k| positions(&cell, tilts[k], 0.5, fractions[k]));
         let start = cell.wafer_pose(A, &b, loaded).unwrap();
         let target = WaferTarget {
             center: start.translation.vector + Vector3::from(displacement),
             normal: tilts[2].normal(),
             heading: None,
         };
-        let reached = cell.reach(A, &target, loaded, &b);
+        let reached = cell.compensated_inverse(A, &target, loaded, &b);
         prop_assume!(reached.is_ok());
         let out = reached.unwrap().positions;
         let mut steps = vec![
@@ -372,10 +372,10 @@ fn trajectory_error_lists_all_invalid_steps() {
 fn line_with_a_branch_jump_is_rejected() {
     // An arm with redundant joints: the branches continued from either end do not meet.
     let cell = cell(9, Droop::Rigid);
-    let shares =
+    let fractions =
         [0.6986754123647267, 0.38714119678890774, 0.5765603575934801, 0.6386828982446656, 0.15];
     let level = Tilt { yaw: 0.0, pitch: 0.0 };
-    let from = positions(&cell, level, 0.5, shares);
+    let from = positions(&cell, level, 0.5, fractions);
     let start = cell.wafer_pose(A, &from, false).unwrap();
     let displacement = Vector3::new(0.01986070640874278, -0.05178173816321386, 0.0);
     let target = WaferTarget {
@@ -383,7 +383,7 @@ fn line_with_a_branch_jump_is_rejected() {
         normal: level.normal(),
         heading: None,
     };
-    let to = cell.reach(A, &target, false, &from).unwrap().positions;
+    let to = cell.compensated_inverse(A, &target, false, &from).unwrap().positions;
     let steps = vec![step(&from, &to, Path::Line(A), 1.0, false)];
     let error =
         plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap_err().to_string();

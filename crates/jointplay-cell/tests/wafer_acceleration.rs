@@ -52,7 +52,7 @@ proptest! {
         lengths in prop::array::uniform3(0.15..0.3),
         (droop, polar, loaded) in (0..3, any::<bool>(), any::<bool>()),
         (yaw, pitch) in (-3.0..3.0, 0.001..0.02),
-        shares in prop::collection::vec(0.2..0.8, 12),
+        fractions in prop::collection::vec(0.2..0.8, 12),
         rates in prop::collection::vec(-1.0..1.0, 24),
         even in any::<bool>(),
     ) {
@@ -69,7 +69,7 @@ proptest! {
         let cell = cell(robot);
         let axes = &cell.robot.axes;
         let mut positions: Vec<f64> =
-            axes.iter().zip(&shares).map(|(axis, by)| axis.min + by * (axis.max - axis.min)).collect();
+            axes.iter().zip(&fractions).map(|(axis, by)| axis.min + by * (axis.max - axis.min)).collect();
         let rods = cell.robot.gpr.inverse(Tilt { yaw, pitch }, AxisHeight(0.5)).unwrap();
         positions[..RODS].copy_from_slice(&rods);
         let rate = |k: usize, most: f64| {

@@ -180,6 +180,24 @@ fn double_watt_cusps() {
     }
 }
 
+/// A symmetric four-bar with a chain of three bars, stretched from its coupler to the centre of curvature of the path there: away from symmetry the coupler comes nearer to this centre, by the fourth order, and the chain is slack.
+///
+/// The closure of the chain is positive in the two motions across it and leaves the motion of the four-bar free, which is finite; but the configurations are a horn of two dimensions about it.
+#[test]
+fn a_stretched_chain_to_the_centre_of_curvature_moves_with_two_freedoms() {
+    let mut bars = Drawing::on("ground");
+    bars.hinge(["ground", "left"], -1.0, 0.0);
+    bars.hinge(["left", "coupler"], -0.5, 1.0);
+    bars.hinge(["coupler", "right"], 0.5, 1.0);
+    bars.hinge(["right", "ground"], 1.0, 0.0);
+    // The middle of the coupler has the distance 2/3 − 0.567 x⁴ + … from (0, 1/3), with x its coordinate along the base.
+    bars.hinge(["coupler", "a"], 0.0, 1.0);
+    bars.hinge(["a", "b"], 0.0, 0.8);
+    bars.hinge(["b", "c"], 0.0, 0.5);
+    bars.hinge(["c", "ground"], 0.0, 1.0 / 3.0);
+    check(bars, 3, 2, &[2]);
+}
+
 /// Three bars of length 1 and a base shorter than 3 by ε: the angles stay within about √ε, and the linkage moves all the same.
 #[test]
 fn four_bars_near_their_stretched_position() {

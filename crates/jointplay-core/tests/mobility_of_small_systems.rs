@@ -3,7 +3,7 @@
 
 use jointplay_core::constraint::{Configuration, Dimension, System};
 use jointplay_core::mobility::{
-    FiniteMobility, RANK_THRESHOLD, branch_dimensions, finite_mobility,
+    BoundOrigin, FiniteMobility, FreeMotions, RANK_THRESHOLD, branch_dimensions, finite_mobility,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -181,12 +181,22 @@ fn polynomials(
     instantaneous: usize,
     truth: usize,
     decided: bool,
-) {
+) -> FiniteMobility {
     check(
         &Polynomials(unknowns, polynomials),
         DVector::zeros(unknowns),
         &Expect { instantaneous, truth, decided },
-    );
+    )
+}
+
+/// The dimensions of the branches at the origin.
+#[track_caller]
+fn branches(unknowns: usize, polynomials: &[Polynomial], expected: &[usize]) {
+    let system = Polynomials(unknowns, polynomials);
+    let at =
+        Configuration { coordinates: DVector::zeros(unknowns), virtual_joints: DVector::zeros(0) };
+    let found = finite_mobility(&system, &at, RANK_THRESHOLD).unwrap();
+    assert_eq!(branch_dimensions(&system, &at, &found).unwrap(), expected, "{polynomials:?}");
 }
 
 #[track_caller]
@@ -300,6 +310,53 @@ fn branches_that_cross_or_touch() {
     polynomials(3, &[point], 3, 0, true);
 }
 
+/// x² + y² is positive across the z axis, so that every curve through the origin is tangent to it; the configurations have two dimensions all the same.
+#[test]
+fn a_definite_quadric_does_not_bound_the_dimension_by_that_of_its_null_space() {
+    let sum = [(1.0, &[2, 0, 0][..]), (1.0, &[0, 2, 0])];
+    // x² + y² = zᵖ: a horn on one side of the origin for odd p, on both sides for even p.
+    for p in 3..=6 {
+        let horn: Polynomial = &[sum[0], sum[1], (-1.0, &[0, 0, p])];
+        polynomials(3, &[horn], 3, 2, true);
+        branches(3, &[horn], &[2]);
+    }
+    // x² + y² = 2xz² contains the z axis, so that the free motion is finite, and is a surface all the same: its gradient is not zero along the axis.
+    let along_the_axis: Polynomial = &[sum[0], sum[1], (-2.0, &[1, 0, 2])];
+    let found = polynomials(3, &[along_the_axis], 3, 2, true);
+    assert_eq!(found.free_motions, FreeMotions::Finite);
+    branches(3, &[along_the_axis], &[2]);
+    // x² + y² = −z⁴ is the origin: no real second-order bound shows it.
+    polynomials(3, &[&[sum[0], sum[1], (1.0, &[0, 0, 4])]], 3, 0, false);
+}
+
+/// Sums of two squares that vanish on a curve only: their gradient is zero along it, the self-stress persists.
+#[test]
+fn a_self_stress_that_persists_along_the_free_motion_isolates_it() {
+    let sum = [(1.0, &[2, 0, 0][..]), (1.0, &[0, 2, 0])];
+    let axis: Polynomial = &sum;
+    let scaled: Polynomial = &[sum[0], sum[1], (1.0, &[2, 0, 1]), (1.0, &[1, 1, 2])];
+    // (x − z²)² + y²: a parabola.
+    let parabola: Polynomial = &[sum[0], sum[1], (-2.0, &[1, 0, 2]), (1.0, &[0, 0, 4])];
+    for polynomial in [axis, scaled, parabola] {
+        let found = polynomials(3, &[polynomial], 3, 1, true);
+        assert_eq!(found.free_motions, FreeMotions::Isolated);
+        assert_eq!(found.upper_bound_origin, BoundOrigin::PersistentSelfStress);
+        assert!(!found.is_proved(), "numerical evidence is no proof");
+        branches(3, &[polynomial], &[1]);
+    }
+}
+
+/// x² = y² = 0 has no other complex zeros than the z axis: second order alone bounds the dimension.
+#[test]
+fn quadrics_without_complex_zeros_bound_the_dimension_at_second_order() {
+    let squares: &[Polynomial] = &[&[(1.0, &[2, 0, 0]), (1.0, &[0, 0, 3])], &[(1.0, &[0, 2, 0])]];
+    // x² + z³ = y² = 0: a cusp.
+    let found = polynomials(3, squares, 3, 1, true);
+    assert_eq!(found.upper_bound_origin, BoundOrigin::SecondOrder);
+    let point: &[Polynomial] = &[&[(1.0, &[2, 0])], &[(1.0, &[0, 2])]];
+    assert!(polynomials(2, point, 2, 0, true).is_proved());
+}
+
 /// z = 0 and z = xᵖ: first order allows x, order p stops it; y is free, or stopped at second order.
 #[test]
 fn motion_obstructed_at_any_order_next_to_a_free_one() {
@@ -348,10 +405,6 @@ fn branches_of_different_dimension_are_reported() {
         (&[flat], &[2]),
     ];
     for (polynomials, expected) in cases {
-        let system = Polynomials(3, polynomials);
-        let at =
-            Configuration { coordinates: DVector::zeros(3), virtual_joints: DVector::zeros(0) };
-        let found = finite_mobility(&system, &at, RANK_THRESHOLD).unwrap();
-        assert_eq!(branch_dimensions(&system, &at, &found).unwrap(), expected, "{polynomials:?}");
+        branches(3, polynomials, expected);
     }
 }

@@ -53,9 +53,10 @@ fn every_slot_of_the_example_is_within_reach_of_both_arms() {
                     &waypoints.retracted_above,
                 ];
                 for (k, place) in places.into_iter().enumerate() {
-                    let reached = cell.reach(id, place, k > 2, &near).unwrap_or_else(|error| {
-                        panic!("{} slot {slot} place {k} {id:?}: {error}", station.name)
-                    });
+                    let reached =
+                        cell.compensated_inverse(id, place, k > 2, &near).unwrap_or_else(|error| {
+                            panic!("{} slot {slot} place {k} {id:?}: {error}", station.name)
+                        });
                     // An arm that extends and retracts along its own radius does not rotate.
                     if k > 0 {
                         assert!((reached.positions[RODS] - near[RODS]).abs() < 0.01, "{k} {slot}");
@@ -191,6 +192,33 @@ fn errors_name_their_place_and_the_allowed_values() {
     refuse("play_um = 60.0", "play_um = 0.0", "has to be positive");
     refuse("[[zone]]", "[[zones]]", "unknown key `zones` (did you mean `zone`?)");
     refuse("tilt = {", "tilt = = {", "");
+}
+
+#[test]
+fn rules_are_read_and_contradictory_ones_refused() {
+    let rule = "[[rule]]\nname = \"align\"\nvisit = [\"ALIGN\"]\nbefore = [\"PM1\"]\nfrom = [\"LP1\"]\ntimes = 1\n";
+    let text = EXAMPLE.replace("process_s = 8.0", "process_s = 8.0\nmax_dwell_s = 30.0") + rule;
+    let cell = read(&text, &mut no_files).unwrap();
+    let [limits] = cell.rules.dwell.as_slice() else { panic!("{:?}", cell.rules) };
+    assert_eq!((limits.station, limits.min, limits.max), (3, 0.0, Some(30.0)));
+    let [visit] = cell.rules.visits.as_slice() else { panic!("{:?}", cell.rules) };
+    assert_eq!((&visit.stations, &visit.before, &visit.origins), (&vec![2], &vec![3], &vec![0]));
+    assert_eq!(visit.count, Some(1));
+    let budgets = "[budgets]";
+    let with = |rule: &str| format!("{rule}\n{budgets}");
+    let named = "[[rule]]\nname = \"r\"\n";
+    refuse(budgets, &with("[[rule]]\nvisit = [\"PM1\"]"), "needs `name`");
+    refuse(budgets, &with(named), "the rule \"r\" needs `visit`");
+    refuse(budgets, &with(&format!("{named}visit = []")), "name one or more in `visit`");
+    refuse(budgets, &with(&format!("{named}visit = [\"PM\"]")), "did you mean `PM1`?");
+    let twice = format!("{named}visit = [\"PM1\"]\nbefore = [\"PM1\"]");
+    refuse(budgets, &with(&twice), "requires a visit to PM1 before a visit to PM1");
+    let circle = "[[rule]]\nname = \"s\"\nvisit = [\"ALIGN\"]\nbefore = [\"PM1\"]\n[[rule]]\nname = \"t\"\nvisit = [\"PM1\"]\nbefore = [\"ALIGN\"]";
+    refuse(budgets, &with(circle), "requires a visit before itself");
+    let short = "process_s = 8.0\nmax_dwell_s = 7.5";
+    refuse("process_s = 8.0", short, "`process_s` requires a stay of 8 s: increase");
+    let reversed = "process_s = 2.0\nmin_process_s = 5.0\nmax_dwell_s = 4.0";
+    refuse("process_s = 2.0", reversed, "`min_process_s` requires a stay of 5 s");
 }
 
 #[test]

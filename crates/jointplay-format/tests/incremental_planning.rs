@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use jointplay_cell::EntityId;
-use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, Violation, check};
+use jointplay_cell::check::{CheckOptions, CheckResult, Report, Violation, ViolationKind, check};
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::{Handoff, Path, Phase, Step, expand};
 use jointplay_cell::robot::{AxesMotion, EffectorId};
@@ -36,8 +36,14 @@ fn names_of(cell: &Cell, entities: &[EntityId]) -> BTreeSet<String> {
     entities.iter().map(|&entity| cell.entity_name(entity)).collect()
 }
 
-fn distances(kind: Kind) -> bool {
-    matches!(kind, Kind::Collision | Kind::Clearance | Kind::SlotClearance | Kind::KeepOut)
+fn distances(kind: ViolationKind) -> bool {
+    matches!(
+        kind,
+        ViolationKind::Collision
+            | ViolationKind::Clearance
+            | ViolationKind::SlotClearance
+            | ViolationKind::KeepOut
+    )
 }
 
 /// Who is where: the label of a wafer by its present place, and by the one that it came from.
@@ -62,7 +68,7 @@ impl Labels<'_> {
 }
 
 /// Names of a pair, kind of violation, time, and distance.
-type TooNear = (BTreeSet<String>, Kind, f64, f64);
+type TooNear = (BTreeSet<String>, ViolationKind, f64, f64);
 
 /// Minimum distances and violations, from an independent check of a dwell at each sample.
 fn sample_by_sample(
@@ -112,11 +118,11 @@ fn sample_by_sample(
         match step.handoff {
             Some(Handoff::Picked(id, slot)) => {
                 current.occupied.retain(|&at| at != slot);
-                current.carried.push(id);
+                current.loaded_effectors.push(id);
                 labels.hand_off(labels.slot(slot), labels.effector(id));
             }
             Some(Handoff::Placed(id, slot)) => {
-                current.carried.retain(|&at| at != id);
+                current.loaded_effectors.retain(|&at| at != id);
                 current.occupied.push(slot);
                 labels.hand_off(labels.effector(id), labels.slot(slot));
             }
@@ -129,15 +135,15 @@ fn sample_by_sample(
 #[test]
 fn the_check_reports_every_violation_of_a_sample() {
     let options = CheckOptions { rate: 20.0, ..CheckOptions::default() };
-    for (clearance, verdict) in [(1e-3, Verdict::Sound), (6e-3, Verdict::Broken)] {
+    for (clearance, verdict) in [(1e-3, CheckResult::Passed), (6e-3, CheckResult::Failed)] {
         let mut cell = example();
         (cell.clearance, cell.slot_clearance) = (clearance, clearance);
         let motion =
             plan_trajectory(&cell, steps(&cell, SHORT), &TrajectoryOptions::default()).unwrap();
         let report = check(&cell, &motion, &options);
         let (least, broken) = sample_by_sample(&cell, &motion, &options);
-        assert_eq!(report.verdict, verdict, "{:#?}", report.violations);
-        assert_eq!(broken.is_empty(), verdict == Verdict::Sound);
+        assert_eq!(report.result, verdict, "{:#?}", report.violations);
+        assert_eq!(broken.is_empty(), verdict == CheckResult::Passed);
         let mut found: BTreeMap<BTreeSet<String>, f64> = BTreeMap::new();
         for row in &report.distances {
             let names = names_of(&cell, &row.entities);
@@ -202,7 +208,7 @@ fn slip_is_the_largest_utilization_of_all_samples() {
         let options = CheckOptions::default();
         let report = check(&cell, &motion, &options);
         let slips: Vec<&Violation> =
-            report.violations.iter().filter(|one| one.kind == Kind::Slip).collect();
+            report.violations.iter().filter(|one| one.kind == ViolationKind::Slip).collect();
         let mut over = 0;
         for row in &report.by_instruction {
             let pushes: Vec<(f64, f64)> = row
@@ -276,7 +282,8 @@ fn blending_keeps_wafers_inside_safe_zones() {
         let motion =
             plan_trajectory(cell, steps(cell, text), &TrajectoryOptions::default()).unwrap();
         let report = check(cell, &motion, &CheckOptions::default());
-        let zones = report.violations.iter().filter(|one| one.kind == Kind::SafeZone).count();
+        let zones =
+            report.violations.iter().filter(|one| one.kind == ViolationKind::SafeZone).count();
         (motion, zones)
     };
     let (motion, violations) = planned(&cell);
@@ -285,7 +292,7 @@ fn blending_keeps_wafers_inside_safe_zones() {
     let (free, _) = planned(&cell);
     cell.zones = zones;
     let report = check(&cell, &free, &CheckOptions::default());
-    assert!(report.violations.iter().any(|one| one.kind == Kind::SafeZone));
+    assert!(report.violations.iter().any(|one| one.kind == ViolationKind::SafeZone));
     assert!(free.duration() < motion.duration());
 }
 
@@ -327,7 +334,7 @@ impl Change {
             Self::Limit(axis, by) => cell.robot.axes[axis].loaded.velocity *= by,
             Self::Body(body, by) => {
                 let body = body % cell.bodies.len();
-                cell.bodies[body].carrier_from_shape.translation.vector.z += by;
+                cell.bodies[body].parent_from_shape.translation.vector.z += by;
             }
             Self::Corners(millimeters) => lines[0] = format!("BLEND {millimeters} mm\nHOME"),
             Self::Zone(radius) => {
@@ -418,7 +425,7 @@ fn only_segments_affected_by_a_change_are_recomputed() {
         assert!(reuse.hits > 2 * reuse.misses && reuse.misses > 0, "{reuse:?}");
     }
     // A body out of reach: nothing is recomputed.
-    cell.bodies[0].carrier_from_shape.translation.vector.z -= 5.0;
+    cell.bodies[0].parent_from_shape.translation.vector.z -= 5.0;
     planned(&mut memory, &cell, SHORT);
     assert_eq!(
         [memory.ik_cache_stats(), memory.segment_cache_stats()].map(|reuse| reuse.misses),

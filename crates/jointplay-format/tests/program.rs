@@ -128,8 +128,8 @@ fn every_command_is_read() {
     );
     reads_as("GOTO port-1 SLOT 3", Command::Goto { to: from, effector: None });
     reads_as("WAIT 0.25 s", Command::Wait { seconds: 0.25 });
-    reads_as("SPEED 50 %", Command::Speed { share: 0.5 });
-    reads_as("SPEED 33.3%", Command::Speed { share: 0.333 });
+    reads_as("SPEED 50 %", Command::Speed { fraction: 0.5 });
+    reads_as("SPEED 33.3%", Command::Speed { fraction: 0.333 });
     reads_as("BLEND 2.5 mm", Command::Blend { radius: 0.0025 });
     reads_as("blend off", Command::Blend { radius: 0.0 });
     reads_as("TILT LEVEL", Command::Tilt { tilt: Tilt::LEVEL });
@@ -321,7 +321,7 @@ fn commands() -> impl Strategy<Value = Command> {
         (slots(), names(), names()).prop_map(|(at, get, put)| Command::Swap { at, get, put }),
         (slots(), effector()).prop_map(|(to, effector)| Command::Goto { to, effector }),
         (0..=864_000_u32).prop_map(|tenths| Command::Wait { seconds: f64::from(tenths) / 10.0 }),
-        (1..=10_000_u32).prop_map(|share| Command::Speed { share: f64::from(share) / 1e4 }),
+        (1..=10_000_u32).prop_map(|share| Command::Speed { fraction: f64::from(share) / 1e4 }),
         (0..=1000_u32).prop_map(|radius| Command::Blend { radius: f64::from(radius) / 1000.0 }),
         (-8900..=8900_i32, decimals()).prop_map(|(pitch, yaw)| {
             let pitch = (f64::from(pitch) / 100.0).to_radians();

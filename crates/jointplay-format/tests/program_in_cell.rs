@@ -124,10 +124,11 @@ fn cell() -> Cell {
             process,
         ],
         occupied: vec![slot(1), slot(2), slot(3), slot(5)],
-        carried: Vec::new(),
+        loaded_effectors: Vec::new(),
         bodies: Vec::new(),
         allowed_pairs: Vec::new(),
         zones: Vec::new(),
+        rules: jointplay_cell::station::WaferRules::default(),
         play_budget: 1e-3,
         clearance: 1e-3,
         slot_clearance: 1e-3,
@@ -147,7 +148,7 @@ fn steps(cell: &Cell, text: &str) -> Vec<Step> {
         )
     });
     let mut before: Vec<f64> = cell.robot.axes.iter().map(|axis| axis.home).collect();
-    let mut loaded = cell.carried.clone();
+    let mut loaded = cell.loaded_effectors.clone();
     for (index, step) in steps.iter().enumerate() {
         assert_eq!(step.from, before, "step {index}");
         assert_eq!(step.loaded, loaded, "step {index}");

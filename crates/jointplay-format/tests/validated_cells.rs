@@ -4,8 +4,8 @@
 use jointplay_cell::check::CheckOptions;
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::robot::EffectorId;
-use jointplay_cell::station::SlotId;
-use jointplay_cell::workcell::{Carrier, Cell};
+use jointplay_cell::station::{DwellLimits, SlotId};
+use jointplay_cell::workcell::{Cell, ParentFrame};
 use jointplay_cell::{CellError, CellPart, IncrementalPlanner, PlanError, PlanOptions};
 use jointplay_format::{cell, program};
 use proptest::prelude::*;
@@ -51,15 +51,19 @@ fn mutate(cell: &mut Cell, field: usize, value: f64, index: usize) {
         19 => cell.stations[station].name = cell.stations[0].name.clone(),
         20 => cell.bodies[body].shape = Shape::Cylinder { radius: value, half_height: 0.1 },
         21 => cell.bodies[body].shape = Shape::Convex { points: vec![[value; 3]; index] },
-        22 => cell.bodies[body].carrier = Carrier::Link { arm: index, link: index },
-        23 => cell.bodies[body].carrier_from_shape.translation.vector.x = value,
+        22 => cell.bodies[body].parent = ParentFrame::Link { arm: index, link: index },
+        23 => cell.bodies[body].parent_from_shape.translation.vector.x = value,
         24 => cell.allowed_pairs.push([0, index]),
         25 => cell.occupied.push(SlotId { station: index, slot: index }),
-        26 => cell.carried.push(EffectorId { arm: index, effector: index }),
+        26 => cell.loaded_effectors.push(EffectorId { arm: index, effector: index }),
         27 => cell.robot.axes[axis].max = value,
         28 => cell.robot.axes[axis].empty.jerk = speed,
         29 => cell.robot.arms[arm].mount[index % 3] = value,
         30 => cell.robot.arms[arm].joints[0].length = value,
+        32 => {
+            let limits = DwellLimits { station: index, min: value, max: Some(0.1) };
+            cell.rules.dwell.push(limits);
+        }
         31 => cell.robot.arms[arm].effectors[0].friction = value,
         _ => cell.stations[station].via = vec![[value; 3]],
     }
@@ -85,7 +89,7 @@ proptest! {
 
     #[test]
     fn mutated_cells_are_rejected_or_planned_without_panic(
-        mutations in prop::collection::vec((0..33_usize, value(), 0..30_usize), 1..3)
+        mutations in prop::collection::vec((0..34_usize, value(), 0..30_usize), 1..3)
     ) {
         let mut cell = example();
         for (field, value, index) in mutations {

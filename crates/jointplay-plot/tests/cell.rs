@@ -10,7 +10,7 @@ use jointplay_cell::robot::{
 use jointplay_cell::station::teach::fit_plane;
 use jointplay_cell::station::{Approach, Origin, Station, Stroke};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
-use jointplay_cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
+use jointplay_cell::workcell::{Body, Cell, ParentFrame, Zone, ZoneRule};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use jointplay_plot::Error;
@@ -86,8 +86,8 @@ fn cell() -> Cell {
     };
     let wall = Body {
         name: "wall".to_owned(),
-        carrier: Carrier::World,
-        carrier_from_shape: Pose::translation(0.0, -0.5, 0.5),
+        parent: ParentFrame::World,
+        parent_from_shape: Pose::translation(0.0, -0.5, 0.5),
         shape: Shape::Box { half: [0.3, 0.02, 0.5] },
         station: None,
     };
@@ -106,10 +106,11 @@ fn cell() -> Cell {
         wafer: Wafer { diameter: 0.3, thickness: 775e-6, material: silicon },
         stations: vec![station("port", 0.6, 0.2, 25, 0.0), station("aligner", 0.1, 0.6, 1, 0.014)],
         occupied: vec![],
-        carried: vec![],
+        loaded_effectors: vec![],
         bodies: vec![wall],
         allowed_pairs: vec![],
         zones: vec![zone],
+        rules: jointplay_cell::station::WaferRules::default(),
         play_budget: 1e-4,
         clearance: 0.001,
         slot_clearance: 0.001,
@@ -261,11 +262,15 @@ fn gantt(duration: f64) -> Gantt {
     let span = |from: f64, to: f64, kind| Interval { from, to, kind };
     Gantt {
         axes: vec!["q1".to_owned(), "T".to_owned()],
+        places: vec!["wafer on A".to_owned(), "port".to_owned()],
         intervals: vec![
             span(0.0, 0.5 * duration, IntervalKind::Instruction(labels("GET port SLOT 1 WITH A"))),
             span(0.5 * duration, duration, IntervalKind::Instruction(labels("PUT aligner"))),
             span(0.0, 0.4 * duration, IntervalKind::Empty(1)),
             span(0.5 * duration, duration, IntervalKind::Loaded(0)),
+            span(0.2 * duration, 0.7 * duration, IntervalKind::Wafers { row: 0, share: 1.0 }),
+            span(0.7 * duration, duration, IntervalKind::Wafers { row: 1, share: 0.04 }),
+            span(0.7 * duration, 0.9 * duration, IntervalKind::Process(1)),
             span(0.6 * duration, 0.6 * duration, IntervalKind::Violation),
         ],
         duration,
@@ -280,9 +285,13 @@ fn axes_over_time() {
         "axes",
         "q1",
         "T",
+        "wafer on A",
+        "port",
         "violations",
         "GET port SLOT 1 WITH A",
         "moving without wafer",
+        "wafers, share of slots",
+        "process",
         "violation",
     ];
     check(&gantt(8.0).to_svg().unwrap(), &expected);

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use jointplay_cell::check::{Report, Utilization, Verdict, Violation};
+use jointplay_cell::check::{CheckResult, Report, Utilization, Violation};
 use jointplay_cell::program::{HandoffDeflection, SourceLocation, handoff_deflections};
 use jointplay_cell::robot::AxisKind;
+use jointplay_cell::schedule::schedule;
 use jointplay_cell::station::Origin;
 use jointplay_cell::trajectory::{Blend, LineDeviation, Trajectory};
 use jointplay_cell::workcell::Cell;
@@ -13,8 +14,12 @@ use serde::Serialize;
 
 use crate::distance::{DistanceReport, distance};
 use crate::nearest::{NearestReport, nearest};
+use crate::schedule::{ScheduleReport, schedule_report};
 use crate::segment::{SegmentReport, segments};
 use crate::violation::{explain_violation, in_display_unit};
+use crate::violation_group::{
+    BodyInZoneReport, RemedyReport, ViolationGroupReport, body_in_zone_reports, violation_groups,
+};
 use jointplay_format::cell::robot::virtualization_name;
 use jointplay_format::place;
 use jointplay_format::units::{mm, um};
@@ -35,14 +40,16 @@ pub struct CellReport {
     pub metric_mm: Option<f64>,
     /// Values of cell and robot that are assumptions, with their reasons.
     pub assumed: Vec<String>,
-    /// `sound` or `broken`.
-    pub verdict: &'static str,
+    /// `passed` or `failed`.
+    pub result: &'static str,
     /// Duration of the motion.
     pub duration_s: f64,
     /// Number of different wafers that are put into a slot.
     pub wafers: usize,
     /// Wafers per hour of the repeated program.
     pub wafers_per_hour: Option<f64>,
+    /// Use of robot and stations, bottleneck, periodic parts, and stays of wafers.
+    pub schedule: ScheduleReport,
     /// Number of motions; a wait of zero length is not counted.
     pub steps: usize,
     /// Cartesian lines, if there are any.
@@ -59,6 +66,12 @@ pub struct CellReport {
     pub instructions: Vec<InstructionReport>,
     /// All violations, by time.
     pub violations: Vec<ViolationReport>,
+    /// The violations by cause, the most severe first.
+    pub violation_groups: Vec<ViolationGroupReport>,
+    /// Translations of fixed bodies and zones that remove violations, of the most severe ones; none where they were not computed.
+    pub remedies: Option<Vec<RemedyReport>>,
+    /// Fixed bodies in keep-out zones.
+    pub bodies_in_zones: Vec<BodyInZoneReport>,
     /// Minimum distances of pairs, smallest first.
     pub distances: Vec<DistanceReport>,
     /// The smallest of these distances, with all wafers counted as one.
@@ -208,7 +221,7 @@ pub struct ViolationReport {
     pub worst_s: f64,
     /// The worst value, in `unit`.
     pub worst: Option<f64>,
-    /// The limit, in `unit`.
+    /// The limit, in `unit`; of a collision the required clearance.
     pub limit: Option<f64>,
     /// Unit of `worst` and `limit`; empty if they have no value.
     pub unit: &'static str,
@@ -280,13 +293,14 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         solver: model.options.solver.to_string(),
         metric_mm: metric,
         assumed: robot.assumed.iter().chain(&cell.assumed).cloned().collect(),
-        verdict: match report.verdict {
-            Verdict::Sound => "sound",
-            Verdict::Broken => "broken",
+        result: match report.result {
+            CheckResult::Passed => "passed",
+            CheckResult::Failed => "failed",
         },
         duration_s: report.duration,
         wafers: report.wafers,
         wafers_per_hour: report.wafers_per_hour,
+        schedule: schedule_report(cell, motion, &schedule(cell, motion)),
         steps: lasting(motion, 0..motion.steps.len()),
         straight: straight(motion, 0..motion.steps.len()),
         blended: blended(motion, 0..motion.steps.len()),
@@ -295,6 +309,9 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         axes: moving.collect(),
         instructions: instructions.collect(),
         violations: report.violations.iter().map(|one| violation(cell, one)).collect(),
+        violation_groups: violation_groups(cell, &motion.steps, &report.violations),
+        remedies: None,
+        bodies_in_zones: body_in_zone_reports(cell),
         nearest: nearest(cell, &report.distances),
         distances,
     }

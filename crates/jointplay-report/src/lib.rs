@@ -20,6 +20,7 @@ mod mobility;
 mod motion;
 mod nearest;
 mod relief;
+mod schedule;
 mod segment;
 mod sensitivity;
 mod station;
@@ -30,6 +31,7 @@ pub mod table;
 mod table_error;
 mod totals;
 mod violation;
+mod violation_group;
 mod virtual_joints;
 
 pub use beyond::beyond_limits;
@@ -50,7 +52,11 @@ pub use mobility::{FreedomsReport, MobilityReport, mobility};
 pub use motion::{MotionReport, SingularReport, motion};
 pub use nearest::NearestReport;
 pub use relief::{ReliefReport, VirtualJointReport, relief};
-pub use segment::{LimitingReport, SegmentReport, phase_name};
+pub use schedule::{
+    BottleneckReport, CriticalTimeReport, PeriodicPartReport, ProcessWaitReport, RobotUseReport,
+    ScheduleReport, StationUseReport, StayReport, WaferStaysReport, schedule_report,
+};
+pub use segment::{LimitingReport, SegmentReport};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
 pub use station::{PlaneReport, StationReport, TeachReport, UncertaintyReport, teach};
 pub use study::{BoundsHeldReport, SeriesReport, StudyReport, study};
@@ -58,4 +64,8 @@ pub use suggest::{SetReport, SuggestReport, SuggestedJoint, suggestions};
 pub use table_error::TableError;
 pub use totals::{ColumnReport, OutcomeReport, SHARES, TotalsReport, totals};
 pub use violation::explain_violation;
+pub use violation_group::{
+    BodyInZoneReport, OccurrenceReport, RemedyReport, ViolationGroupReport, remedy_reports,
+    violation_groups,
+};
 pub use virtual_joints::VirtualJointGroups;

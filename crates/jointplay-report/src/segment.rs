@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use jointplay_cell::program::{Path, Phase};
+use jointplay_cell::program::Path;
 use jointplay_cell::trajectory::{LimitingConstraint, MotionLimit, Trajectory};
 use jointplay_cell::workcell::Cell;
+use jointplay_format::program::phase_name;
 use serde::Serialize;
 
 /// A segment that moves.
@@ -68,23 +69,7 @@ fn limiting(cell: &Cell, constraint: &LimitingConstraint) -> LimitingReport {
             ("slip", Some(cell.robot.arms[id.arm].effectors[id.effector].name.clone()))
         }
     };
-    let LimitingConstraint { time_share, path_shares: [from_share, to_share], .. } = *constraint;
+    let LimitingConstraint { time_fraction: time_share, path_fractions, .. } = *constraint;
+    let [from_share, to_share] = path_fractions;
     LimitingReport { limit, name, time_share, from_share, to_share }
-}
-
-/// Name of a phase in texts and exports.
-#[must_use]
-pub fn phase_name(phase: Phase) -> &'static str {
-    match phase {
-        Phase::Move => "move",
-        Phase::RetractArms => "tuck in",
-        Phase::Turn => "turn",
-        Phase::Align => "enter",
-        Phase::Extend => "extend",
-        Phase::Lift => "lift",
-        Phase::Lower => "lower",
-        Phase::Retract => "retract",
-        Phase::Level => "level",
-        Phase::Wait => "wait",
-    }
 }

@@ -1,23 +1,24 @@
 //! Messages of violations, in mm and degrees.
 
-use jointplay_cell::check::{Kind, Unit, Violation};
+use jointplay_cell::check::{Violation, ViolationKind, ViolationQuantity};
 use jointplay_cell::workcell::Cell;
 
 use jointplay_format::units::{deg, mm};
 
-/// Unit of messages, and a value of a violation in this unit.
+/// ViolationQuantity of messages, and a value of a violation in this unit.
 pub(crate) fn in_display_unit(one: &Violation, value: f64) -> (&'static str, f64) {
     match (one.unit, one.kind) {
-        (Unit::None, _) => ("", value),
-        (Unit::Acceleration, _) => ("m/s²", value),
-        (Unit::Length, Kind::Velocity) => ("mm/s", mm(value)),
-        (Unit::Length, Kind::Acceleration) => ("mm/s²", mm(value)),
-        (Unit::Length, Kind::Jerk) => ("mm/s³", mm(value)),
-        (Unit::Length, _) => ("mm", mm(value)),
-        (Unit::Angle, Kind::Velocity) => ("°/s", deg(value)),
-        (Unit::Angle, Kind::Acceleration) => ("°/s²", deg(value)),
-        (Unit::Angle, Kind::Jerk) => ("°/s³", deg(value)),
-        (Unit::Angle, _) => ("°", deg(value)),
+        (ViolationQuantity::None, _) => ("", value),
+        (ViolationQuantity::Acceleration, _) => ("m/s²", value),
+        (ViolationQuantity::Time, _) => ("s", value),
+        (ViolationQuantity::Length, ViolationKind::Velocity) => ("mm/s", mm(value)),
+        (ViolationQuantity::Length, ViolationKind::Acceleration) => ("mm/s²", mm(value)),
+        (ViolationQuantity::Length, ViolationKind::Jerk) => ("mm/s³", mm(value)),
+        (ViolationQuantity::Length, _) => ("mm", mm(value)),
+        (ViolationQuantity::Angle, ViolationKind::Velocity) => ("°/s", deg(value)),
+        (ViolationQuantity::Angle, ViolationKind::Acceleration) => ("°/s²", deg(value)),
+        (ViolationQuantity::Angle, ViolationKind::Jerk) => ("°/s³", deg(value)),
+        (ViolationQuantity::Angle, _) => ("°", deg(value)),
     }
 }
 
@@ -29,24 +30,30 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
     let number = |value: f64| quantity(one, value, DECIMALS);
     let (worst, limit) = distinct(one);
     match one.kind {
-        Kind::Position => format!("axis {} reaches {worst}, its limit is {limit}", name(0)),
-        Kind::Velocity => format!("axis {} moves at {worst}, its limit is {limit}", name(0)),
-        Kind::Acceleration => {
+        ViolationKind::Position => {
+            format!("axis {} reaches {worst}, its limit is {limit}", name(0))
+        }
+        ViolationKind::Velocity => {
+            format!("axis {} moves at {worst}, its limit is {limit}", name(0))
+        }
+        ViolationKind::Acceleration => {
             format!("axis {} accelerates at {worst}, its limit is {limit}", name(0))
         }
-        Kind::Jerk => format!("axis {} has a jerk of {worst}, its limit is {limit}", name(0)),
-        Kind::Tilt => format!("the platform tilts by {worst}, its limit is {limit}"),
-        Kind::Play => {
+        ViolationKind::Jerk => {
+            format!("axis {} has a jerk of {worst}, its limit is {limit}", name(0))
+        }
+        ViolationKind::Tilt => format!("the platform tilts by {worst}, its limit is {limit}"),
+        ViolationKind::Play => {
             format!("the virtual joints are displaced by {worst}, the play budget is {limit}")
         }
-        Kind::Slip if one.worst.is_infinite() => {
+        ViolationKind::Slip if one.worst.is_infinite() => {
             format!("the wafer on {} lifts off its supports", name(0))
         }
-        Kind::Slip => format!(
+        ViolationKind::Slip => format!(
             "the wafer on {} slips: it requires friction of {worst}, available are {limit}",
             name(0)
         ),
-        Kind::Collision if one.worst < 0.0 => {
+        ViolationKind::Collision if one.worst < 0.0 => {
             format!(
                 "{} and {} collide with a penetration depth of {}",
                 name(0),
@@ -54,22 +61,22 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
                 number(-one.worst)
             )
         }
-        Kind::Collision => format!("{} and {} touch", name(0), name(1)),
-        Kind::Clearance => {
+        ViolationKind::Collision => format!("{} and {} touch", name(0), name(1)),
+        ViolationKind::Clearance => {
             format!(
                 "{} comes within {worst} of {}; the required clearance is {limit}",
                 name(0),
                 name(1)
             )
         }
-        Kind::SlotClearance => {
+        ViolationKind::SlotClearance => {
             format!(
                 "{} comes within {worst} of {}; the required slot clearance is {limit}",
                 name(0),
                 name(1)
             )
         }
-        Kind::KeepOut if one.worst < 0.0 => {
+        ViolationKind::KeepOut if one.worst < 0.0 => {
             format!(
                 "{} is in keep-out zone {} with a penetration depth of {}",
                 name(0),
@@ -77,8 +84,25 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
                 number(-one.worst)
             )
         }
-        Kind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
-        Kind::SafeZone => format!(
+        ViolationKind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
+        ViolationKind::LongDwell => format!(
+            "{} stays in {} for {worst}, allowed are {limit}: pick it {} earlier",
+            name(0),
+            name(1),
+            number(one.excess())
+        ),
+        ViolationKind::ShortDwell => format!(
+            "{} leaves {} after {worst}, required are {limit}: wait {} longer before this instruction",
+            name(0),
+            name(1),
+            number(one.excess())
+        ),
+        ViolationKind::LeftInStation => format!(
+            "{} is left in {} at the end of the program, where a wafer may stay for {limit}: pick it before the program ends",
+            name(0),
+            name(1)
+        ),
+        ViolationKind::SafeZone => format!(
             "the wafer centre of {} is {worst} outside safe zone {} while the robot rotates",
             name(0),
             name(1)
@@ -150,7 +174,7 @@ mod tests {
     #[test]
     fn short_lengths_are_in_micrometres_and_values_differ_from_their_limits() {
         let violation = |worst, limit| Violation {
-            kind: Kind::Clearance,
+            kind: ViolationKind::Clearance,
             entities: Vec::new(),
             instruction: 0,
             place: SourceLocation::default(),
@@ -161,7 +185,7 @@ mod tests {
             worst_time: 0.0,
             worst,
             limit,
-            unit: Unit::Length,
+            unit: ViolationQuantity::Length,
             detail: String::new(),
         };
         let shown = |worst, limit| distinct(&violation(worst, limit));

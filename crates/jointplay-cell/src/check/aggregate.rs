@@ -2,12 +2,12 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::report::{InstructionResult, MinimumDistance, Report, Utilization, Verdict};
+use super::report::{CheckResult, InstructionResult, MinimumDistance, Report, Utilization};
 use super::step_findings::{StepFindings, update_peak};
 use crate::EntityId;
 use crate::collision::{PairResults, Scene, distance_tolerance};
 use crate::trajectory::Trajectory;
-use crate::violation::{Kind, Subject, Violation, ViolationInterval};
+use crate::violation::{Subject, Violation, ViolationInterval, ViolationKind};
 use crate::workcell::Cell;
 
 /// Report under construction.
@@ -207,9 +207,16 @@ impl<'a> Aggregator<'a> {
     ///
     /// # Arguments
     /// * `wafers` – number of different wafers that were placed
-    pub(super) fn into_report(mut self, scene: &Scene<'_>, wafers: usize) -> Report {
+    /// * `rule_violations` – violations that concern no single step
+    pub(super) fn into_report(
+        mut self,
+        scene: &Scene<'_>,
+        wafers: usize,
+        rule_violations: Vec<Violation>,
+    ) -> Report {
         self.end_instruction(scene);
         let mut violations = self.violations;
+        violations.extend(rule_violations);
         violations.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.kind.cmp(&b.kind)));
         for violation in &violations {
             let row = self.rows.iter_mut().find(|row| row.instruction == violation.instruction);
@@ -235,7 +242,7 @@ impl<'a> Aggregator<'a> {
         let duration = self.trajectory.duration();
         let hourly = (wafers > 0 && duration > 0.0).then(|| 3600.0 * wafers as f64 / duration);
         Report {
-            verdict: if violations.is_empty() { Verdict::Sound } else { Verdict::Broken },
+            result: if violations.is_empty() { CheckResult::Passed } else { CheckResult::Failed },
             distances,
             violations,
             by_instruction: self.rows,
@@ -261,14 +268,22 @@ fn minimum_distance(scene: &Scene<'_>, pair: [usize; 2], minimum: Minimum) -> Mi
 }
 
 /// Entities of a violation that concerns one step and no pair of objects.
-fn entities_of_step(cell: &Cell, kind: Kind, first: usize, second: usize) -> Vec<EntityId> {
+fn entities_of_step(
+    cell: &Cell,
+    kind: ViolationKind,
+    first: usize,
+    second: usize,
+) -> Vec<EntityId> {
     let effector = || cell.robot.effectors().nth(first).map(EntityId::Effector);
     match kind {
-        Kind::Position | Kind::Velocity | Kind::Acceleration | Kind::Jerk => {
+        ViolationKind::Position
+        | ViolationKind::Velocity
+        | ViolationKind::Acceleration
+        | ViolationKind::Jerk => {
             vec![EntityId::Axis(first)]
         }
-        Kind::Slip => effector().into_iter().collect(),
-        Kind::SafeZone => effector().into_iter().chain([EntityId::Zone(second)]).collect(),
+        ViolationKind::Slip => effector().into_iter().collect(),
+        ViolationKind::SafeZone => effector().into_iter().chain([EntityId::Zone(second)]).collect(),
         _ => Vec::new(),
     }
 }

@@ -15,10 +15,11 @@ use crate::incremental::{
     parallel_map, uninterrupted,
 };
 use crate::program::WaferLocations;
+use crate::schedule::rule_violations;
 use crate::trajectory::Trajectory;
 use crate::workcell::{Cell, Zone, ZoneRule};
 
-/// Checks a trajectory against the limits of its axes, tilt, play, slip, safe zones and required clearances; all violations are reported.
+/// Checks a trajectory against the limits of its axes, tilt, play, slip, safe zones, required clearances and the rules for wafers; all violations are reported.
 ///
 /// Axes, tilt, play, slip and safe zones are checked at samples: from the start of each step at the given rate, and at its end.
 /// Clearances are checked continuously, between the samples too, by adaptive bisection \[Schwarzer\]; the module `collision` states the guarantee and its assumptions.
@@ -75,7 +76,8 @@ impl CheckCache {
         self.colliders.end();
         self.findings.end();
         self.distances.end();
-        Ok(aggregator.into_report(&scene, locations.placed_wafers()))
+        let rules = rule_violations(cell, trajectory, &locations);
+        Ok(aggregator.into_report(&scene, locations.placed_wafers(), rules))
     }
 
     /// Checks successive steps, from the step `first` on.
@@ -180,7 +182,7 @@ pub(super) fn check_uncached(
         let scene = checks.scene(key);
         aggregator.add(scene, step, &findings, &distances, &candidates.objects);
     }
-    aggregator.into_report(&checks.into_last_scene(), placed_wafers)
+    aggregator.into_report(&checks.into_last_scene(), placed_wafers, Vec::new())
 }
 
 /// Inputs that all steps share.

@@ -10,7 +10,9 @@ use crate::collision::{MotionBoundModel, PoseError, SampledStep, Scene, UnknownP
 use crate::program::{Phase, Step};
 use crate::robot::{Axis, AxisKind, EffectorId, HybridRobot, Positions};
 use crate::trajectory::{AxisState, axis_limits};
-use crate::violation::{IntervalMerger, Kind, SampleTime, SampleViolation, Subject, Unit};
+use crate::violation::{
+    IntervalMerger, SampleTime, SampleViolation, Subject, ViolationKind, ViolationQuantity,
+};
 use crate::wafer::Droop;
 use crate::workcell::Cell;
 
@@ -131,20 +133,20 @@ impl StepFindings {
             return;
         }
         let unit = match axis.kind {
-            AxisKind::Rotary => Unit::Angle,
-            AxisKind::Linear => Unit::Length,
+            AxisKind::Rotary => ViolationQuantity::Angle,
+            AxisKind::Linear => ViolationQuantity::Length,
         };
         for (sample, (state, &time)) in states.zip(times).enumerate() {
-            let mut add = |kind: Kind, severity: f64, value: f64, limit: f64| {
+            let mut add = |kind: ViolationKind, severity: f64, value: f64, limit: f64| {
                 let subject = Subject { kind, first: index, second: 0 };
                 let violation = SampleViolation { subject, kind, severity, value, limit, unit };
                 violations.add(SampleTime { time, sample }, violation, String::new);
             };
             let position = state[0];
             if let Some(limit) = violated_limit(axis, position) {
-                add(Kind::Position, (position - limit).abs(), position, limit);
+                add(ViolationKind::Position, (position - limit).abs(), position, limit);
             }
-            let kinds = [Kind::Velocity, Kind::Acceleration, Kind::Jerk];
+            let kinds = [ViolationKind::Velocity, ViolationKind::Acceleration, ViolationKind::Jerk];
             for ((kind, limit), value) in kinds.into_iter().zip(limits).zip(&state[1..]) {
                 if exceeds(value.abs(), limit) {
                     add(kind, value.abs(), value.abs(), limit);
@@ -200,19 +202,19 @@ impl StepFindings {
     ) {
         let PlatformState { tilt, play } = state;
         let tilt_max = cell.robot.gpr.limits().tilt_max;
-        let mut add = |kind: Kind, value: f64, limit: f64, unit: Unit| {
+        let mut add = |kind: ViolationKind, value: f64, limit: f64, unit: ViolationQuantity| {
             let (subject, severity) = (Subject::of(kind), value);
             let violation = SampleViolation { subject, kind, severity, value, limit, unit };
             violations.add(at, violation, String::new);
         };
         self.tilt = self.tilt.max(tilt / tilt_max);
         if tilt > tilt_max + POSITION_TOLERANCE {
-            add(Kind::Tilt, tilt, tilt_max, Unit::Angle);
+            add(ViolationKind::Tilt, tilt, tilt_max, ViolationQuantity::Angle);
         }
         let ratio = if cell.play_budget > 0.0 { play / cell.play_budget } else { f64::INFINITY };
         self.play = self.play.max(ratio);
         if play > cell.play_budget * (1.0 + LIMIT_TOLERANCE) {
-            add(Kind::Play, play, cell.play_budget, Unit::Length);
+            add(ViolationKind::Play, play, cell.play_budget, ViolationQuantity::Length);
         }
     }
 
@@ -226,7 +228,7 @@ impl StepFindings {
         id: EffectorId,
         violations: &mut IntervalMerger,
     ) {
-        let kind = Kind::Slip;
+        let kind = ViolationKind::Slip;
         let tilt = self.tilt * scene.cell.robot.gpr.limits().tilt_max;
         let mut wafer = HeldWafer::new(scene, sampled, bounds, id, tilt);
         self.runs.iter().for_each(|run| wafer.check_run(run));
@@ -241,7 +243,7 @@ impl StepFindings {
                     severity: friction.required - friction.available,
                     value: friction.required,
                     limit: friction.available,
-                    unit: Unit::Acceleration,
+                    unit: ViolationQuantity::Acceleration,
                 };
                 violations.add(SampleTime { time, sample }, violation, String::new);
             }

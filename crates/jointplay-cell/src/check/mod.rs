@@ -7,6 +7,8 @@
 //! | `step_checks` | checks of steps: limits, broad phase, distances |
 //! | `step_findings`, `limits`, `slip`, `safe_zones` | checks without pairs of objects: axes, tilt, play, friction, safe zones |
 //! | `aggregate` | results of all steps in one report |
+//! | `remedy` | translations of fixed bodies that remove violations |
+//! | `zone_bodies` | fixed bodies in keep-out zones |
 //! | `pose` | one pose; a joint-space line up to a contact |
 //!
 //! Distances between samples are checked by `collision`, whose head states the guarantee.
@@ -16,16 +18,23 @@ mod checker;
 mod limits;
 mod options;
 mod pose;
+mod remedy;
 mod report;
 mod safe_zones;
 mod slip;
 mod step_checks;
 mod step_findings;
+mod zone_bodies;
 
 pub(crate) use checker::CheckCache;
 pub use checker::check;
 pub use options::CheckOptions;
 pub use pose::{ContactFreePath, PoseContext, advance_until_contact, check_pose};
-pub use report::{InstructionResult, MinimumDistance, Report, Utilization, Verdict};
+pub use remedy::{Remedy, remedies};
+pub use report::{CheckResult, InstructionResult, MinimumDistance, Report, Utilization};
+pub use zone_bodies::{BodyInZone, bodies_in_zones};
 
-pub use crate::violation::{Kind, Unit, Violation};
+pub use crate::violation::{
+    Violation, ViolationGroup, ViolationKind, ViolationOccurrence, ViolationQuantity,
+    group_violations,
+};

@@ -11,7 +11,7 @@ use crate::program::{Path, Phase, SourceLocation, Step, WaferLocations};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::trajectory::{Trajectory, joint_space_line};
-use crate::violation::Kind;
+use crate::violation::ViolationKind;
 use crate::workcell::Cell;
 use crate::{CellError, EntityId};
 
@@ -19,9 +19,9 @@ use crate::{CellError, EntityId};
 const BISECTIONS: usize = 30;
 /// Largest number of times that a path is shortened because of an earlier contact.
 const MAX_SHORTENINGS: usize = 16;
-/// Tolerance of the last state without contact, as a share of the path.
+/// Tolerance of the last state without contact, as a fraction of the path.
 const CONTACT_TOLERANCE: f64 = 1e-9;
-/// Margin to the contact, as a share of the path.
+/// Margin to the contact, as a fraction of the path.
 const MARGIN: f64 = 1e-7;
 
 /// Context of a pose: locations of the wafers, and the slot that an effector may enter.
@@ -40,8 +40,8 @@ pub struct PoseContext<'m> {
 pub struct ContactFreePath {
     /// Positions of all axes at its end, rods first ((m), (rad)).
     pub positions: Vec<f64>,
-    /// Share of the path, 1 for a path without contact.
-    pub share: f64,
+    /// Fraction of the path, 1 for a path without contact.
+    pub fraction: f64,
     /// The two collision objects that touch beyond; `None` for a path without contact.
     pub touching: Option<[EntityId; 2]>,
 }
@@ -160,12 +160,12 @@ impl<'a> SceneAtTime<'a> {
         let new = |report: &Report| -> Option<[EntityId; 2]> {
             contacts(report).into_iter().find(|pair| !at_start.contains(pair))
         };
-        let at = |share: f64| -> Vec<f64> {
-            from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect()
+        let at = |fraction: f64| -> Vec<f64> {
+            from.iter().zip(to).map(|(from, to)| from + fraction * (to - from)).collect()
         };
-        let (mut share, mut touching) = (1.0, None);
+        let (mut fraction, mut touching) = (1.0, None);
         for _ in 0..MAX_SHORTENINGS {
-            let end = if share == 1.0 { to.to_vec() } else { at(share) };
+            let end = if fraction == 1.0 { to.to_vec() } else { at(fraction) };
             let (trajectory, report) = self.report([from, &end], options);
             // A violation begins with the clearance; the contact is at its worst time.
             let new_contacts = report.violations.iter().filter(|one| {
@@ -175,12 +175,12 @@ impl<'a> SceneAtTime<'a> {
             let first =
                 new_contacts.min_by(|one, other| one.worst_time.total_cmp(&other.worst_time));
             let Some(first) = first else {
-                return ContactFreePath { positions: end, share, touching };
+                return ContactFreePath { positions: end, fraction, touching };
             };
             touching = pair_of(&first.entities);
-            // The position of the contact as a share of the whole path.
+            // The position of the contact as a fraction of the whole path.
             let reached = trajectory.sample_at(first.worst_time).positions;
-            let (mut free, mut touched) = (0.0, share_of([from, to], &reached).min(share));
+            let (mut free, mut touched) = (0.0, share_of([from, to], &reached).min(fraction));
             for _ in 0..BISECTIONS {
                 let middle = 0.5 * (free + touched);
                 if touched - free < CONTACT_TOLERANCE {
@@ -192,14 +192,14 @@ impl<'a> SceneAtTime<'a> {
                 }
             }
             // The margin exceeds the resolution of distances.
-            share = (free - MARGIN).max(0.0);
+            fraction = (free - MARGIN).max(0.0);
         }
         // Each shortened path had an earlier contact.
-        ContactFreePath { positions: from.to_vec(), share: 0.0, touching }
+        ContactFreePath { positions: from.to_vec(), fraction: 0.0, touching }
     }
 }
 
-/// Share of a joint-space line at which positions are.
+/// Fraction of a joint-space line at which positions are.
 fn share_of([from, to]: [&[f64]; 2], at: &[f64]) -> f64 {
     let (mut along, mut squares) = (0.0, 0.0);
     for ((from, to), at) in from.iter().zip(to).zip(at) {
@@ -209,8 +209,8 @@ fn share_of([from, to]: [&[f64]; 2], at: &[f64]) -> f64 {
     if squares > 0.0 { (along / squares).clamp(0.0, 1.0) } else { 1.0 }
 }
 
-fn is_contact(kind: Kind) -> bool {
-    matches!(kind, Kind::Collision | Kind::KeepOut)
+fn is_contact(kind: ViolationKind) -> bool {
+    matches!(kind, ViolationKind::Collision | ViolationKind::KeepOut)
 }
 
 fn pair_of(entities: &[EntityId]) -> Option<[EntityId; 2]> {

@@ -6,11 +6,11 @@ use crate::violation::Violation;
 
 /// Result of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum CheckResult {
     /// No violation was found.
-    Sound,
+    Passed,
     /// Violations were found.
-    Broken,
+    Failed,
 }
 
 /// Peak of a quantity relative to its limit; above 1 the limit is violated.
@@ -76,7 +76,7 @@ pub struct InstructionResult {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     /// Whether violations were found.
-    pub verdict: Verdict,
+    pub result: CheckResult,
     /// All violations in the order of time.
     pub violations: Vec<Violation>,
     /// Results of each instruction.

@@ -8,7 +8,9 @@ use crate::collision::{
 };
 use crate::geometry::{PlacedCollider, signed_distance};
 use crate::robot::EffectorId;
-use crate::violation::{IntervalMerger, Kind, SampleTime, SampleViolation, Subject, Unit};
+use crate::violation::{
+    IntervalMerger, SampleTime, SampleViolation, Subject, ViolationKind, ViolationQuantity,
+};
 
 impl StepFindings {
     /// Checks the centre of an effector against the safe zones, at samples where it may have reached a boundary.
@@ -24,7 +26,7 @@ impl StepFindings {
         effector: EffectorId,
         violations: &mut IntervalMerger,
     ) {
-        let kind = Kind::SafeZone;
+        let kind = ViolationKind::SafeZone;
         let coefficients = MotionBoundCoefficients::of_wafer_center(scene.cell, effector);
         for run in &self.runs {
             let (mut sample, mut stride) = (run.start, 1);
@@ -46,7 +48,7 @@ impl StepFindings {
                     margin = margin.min(-outside);
                     if outside > 0.0 {
                         let subject = Subject { kind, first: index, second: *zone };
-                        let (value, limit, unit) = (outside, 0.0, Unit::Length);
+                        let (value, limit, unit) = (outside, 0.0, ViolationQuantity::Length);
                         let severity = outside;
                         let violation =
                             SampleViolation { subject, kind, severity, value, limit, unit };

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::collision::{AxisStates, MotionBoundModel, SampledStep, Scene, droop_bounds};
 use crate::robot::{AxesMotion, EffectorId, MAX_JOINTS, RODS};
-use crate::wafer::{DroopBounds, FrictionMargin, MIN_REACH};
+use crate::wafer::{DroopBounds, FrictionDemand, MIN_REACH};
 
 /// Factor of the bound for effects that it neglects.
 ///
@@ -27,7 +27,7 @@ pub(super) struct HeldWafer<'a> {
     /// Largest utilization of friction so far.
     peak: f64,
     /// Evaluated samples with their friction.
-    pub(super) evaluated: Vec<(usize, FrictionMargin)>,
+    pub(super) evaluated: Vec<(usize, FrictionDemand)>,
 }
 
 impl<'a> HeldWafer<'a> {
@@ -76,7 +76,7 @@ impl<'a> HeldWafer<'a> {
     /// ```
     /// φ₀, φ₁: values at both ends; η: largest utilization so far, below 1; µ: coefficient of friction; f_n: normal component of the specific force;
     /// α: largest tilt of the wafer; Δ, Δ_z: variation of the specific force in any direction, and along the vertical. Where φ ≤ 0, no utilization exceeds η.
-    fn bisect(&mut self, interval: Range<usize>, left: FrictionMargin, right: FrictionMargin) {
+    fn bisect(&mut self, interval: Range<usize>, left: FrictionDemand, right: FrictionDemand) {
         if interval.len() < 2 {
             return;
         }
@@ -88,7 +88,7 @@ impl<'a> HeldWafer<'a> {
         let pressing = utilization * friction;
         let variation = (1.0 + pressing) * (to.any_direction - from.any_direction)
             + (self.sin_tilt + pressing) * (to.vertical - from.vertical);
-        let excess = |margin: FrictionMargin| {
+        let excess = |margin: FrictionDemand| {
             margin.required - (utilization + UTILIZATION_TOLERANCE) * margin.available
         };
         if excess(left) + excess(right) + variation <= 0.0 {
@@ -107,16 +107,16 @@ impl<'a> HeldWafer<'a> {
     }
 
     /// Friction at a sample; infinite where the acceleration is unknown, so that no neighbouring interval is ruled out.
-    fn evaluate(&mut self, sample: usize) -> FrictionMargin {
+    fn evaluate(&mut self, sample: usize) -> FrictionDemand {
         let Some(margin) = self.friction_margin(sample) else {
-            return FrictionMargin { required: f64::INFINITY, available: 0.0 };
+            return FrictionDemand { required: f64::INFINITY, available: 0.0 };
         };
         self.peak = self.peak.max(margin.utilization());
         self.evaluated.push((sample, margin));
         margin
     }
 
-    fn friction_margin(&self, sample: usize) -> Option<FrictionMargin> {
+    fn friction_margin(&self, sample: usize) -> Option<FrictionDemand> {
         let cell = self.scene.cell;
         let rods = self.rods.at(sample);
         let [positions, velocities, accelerations] = rods.each_ref().map(|values| &values[..]);

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::allowed_collisions::ContactRule;
+use super::allowed_collisions::ClearanceRule;
 use super::interval_motion_bound::IntervalMotionBound;
 use super::link_poses::LinkPoses;
 use super::motion_bound::{DisplacementBound, MotionBoundModel};
@@ -21,7 +21,8 @@ use crate::geometry::{
 };
 use crate::trajectory::{Sample, Trajectory};
 use crate::violation::{
-    IntervalMerger, Kind, SampleTime, SampleViolation, Subject, Unit, ViolationInterval,
+    IntervalMerger, SampleTime, SampleViolation, Subject, ViolationInterval, ViolationKind,
+    ViolationQuantity,
 };
 
 /// Relative tolerance of reported minimum distances.
@@ -33,7 +34,7 @@ const MIN_INTERVAL_TRAVEL: f64 = 2e-6;
 /// Resolution of the comparison of a distance with the required clearance: the accuracy to which distances are tested (m).
 ///
 /// A pair violates its clearance where its distance is smaller by more than this; a contact is a violation for any required clearance.
-pub(super) const RESOLUTION: f64 = 1e-8;
+pub(crate) const CONTACT_RESOLUTION: f64 = 1e-8;
 
 /// Tolerance of a reported minimum distance: a sample that was not evaluated may have a distance smaller by this much (m).
 pub(crate) fn distance_tolerance(distance: f64) -> f64 {
@@ -61,7 +62,7 @@ pub(crate) struct PairMinimum {
 #[derive(Clone, Copy)]
 pub(crate) struct CandidatePair {
     pub(crate) objects: [usize; 2],
-    pub(crate) rule: ContactRule,
+    pub(crate) rule: ClearanceRule,
 }
 
 /// Candidate pairs, with results of the windows of a step that were checked so far.
@@ -127,10 +128,9 @@ impl StepDistanceQuery<'_> {
         let mut unknown: Vec<UnknownPose> = Vec::new();
         for (index, pair) in pairs.pairs.iter().enumerate() {
             let required = match pair.rule {
-                ContactRule::MinClearance(clearance) | ContactRule::SlotClearance(clearance) => {
-                    clearance
-                }
-                ContactRule::Unchecked | ContactRule::KeepOut => 0.0,
+                ClearanceRule::MinClearance(clearance)
+                | ClearanceRule::SlotClearance(clearance) => clearance,
+                ClearanceRule::Unchecked | ClearanceRule::KeepOut => 0.0,
             };
             // A fixed object does not move against the world.
             let against_fixed = || RelativeMotion {
@@ -141,7 +141,7 @@ impl StepDistanceQuery<'_> {
             let mut query = PairQuery {
                 query: self,
                 pair,
-                limit: (required - RESOLUTION).max(0.0),
+                limit: (required - CONTACT_RESOLUTION).max(0.0),
                 relative,
                 minimum: pairs.minima[index],
                 violating: Vec::new(),
@@ -177,15 +177,22 @@ impl CandidatePair {
     /// The violation of this pair's rule at a distance (m) or penetration depth (m).
     fn violation(&self, distance: f64, depth: f64, required: f64) -> SampleViolation {
         let (kind, value, limit) = match self.rule {
-            ContactRule::KeepOut => (Kind::KeepOut, 0.0 - depth, 0.0),
-            _ if distance == 0.0 => (Kind::Collision, -depth, 0.0),
-            ContactRule::SlotClearance(_) => (Kind::SlotClearance, distance, required),
-            _ => (Kind::Clearance, distance, required),
+            ClearanceRule::KeepOut => (ViolationKind::KeepOut, 0.0 - depth, 0.0),
+            _ if distance == 0.0 => (ViolationKind::Collision, 0.0 - depth, required),
+            ClearanceRule::SlotClearance(_) => (ViolationKind::SlotClearance, distance, required),
+            _ => (ViolationKind::Clearance, distance, required),
         };
         let [first, second] = self.objects;
         // One subject for all kinds: clearance violation and contact merge into one interval.
-        let subject = Subject { kind: Kind::Collision, first, second };
-        SampleViolation { subject, kind, severity: -value, value, limit, unit: Unit::Length }
+        let subject = Subject { kind: ViolationKind::Collision, first, second };
+        SampleViolation {
+            subject,
+            kind,
+            severity: -value,
+            value,
+            limit,
+            unit: ViolationQuantity::Length,
+        }
     }
 }
 
@@ -322,7 +329,8 @@ impl PairQuery<'_, '_> {
         let mut middle = DistanceBound::of_spheres(query, &poses, self.pair.objects);
         (middle.value, middle.is_exact) = (distance(a, b), true);
         if middle.value <= self.limit {
-            self.violating.push(DistanceSample { at, distance: middle.value, depth: 0.0 });
+            let depth = if middle.value == 0.0 { penetration_depth(a, b) } else { 0.0 };
+            self.violating.push(DistanceSample { at, distance: middle.value, depth });
         }
         if middle.value == 0.0 {
             self.update_minimum(0.0, time);
@@ -405,14 +413,14 @@ impl PairQuery<'_, '_> {
             }
             None => distance < self.query.max_distance,
         };
-        if is_smaller && self.pair.rule != ContactRule::KeepOut {
+        if is_smaller && self.pair.rule != ClearanceRule::KeepOut {
             self.minimum = Some((distance, time));
         }
     }
 
     /// Distance above which neither a violation nor a smaller minimum is possible (m).
     fn relevant_distance(&self) -> f64 {
-        if self.pair.rule == ContactRule::KeepOut {
+        if self.pair.rule == ClearanceRule::KeepOut {
             return 0.0;
         }
         let minimum = self.minimum.map_or(self.query.max_distance, |(minimum, _)| minimum);

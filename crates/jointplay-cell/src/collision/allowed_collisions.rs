@@ -1,4 +1,4 @@
-//! Contact rules: the required distance of each pair of collision objects.
+//! Clearance rules: the required distance of each pair of collision objects.
 
 use super::object::{Parent, Role};
 use super::scene::Scene;
@@ -8,7 +8,7 @@ use crate::robot::EffectorId;
 
 /// Required distance of two collision objects during a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum ContactRule {
+pub(crate) enum ClearanceRule {
     /// The pair is not checked.
     Unchecked,
     /// Minimum clearance (m).
@@ -19,7 +19,7 @@ pub(crate) enum ContactRule {
     KeepOut,
 }
 
-impl CacheKeyPart for ContactRule {
+impl CacheKeyPart for ClearanceRule {
     fn append_to(&self, cache_key: &mut CacheKey) {
         cache_key.add(&match *self {
             Self::Unchecked => (0_u64, 0.0),
@@ -43,30 +43,30 @@ impl Scene<'_> {
     /// Contact rule of two objects, independent of the step.
     ///
     /// Not checked are objects on one body or on two bodies that a joint connects, pairs that the cell allows, and a wafer with the link that holds it.
-    pub(crate) fn general_contact_rule(&self, a: usize, b: usize) -> ContactRule {
+    pub(crate) fn general_contact_rule(&self, a: usize, b: usize) -> ClearanceRule {
         let (first, second) = (&self.objects[a], &self.objects[b]);
         if !(first.parent.moves() || second.parent.moves()) || self.are_adjacent(a, b) {
-            return ContactRule::Unchecked;
+            return ClearanceRule::Unchecked;
         }
         if let (Role::Body(i), Role::Body(j)) = (first.role, second.role) {
             let allowed = &self.cell.allowed_pairs;
             if allowed.contains(&[i, j]) || allowed.contains(&[j, i]) {
-                return ContactRule::Unchecked;
+                return ClearanceRule::Unchecked;
             }
         }
         if first.role == Role::KeepOut || second.role == Role::KeepOut {
-            return ContactRule::KeepOut;
+            return ClearanceRule::KeepOut;
         }
-        ContactRule::MinClearance(self.cell.clearance)
+        ClearanceRule::MinClearance(self.cell.clearance)
     }
 
     /// Contact rule of a moving and a fixed object during a step.
     ///
     /// While a step is in a slot, the end effector and its wafer must satisfy the slot clearance to the wafers of that station, and the lesser of slot clearance and general clearance to all fixed objects.
     /// During lift and lower, the last link may touch the wafer of that slot.
-    pub(crate) fn contact_rule(&self, mover: usize, fixed: usize, step: &Step) -> ContactRule {
+    pub(crate) fn clearance_rule(&self, mover: usize, fixed: usize, step: &Step) -> ClearanceRule {
         let general = self.general_contact_rule(mover, fixed);
-        let (ContactRule::MinClearance(_), Some(slot), Some(id)) =
+        let (ClearanceRule::MinClearance(_), Some(slot), Some(id)) =
             (general, step.slot, acting_effector(step))
         else {
             return general;
@@ -79,12 +79,16 @@ impl Scene<'_> {
         match other {
             Parent::Slot(there) if there == slot => {
                 let is_handoff = matches!(step.phase, Phase::Lift | Phase::Lower);
-                if is_handoff { ContactRule::Unchecked } else { ContactRule::SlotClearance(lesser) }
+                if is_handoff {
+                    ClearanceRule::Unchecked
+                } else {
+                    ClearanceRule::SlotClearance(lesser)
+                }
             }
             Parent::Slot(there) if there.station == slot.station => {
-                ContactRule::SlotClearance(self.cell.slot_clearance)
+                ClearanceRule::SlotClearance(self.cell.slot_clearance)
             }
-            _ => ContactRule::MinClearance(lesser),
+            _ => ClearanceRule::MinClearance(lesser),
         }
     }
 

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::adaptive_bisection::{CandidatePair, RelativeMotion};
-use super::allowed_collisions::ContactRule;
+use super::allowed_collisions::ClearanceRule;
 use super::motion_bound::MotionBoundModel;
 use super::motion_bound_coefficients::{MotionBoundCoefficients, common_ancestor};
 use super::scene::Scene;
@@ -51,7 +51,7 @@ impl BroadPhase {
         let relevant_radii = relevant_radii(scene, &moving, &fixed, bounds, max_distance);
         for (&object, &radius) in moving.iter().zip(&relevant_radii) {
             // A radius that is clipped depends on the other objects.
-            if radius < scene.objects[object].collider.reach() {
+            if radius < scene.objects[object].collider.bounding_radius() {
                 cache_key.add(&radius);
             }
         }
@@ -63,7 +63,7 @@ impl BroadPhase {
         for a in 0..moving.len() {
             for b in a + 1..moving.len() {
                 let rule = scene.general_contact_rule(moving[a], moving[b]);
-                if rule != ContactRule::Unchecked {
+                if rule != ClearanceRule::Unchecked {
                     pairs.push(CandidatePair { objects: [a, b], rule });
                 }
             }
@@ -107,8 +107,8 @@ impl BroadPhase {
                 if !boxes.as_ref().is_some_and(|boxes| boxes.is_within(aabb, distance)) {
                     continue;
                 }
-                let rule = scene.contact_rule(self.moving[moving], fixed, step);
-                if rule == ContactRule::Unchecked {
+                let rule = scene.clearance_rule(self.moving[moving], fixed, step);
+                if rule == ClearanceRule::Unchecked {
                     continue;
                 }
                 let index = *index.get_or_insert_with(|| {
@@ -148,13 +148,13 @@ fn relevant_radii(
     };
     let radii: Vec<f64> = moving
         .iter()
-        .map(|object| radius(object, scene.objects[*object].collider.reach()))
+        .map(|object| radius(object, scene.objects[*object].collider.bounding_radius()))
         .collect();
     let relevant_radius = |(index, object): (usize, &usize)| {
         let others = radii.iter().enumerate().filter(|(other, _)| *other != index);
         let of_moving = others.map(|(_, radius)| *radius).fold(0.0, f64::max);
         let bound = radius(object, 0.0) + of_fixed.max(of_moving) + max_distance;
-        bound.min(scene.objects[*object].collider.reach())
+        bound.min(scene.objects[*object].collider.bounding_radius())
     };
     moving.iter().enumerate().map(relevant_radius).collect()
 }

@@ -3,7 +3,7 @@
 use jointplay_core::spatial::Pose;
 use nalgebra::Vector3;
 
-use crate::violation::Kind;
+use crate::violation::ViolationKind;
 use crate::wafer::DroopError;
 
 /// Poses of the platform, the links and the effectors in the base frame at one time.
@@ -28,18 +28,18 @@ impl LinkPoses {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct PoseError {
     /// [`Kind::Platform`] or [`Kind::Droop`].
-    pub(crate) kind: Kind,
+    pub(crate) kind: ViolationKind,
     pub(crate) reason: String,
 }
 
 impl From<crate::CellError> for PoseError {
     fn from(error: crate::CellError) -> Self {
-        Self { kind: Kind::Platform, reason: error.to_string() }
+        Self { kind: ViolationKind::Platform, reason: error.to_string() }
     }
 }
 
 impl From<DroopError> for PoseError {
     fn from(error: DroopError) -> Self {
-        Self { kind: Kind::Droop, reason: error.to_string() }
+        Self { kind: ViolationKind::Droop, reason: error.to_string() }
     }
 }

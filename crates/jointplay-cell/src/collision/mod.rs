@@ -1,6 +1,6 @@
 //! Continuous collision checking.
 //!
-//! **Guarantee.** Every pair of collision objects (bodies, wafers, keep-out zones) of which at least one moves is checked, except pairs on one body or on two bodies that a joint connects, pairs that the cell allows, and a wafer with the link that holds or takes it.
+//! **Guarantee.** Every pair of collision objects (bodies, wafers, keep-out zones) of which at least one moves is checked, except pairs on one body or on two bodies that a joint connects, pairs that the cell allows, and a wafer with the last link of the arm that holds it, or that picks or places it in this step.
 //! Over an interval with the distances d₀ and d₁ at its ends, or lower bounds of them, in which no point of one object travels farther than w relative to the other,
 //!
 //! ```text
@@ -9,11 +9,12 @@
 //! ```
 //! where g₀ and g₁ are the signed gaps along one separating direction, v bounds the variation of the velocity by the arms, and u the travel by platform and deflection.
 //! An interval is bisected until one of these bounds reaches the required clearance c, or until w < 2 µm.
-//! So no pair comes closer than c − 10⁻⁸ m at a sample, or than c − 1 µm between two samples, without a reported violation; after a first violation, only contacts are searched for between the next two samples.
+//! So a pair that comes closer than c − 10⁻⁸ m at a sample, or than c − 1 µm between two samples, is reported as a violation.
+//! While a pair violates its clearance at a sample, the interval to the next sample is searched for contacts only.
 //! Reported minimum distances are those at samples; a sample that was not evaluated may have a distance smaller by 2 % or 20 µm, whichever is larger.
 //!
 //! **Assumptions between samples.** The jerk of each axis is at most the larger of its limit and its jerk at both samples.
-//! Bodies are rigid, wafers are flat discs, and the tilt is below 90°; for deflections, it is at most the tilt limit of the robot, or 60° if that is more.
+//! Bodies are rigid, wafers are flat discs, and the tilt is below 90°; the bound of deflections holds up to the tilt limit of the robot, and at least up to 60°.
 //! The bounds are proven for the planar platform model, for arms and for deflections; the displacement of the platform in its own plane by other models is estimated from sampled derivatives, up to the sampled tilt.
 //! A pose that is unknown is reported as a violation.
 //! The derivation is in `docs/explanation/collision-guarantee.md`.
@@ -21,7 +22,7 @@
 //! | file | contents |
 //! | --- | --- |
 //! | `object`, `scene` | collision objects, what they are attached to, and their poses |
-//! | `allowed_collisions` | contact rule of each pair |
+//! | `allowed_collisions` | required clearance of each pair |
 //! | `sample_windows`, `sampled_step`, `axis_states`, `link_poses`, `unknown_pose` | axis states and link poses of a step at its samples |
 //! | `motion_bound_coefficients`, `in_plane_motion`, `motion_bound` | upper bounds of the travel of any point between two samples |
 //! | `swept_aabb`, `broad_phase` | boxes around the path of each object, candidate pairs |
@@ -46,11 +47,13 @@ mod swept_aabb;
 mod unknown_pose;
 
 pub(crate) use adaptive_bisection::{
-    CandidatePair, PairAccumulator, PairResults, StepDistanceQuery, distance_tolerance,
+    CONTACT_RESOLUTION, CandidatePair, PairAccumulator, PairResults, StepDistanceQuery,
+    distance_tolerance,
 };
+pub(crate) use allowed_collisions::ClearanceRule;
 pub(crate) use axis_states::AxisStates;
 pub(crate) use broad_phase::{BroadPhase, CandidatePairs};
-pub(crate) use link_poses::PoseError;
+pub(crate) use link_poses::{LinkPoses, PoseError};
 pub(crate) use motion_bound::MotionBoundModel;
 pub(crate) use motion_bound_coefficients::{MotionBoundCoefficients, droop_bounds};
 pub(crate) use sample_windows::SampleWindows;

@@ -45,7 +45,7 @@ impl ObjectExtent {
     /// # Arguments
     /// * `relevant_radius` – distance from the origin of the parent up to which points are relevant (m)
     fn new(cell: &Cell, object: &CollisionObject, relevant_radius: f64) -> Self {
-        let from_origin = relevant_radius.min(object.collider.reach());
+        let from_origin = relevant_radius.min(object.collider.bounding_radius());
         let from_center = match object.parent {
             Parent::DeflectedLastLink(EffectorId { arm, effector }) => {
                 let center = Vector3::from(cell.robot.arms[arm].effectors[effector].wafer_center);

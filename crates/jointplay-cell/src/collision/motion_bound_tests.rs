@@ -22,7 +22,7 @@ use crate::program::{Path, Phase, SourceLocation, Step};
 use crate::robot::{AxisKind, PlatformModel, RODS};
 use crate::trajectory::{Sample, Trajectory, TrajectoryOptions, joint_space_line, plan_trajectory};
 use crate::wafer::{Droop, DroopRow};
-use crate::workcell::{Body, Carrier, Cell};
+use crate::workcell::{Body, Cell, ParentFrame};
 
 /// Parts of an interval of which the path of a point is added up.
 const PARTS: u32 = 6;
@@ -89,18 +89,18 @@ fn cell(random: &mut Random, round: usize) -> (Cell, f64) {
     }
     let mut cell = common::cell(robot);
     if round.is_multiple_of(3) {
-        cell.carried.clear();
+        cell.loaded_effectors.clear();
     }
-    let carriers = cell.robot.arms.iter().enumerate().flat_map(|(arm, described)| {
-        (0..described.joints.len()).map(move |link| Carrier::Link { arm, link })
+    let parents = cell.robot.arms.iter().enumerate().flat_map(|(arm, described)| {
+        (0..described.joints.len()).map(move |link| ParentFrame::Link { arm, link })
     });
-    let carriers: Vec<Carrier> = carriers.chain([Carrier::Platform]).collect();
-    for (k, carrier) in carriers.into_iter().enumerate() {
+    let parents: Vec<ParentFrame> = parents.chain([ParentFrame::Platform]).collect();
+    for (k, parent) in parents.into_iter().enumerate() {
         let turn = Rotation3::new(random.vector(2.0));
         cell.bodies.push(Body {
             name: format!("body {k}"),
-            carrier,
-            carrier_from_shape: Pose::from_parts(random.vector(0.25).into(), turn),
+            parent,
+            parent_from_shape: Pose::from_parts(random.vector(0.25).into(), turn),
             shape: Shape::Box { half: [0.0; 3].map(|_| random.within(0.01, 0.1)) },
             station: None,
         });
@@ -122,10 +122,10 @@ fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Traj
     let from = positions(random, cell, tilt_max);
     let mut to = positions(random, cell, tilt_max);
     // Rods, motors, or all; a little or far.
-    let share = [1.0, 0.1][round % 2];
+    let fraction = [1.0, 0.1][round % 2];
     for (axis, (from, to)) in from.iter().zip(&mut to).enumerate() {
         let stays = [false, axis < RODS, axis >= RODS][round / 2 % 3];
-        *to = if stays { *from } else { from + share * (*to - from) };
+        *to = if stays { *from } else { from + fraction * (*to - from) };
     }
     let step = Step {
         instruction: 0,
@@ -138,7 +138,7 @@ fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Traj
         blend_radius: 0.0,
         postures: None,
         line_speed: None,
-        loaded: cell.carried.clone(),
+        loaded: cell.loaded_effectors.clone(),
         handoff: None,
         slot: None,
     };
@@ -168,7 +168,7 @@ fn no_point_travels_farther_than_its_bound() {
         if count < 2 {
             continue;
         }
-        // Corners of the bodies, and edges of the wafer, each on its carrier.
+        // Corners of the bodies, and edges of the wafer, each on its parent.
         let points: Vec<(usize, Vector3<f64>)> = (0..scene.objects.len())
             .map(|object| {
                 let corner = match scene.objects[object].entity {
@@ -180,7 +180,7 @@ fn no_point_travels_farther_than_its_bound() {
                         let Shape::Box { half } = body.shape else { unreachable!() };
                         let corner =
                             half.map(|half| if random.next() < 0.5 { half } else { -half });
-                        (body.carrier_from_shape * Point3::from(corner)).coords
+                        (body.parent_from_shape * Point3::from(corner)).coords
                     }
                     None => {
                         let angle = random.within(0.0, 6.3);
@@ -195,9 +195,9 @@ fn no_point_travels_farther_than_its_bound() {
             let to = (from + 1 + (random.next() * 5.0) as usize).min(count - 1);
             let [start, end] = [from, to].map(|sample| sampled.times()[sample]);
             let states = (0..=PARTS * (to - from) as u32).map(|part| {
-                let share = f64::from(part) / f64::from(PARTS * (to - from) as u32);
+                let fraction = f64::from(part) / f64::from(PARTS * (to - from) as u32);
                 let mut sample = Sample::default();
-                motion.write_sample_in_step(0, start + share * (end - start), &mut sample);
+                motion.write_sample_in_step(0, start + fraction * (end - start), &mut sample);
                 scene.link_poses(&sample.positions, Vec::new())
             });
             // A model that does not converge somewhere has no pose there, which the check reports.
@@ -218,7 +218,8 @@ fn no_point_travels_farther_than_its_bound() {
             };
             for (object, point) in &points {
                 let one = &scene.objects[*object];
-                let coefficients = MotionBoundCoefficients::new(&cell, one, one.collider.reach());
+                let coefficients =
+                    MotionBoundCoefficients::new(&cell, one, one.collider.bounding_radius());
                 let bound = bounds.displacement(&coefficients, &travel).total();
                 let travelled = path(&|state| world(*object, point, state));
                 assert!(
@@ -233,18 +234,19 @@ fn no_point_travels_farther_than_its_bound() {
                     if one.parent == two.parent {
                         continue;
                     }
-                    let carrier = common_ancestor(&cell.robot, one, two);
-                    if carrier == Parent::World {
+                    let parent = common_ancestor(&cell.robot, one, two);
+                    if parent == Parent::World {
                         continue;
                     }
-                    let both = [one, two].map(|object| (&**object, object.collider.reach()));
-                    let coefficients = MotionBoundCoefficients::relative(&cell, both, carrier);
+                    let both =
+                        [one, two].map(|object| (&**object, object.collider.bounding_radius()));
+                    let coefficients = MotionBoundCoefficients::relative(&cell, both, parent);
                     let DisplacementBound { arms, deflection, platform_deflection, .. } =
                         bounds.displacement(&coefficients, &travel);
                     let bound = arms + deflection + platform_deflection;
                     let travelled = path(&|state| {
                         let apart = world(*other, with, state) - world(*object, point, state);
-                        scene.rotation_of(carrier, state).inverse() * apart
+                        scene.rotation_of(parent, state).inverse() * apart
                     });
                     assert!(
                         travelled <= bound * (1.0 + 1e-9) + 1e-12,

@@ -16,7 +16,7 @@ use super::unknown_pose::UnknownPose;
 use crate::geometry::Interval;
 use crate::robot::{Positions, RODS};
 use crate::trajectory::{AxisSampler, AxisState, Trajectory};
-use crate::violation::{Kind, SampleTime};
+use crate::violation::{SampleTime, ViolationKind};
 
 /// Least number of samples in one box of a swept AABB.
 const MIN_SAMPLES_PER_BOX: usize = 16;
@@ -172,7 +172,7 @@ impl SampledStep {
             None => {
                 let reason =
                     "the poses of this sample were not computed before their use".to_owned();
-                Err(UnknownPose { at, error: PoseError { kind: Kind::Platform, reason } })
+                Err(UnknownPose { at, error: PoseError { kind: ViolationKind::Platform, reason } })
             }
         }
     }

@@ -11,7 +11,7 @@ use crate::EntityId;
 use crate::geometry::{Collider, ColliderCache, PlacedCollider, Shape};
 use crate::program::{WaferLocation, WaferLocations, WaferTransfer};
 use crate::robot::{ArmChain, EffectorId};
-use crate::workcell::{Carrier, Cell, ZoneRule};
+use crate::workcell::{Cell, ParentFrame, ZoneRule};
 
 /// All collision objects of a cell, and the wafers that effectors hold.
 #[derive(Clone)]
@@ -33,19 +33,21 @@ impl<'a> Scene<'a> {
         let (mut objects, mut held) = (Vec::new(), Vec::new());
         for (index, body) in cell.bodies.iter().enumerate() {
             // A body on a link with several effectors has one object for the deflection at each of them.
-            let parents = match body.carrier {
-                Carrier::World => vec![Parent::World],
-                Carrier::Platform => vec![Parent::Platform],
-                Carrier::Link { arm, link } if link + 1 == cell.robot.arms[arm].joints.len() => {
+            let parents = match body.parent {
+                ParentFrame::World => vec![Parent::World],
+                ParentFrame::Platform => vec![Parent::Platform],
+                ParentFrame::Link { arm, link }
+                    if link + 1 == cell.robot.arms[arm].joints.len() =>
+                {
                     let effectors = 0..cell.robot.arms[arm].effectors.len();
                     effectors
                         .map(|effector| Parent::DeflectedLastLink(EffectorId { arm, effector }))
                         .collect()
                 }
-                Carrier::Link { arm, link } => vec![Parent::Link { arm, link }],
+                ParentFrame::Link { arm, link } => vec![Parent::Link { arm, link }],
             };
             for parent in parents {
-                if let Some(collider) = cache.get(&body.shape, &body.carrier_from_shape) {
+                if let Some(collider) = cache.get(&body.shape, &body.parent_from_shape) {
                     let (entity, role) = (EntityId::Body(index), Role::Body(index));
                     objects.push(CollisionObject::new(entity, collider, parent, role, cache));
                 }

@@ -1,7 +1,7 @@
 //! Times at which the poses of the links are unknown.
 
 use super::link_poses::PoseError;
-use crate::violation::{IntervalMerger, SampleTime, SampleViolation, Subject, Unit};
+use crate::violation::{IntervalMerger, SampleTime, SampleViolation, Subject, ViolationQuantity};
 
 /// A time at which the poses of the links are unknown, with the reason.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,7 +15,7 @@ impl UnknownPose {
     pub(crate) fn report(self, violations: &mut IntervalMerger) {
         let Self { at, error: PoseError { kind, reason } } = self;
         let subject = Subject::of(kind);
-        let (severity, value, limit, unit) = (0.0, 0.0, 0.0, Unit::None);
+        let (severity, value, limit, unit) = (0.0, 0.0, 0.0, ViolationQuantity::None);
         let violation = SampleViolation { subject, kind, severity, value, limit, unit };
         violations.add(at, violation, || reason);
     }

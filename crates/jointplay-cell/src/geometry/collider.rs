@@ -111,7 +111,7 @@ impl Collider {
     }
 
     /// Largest distance of a point from the origin of the parent (m).
-    pub(crate) fn reach(&self) -> f64 {
+    pub(crate) fn bounding_radius(&self) -> f64 {
         self.center.norm() + self.radius
     }
 
@@ -162,7 +162,7 @@ pub(crate) struct PlacedCollider<'a> {
 }
 
 impl PlacedCollider<'_> {
-    /// PairMinimum and largest coordinate along a direction through the base origin.
+    /// Minimum and maximum coordinate along a direction through the base origin.
     pub(crate) fn extent_along(&self, direction: &Vector3<f64>) -> Interval {
         let Pose { rotation, translation } = self.base_from_parent;
         let in_parent = rotation.inverse_transform_vector(direction);

@@ -6,7 +6,7 @@ use super::shape::Shape;
 use crate::CellError;
 use crate::conditions::{MAX_LENGTH, in_range, index, lengths, positive};
 
-/// Share of its length and width below which the depth of a point set is flat.
+/// Fraction of its length and width below which the depth of a point set is flat.
 const FLAT: f64 = 1e-6;
 
 impl Shape {

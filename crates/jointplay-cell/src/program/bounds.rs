@@ -16,7 +16,7 @@ pub const MAX_CALLS: usize = 64;
 pub(super) const WHOLE: &str = "the program";
 
 /// Location of a construct that exceeds a bound, and the problem.
-type UnboundedProgram = (SourceLocation, Box<ProgramProblem>);
+type ProgramBoundsError = (SourceLocation, Box<ProgramProblem>);
 
 /// Checks that a program expands to at most [`MAX_INSTRUCTIONS`], nested to at most [`MAX_CALLS`].
 ///
@@ -25,7 +25,7 @@ type UnboundedProgram = (SourceLocation, Box<ProgramProblem>);
 pub(super) fn check_bounds(
     program: &Program,
     resolved: &ResolvedProgram,
-) -> Result<(), UnboundedProgram> {
+) -> Result<(), ProgramBoundsError> {
     let mut counter =
         BlockCounter { program, resolved, known: BTreeMap::new(), running: Vec::new() };
     let size = counter.block(&resolved.body, 0)?;
@@ -36,7 +36,7 @@ pub(super) fn check_bounds(
     Err(too_long(place, WHOLE, size.instructions))
 }
 
-fn too_long(place: SourceLocation, what: &'static str, found: u64) -> UnboundedProgram {
+fn too_long(place: SourceLocation, what: &'static str, found: u64) -> ProgramBoundsError {
     let problem = ProgramProblem::TooLong { what, found: Count(found), allowed: MAX_INSTRUCTIONS };
     (place, Box::new(problem))
 }
@@ -64,7 +64,7 @@ impl BlockCounter<'_> {
         &mut self,
         body: &[ResolvedInstruction],
         outer: usize,
-    ) -> Result<BlockSize, UnboundedProgram> {
+    ) -> Result<BlockSize, ProgramBoundsError> {
         let mut sum = BlockSize { instructions: 0, depth: 0 };
         for instruction in body {
             let (what, instructions, depth) = match &instruction.command {
@@ -92,7 +92,7 @@ impl BlockCounter<'_> {
         Ok(sum)
     }
 
-    fn enter(&self, place: SourceLocation, depth: usize) -> Result<(), UnboundedProgram> {
+    fn enter(&self, place: SourceLocation, depth: usize) -> Result<(), ProgramBoundsError> {
         if depth <= MAX_CALLS {
             return Ok(());
         }
@@ -104,7 +104,7 @@ impl BlockCounter<'_> {
         place: SourceLocation,
         index: usize,
         outer: usize,
-    ) -> Result<BlockSize, UnboundedProgram> {
+    ) -> Result<BlockSize, ProgramBoundsError> {
         if let Some(from) = self.running.iter().position(|&running| running == index) {
             let cycle = self.running[from..].iter().chain([&index]);
             let name = |&routine: &usize| self.program.routines[routine].name.text.clone();

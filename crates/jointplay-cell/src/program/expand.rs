@@ -148,7 +148,7 @@ impl ProgramExpander<'_> {
                 }
             }
             ResolvedCommand::Wait(seconds) => self.sequencer.dwell(Path::Dwell(seconds)),
-            ResolvedCommand::Speed(share) => self.sequencer.speed_scaling = share,
+            ResolvedCommand::Speed(fraction) => self.sequencer.speed_scaling = fraction,
             ResolvedCommand::Blend(radius) => self.sequencer.blend_radius = radius,
             ResolvedCommand::Tilt(tilt) => {
                 let done = self.sequencer.tilt(tilt);

@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use crate::incremental::{CacheKey, CacheStats, GenerationalCache};
 use crate::robot::{EffectorId, Redundancy, WaferTarget};
-use crate::station::{BlockedLine, SlotId, Station, StationPostures, Waypoints};
+use crate::station::{InfeasibleLine, SlotId, Station, StationPostures, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
 /// Postures along the line into a station, or the line that is blocked.
-type FoundPostures = Result<Option<StationPostures>, BlockedLine>;
+type FoundPostures = Result<Option<StationPostures>, InfeasibleLine>;
 
 /// Inverse kinematics of the last program, by cache key.
 #[derive(Default)]
@@ -58,11 +58,11 @@ impl IkCache {
         cell: &Cell,
         effector: EffectorId,
         slot: SlotId,
-        near: &[f64],
+        seed: &[f64],
     ) -> Result<Arc<Waypoints>, Unreachable> {
         let mut inputs = CacheKey::default().with(&effector);
-        inputs.add(&self.station_ids[slot.station]).add(&slot.slot).add(near);
-        self.waypoints.get_or_compute(inputs, || cell.waypoints(effector, slot, near))
+        inputs.add(&self.station_ids[slot.station]).add(&slot.slot).add(seed);
+        self.waypoints.get_or_compute(inputs, || cell.waypoints(effector, slot, seed))
     }
 
     /// As [`Cell::station_postures`].
@@ -76,21 +76,21 @@ impl IkCache {
         self.postures.get_or_compute(inputs, || cell.station_postures(effector, station))
     }
 
-    /// As [`Cell::reach_by`], the positions alone.
-    pub(super) fn reach(
+    /// As [`Cell::compensated_inverse_by`], the positions alone.
+    pub(super) fn positions(
         &mut self,
         cell: &Cell,
         effector: EffectorId,
         target: &WaferTarget,
         loaded: bool,
-        near: &[f64],
+        seed: &[f64],
         redundancy: Redundancy,
     ) -> Result<Vec<f64>, Unreachable> {
         let mut inputs = CacheKey::default().with(&effector).with(&loaded);
-        inputs.add(&(redundancy == Redundancy::AsNear));
-        inputs.add(&target.center).add(&target.normal).add(&target.heading).add(near);
+        inputs.add(&(redundancy == Redundancy::AtSeed));
+        inputs.add(&target.center).add(&target.normal).add(&target.heading).add(seed);
         let reach = || {
-            let found = cell.reach_by(effector, target, loaded, near, redundancy);
+            let found = cell.compensated_inverse_by(effector, target, loaded, seed, redundancy);
             found.map(|found| found.positions)
         };
         self.ik_solutions.get_or_compute(inputs, reach).map(|positions| positions.to_vec())

@@ -2,8 +2,9 @@
 //!
 //! ```text
 //!    Program ──resolve──▶ ResolvedProgram ──expand──▶ Step…
-//!                ▲                            ▲
-//!       unknown names, no end        wafers, reach, limits
+//!                │                            │
+//!     errors: unknown names,       errors: missing wafers,
+//!     unbounded repetition         out of reach, limits
 //! ```
 //!
 //! | file | contents |

@@ -2,7 +2,7 @@
 
 use super::SourceLocation;
 use crate::robot::{AxisKind, LimitViolation};
-use crate::station::BlockedLine;
+use crate::station::InfeasibleLine;
 use crate::wafer::{SagError, Unreachable};
 
 /// An error of a program in its cell.
@@ -210,15 +210,15 @@ pub enum ProgramProblem {
     },
     /// A line into a station that the arm cannot follow.
     #[error(
-        "effector {effector} cannot follow the line into {station}: it stops at {} of it, {} m from the axis that the arm turns about", .blocked.share, .blocked.reach
+        "effector {effector} cannot follow the line into {station}: it stops at {} of it, {} m from the axis that the arm turns about", .blocked.fraction, .blocked.reach
     )]
-    BlockedLine {
+    InfeasibleLine {
         /// Name of the station.
         station: String,
         /// Name of the effector.
         effector: String,
         /// The point at which the motion ends, and remedies.
-        blocked: Box<BlockedLine>,
+        blocked: Box<InfeasibleLine>,
     },
     /// A target that the effector does not reach.
     #[error("effector {effector}, {}, does not reach {target}: {source}", if *.loaded { "loaded" } else { "empty" })]
@@ -243,6 +243,8 @@ pub struct Leveling {
     pub station: String,
     /// Least angle by which to level it (rad).
     pub angle: f64,
+    /// Part of the angle that the compensation of the deflection of the loaded arms needs (rad).
+    pub for_deflection: f64,
 }
 
 /// Number of instructions; `u64::MAX` also represents all larger numbers, and is displayed in words.

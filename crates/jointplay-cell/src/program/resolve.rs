@@ -186,10 +186,16 @@ impl<'p> Resolver<'p> {
                 self.check_range(place, "the time", *seconds, ok, allowed)?;
                 ResolvedCommand::Wait(*seconds)
             }
-            Command::Speed { share } => {
-                let ok = *share > 0.0 && *share <= 1.0;
-                self.check_range(place, "the speed", *share, ok, "a share above 0, at most 1")?;
-                ResolvedCommand::Speed(*share)
+            Command::Speed { fraction } => {
+                let ok = *fraction > 0.0 && *fraction <= 1.0;
+                self.check_range(
+                    place,
+                    "the speed",
+                    *fraction,
+                    ok,
+                    "a fraction above 0, at most 1",
+                )?;
+                ResolvedCommand::Speed(*fraction)
             }
             Command::Blend { radius } => {
                 let ok = radius.is_finite() && *radius >= 0.0;

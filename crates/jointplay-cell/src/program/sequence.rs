@@ -50,8 +50,8 @@ pub(super) struct MotionSequencer<'c> {
     sag: BTreeMap<EffectorId, f64>,
     /// Motors that extend the arm, with their positions where the arm is retracted for a station and the platform level.
     retracted: BTreeMap<(EffectorId, usize), Vec<(usize, f64)>>,
-    /// Share of the line into a station at which the arm is.
-    line_share: f64,
+    /// Fraction of the line into a station at which the arm is.
+    line_fraction: f64,
     instruction: usize,
     place: SourceLocation,
     loaded: Vec<EffectorId>,
@@ -83,7 +83,7 @@ impl<'c> MotionSequencer<'c> {
             turning: (0..axes.len()).map(|axis| turns_arms(cell, axis)).collect(),
             sag: BTreeMap::new(),
             retracted: BTreeMap::new(),
-            line_share: 0.0,
+            line_fraction: 0.0,
             instruction: 0,
             place: SourceLocation::default(),
             loaded: Vec::new(),
@@ -144,7 +144,7 @@ impl<'c> MotionSequencer<'c> {
         }
         let mut target = WaferTarget::of(&pose);
         target.center += Vector3::from(by);
-        let to = self.reach(effector, &target, loaded).map_err(stopped)?;
+        let to = self.solve(effector, &target, loaded).map_err(stopped)?;
         self.arms_retracted = false;
         self.move_to(Phase::Move, to, Path::Line(effector));
         Ok(())
@@ -176,7 +176,7 @@ impl<'c> MotionSequencer<'c> {
         } else {
             ("the retracted pose below", &waypoints.retracted_below)
         };
-        self.approach(Goal { what, effector, target, slot, point: Retracted })
+        self.pre_approach(Goal { what, effector, target, slot, point: Retracted })
     }
 
     /// GET: picks the wafer of a slot; returns the index of the step at whose end the effector carries it.
@@ -193,7 +193,7 @@ impl<'c> MotionSequencer<'c> {
         let waypoints = self.waypoints(effector, slot)?;
         let goal = |what, point, target| Goal { what, effector, target, slot, point };
         let first = self.steps.len();
-        self.approach(goal("the retracted pose below", Retracted, &waypoints.retracted_below))?;
+        self.pre_approach(goal("the retracted pose below", Retracted, &waypoints.retracted_below))?;
         if let Some(wait) = wait {
             self.dwell(wait);
         }
@@ -233,7 +233,7 @@ impl<'c> MotionSequencer<'c> {
         let waypoints = self.waypoints(effector, slot)?;
         let goal = |what, point, target| Goal { what, effector, target, slot, point };
         let first = self.steps.len();
-        self.approach(goal("the retracted pose above", Retracted, &waypoints.retracted_above))?;
+        self.pre_approach(goal("the retracted pose above", Retracted, &waypoints.retracted_above))?;
         for (k, via) in waypoints.via_above.iter().enumerate() {
             self.line(Phase::Extend, goal("a via point above", Via(k), via))?;
         }
@@ -286,11 +286,13 @@ impl<'c> MotionSequencer<'c> {
         let Unreachable::Tilt { .. } = error else { return None };
         let station = &self.cell.stations[slot.station];
         let angle = self.cell.leveling(station)?;
-        Some(Leveling { station: station.name.clone(), angle })
+        let excess = station.excess_tilt(&self.cell.robot);
+        let for_deflection = (angle - excess).max(0.0);
+        Some(Leveling { station: station.name.clone(), angle, for_deflection })
     }
 
     /// Retracts the arms, levels, turns to a retracted pose with the motors alone, then moves there with the rods alone.
-    fn approach(&mut self, goal: Goal<'_>) -> Result<(), ProgramProblem> {
+    fn pre_approach(&mut self, goal: Goal<'_>) -> Result<(), ProgramProblem> {
         self.retract_arms();
         self.level();
         let mut to = self.positions_at(goal)?;
@@ -302,7 +304,7 @@ impl<'c> MotionSequencer<'c> {
             self.push(Phase::Turn, turned, Path::PointToPoint);
         }
         self.move_to(Phase::Align, to, Path::PointToPoint);
-        self.line_share = 0.0;
+        self.line_fraction = 0.0;
         Ok(())
     }
 
@@ -382,24 +384,24 @@ impl<'c> MotionSequencer<'c> {
         let reached = match self.postures(effector, slot.station)? {
             Some(postures) => {
                 let chain = ArmChain::new(&self.cell.robot, effector);
-                let near = postures.near(&chain, point, &self.positions);
-                let redundancy = Redundancy::AsNear;
-                self.ik_cache.reach(self.cell, effector, &target, loaded, &near, redundancy)
+                let seed = postures.near(&chain, point, &self.positions);
+                let redundancy = Redundancy::AtSeed;
+                self.ik_cache.positions(self.cell, effector, &target, loaded, &seed, redundancy)
             }
-            None => self.reach(effector, &target, loaded),
+            None => self.solve(effector, &target, loaded),
         };
         reached.map_err(|source| self.unreachable(what, effector, slot, loaded, source))
     }
 
     /// Positions that bring the wafer of an effector to a target, from the present ones.
-    fn reach(
+    fn solve(
         &mut self,
         effector: EffectorId,
         target: &WaferTarget,
         loaded: bool,
     ) -> Result<Vec<f64>, Unreachable> {
         let redundancy = Redundancy::AwayFromLimits;
-        self.ik_cache.reach(self.cell, effector, target, loaded, &self.positions, redundancy)
+        self.ik_cache.positions(self.cell, effector, target, loaded, &self.positions, redundancy)
     }
 
     /// Postures of an arm along the line into a station; `None` where the arm has no choice.
@@ -415,7 +417,7 @@ impl<'c> MotionSequencer<'c> {
         })?;
         match found.as_ref() {
             Ok(postures) => Ok(postures.clone()),
-            Err(blocked) => Err(ProgramProblem::BlockedLine {
+            Err(blocked) => Err(ProgramProblem::InfeasibleLine {
                 station: self.cell.stations[station].name.clone(),
                 effector: effector_name(&self.cell.robot, effector).to_owned(),
                 blocked: Box::new(blocked.clone()),
@@ -429,18 +431,18 @@ impl<'c> MotionSequencer<'c> {
         if phase == Phase::Retract {
             self.snap_to_retracted(&mut to, goal.effector, goal.slot.station);
         }
-        let from = self.line_share;
+        let from = self.line_fraction;
         self.push(phase, to, Path::Line(goal.effector));
         if let Some(postures) = self.postures(goal.effector, goal.slot.station)?
             && let Some(step) = self.steps.last_mut()
         {
-            let share = postures.share(goal.point);
+            let fraction = postures.fraction(goal.point);
             step.postures = Some(LinePostures {
                 path: postures.path,
-                shares: [from, share],
-                keeps_heading: postures.keeps_heading,
+                fractions: [from, fraction],
+                prescribes_heading: postures.prescribes_heading,
             });
-            self.line_share = share;
+            self.line_fraction = fraction;
         }
         if matches!(phase, Phase::Lift | Phase::Lower) {
             let speed = self.cell.stations[goal.slot.station].stroke.speed;

@@ -63,10 +63,10 @@ pub enum Handoff {
 pub struct LinePostures {
     /// Positions of the arm's motors along the whole line into a station.
     pub path: Arc<PosturePath>,
-    /// Shares of that line at which the step starts and ends.
-    pub shares: [f64; 2],
-    /// Whether the wafer's heading changes uniformly; otherwise it follows from the postures.
-    pub keeps_heading: bool,
+    /// Fractions of that line at which the step starts and ends.
+    pub fractions: [f64; 2],
+    /// Whether the line prescribes the wafer's heading, which then changes uniformly; otherwise it follows from the postures.
+    pub prescribes_heading: bool,
 }
 
 /// A move or dwell of all axes, with all names resolved.
@@ -96,6 +96,6 @@ pub struct Step {
     pub loaded: Vec<EffectorId>,
     /// Hand-off at the end of the step.
     pub handoff: Option<Handoff>,
-    /// Slot that the effector reaches into; determines the contact rules of the step, see `Scene::contact_rule`: clearances within the station.
+    /// Slot that the effector reaches into; determines the contact rules of the step, see `Scene::clearance_rule`: clearances within the station.
     pub slot: Option<SlotId>,
 }

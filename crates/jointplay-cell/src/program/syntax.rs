@@ -114,7 +114,7 @@ pub enum Command {
         /// The effector; `None` for the only possible one.
         effector: Option<Name>,
     },
-    /// SourceLocation the wafer into a slot.
+    /// Place the wafer into a slot.
     Put {
         /// The slot.
         to: SlotName,
@@ -151,10 +151,10 @@ pub enum Command {
         /// Duration (s).
         seconds: f64,
     },
-    /// Set the share of the limits for all following moves.
+    /// Set the fraction of the limits for all following moves.
     Speed {
         /// Share, above 0 and at most 1.
-        share: f64,
+        fraction: f64,
     },
     /// Blend all following moves.
     Blend {

@@ -42,7 +42,7 @@ pub struct WaferTransfer {
 
 /// Locations of all wafers of a cell during the steps of a program.
 ///
-/// Wafers are counted from 0: those in slots at the start in the order of [`Cell::occupied`], then those on effectors in the order of [`Cell::carried`].
+/// Wafers are counted from 0: those in slots at the start in the order of [`Cell::occupied`], then those on effectors in the order of [`Cell::loaded_effectors`].
 ///
 /// # Example
 /// ```
@@ -109,7 +109,7 @@ impl WaferLocations {
     #[must_use]
     pub fn at_start(cell: &Cell) -> Self {
         let in_slots = cell.occupied.iter().map(|&slot| WaferLocation::Slot(slot));
-        let carried = cell.carried.iter().map(|&id| WaferLocation::Effector(id));
+        let carried = cell.loaded_effectors.iter().map(|&id| WaferLocation::Effector(id));
         let locations: Vec<WaferLocation> = in_slots.chain(carried).collect();
         let wafer_id = |location: &WaferLocation| match *location {
             WaferLocation::Slot(slot) => EntityId::Wafer(slot),

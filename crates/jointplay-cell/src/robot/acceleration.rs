@@ -4,7 +4,7 @@ use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector2, Vector3};
 
-use super::arm_chain::{ArmChain, AxisCoefficients, dot, perpendicular, turned};
+use super::arm_chain::{ArmChain, ArmVector, dot, perpendicular, turned};
 use super::hybrid_robot::{EffectorId, HybridRobot, RODS};
 use super::positions::Positions;
 use crate::CellError;
@@ -93,7 +93,7 @@ impl FrameMotion {
     ///    ω  =  ω_1 + R_1 ω_2,       α  =  α_1 + R_1 α_2 + ω_1 × R_1 ω_2
     /// ```
     #[must_use]
-    pub fn carrying(&self, other: &Self) -> Self {
+    pub fn composed_with(&self, other: &Self) -> Self {
         let [_, velocity, acceleration] = self.point(&other.base_from_frame.translation.vector);
         let rotation = &self.base_from_frame.rotation;
         let (moving, turning) = (rotation * other.velocity, rotation * other.angular_velocity);
@@ -112,17 +112,18 @@ impl FrameMotion {
 
 impl ArmChain {
     /// Positions, velocities and accelerations of the arm's own axes, from those of all axes.
-    pub(crate) fn own_rates(&self, motion: &AxesMotion<'_>) -> [AxisCoefficients; 3] {
-        [motion.positions, motion.velocities, motion.accelerations].map(|rates| self.own(rates))
+    pub(crate) fn arm_rates(&self, motion: &AxesMotion<'_>) -> [ArmVector; 3] {
+        [motion.positions, motion.velocities, motion.accelerations]
+            .map(|rates| self.arm_positions(rates))
     }
 
     /// Motion of the wafer relative to the platform, by positions, velocities and accelerations of the arm's own axes.
-    pub(crate) fn wafer_motion(&self, own: &[AxisCoefficients; 3]) -> FrameMotion {
-        let [tip, velocity, acceleration] = self.tip_motion(own, 0.0);
+    pub(crate) fn wafer_motion(&self, arm_positions: &[ArmVector; 3]) -> FrameMotion {
+        let [tip, velocity, acceleration] = self.tip_motion(arm_positions, 0.0);
         let [_, rate, acceleration_of_heading] =
-            own.each_ref().map(|rates| dot(&self.heading.1, rates));
+            arm_positions.each_ref().map(|rates| dot(&self.heading.1, rates));
         FrameMotion {
-            base_from_frame: self.at(&tip, &own[0]),
+            base_from_frame: self.at(&tip, &arm_positions[0]),
             velocity: velocity.push(0.0),
             acceleration: acceleration.push(0.0),
             angular_velocity: Vector3::z() * rate,
@@ -131,17 +132,20 @@ impl ArmChain {
     }
 
     /// Motion of the wafer relative to the platform, in the axes of the wafer.
-    pub(crate) fn motion_in_wafer_frame(&self, own: &[AxisCoefficients; 3]) -> FrameAcceleration {
-        let heading = own.each_ref().map(|rates| dot(&self.heading.1, rates));
-        let [place, velocity, acceleration] = self.tip_motion(own, -heading[0]);
+    pub(crate) fn motion_in_wafer_frame(
+        &self,
+        arm_positions: &[ArmVector; 3],
+    ) -> FrameAcceleration {
+        let heading = arm_positions.each_ref().map(|rates| dot(&self.heading.1, rates));
+        let [place, velocity, acceleration] = self.tip_motion(arm_positions, -heading[0]);
         FrameAcceleration { place, velocity, acceleration, heading }
     }
 
     /// Position, velocity and acceleration of the tip relative to the platform, rotated by an angle.
-    fn tip_motion(&self, own: &[AxisCoefficients; 3], turn: f64) -> [Vector2<f64>; 3] {
+    fn tip_motion(&self, arm_positions: &[ArmVector; 3], turn: f64) -> [Vector2<f64>; 3] {
         let (mut velocity, mut acceleration) = (Vector2::zeros(), Vector2::zeros());
         let mut tip = turned(&self.origin, turn);
-        let by = |slopes: &AxisCoefficients| own.each_ref().map(|rates| dot(slopes, rates));
+        let by = |slopes: &ArmVector| arm_positions.each_ref().map(|rates| dot(slopes, rates));
         for link_vector in self.link_vectors() {
             let [angle, omega, alpha] = by(&link_vector.turn);
             let link_vector = turned(&link_vector.vector, turn + angle);
@@ -197,7 +201,7 @@ impl HybridRobot {
         let platform = self.platform(motion.positions)?;
         let platform = self.platform_motion(&platform, motion)?;
         let chain = ArmChain::new(self, id);
-        Ok(platform.carrying(&chain.wafer_motion(&chain.own_rates(motion))))
+        Ok(platform.composed_with(&chain.wafer_motion(&chain.arm_rates(motion))))
     }
 
     pub(crate) fn check_motion(&self, motion: &AxesMotion<'_>) -> Result<(), CellError> {

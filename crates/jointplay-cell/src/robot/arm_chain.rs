@@ -7,7 +7,7 @@ use super::angle::rotation_about_z;
 use super::hybrid_robot::{AxisKind, EffectorId, HybridRobot, MAX_JOINTS};
 
 /// One number for each axis of an arm, in the order of [`ArmChain::axes`].
-pub(super) type AxisCoefficients = [f64; MAX_JOINTS];
+pub(super) type ArmVector = [f64; MAX_JOINTS];
 
 /// A link vector, fixed in a frame that rotates by Σ coefficients · positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,7 +15,7 @@ pub(super) struct LinkVector {
     /// The vector where all axes are at zero, in the platform frame (m).
     pub(super) vector: Vector2<f64>,
     /// Rotation by each position.
-    pub(super) turn: AxisCoefficients,
+    pub(super) turn: ArmVector,
 }
 
 /// A prismatic joint: a vector of unit length, scaled by Σ coefficients · positions.
@@ -24,7 +24,7 @@ pub(super) struct PrismaticJoint {
     /// Direction of the joint, and its rotation.
     pub(super) along: LinkVector,
     /// Length by each position.
-    pub(super) extension: AxisCoefficients,
+    pub(super) extension: ArmVector,
 }
 
 /// An arm from the platform to one of its wafers, in the arm's plane.
@@ -49,11 +49,11 @@ pub(crate) struct ArmChain {
     prismatic_joints: [PrismaticJoint; MAX_JOINTS],
     prismatic_count: usize,
     /// Heading of the wafer where all axes are at zero (rad), and its rotation by each position.
-    pub(super) heading: (f64, AxisCoefficients),
+    pub(super) heading: (f64, ArmVector),
 }
 
 #[inline]
-pub(super) fn dot(slopes: &AxisCoefficients, positions: &AxisCoefficients) -> f64 {
+pub(super) fn dot(slopes: &ArmVector, positions: &ArmVector) -> f64 {
     slopes[0] * positions[0]
         + slopes[1] * positions[1]
         + slopes[2] * positions[2]
@@ -175,59 +175,60 @@ impl ArmChain {
 
     /// Positions of the arm's own axes, from those of all axes.
     #[inline]
-    pub(super) fn own(&self, positions: &[f64]) -> AxisCoefficients {
-        let mut own = [0.0; MAX_JOINTS];
-        for (own, &axis) in own.iter_mut().zip(self.axes()) {
-            *own = positions[axis];
+    pub(super) fn arm_positions(&self, positions: &[f64]) -> ArmVector {
+        let mut arm_positions = [0.0; MAX_JOINTS];
+        for (arm_positions, &axis) in arm_positions.iter_mut().zip(self.axes()) {
+            *arm_positions = positions[axis];
         }
-        own
+        arm_positions
     }
 
     /// Centre of the wafer, in the platform plane (m).
     #[inline]
-    pub(super) fn tip(&self, own: &AxisCoefficients) -> Vector2<f64> {
+    pub(super) fn tip(&self, arm_positions: &ArmVector) -> Vector2<f64> {
         let mut tip = self.origin;
         for link_vector in self.link_vectors() {
-            tip += turned(&link_vector.vector, dot(&link_vector.turn, own));
+            tip += turned(&link_vector.vector, dot(&link_vector.turn, arm_positions));
         }
         for joint in self.prismatic_joints() {
-            let along = turned(&joint.along.vector, dot(&joint.along.turn, own));
-            tip += along * dot(&joint.extension, own);
+            let along = turned(&joint.along.vector, dot(&joint.along.turn, arm_positions));
+            tip += along * dot(&joint.extension, arm_positions);
         }
         tip
     }
 
     /// Pose `platform_from_wafer` for positions of all axes.
     pub(crate) fn wafer(&self, positions: &[f64]) -> Pose {
-        let own = self.own(positions);
-        self.at(&self.tip(&own), &own)
+        let arm_positions = self.arm_positions(positions);
+        self.at(&self.tip(&arm_positions), &arm_positions)
     }
 
     /// Pose `platform_from_wafer`, the position of the tip known.
     #[inline]
-    pub(super) fn at(&self, tip: &Vector2<f64>, own: &AxisCoefficients) -> Pose {
+    pub(super) fn at(&self, tip: &Vector2<f64>, arm_positions: &ArmVector) -> Pose {
         let center = tip.push(self.height);
-        Pose::from_parts(Translation3::from(center), rotation_about_z(self.heading(own)))
+        Pose::from_parts(Translation3::from(center), rotation_about_z(self.heading(arm_positions)))
     }
 
     /// Heading of the wafer, from the platform's x axis (rad).
     #[inline]
-    pub(super) fn heading(&self, own: &AxisCoefficients) -> f64 {
-        self.heading.0 + dot(&self.heading.1, own)
+    pub(super) fn heading(&self, arm_positions: &ArmVector) -> f64 {
+        self.heading.0 + dot(&self.heading.1, arm_positions)
     }
 
     /// Velocity of the tip by each of the arm's axes (m/m or m/rad).
-    pub(super) fn tip_velocities(&self, own: &AxisCoefficients) -> [Vector2<f64>; MAX_JOINTS] {
+    pub(super) fn tip_velocities(&self, arm_positions: &ArmVector) -> [Vector2<f64>; MAX_JOINTS] {
         let mut velocities = [Vector2::zeros(); MAX_JOINTS];
         for link_vector in self.link_vectors() {
-            let turning = perpendicular(&turned(&link_vector.vector, dot(&link_vector.turn, own)));
+            let turning =
+                perpendicular(&turned(&link_vector.vector, dot(&link_vector.turn, arm_positions)));
             for (velocity, slope) in velocities.iter_mut().zip(link_vector.turn) {
                 *velocity += turning * slope;
             }
         }
         for joint in self.prismatic_joints() {
-            let along = turned(&joint.along.vector, dot(&joint.along.turn, own));
-            let turning = perpendicular(&along) * dot(&joint.extension, own);
+            let along = turned(&joint.along.vector, dot(&joint.along.turn, arm_positions));
+            let turning = perpendicular(&along) * dot(&joint.extension, arm_positions);
             for (a, velocity) in velocities.iter_mut().enumerate() {
                 *velocity += along * joint.extension[a] + turning * joint.along.turn[a];
             }

@@ -18,8 +18,8 @@ impl CacheKeyPart for EffectorId {
 
 impl CacheKeyPart for PosturePath {
     fn append_to(&self, key: &mut CacheKey) {
-        let Self { shares, positions } = self;
-        key.add(shares).add(positions);
+        let Self { fractions, positions } = self;
+        key.add(fractions).add(positions);
     }
 }
 

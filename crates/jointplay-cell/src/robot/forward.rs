@@ -1,4 +1,4 @@
-//! PlatformPose kinematics: from positions of all axes to poses of all links.
+//! Forward kinematics: from positions of all axes to poses of all links.
 
 use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;

@@ -55,8 +55,8 @@ impl HybridRobot {
     ) -> Result<EffectorJacobian, CellError> {
         let platform = self.platform(positions)?;
         let turn = platform.base_from_platform.rotation;
-        let own = chain.own(positions);
-        let tip = chain.tip(&own).push(chain.height);
+        let arm_positions = chain.arm_positions(positions);
+        let tip = chain.tip(&arm_positions).push(chain.height);
         let mut jacobian = EffectorJacobian {
             linear: [Vector3::zeros(); MAX_AXES],
             angular: [Vector3::zeros(); MAX_AXES],
@@ -67,7 +67,7 @@ impl HybridRobot {
             jacobian.linear[rod] = origin + angular.cross(&arm);
             jacobian.angular[rod] = angular;
         }
-        let velocities = chain.tip_velocities(&own);
+        let velocities = chain.tip_velocities(&arm_positions);
         for (k, &axis) in chain.axes().iter().enumerate() {
             jacobian.linear[axis] = turn * velocities[k].push(0.0);
             jacobian.angular[axis] = turn * Vector3::z() * chain.heading.1[k];

@@ -7,7 +7,7 @@ use crate::CellError;
 const STARTS: usize = 7;
 /// Number of starts that are followed, the best of all.
 const FOLLOWED: usize = 24;
-/// Step below which a search ends, as a share of an axis' range.
+/// Step below which a search ends, as a fraction of an axis' range.
 const FINEST: f64 = 1e-9;
 
 /// A start of a search.
@@ -24,7 +24,7 @@ impl HybridRobot {
     ///
     /// # Numerics
     /// Hill climbing by steps of all motors from the best of a grid of starts, down to a billionth of their ranges.
-    pub fn reach(&self, id: EffectorId) -> Result<[f64; 2], CellError> {
+    pub fn reach_range(&self, id: EffectorId) -> Result<[f64; 2], CellError> {
         let home: Vec<f64> = self.axes.iter().map(|axis| axis.home).collect();
         let motors: Vec<usize> =
             self.axes_of(id)?.into_iter().filter(|&axis| axis >= RODS).collect();
@@ -41,10 +41,10 @@ impl HybridRobot {
                 let mut positions = home.clone();
                 let mut rest = start;
                 for &motor in &motors {
-                    let share = (rest % STARTS) as f64 / (STARTS - 1) as f64;
+                    let fraction = (rest % STARTS) as f64 / (STARTS - 1) as f64;
                     rest /= STARTS;
                     let axis = &self.axes[motor];
-                    positions[motor] = axis.min + share * (axis.max - axis.min);
+                    positions[motor] = axis.min + fraction * (axis.max - axis.min);
                 }
                 starts.push(Start { gain: gain(&positions)?, positions });
             }
@@ -67,8 +67,8 @@ impl HybridRobot {
         gain: impl Fn(&[f64]) -> Result<f64, CellError>,
     ) -> Result<f64, CellError> {
         let Start { gain: mut best, positions: mut at } = start;
-        let mut share = 1.0 / (STARTS - 1) as f64;
-        while share > FINEST {
+        let mut fraction = 1.0 / (STARTS - 1) as f64;
+        while fraction > FINEST {
             let mut better = false;
             // Steps along every axis, and along all axes together: ridges do not run along axes.
             for direction in 0..3_usize.pow(u32::try_from(motors.len()).unwrap_or(0)) {
@@ -78,7 +78,7 @@ impl HybridRobot {
                     let sign = (rest % 3) as f64 - 1.0;
                     rest /= 3;
                     let axis = &self.axes[motor];
-                    let moved = positions[motor] + sign * share * (axis.max - axis.min);
+                    let moved = positions[motor] + sign * fraction * (axis.max - axis.min);
                     positions[motor] = moved.clamp(axis.min, axis.max);
                 }
                 let found = gain(&positions)?;
@@ -87,7 +87,7 @@ impl HybridRobot {
                 }
             }
             if !better {
-                share *= 0.5;
+                fraction *= 0.5;
             }
         }
         Ok(best)

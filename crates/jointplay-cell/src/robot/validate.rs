@@ -24,7 +24,7 @@ const ROWS_APART: f64 = 1e-6;
 /// Largest reach of a droop table (m).
 const LONGEST_REACH: f64 = 100.0;
 
-/// Share of their squares below which the parallelogram of two velocities is flat: they have one direction.
+/// Fraction of their squares below which the parallelogram of two velocities is flat: they have one direction.
 const FLAT: f64 = 1e-9;
 
 impl AxisKind {
@@ -264,14 +264,15 @@ impl HybridRobot {
     fn directions(&self, id: EffectorId) -> usize {
         let chain = ArmChain::new(self, id);
         let axes = chain.axes();
-        let at = |share: f64| {
-            let mut own = [0.0; MAX_JOINTS];
-            for (k, (own, &axis)) in own.iter_mut().zip(axes).enumerate() {
+        let at = |fraction: f64| {
+            let mut arm_positions = [0.0; MAX_JOINTS];
+            for (k, (arm_positions, &axis)) in arm_positions.iter_mut().zip(axes).enumerate() {
                 // Different shares for each axis: no arm is stretched in all of the positions.
-                let share = (share + 0.211 * k as f64).fract();
-                *own = self.axes[axis].min + share * (self.axes[axis].max - self.axes[axis].min);
+                let fraction = (fraction + 0.211 * k as f64).fract();
+                *arm_positions =
+                    self.axes[axis].min + fraction * (self.axes[axis].max - self.axes[axis].min);
             }
-            let velocities = chain.tip_velocities(&own);
+            let velocities = chain.tip_velocities(&arm_positions);
             let largest = velocities.iter().map(Vector2::norm_squared).fold(0.0, f64::max);
             let flat = |one: &Vector2<f64>| {
                 velocities.iter().all(|other| one.perp(other).abs() <= FLAT * largest)

@@ -5,12 +5,21 @@ use nalgebra::Vector3;
 
 use super::description::Station;
 use super::teach;
-use crate::robot::WaferTarget;
+use crate::robot::{HybridRobot, WaferTarget};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
 /// Number of bisections for the largest feasible tilt: to less than a nanoradian.
 const HALVINGS: usize = 30;
+
+impl Station {
+    /// Angle by which the station tilts farther than the platform can, the deflection of arms not included; 0 within the limit (rad).
+    #[must_use]
+    pub fn excess_tilt(&self, robot: &HybridRobot) -> f64 {
+        let tilt = Tilt::from_normal(&(self.base_from_station.rotation * Vector3::z()));
+        (tilt.pitch - robot.gpr.limits().tilt_max).max(0.0)
+    }
+}
 
 impl Cell {
     /// Least angle by which the tilt of a station has to be reduced about its origin, so that the platform can follow it at every slot with every effector that may use it, the deflection of the loaded arms compensated (rad).
@@ -50,7 +59,7 @@ impl Cell {
             [1, station.slots].into_iter().all(|slot| {
                 let places = station.waypoints(slot, [[0.0; 2]; 3]);
                 let follows = |target: &WaferTarget| {
-                    let found = self.reach(effector, target, true, &home);
+                    let found = self.compensated_inverse(effector, target, true, &home);
                     !matches!(found, Err(Unreachable::Tilt { .. }))
                 };
                 [&places.resting, &places.above, &places.retracted_above].into_iter().all(follows)

@@ -4,12 +4,14 @@ mod cache_key;
 mod description;
 mod leveling;
 mod postures;
+mod rules;
 pub mod teach;
 mod validate;
 mod waypoints;
 
 pub use description::{Approach, Origin, SlotId, Station, Stroke};
-pub use postures::{BlockedLine, LineRemedy};
+pub use postures::{InfeasibleLine, LineRemedy};
 pub(crate) use postures::{LinePoint, StationPostures};
+pub use rules::{DwellLimits, VisitRule, WaferRules};
 pub use validate::MAX_SLOTS;
 pub use waypoints::Waypoints;

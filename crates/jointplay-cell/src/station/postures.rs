@@ -29,18 +29,18 @@ pub(crate) enum LinePoint {
 pub(crate) struct StationPostures {
     /// Positions of the arm's motors along the line from the retracted pose to the slot.
     pub(crate) path: Arc<PosturePath>,
-    /// Shares of the line's length at the retracted pose, the via points and the slot.
-    corners: Vec<f64>,
-    /// Whether the wafer keeps its heading along the line.
-    pub(crate) keeps_heading: bool,
+    /// Fractions of the line's length at the retracted pose, the via points and the slot.
+    at_waypoints: Vec<f64>,
+    /// Whether the line prescribes the wafer's heading.
+    pub(crate) prescribes_heading: bool,
 }
 
 impl StationPostures {
-    /// Share of the line's length at a waypoint.
-    pub(crate) fn share(&self, point: LinePoint) -> f64 {
+    /// Fraction of the line's length at a waypoint.
+    pub(crate) fn fraction(&self, point: LinePoint) -> f64 {
         match point {
             LinePoint::Retracted => 0.0,
-            LinePoint::Via(index) => self.corners[1 + index],
+            LinePoint::Via(index) => self.at_waypoints[1 + index],
             LinePoint::Slot => 1.0,
         }
     }
@@ -48,9 +48,9 @@ impl StationPostures {
     /// Positions of all axes at a waypoint, the rods and the motors of other arms as they are.
     pub(crate) fn near(&self, chain: &ArmChain, point: LinePoint, positions: &[f64]) -> Vec<f64> {
         let mut near = positions.to_vec();
-        let own = self.path.at(self.share(point));
-        for (&axis, own) in chain.axes().iter().zip(own) {
-            near[axis] = own;
+        let arm_positions = self.path.at(self.fraction(point));
+        for (&axis, arm_positions) in chain.axes().iter().zip(arm_positions) {
+            near[axis] = arm_positions;
         }
         near
     }
@@ -58,9 +58,9 @@ impl StationPostures {
 
 /// A line into a station that no motion of an arm's motors follows.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BlockedLine {
-    /// Largest share of the line that can be followed from the retracted pose.
-    pub share: f64,
+pub struct InfeasibleLine {
+    /// Largest fraction of the line that can be followed from the retracted pose.
+    pub fraction: f64,
     /// Distance of the wafer's centre from the axis that the arm turns about, where the line ends (m).
     pub reach: f64,
     /// Changes, each of which alone gives a line that can be followed.
@@ -98,26 +98,26 @@ impl Cell {
     /// Postures of an arm along the line into a station; `None` where the arm has no choice.
     ///
     /// # Errors
-    /// Those of [`Cell::waypoints`]; inside, [`BlockedLine`] where no motion of the motors follows the line.
+    /// Those of [`Cell::waypoints`]; inside, [`InfeasibleLine`] where no motion of the motors follows the line.
     pub(crate) fn station_postures(
         &self,
         effector: EffectorId,
         station: usize,
-    ) -> Result<Result<Option<StationPostures>, BlockedLine>, Unreachable> {
+    ) -> Result<Result<Option<StationPostures>, InfeasibleLine>, Unreachable> {
         if !self.robot.has_posture_paths(effector) {
             return Ok(Ok(None));
         }
         let line = self.planar_line(effector, station)?;
-        let keeps_heading = line.heading.is_some();
+        let prescribes_heading = line.heading.is_some();
         Ok(match self.robot.posture_path(effector, &line) {
             Ok(path) => Ok(Some(StationPostures {
                 path: Arc::new(path),
-                corners: line.shares(),
-                keeps_heading,
+                at_waypoints: line.fractions(),
+                prescribes_heading,
             })),
-            Err(blocked) => Err(BlockedLine {
-                share: blocked.share,
-                reach: (line.at(blocked.share) - self.mount(effector)).norm(),
+            Err(blocked) => Err(InfeasibleLine {
+                fraction: blocked.fraction,
+                reach: (line.at(blocked.fraction) - self.mount(effector)).norm(),
                 remedies: self.line_remedies(effector, &line),
             }),
         })
@@ -132,7 +132,7 @@ impl Cell {
     fn planar_line(&self, effector: EffectorId, station: usize) -> Result<PlanarPath, Unreachable> {
         let home: Vec<f64> = self.robot.axes.iter().map(|axis| axis.home).collect();
         let slot = SlotId { station, slot: 1 };
-        let axis = self.turning_axis(effector, slot, &home)?;
+        let axis = self.shoulder_point(effector, slot, &home)?;
         let Waypoints { retracted_below, via_below, below, .. } =
             self.waypoints(effector, slot, &home)?;
         let level = tilt_rotation(&below.normal.normalize()).inverse();
@@ -185,7 +185,7 @@ impl Cell {
             let limits = &mut robot.axes[axis];
             (limits.min, limits.max) = (limits.min.min(-UNLIMITED), limits.max.max(UNLIMITED));
             let path = robot.posture_path(effector, line).ok()?;
-            let positions = path.positions.iter().map(|own| own[index]);
+            let positions = path.positions.iter().map(|arm_positions| arm_positions[index]);
             let (min, max) = positions
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), q| (a.min(q), b.max(q)));
             Some(LineRemedy::Limits { axis, min, max })

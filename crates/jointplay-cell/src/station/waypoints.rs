@@ -128,7 +128,7 @@ impl Cell {
     /// * `near` – present positions of all axes
     ///
     /// # Errors
-    /// Those of [`Cell::reach`] for the resting position.
+    /// Those of [`Cell::compensated_inverse`] for the resting position.
     ///
     /// # Panics
     /// The cell has no such station.
@@ -136,17 +136,17 @@ impl Cell {
         &self,
         effector: EffectorId,
         slot: SlotId,
-        near: &[f64],
+        seed: &[f64],
     ) -> Result<Waypoints, Unreachable> {
         let station = &self.stations[slot.station];
-        let axis = self.turning_axis(effector, slot, near)?;
+        let axis = self.shoulder_point(effector, slot, seed)?;
         let waypoints = |axes: [Vector3<f64>; 3]| {
             station.waypoints(slot.slot, axes.map(|axis| [axis.x, axis.y]))
         };
         let Waypoints { retracted_below, retracted_above, .. } = waypoints([axis; 3]);
         // A retracted pose that is out of reach is reported where it is used.
         let retracted = |place: &WaferTarget| {
-            self.axis_crossing_at(effector, slot, place, near).unwrap_or(axis)
+            self.axis_crossing_at(effector, slot, place, seed).unwrap_or(axis)
         };
         Ok(waypoints([axis, retracted(&retracted_below), retracted(&retracted_above)]))
     }
@@ -158,14 +158,14 @@ impl Cell {
     ///
     /// # Panics
     /// The cell has no such station.
-    pub fn turning_axis(
+    pub fn shoulder_point(
         &self,
         effector: EffectorId,
         slot: SlotId,
-        near: &[f64],
+        seed: &[f64],
     ) -> Result<Vector3<f64>, Unreachable> {
         let resting = self.stations[slot.station].waypoints(slot.slot, [[0.0; 2]; 3]).resting;
-        self.axis_crossing_at(effector, slot, &resting, near)
+        self.axis_crossing_at(effector, slot, &resting, seed)
     }
 
     /// Intersection of that axis with the plane of a slot, the platform tilted for the loaded wafer at a target.
@@ -174,14 +174,14 @@ impl Cell {
         effector: EffectorId,
         slot: SlotId,
         target: &WaferTarget,
-        near: &[f64],
+        seed: &[f64],
     ) -> Result<Vector3<f64>, Unreachable> {
         let frame = self.stations[slot.station].slot_frame(slot.slot);
         // An arm whose posture is planned for the whole line need not be within limits in the one found here.
         let positions = if self.robot.has_posture_paths(effector) {
-            self.reach_beyond_limits(effector, target, true, near)?.positions
+            self.compensated_inverse_beyond_limits(effector, target, true, seed)?.positions
         } else {
-            self.reach(effector, target, true, near)?.positions
+            self.compensated_inverse(effector, target, true, seed)?.positions
         };
         let rods = [positions[0], positions[1], positions[2]];
         let platform = self.robot.model.forward(&self.robot.gpr, rods).map_err(CellError::from)?;

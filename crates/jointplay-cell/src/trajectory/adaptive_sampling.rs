@@ -4,7 +4,7 @@ use super::sample::{Sample, UniformSampling};
 use super::trajectory::Trajectory;
 use crate::robot::KinematicLimits;
 
-/// Largest deviation of straight lines between samples from velocities and accelerations, as a share of the limits: less than a pixel of a plot.
+/// Largest deviation of straight lines between samples from velocities and accelerations, as a fraction of the limits: less than a pixel of a plot.
 const PEAK_TOLERANCE: f64 = 2.5e-3;
 /// Least distance between two samples (s).
 const MIN_INTERVAL: f64 = 1e-3;
@@ -29,7 +29,7 @@ impl Trajectory {
     /// ```
     /// v, a, j: velocity, acceleration and jerk at two samples h apart, between which the jerk changes once; r: time from that change to the second sample.
     /// Where the jerk is piecewise constant, as in all segments but Cartesian lines, accelerations between the samples are exact;
-    /// elsewhere intervals are halved until the deviation is within a share of the limits.
+    /// elsewhere intervals are halved until the deviation is within a fraction of the limits.
     ///
     /// # Arguments
     /// * `rate` – uniform rate (Hz)
@@ -38,7 +38,7 @@ impl Trajectory {
     ///
     /// # Source
     /// Own derivation.
-    pub fn peak_times<'l>(
+    pub fn plot_times<'l>(
         &self,
         rate: f64,
         interval: [f64; 2],

@@ -16,7 +16,7 @@ use crate::workcell::Cell;
 const BISECTIONS: usize = 12;
 /// Number of equal intervals of an overlap, whose ends are checked in addition to times around discontinuities of the jerk; divisible by two, so that the middle is one of them.
 const UNIFORM_INTERVALS: usize = 30;
-/// Share of the time from one checked time to the next, just before the next: one-sided values before a discontinuity.
+/// Fraction of the time from one checked time to the next, just before the next: one-sided values before a discontinuity.
 const JUST_BEFORE: f64 = 1.0 - 1e-6;
 /// Margin below each limit for the times between the checked ones, relative to the limit.
 const MARGIN: f64 = 5e-3;
@@ -169,7 +169,9 @@ impl SuperposedSegments<'_> {
         for &time in &times {
             for index in 0..self.candidate.moving.len() {
                 let states = self.states(index, overlap, time);
-                if !owners(time).all(|owner| self.is_within_limits(index, states, owner)) {
+                if !owners(time)
+                    .all(|active_step| self.is_within_limits(index, states, active_step))
+                {
                     return None;
                 }
             }
@@ -178,7 +180,7 @@ impl SuperposedSegments<'_> {
         for &time in &times {
             let sample = BlendSample::new(self, overlap, time)?;
             deviation = deviation.max(sample.path_deviation(self.candidate));
-            let leaves = |owner| sample.leaves_safe_zone(self.candidate, owner);
+            let leaves = |active_step| sample.leaves_safe_zone(self.candidate, active_step);
             let is_too_far = deviation > self.candidate.radius || owners(time).any(leaves);
             if is_too_far || sample.slips(self.candidate) {
                 return None;
@@ -201,8 +203,9 @@ impl SuperposedSegments<'_> {
         times.retain(|time| (0.0..=overlap).contains(time));
         times.sort_by(f64::total_cmp);
         times.dedup();
-        let inside =
-            |pair: &[f64]| [0.5, JUST_BEFORE].map(|share| pair[0] + share * (pair[1] - pair[0]));
+        let inside = |pair: &[f64]| {
+            [0.5, JUST_BEFORE].map(|fraction| pair[0] + fraction * (pair[1] - pair[0]))
+        };
         let between: Vec<f64> = times.windows(2).flat_map(inside).collect();
         times.extend(between);
         times
@@ -219,15 +222,16 @@ impl SuperposedSegments<'_> {
         ]
     }
 
-    /// Whether the sum of two states of an axis is within the limits of one of the steps, the owner.
-    fn is_within_limits(&self, index: usize, states: [AxisState; 2], owner: usize) -> bool {
+    /// Whether the sum of two states of an axis is within the limits of one of the steps, the active one.
+    fn is_within_limits(&self, index: usize, states: [AxisState; 2], active_step: usize) -> bool {
         let limits = [0, 1].map(|step| {
             let limits = &self.candidate.limits[step][index];
             [limits.velocity, limits.acceleration, limits.jerk]
         });
         (0..3).all(|order| {
-            let [own, other] = [owner, 1 - owner].map(|step| states[step][order + 1]);
-            let [limit, other_limit] = [owner, 1 - owner].map(|step| limits[step][order]);
+            let [own, other] = [active_step, 1 - active_step].map(|step| states[step][order + 1]);
+            let [limit, other_limit] =
+                [active_step, 1 - active_step].map(|step| limits[step][order]);
             // A segment alone was planned within the limits of its own step.
             let margin =
                 if own == 0.0 && other_limit <= limit { -ROUND_OFF_TOLERANCE } else { MARGIN };
@@ -289,7 +293,7 @@ impl BlendSample {
             let [positions, velocities, accelerations] = &self.states[motion];
             let axes = AxesMotion { positions, velocities, accelerations };
             let platform = cell.robot.platform_motion(&self.platforms[motion], &axes).ok()?;
-            let on_platform = chain.wafer_motion(&chain.own_rates(&axes));
+            let on_platform = chain.wafer_motion(&chain.arm_rates(&axes));
             let wafer =
                 cell.deflected_motion(&platform, &on_platform, chain.effector, true).ok()?;
             Some(cell.friction_margin_of(chain.effector, &wafer).utilization())
@@ -307,9 +311,9 @@ impl BlendSample {
     /// Whether a wafer's centre is farther outside a safe zone than without the overlap, in a step in which the robot turns.
     ///
     /// # Arguments
-    /// * `owner` – index, 0 or 1, of the step whose half of the overlap contains the sample
-    fn leaves_safe_zone(&self, candidate: &BlendCandidate<'_>, owner: usize) -> bool {
-        if candidate.steps[owner].phase != Phase::Turn {
+    /// * `active_step` – index, 0 or 1, of the step whose half of the overlap contains the sample
+    fn leaves_safe_zone(&self, candidate: &BlendCandidate<'_>, active_step: usize) -> bool {
+        if candidate.steps[active_step].phase != Phase::Turn {
             return false;
         }
         let distance = |zone: &Collider, chain: &ArmChain, motion: usize| {
@@ -323,7 +327,7 @@ impl BlendSample {
             candidate.chains.iter().any(|chain| {
                 let superposed = distance(zone, chain, SUPERPOSED);
                 superposed.is_some_and(|distance| distance > 0.0)
-                    && superposed > distance(zone, chain, owner)
+                    && superposed > distance(zone, chain, active_step)
             })
         };
         candidate.conditions.safe_zones.iter().any(leaves)

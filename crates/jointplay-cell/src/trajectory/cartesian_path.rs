@@ -30,27 +30,27 @@ pub(crate) struct CartesianLine<'a> {
     pub(crate) postures: Option<&'a PostureSpline>,
 }
 
-/// Postures of an arm over the share of a line.
+/// Postures of an arm over the fraction of a line.
 pub(crate) struct PostureSpline {
     /// Indices of the arm's axes.
     axes: Vec<usize>,
     spline: Spline,
-    /// Shares of the spline at both ends of the line.
-    shares: [f64; 2],
+    /// Fractions of the spline at both ends of the line.
+    fractions: [f64; 2],
     ends: [Vec<f64>; 2],
 }
 
 impl PostureSpline {
     pub(crate) fn new(chain: &ArmChain, postures: &LinePostures) -> Self {
-        let PosturePath { shares, positions } = postures.path.as_ref();
-        let spline = Spline::through(shares, positions);
-        let ends = postures.shares.map(|share| spline.positions(share));
-        Self { axes: chain.axes().to_vec(), spline, shares: postures.shares, ends }
+        let PosturePath { fractions, positions } = postures.path.as_ref();
+        let spline = Spline::through(fractions, positions);
+        let ends = postures.fractions.map(|fraction| spline.positions(fraction));
+        Self { axes: chain.axes().to_vec(), spline, fractions: postures.fractions, ends }
     }
 
     /// Adds the deviation of the postures from their own joint-space line to a point of the joint-space line of all axes; it is zero at both ends.
     fn apply(&self, s: f64, positions: &mut [f64]) {
-        let [from, to] = self.shares;
+        let [from, to] = self.fractions;
         let postures = self.spline.positions(from + s * (to - from));
         for (k, &axis) in self.axes.iter().enumerate() {
             positions[axis] +=
@@ -62,7 +62,7 @@ impl PostureSpline {
 /// Positions of all axes along a Cartesian line.
 #[derive(Debug, Clone)]
 pub(crate) struct CartesianPath {
-    /// Positions of all axes over the path parameter, the share of the line from 0 to 1.
+    /// Positions of all axes over the path parameter, the fraction of the line from 0 to 1.
     pub(crate) spline: Spline,
     /// Length of the line (m).
     pub(crate) length: f64,
@@ -74,10 +74,10 @@ pub(crate) struct CartesianPath {
 
 /// A Cartesian line that the axes cannot follow.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("at {:.1} % of the line{}: {kind}", 100.0 * share, at(position.as_ref()))]
+#[error("at {:.1} % of the line{}: {kind}", 100.0 * fraction, at(position.as_ref()))]
 pub struct PathError {
-    /// Share of the line at which the axes stop, from 0 to 1.
-    pub share: f64,
+    /// Fraction of the line at which the axes stop, from 0 to 1.
+    pub fraction: f64,
     /// Position of the wafer's centre there on the line, in the base frame; `None` where the line is not known (m).
     pub position: Option<Vector3<f64>>,
     /// The cause.
@@ -114,7 +114,7 @@ pub enum PathErrorKind {
     #[error(
         "the line ends on another branch of inverse kinematics than the target: axis {axis} differs by {difference:.3e} (m or rad)"
     )]
-    OtherBranch {
+    GoalOnOtherBranch {
         /// Index of the axis with the largest difference.
         axis: usize,
         /// Difference of its position (m or rad).
@@ -124,7 +124,7 @@ pub enum PathErrorKind {
     #[error(
         "axis positions are discontinuous: they change to another branch of inverse kinematics"
     )]
-    BranchJump,
+    Discontinuity,
     /// The spline does not converge to the line.
     #[error(
         "the interpolation does not converge: the wafer deviates from the line by {deviation:.3e} m with {points} points"
@@ -139,8 +139,8 @@ pub enum PathErrorKind {
 
 /// Number of intervals that the spline of a line starts with; intervals are divided where the spline deviates.
 const INITIAL_INTERVALS: usize = 12;
-/// Shares of each interval at which the spline is verified: between the knots of the resampled spline.
-const VERIFIED_SHARES: [f64; 4] = [0.125, 0.375, 0.625, 0.875];
+/// Fractions of each interval at which the spline is verified: between the knots of the resampled spline.
+const VERIFIED_FRACTIONS: [f64; 4] = [0.125, 0.375, 0.625, 0.875];
 /// Largest number of intervals of the spline: a smooth line needs some dozens.
 const MAX_INTERVALS: usize = 1024;
 /// Width of the narrowest interval that is divided, relative to the line: a deviation within less is a discontinuity.
@@ -173,9 +173,9 @@ impl CartesianLine<'_> {
     /// # Errors
     /// [`PathError`]: a point cannot be reached from the one before.
     pub(crate) fn follow(&self) -> Result<CartesianPath, PathError> {
-        let unknown = |share: f64| {
+        let unknown = |fraction: f64| {
             move |error| PathError {
-                share,
+                fraction,
                 position: None,
                 kind: PathErrorKind::Pose(Box::new(error)),
             }
@@ -197,8 +197,8 @@ impl CartesianLine<'_> {
             let (mut deviation, mut plane_deviation) = (0.0_f64, 0.0_f64);
             for pair in knots.windows(2) {
                 let mut deviates = false;
-                for share in VERIFIED_SHARES {
-                    let s = pair[0] + share * (pair[1] - pair[0]);
+                for fraction in VERIFIED_FRACTIONS {
+                    let s = pair[0] + fraction * (pair[1] - pair[0]);
                     let pose = (self.pose)(&spline.positions(s))
                         .map_err(|error| target.pose_error(s, error))?;
                     let (distance, angle) = target.deviation(&pose, s);
@@ -207,7 +207,7 @@ impl CartesianLine<'_> {
                     deviates |= distance > self.max_deviation;
                 }
                 if deviates && pair[1] - pair[0] < MIN_INTERVAL {
-                    return Err(target.error(pair[0], PathErrorKind::BranchJump));
+                    return Err(target.error(pair[0], PathErrorKind::Discontinuity));
                 }
                 if deviates {
                     let s = (pair[0] + pair[1]) / 2.0;
@@ -273,7 +273,7 @@ impl CartesianLine<'_> {
         let differences = self.variables.iter().map(difference);
         match differences.max_by(|a, b| a.1.total_cmp(&b.1)) {
             Some((axis, difference)) if difference > SAME_BRANCH => {
-                Err(target.error(1.0, PathErrorKind::OtherBranch { axis, difference }))
+                Err(target.error(1.0, PathErrorKind::GoalOnOtherBranch { axis, difference }))
             }
             _ => Ok(()),
         }
@@ -366,7 +366,7 @@ impl CartesianLine<'_> {
     }
 }
 
-/// Target pose of the wafer over the share of a line.
+/// Target pose of the wafer over the fraction of a line.
 struct LineTarget {
     /// Centre of the wafer at the start, in the base frame (m).
     start: Vector3<f64>,
@@ -413,14 +413,14 @@ impl LineTarget {
         }
     }
 
-    /// An error at a share of the line.
-    fn error(&self, share: f64, kind: PathErrorKind) -> PathError {
-        PathError { share, position: Some(self.start + self.displacement * share), kind }
+    /// An error at a fraction of the line.
+    fn error(&self, fraction: f64, kind: PathErrorKind) -> PathError {
+        PathError { fraction, position: Some(self.start + self.displacement * fraction), kind }
     }
 
-    /// The error of a pose that cannot be computed at a share of the line.
-    fn pose_error(&self, share: f64, error: Unreachable) -> PathError {
-        self.error(share, PathErrorKind::Pose(Box::new(error)))
+    /// The error of a pose that cannot be computed at a fraction of the line.
+    fn pose_error(&self, fraction: f64, error: Unreachable) -> PathError {
+        self.error(fraction, PathErrorKind::Pose(Box::new(error)))
     }
 
     /// The residual of a point that is not reached.
@@ -438,7 +438,7 @@ impl LineTarget {
         5 + usize::from(self.heading.is_some())
     }
 
-    /// Normal of the wafer at a share of the line.
+    /// Normal of the wafer at a fraction of the line.
     fn normal(&self, s: f64) -> Vector3<f64> {
         let (sin, cos) = (s * self.angle).sin_cos();
         self.from_normal * cos + self.across * sin

@@ -12,8 +12,8 @@ use crate::workcell::Cell;
 
 /// Number of times at which the limits of a step are compared.
 const SAMPLES: usize = 120;
-/// Share of a limit from which on it binds: the slowdown of a whole segment leaves a few percent of all other limits unused.
-const BINDING_SHARE: f64 = 0.95;
+/// Fraction of a limit from which on it binds: the slowdown of a whole segment leaves a few percent of all other limits unused.
+const BINDING_FRACTION: f64 = 0.95;
 
 /// A limit that a motion can reach.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -35,16 +35,16 @@ pub enum MotionLimit {
 pub struct LimitingConstraint {
     /// The limit.
     pub limit: MotionLimit,
-    /// Share of the duration in which the limit binds, from 0 to 1.
-    pub time_share: f64,
-    /// Shares of the path at which it binds first and last: of the line, or of the displacement of the slowest axis.
-    pub path_shares: [f64; 2],
+    /// Fraction of the duration in which the limit binds, from 0 to 1.
+    pub time_fraction: f64,
+    /// Fractions of the path at which it binds first and last: of the line, or of the displacement of the slowest axis.
+    pub path_fractions: [f64; 2],
 }
 
 /// Times at which one limit binds.
 struct Binding {
     count: usize,
-    path_shares: [f64; 2],
+    path_fractions: [f64; 2],
 }
 
 impl Trajectory {
@@ -78,24 +78,24 @@ fn most_frequent(
     for k in 0..SAMPLES {
         let time = segment.duration() * (k as f64 + 0.5) / SAMPLES as f64;
         let Some(limit) = binding(time) else { continue };
-        let share = segment.path_share(time);
-        let new = Binding { count: 0, path_shares: [share; 2] };
+        let fraction = segment.path_fraction(time);
+        let new = Binding { count: 0, path_fractions: [fraction; 2] };
         let one = all.entry(limit).or_insert(new);
         one.count += 1;
-        one.path_shares[1] = share;
+        one.path_fractions[1] = fraction;
     }
     // Of equal counts the first limit, which is that of the velocity.
     let (limit, one) = all.into_iter().rev().max_by_key(|(_, one)| one.count)?;
-    let time_share = one.count as f64 / SAMPLES as f64;
-    Some(LimitingConstraint { limit, time_share, path_shares: one.path_shares })
+    let time_fraction = one.count as f64 / SAMPLES as f64;
+    Some(LimitingConstraint { limit, time_fraction, path_fractions: one.path_fractions })
 }
 
 /// The limit of an axis, or the prescribed speed, that is used most at a time, if it binds.
 fn axis_limit(cell: &Cell, step: &Step, segment: &Segment, time: f64) -> Option<MotionLimit> {
-    let mut most = (BINDING_SHARE, None);
-    let mut compare = |share: f64, limit: MotionLimit| {
-        if share >= most.0 {
-            most = (share, Some(limit));
+    let mut most = (BINDING_FRACTION, None);
+    let mut compare = |fraction: f64, limit: MotionLimit| {
+        if fraction >= most.0 {
+            most = (fraction, Some(limit));
         }
     };
     for axis in (0..step.from.len()).filter(|&axis| segment.moves(step, axis)) {
@@ -113,7 +113,7 @@ fn axis_limit(cell: &Cell, step: &Step, segment: &Segment, time: f64) -> Option<
 
 /// The effector whose wafer needs most of its friction at a time, if it binds.
 fn friction_limit(cell: &Cell, step: &Step, segment: &Segment, time: f64) -> Option<MotionLimit> {
-    let shares = step.loaded.iter().map(|&id| (utilization(cell, step, segment, id, time), id));
-    let most = shares.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (most.0 >= BINDING_SHARE).then_some(MotionLimit::Friction(most.1))
+    let fractions = step.loaded.iter().map(|&id| (utilization(cell, step, segment, id, time), id));
+    let most = fractions.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (most.0 >= BINDING_FRACTION).then_some(MotionLimit::Friction(most.1))
 }

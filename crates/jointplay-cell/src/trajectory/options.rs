@@ -4,11 +4,11 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrajectoryOptions {
     /// Largest distance of a wafer's centre from a Cartesian line (m).
-    pub line_deviation: f64,
+    pub max_line_deviation: f64,
 }
 
 impl Default for TrajectoryOptions {
     fn default() -> Self {
-        Self { line_deviation: 1e-6 }
+        Self { max_line_deviation: 1e-6 }
     }
 }

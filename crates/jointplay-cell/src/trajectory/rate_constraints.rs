@@ -4,14 +4,14 @@ use super::spline::Spline;
 use super::squared_rate::{Basis, COEFFICIENTS, INTERVALS, RateGrid, product};
 use crate::robot::KinematicLimits;
 
-/// Shares of the first and last interval at which the jerk is constrained besides its ends: jerk and acceleration start from rest there, and the constraint is strongly curved.
-const END_SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
-/// Shares of every other interval at which the jerk is constrained.
-const INNER_SHARES: [f64; 2] = [0.0, 1.0];
-/// A constraint is omitted where all its coefficients are below this share of those of another axis.
-const DOMINATED_SHARE: f64 = 0.3;
-/// Share of the largest constant squared rate that the search starts with.
-const START_SHARE: f64 = 0.7;
+/// Fractions of the first and last interval at which the jerk is constrained besides its ends: jerk and acceleration start from rest there, and the constraint is strongly curved.
+const END_FRACTIONS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+/// Fractions of every other interval at which the jerk is constrained.
+const INNER_FRACTIONS: [f64; 2] = [0.0, 1.0];
+/// A constraint is omitted where all its coefficients are below this fraction of those of another axis.
+const DOMINATED_FRACTION: f64 = 0.3;
+/// Fraction of the largest constant squared rate that the search starts with.
+const START_FRACTION: f64 = 0.7;
 
 /// Bound of a constraint.
 #[derive(Clone, Copy, PartialEq)]
@@ -98,15 +98,16 @@ impl<'a> RateConstraints<'a> {
         };
         for interval in 0..INTERVALS {
             let is_end = interval == 0 || interval + 1 == INTERVALS;
-            let shares = if is_end { END_SHARES.as_slice() } else { INNER_SHARES.as_slice() };
+            let fractions =
+                if is_end { END_FRACTIONS.as_slice() } else { INNER_FRACTIONS.as_slice() };
             path.advance(interval, 0.5);
             constraints.add(&path, interval, 0.5, Bound::Acceleration);
-            for &share in shares {
-                path.advance(interval, share);
-                constraints.add(&path, interval, share, Bound::Jerk);
-                if share == 0.0 && interval > 0 {
+            for &fraction in fractions {
+                path.advance(interval, fraction);
+                constraints.add(&path, interval, fraction, Bound::Jerk);
+                if fraction == 0.0 && interval > 0 {
                     constraints.largest[interval] = path.largest;
-                    constraints.add(&path, interval, share, Bound::Acceleration);
+                    constraints.add(&path, interval, fraction, Bound::Acceleration);
                 }
             }
         }
@@ -115,7 +116,7 @@ impl<'a> RateConstraints<'a> {
     }
 
     /// Adds a collocation point.
-    fn add(&mut self, path: &PathAtPoint<'_>, interval: usize, share: f64, bound: Bound) {
+    fn add(&mut self, path: &PathAtPoint<'_>, interval: usize, fraction: f64, bound: Bound) {
         let first = self.rows.len();
         for (axis, ([d1, d2, d3], (_, limits))) in
             path.derivatives.iter().zip(path.limits).enumerate()
@@ -145,7 +146,7 @@ impl<'a> RateConstraints<'a> {
                 other
                     .iter()
                     .zip(&row)
-                    .all(|(other, own)| own.abs() <= DOMINATED_SHARE * other.abs())
+                    .all(|(other, own)| own.abs() <= DOMINATED_FRACTION * other.abs())
             };
             // Rows before this one have moved to the front, without those that are dominated.
             let (before, after) = (&self.rows[first..kept], &self.rows[index + 1..]);
@@ -157,7 +158,7 @@ impl<'a> RateConstraints<'a> {
         self.rows.truncate(kept);
         self.points.push(CollocationPoint {
             interval,
-            basis: path.grid.basis(interval, share),
+            basis: path.grid.basis(interval, fraction),
             bound,
             rows: kept - first,
         });
@@ -165,7 +166,7 @@ impl<'a> RateConstraints<'a> {
 
     /// Changes the unit of time to one in which a constant rate of 1 is feasible.
     fn normalize(&mut self) {
-        self.unit = START_SHARE * self.largest.iter().copied().fold(self.unit, f64::min);
+        self.unit = START_FRACTION * self.largest.iter().copied().fold(self.unit, f64::min);
         let (acceleration, jerk) = (self.unit, self.unit * self.unit.sqrt());
         let mut rows = self.rows.iter_mut();
         for point in &self.points {
@@ -231,9 +232,9 @@ struct PathAtPoint<'a> {
 }
 
 impl PathAtPoint<'_> {
-    /// Computes everything at a share of an interval.
-    fn advance(&mut self, interval: usize, share: f64) {
-        let [s, s1, s2, s3] = self.grid.path_parameter(interval, share);
+    /// Computes everything at a fraction of an interval.
+    fn advance(&mut self, interval: usize, fraction: f64) {
+        let [s, s1, s2, s3] = self.grid.path_parameter(interval, fraction);
         let piece = self.spline.interval(s);
         self.derivatives.clear();
         let mut largest = self.max_rate / s1;

@@ -11,8 +11,8 @@ const MAX_ITERATIONS: usize = 40;
 const FIRST_GAP: f64 = 0.4;
 /// Factor by which the products of slacks and multipliers are to decrease in one iteration.
 const CENTERING: f64 = 0.1;
-/// Share of the distance to the nearest bound that one iteration may use.
-const STEP_SHARE: f64 = 0.99;
+/// Fraction of the distance to the nearest bound that one iteration may use.
+const STEP_FRACTION: f64 = 0.99;
 /// Factor by which a step is shortened until the jerk, which is not linear, is within its bound.
 const SHORTENING: f64 = 0.7;
 /// Largest number of shortenings.
@@ -47,10 +47,10 @@ struct Step {
     coefficients: Coefficients,
     multipliers: Slacks,
     signs: Coefficients,
-    /// Largest admissible share for the coefficients.
-    primal_share: f64,
-    /// Largest admissible share for the multipliers.
-    dual_share: f64,
+    /// Largest admissible fraction for the coefficients.
+    primal_fraction: f64,
+    /// Largest admissible fraction for the multipliers.
+    dual_fraction: f64,
 }
 
 impl<'a> RateSearch<'a> {
@@ -103,7 +103,7 @@ impl<'a> RateSearch<'a> {
         Some(Self { coefficients, slacks, multipliers, signs, constraints })
     }
 
-    /// Iterates until the duration exceeds the least one by at most a share, as far as the linearized constraints tell.
+    /// Iterates until the duration exceeds the least one by at most a fraction, as far as the linearized constraints tell.
     pub(super) fn solve(&mut self, gap: f64) {
         let count = 2 * self.constraints.rows.len() + INTERVALS - 1 + COEFFICIENTS;
         for _ in 0..MAX_ITERATIONS {
@@ -216,23 +216,23 @@ impl<'a> RateSearch<'a> {
         }
     }
 
-    /// Changes of multipliers, and the largest shares of the step.
+    /// Changes of multipliers, and the largest fractions of the step.
     fn step_along(&self, direction: Coefficients, target: f64) -> Step {
         let mut step = Step {
             coefficients: direction,
             multipliers: self.multipliers.clone(),
             signs: self.signs,
-            primal_share: 1.0,
-            dual_share: 1.0,
+            primal_fraction: 1.0,
+            dual_fraction: 1.0,
         };
-        let (mut primal, mut dual) = (STEP_SHARE, 1.0_f64);
+        let (mut primal, mut dual) = (STEP_FRACTION, 1.0_f64);
         // Change of a multiplier by the change of its slack.
         let mut change = |slack: f64, slack_change: f64, multiplier: &mut f64| {
             let inverse = 1.0 / slack;
             let relative = slack_change * inverse;
             let change = target * inverse - *multiplier * (relative + 1.0);
             primal = primal.max(-relative);
-            dual = dual.max(-change / (STEP_SHARE * *multiplier));
+            dual = dual.max(-change / (STEP_FRACTION * *multiplier));
             *multiplier = change;
         };
         let mut rows =
@@ -255,25 +255,25 @@ impl<'a> RateSearch<'a> {
         for k in 0..COEFFICIENTS {
             change(self.coefficients[k], direction[k], &mut step.signs[k]);
         }
-        step.primal_share = STEP_SHARE / primal;
-        step.dual_share = dual.recip();
+        step.primal_fraction = STEP_FRACTION / primal;
+        step.dual_fraction = dual.recip();
         step
     }
 
     /// Applies a step as far as all slacks stay positive; `false` where they do not.
     fn apply(&mut self, step: &Step) -> bool {
-        let mut share = step.primal_share;
+        let mut fraction = step.primal_fraction;
         let before = self.coefficients;
         let mut is_feasible = false;
         for _ in 0..MAX_SHORTENINGS {
             for (k, value) in self.coefficients.iter_mut().enumerate() {
-                *value = before[k] + share * step.coefficients[k];
+                *value = before[k] + fraction * step.coefficients[k];
             }
             is_feasible = self.constraints.slacks(&self.coefficients, &mut self.slacks);
             if is_feasible {
                 break;
             }
-            share *= SHORTENING;
+            fraction *= SHORTENING;
         }
         if !is_feasible {
             self.coefficients = before;
@@ -284,7 +284,7 @@ impl<'a> RateSearch<'a> {
         let changes = step.multipliers.rows.as_flattened().iter();
         let changes = changes.chain(&step.multipliers.knots).chain(&step.signs);
         for (multiplier, change) in multipliers.zip(changes) {
-            *multiplier += step.dual_share * change;
+            *multiplier += step.dual_fraction * change;
         }
         true
     }

@@ -73,8 +73,8 @@ impl Segment {
         }
     }
 
-    /// Share of the path at a time since the start of the segment (s): of the line, or of the displacement of the axis with the longest minimum duration.
-    pub(super) fn path_share(&self, time: f64) -> f64 {
+    /// Fraction of the path at a time since the start of the segment (s): of the line, or of the displacement of the axis with the longest minimum duration.
+    pub(super) fn path_fraction(&self, time: f64) -> f64 {
         match self {
             Self::Dwell { .. } => 0.0,
             Self::PointToPoint(profile) => profile.limiting_axis.map_or(0.0, |axis| {
@@ -122,7 +122,7 @@ impl Segment {
         }
     }
 
-    /// Superposes the segment on a sample: adds its displacement from the corner that it shares with the other segment, and its derivatives.
+    /// Superposes the segment on a sample: adds its displacement from the corner that it fractions with the other segment, and its derivatives.
     ///
     /// # Arguments
     /// * `time` – since the start of this segment (s)

@@ -8,9 +8,9 @@ use super::options::TrajectoryOptions;
 
 /// Cache key of the inputs that all segments of a trajectory share.
 pub(super) fn shared_key(cell: &Cell, options: &TrajectoryOptions) -> CacheKey {
-    let TrajectoryOptions { line_deviation } = options;
+    let TrajectoryOptions { max_line_deviation } = options;
     let mut inputs = CacheKey::default();
-    inputs.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(line_deviation);
+    inputs.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(max_line_deviation);
     inputs
 }
 
@@ -24,8 +24,8 @@ pub(super) fn segment_key(step: &Step) -> CacheKey {
     inputs.add(&effector).add(&step.from).add(&step.to);
     inputs.add(&step.speed_scaling).add(&step.line_speed).add(&step.loaded);
     inputs.add(&step.postures.is_some());
-    if let Some(LinePostures { path, shares, keeps_heading }) = &step.postures {
-        inputs.add(path.as_ref()).add(shares).add(keeps_heading);
+    if let Some(LinePostures { path, fractions, prescribes_heading }) = &step.postures {
+        inputs.add(path.as_ref()).add(fractions).add(prescribes_heading);
     }
     inputs
 }

@@ -282,7 +282,7 @@ fn plan_line(
         (0..robot.axes.len()).filter(|&axis| axis_moves_effector(robot, axis, effector)).collect();
     // Three rods and two motors determine the centre and the plane; with a third motor the heading can be controlled, unless the postures determine it.
     let heading_is_controlled = variables.len() >= RODS + 3
-        && step.postures.as_ref().is_none_or(|postures| postures.keeps_heading);
+        && step.postures.as_ref().is_none_or(|postures| postures.prescribes_heading);
     let postures = step.postures.as_ref().map(|postures| PostureSpline::new(&chain, postures));
     let turn: f64 = robot.arms[effector.arm]
         .joints
@@ -298,7 +298,7 @@ fn plan_line(
         turn: heading_is_controlled.then_some(turn),
         pose: &pose,
         jacobian: &jacobian,
-        max_deviation: options.line_deviation,
+        max_deviation: options.max_line_deviation,
         postures: postures.as_ref(),
     };
     let path = line.follow()?;

@@ -34,13 +34,13 @@ pub(super) fn product(weights: &[f64; 3], coefficients: &[f64]) -> f64 {
     weights[0] * coefficients[0] + weights[1] * coefficients[1] + weights[2] * coefficients[2]
 }
 
-/// Share of the reparameterization in which the acceleration grows from rest, for motions that take much of their time for it.
+/// Fraction of the reparameterization in which the acceleration grows from rest, for motions that take much of their time for it.
 const LONG_RAMP: f64 = 0.28;
 /// Number of intervals in a long ramp: as wide as the others.
 const LONG_RAMP_INTERVALS: usize = 13;
-/// Share of the duration from which on a ramp is long.
+/// Fraction of the duration from which on a ramp is long.
 const LONG_RAMP_THRESHOLD: f64 = 0.05;
-/// Least share of a ramp.
+/// Least fraction of a ramp.
 const MIN_RAMP: f64 = 1e-3;
 /// Number of intervals in a short ramp.
 const SHORT_RAMP_INTERVALS: usize = 4;
@@ -76,12 +76,12 @@ pub(super) struct QuadraturePoint {
 
 impl RateGrid {
     /// # Arguments
-    /// * `ramp_share` – share of its duration in which the acceleration of a motion grows from rest
-    pub(super) fn new(ramp_share: f64) -> Self {
-        let (ramp, ramp_intervals) = if ramp_share >= LONG_RAMP_THRESHOLD {
+    /// * `ramp_fraction` – fraction of its duration in which the acceleration of a motion grows from rest
+    pub(super) fn new(ramp_fraction: f64) -> Self {
+        let (ramp, ramp_intervals) = if ramp_fraction >= LONG_RAMP_THRESHOLD {
             (LONG_RAMP, LONG_RAMP_INTERVALS)
         } else {
-            (ramp_share.max(MIN_RAMP), SHORT_RAMP_INTERVALS)
+            (ramp_fraction.max(MIN_RAMP), SHORT_RAMP_INTERVALS)
         };
         let rest = 0.5 - ramp;
         let peak = 0.5 / (ramp * ramp / 6.0 + rest / 4.0 - rest * rest / 6.0);
@@ -94,9 +94,9 @@ impl RateGrid {
         };
         for interval in 0..INTERVALS {
             let weight = 0.5 * grid.width(interval);
-            let points = TWO_POINTS.map(|share| QuadraturePoint {
+            let points = TWO_POINTS.map(|fraction| QuadraturePoint {
                 interval,
-                basis: grid.basis(interval, share)[0],
+                basis: grid.basis(interval, fraction)[0],
                 weight,
             });
             grid.quadrature.extend(points);
@@ -126,12 +126,12 @@ impl RateGrid {
         }
     }
 
-    /// Basis splines at a share of an interval.
-    pub(super) fn basis(&self, interval: usize, share: f64) -> Basis {
+    /// Basis splines at a fraction of an interval.
+    pub(super) fn basis(&self, interval: usize, fraction: f64) -> Basis {
         let width = self.width(interval);
         let before = width + self.width(interval.saturating_sub(1));
         let after = width + self.width((interval + 1).min(INTERVALS - 1));
-        let (t, rest) = (share * width, (1.0 - share) * width);
+        let (t, rest) = (fraction * width, (1.0 - fraction) * width);
         let [first, last] = [1.0 / (width * before), 1.0 / (width * after)];
         let (b0, b2) = (rest * rest * first, t * t * last);
         let (s0, s2) = (-2.0 * rest * first, 2.0 * t * last);
@@ -139,19 +139,19 @@ impl RateGrid {
         [[b0, 1.0 - b0 - b2, b2], [s0, -s0 - s2, s2], [c0, -c0 - c2, c2]]
     }
 
-    /// Path parameter σ with its first three derivatives by u at a share of an interval.
-    pub(super) fn path_parameter(&self, interval: usize, share: f64) -> Jet {
+    /// Path parameter σ with its first three derivatives by u at a fraction of an interval.
+    pub(super) fn path_parameter(&self, interval: usize, fraction: f64) -> Jet {
         let (r, k) = (self.ramp, self.peak);
         let ramp = |u: f64| [k * u * u * u / (6.0 * r), k * u * u / (2.0 * r), k * u / r, k / r];
         if interval < self.ramp_intervals {
-            return ramp((interval as f64 + share) * self.width(0));
+            return ramp((interval as f64 + fraction) * self.width(0));
         }
         if interval >= INTERVALS - self.ramp_intervals {
             let [s, slope, curvature, third] =
-                ramp(((INTERVALS - interval) as f64 - share) * self.width(0));
+                ramp(((INTERVALS - interval) as f64 - fraction) * self.width(0));
             return [1.0 - s, slope, -curvature, third];
         }
-        let from_ramp = (interval - self.ramp_intervals) as f64 + share;
+        let from_ramp = (interval - self.ramp_intervals) as f64 + fraction;
         let rest = 0.5 - r;
         let v = from_ramp * self.width(interval) - rest;
         let third = -k / rest;
@@ -167,21 +167,22 @@ pub(super) struct SquaredRate<'a> {
 }
 
 impl SquaredRate<'_> {
-    /// Rate ṡ (1/s) and acceleration s̈ (1/s²) of the path parameter at a share of an interval.
-    fn motion(&self, interval: usize, share: f64) -> [f64; 2] {
+    /// Rate ṡ (1/s) and acceleration s̈ (1/s²) of the path parameter at a fraction of an interval.
+    fn motion(&self, interval: usize, fraction: f64) -> [f64; 2] {
         let coefficients = &self.coefficients[interval..];
-        let basis = self.grid.basis(interval, share);
+        let basis = self.grid.basis(interval, fraction);
         let [x, slope, _] = basis.map(|weights| product(&weights, coefficients));
-        let [_, first, second, _] = self.grid.path_parameter(interval, share);
+        let [_, first, second, _] = self.grid.path_parameter(interval, fraction);
         [first * x.sqrt(), second * x + 0.5 * first * slope]
     }
 
     /// Duration of an interval (s).
     pub(super) fn duration(&self, interval: usize) -> f64 {
         let coefficients = &self.coefficients[interval..];
-        let at = |share: f64| product(&self.grid.basis(interval, share)[0], coefficients).sqrt();
+        let at =
+            |fraction: f64| product(&self.grid.basis(interval, fraction)[0], coefficients).sqrt();
         let width = self.grid.width(interval);
-        QUADRATURE.iter().map(|&(share, weight)| weight * width / at(share)).sum()
+        QUADRATURE.iter().map(|&(fraction, weight)| weight * width / at(fraction)).sum()
     }
 
     /// The path parameter over time: two pieces of constant jerk for each interval.

@@ -60,7 +60,8 @@ pub(crate) fn synchronized_profile(
     let limits = moving.iter().map(|&axis| limits(axis)).collect();
     let request = Move { moving, from, to, limits };
     let mut attempts = LOWERED_JERK_SHARES.iter();
-    let found = attempts.find_map(|&share| Some((Units::SI, request.plan(Units::SI, share)?)));
+    let found =
+        attempts.find_map(|&fraction| Some((Units::SI, request.plan(Units::SI, fraction)?)));
     let found = found.or_else(|| {
         // The planner's tolerances are absolute: numbers far from 1 are planned in units in which they are near 1.
         let units = request.natural_units()?;
@@ -114,7 +115,7 @@ impl Move<'_> {
         (length.is_normal() && time.is_normal()).then_some(Units { length, time })
     }
 
-    /// Profiles in the units given, the jerk limits lowered by a share; `None` where the planner finds none.
+    /// Profiles in the units given, the jerk limits lowered by a fraction; `None` where the planner finds none.
     fn plan(&self, units: Units, lowered_share: f64) -> Option<Trajectory<0>> {
         let count = self.moving.len();
         let mut input = InputParameter::<0>::new(Some(count));

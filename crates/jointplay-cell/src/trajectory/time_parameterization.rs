@@ -32,7 +32,7 @@ const PROPORTIONALITY_TOLERANCE: f64 = 5e-3;
 const REFINEMENTS: usize = 2;
 /// Relative excess of the duration over the least one at which each search ends.
 const GAPS: [f64; REFINEMENTS + 1] = [1e-2, 3e-3, 2e-3];
-/// Share of the duration that a search with tightened constraints has to save at least; below it the search is not repeated.
+/// Fraction of the duration that a search with tightened constraints has to save at least; below it the search is not repeated.
 const REFINEMENT_GAIN: f64 = 2e-3;
 
 /// A path to parameterize, and its limits.
@@ -76,8 +76,8 @@ impl<'a> TimeParameterization<'a> {
         if single.duration() == 0.0 || self.is_proportional() {
             return Ok(self.slowed_for_curvature(single));
         }
-        let ramp_share = single.ramp_duration() / single.duration();
-        let Some(fastest) = self.fastest_profile(ramp_share) else {
+        let ramp_fraction = single.ramp_duration() / single.duration();
+        let Some(fastest) = self.fastest_profile(ramp_fraction) else {
             return Ok(self.slowed_for_curvature(single));
         };
         // The slowdown for curvature never shortens a profile.
@@ -91,9 +91,9 @@ impl<'a> TimeParameterization<'a> {
     /// The fastest profile found, slowed until it satisfies all limits; `None` where numbers overflow.
     ///
     /// # Arguments
-    /// * `ramp_share` – share of its duration in which the acceleration grows from rest, by constant limits
-    fn fastest_profile(&self, ramp_share: f64) -> Option<JerkLimitedProfile> {
-        let grid = RateGrid::new(ramp_share);
+    /// * `ramp_fraction` – fraction of its duration in which the acceleration grows from rest, by constant limits
+    fn fastest_profile(&self, ramp_fraction: f64) -> Option<JerkLimitedProfile> {
+        let grid = RateGrid::new(ramp_fraction);
         let mut tightened = Exceedance::none(self.limits.len());
         let constraints = |by: &Exceedance| {
             RateConstraints::new(&grid, self.spline, &self.limits, self.max_rate, by)
@@ -181,8 +181,8 @@ impl<'a> TimeParameterization<'a> {
         let pieces = profile.pieces().len();
         let mut intervals = self.spline.intervals_in_order();
         for (index, piece) in profile.pieces().enumerate() {
-            let share = piece.duration / profile.duration();
-            let count = VERIFICATION_INTERVALS.max((VERIFICATION_SAMPLES * share).ceil());
+            let fraction = piece.duration / profile.duration();
+            let count = VERIFICATION_INTERVALS.max((VERIFICATION_SAMPLES * fraction).ceil());
             let rate_interval = index * INTERVALS / pieces;
             for k in 0..=count as usize {
                 let state = piece.state(piece.duration * (k as f64 / count));
@@ -296,7 +296,7 @@ mod tests {
         let parameterization = TimeParameterization::new(&spline, &limits, 1e9);
         let profile = parameterization.plan().unwrap();
         let worst = worst(&spline, &profile, &limits);
-        assert!(worst.iter().all(|&share| share < 1.0), "{worst:?}");
+        assert!(worst.iter().all(|&fraction| fraction < 1.0), "{worst:?}");
         // With the limits of the middle everywhere the path takes much longer.
         let constant_limits =
             parameterization.slowed_for_curvature(parameterization.single_axis_profile().unwrap());

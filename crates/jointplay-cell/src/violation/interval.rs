@@ -1,18 +1,18 @@
 //! Violations of one step, merged from sample to sample into intervals of time.
 
-use super::kind::{Kind, Unit};
+use super::kind::{ViolationKind, ViolationQuantity};
 
 /// What a violation concerns, to recognize it at the next sample: a kind, and indices of the parts concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Subject {
-    pub(crate) kind: Kind,
+    pub(crate) kind: ViolationKind,
     pub(crate) first: usize,
     pub(crate) second: usize,
 }
 
 impl Subject {
     /// A violation of the robot as a whole.
-    pub(crate) fn of(kind: Kind) -> Self {
+    pub(crate) fn of(kind: ViolationKind) -> Self {
         Self { kind, first: 0, second: 0 }
     }
 }
@@ -22,12 +22,12 @@ impl Subject {
 pub(crate) struct SampleViolation {
     pub(crate) subject: Subject,
     /// Kind that is reported: of a clearance violation that becomes a contact, the worse of the two.
-    pub(crate) kind: Kind,
+    pub(crate) kind: ViolationKind,
     /// Larger is worse, whatever the kind.
     pub(crate) severity: f64,
     pub(crate) value: f64,
     pub(crate) limit: f64,
-    pub(crate) unit: Unit,
+    pub(crate) unit: ViolationQuantity,
 }
 
 /// Violation over an interval of time without interruption.

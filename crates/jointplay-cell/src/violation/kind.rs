@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Kinds of violations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
+pub enum ViolationKind {
     /// The position of an axis is out of its range.
     Position,
     /// The velocity of an axis exceeds its limit.
@@ -33,22 +33,56 @@ pub enum Kind {
     KeepOut,
     /// The centre of an end effector leaves a safe zone while the robot turns.
     SafeZone,
+    /// A wafer stays at a station for longer than allowed.
+    LongDwell,
+    /// A wafer leaves a station earlier than allowed.
+    ShortDwell,
+    /// A wafer is left at the end of the program in a station that limits its stay.
+    LeftInStation,
+    /// A wafer does not make a visit that a rule requires, or makes too many.
+    MissingVisit,
 }
 
 /// Quantity of the value and limit of a violation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
+pub enum ViolationQuantity {
     /// Length, or one of its derivatives by time.
     Length,
     /// Angle, or one of its derivatives by time.
     Angle,
     /// Specific force (m/s²).
     Acceleration,
+    /// Time (s).
+    Time,
     /// No value.
     None,
 }
 
-impl fmt::Display for Kind {
+impl ViolationKind {
+    /// ViolationKind that represents the cause: contacts and clearances of a pair have one cause.
+    pub(super) fn cause(self) -> Self {
+        match self {
+            Self::Clearance | Self::SlotClearance => Self::Collision,
+            kind => kind,
+        }
+    }
+
+    /// Rank by severity, 0 for the most severe: unknown poses, contacts, zones, clearances, slip, rules for wafers, other limits.
+    #[must_use]
+    pub fn severity_rank(self) -> u8 {
+        match self {
+            Self::Platform | Self::Droop => 0,
+            Self::Collision => 1,
+            Self::KeepOut => 2,
+            Self::Clearance | Self::SlotClearance | Self::SafeZone => 3,
+            Self::Slip => 4,
+            Self::LongDwell | Self::LeftInStation | Self::ShortDwell | Self::MissingVisit => 5,
+            _ => 6,
+        }
+    }
+}
+
+impl fmt::Display for ViolationKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Position => "position limit",
@@ -65,6 +99,10 @@ impl fmt::Display for Kind {
             Self::SlotClearance => "slot clearance",
             Self::KeepOut => "keep-out zone",
             Self::SafeZone => "safe zone",
+            Self::LongDwell => "long stay",
+            Self::ShortDwell => "short stay",
+            Self::LeftInStation => "wafer left in station",
+            Self::MissingVisit => "visit rule",
         })
     }
 }

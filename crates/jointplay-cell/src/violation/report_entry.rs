@@ -1,6 +1,6 @@
 //! Violations of limits over an interval of time.
 
-use super::kind::{Kind, Unit};
+use super::kind::{ViolationKind, ViolationQuantity};
 use crate::EntityId;
 use crate::program::{Phase, SourceLocation};
 use crate::workcell::Cell;
@@ -8,9 +8,9 @@ use crate::workcell::Cell;
 /// Violation of one limit over an interval of time, within one instruction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Violation {
-    /// Kind of the violation.
-    pub kind: Kind,
-    /// Entities concerned: an axis, an effector, an effector and a zone, or two collision objects; empty for the platform.
+    /// ViolationKind of the violation.
+    pub kind: ViolationKind,
+    /// Entities concerned: an axis, an effector, an effector and a zone, two collision objects, or a wafer and a station; empty for the platform.
     pub entities: Vec<EntityId>,
     /// Index of the instruction in the order of execution.
     pub instruction: usize,
@@ -28,11 +28,11 @@ pub struct Violation {
     pub worst_time: f64,
     /// Worst value in SI units; a negative distance is a penetration depth.
     pub worst: f64,
-    /// Limit in SI units.
+    /// Limit in SI units; of a collision the required clearance.
     pub limit: f64,
     /// Quantity of `worst` and `limit`.
-    pub unit: Unit,
-    /// Reason, where a pose is unknown.
+    pub unit: ViolationQuantity,
+    /// Reason, where a pose is unknown or a visit is missing.
     pub detail: String,
 }
 
@@ -41,16 +41,17 @@ impl Violation {
     #[must_use]
     pub fn symbol(&self) -> &'static str {
         match (self.unit, self.kind) {
-            (Unit::None, _) => "",
-            (Unit::Acceleration, _) => "m/s²",
-            (Unit::Length, Kind::Velocity) => "m/s",
-            (Unit::Length, Kind::Acceleration) => "m/s²",
-            (Unit::Length, Kind::Jerk) => "m/s³",
-            (Unit::Length, _) => "m",
-            (Unit::Angle, Kind::Velocity) => "rad/s",
-            (Unit::Angle, Kind::Acceleration) => "rad/s²",
-            (Unit::Angle, Kind::Jerk) => "rad/s³",
-            (Unit::Angle, _) => "rad",
+            (ViolationQuantity::None, _) => "",
+            (ViolationQuantity::Acceleration, _) => "m/s²",
+            (ViolationQuantity::Time, _) => "s",
+            (ViolationQuantity::Length, ViolationKind::Velocity) => "m/s",
+            (ViolationQuantity::Length, ViolationKind::Acceleration) => "m/s²",
+            (ViolationQuantity::Length, ViolationKind::Jerk) => "m/s³",
+            (ViolationQuantity::Length, _) => "m",
+            (ViolationQuantity::Angle, ViolationKind::Velocity) => "rad/s",
+            (ViolationQuantity::Angle, ViolationKind::Acceleration) => "rad/s²",
+            (ViolationQuantity::Angle, ViolationKind::Jerk) => "rad/s³",
+            (ViolationQuantity::Angle, _) => "rad",
         }
     }
 
@@ -68,43 +69,45 @@ impl Violation {
             |k: usize| self.entities.get(k).map_or_else(String::new, |&one| cell.entity_name(one));
         let (unit, worst, limit) = (self.symbol(), self.worst, self.limit);
         match self.kind {
-            Kind::Position => {
+            ViolationKind::Position => {
                 format!(
                     "axis {} reaches {worst:.6} {unit}, its limit is {limit:.6} {unit}",
                     name(0)
                 )
             }
-            Kind::Velocity => {
+            ViolationKind::Velocity => {
                 format!(
                     "axis {} moves at {worst:.4} {unit}, its limit is {limit:.4} {unit}",
                     name(0)
                 )
             }
-            Kind::Acceleration => format!(
+            ViolationKind::Acceleration => format!(
                 "axis {} accelerates at {worst:.4} {unit}, its limit is {limit:.4} {unit}",
                 name(0)
             ),
-            Kind::Jerk => {
+            ViolationKind::Jerk => {
                 format!(
                     "axis {} has a jerk of {worst:.3} {unit}, its limit is {limit:.3} {unit}",
                     name(0)
                 )
             }
-            Kind::Tilt => {
+            ViolationKind::Tilt => {
                 format!("the platform tilts by {worst:.6} rad, its limit is {limit:.6} rad")
             }
-            Kind::Play => format!(
+            ViolationKind::Play => format!(
                 "the virtual joints are displaced by {worst:.3e} m, the play budget is {limit:.3e} m"
             ),
-            Kind::Platform | Kind::Droop => self.detail.clone(),
-            Kind::Slip if worst.is_infinite() => {
+            ViolationKind::Platform | ViolationKind::Droop | ViolationKind::MissingVisit => {
+                self.detail.clone()
+            }
+            ViolationKind::Slip if worst.is_infinite() => {
                 format!("the wafer on {} lifts off its supports", name(0))
             }
-            Kind::Slip => format!(
+            ViolationKind::Slip => format!(
                 "the wafer on {} slips: it requires friction of {worst:.3} m/s², available are {limit:.3} m/s²",
                 name(0)
             ),
-            Kind::Collision if worst < 0.0 => {
+            ViolationKind::Collision if worst < 0.0 => {
                 format!(
                     "{} and {} collide with a penetration depth of {:.6} m",
                     name(0),
@@ -112,8 +115,8 @@ impl Violation {
                     -worst
                 )
             }
-            Kind::Collision => format!("{} and {} touch", name(0), name(1)),
-            Kind::Clearance => {
+            ViolationKind::Collision => format!("{} and {} touch", name(0), name(1)),
+            ViolationKind::Clearance => {
                 let [worst, limit] = distinguishable(worst, limit);
                 format!(
                     "{} comes within {worst} m of {}; the required clearance is {limit} m",
@@ -121,7 +124,7 @@ impl Violation {
                     name(1)
                 )
             }
-            Kind::SlotClearance => {
+            ViolationKind::SlotClearance => {
                 let [worst, limit] = distinguishable(worst, limit);
                 format!(
                     "{} comes within {worst} m of {}; the required slot clearance is {limit} m",
@@ -129,7 +132,7 @@ impl Violation {
                     name(1)
                 )
             }
-            Kind::KeepOut if worst < 0.0 => {
+            ViolationKind::KeepOut if worst < 0.0 => {
                 format!(
                     "{} is in keep-out zone {} with a penetration depth of {:.6} m",
                     name(0),
@@ -137,8 +140,23 @@ impl Violation {
                     -worst
                 )
             }
-            Kind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
-            Kind::SafeZone => format!(
+            ViolationKind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
+            ViolationKind::LongDwell => format!(
+                "{} stays in {} for {worst:.3} s, allowed are {limit:.3} s",
+                name(0),
+                name(1)
+            ),
+            ViolationKind::ShortDwell => format!(
+                "{} stays in {} for {worst:.3} s, required are {limit:.3} s",
+                name(0),
+                name(1)
+            ),
+            ViolationKind::LeftInStation => format!(
+                "{} is left in {} at the end, where it may stay for {limit:.3} s",
+                name(0),
+                name(1)
+            ),
+            ViolationKind::SafeZone => format!(
                 "the wafer centre of {} is {worst:.6} m outside safe zone {} while the robot rotates",
                 name(0),
                 name(1)

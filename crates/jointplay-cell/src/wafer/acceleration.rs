@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::deflection::{apply_deflection, deflection_rotation};
 use super::droop::{DroopError, MIN_REACH};
-use super::friction::FrictionMargin;
+use super::friction::FrictionDemand;
 use super::model::Droop;
 use super::unreachable::Unreachable;
 use crate::robot::{ArmChain, AxesMotion, EffectorId, FrameMotion};
@@ -34,11 +34,11 @@ impl Cell {
         let now = robot.platform(motion.positions)?;
         let platform = robot.platform_motion(&now, motion)?;
         let chain = ArmChain::new(robot, effector);
-        let on_platform = chain.wafer_motion(&chain.own_rates(motion));
+        let on_platform = chain.wafer_motion(&chain.arm_rates(motion));
         Ok(self.deflected_motion(&platform, &on_platform, effector, loaded)?)
     }
 
-    /// Friction that a carried wafer needs, and friction that is available; see [`FrictionMargin`].
+    /// Friction that a carried wafer needs, and friction that is available; see [`FrictionDemand`].
     ///
     /// # Errors
     /// As [`Self::wafer_motion`].
@@ -46,7 +46,7 @@ impl Cell {
         &self,
         effector: EffectorId,
         motion: &AxesMotion<'_>,
-    ) -> Result<FrictionMargin, Unreachable> {
+    ) -> Result<FrictionDemand, Unreachable> {
         Ok(self.friction_margin_of(effector, &self.wafer_motion(effector, motion, true)?))
     }
 
@@ -55,9 +55,9 @@ impl Cell {
         &self,
         effector: EffectorId,
         wafer: &FrameMotion,
-    ) -> FrictionMargin {
+    ) -> FrictionDemand {
         let described = &self.robot.arms[effector.arm].effectors[effector.effector];
-        FrictionMargin::new(
+        FrictionDemand::new(
             wafer,
             &self.wafer,
             &described.support,
@@ -75,7 +75,7 @@ impl Cell {
         loaded: bool,
     ) -> Result<FrameMotion, DroopError> {
         let arm = &self.robot.arms[effector.arm];
-        let rigid = platform.carrying(on_platform);
+        let rigid = platform.composed_with(on_platform);
         if arm.droop == Droop::Rigid {
             return Ok(rigid);
         }

@@ -18,7 +18,7 @@ const EXACT: f64 = 1e-14;
 /// Largest number of iterations; each reduces the error by about the slope of the droop, so that a handful is enough.
 const MAX_ITERATIONS: usize = 20;
 
-/// Share of the largest tilt that a clamped tilt stays below it, so that round-off does not violate the limit.
+/// Fraction of the largest tilt that a clamped tilt stays below it, so that round-off does not violate the limit.
 const CLAMP_MARGIN: f64 = 1e-12;
 
 /// Positions at which a drooping arm holds a wafer at its target.
@@ -50,61 +50,61 @@ impl Cell {
     ///
     /// # Arguments
     /// * `loaded` – whether the effector carries a wafer
-    /// * `near` – present positions of all axes
+    /// * `seed` – present positions of all axes
     ///
     /// # Errors
     /// [`Unreachable`]; also where more than the cell's threshold is left of the tilt.
     ///
     /// # Numerics
     /// A fixed-point iteration that contracts by about the slope of the droop, 10⁻³, at each step; the wafer is within 10⁻¹² m of the target.
-    pub fn reach(
+    pub fn compensated_inverse(
         &self,
         effector: EffectorId,
         target: &WaferTarget,
         loaded: bool,
-        near: &[f64],
+        seed: &[f64],
     ) -> Result<CompensatedPose, Unreachable> {
-        self.reach_by(effector, target, loaded, near, Redundancy::AwayFromLimits)
+        self.compensated_inverse_by(effector, target, loaded, seed, Redundancy::AwayFromLimits)
     }
 
-    /// As [`Self::reach`], with the positions chosen where the arm is redundant.
+    /// As [`Self::compensated_inverse`], with the positions chosen where the arm is redundant.
     ///
     /// # Errors
-    /// As [`Self::reach`].
-    pub fn reach_by(
+    /// As [`Self::compensated_inverse`].
+    pub fn compensated_inverse_by(
         &self,
         effector: EffectorId,
         target: &WaferTarget,
         loaded: bool,
-        near: &[f64],
+        seed: &[f64],
         redundancy: Redundancy,
     ) -> Result<CompensatedPose, Unreachable> {
         let choose = |found: &Inverse| found.chosen().cloned();
-        self.reach_with(effector, target, loaded, near, redundancy, choose)
+        self.compensated_inverse_with(effector, target, loaded, seed, redundancy, choose)
     }
 
-    /// As [`Self::reach`], in any branch, within limits or not: for what does not depend on the motors.
+    /// As [`Self::compensated_inverse`], in any branch, within limits or not: for what does not depend on the motors.
     ///
     /// # Errors
-    /// As [`Self::reach`], without limits.
-    pub(crate) fn reach_beyond_limits(
+    /// As [`Self::compensated_inverse`], without limits.
+    pub(crate) fn compensated_inverse_beyond_limits(
         &self,
         effector: EffectorId,
         target: &WaferTarget,
         loaded: bool,
-        near: &[f64],
+        seed: &[f64],
     ) -> Result<CompensatedPose, Unreachable> {
         let choose = |found: &Inverse| found.chosen().or(found.branches.first()).cloned();
         let redundancy = Redundancy::AwayFromLimits;
-        self.reach_with(effector, target, loaded, near, redundancy, choose)
+        self.compensated_inverse_with(effector, target, loaded, seed, redundancy, choose)
     }
 
-    fn reach_with(
+    fn compensated_inverse_with(
         &self,
         effector: EffectorId,
         target: &WaferTarget,
         loaded: bool,
-        near: &[f64],
+        seed: &[f64],
         redundancy: Redundancy,
         choose: impl Fn(&Inverse) -> Option<Branch>,
     ) -> Result<CompensatedPose, Unreachable> {
@@ -118,7 +118,7 @@ impl Cell {
         let mut last_residual = f64::INFINITY;
         loop {
             aim.normal = clamped_tilt(&aim.normal, max_tilt);
-            let branch = self.branch_to(effector, &aim, near, redundancy, &choose)?;
+            let branch = self.branch_to(effector, &aim, seed, redundancy, &choose)?;
             let rigid = self.rigid_wafer(&chain, &branch.positions)?;
             let deflection = self.deflection(&rigid, loaded)?;
             iterations += 1;
@@ -167,11 +167,11 @@ impl Cell {
         &self,
         effector: EffectorId,
         target: &WaferTarget,
-        near: &[f64],
+        seed: &[f64],
         redundancy: Redundancy,
         choose: &impl Fn(&Inverse) -> Option<Branch>,
     ) -> Result<Branch, Unreachable> {
-        let found = self.robot.inverse_by(effector, target, near, redundancy)?;
+        let found = self.robot.inverse_by(effector, target, seed, redundancy)?;
         if let Some(branch) = choose(&found) {
             return Ok(branch);
         }

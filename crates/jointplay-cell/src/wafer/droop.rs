@@ -158,10 +158,10 @@ impl DroopRow {
         if !(load >= 0.0 && load <= self.load * (1.0 + RANGE_TOLERANCE)) {
             return Err(DroopError::Load { load, max: self.load });
         }
-        let share = if load == 0.0 { 0.0 } else { load / self.load };
+        let fraction = if load == 0.0 { 0.0 } else { load / self.load };
         Ok(Deflection {
-            drop: self.empty_drop + share * (self.loaded_drop - self.empty_drop),
-            slope: self.empty_slope + share * (self.loaded_slope - self.empty_slope),
+            drop: self.empty_drop + fraction * (self.loaded_drop - self.empty_drop),
+            slope: self.empty_slope + fraction * (self.loaded_slope - self.empty_slope),
         })
     }
 }

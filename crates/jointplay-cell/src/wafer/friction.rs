@@ -21,7 +21,7 @@ use crate::robot::FrameMotion;
 /// # Source
 /// Own derivation, docs/explanation/wafers.md
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrictionMargin {
+pub struct FrictionDemand {
     /// Force by mass that friction has to transmit; infinite where the wafer lifts off its support (m/s²).
     pub required: f64,
     /// Force by mass that friction can transmit (m/s²).
@@ -39,7 +39,7 @@ struct RequiredWrench {
     normal: Vector3<f64>,
 }
 
-impl FrictionMargin {
+impl FrictionDemand {
     /// Friction margin of a moving wafer.
     pub(super) fn new(
         motion: &FrameMotion,
@@ -91,7 +91,7 @@ fn friction_check(
     wafer: &Wafer,
     support: &Support,
     friction: f64,
-) -> FrictionMargin {
+) -> FrictionDemand {
     let RequiredWrench { force, moment, normal } = wrench;
     let radius = 0.5 * wafer.diameter;
     let lever = support.lever(wafer);
@@ -107,11 +107,11 @@ fn friction_check(
     let off = center.norm();
     // Pads do not pull: with the centre of pressure outside the support, the wafer lifts off at the other side.
     if pressed <= 0.0 || off > room {
-        return FrictionMargin { required: f64::INFINITY, available: friction * pressed.max(0.0) };
+        return FrictionDemand { required: f64::INFINITY, available: friction * pressed.max(0.0) };
     }
     let twisting = normal.dot(&(moment - center.cross(force)));
     let turning = if twisting == 0.0 { 0.0 } else { twisting.abs() / (lever - off) };
-    FrictionMargin { required: along.norm() + turning, available: friction * pressed }
+    FrictionDemand { required: along.norm() + turning, available: friction * pressed }
 }
 
 #[cfg(test)]
@@ -228,7 +228,7 @@ mod tests {
             let grip = |wrench: &RequiredWrench| friction_check(wrench, &wafer(), support, 1e9);
             let mut thrown = level(Vector2::zeros(), 0.0);
             thrown.force.z = -0.1;
-            assert_eq!(grip(&thrown), FrictionMargin { required: f64::INFINITY, available: 0.0 });
+            assert_eq!(grip(&thrown), FrictionDemand { required: f64::INFINITY, available: 0.0 });
             let mut tipped = level(Vector2::zeros(), 0.0);
             tipped.moment.x = 0.16 * GRAVITY;
             assert_eq!(grip(&tipped).required, f64::INFINITY);

@@ -27,7 +27,7 @@ pub use compensation::CompensatedPose;
 pub use deflection::apply_deflection;
 pub use droop::{Deflection, DroopError};
 pub(crate) use droop::{DroopBounds, MIN_REACH};
-pub use friction::FrictionMargin;
+pub use friction::FrictionDemand;
 pub use model::{Droop, DroopRow, Material, Support, Wafer};
 pub use sag::{Sag, SagError, sag};
 pub use unreachable::{RejectedBranch, Unreachable};

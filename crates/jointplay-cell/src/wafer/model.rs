@@ -68,7 +68,7 @@ pub enum Support {
 pub enum Droop {
     /// No deflection.
     Rigid,
-    /// Measured deflection at several reaches, empty and loaded; interpolated linearly.
+    /// Measured deflection at several reaches, empty and loaded; interpolated over the reach by a shape-preserving cubic, and linearly between empty and loaded.
     Table {
         /// One row for each reach, in growing order.
         rows: Vec<DroopRow>,

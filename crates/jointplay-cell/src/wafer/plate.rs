@@ -2,7 +2,7 @@
 //!
 //! All quantities are dimensionless: radii in radii of the plate, forces in its weight, deflections in q a⁴/D with the weight by area q and the bending stiffness D.
 
-/// Share of the sum of a series below which its terms are neglected.
+/// Fraction of the sum of a series below which its terms are neglected.
 const THRESHOLD: f64 = 1e-10;
 
 /// Largest number of terms of a series; terms near a point of the edge fall as 1/m³, so that the rest is below 10⁻⁶.
@@ -14,7 +14,7 @@ const MOST_TERMS: usize = 400;
 ///    p(θ)  =  1/(2πb) + 1/(πb) Σ_m cos(m φ) cos(m θ),     m = s, 2s, 3s, …
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Orbit {
+pub(super) struct SupportRing {
     /// Distance b from the centre.
     pub(super) radius: f64,
     /// Direction φ of one of the points from the x axis (rad).
@@ -29,7 +29,7 @@ pub(super) fn under_weight(poisson: f64, radius: f64) -> f64 {
     square * square / 64.0 - (3.0 + poisson) / (32.0 * (1.0 + poisson)) * square
 }
 
-impl Orbit {
+impl SupportRing {
     /// Fourier coefficients of the height at a radius, the mean first: the factors of cos mθ.
     ///
     /// Each is a biharmonic function inside and outside the circle of the points, joined by the jump of the shear force there, and a function regular in the whole plate that frees the edge of moment and force.

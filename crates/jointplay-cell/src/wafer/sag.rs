@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use jointplay_core::linalg::svd;
 
 use super::model::{Support, Wafer};
-use super::plate::{self, Orbit};
+use super::plate::{self, SupportRing};
 
 /// Number of points of half a rail; twice as many change the sag by less than a thousandth.
 const RAIL_POINTS: usize = 16;
@@ -107,8 +107,8 @@ pub fn sag(wafer: &Wafer, support: &Support, gravity: f64) -> Result<Sag, SagErr
         Support::Edge => Shape { poisson, reactions: Vec::new(), lift: plate::on_edge(poisson) },
         Support::ThreePoints { radius } => {
             let radius = within("a circle of three points with a radius", radius, a)?;
-            let orbit = Orbit { radius, angle: 0.0, symmetry: 3 };
-            Shape::on(poisson, vec![(orbit, 1.0)])
+            let ring = SupportRing { radius, angle: 0.0, symmetry: 3 };
+            Shape::on(poisson, vec![(ring, 1.0)])
         }
         Support::TwoRails { distance } => {
             let half = within("a distance of two rails", distance, wafer.diameter)?;
@@ -145,26 +145,26 @@ fn checked(wafer: &Wafer, gravity: f64) -> Result<f64, SagError> {
 struct Shape {
     poisson: f64,
     /// The supports, each with its share of the weight.
-    reactions: Vec<(Orbit, f64)>,
+    reactions: Vec<(SupportRing, f64)>,
     /// Added to all heights, so that the supports are at height 0.
     lift: f64,
 }
 
 impl Shape {
     /// The plate on points, its height relative to the first of them.
-    fn on(poisson: f64, reactions: Vec<(Orbit, f64)>) -> Self {
+    fn on(poisson: f64, reactions: Vec<(SupportRing, f64)>) -> Self {
         let mut shape = Self { poisson, reactions, lift: 0.0 };
         let touching = shape.reactions.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         shape.lift =
-            touching.map_or(0.0, |(orbit, _)| -shape.circle(orbit.radius).height(orbit.angle));
+            touching.map_or(0.0, |(ring, _)| -shape.circle(ring.radius).height(ring.angle));
         shape
     }
 
     /// Heights along a circle around the centre.
     fn circle(&self, radius: f64) -> Circle {
         let mut waves = vec![self.lift - plate::under_weight(self.poisson, radius)];
-        for (orbit, share) in &self.reactions {
-            let by_orbit = orbit.waves(self.poisson, radius);
+        for (ring, share) in &self.reactions {
+            let by_orbit = ring.waves(self.poisson, radius);
             waves.resize(waves.len().max(by_orbit.len()), 0.0);
             waves.iter_mut().zip(by_orbit).for_each(|(wave, one)| *wave += share * one);
         }
@@ -173,7 +173,7 @@ impl Shape {
 
     /// Common factor of the wave numbers of all supports.
     fn symmetry(&self) -> f64 {
-        self.reactions.first().map_or(1.0, |(orbit, _)| orbit.symmetry as f64)
+        self.reactions.first().map_or(1.0, |(ring, _)| ring.symmetry as f64)
     }
 
     fn seen(&self, unit: f64, thickness: f64) -> Sag {
@@ -241,13 +241,13 @@ impl Circle {
 ///    least  ½ fᵀ G f − wᵀ f     with  Σ f = 1,  f ≥ 0        G: height at one point by a force at another
 /// ```
 /// An active-set method: points are released while they pull, and added while the plate would sink into them.
-fn rails(poisson: f64, half: f64) -> Result<Vec<(Orbit, f64)>, jointplay_core::Error> {
+fn rails(poisson: f64, half: f64) -> Result<Vec<(SupportRing, f64)>, jointplay_core::Error> {
     let chord = (1.0 - half * half).max(0.0).sqrt();
-    let points: Vec<Orbit> = (0..=RAIL_POINTS)
+    let points: Vec<SupportRing> = (0..=RAIL_POINTS)
         .map(|k| {
             let along = chord * k as f64 / RAIL_POINTS as f64;
             let radius = half.hypot(along).min(1.0);
-            Orbit { radius, angle: along.atan2(half), symmetry: 2 }
+            SupportRing { radius, angle: along.atan2(half), symmetry: 2 }
         })
         .collect();
     // All points of rails that touch the edge coincide there.
@@ -261,32 +261,36 @@ fn rails(poisson: f64, half: f64) -> Result<Vec<(Orbit, f64)>, jointplay_core::E
         }
     }
     let weight = DVector::from_fn(n, |i, _| plate::under_weight(poisson, points[i].radius));
-    let mut carrying: Vec<usize> = (0..n).collect();
+    let mut in_contact: Vec<usize> = (0..n).collect();
     // Each set of points has less energy than the one before, so that no set recurs; the bound is for round-off.
     for _ in 0..4 * n {
-        let m = carrying.len();
+        let m = in_contact.len();
         let system = DMatrix::from_fn(m + 1, m + 1, |i, j| match (i < m, j < m) {
-            (true, true) => lifted[(carrying[i], carrying[j])],
+            (true, true) => lifted[(in_contact[i], in_contact[j])],
             (false, false) => 0.0,
             _ => 1.0,
         });
-        let right = DVector::from_fn(m + 1, |i, _| if i < m { weight[carrying[i]] } else { 1.0 });
+        let right = DVector::from_fn(m + 1, |i, _| if i < m { weight[in_contact[i]] } else { 1.0 });
         let solved = svd(&system)?.solve(&right, m + 1);
         let weakest = (0..m).min_by(|&i, &j| solved[i].total_cmp(&solved[j])).unwrap_or(0);
         if m > 1 && solved[weakest] < 0.0 {
-            carrying.remove(weakest);
+            in_contact.remove(weakest);
             continue;
         }
         let height = |i: usize| {
-            let lift: f64 = (0..m).map(|k| lifted[(i, carrying[k])] * solved[k]).sum();
+            let lift: f64 = (0..m).map(|k| lifted[(i, in_contact[k])] * solved[k]).sum();
             lift - weight[i] + solved[m]
         };
         let deepest = (0..n).min_by(|&i, &j| height(i).total_cmp(&height(j))).unwrap_or(0);
-        if carrying.contains(&deepest) || height(deepest) > -TOLERANCE {
-            return Ok(carrying.iter().enumerate().map(|(k, &i)| (points[i], solved[k])).collect());
+        if in_contact.contains(&deepest) || height(deepest) > -TOLERANCE {
+            return Ok(in_contact
+                .iter()
+                .enumerate()
+                .map(|(k, &i)| (points[i], solved[k]))
+                .collect());
         }
-        carrying.push(deepest);
-        carrying.sort_unstable();
+        in_contact.push(deepest);
+        in_contact.sort_unstable();
     }
     Err(jointplay_core::linalg::LinalgError::SvdNotConverged { rows: n, columns: n }.into())
 }
@@ -344,8 +348,8 @@ mod tests {
             near(reactions.iter().map(|(_, share)| share).sum(), 1.0, 1e-9);
             assert!(reactions.iter().all(|(_, share)| *share > -1e-9));
             let shape = Shape::on(0.28, reactions.clone());
-            for (orbit, _) in &reactions {
-                near(shape.circle(orbit.radius).height(orbit.angle), 0.0, 2e-6);
+            for (ring, _) in &reactions {
+                near(shape.circle(ring.radius).height(ring.angle), 0.0, 2e-6);
             }
             // Along the rest of the rails the plate may lift, and does not sink.
             let chord = (1.0 - half * half).sqrt();
@@ -359,12 +363,12 @@ mod tests {
 
     #[test]
     fn free_edge_has_no_moment_and_force() {
-        // Of one wave of one orbit: w'' + ν (w' − m² w) and (Δw)' − (1 − ν) m² (w' − w), by differences at the edge.
+        // Of one wave of one ring: w'' + ν (w' − m² w) and (Δw)' − (1 − ν) m² (w' − w), by differences at the edge.
         let (poisson, h) = (0.28, 1e-3);
-        let orbit = Orbit { radius: 0.6, angle: 0.0, symmetry: 3 };
+        let ring = SupportRing { radius: 0.6, angle: 0.0, symmetry: 3 };
         for k in 1..4 {
             let m2 = (3.0 * k as f64).powi(2);
-            let w = |r: f64| orbit.waves(poisson, r)[k];
+            let w = |r: f64| ring.waves(poisson, r)[k];
             let first = |r: f64| (w(r + h) - w(r - h)) / (2.0 * h);
             let second = |r: f64| (w(r + h) - 2.0 * w(r) + w(r - h)) / (h * h);
             let laplacian = |r: f64| second(r) + first(r) / r - m2 * w(r) / (r * r);
@@ -400,9 +404,9 @@ mod tests {
     #[test]
     fn only_the_shear_force_is_discontinuous_at_supports() {
         let b = 0.6;
-        let orbit = Orbit { radius: b, angle: 0.0, symmetry: 3 };
+        let ring = SupportRing { radius: b, angle: 0.0, symmetry: 3 };
         for k in 0..4 {
-            let wave = |r: f64| orbit.waves(0.28, r)[k];
+            let wave = |r: f64| ring.waves(0.28, r)[k];
             let (below, above) = (one_sided(wave, b, -0.01), one_sided(wave, b, 0.01));
             // Of the force π spread over the circle: its mean, and twice that in each wave.
             let push = if k == 0 { 0.5 / b } else { 1.0 / b };

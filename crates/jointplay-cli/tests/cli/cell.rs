@@ -31,7 +31,7 @@ const WALL: (&str, &str) =
 #[test]
 fn the_first_try_needs_no_flag() {
     let report = Sandbox::new().json("cell check");
-    assert_eq!(report["verdict"], "sound");
+    assert_eq!(report["result"], "passed");
     assert_eq!(report["violations"], Value::Array(vec![]));
     assert!(report["wafers_per_hour"].as_f64().unwrap() > 10.0);
     assert_eq!(report["wafers"], 25);
@@ -104,9 +104,24 @@ fn a_collision_is_reported_with_line_and_time() {
     let all = report["violations"].as_array().unwrap().len();
     let shown = refused.stderr.lines().filter(|line| line.ends_with('^')).count();
     assert!(1 < shown && shown < all, "{shown} {all}: {}", refused.stderr);
-    for line in run.stdout.lines().filter(|line| line.starts_with("    at ")) {
+    let numbers: Vec<&str> =
+        run.stdout.lines().filter(|line| line.contains("; first at ")).collect();
+    assert!(!numbers.is_empty());
+    for line in numbers {
         assert!(refused.stderr.contains(line), "{line}: {}", refused.stderr);
     }
+    // One group for each pair, and all its violations by line, station and phase.
+    let groups = report["violation_groups"].as_array().unwrap();
+    let total: u64 = groups.iter().map(|group| group["count"].as_u64().unwrap()).sum();
+    assert_eq!(total as usize, all);
+    for group in groups {
+        let occurrences = group["occurrences"].as_array().unwrap();
+        let count: u64 = occurrences.iter().map(|one| one["count"].as_u64().unwrap()).sum();
+        assert_eq!(count, group["count"].as_u64().unwrap());
+    }
+    let remedy = &report["remedies"][0];
+    assert_eq!(remedy["name"], "wall");
+    assert!(run.stdout.contains(remedy["message"].as_str().unwrap()), "{}", run.stdout);
 
     sandbox.done("cell export example.toml --despite-errors --rate 50");
     let names = sandbox.names("cell-export");
@@ -352,10 +367,11 @@ fn collisions_are_listed_in_groups_worst_first() {
     let text = sandbox.read("example.toml");
     sandbox.write("example.toml", &text.replace(WALL.0, "position_mm = [100.0, -300.0, 500.0]"));
     let run = sandbox.run("cell check example.toml");
-    let shown = run.stdout.split("violations\n").nth(1).unwrap();
+    let shown = run.stdout.split("violations by cause\n").nth(1).unwrap();
     let shown = shown.split("by line, ").next().unwrap();
-    assert!(shown.lines().count() < 80, "{shown}");
-    assert!(shown.contains(" more violations in ") || shown.contains("wafers in total"), "{shown}");
+    assert!(shown.lines().count() < 100, "{shown}");
+    assert!(shown.contains(", 25 wafers; first at "), "{shown}");
+    assert!(shown.contains("elsewhere"), "{shown}");
     let json = sandbox.run("cell check example.toml --format json");
     let report: Value = serde_json::from_str(&json.stdout).unwrap();
     let all = report["violations"].as_array().unwrap();
@@ -416,7 +432,7 @@ fn two_faults_of_the_example_are_found_and_fixed() {
         let run = sandbox.run("cell check example.toml --format json");
         assert_eq!(run.code, 1, "{}", run.stderr);
         let report: Value = serde_json::from_str(&run.stdout).unwrap();
-        assert_eq!(report["verdict"], "broken");
+        assert_eq!(report["result"], "failed");
         let found = report["violations"].as_array().unwrap().iter();
         let found: Vec<Value> = found.filter(|one| one["kind"] == kind).cloned().collect();
         assert!(!found.is_empty(), "no {kind}: {}", run.stdout);
@@ -466,7 +482,7 @@ fn two_faults_of_the_example_are_found_and_fixed() {
     assert!(run.stderr.contains("100 %"), "{}", run.stderr);
 
     // Fixed, it is sound and can be exported.
-    assert_eq!(sandbox.json("cell check example.toml")["verdict"], "sound");
+    assert_eq!(sandbox.json("cell check example.toml")["result"], "passed");
     sandbox.done("cell export example.toml --to csv,gltf --rate 20");
     assert_eq!(sandbox.names("cell-export"), ["example.csv", "example.glb"]);
 }

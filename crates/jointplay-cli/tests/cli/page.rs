@@ -133,9 +133,16 @@ fn save(sandbox: &Sandbox, kind: &str, body: &str, line: &str) {
             let lines = body.lines().filter_map(|line| line.strip_prefix(sign));
             lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>()
         };
-        for (from, to) in changed('-').into_iter().zip(changed('+')) {
+        let (removed, mut added) = (changed('-'), changed('+'));
+        // More lines than before follow the last one that is replaced.
+        let further = added.split_off(removed.len().min(added.len()));
+        for (index, (from, to)) in removed.iter().zip(added).enumerate() {
             assert!(text.contains(from), "{from} is not in {name}");
-            text = text.replacen(from, to, 1);
+            let mut lines = vec![to];
+            if index + 1 == removed.len() {
+                lines.extend(&further);
+            }
+            text = text.replacen(from, &lines.join("\n"), 1);
         }
         sandbox.write(name, &text);
     }

@@ -12,7 +12,7 @@ use crate::virtualization::{Sockets, VirtualJointKind, Virtualization, sides_of}
 /// ```text
 ///    P = (q_1, q_2, q_3, P_1, P_2, P_3) ∈ R¹²
 ///    Φ = ( B_k + q_k e_b3 − P_k                    k = 1, 2, 3       nine rod constraints [m]
-///          |P_j − P_i|² − L_ij(X)²    ij = 12, 23, 31 )     three side constraints [m²]
+///          |P_j − P_i|² − ℓ_ij(X)²    ij = 12, 23, 31 )     three side constraints [m²]
 /// ```
 ///
 /// # Source

@@ -14,7 +14,7 @@ use crate::virtualization::{SolveOptions, Virtualization};
 ///
 /// Displacements are norms in the metric: √(Σ linear² + ρ² Σ angular²).
 /// The bounds depend on where the derivatives are taken.
-/// At the level start they are zero, since a tilt lies in the null space there; at the end they are about twice the true displacement, since the displacement grows with the square of the tilt; midway they are those of the chord.
+/// At the level start they are zero, since a tilt lies in the null space there; at the end they are about twice those at the midpoint, since the displacement grows with the square of the tilt; midway they are those of the chord.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TiltPlay {
     /// The pose that the motion starts from: level.

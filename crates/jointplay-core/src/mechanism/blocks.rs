@@ -5,7 +5,8 @@ use nalgebra::DVector;
 use super::{Mechanism, MechanismSystem, MobilityClass};
 use crate::Error;
 use crate::mobility::{
-    FiniteMobility, ForcedClosure, branch_dimensions, finite_mobility, instantaneous_mobility,
+    BoundOrigin, FiniteMobility, ForcedClosure, FreeMotions, branch_dimensions, finite_mobility,
+    instantaneous_mobility,
 };
 
 /// A biconnected component of the graph of links and joints.
@@ -206,9 +207,12 @@ fn by_blocks(
     let mut sum = FiniteMobility {
         mobility: Some(0),
         lower_bound: 0,
+        lower_bound_origin: BoundOrigin::FirstOrder,
         upper_bound: 0,
+        upper_bound_origin: BoundOrigin::FirstOrder,
         instantaneous: instantaneous_mobility(system, &system.at_home(), relative_threshold)?,
         second_order: None,
+        free_motions: FreeMotions::NotFinite,
         nearby: None,
     };
     let (mut mobility, mut redundancy) = (0, 0);
@@ -243,6 +247,8 @@ fn by_blocks(
         sum.mobility = sum.mobility.zip(finite.mobility).map(|(sum, found)| sum + found);
         sum.lower_bound += finite.lower_bound;
         sum.upper_bound += finite.upper_bound;
+        sum.lower_bound_origin = sum.lower_bound_origin.max(finite.lower_bound_origin);
+        sum.upper_bound_origin = sum.upper_bound_origin.max(finite.upper_bound_origin);
         let dimensions = match (branch_dimensions, finite.mobility) {
             (None, Some(all)) | (Some(_), Some(all @ 0)) => Some(vec![all]),
             (found, _) => found.filter(|dimensions| !dimensions.is_empty()),

@@ -9,7 +9,7 @@ use crate::constraint::{Configuration, System};
 /// Dimensions of the branches near a configuration, as far as a search finds them: different ones, smallest first.
 ///
 /// More than one dimension makes it a kinematotropic candidate: the mechanism may change its number of freedoms there, if the branches meet in the configuration itself.
-/// Each dimension is certified numerically at a configuration of the branch, see `docs/explanation/mobility.md`.
+/// Each dimension is verified numerically at a configuration of the branch, see `docs/explanation/mobility.md`.
 ///
 /// # Arguments
 /// * `at`, `found` – a configuration, and the result of [`finite_mobility`](super::finite_mobility) for it
@@ -19,7 +19,7 @@ use crate::constraint::{Configuration, System};
 ///
 /// # Numerics
 /// A single dimension, without a search, where all motions of first order are finite; none where no finite motion is possible.
-/// Branches on which no start ends are missing; where the finite mobility is undecided, the largest dimension is its lower bound.
+/// Branches on which no start ends are missing; where the finite mobility is undecided, the largest dimension bounds it from below only if its branch contains the configuration.
 /// Deterministic.
 pub fn branch_dimensions<S: System + ?Sized>(
     system: &S,
@@ -36,7 +36,7 @@ pub fn branch_dimensions<S: System + ?Sized>(
         return Ok(Vec::new());
     }
     let tracker = ConfigurationTracker::new(system, at, first.characteristic_length);
-    let mut all = find_nearby(&tracker, at, first, second, usize::MAX)?;
+    let mut all = find_nearby(&tracker, at, first, second, found.free_motions, usize::MAX)?;
     all.add(mobility);
     all.dimensions.retain(|&dimension| dimension <= mobility);
     Ok(all.dimensions)

@@ -13,6 +13,7 @@
 //! They differ at a singular configuration, and that difference is the subject of this library: none is ever reported as another.
 
 mod branches;
+mod common_zeros;
 mod finite;
 mod instantaneous;
 mod kutzbach;
@@ -22,7 +23,7 @@ mod second_order;
 mod tracking;
 
 pub use branches::branch_dimensions;
-pub use finite::{FiniteMobility, finite_mobility};
+pub use finite::{BoundOrigin, FiniteMobility, finite_mobility};
 pub use instantaneous::{
     InstantaneousMobility, RANK_THRESHOLD, augmented_mobility, instantaneous_mobility,
 };
@@ -30,6 +31,6 @@ pub use kutzbach::kutzbach_mobility;
 pub use near::{
     ForcedClosure, NearMiss, NearMobility, TOLERANCES, near_miss, near_mobility, near_tolerances,
 };
-pub use nearby::NearbyConfigurations;
+pub use nearby::{FreeMotions, NearbyConfigurations};
 pub use second_order::SecondOrder;
 pub(crate) use second_order::quadrics;

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::instantaneous::{InstantaneousMobility, instantaneous_mobility};
 use super::second_order::{SecondOrder, common_zero_near, second_order};
-use super::tracking::{ConfigurationTracker, Continuation, KEPT_RADIUS, random_direction};
+use super::tracking::{ConfigurationTracker, Continuation, random_direction};
 use crate::Error;
 use crate::constraint::{Configuration, System};
 use crate::linalg::svd;
@@ -12,12 +12,12 @@ use crate::random::Random;
 
 /// Distance from the given configuration at which branches are searched for, in radians and characteristic lengths.
 const RADIUS: f64 = 1e-2;
-/// Distance at which their dimension is certified: far enough out that a motion stopped at an order below 14 has ended.
+/// Distance at which their dimension is verified: far enough out that a motion stopped at an order below 14 has ended.
 const OUTER_RADIUS: f64 = 0.1;
-/// Distance nearer to which a branch has to be found again, so that it leads to the given configuration.
+/// Distance at which a branch has to be found again; whether it contains the given configuration is not decided.
 const INNER_RADIUS: f64 = 1e-3;
-/// Distance for which all directions of a branch are followed from the configuration where its dimension is certified.
-const PROOF_RADIUS: f64 = 0.1;
+/// Distance for which all directions of a branch are followed from the configuration where its dimension is verified.
+const FOLLOWED_RADIUS: f64 = 0.1;
 /// Singular values there below this share of the largest count as zero: where a constraint touches, a configuration is known to 10⁻⁷ only.
 const NEIGHBOUR_RANK_THRESHOLD: f64 = 1e-6;
 /// Displacements longer than this multiple of the distance are discarded.
@@ -32,19 +32,19 @@ const MAX_STARTS: usize = 96;
 /// Branches of known dimensions found one after another, after which the search ends.
 const ENOUGH_ALIKE: usize = 24;
 
-/// Configurations found near a given one, and the dimensions certified there.
+/// Configurations found near a given one, and the dimensions verified there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearbyConfigurations {
     /// How many directions were tried about the given configuration, up to the one that decided.
     pub tried: usize,
     /// How many of them ended on another configuration nearby.
     pub found: usize,
-    /// Dimensions of the branches, each certified numerically at a configuration of the branch; different ones, smallest first.
+    /// Dimensions of the branches, each verified numerically at a configuration of the branch; different ones, smallest first.
     pub dimensions: Vec<usize>,
 }
 
 impl NearbyConfigurations {
-    /// The largest certified dimension, 0 if there is none.
+    /// The largest verified dimension, 0 if there is none.
     #[must_use]
     pub fn dimension(&self) -> usize {
         self.dimensions.last().copied().unwrap_or(0)
@@ -57,33 +57,83 @@ impl NearbyConfigurations {
     }
 }
 
+/// Continuation of the motions that are in the null space of every quadric, where a combination of the quadrics stops all others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FreeMotions {
+    /// There are none, or they cannot all be continued.
+    NotFinite,
+    /// Random directions of them can be continued; the rank was not compared, as the second-order bound equals their number, or it is larger at the ends.
+    Finite,
+    /// Random directions of them can be continued, and all self-stresses persist along these motions, so that there are no other configurations nearby.
+    Isolated,
+}
+
+/// Continues the motions that the quadrics leave free, and compares the rank at the ends.
+///
+/// # Source
+/// Self-stresses that persist make the configurations a critical manifold, nondegenerate across it (Morse–Bott), `docs/explanation/mobility.md`
+pub(super) fn free_motions<S: System + ?Sized>(
+    tracker: &ConfigurationTracker<'_, S>,
+    at: &Configuration,
+    first: &InstantaneousMobility,
+    second: &SecondOrder,
+    radius: f64,
+) -> Result<FreeMotions, Error> {
+    if !second.definite || second.free == 0 {
+        return Ok(FreeMotions::NotFinite);
+    }
+    let free = &first.null_space * &second.free_motions;
+    let ends = match tracker.followed(at, first, &free, radius) {
+        Continuation::Finite(ends) => Some(ends),
+        // The motions may curve into the ones that are stopped.
+        Continuation::Obstructed | Continuation::Unresolved => {
+            ends_along(tracker, at, &free, radius)?
+        }
+    };
+    let Some(ends) = ends else { return Ok(FreeMotions::NotFinite) };
+    if second.upper_bound == second.free {
+        return Ok(FreeMotions::Finite);
+    }
+    // Round-off of an end changes singular values in proportion to the second derivatives.
+    let curvature = second.quadrics.iter().map(DMatrix::amax).fold(0.0, f64::max);
+    let cut = NEIGHBOUR_RANK_THRESHOLD * curvature.max(first.singular_values[0]);
+    for end in &ends {
+        // The rank at a random end is the largest along the motions, and near the start it is at least the one there.
+        let there = instantaneous_mobility(tracker.system(), &tracker.moved(at, end), 0.0)?;
+        if there.singular_values.iter().filter(|&&value| value > cut).count() != first.rank {
+            return Ok(FreeMotions::Finite);
+        }
+    }
+    Ok(FreeMotions::Isolated)
+}
+
+/// Dimension of the configurations, if it is that of the motions that second order leaves free: they are finite, and there are no others.
+fn decided_by_free_motions(second: &SecondOrder, free_motions: FreeMotions) -> Option<usize> {
+    let are_all = match free_motions {
+        FreeMotions::NotFinite => false,
+        FreeMotions::Finite => second.upper_bound == second.free,
+        FreeMotions::Isolated => true,
+    };
+    are_all.then_some(second.free)
+}
+
 /// Searches for branches until one of dimension `enough` is found.
 ///
 /// Starts are random motions of first order, and zeros of the second-order conditions near them.
-/// A branch counts if it is found at three distances from the given configuration, and if its dimension is certified at the farthest of them.
+/// A branch counts if it is found at three distances from the given configuration, and if its dimension is verified at the farthest of them.
 pub(super) fn find_nearby<S: System + ?Sized>(
     tracker: &ConfigurationTracker<'_, S>,
     at: &Configuration,
     first: &InstantaneousMobility,
     second: &SecondOrder,
+    free_motions: FreeMotions,
     enough: usize,
 ) -> Result<NearbyConfigurations, Error> {
     let mut found = NearbyConfigurations { tried: 0, found: 0, dimensions: Vec::new() };
-    // Where second order stops all other motions, the ones that it leaves free may all be finite.
-    if second.definite && second.free > 0 {
-        let free = &first.null_space * &second.free_motions;
-        let kept = match tracker.followed(at, first, &free, KEPT_RADIUS) {
-            Continuation::Finite(_) => true,
-            // The motions may curve into the ones that are stopped.
-            Continuation::Obstructed | Continuation::Unresolved => {
-                all_lead(tracker, at, &free, KEPT_RADIUS)?
-            }
-        };
-        if kept {
-            found.tried += second.free + 2;
-            found.found += second.free + 2;
-            found.add(second.free);
-        }
+    if let Some(dimension) = decided_by_free_motions(second, free_motions) {
+        found.tried += dimension + 2;
+        found.found += dimension + 2;
+        found.add(dimension);
     }
     let (mut random, mut nothing_new) = (Random(1), 0);
     for _ in 0..(STARTS_PER_MOTION * first.mobility).min(MAX_STARTS) {
@@ -115,21 +165,21 @@ pub(super) fn find_nearby<S: System + ?Sized>(
     Ok(found)
 }
 
-/// Dimension of the branch that a displacement leads to, if it can be certified.
+/// Dimension of the branch that a displacement leads to, if it can be verified.
 fn dimension_of_branch<S: System + ?Sized>(
     tracker: &ConfigurationTracker<'_, S>,
     at: &Configuration,
     displacement: &DVector<f64>,
 ) -> Result<Option<usize>, Error> {
     let Some(outer) = tracker.at_distance(at, displacement, OUTER_RADIUS)? else { return Ok(None) };
-    let Some(dimension) = proven_dimension(tracker, &tracker.moved(at, &outer), &outer)? else {
+    let Some(dimension) = verified_dimension(tracker, &tracker.moved(at, &outer), &outer)? else {
         return Ok(None);
     };
     Ok(tracker.at_distance(at, displacement, INNER_RADIUS)?.map(|_| dimension))
 }
 
-/// Dimension of the configurations about one off the given, if it can be certified there: all constraints are independent, or random directions of all instantaneous motions can be followed, or of all that second order leaves free.
-fn proven_dimension<S: System + ?Sized>(
+/// Dimension of the configurations about one off the given, if it can be verified there: all constraints are independent, or random directions of all instantaneous motions can be followed, or of all that second order leaves free.
+fn verified_dimension<S: System + ?Sized>(
     tracker: &ConfigurationTracker<'_, S>,
     there: &Configuration,
     outward: &DVector<f64>,
@@ -141,8 +191,7 @@ fn proven_dimension<S: System + ?Sized>(
     if first.redundancy == 0 {
         return Ok(Some(first.mobility));
     }
-    let followed = |motions: &DMatrix<f64>| tracker.followed(there, &first, motions, PROOF_RADIUS);
-    let broken = match followed(&first.null_space) {
+    let broken = match tracker.followed(there, &first, &first.null_space, FOLLOWED_RADIUS) {
         Continuation::Finite(_) => return Ok(Some(first.mobility)),
         Continuation::Obstructed => true,
         Continuation::Unresolved
@@ -153,16 +202,11 @@ fn proven_dimension<S: System + ?Sized>(
         Continuation::Unresolved => false,
     };
     let second = second_order(tracker.system(), there, &first)?;
-    if second.definite && second.free > 0 {
-        let free = &first.null_space * &second.free_motions;
-        if let Continuation::Finite(_) = followed(&free) {
-            return Ok(Some(second.free));
-        }
-        if all_lead(tracker, there, &free, PROOF_RADIUS)? {
-            return Ok(Some(second.free));
-        }
+    let free_motions = free_motions(tracker, there, &first, &second, FOLLOWED_RADIUS)?;
+    if let Some(dimension) = decided_by_free_motions(&second, free_motions) {
+        return Ok(Some(dimension));
     }
-    // A direction that breaks leaves one dimension less at most; motions of as many dimensions prove it.
+    // A direction that is obstructed leaves one dimension less at most.
     let upper_bound = second.upper_bound.min(first.mobility - usize::from(broken));
     let dimension = spanned(tracker, there, outward, &first)?;
     Ok((dimension > 0 && dimension == upper_bound).then_some(dimension))
@@ -176,7 +220,7 @@ fn spanned<S: System + ?Sized>(
     first: &InstantaneousMobility,
 ) -> Result<usize, Error> {
     let led = |direction: &DVector<f64>| {
-        tracker.corrected(there, direction * PROOF_RADIUS, FARTHEST * PROOF_RADIUS)
+        tracker.corrected(there, direction * FOLLOWED_RADIUS, FARTHEST * FOLLOWED_RADIUS)
     };
     let mut random = Random(8);
     let mixed = DMatrix::from_fn(first.mobility, first.mobility, |_, _| random.next());
@@ -186,7 +230,7 @@ fn spanned<S: System + ?Sized>(
         let direction = &end * 1.0_f64.copysign(end.dot(outward));
         match led(&direction)? {
             // A motion that reverses is at the end of its range.
-            Some(found) if found.dot(&direction) > 0.0 => end.copy_from(&(found / PROOF_RADIUS)),
+            Some(found) if found.dot(&direction) > 0.0 => end.copy_from(&(found / FOLLOWED_RADIUS)),
             _ => end.fill(0.0),
         }
     }
@@ -196,24 +240,25 @@ fn spanned<S: System + ?Sized>(
     for mut direction in directions.column_iter_mut() {
         direction *= 1.0_f64.copysign(direction.dot(outward));
     }
-    Ok(if all_lead(tracker, there, &directions, PROOF_RADIUS)? { dimension } else { 0 })
+    let led = ends_along(tracker, there, &directions, FOLLOWED_RADIUS)?;
+    Ok(if led.is_some() { dimension } else { 0 })
 }
 
-/// Whether random mixtures of orthonormal directions lead to configurations at some distance, each in about its own direction.
-fn all_lead<S: System + ?Sized>(
+/// Displacements to which random mixtures of orthonormal directions lead at some distance; `None` unless each is in about its own direction.
+fn ends_along<S: System + ?Sized>(
     tracker: &ConfigurationTracker<'_, S>,
     from: &Configuration,
     directions: &DMatrix<f64>,
     radius: f64,
-) -> Result<bool, Error> {
+) -> Result<Option<Vec<DVector<f64>>>, Error> {
     let mut random = Random(9);
+    let mut ends = Vec::with_capacity(directions.ncols() + 2);
     for _ in 0..directions.ncols() + 2 {
         let direction = directions * random_direction(&mut random, directions.ncols());
         let end = tracker.corrected(from, &direction * radius, FARTHEST * radius)?;
-        let cosine = end.map_or(0.0, |end| end.dot(&direction) / end.norm());
-        if cosine.is_nan() || cosine < STRAIGHT {
-            return Ok(false);
-        }
+        let straight = |end: &DVector<f64>| end.dot(&direction) / end.norm() >= STRAIGHT;
+        let Some(end) = end.filter(straight) else { return Ok(None) };
+        ends.push(end);
     }
-    Ok(true)
+    Ok(Some(ends))
 }

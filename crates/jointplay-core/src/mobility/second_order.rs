@@ -3,10 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::InstantaneousMobility;
+use super::common_zeros::{codimension, have_common_zero, zero_near};
 use crate::Error;
 use crate::constraint::{Configuration, System, units};
 use crate::linalg::svd;
-use crate::random::Random;
 
 /// Entries of the quadrics up to this share of the largest second derivative count as zero.
 ///
@@ -16,11 +16,6 @@ const QUADRIC_THRESHOLD: f64 = 1e-8;
 /// Steps of the search for a positive definite combination; a search that needs more ends as "none found", which only weakens the bound.
 const COMBINATION_STEPS: usize = 400;
 
-/// Starts and steps of the search for a direction on which all quadrics vanish, and the share of a direction that a step has to leave.
-const ZERO_STARTS: usize = 3;
-const ZERO_STEPS: usize = 20;
-const LEAST_LEFT: f64 = 0.1;
-
 /// Second-order conditions on the instantaneous motions.
 ///
 /// Each self-stress s gives a quadric Q_s(a) = sᵀ Φ''[N a, N a] on the coordinates a of the null space; a finite motion has to start where all are zero.
@@ -28,13 +23,15 @@ const LEAST_LEFT: f64 = 0.1;
 pub struct SecondOrder {
     /// (mobility, mobility) one symmetric matrix for each self-stress, dimensionless.
     pub quadrics: Vec<DMatrix<f64>>,
-    /// Dimension of the motions on which every quadric vanishes identically together with its gradient.
+    /// Dimension of the motions that are in the null space of every quadric.
     pub free: usize,
-    /// (mobility, free) orthonormal basis of them.
+    /// (mobility, free) orthonormal basis of the motions that are in the null space of every quadric.
     pub free_motions: DMatrix<f64>,
-    /// Whether some combination of the quadrics is positive on all other motions, which stops them all.
+    /// Whether some combination of the quadrics is positive on all other motions, so that every finite motion is tangent to the free ones.
+    ///
+    /// This alone does not bound the dimension: x² + y² = z³ is a surface, and all its curves through the origin are tangent to the z axis.
     pub definite: bool,
-    /// No finite motion has more freedoms.
+    /// Largest possible dimension of the finite motions: that of the common complex zeros of the quadrics, and 0 where a combination is positive on all motions.
     pub upper_bound: usize,
 }
 
@@ -70,27 +67,13 @@ impl SecondOrder {
             && has_definite_combination(&restricted, cut);
         let upper_bound = match (stopped, definite) {
             (0, _) => mobility,
-            (_, true) => free,
-            // One quadric that is not identically zero takes at least one dimension; one that is no product of planes shares no component with another, so that the two take two.
-            (_, false) if has_irreducible_pair(&restricted, cut)? => mobility - 2,
-            (_, false) => mobility - 1,
+            (_, true) if free == 0 => 0,
+            // Complex configurations have the dimension of their tangent cone, which lies in the common zeros.
+            _ => mobility - codimension(&restricted, cut)?,
         };
         let free_motions = decomposition.v.columns(stopped, free).into_owned();
         Ok(Self { quadrics, free, free_motions, definite, upper_bound })
     }
-}
-
-/// Whether all quadrics vanish on some direction, as far as Newton's method finds one from a few starts.
-fn have_common_zero(quadrics: &[DMatrix<f64>], cut: f64) -> Result<bool, Error> {
-    let size = quadrics[0].nrows();
-    let mut random = Random(6);
-    for _ in 0..ZERO_STARTS {
-        let start = DVector::from_fn(size, |_, _| random.next()).normalize();
-        if zero_near(quadrics, start, cut)?.is_some() {
-            return Ok(true);
-        }
-    }
-    Ok(false)
 }
 
 /// A direction on which all quadrics vanish, found from a direction near it; `None` where Newton's method finds none.
@@ -103,49 +86,6 @@ pub(super) fn common_zero_near(
         return Ok(None);
     }
     zero_near(quadrics, start, QUADRIC_THRESHOLD * largest)
-}
-
-fn zero_near(
-    quadrics: &[DMatrix<f64>],
-    mut there: DVector<f64>,
-    cut: f64,
-) -> Result<Option<DVector<f64>>, Error> {
-    for _ in 0..ZERO_STEPS {
-        let products: Vec<DVector<f64>> = quadrics.iter().map(|q| q * &there).collect();
-        let values = products.iter().map(|product| product.dot(&there));
-        let values = DVector::from_iterator(products.len(), values);
-        if values.amax() <= cut {
-            return Ok(Some(there));
-        }
-        let gradients = DMatrix::from_columns(&products).transpose() * 2.0;
-        let decomposition = svd(&gradients)?;
-        there -= decomposition.solve(&values, decomposition.rank(QUADRIC_THRESHOLD));
-        let norm = there.norm();
-        if norm < LEAST_LEFT {
-            break;
-        }
-        there /= norm;
-    }
-    Ok(None)
-}
-
-/// Whether two of the quadrics are independent and some combination of them is of rank 3 or more, which makes it irreducible over the complex numbers.
-///
-/// # Source
-/// Dimension of an intersection: \[CoxLittleOShea\], section 9.4
-fn has_irreducible_pair(quadrics: &[DMatrix<f64>], cut: f64) -> Result<bool, Error> {
-    let flat: Vec<DVector<f64>> =
-        quadrics.iter().map(|quadric| DVector::from_column_slice(quadric.as_slice())).collect();
-    let independent = svd(&DMatrix::from_columns(&flat))?;
-    if independent.singular_values.iter().filter(|&&value| value > cut).count() < 2 {
-        return Ok(false);
-    }
-    let mut random = Random(3);
-    let size = quadrics[0].nrows();
-    let mixed = quadrics
-        .iter()
-        .fold(DMatrix::zeros(size, size), |sum, quadric| sum + quadric * random.next());
-    Ok(svd(&mixed)?.singular_values.iter().filter(|&&value| value > cut).count() >= 3)
 }
 
 /// sᵀ Φ''[N a, N b] for each self-stress, by polarisation.

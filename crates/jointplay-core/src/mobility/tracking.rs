@@ -50,8 +50,8 @@ const GAP: f64 = 10.0;
 
 /// Result of following some instantaneous motions in random directions.
 pub(super) enum Continuation {
-    /// Every direction is a finite motion; the number of directions tried.
-    Finite(usize),
+    /// Every direction is a finite motion; the displacements at their ends.
+    Finite(Vec<DVector<f64>>),
     /// One violates constraints that no correction can restore: the dimension of the finite motions is lower by at least one.
     Obstructed,
     /// One could not be followed for the whole distance.
@@ -114,10 +114,10 @@ impl<'a, S: System + ?Sized> ConfigurationTracker<'a, S> {
     ) -> Continuation {
         let h = motions.ncols();
         let mut random = Random(2);
-        let tried = h + 2;
+        let mut ends = Vec::with_capacity(h + 2);
         // Loops that are closed only so far cannot show smaller mismatches.
         let broken = BROKEN.max(100.0 * self.found).max(BROKEN_RATIO * self.closed.amax());
-        for _ in 0..tried {
+        for _ in 0..h + 2 {
             let direction = random_direction(&mut random, h);
             let mut displacement = motions * direction * radius;
             let mut before = f64::INFINITY;
@@ -143,8 +143,9 @@ impl<'a, S: System + ?Sized> ConfigurationTracker<'a, S> {
             if !kept {
                 return Continuation::Unresolved;
             }
+            ends.push(displacement);
         }
-        Continuation::Finite(tried)
+        Continuation::Finite(ends)
     }
 
     /// Follows all instantaneous motions by continuation with steps as long as the configurations allow; returns the number of directions if all continue at constant rank.

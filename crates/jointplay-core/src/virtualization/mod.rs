@@ -1,6 +1,6 @@
 //! Virtual joints that relieve an overconstrained platform, and how their displacements are found.
 //!
-//! A *virtualization* is a map X → sockets p_k(X) in the platform plane; the sides between the sockets are then L_ij(X) = |p_j − p_i|.
+//! A *virtualization* is a map X → sockets p_k(X) in the platform plane; the sides between the sockets are then ℓ_ij(X) = |p_j − p_i|.
 //! Choosing X is choosing where the platform sits over the triangle of the ball centres: the three ball centres fix only the plane and the three sides.
 //!
 //! | virtualization | X | socket k |

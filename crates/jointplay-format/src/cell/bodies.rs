@@ -6,7 +6,7 @@ use jointplay_cell::geometry::Shape;
 use jointplay_cell::robot::HybridRobot;
 use jointplay_cell::station::Station;
 use jointplay_cell::station::teach::frame;
-use jointplay_cell::workcell::{Body, Carrier, Zone, ZoneRule};
+use jointplay_cell::workcell::{Body, ParentFrame, Zone, ZoneRule};
 use jointplay_cell::{CellError, MAX_BODIES};
 use jointplay_core::spatial::{Pose, Tilt};
 
@@ -35,14 +35,14 @@ pub(super) fn bodies(
             table.whose = format!("the body {name:?}");
             unique(&table, "body", name, &mut names);
         }
-        let carried = carrier(&table, robot, (stations, &station_names));
+        let carried = parent(&table, robot, (stations, &station_names));
         let pose = pose(&table);
         let shape = shape(&table, files);
         table.finish();
         let (Some(name), Some(carried), Some(shape)) = (name, carried, shape) else { continue };
-        let (carrier, station) = carried;
+        let (parent, station) = carried;
         let frame = station.map_or(Pose::identity(), |found| stations[found].base_from_station);
-        bodies.push(Body { name, carrier, carrier_from_shape: frame * pose, shape, station });
+        bodies.push(Body { name, parent, parent_from_shape: frame * pose, shape, station });
     }
     bodies
 }
@@ -109,19 +109,19 @@ pub(super) fn pairs(top: &Table, bodies: &[Body]) -> Vec<[usize; 2]> {
     entry.list(reader).unwrap_or_default().into_iter().filter_map(pair).collect()
 }
 
-/// The carrier of a body, and the station in whose frame its pose is given.
-fn carrier(
+/// The parent of a body, and the station in whose frame its pose is given.
+fn parent(
     table: &Table,
     robot: Option<&HybridRobot>,
     (stations, names): (&[Station], &[String]),
-) -> Option<(Carrier, Option<usize>)> {
+) -> Option<(ParentFrame, Option<usize>)> {
     let reader = table.reader;
-    let Some(entry) = table.entry("on") else { return Some((Carrier::World, None)) };
+    let Some(entry) = table.entry("on") else { return Some((ParentFrame::World, None)) };
     if entry.is_text() {
-        let known = [("world", Carrier::World), ("platform", Carrier::Platform)];
-        return Some((entry.word(reader, "carrier", &known)?, None));
+        let known = [("world", ParentFrame::World), ("platform", ParentFrame::Platform)];
+        return Some((entry.word(reader, "parent", &known)?, None));
     }
-    let on = entry.table(reader, "a carrier")?;
+    let on = entry.table(reader, "a parent")?;
     let (station, arm, link) = (on.entry("station"), on.entry("arm"), on.entry("link"));
     on.finish();
     let (name, link) = match (station, arm, link) {
@@ -134,7 +134,7 @@ fn carrier(
                 }
                 return None;
             };
-            return Some((Carrier::World, Some(found)));
+            return Some((ParentFrame::World, Some(found)));
         }
         (None, Some(arm), Some(link)) => (arm, link),
         _ => {
@@ -150,7 +150,7 @@ fn carrier(
         return None;
     };
     let link = link.count(reader, 1, robot.arms[index].joints.len())? - 1;
-    Some((Carrier::Link { arm: index, link }, None))
+    Some((ParentFrame::Link { arm: index, link }, None))
 }
 
 fn pose(table: &Table) -> Pose {

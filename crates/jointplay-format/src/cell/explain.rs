@@ -271,3 +271,15 @@ fn is_same(one: &LimitViolation, other: &LimitViolation) -> bool {
         _ => false,
     }
 }
+
+/// An angle by which to level a station, and the part that compensates the deflection of the arms (°).
+pub(crate) fn leveling_angle(by: f64, for_arms: f64) -> String {
+    // Rounded up: a correction by less would not suffice.
+    let [by, for_arms] = [by, for_arms].map(|angle| (angle * 1e3).ceil() * 1e-3);
+    let arms = if for_arms > 1e-3 {
+        format!(", {for_arms:.3}° of which compensate the deflection of the loaded arms")
+    } else {
+        String::new()
+    };
+    format!("{by:.3}°{arms}")
+}

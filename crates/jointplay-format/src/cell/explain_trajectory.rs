@@ -36,7 +36,7 @@ pub fn explain_step(robot: &HybridRobot, error: &StepError) -> String {
 /// The message of a Cartesian line that the axes cannot follow, with a remedy.
 #[must_use]
 pub fn explain_path(robot: &HybridRobot, error: &PathError) -> String {
-    let share = 100.0 * error.share;
+    let share = 100.0 * error.fraction;
     let position_on_line = error.position.map_or_else(String::new, |position| {
         let [x, y, z] = [position.x, position.y, position.z].map(mm);
         format!(", at x {x:.1}, y {y:.1}, z {z:.1} mm")
@@ -55,7 +55,7 @@ pub fn explain_path(robot: &HybridRobot, error: &PathError) -> String {
                 tilt * 1e3
             )
         }
-        PathErrorKind::OtherBranch { axis, difference } => {
+        PathErrorKind::GoalOnOtherBranch { axis, difference } => {
             let axis = &robot.axes[*axis];
             format!(
                 "the line ends on another branch of the arm than required: axis {} differs by {}; {REMEDY}",
@@ -63,7 +63,7 @@ pub fn explain_path(robot: &HybridRobot, error: &PathError) -> String {
                 position(axis, *difference)
             )
         }
-        PathErrorKind::BranchJump => {
+        PathErrorKind::Discontinuity => {
             format!("the axes jump from one branch of the arm to another; {REMEDY}")
         }
         PathErrorKind::NotConverged { deviation, points } => format!(

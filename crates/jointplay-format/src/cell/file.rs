@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use jointplay_cell::robot::{EffectorId, HybridRobot};
-use jointplay_cell::station::SlotId;
+use jointplay_cell::station::{DwellLimits, SlotId, WaferRules};
 use jointplay_cell::wafer::{Material, Wafer, check_thin_plate};
 use jointplay_cell::workcell::Cell;
 use jointplay_cell::{CellError, CellPart, InvalidPart};
@@ -12,6 +12,8 @@ use super::effectors::{Effectors, effectors, named_effectors};
 use super::explain::explain;
 use super::files::{Files, read_named_file};
 use super::problem::{Errors, Fault};
+use super::rules::visits;
+use super::stations::Dwell;
 use super::tree::{AllowedRange, Entry, Reader, Table};
 use super::{bodies, robot, stations};
 use crate::catalogue;
@@ -72,7 +74,8 @@ fn span_of(top: &Table, part: CellPart) -> Range<usize> {
         CellPart::Zone(index) => nth("zone", index),
         CellPart::AllowedPair(_) => entry("may_touch"),
         CellPart::Occupied(_) => entry("station"),
-        CellPart::Carried(_) => entry("carried"),
+        CellPart::LoadedEffector(_) => entry("carried"),
+        CellPart::Rules => entry("rule"),
     };
     found.unwrap_or(0..0)
 }
@@ -100,11 +103,17 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
     );
     let bare = bare(robot.as_ref(), wafer.as_ref(), budgets);
     let read = stations::read(top, (robot.as_ref(), bare.as_ref()), effectors.as_ref());
-    let (stations, occupied): (Vec<_>, Vec<Vec<usize>>) = read.into_iter().unzip();
+    let dwell = read.iter().enumerate().filter_map(|(station, read)| {
+        read.dwell.map(|Dwell { min, max }| DwellLimits { station, min, max })
+    });
+    let dwell = dwell.collect();
+    let (stations, occupied): (Vec<_>, Vec<Vec<usize>>) =
+        read.into_iter().map(|read| (read.station, read.wafers)).unzip();
+    let rules = WaferRules { dwell, visits: visits(top, &stations) };
     let bodies = bodies::bodies(top, robot.as_ref(), &stations, files);
     let allowed_pairs = bodies::pairs(top, &bodies);
     let zones = bodies::zones(top, files);
-    let carried = carried(top, effectors.as_ref());
+    let loaded_effectors = loaded_effectors(top, effectors.as_ref());
     kind?;
     let [play_budget, clearance, slot_clearance, plane_threshold, gravity] = budgets?;
     let occupied = occupied
@@ -118,10 +127,11 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
         wafer: wafer?,
         occupied: occupied.collect(),
         stations,
-        carried,
+        loaded_effectors,
         bodies,
         allowed_pairs,
         zones,
+        rules,
         play_budget,
         clearance,
         slot_clearance,
@@ -144,10 +154,11 @@ fn bare(
         wafer: wafer?.clone(),
         stations: Vec::new(),
         occupied: Vec::new(),
-        carried: Vec::new(),
+        loaded_effectors: Vec::new(),
         bodies: Vec::new(),
         allowed_pairs: Vec::new(),
         zones: Vec::new(),
+        rules: WaferRules::default(),
         play_budget,
         clearance,
         slot_clearance,
@@ -156,7 +167,7 @@ fn bare(
     })
 }
 
-fn carried(top: &Table, effectors: Option<&Effectors>) -> Vec<EffectorId> {
+fn loaded_effectors(top: &Table, effectors: Option<&Effectors>) -> Vec<EffectorId> {
     let (Some(entry), Some(known)) = (top.entry("carried"), effectors) else { return Vec::new() };
     named_effectors(&entry, top.reader, known)
 }

@@ -13,6 +13,7 @@ mod mesh;
 mod pose;
 mod problem;
 pub mod robot;
+mod rules;
 mod stations;
 mod tree;
 mod unique;

@@ -10,7 +10,7 @@ use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::{Pose, Tilt};
 
 use super::effectors::{Effectors, named_effectors};
-use super::explain::explain_teach;
+use super::explain::{explain_teach, leveling_angle};
 use super::pose::{points, yaw_and_tilt};
 use super::problem::Fault;
 use super::tree::{AllowedRange, Reader, Table};
@@ -25,12 +25,26 @@ const TAUGHT_THRESHOLD_UM: f64 = 100.0;
 /// Largest relative deviation of the pitch between the first and the last slot.
 const PITCH_SHARE: f64 = 0.01;
 
-/// All stations, each with its occupied slots.
+/// A station with its occupied slots and the limits of stays.
+pub(super) struct ReadStation {
+    pub(super) station: Station,
+    pub(super) wafers: Vec<usize>,
+    pub(super) dwell: Option<Dwell>,
+}
+
+/// Limits of the stay of a wafer (s).
+#[derive(Clone, Copy)]
+pub(super) struct Dwell {
+    pub(super) min: f64,
+    pub(super) max: Option<f64>,
+}
+
+/// All stations.
 pub(super) fn read(
     top: &Table,
     robot: (Option<&HybridRobot>, Option<&Cell>),
     effectors: Option<&Effectors>,
-) -> Vec<(Station, Vec<usize>)> {
+) -> Vec<ReadStation> {
     let mut names = BTreeMap::new();
     let tables = top.tables("station");
     if tables.is_empty() {
@@ -54,7 +68,7 @@ fn station(
     name: Option<String>,
     (robot, bare): (Option<&HybridRobot>, Option<&Cell>),
     effectors: Option<&Effectors>,
-) -> Option<(Station, Vec<usize>)> {
+) -> Option<ReadStation> {
     let reader = table.reader;
     let slots = table.entry("slots").map_or(Some(1), |slots| slots.count(reader, 1, MAX_SLOTS));
     let pitch =
@@ -82,6 +96,7 @@ fn station(
     };
     let stroke = stroke(table);
     let process_time = table.number_or("process_s", AllowedRange::NotNegative, 0.0);
+    let dwell = dwell(table, process_time);
     let wafers = wafers(table, slots.unwrap_or(1));
     let (base_from_station, origin, pitch) = placed?;
     let station = Station {
@@ -102,7 +117,29 @@ fn station(
         check_tilt(table, &station, robot, bare);
     }
     check_reach(table, &station);
-    Some((station, wafers))
+    Some(ReadStation { station, wafers, dwell })
+}
+
+/// Limits of the stay of a wafer, without the station's index; none where there are no keys.
+fn dwell(table: &Table, process_time: f64) -> Option<Dwell> {
+    let seconds = |key| {
+        let entry = table.entry(key)?;
+        entry.number(table.reader, AllowedRange::NotNegative)
+    };
+    let (min, max) = (seconds("min_process_s"), seconds("max_dwell_s"));
+    let longest_need = [("min_process_s", min), ("process_s", Some(process_time))];
+    for (key, need) in longest_need {
+        if let (Some(need), Some(max)) = (need, max)
+            && need > max
+        {
+            let (need, max) = (number(need), number(max));
+            table.report_at("max_dwell_s", Fault::Unfit(format!(
+                "`max_dwell_s` of {} is {max}, but `{key}` requires a stay of {need} s: increase `max_dwell_s` to {need} or more",
+                table.whose
+            )));
+        }
+    }
+    (min.is_some() || max.is_some()).then(|| Dwell { min: min.unwrap_or(0.0), max })
 }
 
 fn stroke(table: &Table) -> Option<Stroke> {
@@ -214,17 +251,12 @@ fn check_tilt(table: &Table, station: &Station, robot: &HybridRobot, bare: Optio
     let (pitch, yaw) = (deg(tilt.pitch), deg(tilt.yaw));
     let excess = pitch - deg(max);
     let by = bare.and_then(|cell| cell.leveling(station)).map_or(excess, deg);
-    // Rounded up, so that following the message suffices.
-    let [by, for_arms] = [by.max(excess), by - excess].map(|angle| (angle * 1e3).ceil() * 1e-3);
-    let arms = if for_arms > 1e-3 {
-        format!(", {for_arms:.3}° of which compensate the deflection of the loaded arms")
-    } else {
-        String::new()
-    };
+    let by = by.max(excess);
     table.reader.report(span, Fault::Unfit(format!(
-        "{} tilts {pitch:.3}° toward {yaw:.1}°, but the robot tilts by at most {:.3}°: level the station by at least {by:.3}°{arms}",
+        "{} tilts {pitch:.3}° toward {yaw:.1}°, but the robot tilts by at most {:.3}°: level the station by at least {}",
         table.whose,
         deg(max),
+        leveling_angle(by, by - excess)
     )));
 }
 

@@ -5,7 +5,7 @@ use jointplay_cell::robot::{Axis, AxisKind, HybridRobot};
 use jointplay_cell::station::LineRemedy;
 
 use super::lexer::{Token, line_at};
-use crate::cell::explain::{explain_limit, explain_sag, explain_unreachable_pose};
+use crate::cell::explain::{explain_limit, explain_sag, explain_unreachable_pose, leveling_angle};
 use crate::place::{self, Error, nearest, suggestion};
 
 /// A planning error of a program as a message.
@@ -44,10 +44,10 @@ fn message(robot: &HybridRobot, error: &ProgramError) -> String {
             let remedy = leveling.as_ref().map_or_else(String::new, remedy);
             format!("effector {effector}, {load}, does not reach {target}: {why}{remedy}")
         }
-        ProgramProblem::BlockedLine { station, effector, blocked } => {
+        ProgramProblem::InfeasibleLine { station, effector, blocked } => {
             format!(
                 "effector {effector} cannot follow the line into {station}: its arm stops {:.1} % along the line, with the wafer {:.1} mm from the axis that the arm turns about{}",
-                blocked.share * 1e2,
+                blocked.fraction * 1e2,
                 blocked.reach * 1e3,
                 line_remedies(robot, station, &blocked.remedies)
             )
@@ -93,9 +93,8 @@ fn line_remedies(robot: &HybridRobot, station: &str, remedies: &[LineRemedy]) ->
 }
 
 fn remedy(leveling: &Leveling) -> String {
-    // Rounded up: a correction by less would not suffice.
-    let angle = (leveling.angle.to_degrees() * 1e3).ceil() * 1e-3;
-    format!("; level {} by at least {angle:.3}°", leveling.station)
+    let [by, for_arms] = [leveling.angle, leveling.for_deflection].map(f64::to_degrees);
+    format!("; level {} by at least {}", leveling.station, leveling_angle(by, for_arms))
 }
 
 /// The place in the text, with the width of the marked part.

@@ -15,6 +15,7 @@
 //! | read the valid lines of a program | [`parse_recovering`] |
 //! | format the text of a program | [`format`](fn@format) |
 //! | write a program as text | [`write`](fn@write) |
+//! | name a phase of an instruction | [`phase_name`] |
 //! | show a planning error in the text | [`explain`](fn@explain) |
 
 mod cursor;
@@ -22,6 +23,7 @@ mod explain;
 mod layout;
 mod lexer;
 mod parser;
+mod phase;
 mod problem;
 mod words;
 mod write;
@@ -29,6 +31,7 @@ mod write;
 pub use explain::{Explained, explain};
 pub use layout::format;
 pub use parser::{MAX_BYTES, MAX_DEPTH, parse, parse_recovering};
+pub use phase::phase_name;
 pub use problem::{Error, Problem};
 pub use words::keywords;
 pub use write::write;

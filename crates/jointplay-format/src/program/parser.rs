@@ -245,7 +245,7 @@ fn simple(command: &str, cursor: &mut Cursor<'_, '_>) -> Result<Command, Error> 
         }
         "SPEED" => {
             let allowed = [(Unit::Percent, SLOWEST, 100.0)];
-            Command::Speed { share: cursor.quantity("a share of the limits", &allowed)?.0 }
+            Command::Speed { fraction: cursor.quantity("a share of the limits", &allowed)?.0 }
         }
         "BLEND" if cursor.accept("OFF") => Command::Blend { radius: 0.0 },
         "BLEND" => {

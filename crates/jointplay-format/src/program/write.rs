@@ -79,7 +79,7 @@ fn simple(command: &Command) -> String {
         }
         Command::Goto { to, effector } => format!("GOTO {}{}", slot(to), with(effector.as_ref())),
         Command::Wait { seconds } => format!("WAIT {seconds} s"),
-        Command::Speed { share } => format!("SPEED {} %", shift(*share, 2)),
+        Command::Speed { fraction } => format!("SPEED {} %", shift(*fraction, 2)),
         Command::Blend { radius } if *radius == 0.0 => "BLEND OFF".to_owned(),
         Command::Blend { radius } => format!("BLEND {} mm", mm(*radius)),
         Command::Tilt { tilt } if *tilt == Tilt::LEVEL => "TILT LEVEL".to_owned(),

@@ -56,7 +56,7 @@ pub fn samples_with_peaks(
     rate: f64,
 ) -> Result<Vec<Column>, Error> {
     motion_export.check_rate(rate)?;
-    let times = peak_times(motion_export, rate, [0.0, motion_export.motion.duration()]);
+    let times = plot_times(motion_export, rate, [0.0, motion_export.motion.duration()]);
     table(motion_export, times.into_iter().map(|time| motion_export.motion.sample_at(time)))
 }
 
@@ -78,7 +78,7 @@ pub fn samples_within(
     motion_export.check_rate(rate)?;
     let motion = motion_export.motion;
     if peaks {
-        let times = peak_times(motion_export, rate, [from, to]);
+        let times = plot_times(motion_export, rate, [from, to]);
         return table(motion_export, times.into_iter().map(|time| motion.sample_at(time)));
     }
     let times = motion.sample_times(rate).iter().filter(|time| (from..=to).contains(time));
@@ -86,9 +86,9 @@ pub fn samples_within(
 }
 
 /// Sample times between which velocities and accelerations are linear, within a share of the limits without a wafer (s).
-fn peak_times(motion_export: &MotionExport<'_>, rate: f64, interval: [f64; 2]) -> Vec<f64> {
+fn plot_times(motion_export: &MotionExport<'_>, rate: f64, interval: [f64; 2]) -> Vec<f64> {
     let limits = motion_export.cell.robot.axes.iter().map(|axis| &axis.empty);
-    motion_export.motion.peak_times(rate, interval, limits)
+    motion_export.motion.plot_times(rate, interval, limits)
 }
 
 fn table(

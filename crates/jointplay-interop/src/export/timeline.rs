@@ -15,6 +15,7 @@ use jointplay_cell::program::WaferTransfer;
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::trajectory::Trajectory;
 use jointplay_cell::workcell::Cell;
+use jointplay_format::program::phase_name;
 
 use self::envelope::of_step;
 use self::relative_time::since;
@@ -22,7 +23,7 @@ use super::error::Error;
 use super::motion_export::MotionExport;
 use super::segment::Segment;
 use super::wafer_frames::WaferFrames;
-use jointplay_report::{ViolationReport, phase_name};
+use jointplay_report::ViolationReport;
 
 pub use envelope::Envelope;
 pub use held_at::{HeldAt, wafers_at_start};

@@ -1,11 +1,14 @@
-//! The timing diagram of a trajectory: motions of the axes by instruction.
+//! The timing diagram of a trajectory: motions of the axes by instruction, and wafers on effectors and at stations.
 
 use jointplay_cell::program::{Handoff, Step};
 use jointplay_cell::robot::EffectorId;
+use jointplay_cell::schedule::Schedule;
 use jointplay_cell::station::SlotId;
 use jointplay_cell::trajectory::Trajectory;
 use jointplay_cell::workcell::Cell;
 
+use super::gantt_interval::{Interval, IntervalKind};
+use super::gantt_places::places;
 use crate::linear_ticks::linear_ticks;
 use crate::svg::{Anchor, INK, Svg, px};
 use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
@@ -23,36 +26,14 @@ const SHORTEST: f64 = 60.0;
 /// Largest number of bands.
 const MOST_BANDS: f64 = 12.0;
 
-/// A time interval of one kind.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Interval {
-    /// Start (s).
-    pub from: f64,
-    /// End (s).
-    pub to: f64,
-    /// Its kind.
-    pub kind: IntervalKind,
-}
-
-/// The kind of a time interval.
-#[derive(Debug, Clone, PartialEq)]
-pub enum IntervalKind {
-    /// Motion of an axis, by index, without a wafer on any effector.
-    Empty(usize),
-    /// Motion of an axis, by index, with a wafer on an effector.
-    Loaded(usize),
-    /// An instruction, with its labels from long to short; the first one that fits is shown.
-    Instruction(Vec<String>),
-    /// A violation.
-    Violation,
-}
-
 /// The timing diagram of a trajectory; long trajectories are split into bands, one below the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gantt {
     /// Names of the axes.
     pub axes: Vec<String>,
-    /// Intervals of instructions, motions and violations.
+    /// Names of effectors and stations with wafers.
+    pub places: Vec<String>,
+    /// Intervals of instructions, motions, wafers and violations.
     pub intervals: Vec<Interval>,
     /// Duration of the trajectory (s).
     pub duration: f64,
@@ -67,6 +48,7 @@ impl Gantt {
     ///
     /// # Arguments
     /// * `cell` – the cell of the trajectory
+    /// * `schedule` – of the trajectory
     /// * `lines` – text of the program, for the labels of instructions
     /// * `violations` – start and end of each violation (s)
     #[must_use]
@@ -74,6 +56,7 @@ impl Gantt {
         title: &str,
         cell: &Cell,
         motion: &Trajectory,
+        schedule: &Schedule,
         lines: &str,
         violations: &[[f64; 2]],
     ) -> Self {
@@ -116,13 +99,15 @@ impl Gantt {
                 }
             }
         }
+        let (places, of_places) = places(cell, schedule);
+        intervals.extend(of_places);
         intervals.extend(violations.iter().map(|&[from, to]| Interval {
             from,
             to,
             kind: IntervalKind::Violation,
         }));
         let duration = motion.duration();
-        Self { axes, intervals, duration, title: title.to_owned(), width: 1080.0 }
+        Self { axes, places, intervals, duration, title: title.to_owned(), width: 1080.0 }
     }
 
     /// The picture as SVG with real text, on white.
@@ -138,7 +123,7 @@ impl Gantt {
         let has_violations =
             self.intervals.iter().any(|interval| interval.kind == IntervalKind::Violation);
         let mut rows: Vec<&str> = vec![""];
-        rows.extend(self.axes.iter().map(String::as_str));
+        rows.extend(self.axes.iter().chain(&self.places).map(String::as_str));
         if has_violations {
             rows.push("violations");
         }
@@ -206,6 +191,10 @@ impl Gantt {
                     (0, "#e4e4e0".to_owned())
                 }
                 IntervalKind::Instruction(_) => (0, "#cfcfca".to_owned()),
+                IntervalKind::Wafers { row, .. } => {
+                    (self.axes.len() + row + 1, Colour::GREEN.hex())
+                }
+                IntervalKind::Process(row) => (self.axes.len() + row + 1, Colour::ORANGE.hex()),
                 IntervalKind::Violation => (rows.len() - 1, Colour::VERMILLION.hex()),
             };
             // A momentary violation stays visible.
@@ -214,10 +203,15 @@ impl Gantt {
             if wide <= 0.0 {
                 continue;
             }
-            let (y, high) = if is_instruction {
-                (row_top(row) + 1.0, ROW - 2.0)
-            } else {
-                (row_top(row) + 0.5 * (ROW - BAR), BAR)
+            let bottom = row_top(row) + 0.5 * (ROW + BAR);
+            let (y, high) = match interval.kind {
+                IntervalKind::Instruction(_) => (row_top(row) + 1.0, ROW - 2.0),
+                // A single wafer of many stays visible.
+                IntervalKind::Wafers { share, .. } => {
+                    let high = (share * BAR).max(1.0);
+                    (bottom - high, high)
+                }
+                _ => (bottom - BAR, BAR),
             };
             svg.elements(&format!(
                 "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{fill}\"/>\n",
@@ -260,6 +254,15 @@ impl Gantt {
             (Colour::SKY_BLUE.hex(), "moving without wafer"),
             (Colour::BLUE.hex(), "moving with wafer"),
         ];
+        let shows = |is_kind: fn(&IntervalKind) -> bool| {
+            self.intervals.iter().any(|interval| is_kind(&interval.kind))
+        };
+        if shows(|kind| matches!(kind, IntervalKind::Wafers { .. })) {
+            entries.push((Colour::GREEN.hex(), "wafers, share of slots"));
+        }
+        if shows(|kind| matches!(kind, IntervalKind::Process(_))) {
+            entries.push((Colour::ORANGE.hex(), "process"));
+        }
         if has_violations {
             entries.push((Colour::VERMILLION.hex(), "violation"));
         }

@@ -1,12 +1,15 @@
 //! Pictures of cells: top view, timing diagram, taught stations.
 
 mod gantt;
+mod gantt_interval;
+mod gantt_places;
 mod outline;
 mod station_label;
 mod teach;
 mod top;
 
-pub use gantt::{Gantt, Interval, IntervalKind};
+pub use gantt::Gantt;
+pub use gantt_interval::{Interval, IntervalKind};
 pub use teach::Taught;
 pub use top::{EffectorPath, TopView};
 

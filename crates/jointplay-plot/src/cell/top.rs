@@ -2,7 +2,7 @@
 
 use jointplay_cell::EntityId;
 use jointplay_cell::robot::EffectorId;
-use jointplay_cell::workcell::{Carrier, Cell, ZoneRule};
+use jointplay_cell::workcell::{Cell, ParentFrame, ZoneRule};
 
 use super::effector_colour;
 use super::outline::outline;
@@ -153,8 +153,8 @@ impl<'a> TopView<'a> {
             let [x, y] = center(station.slot_frame(1).translation.vector);
             points.extend([[x - half, y - half], [x + half, y + half]]);
         }
-        for body in self.cell.bodies.iter().filter(|body| body.carrier == Carrier::World) {
-            points.extend(outline(&body.shape, &body.carrier_from_shape));
+        for body in self.cell.bodies.iter().filter(|body| body.parent == ParentFrame::World) {
+            points.extend(outline(&body.shape, &body.parent_from_shape));
         }
         for zone in &self.cell.zones {
             points.extend(outline(&zone.shape, &zone.base_from_shape));
@@ -193,8 +193,8 @@ impl<'a> TopView<'a> {
     }
 
     fn bodies(&self, svg: &mut Svg, camera: &Camera) {
-        for body in self.cell.bodies.iter().filter(|body| body.carrier == Carrier::World) {
-            svg.path(&polygon(camera, &outline(&body.shape, &body.carrier_from_shape)), BODY);
+        for body in self.cell.bodies.iter().filter(|body| body.parent == ParentFrame::World) {
+            svg.path(&polygon(camera, &outline(&body.shape, &body.parent_from_shape)), BODY);
         }
     }
 
@@ -202,8 +202,8 @@ impl<'a> TopView<'a> {
     fn outlines_in_violation(&self) -> impl Iterator<Item = (&str, Vec<[f64; 2]>)> {
         let bodies = self.cell.bodies.iter().enumerate().filter_map(|(k, body)| {
             let is_marked =
-                body.carrier == Carrier::World && self.violating.contains(&EntityId::Body(k));
-            is_marked.then_some((&body.name, &body.shape, &body.carrier_from_shape))
+                body.parent == ParentFrame::World && self.violating.contains(&EntityId::Body(k));
+            is_marked.then_some((&body.name, &body.shape, &body.parent_from_shape))
         });
         let zones = self.cell.zones.iter().enumerate().filter_map(|(k, zone)| {
             let is_marked = self.violating.contains(&EntityId::Zone(k));
@@ -353,7 +353,7 @@ impl<'a> TopView<'a> {
         if self.cell.zones.iter().any(|zone| zone.rule == ZoneRule::Safe) {
             entries.push((swatch(ALLOWED), "safe zone".to_owned()));
         }
-        if self.cell.bodies.iter().any(|body| body.carrier == Carrier::World) {
+        if self.cell.bodies.iter().any(|body| body.parent == ParentFrame::World) {
             entries.push((swatch(BODY), "body".to_owned()));
         }
         if self.outlines_in_violation().next().is_some() {

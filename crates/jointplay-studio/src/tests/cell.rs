@@ -113,7 +113,7 @@ fn a_plan_has_report_windows_and_scene() {
     let server = server(CellFiles::example());
     let found = plan(&server, &json!({ "program": SHORT }));
     assert_eq!(found["diagnostics"], json!([]));
-    assert_eq!(found["report"]["verdict"], "sound", "{}", found["report"]["violations"]);
+    assert_eq!(found["report"]["result"], "passed", "{}", found["report"]["violations"]);
     let (report, steps) = (&found["report"], steps(&server, &found));
     assert_eq!(report["steps"], steps.len());
     let end = steps.last().unwrap()["end_s"].as_f64().unwrap();
@@ -359,7 +359,7 @@ fn an_invalid_cell_is_opened_and_its_errors_are_listed() {
     assert_eq!((&first["source"], &found["robot"]), (&"cell".into(), &Value::Null), "{found}");
     let fixed =
         plan(&server, &json!({ "cell": jointplay::format::cell::EXAMPLE, "program": SHORT }));
-    assert_eq!(fixed["report"]["verdict"], "sound");
+    assert_eq!(fixed["report"]["result"], "passed");
     assert_eq!(CellFiles::example().errors(), Vec::<String>::new());
     assert!(CellFiles::open(Path::new("nowhere.toml")).unwrap_err().contains("nowhere.toml"));
 }

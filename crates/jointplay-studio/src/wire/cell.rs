@@ -4,7 +4,7 @@ use jointplay::format::cell::Change;
 use jointplay::format::place::Place;
 use jointplay::format::program::keywords;
 use jointplay::nalgebra::Vector3;
-use jointplay::report::{CellReport, InstructionReport, ViolationReport};
+use jointplay::report::{CellReport, InstructionReport, ScheduleReport, ViolationReport};
 use jointplay::spatial::Tilt;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -279,7 +279,7 @@ pub(crate) fn truncated(report: &CellReport) -> CellReport {
         all[..count.min(all.len())].to_vec()
     }
     // The fields that are not copied below are short.
-    let CellReport { instructions: _, violations, distances, .. } = report;
+    let CellReport { instructions: _, violations, violation_groups, distances, .. } = report;
     CellReport {
         cell: report.cell.clone(),
         robot: report.robot.clone(),
@@ -289,9 +289,16 @@ pub(crate) fn truncated(report: &CellReport) -> CellReport {
         blended: report.blended.clone(),
         compensated: report.compensated.clone(),
         axes: report.axes.clone(),
+        schedule: ScheduleReport {
+            wafers: first(&report.schedule.wafers, MAX_LISTED),
+            ..report.schedule.clone()
+        },
         nearest: report.nearest.clone(),
         instructions: Vec::new(),
         violations: first(violations, MAX_LISTED),
+        violation_groups: first(violation_groups, MAX_LISTED),
+        remedies: report.remedies.clone(),
+        bodies_in_zones: report.bodies_in_zones.clone(),
         distances: first(distances, MAX_LISTED),
         ..*report
     }

@@ -4,7 +4,7 @@ use jointplay::cell::EntityId;
 use jointplay::cell::geometry::Shape;
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::station::{Origin, Station, teach};
-use jointplay::cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
+use jointplay::cell::workcell::{Body, Cell, ParentFrame, Zone, ZoneRule};
 use jointplay::interop::export::wafers_at_start;
 use jointplay::nalgebra::Vector3;
 use jointplay::report::{self, StationReport};
@@ -236,7 +236,7 @@ pub(crate) fn wafers(cell: &Cell) -> Vec<WaferDocument> {
         let station = &cell.stations[slot.station].name;
         (cell.entity_name(EntityId::Wafer(*slot)), format!("{station}, slot {}", slot.slot))
     });
-    let carried = cell.carried.iter().map(|id| {
+    let carried = cell.loaded_effectors.iter().map(|id| {
         let effector = effector_name(cell, id);
         (cell.entity_name(EntityId::HeldWafer(*id)), format!("on {effector}"))
     });
@@ -267,15 +267,15 @@ pub(crate) fn zones(cell: &Cell) -> Vec<ZoneDocument> {
 pub(crate) fn bodies(cell: &Cell) -> Vec<BodyDocument> {
     let of = |body: &Body| BodyDocument {
         name: body.name.clone(),
-        attached_to: match body.carrier {
-            Carrier::World => "base".to_owned(),
-            Carrier::Platform => "platform".to_owned(),
-            Carrier::Link { arm, link } => link_name(cell, arm, link),
+        attached_to: match body.parent {
+            ParentFrame::World => "base".to_owned(),
+            ParentFrame::Platform => "platform".to_owned(),
+            ParentFrame::Link { arm, link } => link_name(cell, arm, link),
         },
         shape: (&body.shape).into(),
         origin_m: {
             let station = body.station.map(|k| cell.stations[k].base_from_station.inverse());
-            let place = station.unwrap_or(Pose::identity()) * body.carrier_from_shape;
+            let place = station.unwrap_or(Pose::identity()) * body.parent_from_shape;
             Triple(place.translation.vector.into())
         },
         station: body.station.map(|k| cell.stations[k].name.clone()),

@@ -1,7 +1,7 @@
 //! Documents of the check of one pose.
 
 use jointplay::cell::EntityId;
-use jointplay::cell::check::{Kind, MinimumDistance, Report, Violation};
+use jointplay::cell::check::{MinimumDistance, Report, Violation, ViolationKind};
 use jointplay::cell::workcell::Cell;
 use jointplay::report::explain_violation;
 use serde::Serialize;
@@ -43,7 +43,7 @@ pub(crate) struct PoseViolationDocument {
 
 /// Whether a violation is a contact.
 fn is_contact(violation: &Violation) -> bool {
-    matches!(violation.kind, Kind::Collision | Kind::KeepOut)
+    matches!(violation.kind, ViolationKind::Collision | ViolationKind::KeepOut)
 }
 
 /// The pairs in contact, each once.

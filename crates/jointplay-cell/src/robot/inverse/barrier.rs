@@ -4,7 +4,7 @@ use std::array::from_fn;
 
 use nalgebra::Vector2;
 
-/// Share of a range beyond which the cost is continued as a parabola, so that it is finite beyond the limit.
+/// Fraction of a range beyond which the cost is continued as a parabola, so that it is finite beyond the limit.
 const EDGE: f64 = 0.9999;
 
 /// Largest number of axes; unused ones count as centred in their range and cost 1.
@@ -16,23 +16,23 @@ pub(super) const ENDS: usize = 2;
 /// Largest number of Newton steps; two to four are usual, ten from a ten-thousandth before a pole.
 const MOST_STEPS: usize = 30;
 
-/// Share of both the total gain and the cost below which a step is the last: the next would gain the square of it.
+/// Fraction of both the total gain and the cost below which a step is the last: the next would gain the square of it.
 const FINE: f64 = 0.01;
 
-/// Share of the cost below which a gain ends the descent.
+/// Fraction of the cost below which a gain ends the descent.
 pub(super) const LEAST: f64 = 2e-9;
 
 /// One number for each axis.
-pub(super) type Each = [f64; AXES];
+pub(super) type PerAxis = [f64; AXES];
 
 /// Cost 1/(1 − u²) of axes from −1 at one limit to 1 at the other, continued as a parabola beyond; with slopes and curvatures.
 #[inline]
-pub(super) fn of_limits(u: &Each) -> [Each; 3] {
-    let within: Each = from_fn(|a| u[a].clamp(-EDGE, EDGE));
-    let beyond: Each = from_fn(|a| u[a] - within[a]);
-    let cost: Each = from_fn(|a| 1.0 / (1.0 - within[a] * within[a]));
-    let slope: Each = from_fn(|a| 2.0 * within[a] * cost[a] * cost[a]);
-    let curvature: Each =
+pub(super) fn of_limits(u: &PerAxis) -> [PerAxis; 3] {
+    let within: PerAxis = from_fn(|a| u[a].clamp(-EDGE, EDGE));
+    let beyond: PerAxis = from_fn(|a| u[a] - within[a]);
+    let cost: PerAxis = from_fn(|a| 1.0 / (1.0 - within[a] * within[a]));
+    let slope: PerAxis = from_fn(|a| 2.0 * within[a] * cost[a] * cost[a]);
+    let curvature: PerAxis =
         from_fn(|a| (2.0 + 6.0 * within[a] * within[a]) * (cost[a] * cost[a]) * cost[a]);
     [
         from_fn(|a| cost[a] + (slope[a] + 0.5 * curvature[a] * beyond[a]) * beyond[a]),
@@ -43,46 +43,46 @@ pub(super) fn of_limits(u: &Each) -> [Each; 3] {
 
 /// Cost of one end of a configuration.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Pole {
+pub(super) enum EndBarrier {
     /// No cost: the configuration has no such end.
     None,
     /// 1/(1 − u²), infinite beyond ±1.
-    Bend,
+    Elbow,
     /// k²/u² of a positive number, infinite beyond 0.
-    Ahead(f64),
+    Reach(f64),
 }
 
-impl Pole {
+impl EndBarrier {
     /// Cost with slope and curvature.
     #[inline]
     pub(super) fn of(self, u: f64) -> [f64; 3] {
         match self {
             Self::None => [0.0; 3],
-            Self::Bend if u.abs() < 1.0 => {
+            Self::Elbow if u.abs() < 1.0 => {
                 let cost = 1.0 / (1.0 - u * u);
                 let square = cost * cost;
                 [cost, 2.0 * u * square, (2.0 + 6.0 * u * u) * square * cost]
             }
-            Self::Ahead(k) if u > 0.0 => {
+            Self::Reach(k) if u > 0.0 => {
                 let by = 1.0 / u;
                 let cost = k * k * by * by;
                 [cost, -2.0 * cost * by, 6.0 * cost * by * by]
             }
-            Self::Bend | Self::Ahead(_) => [f64::INFINITY; 3],
+            Self::Elbow | Self::Reach(_) => [f64::INFINITY; 3],
         }
     }
 }
 
 /// Second-order model of several numbers in two unknowns.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bent<const N: usize> {
+pub(super) struct QuadraticModel<const N: usize> {
     pub(super) values: [f64; N],
     pub(super) slopes: [[f64; N]; 2],
     /// Second derivatives: by the first unknown, by both, by the second.
     pub(super) curvatures: [[f64; N]; 3],
 }
 
-impl<const N: usize> Bent<N> {
+impl<const N: usize> QuadraticModel<N> {
     /// Values and slopes after a step.
     #[inline]
     fn at(&self, x: &Vector2<f64>) -> ([f64; N], [[f64; N]; 2]) {
@@ -100,9 +100,9 @@ impl<const N: usize> Bent<N> {
 
 /// Second-order model of the cost.
 pub(super) struct Model {
-    pub(super) limits: Bent<AXES>,
-    pub(super) ends: Bent<ENDS>,
-    pub(super) poles: [Pole; ENDS],
+    pub(super) limits: QuadraticModel<AXES>,
+    pub(super) ends: QuadraticModel<ENDS>,
+    pub(super) poles: [EndBarrier; ENDS],
     /// Whether each unknown is free.
     pub(super) free: [bool; 2],
 }
@@ -116,7 +116,7 @@ struct Local {
 }
 
 /// A step, and its gain.
-pub(super) struct Gain {
+pub(super) struct DescentStep {
     pub(super) step: Vector2<f64>,
     pub(super) gain: f64,
 }
@@ -125,17 +125,17 @@ impl Local {
     #[inline]
     fn add<const N: usize>(
         &mut self,
-        bent: &Bent<N>,
+        bent: &QuadraticModel<N>,
         [first, second]: &[[f64; N]; 2],
         [costs, rising, curving]: &[[f64; N]; 3],
-        share: f64,
+        fraction: f64,
     ) {
         let sum = |of: [f64; N]| of.iter().sum::<f64>();
         let [one, both, other] = &bent.curvatures;
         self.cost += sum(*costs);
         self.slope[0] += sum(from_fn(|t| first[t] * rising[t]));
         self.slope[1] += sum(from_fn(|t| second[t] * rising[t]));
-        let rising: [f64; N] = from_fn(|t| rising[t] * share);
+        let rising: [f64; N] = from_fn(|t| rising[t] * fraction);
         self.curvature[0] +=
             sum(from_fn(|t| first[t] * first[t] * curving[t] + one[t] * rising[t]));
         self.curvature[1] +=
@@ -146,31 +146,31 @@ impl Local {
 
     /// Newton's step and its gain; `None` where it would lead uphill.
     #[inline]
-    fn step(&self) -> Option<Gain> {
+    fn step(&self) -> Option<DescentStep> {
         let [one, both, other] = self.curvature;
         let determinant = one * other - both * both;
         let is_bowl = one > 0.0 && determinant > 0.0;
         let [x, y] = self.slope;
         let step = Vector2::new(both * y - other * x, both * x - one * y) / determinant;
         let decrement = -(x * step[0] + y * step[1]);
-        let share = 1.0 - 1.5 * decrement / (self.cost - (AXES as f64 - 1.0));
+        let fraction = 1.0 - 1.5 * decrement / (self.cost - (AXES as f64 - 1.0));
         // Beyond a limit the parabola is exact: no transformation is needed.
-        let longer = if share > 0.2 && share < 1.0 { 1.0 / share } else { 1.0 };
-        is_bowl.then_some(Gain { step: step * longer, gain: 0.5 * decrement })
+        let longer = if fraction > 0.2 && fraction < 1.0 { 1.0 / fraction } else { 1.0 };
+        is_bowl.then_some(DescentStep { step: step * longer, gain: 0.5 * decrement })
     }
 }
 
 impl Model {
     /// # Arguments
-    /// * `share` – 1, or 0 to neglect the curvature of the numbers: the remaining curvature of the cost is never negative
+    /// * `fraction` – 1, or 0 to neglect the curvature of the numbers: the remaining curvature of the cost is never negative
     #[inline]
-    fn at(&self, x: &Vector2<f64>, share: f64) -> Local {
+    fn at(&self, x: &Vector2<f64>, fraction: f64) -> Local {
         let mut local = Local::default();
         let (numbers, along) = self.limits.at(x);
-        local.add(&self.limits, &along, &of_limits(&numbers), share);
+        local.add(&self.limits, &along, &of_limits(&numbers), fraction);
         let (numbers, along) = self.ends.at(x);
         let [one, other]: [[f64; 3]; ENDS] = from_fn(|t| self.poles[t].of(numbers[t]));
-        local.add(&self.ends, &along, &from_fn(|k| [one[k], other[k]]), share);
+        local.add(&self.ends, &along, &from_fn(|k| [one[k], other[k]]), fraction);
         for (k, free) in self.free.into_iter().enumerate() {
             if !free {
                 local.curvature[2 * k] = 1.0;
@@ -182,62 +182,70 @@ impl Model {
     /// The step to the least cost near the present point, within a box around it.
     ///
     /// Newton's method on −(cost − c)^(−1/2), c the least cost of all other axes: near its pole a term is linear in this scale, where steps for the cost itself would only halve the distance.
-    pub(super) fn least(&self, radius: f64) -> Option<Gain> {
+    pub(super) fn least(&self, radius: f64) -> Option<DescentStep> {
         let mut x = Vector2::zeros();
         let mut here = self.at(&x, 1.0);
         let start = here.cost;
         for _ in 0..MOST_STEPS {
-            let Gain { step, gain } = here.step().or_else(|| self.at(&x, 0.0).step())?;
+            let DescentStep { step, gain } = here.step().or_else(|| self.at(&x, 0.0).step())?;
             let gained = start - here.cost;
-            let mut share = room(&x, &step, radius);
+            let mut fraction = room(&x, &step, radius);
             if gain <= f64::max(FINE * gained.min(here.cost), LEAST * here.cost) {
-                return Some(Gain { step: x + step * share, gain: gained + gain * share });
+                return Some(DescentStep {
+                    step: x + step * fraction,
+                    gain: gained + gain * fraction,
+                });
             }
             let next = loop {
-                let to = x + step * share;
+                let to = x + step * fraction;
                 let there = self.at(&to, 1.0);
                 if there.cost < here.cost {
                     break Some((to, there));
                 }
-                share *= 0.25;
-                if share < 1e-5 {
+                fraction *= 0.25;
+                if fraction < 1e-5 {
                     break None;
                 }
             };
             let Some((to, there)) = next else { break };
             (x, here) = (to, there);
         }
-        Some(Gain { step: x, gain: start - here.cost })
+        Some(DescentStep { step: x, gain: start - here.cost })
     }
 }
 
-/// Share of a step that stays within a box.
+/// Fraction of a step that stays within a box.
 #[inline]
 fn room(x: &Vector2<f64>, step: &Vector2<f64>, radius: f64) -> f64 {
-    let mut share = 1.0_f64;
+    let mut fraction = 1.0_f64;
     for (x, step) in x.iter().zip(step.iter()) {
         let room = radius - x * step.signum();
-        if step.abs() * share > room {
-            share = (room / step.abs()).max(0.0);
+        if step.abs() * fraction > room {
+            fraction = (room / step.abs()).max(0.0);
         }
     }
-    share
+    fraction
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn limits(values: Each) -> Model {
+    fn limits(values: PerAxis) -> Model {
         let slopes = [[0.9, -0.4, 0.3, 0.0], [0.1, 0.8, -0.5, 0.2]];
         let curvatures = [[0.2, -0.1, 0.3, 0.1], [0.05, 0.1, -0.2, 0.1], [-0.1, 0.2, 0.1, 0.0]];
-        let ends = Bent {
+        let ends = QuadraticModel {
             values: [0.3, 0.8],
             slopes: [[-0.6, 0.2], [0.4, 0.3]],
             curvatures: [[0.3, 0.1], [-0.2, 0.0], [0.1, -0.1]],
         };
-        let poles = [Pole::Bend, Pole::Ahead(0.3)];
-        Model { limits: Bent { values, slopes, curvatures }, ends, poles, free: [true; 2] }
+        let poles = [EndBarrier::Elbow, EndBarrier::Reach(0.3)];
+        Model {
+            limits: QuadraticModel { values, slopes, curvatures },
+            ends,
+            poles,
+            free: [true; 2],
+        }
     }
 
     #[test]

@@ -16,14 +16,14 @@ use super::solution::{
 use crate::CellError;
 use crate::robot::angle::wrap_angle;
 use crate::robot::arm_chain::turned;
-use crate::robot::arm_chain::{ArmChain, AxisCoefficients};
+use crate::robot::arm_chain::{ArmChain, ArmVector};
 use crate::robot::hybrid_robot::{EffectorId, HybridRobot, RODS};
 use crate::robot::positions::Positions;
 
 /// Largest distance of a branch from its target (m).
 const RESIDUAL: f64 = 1e-12;
 
-/// Tolerance of limits as a share of the range: positions computed to lie on a limit do not violate it by round-off.
+/// Tolerance of limits as a fraction of the range: positions computed to lie on a limit do not violate it by round-off.
 const LIMIT_TOLERANCE: f64 = 1e-12;
 
 impl HybridRobot {
@@ -39,7 +39,7 @@ impl HybridRobot {
     /// Positions that differ by whole revolutions are branches of their own where limits admit several.
     ///
     /// # Arguments
-    /// * `near` – present positions of all axes; motors of other effectors keep them
+    /// * `seed` – present positions of all axes; motors of other effectors keep them
     ///
     /// # Errors
     /// [`CellError::NormalNotUp`], [`CellError::NoSuchEffector`], [`CellError::LengthMismatch`], [`CellError::NotFinite`], and those of the platform model.
@@ -53,9 +53,9 @@ impl HybridRobot {
         &self,
         id: EffectorId,
         target: &WaferTarget,
-        near: &[f64],
+        seed: &[f64],
     ) -> Result<Inverse, CellError> {
-        self.inverse_by(id, target, near, Redundancy::AwayFromLimits)
+        self.inverse_by(id, target, seed, Redundancy::AwayFromLimits)
     }
 
     /// As [`Self::inverse`], with the positions chosen where the arm is redundant.
@@ -66,11 +66,11 @@ impl HybridRobot {
         &self,
         id: EffectorId,
         target: &WaferTarget,
-        near: &[f64],
+        seed: &[f64],
         redundancy: Redundancy,
     ) -> Result<Inverse, CellError> {
         self.check_effector(id)?;
-        self.check_positions(near)?;
+        self.check_positions(seed)?;
         let normal = upward(target)?;
         let chain = ArmChain::new(self, id);
         let slope = normal.xy() / normal.z;
@@ -79,16 +79,16 @@ impl HybridRobot {
         let pose = &below.base_from_platform;
         let over = target.center - pose.translation.vector;
         let height = (normal.dot(&over) - chain.height) / normal.z;
-        let mut start = Positions::new(near);
+        let mut start = Positions::new(seed);
         for (rod, level) in start.iter_mut().zip(level) {
             *rod = level + height;
         }
         let raised = Translation3::new(0.0, 0.0, height) * pose;
         let (point, heading) = within(&raised, &below, target);
-        self.finished(id, &chain, target, &normal, point, heading, start, near, redundancy)
+        self.finished(id, &chain, target, &normal, point, heading, start, seed, redundancy)
     }
 
-    /// All motor positions that bring the wafer of an effector over a point, the rods keeping their positions in `near`.
+    /// All motor positions that bring the wafer of an effector over a point, the rods keeping their positions in `seed`.
     ///
     /// # Arguments
     /// * `point` – the wafer's centre in the platform plane (m)
@@ -101,11 +101,11 @@ impl HybridRobot {
         id: EffectorId,
         point: Vector2<f64>,
         heading: Option<f64>,
-        near: &[f64],
+        seed: &[f64],
     ) -> Result<Inverse, CellError> {
         self.check_effector(id)?;
-        self.check_positions(near)?;
-        let platform = self.platform(near)?;
+        self.check_positions(seed)?;
+        let platform = self.platform(seed)?;
         let chain = ArmChain::new(self, id);
         let pose = platform.base_from_platform;
         let normal = platform.normal();
@@ -116,7 +116,7 @@ impl HybridRobot {
         let turned = heading.map(|heading| heading + platform.twist_about_normal());
         let target = WaferTarget { center, normal, heading: turned };
         upward(&target)?;
-        let start = Positions::new(near);
+        let start = Positions::new(seed);
         self.finished(
             id,
             &chain,
@@ -125,7 +125,7 @@ impl HybridRobot {
             point,
             heading,
             start,
-            near,
+            seed,
             Redundancy::AwayFromLimits,
         )
     }
@@ -143,11 +143,11 @@ impl HybridRobot {
         point: Vector2<f64>,
         heading: Option<f64>,
         start: Positions,
-        near: &[f64],
+        seed: &[f64],
         redundancy: Redundancy,
     ) -> Result<Inverse, CellError> {
         let ranges = self.ranges(chain);
-        let own_near = chain.own(near);
+        let arm_seed = chain.arm_positions(seed);
         let decomposition = Decomposition::new(chain);
         let is_free = is_free(chain, decomposition.as_ref());
         let with_heading = target.heading.is_some() && is_free;
@@ -157,9 +157,9 @@ impl HybridRobot {
         let tilt = Tilt::from_normal(normal);
         // The rods have their start positions in all branches.
         let base_from_platform = self.platform(&start)?.base_from_platform;
-        let mut add = |own: &AxisCoefficients, configuration: Configuration| {
+        let mut add = |arm_positions: &ArmVector, configuration: Configuration| {
             let mut positions = start;
-            for (&axis, &position) in chain.axes().iter().zip(own) {
+            for (&axis, &position) in chain.axes().iter().zip(arm_positions) {
                 positions[axis] = position;
             }
             let pose = base_from_platform * chain.wafer(&positions);
@@ -181,7 +181,7 @@ impl HybridRobot {
             }
             self.check_tilt(tilt, &mut violations);
             branches.push(Branch {
-                distance: self.time_between(near, &positions),
+                distance: self.time_between(seed, &positions),
                 positions,
                 configuration,
                 selection: if violations.is_empty() {
@@ -201,14 +201,14 @@ impl HybridRobot {
         let mut configuration = Configuration::default();
         match &decomposition {
             Some(decomposition) => {
-                configuration = decomposition.configuration(chain, &own_near);
-                let near = &own_near;
-                let solver = Solver { chain, decomposition, ranges: &ranges, near, redundancy };
+                configuration = decomposition.configuration(chain, &arm_seed);
+                let seed = &arm_seed;
+                let solver = Solver { chain, decomposition, ranges: &ranges, seed, redundancy };
                 out_of_reach = solver.solve(point, heading, &mut add);
             }
             None => {
-                for own in solutions(chain, &ranges, &point, heading, &own_near) {
-                    add(&own, Configuration::default());
+                for arm_positions in solutions(chain, &ranges, &point, heading, &arm_seed) {
+                    add(&arm_positions, Configuration::default());
                 }
             }
         }
@@ -301,7 +301,7 @@ struct Solver<'a> {
     chain: &'a ArmChain,
     decomposition: &'a Decomposition,
     ranges: &'a Ranges,
-    near: &'a AxisCoefficients,
+    seed: &'a ArmVector,
     redundancy: Redundancy,
 }
 
@@ -310,7 +310,7 @@ impl Solver<'_> {
         &self,
         point: Vector2<f64>,
         heading: Option<f64>,
-        add: &mut impl FnMut(&AxisCoefficients, Configuration),
+        add: &mut impl FnMut(&ArmVector, Configuration),
     ) -> Option<OutOfReach> {
         let (chain, decomposition) = (self.chain, self.decomposition);
         let revolutions = Revolutions::of(decomposition);
@@ -324,15 +324,17 @@ impl Solver<'_> {
                 self.ranges,
                 point,
                 last,
-                self.near,
+                self.seed,
             );
             for configuration in bends(decomposition) {
                 let found = match self.redundancy {
                     Redundancy::AwayFromLimits => redundant.away_from_limits(configuration),
-                    Redundancy::AsNear => redundant.as_near(configuration),
+                    Redundancy::AtSeed => redundant.as_near(configuration),
                 };
-                if let Some(own) = found {
-                    revolutions.within(&own, self.ranges, |own| add(own, configuration));
+                if let Some(arm_positions) = found {
+                    revolutions.within(&arm_positions, self.ranges, |arm_positions| {
+                        add(arm_positions, configuration)
+                    });
                 }
             }
             return None;
@@ -342,7 +344,7 @@ impl Solver<'_> {
             unknown[2] = turn;
             point -= turned(&chain.link_vectors()[k].vector, turn);
         }
-        let now = decomposition.unknown(self.near);
+        let now = decomposition.unknown(self.seed);
         let solutions: PairSolutions =
             match decomposition.span(chain, &point, Configuration::default(), [now[0], now[1]]) {
                 Ok(solutions) => solutions,
@@ -350,8 +352,10 @@ impl Solver<'_> {
             };
         for solution in solutions.into_iter().flatten() {
             (unknown[0], unknown[1]) = (solution.pair[0], solution.pair[1]);
-            let own = decomposition.positions(&unknown);
-            revolutions.within(&own, self.ranges, |own| add(own, solution.configuration));
+            let arm_positions = decomposition.positions(&unknown);
+            revolutions.within(&arm_positions, self.ranges, |arm_positions| {
+                add(arm_positions, solution.configuration)
+            });
         }
         None
     }

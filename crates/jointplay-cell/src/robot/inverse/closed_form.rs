@@ -2,11 +2,11 @@
 
 use nalgebra::Vector2;
 
-use super::decomposition::{CarriedLink, Decomposition, Link, Pair};
+use super::decomposition::{BeltDrivenLink, Decomposition, Link, Pair};
 use super::solution::{Configuration, Elbow, OutOfReach, ReachDirection};
 use crate::robot::arm_chain::{ArmChain, LinkVector, dot, perpendicular, turned};
 
-/// Share of the stretched length by which a point may be out of reach and counts as reached: round-off.
+/// Fraction of the stretched length by which a point may be out of reach and counts as reached: round-off.
 const STRETCHED: f64 = 1e-14;
 
 /// One solution for both unknowns, with its configuration.
@@ -47,7 +47,7 @@ impl Decomposition {
     ) -> Result<PairSolutions, OutOfReach> {
         match &self.pair {
             Pair::Links(pair) => links(pair, point, wanted, like),
-            Pair::Belt(pair, carried_link) => belt(pair, carried_link, point, wanted, like),
+            Pair::Belt(pair, belt_driven_link) => belt(pair, belt_driven_link, point, wanted, like),
             Pair::Prismatic(g) => {
                 let prismatic_joints = chain.prismatic_joints();
                 prismatic(
@@ -89,8 +89,8 @@ impl Decomposition {
     pub(super) fn middle(&self, chain: &ArmChain, pair: [f64; 2]) -> Vector2<f64> {
         let first = |k: usize| turned(&chain.link_vectors()[k].vector, pair[0]).normalize();
         match &self.pair {
-            Pair::Belt(_, carried_link) => {
-                turned(&Vector2::x(), 0.5 * (pair[0] + pair[1]) + carried_link.middle)
+            Pair::Belt(_, belt_driven_link) => {
+                turned(&Vector2::x(), 0.5 * (pair[0] + pair[1]) + belt_driven_link.middle)
             }
             Pair::Links([one, _]) => first(one.link_vector),
             Pair::Prismatic(g) => first(*g),
@@ -98,27 +98,35 @@ impl Decomposition {
     }
 
     /// Configuration of the arm at positions of its axes.
-    pub(super) fn configuration(&self, chain: &ArmChain, own: &[f64; 4]) -> Configuration {
+    pub(super) fn configuration(
+        &self,
+        chain: &ArmChain,
+        arm_positions: &[f64; 4],
+    ) -> Configuration {
         let link_vectors = chain.link_vectors();
-        let at = |k: usize| turned(&link_vectors[k].vector, dot(&link_vectors[k].turn, own));
+        let at =
+            |k: usize| turned(&link_vectors[k].vector, dot(&link_vectors[k].turn, arm_positions));
         match &self.pair {
             Pair::Links([i, j]) => Configuration {
                 elbow: elbow(-at(i.link_vector).perp(&at(j.link_vector))),
                 reaching: None,
             },
-            Pair::Belt(links, carried_link) => {
+            Pair::Belt(links, belt_driven_link) => {
                 let [i, j] = links.map(|link| link.link_vector);
-                let pair = [i, j].map(|k| dot(&link_vectors[k].turn, own));
+                let pair = [i, j].map(|k| dot(&link_vectors[k].turn, arm_positions));
                 let axis = self.middle(chain, pair);
                 Configuration {
                     elbow: elbow(axis.perp(&at(i))),
-                    reaching: reaching(axis.dot(&(at(i) + at(j) + at(carried_link.link_vector)))),
+                    reaching: reaching(
+                        axis.dot(&(at(i) + at(j) + at(belt_driven_link.link_vector))),
+                    ),
                 }
             }
             Pair::Prismatic(g) => {
                 let prismatic = &chain.prismatic_joints()[0];
-                let along = turned(&prismatic.along.vector, dot(&prismatic.along.turn, own));
-                let tip = at(*g) + along * dot(&prismatic.extension, own);
+                let along =
+                    turned(&prismatic.along.vector, dot(&prismatic.along.turn, arm_positions));
+                let tip = at(*g) + along * dot(&prismatic.extension, arm_positions);
                 Configuration { elbow: None, reaching: reaching(along.dot(&tip)) }
             }
         }
@@ -194,12 +202,12 @@ fn links(
 #[inline]
 fn belt(
     [one, other]: &[Link; 2],
-    carried_link: &CarriedLink,
+    belt_driven_link: &BeltDrivenLink,
     point: &Vector2<f64>,
     wanted: Configuration,
     like: [f64; 2],
 ) -> Result<PairSolutions, OutOfReach> {
-    let w = &carried_link.vector;
+    let w = &belt_driven_link.vector;
     let (stretched, d) = (2.0 * one.length, point.norm());
     let along = (d - w.y.abs()) * (d + w.y.abs());
     let far = Vector2::new(w.x + stretched, w.y).norm();
@@ -226,7 +234,7 @@ fn belt(
             let unit = within(&Vector2::new(sign * along, w.y), point) / (d * d);
             (angle(&unit), unit)
         } else {
-            let direction = 0.5 * (like[0] + like[1]) + carried_link.middle;
+            let direction = 0.5 * (like[0] + like[1]) + belt_driven_link.middle;
             (direction, turned(&Vector2::x(), direction))
         };
         for side in [1.0, -1.0] {
@@ -251,13 +259,13 @@ fn belt(
 /// A prismatic joint along `unit` that carries a link.
 #[inline]
 fn prismatic(
-    carried_link: &LinkVector,
+    belt_driven_link: &LinkVector,
     unit: &Vector2<f64>,
     point: &Vector2<f64>,
     wanted: Configuration,
     like: [f64; 2],
 ) -> Result<PairSolutions, OutOfReach> {
-    let w = within(unit, &carried_link.vector);
+    let w = within(unit, &belt_driven_link.vector);
     let d = point.norm();
     let aside = w.y.abs();
     if d < aside * (1.0 - STRETCHED) {

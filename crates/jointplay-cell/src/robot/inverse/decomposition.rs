@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix4, Vector2};
 
-use crate::robot::arm_chain::{ArmChain, AxisCoefficients, LinkVector, turned};
+use crate::robot::arm_chain::{ArmChain, ArmVector, LinkVector, turned};
 
 /// Relative difference of length up to which links of a belt-coupled arm count as equally long.
 const SAME_LENGTH: f64 = 1e-12;
@@ -15,7 +15,7 @@ pub(super) enum Pair {
     /// Two links that rotate independently.
     Links([Link; 2]),
     /// Two links of equal length and a third that rotates by the mean of both: they move it along its own direction.
-    Belt([Link; 2], CarriedLink),
+    Belt([Link; 2], BeltDrivenLink),
     /// A link on a prismatic joint that rotates with it.
     Prismatic(usize),
 }
@@ -32,7 +32,7 @@ pub(super) struct Link {
 
 /// The link that a belt-coupled pair moves along its own direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct CarriedLink {
+pub(super) struct BeltDrivenLink {
     pub(super) link_vector: usize,
     /// Direction in which the pair moves the link where both unknowns are zero: the mean of the links' directions (rad).
     pub(super) middle: f64,
@@ -89,7 +89,7 @@ impl Decomposition {
             }
             _ => return None,
         };
-        let rows: [&AxisCoefficients; 2] = match pair {
+        let rows: [&ArmVector; 2] = match pair {
             Pair::Links(pair) | Pair::Belt(pair, _) => {
                 pair.map(|link| &link_vectors[link.link_vector].turn)
             }
@@ -117,14 +117,14 @@ impl Decomposition {
 
     /// Positions of the axes for given unknowns.
     #[inline]
-    pub(super) fn positions(&self, unknown: &AxisCoefficients) -> AxisCoefficients {
+    pub(super) fn positions(&self, unknown: &ArmVector) -> ArmVector {
         (self.inverse * nalgebra::Vector4::from(*unknown)).into()
     }
 
     /// Unknowns for given positions of the axes.
     #[inline]
-    pub(super) fn unknown(&self, own: &AxisCoefficients) -> AxisCoefficients {
-        (self.forward * nalgebra::Vector4::from(*own)).into()
+    pub(super) fn unknown(&self, arm_positions: &ArmVector) -> ArmVector {
+        (self.forward * nalgebra::Vector4::from(*arm_positions)).into()
     }
 }
 
@@ -145,7 +145,7 @@ fn belt([one, mut other]: [Link; 2], link_vectors: &[LinkVector], link_vector: u
         middle += 0.5 * turn;
         vector = -vector;
     }
-    Pair::Belt([one, other], CarriedLink { link_vector, middle, vector })
+    Pair::Belt([one, other], BeltDrivenLink { link_vector, middle, vector })
 }
 
 fn is_belt(chain: &ArmChain, i: usize, j: usize, w: usize) -> bool {

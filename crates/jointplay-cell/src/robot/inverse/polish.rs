@@ -21,7 +21,7 @@ const ARM: f64 = 0.1;
 
 /// Residual of a pose with respect to a target.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Missing {
+pub(super) struct PoseResidual {
     /// Displacement to the centre (m).
     pub(super) center: Vector3<f64>,
     /// Rotation vector that lays the wafer into the plane, about an axis within the plane (rad).
@@ -32,7 +32,7 @@ pub(super) struct Missing {
     pub(super) turn: f64,
 }
 
-impl Missing {
+impl PoseResidual {
     /// # Arguments
     /// * `normal` – unit normal of the target
     pub(super) fn of(base_from_wafer: &Pose, target: &WaferTarget, normal: &Vector3<f64>) -> Self {
@@ -69,8 +69,8 @@ impl HybridRobot {
         normal: &Vector3<f64>,
         with_heading: bool,
         positions: &mut Positions,
-    ) -> Result<(usize, Missing), CellError> {
-        let mut missing = Missing::of(base_from_wafer, target, normal);
+    ) -> Result<(usize, PoseResidual), CellError> {
+        let mut missing = PoseResidual::of(base_from_wafer, target, normal);
         for step in 0..MOST_STEPS {
             if missing.is_exact(with_heading) {
                 return Ok((step, missing));
@@ -103,8 +103,8 @@ impl HybridRobot {
             for (&axis, change) in axes.iter().zip(change.iter()) {
                 next[axis] += change;
             }
-            let then = Missing::of(&self.effector_pose(&next, id)?, target, normal);
-            let size = |missing: &Missing| {
+            let then = PoseResidual::of(&self.effector_pose(&next, id)?, target, normal);
+            let size = |missing: &PoseResidual| {
                 let turn = if with_heading { missing.turn } else { 0.0 };
                 missing.center.norm() + ARM * (missing.tilt.norm() + turn.abs())
             };

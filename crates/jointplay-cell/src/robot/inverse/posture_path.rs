@@ -15,17 +15,18 @@ pub(crate) struct PlanarPath {
 #[derive(Debug, Clone, PartialEq)]
 pub struct PosturePath {
     /// Shares of the path's length, growing from 0 to 1.
-    pub shares: Vec<f64>,
-    /// Positions of the arm's axes at each share, rods aside, in the order of the joints that they drive first (m or rad).
+    pub fractions: Vec<f64>,
+    /// Positions of the arm's axes at each fraction, rods aside, in the order of the joints that they drive first (m or rad).
     pub positions: Vec<Vec<f64>>,
 }
 
 impl PosturePath {
-    /// Positions of the arm's axes at a share of the path's length, between the samples on a straight path (m or rad).
-    pub(crate) fn at(&self, share: f64) -> Vec<f64> {
-        let next = self.shares.partition_point(|&s| s <= share).clamp(1, self.shares.len() - 1);
-        let [from, to] = [self.shares[next - 1], self.shares[next]];
-        let t = (share - from) / (to - from);
+    /// Positions of the arm's axes at a fraction of the path's length, between the samples on a straight path (m or rad).
+    pub(crate) fn at(&self, fraction: f64) -> Vec<f64> {
+        let next =
+            self.fractions.partition_point(|&s| s <= fraction).clamp(1, self.fractions.len() - 1);
+        let [from, to] = [self.fractions[next - 1], self.fractions[next]];
+        let t = (fraction - from) / (to - from);
         let pairs = self.positions[next - 1].iter().zip(&self.positions[next]);
         pairs.map(|(a, b)| a + t * (b - a)).collect()
     }
@@ -34,13 +35,13 @@ impl PosturePath {
 /// No motion of an arm's motors follows a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct NoPosturePath {
-    /// Largest share of the path's length that can be followed from its start.
-    pub(crate) share: f64,
+    /// Largest fraction of the path's length that can be followed from its start.
+    pub(crate) fraction: f64,
 }
 
 impl PlanarPath {
     /// Shares of the path's length at the corners.
-    pub(crate) fn shares(&self) -> Vec<f64> {
+    pub(crate) fn fractions(&self) -> Vec<f64> {
         let mut lengths = vec![0.0];
         for pair in self.corners.windows(2) {
             lengths.push(lengths[lengths.len() - 1] + (pair[1] - pair[0]).norm());
@@ -53,12 +54,12 @@ impl PlanarPath {
         self.corners.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
     }
 
-    /// The point at a share of the path's length (m).
-    pub(crate) fn at(&self, share: f64) -> Vector2<f64> {
-        let shares = self.shares();
-        let leg = shares.partition_point(|&s| s <= share).clamp(1, shares.len() - 1);
-        let [from, to] = [shares[leg - 1], shares[leg]];
-        let t = if to > from { (share - from) / (to - from) } else { 0.0 };
+    /// The point at a fraction of the path's length (m).
+    pub(crate) fn at(&self, fraction: f64) -> Vector2<f64> {
+        let fractions = self.fractions();
+        let leg = fractions.partition_point(|&s| s <= fraction).clamp(1, fractions.len() - 1);
+        let [from, to] = [fractions[leg - 1], fractions[leg]];
+        let t = if to > from { (fraction - from) / (to - from) } else { 0.0 };
         self.corners[leg - 1] + (self.corners[leg] - self.corners[leg - 1]) * t
     }
 }

@@ -49,12 +49,12 @@ impl HybridRobot {
 fn smoothed(search: &PostureSearch<'_>, found: Vec<Posture>) -> PosturePath {
     let postures = refined(search, &found).unwrap_or(found);
     let last = (postures.len() - 1) as f64;
-    let shares: Vec<f64> = (0..postures.len()).map(|k| k as f64 / last).collect();
-    let mut smoothing = Smoothing { search, shares: &shares, postures };
+    let fractions: Vec<f64> = (0..postures.len()).map(|k| k as f64 / last).collect();
+    let mut smoothing = Smoothing { search, fractions: &fractions, postures };
     smoothing.run();
     let postures = smoothing.postures.iter();
-    let positions = postures.map(|it| it.own[..search.ranges.count].to_vec()).collect();
-    PosturePath { shares, positions }
+    let positions = postures.map(|it| it.arm_positions[..search.ranges.count].to_vec()).collect();
+    PosturePath { fractions, positions }
 }
 
 /// Postures with others between them, their free angles interpolated.
@@ -66,9 +66,9 @@ fn refined(search: &PostureSearch<'_>, found: &[Posture]) -> Option<Vec<Posture>
         let from = &found[at];
         let next = found.get(at + 1).unwrap_or(from);
         let free = from_fn(|f| from.free[f] + t * (next.unknown[2 + f] - from.unknown[2 + f]));
-        let near = refined[k - 1];
-        let posture = search.posture_near(k as f64 / count as f64, free, &near)?;
-        search.is_continuous(&near, &posture).then(|| refined.push(posture))?;
+        let seed = refined[k - 1];
+        let posture = search.posture_near(k as f64 / count as f64, free, &seed)?;
+        search.is_continuous(&seed, &posture).then(|| refined.push(posture))?;
     }
     Some(refined)
 }

@@ -11,7 +11,7 @@ use super::decomposition::{Decomposition, Pair};
 use super::posture_path::{NoPosturePath, PlanarPath};
 use super::revolutions::{Ranges, Revolutions};
 use super::solution::Configuration;
-use crate::robot::arm_chain::{ArmChain, AxisCoefficients, turned};
+use crate::robot::arm_chain::{ArmChain, ArmVector, turned};
 use crate::robot::hybrid_robot::HybridRobot;
 
 /// Distance of neighbouring samples of the search (m).
@@ -38,8 +38,8 @@ pub(super) const HOME_WEIGHT: f64 = 0.05;
 pub(super) struct Posture {
     /// Angle of the last link vector and of the first, where they are free (rad).
     pub(super) free: [f64; 2],
-    pub(super) unknown: AxisCoefficients,
-    pub(super) own: AxisCoefficients,
+    pub(super) unknown: ArmVector,
+    pub(super) arm_positions: ArmVector,
     configuration: Configuration,
     /// Cost of limits and elbow.
     pub(super) cost: f64,
@@ -67,8 +67,8 @@ pub(super) struct PostureSearch<'a> {
     /// Largest changes of the free angles between samples, in steps of the grid.
     reach: usize,
     /// One over the velocity limit of each axis (s/m or s/rad).
-    pub(super) slowness: AxisCoefficients,
-    pub(super) home: AxisCoefficients,
+    pub(super) inverse_speed: ArmVector,
+    pub(super) home: ArmVector,
     /// Largest change of the pair between samples (rad, or m).
     largest: [f64; 2],
 }
@@ -86,9 +86,9 @@ impl<'a> PostureSearch<'a> {
         let [grid, reach] = [GRID, REACH].map(|both| both[count.saturating_sub(1)]);
         let intervals = (path.length() / SAMPLE_DISTANCE).ceil() as usize;
         let intervals = intervals.clamp(INTERVALS[0], INTERVALS[1]);
-        let (mut slowness, mut home) = ([0.0; 4], [0.0; 4]);
+        let (mut inverse_speed, mut home) = ([0.0; 4], [0.0; 4]);
         for (a, &axis) in chain.axes().iter().enumerate() {
-            slowness[a] = 1.0 / robot.axes[axis].loaded.velocity;
+            inverse_speed[a] = 1.0 / robot.axes[axis].loaded.velocity;
             home[a] = robot.axes[axis].home;
         }
         let slide = LARGEST_SLIDE * path.length() / intervals as f64;
@@ -106,7 +106,7 @@ impl<'a> PostureSearch<'a> {
             intervals,
             grid: is_free.map(|free| if free { grid } else { 1 }),
             reach,
-            slowness,
+            inverse_speed,
             home,
             largest,
         }
@@ -133,20 +133,30 @@ impl<'a> PostureSearch<'a> {
         }
     }
 
-    fn unknown(&self, found: &PairSolution, free: [f64; 2]) -> AxisCoefficients {
+    fn unknown(&self, found: &PairSolution, free: [f64; 2]) -> ArmVector {
         [found.pair[0], found.pair[1], self.last_angle(free), free[1]]
     }
 
     /// A posture with its cost; `own` may differ from `unknown` by whole revolutions.
-    fn posture(&self, found: &PairSolution, free: [f64; 2], own: &AxisCoefficients) -> Posture {
-        let unknown = self.decomposition.unknown(own);
-        let shares = from_fn(|a| {
+    fn posture(&self, found: &PairSolution, free: [f64; 2], arm_positions: &ArmVector) -> Posture {
+        let unknown = self.decomposition.unknown(arm_positions);
+        let fractions = from_fn(|a| {
             let used = a < self.ranges.count;
-            if used { (own[a] - self.ranges.middle(a)) / self.ranges.half(a) } else { 0.0 }
+            if used {
+                (arm_positions[a] - self.ranges.middle(a)) / self.ranges.half(a)
+            } else {
+                0.0
+            }
         });
-        let limits: f64 = of_limits(&shares)[0].iter().sum();
+        let limits: f64 = of_limits(&fractions)[0].iter().sum();
         let configuration = found.configuration;
-        Posture { free, unknown, own: *own, configuration, cost: limits + self.elbow_cost(found) }
+        Posture {
+            free,
+            unknown,
+            arm_positions: *arm_positions,
+            configuration,
+            cost: limits + self.elbow_cost(found),
+        }
     }
 
     /// Cost of the stretched and of the folded arm.
@@ -159,13 +169,14 @@ impl<'a> PostureSearch<'a> {
         }
     }
 
-    fn is_within_limits(&self, own: &AxisCoefficients) -> bool {
-        (0..self.ranges.count).all(|a| (self.ranges.min[a]..=self.ranges.max[a]).contains(&own[a]))
+    fn is_within_limits(&self, arm_positions: &ArmVector) -> bool {
+        (0..self.ranges.count)
+            .all(|a| (self.ranges.min[a]..=self.ranges.max[a]).contains(&arm_positions[a]))
     }
 
-    /// All postures at a share of the path, on the grid of free angles.
-    fn layer(&self, share: f64) -> Layer {
-        let point = self.path.at(share);
+    /// All postures at a fraction of the path, on the grid of free angles.
+    fn layer(&self, fraction: f64) -> Layer {
+        let point = self.path.at(fraction);
         let mut layer = Layer { postures: Vec::new(), cells: vec![0] };
         for i in 0..self.grid[0] {
             for j in 0..self.grid[1] {
@@ -175,10 +186,11 @@ impl<'a> PostureSearch<'a> {
                 let any = Configuration::default();
                 if let Ok(found) = self.decomposition.span(self.chain, &spanned, any, [0.0; 2]) {
                     for found in found.iter().flatten() {
-                        let own = self.decomposition.positions(&self.unknown(found, free));
-                        self.revolutions.within(&own, &self.ranges, |own| {
-                            if self.is_within_limits(own) {
-                                layer.postures.push(self.posture(found, free, own));
+                        let arm_positions =
+                            self.decomposition.positions(&self.unknown(found, free));
+                        self.revolutions.within(&arm_positions, &self.ranges, |arm_positions| {
+                            if self.is_within_limits(arm_positions) {
+                                layer.postures.push(self.posture(found, free, arm_positions));
                             }
                         });
                     }
@@ -190,9 +202,10 @@ impl<'a> PostureSearch<'a> {
     }
 
     /// Squared duration of a change at the velocity limits (s²).
-    pub(super) fn squared_duration(&self, change: &AxisCoefficients) -> f64 {
-        let each = change.iter().zip(&self.slowness);
-        each.map(|(change, slowness)| (change * slowness) * (change * slowness)).sum()
+    pub(super) fn squared_duration(&self, change: &ArmVector) -> f64 {
+        let each = change.iter().zip(&self.inverse_speed);
+        each.map(|(change, inverse_speed)| (change * inverse_speed) * (change * inverse_speed))
+            .sum()
     }
 
     /// Whether two neighbouring postures are on one branch.
@@ -208,13 +221,13 @@ impl<'a> PostureSearch<'a> {
             (0..=self.intervals).map(|k| self.layer(k as f64 / self.intervals as f64)).collect();
         let step = 1.0 / self.intervals as f64;
         let first = layers[0].postures.iter().map(|posture| {
-            let away: AxisCoefficients = from_fn(|a| posture.own[a] - self.home[a]);
+            let away: ArmVector = from_fn(|a| posture.arm_positions[a] - self.home[a]);
             HOME_WEIGHT * self.squared_duration(&away) + LIMIT_WEIGHT * step * posture.cost
         });
         let mut costs: Vec<f64> = first.collect();
         let mut before: Vec<Vec<usize>> = vec![Vec::new()];
         if costs.is_empty() {
-            return Err(NoPosturePath { share: 0.0 });
+            return Err(NoPosturePath { fraction: 0.0 });
         }
         for k in 1..layers.len() {
             let (from, to) = (&layers[k - 1], &layers[k]);
@@ -228,7 +241,7 @@ impl<'a> PostureSearch<'a> {
                 if !self.is_continuous(a, b) {
                     return;
                 }
-                let change: AxisCoefficients = from_fn(|a_| b.own[a_] - a.own[a_]);
+                let change: ArmVector = from_fn(|a_| b.arm_positions[a_] - a.arm_positions[a_]);
                 let cost =
                     costs[f] + self.squared_duration(&change) / step + LIMIT_WEIGHT * step * b.cost;
                 if cost < next[t] {
@@ -236,7 +249,7 @@ impl<'a> PostureSearch<'a> {
                 }
             });
             if !next.iter().any(|cost| cost.is_finite()) {
-                return Err(NoPosturePath { share: (k - 1) as f64 * step });
+                return Err(NoPosturePath { fraction: (k - 1) as f64 * step });
             }
             costs = next;
             before.push(by);
@@ -256,7 +269,7 @@ impl<'a> PostureSearch<'a> {
 
     /// Calls a function with all pairs of postures in neighbouring cells of two layers.
     fn for_neighbours(&self, from: &Layer, to: &Layer, mut each: impl FnMut(usize, usize)) {
-        let near = |k: usize, count: usize| {
+        let seed = |k: usize, count: usize| {
             let reach = self.reach.min(count / 2);
             let all = if count == 1 { 1 } else { (2 * reach + 1).min(count) };
             (0..all).map(move |d| (k + count + d - if count == 1 { 0 } else { reach }) % count)
@@ -269,8 +282,8 @@ impl<'a> PostureSearch<'a> {
                 if ends.is_empty() {
                     continue;
                 }
-                for row in near(i, rows) {
-                    for column in near(j, columns) {
+                for row in seed(i, rows) {
+                    for column in seed(j, columns) {
                         let other = row * columns + column;
                         for t in to.cells[other]..to.cells[other + 1] {
                             ends.clone().for_each(|f| each(f, t));
@@ -284,16 +297,16 @@ impl<'a> PostureSearch<'a> {
     /// The posture of given free angles in the configuration and revolutions of another.
     pub(super) fn posture_near(
         &self,
-        share: f64,
+        fraction: f64,
         free: [f64; 2],
-        near: &Posture,
+        seed: &Posture,
     ) -> Option<Posture> {
-        let spanned = self.spanned(&self.path.at(share), free);
-        let pair = [near.unknown[0], near.unknown[1]];
-        let found = self.decomposition.span(self.chain, &spanned, near.configuration, pair).ok()?;
+        let spanned = self.spanned(&self.path.at(fraction), free);
+        let pair = [seed.unknown[0], seed.unknown[1]];
+        let found = self.decomposition.span(self.chain, &spanned, seed.configuration, pair).ok()?;
         let found = found.into_iter().flatten().next()?;
-        let unknown = self.decomposition.wrapped(&self.unknown(&found, free), &near.unknown);
-        let own = self.decomposition.positions(&unknown);
-        self.is_within_limits(&own).then(|| self.posture(&found, free, &own))
+        let unknown = self.decomposition.wrapped(&self.unknown(&found, free), &seed.unknown);
+        let arm_positions = self.decomposition.positions(&unknown);
+        self.is_within_limits(&arm_positions).then(|| self.posture(&found, free, &arm_positions))
     }
 }

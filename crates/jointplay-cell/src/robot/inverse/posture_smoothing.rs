@@ -5,30 +5,30 @@ use std::array::from_fn;
 use nalgebra::{DMatrix, DVector};
 
 use super::posture_search::{CURVATURE_WEIGHT, HOME_WEIGHT, LIMIT_WEIGHT, Posture, PostureSearch};
-use crate::robot::arm_chain::AxisCoefficients;
+use crate::robot::arm_chain::ArmVector;
 
 /// Step of the free angles for derivatives (rad).
 const DIFFERENCE: f64 = 1e-5;
-/// Damping of the first descent step, and its limits, as a share of the diagonal.
+/// Damping of the first descent step, and its limits, as a fraction of the diagonal.
 const FIRST_DAMPING: f64 = 1e-3;
 const LEAST_DAMPING: f64 = 1e-9;
 const LARGEST_DAMPING: f64 = 1e9;
 /// Largest number of descent steps.
 const MAX_ITERATIONS: usize = 60;
-/// Share of the cost below which a gain ends the descent.
+/// Fraction of the cost below which a gain ends the descent.
 const LEAST_GAIN: f64 = 1e-5;
 
 /// Levenberg–Marquardt descent of the cost of a path over its free angles.
 pub(super) struct Smoothing<'a> {
     pub(super) search: &'a PostureSearch<'a>,
-    pub(super) shares: &'a [f64],
+    pub(super) fractions: &'a [f64],
     pub(super) postures: Vec<Posture>,
 }
 
 /// Derivatives of the positions, and of the root of the cost of limits, by the free angles of one posture.
 #[derive(Clone, Copy, Default)]
 struct PostureSlopes {
-    own: [AxisCoefficients; 2],
+    arm_positions: [ArmVector; 2],
     root_cost: [f64; 2],
 }
 
@@ -79,7 +79,7 @@ impl Smoothing<'_> {
             for (row, &f) in free.iter().enumerate() {
                 angles[f] += step[k * free.len() + row];
             }
-            self.search.posture_near(self.shares[k], angles, posture)
+            self.search.posture_near(self.fractions[k], angles, posture)
         });
         let moved = moved.collect::<Option<Vec<Posture>>>()?;
         let continuous = moved.windows(2).all(|pair| self.search.is_continuous(&pair[0], &pair[1]));
@@ -94,20 +94,24 @@ impl Smoothing<'_> {
     fn residuals(&self) -> DVector<f64> {
         let step = self.step();
         let [first, second] = difference_weights(step);
-        let slowness = &self.search.slowness;
-        let own = |k: usize, a: usize| self.postures[k].own[a] * slowness[a];
+        let inverse_speed = &self.search.inverse_speed;
+        let arm_positions =
+            |k: usize, a: usize| self.postures[k].arm_positions[a] * inverse_speed[a];
         let mut residuals = Vec::new();
         for a in 0..self.search.ranges.count {
-            residuals.push(HOME_WEIGHT.sqrt() * (own(0, a) - self.search.home[a] * slowness[a]));
+            residuals.push(
+                HOME_WEIGHT.sqrt() * (arm_positions(0, a) - self.search.home[a] * inverse_speed[a]),
+            );
         }
         for (k, posture) in self.postures.iter().enumerate() {
             residuals.push((LIMIT_WEIGHT * step * posture.cost).sqrt());
             for a in 0..self.search.ranges.count {
                 if k > 0 {
-                    residuals.push(first * (own(k, a) - own(k - 1, a)));
+                    residuals.push(first * (arm_positions(k, a) - arm_positions(k - 1, a)));
                 }
                 if k > 1 {
-                    let bend = own(k, a) - 2.0 * own(k - 1, a) + own(k - 2, a);
+                    let bend = arm_positions(k, a) - 2.0 * arm_positions(k - 1, a)
+                        + arm_positions(k - 2, a);
                     residuals.push(second * bend);
                 }
             }
@@ -123,7 +127,7 @@ impl Smoothing<'_> {
     fn jacobian(&self, free: &[usize], rows: usize) -> DMatrix<f64> {
         let step = self.step();
         let [first, second] = difference_weights(step);
-        let slowness = &self.search.slowness;
+        let inverse_speed = &self.search.inverse_speed;
         let slopes: Vec<PostureSlopes> = (0..self.postures.len()).map(|k| self.slopes(k)).collect();
         let mut jacobian = DMatrix::zeros(rows, self.postures.len() * free.len());
         let mut row = 0;
@@ -134,14 +138,18 @@ impl Smoothing<'_> {
                 }
             };
         for a in 0..self.search.ranges.count {
-            add(row, 0, HOME_WEIGHT.sqrt() * slowness[a], &|slopes, f| slopes.own[f][a]);
+            add(row, 0, HOME_WEIGHT.sqrt() * inverse_speed[a], &|slopes, f| {
+                slopes.arm_positions[f][a]
+            });
             row += 1;
         }
         for k in 0..self.postures.len() {
             add(row, k, (LIMIT_WEIGHT * step).sqrt(), &|slopes, f| slopes.root_cost[f]);
             row += 1;
             for a in 0..self.search.ranges.count {
-                let of = |slopes: &PostureSlopes, f: usize| slopes.own[f][a] * slowness[a];
+                let of = |slopes: &PostureSlopes, f: usize| {
+                    slopes.arm_positions[f][a] * inverse_speed[a]
+                };
                 if k > 0 {
                     add(row, k, first, &of);
                     add(row, k - 1, -first, &of);
@@ -166,13 +174,14 @@ impl Smoothing<'_> {
             let at = |offset: f64| {
                 let mut angles = here.free;
                 angles[f] += offset;
-                self.search.posture_near(self.shares[k], angles, here)
+                self.search.posture_near(self.fractions[k], angles, here)
             };
             let [(low, before), (high, after)] = [-DIFFERENCE, DIFFERENCE]
                 .map(|offset| at(offset).map_or((0.0, *here), |found| (offset, found)));
             if high > low {
                 let by = 1.0 / (high - low);
-                slopes.own[f] = from_fn(|a| (after.own[a] - before.own[a]) * by);
+                slopes.arm_positions[f] =
+                    from_fn(|a| (after.arm_positions[a] - before.arm_positions[a]) * by);
                 slopes.root_cost[f] = (after.cost.sqrt() - before.cost.sqrt()) * by;
             }
         }
@@ -180,7 +189,7 @@ impl Smoothing<'_> {
     }
 
     fn step(&self) -> f64 {
-        1.0 / (self.shares.len() - 1) as f64
+        1.0 / (self.fractions.len() - 1) as f64
     }
 }
 

@@ -4,12 +4,14 @@ use std::array::from_fn;
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::barrier::{AXES, Bent, ENDS, Each, Gain, LEAST, Model, Pole, of_limits};
+use super::barrier::{
+    AXES, DescentStep, ENDS, EndBarrier, LEAST, Model, PerAxis, QuadraticModel, of_limits,
+};
 use super::closed_form::PairSolution;
 use super::decomposition::{Decomposition, Pair};
 use super::revolutions::{Ranges, Revolutions};
 use super::solution::Configuration;
-use crate::robot::arm_chain::{ArmChain, AxisCoefficients, perpendicular, turned};
+use crate::robot::arm_chain::{ArmChain, ArmVector, perpendicular, turned};
 
 /// Largest number of descent steps; three to five are usual, more only out of a nearly stretched arm.
 const MOST_STEPS: usize = 100;
@@ -28,7 +30,7 @@ const STARTS: [usize; 3] = [8, 16, 48];
 /// Largest of [`STARTS`].
 const MOST_STARTS: usize = 48;
 
-/// Reach of a radial arm, as a share of its last link, below which the end of its reach direction costs.
+/// Reach of a radial arm, as a fraction of its last link, below which the end of its reach direction costs.
 const NEAR: f64 = 0.1;
 
 /// The free angles of an arm: of its first and of its last link vector.
@@ -44,25 +46,25 @@ pub(super) struct Redundant<'a> {
     /// Indices of the links whose angles are free.
     free: [Option<usize>; 2],
     /// Unknowns at the present positions.
-    near: AxisCoefficients,
+    seed: ArmVector,
     /// Position of each axis, from −1 at one limit to 1 at the other, for each unit of each unknown.
-    by_unknown: [Each; 4],
+    by_unknown: [PerAxis; 4],
     /// Position of each axis, from −1 at one limit to 1 at the other, where all unknowns are zero.
-    at_zero: Each,
-    poles: [Pole; ENDS],
+    at_zero: PerAxis,
+    poles: [EndBarrier; ENDS],
 }
 
 /// Unknowns that reach the target, with their cost.
 #[derive(Clone, Copy)]
-struct CostedPose {
-    unknown: AxisCoefficients,
+struct Candidate {
+    unknown: ArmVector,
     found: PairSolution,
     /// Vector that the pair spans (m).
     point: Vector2<f64>,
     /// Free link vectors (m).
     link_vectors: [Vector2<f64>; 2],
     /// Position of each axis, from −1 at one limit to 1 at the other.
-    shares: Each,
+    normalized_positions: PerAxis,
     cost: f64,
     /// Part of the cost by elbow and reach direction.
     of_bend: f64,
@@ -70,7 +72,7 @@ struct CostedPose {
 
 impl<'a> Redundant<'a> {
     /// # Arguments
-    /// * `near` – present positions
+    /// * `seed` – present positions
     pub(super) fn new(
         chain: &'a ArmChain,
         decomposition: &'a Decomposition,
@@ -78,9 +80,9 @@ impl<'a> Redundant<'a> {
         ranges: &'a Ranges,
         point: Vector2<f64>,
         last: Option<f64>,
-        near: &AxisCoefficients,
+        seed: &ArmVector,
     ) -> Self {
-        let (mut by_unknown, mut at_zero) = ([Each::default(); 4], Each::default());
+        let (mut by_unknown, mut at_zero) = ([PerAxis::default(); 4], PerAxis::default());
         for a in 0..ranges.count {
             let half = ranges.half(a);
             at_zero[a] = -ranges.middle(a) / half;
@@ -89,16 +91,17 @@ impl<'a> Redundant<'a> {
             }
         }
         let vector = |k: usize| &chain.link_vectors()[k].vector;
-        let near_end = Pole::Ahead(NEAR * decomposition.last.map_or(0.0, |k| vector(k).norm()));
+        let near_end =
+            EndBarrier::Reach(NEAR * decomposition.last.map_or(0.0, |k| vector(k).norm()));
         let poles = match decomposition.pair {
-            Pair::Links(_) => [Pole::Bend, Pole::None],
-            Pair::Belt(..) => [Pole::Bend, near_end],
-            Pair::Prismatic(_) => [Pole::None, near_end],
+            Pair::Links(_) => [EndBarrier::Elbow, EndBarrier::None],
+            Pair::Belt(..) => [EndBarrier::Elbow, near_end],
+            Pair::Prismatic(_) => [EndBarrier::None, near_end],
         };
         let held = decomposition.last.zip(last).map(|(k, turn)| turned(vector(k), turn));
         let point = point - held.unwrap_or_else(Vector2::zeros);
         let free = [decomposition.last.filter(|_| last.is_none()), decomposition.first];
-        let near = decomposition.unknown(near);
+        let seed = decomposition.unknown(seed);
         Self {
             chain,
             decomposition,
@@ -107,7 +110,7 @@ impl<'a> Redundant<'a> {
             point,
             last,
             free,
-            near,
+            seed,
             by_unknown,
             at_zero,
             poles,
@@ -120,11 +123,8 @@ impl<'a> Redundant<'a> {
     /// The free angles descend while the pair follows in closed form, so that it never leaves its configuration:
     /// each step minimizes a second-order model of u and cos β.
     /// The start is the present position, or the same pose by other revolutions where that violates a limit.
-    pub(super) fn away_from_limits(
-        &self,
-        configuration: Configuration,
-    ) -> Option<AxisCoefficients> {
-        let here = self.at([self.near[2], self.near[3]], configuration, &self.near);
+    pub(super) fn away_from_limits(&self, configuration: Configuration) -> Option<ArmVector> {
+        let here = self.at([self.seed[2], self.seed[3]], configuration, &self.seed);
         let here = here.map(|here| self.wrapped_to_limits(here));
         let (mut now, stretched) = match here {
             Some(here) if here.of_bend < STRETCHED => (here, None),
@@ -136,7 +136,7 @@ impl<'a> Redundant<'a> {
         let mut radius = LONGEST;
         for _ in 0..MOST_STEPS {
             let found = self.model(&now).and_then(|model| model.least(radius));
-            let Some(Gain { step, gain }) = found else { break };
+            let Some(DescentStep { step, gain }) = found else { break };
             let size = step.amax();
             if size.is_nan() || size < NONE {
                 break;
@@ -164,17 +164,17 @@ impl<'a> Redundant<'a> {
     }
 
     /// The positions of a given configuration whose free links have the directions of the present positions.
-    pub(super) fn as_near(&self, configuration: Configuration) -> Option<AxisCoefficients> {
-        let here = self.at([self.near[2], self.near[3]], configuration, &self.near)?;
+    pub(super) fn as_near(&self, configuration: Configuration) -> Option<ArmVector> {
+        let here = self.at([self.seed[2], self.seed[3]], configuration, &self.seed)?;
         Some(self.decomposition.positions(&here.unknown))
     }
 
-    fn is_within(&self, place: &CostedPose) -> bool {
-        place.shares.iter().all(|u| u.abs() <= 1.0)
+    fn is_within(&self, place: &Candidate) -> bool {
+        place.normalized_positions.iter().all(|u| u.abs() <= 1.0)
     }
 
     /// The same pose by the revolutions of least cost, where a limit is violated otherwise.
-    fn wrapped_to_limits(&self, place: CostedPose) -> CostedPose {
+    fn wrapped_to_limits(&self, place: Candidate) -> Candidate {
         if self.is_within(&place) {
             return place;
         }
@@ -182,9 +182,9 @@ impl<'a> Redundant<'a> {
         self.revolutions.within(
             &self.decomposition.positions(&place.unknown),
             self.ranges,
-            |own| {
+            |arm_positions| {
                 let mut wrapped = place;
-                wrapped.unknown = self.decomposition.unknown(own);
+                wrapped.unknown = self.decomposition.unknown(arm_positions);
                 let wrapped = self.costed(wrapped);
                 if wrapped.cost < best.cost {
                     best = wrapped;
@@ -195,7 +195,7 @@ impl<'a> Redundant<'a> {
     }
 
     /// The best of a grid of values of each free angle.
-    fn start(&self, count: usize, configuration: Configuration) -> Option<CostedPose> {
+    fn start(&self, count: usize, configuration: Configuration) -> Option<Candidate> {
         let turn = |k: usize| std::f64::consts::TAU * k as f64 / count as f64;
         // The vectors that a free link takes on the grid.
         let raster = |link_vector: Option<usize>| {
@@ -209,7 +209,7 @@ impl<'a> Redundant<'a> {
         let [last, first] = self.free;
         let (lasts, by_last) = raster(last);
         let (firsts, by_first) = raster(first);
-        let mut best: Option<CostedPose> = None;
+        let mut best: Option<Candidate> = None;
         for (i, by_last) in by_last[..lasts].iter().enumerate() {
             let rest = self.point - by_last;
             for (j, by_first) in by_first[..firsts].iter().enumerate() {
@@ -218,7 +218,7 @@ impl<'a> Redundant<'a> {
                     continue;
                 }
                 let free = [turn(i), turn(j)];
-                if let Some(found) = self.at(free, configuration, &self.near)
+                if let Some(found) = self.at(free, configuration, &self.seed)
                     && found.cost < most
                 {
                     best = Some(found);
@@ -244,8 +244,8 @@ impl<'a> Redundant<'a> {
         &self,
         free: [f64; 2],
         configuration: Configuration,
-        near: &AxisCoefficients,
-    ) -> Option<CostedPose> {
+        seed: &ArmVector,
+    ) -> Option<Candidate> {
         let link_vectors = from_fn(|f| match self.free[f] {
             Some(k) => turned(&self.chain.link_vectors()[k].vector, free[f]),
             None => Vector2::zeros(),
@@ -255,23 +255,31 @@ impl<'a> Redundant<'a> {
             self.decomposition.span(self.chain, &point, configuration, [0.0; 2]).ok()?;
         let found = solutions.into_iter().flatten().next()?;
         let unknown = [found.pair[0], found.pair[1], self.last.unwrap_or(free[0]), free[1]];
-        let unknown = self.decomposition.wrapped(&unknown, near);
-        let (shares, cost, of_bend) = (Each::default(), 0.0, 0.0);
-        Some(self.costed(CostedPose { unknown, found, point, link_vectors, shares, cost, of_bend }))
+        let unknown = self.decomposition.wrapped(&unknown, seed);
+        let (normalized_positions, cost, of_bend) = (PerAxis::default(), 0.0, 0.0);
+        Some(self.costed(Candidate {
+            unknown,
+            found,
+            point,
+            link_vectors,
+            normalized_positions,
+            cost,
+            of_bend,
+        }))
     }
 
     /// The same unknowns with their cost.
     #[inline]
-    fn costed(&self, mut place: CostedPose) -> CostedPose {
+    fn costed(&self, mut place: Candidate) -> Candidate {
         let (by, y) = (&self.by_unknown, &place.unknown);
-        place.shares = from_fn(|a| {
+        place.normalized_positions = from_fn(|a| {
             self.at_zero[a]
                 + (by[0][a] * y[0] + by[1][a] * y[1])
                 + (by[2][a] * y[2] + by[3][a] * y[3])
         });
         let ends = self.ends(&place.found);
         place.of_bend = (0..ENDS).map(|t| self.poles[t].of(ends[t][0])[0]).sum();
-        place.cost = of_limits(&place.shares)[0].iter().sum::<f64>() + place.of_bend;
+        place.cost = of_limits(&place.normalized_positions)[0].iter().sum::<f64>() + place.of_bend;
         place
     }
 
@@ -288,12 +296,12 @@ impl<'a> Redundant<'a> {
             Pair::Links([i, j]) => {
                 [[found.end_distance, 0.5 / (i.length * j.length), 0.0], [0.0; 3]]
             }
-            Pair::Belt([i, _], carried_link) => {
+            Pair::Belt([i, _], belt_driven_link) => {
                 let by_ahead = found.end_distance.signum() / (2.0 * i.length);
                 let [_, slope, curvature] = of_ahead.map(|number| number * by_ahead);
                 [
                     [
-                        (found.end_distance - carried_link.vector.x) / (2.0 * i.length),
+                        (found.end_distance - belt_driven_link.vector.x) / (2.0 * i.length),
                         slope,
                         curvature,
                     ],
@@ -310,7 +318,7 @@ impl<'a> Redundant<'a> {
     ///    S p_f  =  −w_f        S p_fg  =  −(w_fg + Σ_ij S_ij p_i,f p_j,g)
     /// ```
     /// for the pair p, the derivatives S and S_ij of its span, and the derivatives w_f and w_fg of the free link vectors.
-    fn model(&self, now: &CostedPose) -> Option<Model> {
+    fn model(&self, now: &Candidate) -> Option<Model> {
         let span = self.decomposition.span_change(&now.found, &now.point);
         let inverse = Matrix2::from_columns(&span.velocities).try_inverse()?;
         let [a, b] = &now.link_vectors;
@@ -325,18 +333,18 @@ impl<'a> Redundant<'a> {
         let free = self.free.map(|link_vector| link_vector.is_some());
         let by = &self.by_unknown;
         let by_pair = |pair: &Vector2<f64>| from_fn(|t| by[0][t] * pair[0] + by[1][t] * pair[1]);
-        let mut slopes: [Each; 2] = [by_pair(&p), by_pair(&q)];
+        let mut slopes: [PerAxis; 2] = [by_pair(&p), by_pair(&q)];
         for (f, slopes) in slopes.iter_mut().enumerate().filter(|&(f, _)| free[f]) {
             *slopes = from_fn(|t| slopes[t] + by[2 + f][t]);
         }
         let curvatures = from_fn(|k| by_pair(&bends[k]));
-        let limits = Bent { values: now.shares, slopes, curvatures };
+        let limits = QuadraticModel { values: now.normalized_positions, slopes, curvatures };
         // Derivatives of the squared length that the pair spans.
         let slope = [2.0 * now.point.perp(a), 2.0 * now.point.perp(b)];
         let curvature = [a.dot(&(a + now.point)), a.dot(b), b.dot(&(b + now.point))];
         let square = [slope[0] * slope[0], slope[0] * slope[1], slope[1] * slope[1]];
         let by = self.ends(&now.found);
-        let ends = Bent {
+        let ends = QuadraticModel {
             values: by.map(|by| by[0]),
             slopes: from_fn(|f| by.map(|by| slope[f] * by[1])),
             curvatures: from_fn(|k| by.map(|by| 2.0 * curvature[k] * by[1] + square[k] * by[2])),

@@ -6,19 +6,19 @@ use std::f64::consts::TAU;
 use nalgebra::Vector4;
 
 use super::decomposition::{Decomposition, Pair};
-use crate::robot::arm_chain::AxisCoefficients;
+use crate::robot::arm_chain::ArmVector;
 
 /// Largest number of combinations of revolutions that are tried; axes of at most ten revolutions have fewer on any usual arm.
 const MOST: i64 = 20_000;
 
-/// Tolerance of limits for round-off, as a share of the ranges.
+/// Tolerance of limits for round-off, as a fraction of the ranges.
 const LIMIT_TOLERANCE: f64 = 1e-12;
 
 /// Limits of the axes of an arm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ranges {
-    pub(super) min: AxisCoefficients,
-    pub(super) max: AxisCoefficients,
+    pub(super) min: ArmVector,
+    pub(super) max: ArmVector,
     pub(super) count: usize,
 }
 
@@ -44,21 +44,17 @@ pub(super) struct Revolutions {
 impl Decomposition {
     /// Unknowns of the same pose, nearest to other unknowns.
     #[inline]
-    pub(super) fn wrapped(
-        &self,
-        unknown: &AxisCoefficients,
-        near: &AxisCoefficients,
-    ) -> AxisCoefficients {
+    pub(super) fn wrapped(&self, unknown: &ArmVector, seed: &ArmVector) -> ArmVector {
         let mut wrapped = *unknown;
-        for (r, (wrapped, near)) in wrapped.iter_mut().zip(near).enumerate() {
+        for (r, (wrapped, seed)) in wrapped.iter_mut().zip(seed).enumerate() {
             if r != 1 || matches!(self.pair, Pair::Links(_)) {
-                *wrapped += TAU * ((near - *wrapped) / TAU).round();
+                *wrapped += TAU * ((seed - *wrapped) / TAU).round();
             }
         }
         if let Pair::Belt(..) = self.pair {
             // The third link rotates by the mean: both unknowns change by one revolution, or one of them by two.
             let other = unknown[1] + wrapped[0] - unknown[0];
-            wrapped[1] = other + 2.0 * TAU * ((near[1] - other) / (2.0 * TAU)).round();
+            wrapped[1] = other + 2.0 * TAU * ((seed[1] - other) / (2.0 * TAU)).round();
         }
         wrapped
     }
@@ -93,8 +89,8 @@ impl Revolutions {
         revolutions
     }
 
-    fn shifted(&self, own: &AxisCoefficients, k: &[i64; 4]) -> AxisCoefficients {
-        let mut shifted = Vector4::from(*own);
+    fn shifted(&self, arm_positions: &ArmVector, k: &[i64; 4]) -> ArmVector {
+        let mut shifted = Vector4::from(*arm_positions);
         for (generator, &k) in self.generators.iter().zip(k).take(self.count) {
             shifted += generator * k as f64;
         }
@@ -102,36 +98,36 @@ impl Revolutions {
     }
 
     /// Positions of the same pose, nearest to other positions.
-    fn nearest(&self, own: &AxisCoefficients, to: &AxisCoefficients) -> AxisCoefficients {
-        let away = Vector4::from(*to) - Vector4::from(*own);
+    fn nearest(&self, arm_positions: &ArmVector, to: &ArmVector) -> ArmVector {
+        let away = Vector4::from(*to) - Vector4::from(*arm_positions);
         let mut k = [0; 4];
         for (k, dual) in k.iter_mut().zip(&self.duals).take(self.count) {
             *k = dual.dot(&away).round() as i64;
         }
-        self.shifted(own, &k)
+        self.shifted(arm_positions, &k)
     }
 
     /// Amount by which an axis exceeds its limits once it is shifted by revolutions; negative within them.
     #[inline]
-    fn beyond(&self, own: &AxisCoefficients, k: &[f64; 4], ranges: &Ranges, axis: usize) -> f64 {
+    fn beyond(&self, arm_positions: &ArmVector, k: &[f64; 4], ranges: &Ranges, axis: usize) -> f64 {
         let [a, b, c, d] = &self.generators;
         let shift = (a[axis] * k[0] + b[axis] * k[1]) + (c[axis] * k[2] + d[axis] * k[3]);
-        let position = own[axis] + shift;
+        let position = arm_positions[axis] + shift;
         f64::max(ranges.min[axis] - position, position - ranges.max[axis])
     }
 
     /// Calls a function with all positions of the same pose within limits; where there are none, with those that exceed them least.
     pub(super) fn within(
         &self,
-        own: &AxisCoefficients,
+        arm_positions: &ArmVector,
         ranges: &Ranges,
-        mut each: impl FnMut(&AxisCoefficients),
+        mut each: impl FnMut(&ArmVector),
     ) {
         let (mut low, mut high) = ([0_i64; 4], [0_i64; 4]);
         let mut combinations = 1_i64;
         for m in 0..self.count {
             let (mut least, mut most) = (0.0, 0.0);
-            for (a, now) in own.iter().enumerate().take(ranges.count) {
+            for (a, now) in arm_positions.iter().enumerate().take(ranges.count) {
                 let ends = [ranges.min[a] - now, ranges.max[a] - now];
                 let products = ends.map(|end| end * self.duals[m][a]);
                 least += products[0].min(products[1]);
@@ -143,15 +139,15 @@ impl Revolutions {
         }
         let mut found = false;
         if combinations <= MOST {
-            let tolerance: AxisCoefficients =
+            let tolerance: ArmVector =
                 from_fn(|a| LIMIT_TOLERANCE * (ranges.max[a] - ranges.min[a]));
             for_each(&low[..self.count], &high[..self.count], |k| {
                 let revolutions = k.map(|k| k as f64);
                 if (0..ranges.count)
-                    .all(|a| self.beyond(own, &revolutions, ranges, a) <= tolerance[a])
+                    .all(|a| self.beyond(arm_positions, &revolutions, ranges, a) <= tolerance[a])
                 {
                     found = true;
-                    each(&self.shifted(own, k));
+                    each(&self.shifted(arm_positions, k));
                 }
             });
         }
@@ -162,9 +158,9 @@ impl Revolutions {
         for (a, middle) in middle.iter_mut().enumerate().take(ranges.count) {
             *middle = ranges.middle(a);
         }
-        let about = self.nearest(own, &middle);
+        let about = self.nearest(arm_positions, &middle);
         let (mut best, mut least) = ([0; 4], f64::INFINITY);
-        let weights: AxisCoefficients = from_fn(|a| 1.0 / (ranges.max[a] - ranges.min[a]));
+        let weights: ArmVector = from_fn(|a| 1.0 / (ranges.max[a] - ranges.min[a]));
         let (low, high) = ([-1; 4], [1; 4]);
         for_each(&low[..self.count], &high[..self.count], |k| {
             let (revolutions, mut excess) = (k.map(|k| k as f64), 0.0);

@@ -35,7 +35,7 @@ pub enum Redundancy {
     /// Those farthest from the limits of the axes and from the stretched arm, a local minimum near the present positions.
     AwayFromLimits,
     /// Those in which the links that are free keep their directions.
-    AsNear,
+    AtSeed,
 }
 
 /// All solutions of the inverse kinematics for a target.

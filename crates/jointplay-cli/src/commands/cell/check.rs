@@ -16,7 +16,7 @@ Examples:
   jointplay cell check
   jointplay cell check --format json
 
-Exit codes: 0 sound, 1 not safe to run or unreachable, 2 bad input or usage, 130 interrupted.")]
+Exit codes: 0 no violations, 1 violations or unreachable, 2 bad input or usage, 130 interrupted.")]
 pub(super) struct Check {
     #[command(flatten)]
     pub(super) input: InputArgs,
@@ -31,6 +31,6 @@ impl Check {
         } else {
             output::text(&text::report(&document, &planned))?;
         }
-        planned.verdict()
+        planned.exit()
     }
 }

@@ -98,7 +98,7 @@ struct TextName<'a> {
 /// The files written.
 #[derive(Serialize)]
 struct Written {
-    verdict: &'static str,
+    result: &'static str,
     violations: usize,
     duration_s: f64,
     rate_hz: f64,
@@ -110,7 +110,7 @@ impl Export {
         folder::check_folder(&self.out, self.force)?;
         let dialect = dialect(&self.dialect)?;
         let planned = self.input.plan()?;
-        if !planned.is_sound() && !self.despite_errors {
+        if !planned.passed() && !self.despite_errors {
             let count = counted(planned.report.violations.len(), "violation");
             return Err(Failure::Unsolved(format!(
                 "{}: {count}, not safe to run\n{}nothing is exported; use --despite-errors to export it anyway",
@@ -120,7 +120,7 @@ impl Export {
         }
         let files = self.files(&planned, &dialect)?;
         let written = Written {
-            verdict: planned.document().verdict,
+            result: planned.document().result,
             violations: planned.report.violations.len(),
             duration_s: planned.motion.duration(),
             rate_hz: self.rate.0,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::cell::check::{Report, Verdict};
+use jointplay::cell::check::{CheckOptions, CheckResult, Report, remedies};
 use jointplay::cell::program::{
     Program, ProgramError, ProgramProblem, SourceLocation, name_errors,
 };
@@ -272,8 +272,8 @@ impl Planned {
         &self.input.cell.cell
     }
 
-    pub(super) fn is_sound(&self) -> bool {
-        self.report.verdict == Verdict::Sound
+    pub(super) fn passed(&self) -> bool {
+        self.report.result == CheckResult::Passed
     }
 
     pub(super) fn motion_export(&self) -> MotionExport<'_> {
@@ -285,8 +285,15 @@ impl Planned {
         }
     }
 
+    /// The report, with remedies of violations.
     pub(super) fn document(&self) -> report::CellReport {
-        report::cell(self.cell(), &self.input.text, &self.motion, &self.report)
+        let progress = Progress::new(1);
+        progress.reporter().stage("searching remedies");
+        let (cell, options) = (self.cell(), CheckOptions::default());
+        let remedies = remedies(cell, &self.motion, &options, &self.report, &|| false).ok();
+        let remedies = remedies.map(|found| report::remedy_reports(cell, &found));
+        let document = report::cell(cell, &self.input.text, &self.motion, &self.report);
+        report::CellReport { remedies, ..document }
     }
 
     /// All effectors of the robot.
@@ -295,8 +302,8 @@ impl Planned {
     }
 
     /// Fails if the report has violations.
-    pub(super) fn verdict(&self) -> Result<(), Failure> {
-        if self.is_sound() {
+    pub(super) fn exit(&self) -> Result<(), Failure> {
+        if self.passed() {
             return Ok(());
         }
         let count = counted(self.report.violations.len(), "violation");

@@ -3,7 +3,8 @@
 use jointplay::cell::EntityId;
 use jointplay::cell::check::Violation;
 use jointplay::cell::robot::EffectorId;
-use jointplay::cell::workcell::Carrier;
+use jointplay::cell::schedule::schedule;
+use jointplay::cell::workcell::ParentFrame;
 use jointplay::interop::export;
 use jointplay::plot::cell::{EffectorPath, Gantt, TopView};
 
@@ -32,7 +33,7 @@ fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {
     let paths = export::tracks(&planned.motion_export(), rate)?;
     let mut view = TopView::new(planned.cell());
     for (effector, points) in planned.effectors().into_iter().zip(paths) {
-        let reach = robot.reach(effector)?;
+        let reach = robot.reach_range(effector)?;
         view.paths.push(EffectorPath { effector, reach, points });
     }
     for one in &planned.report.violations {
@@ -58,7 +59,7 @@ fn involved(planned: &Planned, one: &Violation) -> Vec<EffectorId> {
         one.entities.iter().any(|&entity| match entity {
             EntityId::Effector(effector) => effector == *id,
             EntityId::Body(body) => {
-                matches!(cell.bodies[body].carrier, Carrier::Link { arm, .. } if arm == id.arm)
+                matches!(cell.bodies[body].parent, ParentFrame::Link { arm, .. } if arm == id.arm)
             }
             _ => false,
         })
@@ -70,6 +71,7 @@ fn involved(planned: &Planned, one: &Violation) -> Vec<EffectorId> {
 fn gantt(planned: &Planned) -> Gantt {
     let violations: Vec<[f64; 2]> =
         planned.report.violations.iter().map(|one| [one.start, one.end]).collect();
-    let title = format!("{}: axes over time", planned.cell().name);
-    Gantt::new(&title, planned.cell(), &planned.motion, &planned.input.text, &violations)
+    let (cell, motion) = (planned.cell(), &planned.motion);
+    let title = format!("{}: axes, wafers and stations over time", cell.name);
+    Gantt::new(&title, cell, motion, &schedule(cell, motion), &planned.input.text, &violations)
 }

@@ -26,7 +26,7 @@ Examples:
   jointplay cell run
   jointplay cell run --rate 1000 --out fine-run --format json
 
-Exit codes: 0 sound, 1 not safe to run or unreachable, 2 bad input or usage, 130 interrupted.")]
+Exit codes: 0 no violations, 1 violations or unreachable, 2 bad input or usage, 130 interrupted.")]
 pub(super) struct Run {
     #[command(flatten)]
     pub(super) input: InputArgs,
@@ -56,7 +56,7 @@ impl Run {
         for (name, bytes) in &files {
             staged.add(name, |writer| Ok(writer.write_all(bytes)?))?;
         }
-        if planned.is_sound() || self.despite_errors {
+        if planned.passed() || self.despite_errors {
             csv(&mut staged, SAMPLES, &planned.motion_export(), self.rate.0)?;
             files.push((SAMPLES.to_owned(), Vec::new()));
         }
@@ -70,6 +70,6 @@ impl Run {
             text.push_str(&format!("{written} written into {}\n", self.out.display()));
             output::text(&text)?;
         }
-        planned.verdict()
+        planned.exit()
     }
 }

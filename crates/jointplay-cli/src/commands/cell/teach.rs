@@ -210,7 +210,7 @@ fn write_station(text: &mut String, station: &StationReport, limit: f64) {
     }
     if let Some(plane) = &station.plane {
         let distances: Vec<String> = plane.distances_um.iter().map(|&one| fixed(one, 1)).collect();
-        let verdict = match plane.verdict {
+        let result = match plane.verdict {
             "fits" => "fits",
             "uncertain" => "uncertain: the tilt uncertainty exceeds `plane_urad`",
             "unproven" if plane.freedom == 0 => {
@@ -255,6 +255,6 @@ fn write_station(text: &mut String, station: &StationReport, limit: f64) {
                 let _ = writeln!(text, "  uncertainty          unknown; use --noise-um");
             }
         }
-        let _ = writeln!(text, "  verdict              {verdict}");
+        let _ = writeln!(text, "  result               {result}");
     }
 }

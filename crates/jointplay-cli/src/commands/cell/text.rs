@@ -1,24 +1,27 @@
 //! The report of a check as text.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use jointplay::cell::EntityId;
-use jointplay::cell::check::{Kind, Violation};
+use jointplay::cell::check::ViolationKind;
 use jointplay::cell::program::SourceLocation;
 use jointplay::format::number::counted;
-use jointplay::report::{CellReport, InstructionReport, ShareReport, explain_violation};
+use jointplay::report::{
+    CellReport, InstructionReport, OccurrenceReport, ScheduleReport, ShareReport, StationUseReport,
+    ViolationGroupReport, violation_groups,
+};
 
 use super::input::Planned;
 use super::slowest::slowest_segments;
 use crate::output::fixed;
 
-/// Largest number of times listed of a repeated violation.
-const TIMES: usize = 4;
+/// Largest number of instructions listed of a violation group.
+const OCCURRENCES: usize = 4;
+/// Shortest wait for a process that is listed (s).
+const SHORTEST_WAIT: f64 = 0.05;
 /// Largest number of violation groups listed.
 const GROUPS: usize = 12;
 
-/// Verdict, violations, and a table by program line.
+/// CheckResult, violations, and a table by program line.
 pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     let mut text = format!("{} with {}\n", report.cell, report.robot);
     let metric = report
@@ -30,11 +33,11 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
         report.virtualization, report.solver
     );
     let count = report.violations.len();
-    let verdict = match count {
-        0 => "sound".to_owned(),
+    let result = match count {
+        0 => "passed".to_owned(),
         count => format!("{}, not safe to run", counted(count, "violation")),
     };
-    let _ = writeln!(text, "  verdict              {verdict}");
+    let _ = writeln!(text, "  result               {result}");
     let _ = writeln!(
         text,
         "  program              {}, {} in {}",
@@ -51,6 +54,7 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
             fixed(rate, 1)
         );
     }
+    schedule(&mut text, &report.schedule);
     if let Some(straight) = &report.straight {
         let _ = writeln!(
             text,
@@ -114,9 +118,26 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
         }
     }
     if count > 0 {
-        text.push_str("violations\n");
+        text.push_str("violations by cause\n");
         text.push_str(&violations(planned));
     }
+    let remedies = report.remedies.as_deref().unwrap_or_default();
+    if !remedies.is_empty() {
+        text.push_str("remedies, each verified by a check of the program\n");
+        for remedy in remedies {
+            let _ = writeln!(text, "  {}", remedy.message);
+        }
+    }
+    if !report.bodies_in_zones.is_empty() {
+        text.push_str(
+            "fixed bodies in keep-out zones, which restrict only the robot and its wafers\n",
+        );
+        for one in &report.bodies_in_zones {
+            let depth = fixed(one.depth_mm, 3);
+            let _ = writeln!(text, "  {} is in {}, {depth} mm deep", one.body, one.zone);
+        }
+    }
+    stations(&mut text, &report.schedule);
     lines(&mut text, report);
     text.push_str(&slowest_segments(report));
     axes(&mut text, report);
@@ -140,62 +161,125 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     text
 }
 
-/// The common properties of a group of violations; wafers count as one entity, `None`.
-#[derive(PartialEq, Eq, PartialOrd, Ord)]
-struct GroupKey {
-    place: SourceLocation,
-    kind: Kind,
-    entities: Vec<Option<EntityId>>,
+/// Waits, bottleneck and periodic parts.
+fn schedule(text: &mut String, schedule: &ScheduleReport) {
+    let robot = &schedule.robot;
+    let mut waits: Vec<String> = robot
+        .process_waits
+        .iter()
+        .filter(|wait| wait.waiting_s >= SHORTEST_WAIT)
+        .map(|wait| format!("{} s for {}", fixed(wait.waiting_s, 1), wait.station))
+        .collect();
+    if robot.commanded_waits_s > 0.0 {
+        waits.push(format!("{} s by WAIT", fixed(robot.commanded_waits_s, 1)));
+    }
+    let waits = match waits.len() {
+        0 => "no waits".to_owned(),
+        1 => format!("waits {}", waits[0]),
+        _ => format!("waits {} s: {}", fixed(robot.waiting_s, 1), waits.join(", ")),
+    };
+    let _ = writeln!(
+        text,
+        "  robot                moving {} % of the time, {waits}",
+        percent(robot.busy_share)
+    );
+    for part in &schedule.periodic_parts {
+        let lines = match part.lines {
+            [first, last] if first == last => format!("line {first}"),
+            [first, last] => format!("lines {first} to {last}"),
+        };
+        let _ = writeln!(
+            text,
+            "  periodic             {lines}: {} of {} s ({} to {}), {} wafers/h",
+            counted(part.cycles, "cycle"),
+            fixed(part.period_s, 3),
+            fixed(part.shortest_period_s, 3),
+            fixed(part.longest_period_s, 3),
+            fixed(part.wafers_per_hour, 1)
+        );
+    }
+    if let Some(bottleneck) = &schedule.bottleneck {
+        let name = match bottleneck.kind {
+            "process" => format!("process of {}", bottleneck.name),
+            "wait command" => "WAIT commands".to_owned(),
+            _ => "robot".to_owned(),
+        };
+        let of =
+            if schedule.periodic_parts.is_empty() { "program" } else { "longest periodic part" };
+        let _ = writeln!(
+            text,
+            "  bottleneck           {name}: {} % of the critical path of the {of}",
+            percent(bottleneck.share)
+        );
+    }
 }
 
-/// Violations grouped by command and pair, worst first: the worst of each group with an excerpt, and the times and number of the others.
+/// A row for each station that the program uses.
+fn stations(text: &mut String, schedule: &ScheduleReport) {
+    let used: Vec<&StationUseReport> =
+        schedule.stations.iter().filter(|station| station.visits > 0).collect();
+    if used.is_empty() {
+        return;
+    }
+    text.push_str("stations, shares of the time in %\n");
+    text.push_str(
+        "  station     visits  occupied  processing  robot waits s  shortest stay s  longest stay s\n",
+    );
+    for station in used {
+        let seconds = |time: Option<f64>| time.map_or("–".to_owned(), |time| fixed(time, 1));
+        let limit =
+            station.max_dwell_s.map_or(String::new(), |max| format!(" of {}", fixed(max, 1)));
+        let _ = writeln!(
+            text,
+            "  {:<12} {:>5} {:>9} {:>11} {:>14} {:>16} {:>15}{limit}",
+            station.name,
+            station.visits,
+            percent(station.occupied_share),
+            percent(station.busy_share),
+            fixed(station.robot_waits_s, 1),
+            seconds(station.shortest_stay_s),
+            seconds(station.longest_stay_s)
+        );
+    }
+}
+
+/// Violations by cause, worst first: the worst of each group with an excerpt, and the number of violations by instruction and station.
 pub(super) fn violations(planned: &Planned) -> String {
-    let mut groups: BTreeMap<GroupKey, Vec<&Violation>> = BTreeMap::new();
-    for one in &planned.report.violations {
-        let entities = one.entities.iter().map(|&one| (!one.is_wafer()).then_some(one)).collect();
-        let key = GroupKey { place: one.place, kind: one.kind, entities };
-        groups.entry(key).or_default().push(one);
-    }
-    let mut groups: Vec<Vec<&Violation>> = groups.into_values().collect();
-    for group in &mut groups {
-        // The worst one represents the group; of equal ones the first.
-        group.sort_by(|a, b| excess(b).total_cmp(&excess(a)).then(a.start.total_cmp(&b.start)));
-    }
-    groups.sort_by(|a, b| {
-        let [one, other] = [a[0], b[0]];
-        let by_kind = severity(one.kind).cmp(&severity(other.kind));
-        by_kind.then(excess(other).total_cmp(&excess(one))).then(one.start.total_cmp(&other.start))
-    });
+    let all = &planned.report.violations;
+    let groups = violation_groups(planned.cell(), &planned.motion.steps, all);
     let mut text = String::new();
     for group in groups.iter().take(GROUPS) {
-        let worst = group[0];
-        let message = format!("{}: {}", worst.kind, explain_violation(planned.cell(), worst));
-        for line in planned.input.excerpt(worst.place, &message).lines() {
+        let place = SourceLocation { line: group.line, column: group.column };
+        let message = format!("{}: {}", group.kind, group.message);
+        for line in planned.input.excerpt(place, &message).lines() {
             let _ = writeln!(text, "  {line}");
         }
-        let times: Vec<String> = group
-            .iter()
-            .take(TIMES)
-            .map(|one| match (fixed(one.start, 3), fixed(one.end, 3)) {
-                (start, end) if start == end => start,
-                (start, end) => format!("{start} to {end}"),
-            })
-            .collect();
-        let more = match group.len().saturating_sub(TIMES) {
-            0 => String::new(),
-            more => format!(", and {} more", counted(more, "time")),
-        };
-        let entities = group.iter().flat_map(|one| &one.entities);
-        let wafers: BTreeSet<&EntityId> = entities.filter(|one| one.is_wafer()).collect();
-        let wafers = match wafers.len() {
+        let excess = depth(group, group.excess);
+        let wafers = match group.wafers {
             0 | 1 => String::new(),
-            wafers => format!("; {wafers} wafers in total"),
+            wafers => format!(", {wafers} wafers"),
         };
-        let _ = writeln!(text, "    at {} s{more}{wafers}", times.join(", "));
+        let _ = writeln!(
+            text,
+            "    {}{wafers}; first at {} s, worst at {} s{excess}",
+            counted(group.count, "time"),
+            fixed(group.first_s, 3),
+            fixed(group.worst_s, 3)
+        );
+        if group.occurrences.len() > 1 {
+            for one in group.occurrences.iter().take(OCCURRENCES) {
+                text.push_str(&occurrence(group, one));
+            }
+            let left = &group.occurrences[group.occurrences.len().min(OCCURRENCES)..];
+            if !left.is_empty() {
+                let count = left.iter().map(|one| one.count).sum();
+                let _ = writeln!(text, "      and {} elsewhere", counted(count, "time"));
+            }
+        }
     }
     let left = &groups[groups.len().min(GROUPS)..];
     if !left.is_empty() {
-        let count: usize = left.iter().map(Vec::len).sum();
+        let count: usize = left.iter().map(|group| group.count).sum();
         let _ = writeln!(
             text,
             "  and {} more in {} (--format json lists all)",
@@ -206,21 +290,33 @@ pub(super) fn violations(planned: &Planned) -> String {
     text
 }
 
-/// Amount by which a limit is exceeded, in SI units; not comparable between kinds.
-fn excess(one: &Violation) -> f64 {
-    (one.worst - one.limit).abs()
+/// Depth of a violation of two bodies or of a body and a zone, for a list; empty for other violations.
+fn depth(group: &ViolationGroupReport, excess: Option<f64>) -> String {
+    let is_of = |kinds: &[ViolationKind]| kinds.iter().any(|kind| group.kind == kind.to_string());
+    let is_pair =
+        [ViolationKind::Collision, ViolationKind::Clearance, ViolationKind::SlotClearance];
+    let meaning = if is_of(&is_pair) {
+        "too close"
+    } else if is_of(&[ViolationKind::KeepOut]) {
+        "deep"
+    } else {
+        return String::new();
+    };
+    excess
+        .map_or(String::new(), |excess| format!(", {} {} {meaning}", fixed(excess, 3), group.unit))
 }
 
-/// Rank of a kind: damage first, then clearances, then limits of the axes.
-fn severity(kind: Kind) -> u8 {
-    match kind {
-        Kind::Platform | Kind::Droop => 0,
-        Kind::Collision => 1,
-        Kind::KeepOut => 2,
-        Kind::Clearance | Kind::SlotClearance | Kind::SafeZone => 3,
-        Kind::Slip => 4,
-        _ => 5,
-    }
+/// Violations of a group in one instruction.
+fn occurrence(group: &ViolationGroupReport, one: &OccurrenceReport) -> String {
+    let station = one.station.as_ref().map_or(String::new(), |name| format!(" {name},"));
+    let excess = depth(group, one.excess);
+    format!(
+        "      line {},{station} {}: {}, worst at {} s{excess}\n",
+        one.line,
+        one.phase,
+        counted(one.count, "time"),
+        fixed(one.worst_s, 3)
+    )
 }
 
 /// A row for each line of the program, over all its executions.

@@ -212,7 +212,7 @@ impl SparseSystem<'_> {
     /// Least singular values by inverse iteration with the sparse factor of the damped normal equations; the violation by each vector is formed without squaring, so that zeros are exact to round-off.
     /// All motions are finite if every direction of a few at random, more than there are motions, can be followed for 0.3 rad of its fastest joint.
     /// Otherwise second derivatives bound the mobility from above, and the lower bound is left at zero, unless the block is small enough for [`finite_mobility`], which then decides.
-    /// A joint on no loop costs nothing: the time for a tree is proportional to its joints.
+    /// A joint on no loop needs no linear algebra: the time for a tree is proportional to its joints.
     ///
     /// # Source
     /// \[GolubVanLoan\], section 8.2, for the iteration; the bounds as in [`crate::mobility::finite_mobility`]

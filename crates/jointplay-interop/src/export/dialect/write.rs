@@ -2,7 +2,7 @@
 
 use jointplay_cell::program::{Handoff, Path};
 use jointplay_cell::robot::AxisKind;
-use jointplay_report::phase_name;
+use jointplay_format::program::phase_name;
 
 use super::template::Template;
 use super::{Dialect, Motions};

@@ -6,7 +6,7 @@ use gltf_json::validation::Checked::Valid;
 use gltf_json::{Index, Mesh, Node};
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::station::Station;
-use jointplay_cell::workcell::{Body, Carrier, Cell, ZoneRule};
+use jointplay_cell::workcell::{Body, Cell, ParentFrame, ZoneRule};
 use jointplay_core::spatial::Pose;
 use serde_json::json;
 
@@ -38,7 +38,7 @@ impl Parts {
         part: Part,
     ) -> Vec<Index<Node>> {
         let robot = &cell.robot;
-        let carrier = match part {
+        let parent = match part {
             Part::Wafer(_) => {
                 let made = *self.wafer.get_or_insert_with(|| {
                     let half_height = 0.5 * cell.wafer.thickness;
@@ -55,15 +55,15 @@ impl Parts {
                 let shape = Shape::Capsule { ends: [[0.0, 0.0, -low], [0.0; 3]], radius: BAR };
                 return document.show("rod", &shape, &Pose::identity(), Material::Robot);
             }
-            Part::Platform => Carrier::Platform,
-            Part::Link { arm, link } => Carrier::Link { arm, link },
+            Part::Platform => ParentFrame::Platform,
+            Part::Link { arm, link } => ParentFrame::Link { arm, link },
         };
         let material = match part {
             Part::Link { arm: 0, .. } => Material::Arm,
             Part::Link { .. } => Material::OtherArm,
             _ => Material::Robot,
         };
-        let bodies = bodies(document, cell, carrier, material);
+        let bodies = bodies(document, cell, parent, material);
         if !bodies.is_empty() {
             return bodies;
         }
@@ -92,7 +92,7 @@ impl Parts {
 
     /// Nodes of the stationary parts: bodies, stations, zones.
     pub(super) fn of_world(&mut self, document: &mut Document, cell: &Cell) -> Vec<Index<Node>> {
-        let mut nodes = bodies(document, cell, Carrier::World, Material::Body);
+        let mut nodes = bodies(document, cell, ParentFrame::World, Material::Body);
         for station in &cell.stations {
             let mesh = *self.slot.get_or_insert_with(|| {
                 let [half_height, wider] = SLOT;
@@ -126,16 +126,16 @@ pub(super) fn slot_name(station: &Station, slot: usize) -> String {
     format!("{} {slot}", station.name)
 }
 
-/// Nodes of the bodies with one carrier; those of stations name their station.
+/// Nodes of the bodies with one parent; those of stations name their station.
 fn bodies(
     document: &mut Document,
     cell: &Cell,
-    carrier: Carrier,
+    parent: ParentFrame,
     material: Material,
 ) -> Vec<Index<Node>> {
-    let carried = cell.bodies.iter().filter(|body| body.carrier == carrier);
+    let carried = cell.bodies.iter().filter(|body| body.parent == parent);
     let show = |body: &Body| {
-        let shown = document.show(&body.name, &body.shape, &body.carrier_from_shape, material);
+        let shown = document.show(&body.name, &body.shape, &body.parent_from_shape, material);
         if let (Some(station), &[node]) = (body.station, shown.as_slice()) {
             let name = &cell.stations[station].name;
             document.nodes[node.value()].extras = extras(&json!({ "station": name }));

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use jointplay_cell::robot::EffectorId;
+use jointplay_format::program::phase_name;
 use serde_json::{Value, json};
 
 use super::Timeline;
@@ -11,7 +12,7 @@ use super::relative_time::since;
 use crate::export::channel::Channel;
 use crate::export::error::Error;
 use crate::export::motion_export::MotionExport;
-use jointplay_report::{ViolationReport, phase_name};
+use jointplay_report::ViolationReport;
 
 /// Distinct channels.
 #[derive(Default)]

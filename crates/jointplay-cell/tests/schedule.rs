@@ -1,0 +1,408 @@
+//! Schedules of small tools, compared with their closed forms, and rules for wafers.
+
+#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
+
+#[expect(dead_code, reason = "one kind of robot is enough here")]
+mod common;
+
+use jointplay_cell::CellError;
+use jointplay_cell::EntityId;
+use jointplay_cell::check::{CheckOptions, Violation, ViolationKind, check};
+use jointplay_cell::program::{Handoff, Path, Phase, SourceLocation, Step};
+use jointplay_cell::robot::EffectorId;
+use jointplay_cell::schedule::{Resource, Schedule, schedule};
+use jointplay_cell::station::{
+    Approach, DwellLimits, Origin, SlotId, Station, Stroke, VisitRule, WaferRules,
+};
+use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
+use jointplay_cell::workcell::Cell;
+use jointplay_core::spatial::Pose;
+use nalgebra::Translation3;
+use proptest::prelude::*;
+
+const A: EffectorId = EffectorId { arm: 0, effector: 0 };
+/// A second effector, which only schedules know.
+const B: EffectorId = EffectorId { arm: 0, effector: 1 };
+/// Turns of the axis T whose times represent unloading, loading and moving (rad).
+const UNLOAD: f64 = 0.2;
+const LOAD: f64 = 0.35;
+const MOVE: f64 = 0.5;
+const LOAD_LOCK: usize = 0;
+
+/// A load lock with many slots, and chambers with one slot.
+fn tool(processes: &[f64], wafers: usize) -> Cell {
+    let mut cell = common::cell(common::kind(0, [0.25, 0.22, 0.2]));
+    let station = |index: usize, slots: usize, process_time: f64| Station {
+        name: format!("S{index}"),
+        base_from_station: Pose::from_parts(
+            Translation3::new(2.0 + index as f64, 0.0, 0.3),
+            nalgebra::Rotation3::identity(),
+        ),
+        origin: Origin::Nominal,
+        slots,
+        pitch: 0.01,
+        stroke: Stroke { below: 0.002, above: 0.002, speed: 0.01 },
+        offset: [0.0; 3],
+        retract_reach: 0.2,
+        via: Vec::new(),
+        approach: Approach::Radial,
+        effectors: vec![A],
+        process_time,
+    };
+    cell.stations.push(station(LOAD_LOCK, wafers, 0.0));
+    for (index, &process) in processes.iter().enumerate() {
+        cell.stations.push(station(index + 1, 1, process));
+    }
+    cell.loaded_effectors.clear();
+    cell.occupied = (1..=wafers).map(|slot| SlotId { station: LOAD_LOCK, slot }).collect();
+    cell
+}
+
+/// Steps of a program, one after the other.
+struct Steps<'c> {
+    cell: &'c Cell,
+    steps: Vec<Step>,
+    /// Step at whose end each station got its wafer.
+    placed: Vec<Option<usize>>,
+    line: usize,
+}
+
+impl<'c> Steps<'c> {
+    fn new(cell: &'c Cell) -> Self {
+        Self { cell, steps: Vec::new(), placed: vec![None; cell.stations.len()], line: 1 }
+    }
+
+    fn push(&mut self, path: Path, to: Vec<f64>, handoff: Option<Handoff>) {
+        let from = self.steps.last().map_or_else(home, |step| step.to.clone());
+        self.steps.push(Step {
+            instruction: self.line - 1,
+            place: SourceLocation { line: self.line, column: 1 },
+            phase: Phase::Move,
+            from,
+            to,
+            path,
+            speed_scaling: 1.0,
+            blend_radius: 0.0,
+            postures: None,
+            line_speed: None,
+            loaded: Vec::new(),
+            handoff,
+            slot: None,
+        });
+    }
+
+    /// Turns T by an angle, there or back.
+    fn turn(&mut self, angle: f64, handoff: Option<Handoff>) {
+        let mut to = self.steps.last().map_or_else(home, |step| step.to.clone());
+        to[3] += if to[3] > 0.0 { -angle } else { angle };
+        self.push(Path::PointToPoint, to, handoff);
+    }
+
+    fn go(&mut self) {
+        self.turn(MOVE, None);
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        let to = self.steps.last().map_or_else(home, |step| step.to.clone());
+        self.push(Path::Dwell(seconds), to, None);
+    }
+
+    fn pick(&mut self, effector: EffectorId, station: usize, slot: usize) {
+        if let Some(placed_at_step) = self.placed[station].take() {
+            let seconds = self.cell.stations[station].process_time;
+            let to = self.steps.last().map_or_else(home, |step| step.to.clone());
+            if seconds > 0.0 {
+                self.push(Path::ProcessDwell { placed_at_step, seconds }, to, None);
+            }
+        }
+        self.turn(UNLOAD, Some(Handoff::Picked(effector, SlotId { station, slot })));
+    }
+
+    fn place(&mut self, effector: EffectorId, station: usize, slot: usize) {
+        self.turn(LOAD, Some(Handoff::Placed(effector, SlotId { station, slot })));
+        if station != LOAD_LOCK {
+            self.placed[station] = Some(self.steps.len() - 1);
+        }
+    }
+
+    fn trajectory(&self) -> Trajectory {
+        plan_trajectory(self.cell, self.steps.clone(), &TrajectoryOptions::default()).unwrap()
+    }
+}
+
+fn home() -> Vec<f64> {
+    vec![0.5, 0.5, 0.5, 0.0, 0.9]
+}
+
+/// Times of unloading, loading and moving (s).
+fn durations(cell: &Cell) -> [f64; 3] {
+    [UNLOAD, LOAD, MOVE].map(|angle| {
+        let mut steps = Steps::new(cell);
+        steps.turn(angle, None);
+        steps.trajectory().duration()
+    })
+}
+
+/// A single arm in backward sequence: it empties the last chamber first, then moves each wafer to the next chamber.
+fn single_arm(cell: &Cell, wafers: usize) -> Trajectory {
+    let chambers = cell.stations.len() - 1;
+    let mut steps = Steps::new(cell);
+    for cycle in 1..=wafers + chambers {
+        for chamber in (0..=chambers).rev() {
+            // Wafer of this cycle that leaves the chamber; chamber 0 is the load lock.
+            let Some(wafer) = (cycle).checked_sub(chamber).filter(|n| (1..=wafers).contains(n))
+            else {
+                continue;
+            };
+            let next = if chamber == chambers { LOAD_LOCK } else { chamber + 1 };
+            let slot = |station| if station == LOAD_LOCK { wafer } else { 1 };
+            steps.go();
+            steps.pick(A, chamber, slot(chamber));
+            steps.go();
+            steps.place(A, next, slot(next));
+        }
+    }
+    steps.trajectory()
+}
+
+/// A dual arm that swaps at each chamber and at the load lock.
+fn dual_arm(cell: &Cell, wafers: usize) -> Trajectory {
+    let chambers = cell.stations.len() - 1;
+    let mut steps = Steps::new(cell);
+    for cycle in 1..=wafers {
+        steps.pick(A, LOAD_LOCK, cycle);
+        let (mut full, mut empty) = (A, B);
+        let mut last = None;
+        for chamber in 1..=chambers {
+            steps.go();
+            let swaps = cycle > chamber;
+            if swaps {
+                steps.pick(empty, chamber, 1);
+            }
+            steps.place(full, chamber, 1);
+            last = swaps.then_some(empty);
+            if !swaps {
+                break;
+            }
+            (full, empty) = (empty, full);
+        }
+        steps.go();
+        if let (Some(effector), true) = (last, cycle > chambers) {
+            steps.place(effector, LOAD_LOCK, cycle - chambers);
+        }
+    }
+    steps.trajectory()
+}
+
+fn steady_period(cell: &Cell, trajectory: &Trajectory) -> (Schedule, f64) {
+    let found = schedule(cell, trajectory);
+    let part = found.steady_state().unwrap();
+    assert_eq!(part.wafers, 1);
+    let period = part.period;
+    (found, period)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Fundamental period of a single arm, [Perkinson] with separate times of unloading u, loading l and moving v, as in [Lee]:
+    ///
+    /// max { (n + 1) (u + l + 2 v),  max p + 2 u + 2 l + 3 v }
+    #[test]
+    fn the_period_of_a_single_arm_is_that_of_perkinson(processes in prop::collection::vec(0.0..30.0, 1..3)) {
+        let cell = tool(&processes, 16);
+        let [unload, load, move_] = durations(&cell);
+        let chambers = processes.len() as f64;
+        let robot = (chambers + 1.0) * (unload + load + 2.0 * move_);
+        let longest = processes.iter().copied().fold(0.0, f64::max);
+        let process = longest + 2.0 * (unload + load) + 3.0 * move_;
+        let trajectory = single_arm(&cell, 16);
+        let (found, period) = steady_period(&cell, &trajectory);
+        prop_assert!((period - robot.max(process)).abs() < 1e-9, "{period} {robot} {process}");
+        // The robot waits in the process-bound region only.
+        let waits = found.robot.waiting() > 1e-9;
+        prop_assert_eq!(waits, process > robot);
+    }
+
+    /// Fundamental period of a dual arm that swaps, [Venkatesh], with the swap s = u + l:
+    ///
+    /// max { (n + 1) (s + v),  max p + s }
+    #[test]
+    fn the_period_of_a_dual_arm_is_that_of_venkatesh(processes in prop::collection::vec(0.0..20.0, 1..3)) {
+        let cell = tool(&processes, 16);
+        let [unload, load, move_] = durations(&cell);
+        let swap = unload + load;
+        let chambers = processes.len() as f64;
+        let robot = (chambers + 1.0) * (swap + move_);
+        let process = processes.iter().copied().fold(0.0, f64::max) + swap;
+        let trajectory = dual_arm(&cell, 16);
+        let (_, period) = steady_period(&cell, &trajectory);
+        prop_assert!((period - robot.max(process)).abs() < 1e-9, "{period} {robot} {process}");
+    }
+}
+
+#[test]
+fn the_critical_path_adds_up_and_names_the_bottleneck() {
+    for (process, bottleneck) in [(0.5, Resource::Robot), (60.0, Resource::Station(1))] {
+        let cell = tool(&[process], 12);
+        let trajectory = single_arm(&cell, 12);
+        let found = schedule(&cell, &trajectory);
+        let path = &found.critical_path;
+        assert!((path.duration() - trajectory.duration()).abs() < 1e-9);
+        assert_eq!(path.bottleneck(), Some(bottleneck));
+        let part = found.steady_state().unwrap();
+        assert!((part.critical_path.duration() - (part.end - part.start)).abs() < 1e-9);
+        assert_eq!(part.critical_path.bottleneck(), Some(bottleneck));
+        // A process on the path is there for its whole time, once for each wafer.
+        let on_path = path.times.iter().find(|(one, _)| *one == Resource::Station(1));
+        let expected = if process > 1.0 { Some(12.0 * process) } else { None };
+        assert_eq!(on_path.map(|(_, time)| (time * 1e6).round() * 1e-6), expected);
+        let station = &found.stations[1];
+        assert_eq!(station.visits, 12);
+        assert!(
+            (station.processing - 12.0 * process.min(station.longest_stay.unwrap())).abs() < 1e-6
+        );
+        let all = found.robot.moving + found.robot.waiting();
+        assert!((all - trajectory.duration()).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn stays_of_a_wafer_follow_each_other_without_gaps() {
+    let cell = tool(&[3.0, 5.0], 5);
+    let trajectory = single_arm(&cell, 5);
+    let found = schedule(&cell, &trajectory);
+    for stays in found.stays.chunk_by(|one, next| one.wafer == next.wafer) {
+        assert_eq!(stays.len(), 7, "load lock, arm, chamber, arm, chamber, arm, load lock");
+        assert_eq!((stays[0].start, stays[6].end), (0.0, trajectory.duration()));
+        for pair in stays.windows(2) {
+            assert_eq!(pair[0].end, pair[1].start);
+        }
+    }
+}
+
+#[test]
+fn a_program_without_repetition_has_no_steady_state() {
+    let cell = tool(&[3.0], 2);
+    assert_eq!(schedule(&cell, &single_arm(&cell, 2)).steady_state(), None);
+}
+
+/// Two wafers into chamber 1: the first is picked after a wait, the second stays.
+fn forgetful(cell: &Cell, wait: f64) -> Trajectory {
+    let mut steps = Steps::new(cell);
+    steps.go();
+    steps.pick(A, LOAD_LOCK, 1);
+    steps.place(A, 1, 1);
+    steps.placed[1] = None;
+    steps.line = 2;
+    steps.wait(wait);
+    steps.line = 3;
+    steps.pick(A, 1, 1);
+    steps.place(A, 2, 1);
+    steps.pick(A, 2, 1);
+    steps.place(A, LOAD_LOCK, 1);
+    steps.line = 4;
+    steps.pick(A, LOAD_LOCK, 2);
+    steps.place(A, 1, 1);
+    steps.trajectory()
+}
+
+fn rule_violations(cell: &Cell, trajectory: &Trajectory) -> Vec<Violation> {
+    let rules = [
+        ViolationKind::LongDwell,
+        ViolationKind::ShortDwell,
+        ViolationKind::LeftInStation,
+        ViolationKind::MissingVisit,
+    ];
+    let report = check(cell, trajectory, &CheckOptions::default());
+    report.violations.into_iter().filter(|one| rules.contains(&one.kind)).collect()
+}
+
+#[test]
+fn long_and_short_stays_and_forgotten_wafers_are_violations() {
+    let mut cell = tool(&[0.0, 0.0], 2);
+    let trajectory = forgetful(&cell, 10.0);
+    let [unload, ..] = durations(&cell);
+    let wafer = |slot| EntityId::Wafer(SlotId { station: LOAD_LOCK, slot });
+    let limits = |min: f64, max: Option<f64>| DwellLimits { station: 1, min, max };
+    let dwell = 10.0 + unload;
+    let mut found = |limits| {
+        cell.rules = WaferRules { dwell: vec![limits], visits: Vec::new() };
+        let found = rule_violations(&cell, &trajectory);
+        let row = |one: Violation| (one.kind, one.entities, one.place.line, one.worst);
+        found.into_iter().map(row).collect::<Vec<_>>()
+    };
+    let none: Vec<(ViolationKind, Vec<EntityId>, usize, f64)> = Vec::new();
+    assert_eq!(found(limits(dwell - 1e-6, None)), none);
+    let short = found(limits(dwell + 0.5, None));
+    let [(ViolationKind::ShortDwell, entities, 3, worst)] = short.as_slice() else {
+        panic!("{short:?}")
+    };
+    assert_eq!(entities, &[wafer(1), EntityId::Station(1)]);
+    assert!((worst - dwell).abs() < 1e-9);
+    let left = found(limits(0.0, Some(dwell)));
+    let [(ViolationKind::LeftInStation, entities, 4, _)] = left.as_slice() else {
+        panic!("{left:?}")
+    };
+    assert_eq!(entities, &[wafer(2), EntityId::Station(1)]);
+    let long = found(limits(0.0, Some(dwell - 0.5)));
+    let [(ViolationKind::LongDwell, _, 3, worst), (ViolationKind::LeftInStation, ..)] =
+        long.as_slice()
+    else {
+        panic!("{long:?}")
+    };
+    assert!((worst - dwell).abs() < 1e-9);
+}
+
+#[test]
+fn a_visit_can_be_required_at_all_before_another_and_a_number_of_times() {
+    let mut cell = tool(&[0.0, 0.0], 2);
+    let trajectory = forgetful(&cell, 1.0);
+    let rule = |stations: &[usize], before: &[usize], count| VisitRule {
+        name: "rule".into(),
+        stations: stations.to_vec(),
+        before: before.to_vec(),
+        origins: Vec::new(),
+        count,
+    };
+    let mut wafers = |rule: VisitRule| {
+        cell.rules = WaferRules { dwell: Vec::new(), visits: vec![rule] };
+        let found = rule_violations(&cell, &trajectory);
+        found.iter().map(|one| (one.entities[0], one.place.line)).collect::<Vec<_>>()
+    };
+    let wafer = |slot| EntityId::Wafer(SlotId { station: LOAD_LOCK, slot });
+    // Wafer 1 visits 1, then 2; wafer 2 visits 1.
+    assert_eq!(wafers(rule(&[1], &[], None)), []);
+    assert_eq!(wafers(rule(&[2], &[], None)), [(wafer(2), 4)]);
+    assert_eq!(wafers(rule(&[1, 2], &[], None)), []);
+    assert_eq!(wafers(rule(&[1], &[2], None)), []);
+    assert_eq!(wafers(rule(&[2], &[1], None)), [(wafer(1), 1), (wafer(2), 4)]);
+    assert_eq!(wafers(rule(&[1], &[], Some(1))), []);
+    assert_eq!(wafers(rule(&[1, 2], &[], Some(1))), [(wafer(1), 3)]);
+    assert_eq!(wafers(rule(&[1], &[], Some(2))), [(wafer(1), 3), (wafer(2), 4)]);
+    let elsewhere = VisitRule { origins: vec![1], ..rule(&[2], &[], None) };
+    assert_eq!(wafers(elsewhere), []);
+}
+
+#[test]
+fn rules_that_contradict_each_other_are_invalid() {
+    let rule = |stations: &[usize], before: &[usize]| VisitRule {
+        name: format!("{stations:?} before {before:?}"),
+        stations: stations.to_vec(),
+        before: before.to_vec(),
+        origins: Vec::new(),
+        count: None,
+    };
+    let validate = |visits| WaferRules { dwell: Vec::new(), visits }.validate(3);
+    assert_eq!(validate(vec![rule(&[1], &[2]), rule(&[0], &[1])]), Ok(()));
+    assert_eq!(validate(vec![rule(&[1, 0], &[2]), rule(&[2], &[1])]), Ok(()));
+    for visits in [
+        vec![rule(&[1], &[1])],
+        vec![rule(&[1], &[2]), rule(&[2], &[1])],
+        vec![rule(&[0], &[1]), rule(&[1], &[2]), rule(&[2], &[0])],
+    ] {
+        assert!(matches!(validate(visits), Err(CellError::Contradiction { .. })));
+    }
+    assert!(validate(vec![rule(&[3], &[])]).is_err());
+    assert!(validate(vec![rule(&[], &[1])]).is_err());
+}
