@@ -183,10 +183,11 @@ VARIANTS = [
 
 
 def robot_text(robot, droop, jerk_factor):
-    """Robot file of the catalogue, with other droop and jerk limits."""
+    """Robot file of the catalogue, with other droop and jerk limits, and friction that never slows a line."""
     text = (HERE.parent / "robots" / f"{robot}.toml").read_text()
     if droop == "rigid":
         text = re.sub(r"droop = \{[^\n]*\}", 'droop = { kind = "rigid" }', text)
+    text = re.sub(r"friction = [0-9.]+", "friction = 10.0", text)
     return re.sub(r"(jerk_\w+ = )([0-9.]+)", lambda found: f"{found[1]}{float(found[2]) * jerk_factor}", text)
 
 

@@ -54,7 +54,7 @@ fn durations_of_lines_are_continuous_in_the_position_of_a_station() {
             for line in 0..durations[0].len() {
                 let of_line: Vec<f64> = durations.iter().map(|all| all[line]).collect();
                 let spike = largest_spike(&of_line);
-                println!("{outward} {is_rigid} {line} {:.4} {spike:.5}", of_line[20]);
+
                 assert!(spike < 0.01, "line {line}: {of_line:?}");
             }
         }
@@ -69,8 +69,75 @@ fn a_rigid_arm_is_no_slower_than_a_drooping_one() {
         rigid.robot.arms.iter_mut().for_each(|arm| arm.droop = Droop::Rigid);
         let [drooping, rigid] = [drooping, rigid].map(|cell| line_durations(&cell, GET_AND_PUT));
         for (rigid, drooping) in rigid.iter().zip(&drooping) {
-            println!("{outward} {rigid} {drooping}");
             assert!(*rigid < 1.005 * drooping, "{outward}: {rigid} {drooping}");
+        }
+    }
+}
+
+/// Optimal durations of the lines of one robot: at the jerk limits of its file, and without jerk limits (s).
+struct Optima {
+    robot: &'static str,
+    is_rigid: bool,
+    with_jerk: [f64; 4],
+    without_jerk: [f64; 4],
+}
+
+/// Optima of the lines of `bench/lines/`: GET extend and retract, PUT extend and retract.
+///
+/// # Source
+/// `bench/trajectories.py`, with `IPOPT` of `CasADi` 3.7 (direct transcription in 120 intervals) and `toppra` 0.6.10
+const OPTIMA: [Optima; 4] = [
+    Optima {
+        robot: include_str!("../../../robots/dual-arm.toml"),
+        is_rigid: false,
+        with_jerk: [0.6841, 1.1375, 0.9654, 0.6051],
+        without_jerk: [0.5811, 1.0373, 0.8651, 0.4950],
+    },
+    Optima {
+        robot: include_str!("../../../robots/dual-arm.toml"),
+        is_rigid: true,
+        with_jerk: [0.6840, 1.1374, 0.9652, 0.6050],
+        without_jerk: [0.5810, 1.0370, 0.8650, 0.4950],
+    },
+    Optima {
+        robot: include_str!("../../../robots/radial-arm.toml"),
+        is_rigid: false,
+        with_jerk: [0.6843, 1.1378, 0.9652, 0.6051],
+        without_jerk: [0.5813, 1.0376, 0.8651, 0.4950],
+    },
+    Optima {
+        robot: include_str!("../../../robots/scara-3r.toml"),
+        is_rigid: false,
+        with_jerk: [0.7458, 1.0825, 0.9277, 0.6461],
+        without_jerk: [0.6341, 0.9770, 0.8143, 0.5201],
+    },
+];
+
+#[test]
+fn durations_of_lines_exceed_those_of_other_methods_by_at_most_three_percent() {
+    let text = include_str!("../../../bench/lines/lines.toml");
+    let program = include_str!("../../../bench/lines/lines.program");
+    for optima in &OPTIMA {
+        let read = cell::read(text, &mut |_| Ok(optima.robot.to_owned().into()));
+        let mut cell = read.unwrap();
+        for arm in &mut cell.robot.arms {
+            arm.effectors.iter_mut().for_each(|effector| effector.friction = 10.0);
+            if optima.is_rigid {
+                arm.droop = Droop::Rigid;
+            }
+        }
+        let with_jerk = line_durations(&cell, program);
+        for axis in &mut cell.robot.axes {
+            axis.empty.jerk *= 100.0;
+            axis.loaded.jerk *= 100.0;
+        }
+        let without_jerk = line_durations(&cell, program);
+        for (found, optimum) in [(with_jerk, optima.with_jerk), (without_jerk, optima.without_jerk)]
+        {
+            for (found, optimum) in found.iter().zip(optimum) {
+                let excess = found / optimum - 1.0;
+                assert!((-5e-3..0.03).contains(&excess), "{}: {found} {optimum}", cell.robot.name);
+            }
         }
     }
 }
