@@ -79,14 +79,14 @@ struct Optima {
     robot: &'static str,
     is_rigid: bool,
     with_jerk: [f64; 4],
-    /// `None` where a line without jerk limits is not within three percent: the search has too few intervals for the ramps of that arm.
+    /// `None` for an arm whose lines are not within three percent at very high jerk limits.
     without_jerk: Option<[f64; 4]>,
 }
 
 /// Optima of the lines of `bench/lines/`: GET extend and retract, PUT extend and retract.
 ///
 /// # Source
-/// `bench/trajectories.py`, with `IPOPT` of `CasADi` 3.7 (direct transcription in 120 intervals) and `toppra` 0.6.10
+/// `bench/trajectories.py`, with `IPOPT` of `CasADi` 3.8.2 (direct transcription in 120 intervals) and `toppra` 0.6.10
 const OPTIMA: [Optima; 4] = [
     Optima {
         robot: include_str!("../../../robots/dual-arm.toml"),
