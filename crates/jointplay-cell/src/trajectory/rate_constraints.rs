@@ -204,7 +204,7 @@ impl<'a> RateConstraints<'a> {
             slacks.knots[knot] = self.largest[knot] - self.at_knot(knot, coefficients);
             least = least.min(slacks.knots[knot]);
         }
-        // A comparison with NaN is false.
+        // Coefficients are positive, so that no value is NaN.
         least > 0.0
     }
 }
