@@ -204,7 +204,7 @@ impl<'a> RateConstraints<'a> {
             slacks.knots[knot] = self.largest[knot] - self.at_knot(knot, coefficients);
             least = least.min(slacks.knots[knot]);
         }
-        // Coefficients are positive, so that no value is NaN.
+        // NaN passes: the caller rejects profiles whose duration is not finite.
         least > 0.0
     }
 }

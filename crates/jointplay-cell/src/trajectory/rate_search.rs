@@ -103,7 +103,7 @@ impl<'a> RateSearch<'a> {
         Some(Self { coefficients, slacks, multipliers, signs, constraints })
     }
 
-    /// Iterates until the duration exceeds the least one by at most a fraction of the problem with linearized constraints.
+    /// Iterates until the duration exceeds the least one by at most a fraction, for linearized constraints.
     pub(super) fn solve(&mut self, gap: f64) {
         let count = 2 * self.constraints.rows.len() + INTERVALS - 1 + COEFFICIENTS;
         for _ in 0..MAX_ITERATIONS {
