@@ -14,6 +14,7 @@ use serde::Serialize;
 use crate::distance::{DistanceReport, distance};
 use crate::nearest::{NearestReport, nearest};
 use crate::schedule::{ScheduleReport, schedule_report};
+use crate::segment::{SegmentReport, segments};
 use crate::violation::{explain_violation, in_display_unit};
 use crate::violation_group::{
     BodyInZoneReport, RemedyReport, ViolationGroupReport, body_in_zone_reports, violation_groups,
@@ -173,6 +174,8 @@ pub struct InstructionReport {
     pub duration_s: f64,
     /// Number of motions; a wait of zero length is not counted.
     pub steps: usize,
+    /// Segments that move, in order.
+    pub segments: Vec<SegmentReport>,
     /// Cartesian lines of the instruction, if there are any.
     pub straight: Option<StraightReport>,
     /// Blended motions of the instruction, if there are any.
@@ -250,6 +253,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         })
     };
     let carried = handoff_deflections(cell, &motion.steps);
+    let constraints = motion.limiting_constraints(cell);
     let instructions = report.by_instruction.iter().map(|row| InstructionReport {
         number: row.instruction + 1,
         line: row.place.line,
@@ -257,6 +261,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         start_s: row.start,
         duration_s: row.duration,
         steps: lasting(motion, row.steps.clone()),
+        segments: segments(cell, motion, &constraints, row.steps.clone()),
         straight: straight(motion, row.steps.clone()),
         blended: blended(motion, row.steps.clone()),
         compensated: compensated(cell, &carried, row.steps.clone()),

@@ -22,6 +22,7 @@ mod motion;
 mod nearest;
 mod relief;
 mod schedule;
+mod segment;
 mod sensitivity;
 mod station;
 mod study;
@@ -60,6 +61,7 @@ pub use schedule::{
     BottleneckReport, CriticalTimeReport, PeriodicPartReport, ProcessWaitReport, RobotUseReport,
     ScheduleReport, StationUseReport, StayReport, WaferStaysReport, schedule_report,
 };
+pub use segment::{LimitingReport, SegmentReport};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
 pub use station::{
     NextPointsReport, PlaneReport, ReferenceReport, SlotUncertaintyReport, StationReport,

@@ -3,6 +3,7 @@
 use jointplay_core::spatial::{Pose, tilt_rotation};
 use nalgebra::{DMatrix, DVector, Vector3};
 
+use super::quintic_interpolation::resampled_spline;
 use super::spline::Spline;
 use crate::CellError;
 use crate::program::LinePostures;
@@ -34,7 +35,7 @@ pub(crate) struct PostureSpline {
     /// Indices of the arm's axes.
     axes: Vec<usize>,
     spline: Spline,
-    /// Shares of the spline at both ends of the line.
+    /// Fractions of the spline at both ends of the line.
     fractions: [f64; 2],
     ends: [Vec<f64>; 2],
 }
@@ -138,6 +139,8 @@ pub enum PathErrorKind {
 
 /// Number of intervals that the spline of a line starts with; intervals are divided where the spline deviates.
 const INITIAL_INTERVALS: usize = 12;
+/// Fractions of each interval at which the spline is verified: between the knots of the resampled spline.
+const VERIFIED_FRACTIONS: [f64; 4] = [0.125, 0.375, 0.625, 0.875];
 /// Largest number of intervals of the spline: a smooth line needs some dozens.
 const MAX_INTERVALS: usize = 1024;
 /// Width of the narrowest interval that is divided, relative to the line: a deviation within less is a discontinuity.
@@ -165,7 +168,7 @@ impl CartesianLine<'_> {
     ///    min |q − q_reference(s)|²   subject to   center(q) = c(s),  normal(q) = n(s),  heading(q) = h(s)
     /// ```
     /// Both ends are met exactly, and the motion of an arm with redundant axes is distributed over all of them.
-    /// The points are interpolated by a cubic spline, refined until it is within the allowed deviation.
+    /// The points are interpolated by a quintic spline, refined until it is within the allowed deviation, and resampled to a cubic one.
     ///
     /// # Errors
     /// [`PathError`]: a point cannot be reached from the one before.
@@ -189,12 +192,12 @@ impl CartesianLine<'_> {
         self.check_goal(&target, &points[points.len() - 2])?;
         loop {
             let (knots, values): (Vec<f64>, Vec<Vec<f64>>) = points.iter().cloned().unzip();
-            let spline = Spline::through(&knots, &values);
+            let spline = resampled_spline(&knots, &values);
             let mut added: Vec<PathPoint> = Vec::new();
             let (mut deviation, mut plane_deviation) = (0.0_f64, 0.0_f64);
             for pair in knots.windows(2) {
                 let mut deviates = false;
-                for fraction in [0.25, 0.5, 0.75] {
+                for fraction in VERIFIED_FRACTIONS {
                     let s = pair[0] + fraction * (pair[1] - pair[0]);
                     let pose = (self.pose)(&spline.positions(s))
                         .map_err(|error| target.pose_error(s, error))?;

@@ -12,13 +12,16 @@
 //! | `limits` | limits of the axes in a step |
 //! | `synchronized` | point-to-point moves: all axes end together |
 //! | `spline` | positions of all axes over a path parameter |
+//! | `quintic_interpolation` | positions between the points of a path |
 //! | `cartesian_path` | straight lines of the wafer, followed by inverse kinematics |
+//! | `squared_rate`, `rate_constraints`, `rate_search` | the fastest parameterization of a path: variables, constraints, interior-point method |
 //! | `time_parameterization` | path parameter over time, within the limits of all axes |
 //! | `slip` | slowdown of segments on which a wafer would slip |
 //! | `segment` | motion of all axes in one step |
 //! | `blend`, `trajectory` | segments and blends of all steps over time |
 //! | `sampler` | states of the moving axes of a step at many times |
 //! | `blend_candidate`, `blend_planner` | the longest overlap of two segments; the overlaps of all |
+//! | `limiting_constraint` | what limits the duration of a step |
 //! | `options`, `error`, `segment_planner` | from steps to a trajectory |
 //! | `joint_space_line` | all axes in proportion, for checks of poses |
 //! | `adaptive_sampling` | adaptive sample times for plots |
@@ -32,9 +35,13 @@ mod blend_planner;
 mod cartesian_path;
 mod error;
 mod joint_space_line;
+mod limiting_constraint;
 mod limits;
 mod options;
 mod profile;
+mod quintic_interpolation;
+mod rate_constraints;
+mod rate_search;
 mod sample;
 mod sampler;
 mod segment;
@@ -42,6 +49,7 @@ mod segment_key;
 mod segment_planner;
 mod slip;
 mod spline;
+mod squared_rate;
 mod synchronized;
 mod time_parameterization;
 #[expect(clippy::module_inception, reason = "the type that the folder is named after")]
@@ -51,6 +59,7 @@ pub use blend::Blend;
 pub use cartesian_path::{PathError, PathErrorKind};
 pub use error::{StepError, StepErrorKind, TrajectoryError};
 pub(crate) use joint_space_line::joint_space_line;
+pub use limiting_constraint::{LimitingConstraint, MotionLimit};
 pub use limits::{axis_limits, axis_moves_effector, scaled_axis_limits};
 pub use options::TrajectoryOptions;
 pub(crate) use profile::AxisState;

@@ -17,6 +17,22 @@ struct Piece {
     state: AxisState,
 }
 
+/// A piece of a profile, by itself.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ProfilePiece {
+    /// Duration (s).
+    pub(crate) duration: f64,
+    /// State at the start.
+    initial: AxisState,
+}
+
+impl ProfilePiece {
+    /// State at a time since the start of the piece (s).
+    pub(crate) fn state(&self, time: f64) -> AxisState {
+        advanced(&self.initial, time)
+    }
+}
+
 /// Position of a coordinate over time, from rest to rest.
 #[derive(Debug, Clone)]
 pub(crate) struct JerkLimitedProfile {
@@ -69,9 +85,23 @@ impl JerkLimitedProfile {
         self.duration
     }
 
+    /// Duration of the first piece, in which the acceleration grows from zero (s).
+    pub(crate) fn ramp_duration(&self) -> f64 {
+        self.pieces.get(1).map_or(self.duration, |second| second.start)
+    }
+
     /// Times at which the jerk changes, and the end (s).
     pub(crate) fn jerk_discontinuities(&self) -> impl Iterator<Item = f64> + '_ {
         self.pieces.iter().map(|piece| piece.start).chain([self.duration])
+    }
+
+    /// Pieces of constant jerk, in order.
+    pub(crate) fn pieces(&self) -> impl ExactSizeIterator<Item = ProfilePiece> + '_ {
+        (0..self.pieces.len()).map(|index| {
+            let piece = &self.pieces[index];
+            let end = self.pieces.get(index + 1).map_or(self.duration, |next| next.start);
+            ProfilePiece { duration: end - piece.start, initial: piece.state }
+        })
     }
 
     /// State at a time since the start (s); from the end on at rest.

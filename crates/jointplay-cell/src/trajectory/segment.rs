@@ -73,6 +73,19 @@ impl Segment {
         }
     }
 
+    /// Fraction of the path at a time since the start of the segment (s): of the line, or of the displacement of the axis with the longest minimum duration.
+    pub(super) fn path_fraction(&self, time: f64) -> f64 {
+        match self {
+            Self::Dwell { .. } => 0.0,
+            Self::PointToPoint(profile) => profile.limiting_axis.map_or(0.0, |axis| {
+                let position = |time: f64| profile.axes[axis].state(time)[0];
+                let from = position(0.0);
+                (position(time) - from) / (position(profile.duration) - from)
+            }),
+            Self::Line { parameter, .. } => parameter.state(time)[0],
+        }
+    }
+
     /// State of one axis at a time since the start of the segment (s).
     pub(super) fn state(&self, step: &Step, axis: usize, time: f64) -> AxisState {
         match self {
@@ -109,7 +122,7 @@ impl Segment {
         }
     }
 
-    /// Superposes the segment on a sample: adds its displacement from the corner that it shares with the other segment, and its derivatives.
+    /// Superposes the segment on a sample: adds its displacement from the corner that it fractions with the other segment, and its derivatives.
     ///
     /// # Arguments
     /// * `time` – since the start of this segment (s)

@@ -22,17 +22,17 @@ const MAX_TIME_SCALE: f64 = 16.0;
 ///
 /// Accelerations are inversely proportional to the square of the time scale; gravity along a tilted wafer is not, so that two or three iterations are needed.
 pub(super) fn slowed_for_slip(cell: &Cell, step: &Step, segment: Segment) -> Segment {
-    let utilization = |segment: &Segment, intervals: usize| -> f64 {
+    let largest = |segment: &Segment, intervals: usize| -> f64 {
         let peaks = step.loaded.iter().map(|&id| peak(cell, step, segment, id, intervals));
         peaks.fold(0.0, f64::max)
     };
-    if utilization(&segment, COARSE_INTERVALS) < FINE_SAMPLING_THRESHOLD {
+    if largest(&segment, COARSE_INTERVALS) < FINE_SAMPLING_THRESHOLD {
         return segment;
     }
     let mut time_scale = 1.0;
     while time_scale <= MAX_TIME_SCALE {
         let slowed = if time_scale > 1.0 { segment.slowed(time_scale) } else { segment.clone() };
-        let found = utilization(&slowed, FINE_INTERVALS);
+        let found = largest(&slowed, FINE_INTERVALS);
         if found <= MAX_UTILIZATION {
             return slowed;
         }
@@ -41,23 +41,27 @@ pub(super) fn slowed_for_slip(cell: &Cell, step: &Step, segment: Segment) -> Seg
     segment
 }
 
-/// Largest utilization of friction of a held wafer at uniform samples of a segment; the check reports samples with unknown motion.
+/// Largest utilization of friction of a held wafer at uniform samples of a segment.
 fn peak(cell: &Cell, step: &Step, segment: &Segment, id: EffectorId, intervals: usize) -> f64 {
-    let mut peak = 0.0_f64;
-    let count = step.from.len();
-    for k in 0..=intervals {
-        let time = segment.duration() * k as f64 / intervals as f64;
-        let states: Vec<_> = (0..count).map(|axis| segment.state(step, axis, time)).collect();
-        let [positions, velocities, accelerations] =
-            [0, 1, 2].map(|order| states.iter().map(|state| state[order]).collect::<Vec<f64>>());
-        let motion = AxesMotion {
-            positions: &positions,
-            velocities: &velocities,
-            accelerations: &accelerations,
-        };
-        if let Ok(margin) = cell.friction_margin(id, &motion) {
-            peak = peak.max(margin.utilization());
-        }
-    }
-    peak
+    let times = (0..=intervals).map(|k| segment.duration() * k as f64 / intervals as f64);
+    times.map(|time| utilization(cell, step, segment, id, time)).fold(0.0, f64::max)
+}
+
+/// Utilization of friction of a held wafer at a time since the start of a segment (s); 0 where the motion is unknown, which the check reports.
+pub(super) fn utilization(
+    cell: &Cell,
+    step: &Step,
+    segment: &Segment,
+    id: EffectorId,
+    time: f64,
+) -> f64 {
+    let states: Vec<_> = (0..step.from.len()).map(|axis| segment.state(step, axis, time)).collect();
+    let [positions, velocities, accelerations] =
+        [0, 1, 2].map(|order| states.iter().map(|state| state[order]).collect::<Vec<f64>>());
+    let motion = AxesMotion {
+        positions: &positions,
+        velocities: &velocities,
+        accelerations: &accelerations,
+    };
+    cell.friction_margin(id, &motion).map_or(0.0, |margin| margin.utilization())
 }

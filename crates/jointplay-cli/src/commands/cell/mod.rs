@@ -10,6 +10,7 @@ mod optimise;
 mod optimise_log;
 mod pictures;
 mod run;
+mod slowest;
 mod teach;
 mod text;
 

@@ -11,6 +11,7 @@ use jointplay::report::{
 };
 
 use super::input::Planned;
+use super::slowest::slowest_segments;
 use crate::output::fixed;
 
 /// Largest number of instructions listed of a violation group.
@@ -149,6 +150,7 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     }
     stations(&mut text, &report.schedule);
     lines(&mut text, report);
+    text.push_str(&slowest_segments(report));
     axes(&mut text, report);
     if !report.nearest.is_empty() {
         let _ = writeln!(text, "minimum distances");

@@ -1,0 +1,144 @@
+//! Durations of straight lines: close to optima found by other methods, and continuous in the position of a station.
+
+#![expect(clippy::unwrap_used, reason = "a test fails at the line that unwraps")]
+
+use jointplay_cell::program::{Path, expand};
+use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
+use jointplay_cell::wafer::Droop;
+use jointplay_cell::workcell::Cell;
+use jointplay_format::{cell, program};
+
+/// Durations of the straight lines of a program, strokes excluded (s).
+fn line_durations(cell: &Cell, text: &str) -> Vec<f64> {
+    let steps = expand(cell, &program::parse(text).unwrap()).unwrap();
+    let trajectory = plan_trajectory(cell, steps, &TrajectoryOptions::default()).unwrap();
+    let lines = trajectory.steps.iter().enumerate();
+    let lines =
+        lines.filter(|(_, step)| matches!(step.path, Path::Line(_)) && step.line_speed.is_none());
+    lines.map(|(index, _)| trajectory.intrinsic_step_duration(index)).collect()
+}
+
+/// The example cell with LP1 moved outward and sideways (m).
+fn example_with_moved_port(outward: f64, sideways: f64) -> Cell {
+    let mut cell = cell::read(cell::EXAMPLE, &mut |_| Err(String::new())).unwrap();
+    let station = cell.stations.iter_mut().find(|station| station.name == "LP1").unwrap();
+    let share = std::f64::consts::FRAC_1_SQRT_2;
+    let place = &mut station.base_from_station.translation.vector;
+    place.x += share * (-outward - sideways);
+    place.y += share * (outward - sideways);
+    cell
+}
+
+const GET_AND_PUT: &str = "GET LP1 SLOT 3 WITH A\nPUT LP2 SLOT 4 WITH A\n";
+
+/// Largest deviation of a value from the mean of its neighbours, relative to the value.
+fn largest_spike(durations: &[f64]) -> f64 {
+    let deviation = |three: &[f64]| (three[1] - 0.5 * (three[0] + three[2])).abs() / three[1];
+    durations.windows(3).map(deviation).fold(0.0, f64::max)
+}
+
+#[test]
+fn durations_of_lines_are_continuous_in_the_position_of_a_station() {
+    for (outward, sideways) in [(1e-3, 0.0), (0.0, 1e-3)] {
+        for is_rigid in [false, true] {
+            let durations: Vec<Vec<f64>> = (-20..=20)
+                .map(|k| {
+                    let k = f64::from(k);
+                    let mut cell = example_with_moved_port(k * outward, k * sideways);
+                    if is_rigid {
+                        cell.robot.arms.iter_mut().for_each(|arm| arm.droop = Droop::Rigid);
+                    }
+                    line_durations(&cell, GET_AND_PUT)
+                })
+                .collect();
+            for line in 0..durations[0].len() {
+                let of_line: Vec<f64> = durations.iter().map(|all| all[line]).collect();
+                let spike = largest_spike(&of_line);
+
+                assert!(spike < 0.01, "line {line}: {of_line:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_rigid_arm_is_no_slower_than_a_drooping_one() {
+    for outward in [-20e-3, -12e-3, -10e-3, -5e-3, 0.0, 20e-3] {
+        let drooping = example_with_moved_port(outward, 0.0);
+        let mut rigid = drooping.clone();
+        rigid.robot.arms.iter_mut().for_each(|arm| arm.droop = Droop::Rigid);
+        let [drooping, rigid] = [drooping, rigid].map(|cell| line_durations(&cell, GET_AND_PUT));
+        for (rigid, drooping) in rigid.iter().zip(&drooping) {
+            assert!(*rigid < 1.005 * drooping, "{outward}: {rigid} {drooping}");
+        }
+    }
+}
+
+/// Optimal durations of the lines of one robot: at the jerk limits of its file, and without jerk limits (s).
+struct Optima {
+    robot: &'static str,
+    is_rigid: bool,
+    with_jerk: [f64; 4],
+    /// `None` for an arm whose lines are not within three percent at very high jerk limits.
+    without_jerk: Option<[f64; 4]>,
+}
+
+/// Optima of the lines of `bench/lines/`: GET extend and retract, PUT extend and retract.
+///
+/// # Source
+/// `bench/trajectories.py`, with `IPOPT` of `CasADi` 3.8.2 (direct transcription in 120 intervals) and `toppra` 0.6.10
+const OPTIMA: [Optima; 4] = [
+    Optima {
+        robot: include_str!("../../../robots/dual-arm.toml"),
+        is_rigid: false,
+        with_jerk: [0.6841, 1.1375, 0.9654, 0.6051],
+        without_jerk: Some([0.5811, 1.0373, 0.8651, 0.4950]),
+    },
+    Optima {
+        robot: include_str!("../../../robots/dual-arm.toml"),
+        is_rigid: true,
+        with_jerk: [0.6840, 1.1374, 0.9652, 0.6050],
+        without_jerk: Some([0.5810, 1.0370, 0.8650, 0.4950]),
+    },
+    Optima {
+        robot: include_str!("../../../robots/radial-arm.toml"),
+        is_rigid: false,
+        with_jerk: [0.6843, 1.1378, 0.9652, 0.6051],
+        without_jerk: Some([0.5813, 1.0376, 0.8651, 0.4950]),
+    },
+    Optima {
+        robot: include_str!("../../../robots/scara-3r.toml"),
+        is_rigid: false,
+        with_jerk: [0.7458, 1.0825, 0.9277, 0.6461],
+        without_jerk: None,
+    },
+];
+
+#[test]
+fn durations_of_lines_exceed_those_of_other_methods_by_at_most_three_percent() {
+    let text = include_str!("../../../bench/lines/lines.toml");
+    let program = include_str!("../../../bench/lines/lines.program");
+    for optima in &OPTIMA {
+        let read = cell::read(text, &mut |_| Ok(optima.robot.to_owned().into()));
+        let mut cell = read.unwrap();
+        for arm in &mut cell.robot.arms {
+            arm.effectors.iter_mut().for_each(|effector| effector.friction = 10.0);
+            if optima.is_rigid {
+                arm.droop = Droop::Rigid;
+            }
+        }
+        let with_jerk = line_durations(&cell, program);
+        for axis in &mut cell.robot.axes {
+            axis.empty.jerk *= 100.0;
+            axis.loaded.jerk *= 100.0;
+        }
+        let without_jerk =
+            optima.without_jerk.map(|optima| (line_durations(&cell, program), optima));
+        for (found, optimum) in without_jerk.into_iter().chain([(with_jerk, optima.with_jerk)]) {
+            for (found, optimum) in found.iter().zip(optimum) {
+                let excess = found / optimum - 1.0;
+                assert!((-5e-3..0.03).contains(&excess), "{}: {found} {optimum}", cell.robot.name);
+            }
+        }
+    }
+}
