@@ -174,7 +174,7 @@ fn errors_name_their_place_and_the_allowed_values() {
     refuse(
         "threshold_um = 100.0",
         "threshold_um = 2.0",
-        "taught point 1 deviates most: it is 2.5 µm from the plane of all points",
+        "taught point 3 deviates most: it is 2.5 µm from the plane of all points",
     );
     refuse("rule = \"safe\"", "rule = \"save\"", "did you mean `safe`?");
     refuse("on = \"platform\"", "on = \"plattform\"", "did you mean `platform`?");

@@ -193,7 +193,7 @@ pub(crate) struct PlanDocument {
     pub(crate) key: String,
     /// All errors that prevent a motion; with any of them there is no report.
     pub(crate) diagnostics: Vec<Diagnostic>,
-    /// Report as from `jointplay cell check --format json`, without instructions and with the first violations and distances only; `null` without a motion.
+    /// Report as from `jointplay cell check --format json`, without instructions and stays of wafers, and with the first violations and distances only; `null` without a motion.
     #[schema(required = true)]
     pub(crate) report: Option<CellReport>,
     /// Number of executed instructions.
@@ -289,10 +289,7 @@ pub(crate) fn truncated(report: &CellReport) -> CellReport {
         blended: report.blended.clone(),
         compensated: report.compensated.clone(),
         axes: report.axes.clone(),
-        schedule: ScheduleReport {
-            wafers: first(&report.schedule.wafers, MAX_LISTED),
-            ..report.schedule.clone()
-        },
+        schedule: ScheduleReport { wafers: Vec::new(), ..report.schedule.clone() },
         nearest: report.nearest.clone(),
         instructions: Vec::new(),
         violations: first(violations, MAX_LISTED),
