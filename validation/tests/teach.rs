@@ -2,8 +2,6 @@
 //!
 //! Provenance and the reasons for the tolerances: `validation/golden/README.md`.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
-
 use jointplay::cell::station::teach::{ReferencePoint, fit_plane, fit_references};
 use jointplay::nalgebra::{Rotation2, Vector2, Vector3};
 use jointplay::spatial::Pose;

@@ -4,7 +4,7 @@ use jointplay_cell::station::teach::{
     Drift, FrameUncertainty, NominalFrame, PlaneFit, ReferencePoint, StatedUncertainty,
     TaughtFrame, drift, fit_plane, fit_references, frame, yaw,
 };
-use jointplay_core::spatial::{Pose, Tilt};
+use jointplay_core::spatial::{Pose, Tilt, rotation_vector};
 use nalgebra::{Point3, Vector2, Vector3, Vector6};
 
 fn plane(tilt: Tilt, places: &[(f64, f64)]) -> Vec<Vector3<f64>> {
@@ -76,7 +76,8 @@ fn plane_uncertainty_agrees_with_simulated_teachings() {
 /// Displacement of the true frame from a taught one, in the taught frame.
 fn displacement(taught: &Pose, truth: &Pose) -> Vector6<f64> {
     let difference = taught.inverse() * truth;
-    let (shift, turn) = (difference.translation.vector, difference.rotation.scaled_axis());
+    let shift = difference.translation.vector;
+    let turn = rotation_vector(&difference.rotation);
     Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
 }
 
@@ -125,10 +126,12 @@ impl Teaching {
             })
             .collect();
         let given = |noise: &[f64]| is_noise_given.then(|| noise.to_vec());
-        let plane = fit_plane(&points, 1e-3, given(&self.noise).as_deref()).unwrap();
+        let plane = fit_plane(&points, 1e-3, given(&self.noise).as_deref())
+            .expect("the points define a plane");
         let in_plane = self.nominal.in_plane(Some(&plane));
         let noise = given(&self.reference_noise);
-        let references = fit_references(&in_plane, &references, 1e-3, noise.as_deref()).unwrap();
+        let references = fit_references(&in_plane, &references, 1e-3, noise.as_deref())
+            .expect("the references define a frame");
         TaughtFrame { plane: Some(plane), references: Some(references) }
     }
 }

@@ -333,8 +333,10 @@ fn interruptible(
 ) -> PyResult<Planned> {
     std::thread::scope(|scope| {
         let (sender, receiver) = mpsc::channel();
-        // The receiver lives until the computation has ended.
-        scope.spawn(move || sender.send(compute()));
+        scope.spawn(move || {
+            // The receiver is gone where the plan was interrupted.
+            let _ = sender.send(compute());
+        });
         let receiver = std::sync::Mutex::new(receiver);
         let wait = || match receiver.lock() {
             Ok(receiver) => receiver.recv_timeout(INTERRUPT_INTERVAL),

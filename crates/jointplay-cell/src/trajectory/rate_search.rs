@@ -252,8 +252,9 @@ impl<'a> RateSearch<'a> {
             let slack_change = -self.constraints.at_knot(knot, &direction);
             change(self.slacks.knots[knot], slack_change, &mut step.multipliers.knots[knot]);
         }
-        for k in 0..COEFFICIENTS {
-            change(self.coefficients[k], direction[k], &mut step.signs[k]);
+        let values = self.coefficients.iter().zip(&direction);
+        for ((&value, &change_of_value), sign) in values.zip(&mut step.signs) {
+            change(value, change_of_value, sign);
         }
         step.primal_fraction = STEP_FRACTION / primal;
         step.dual_fraction = dual.recip();

@@ -24,7 +24,7 @@ const QUADRATURE: [(f64, f64); 3] = [
 ];
 
 /// Positions on an interval from 0 to 1 of the Gauss–Legendre quadrature with two points of equal weight.
-const TWO_POINTS: [f64; 2] = [0.211_324_865_405_187_12, 0.788_675_134_594_812_9];
+const TWO_POINTS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
 /// Coefficients of three consecutive basis splines in x, x' and x'' at one place of their interval.
 pub(super) type Basis = [[f64; 3]; 3];
