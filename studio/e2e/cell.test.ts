@@ -71,7 +71,7 @@ test('errors are marked in their lines', async () => {
 
 test('a collision is listed and marked at its time, in its line and in the 3D view', async () => {
   await write('cell', EXAMPLE_CELL.replace('position_mm = [100.0, -600.0, 500.0]', 'position_mm = [-330.0, 330.0, 500.0]'));
-  await checkResult('broken');
+  await checkResult('failed');
   const first = page.getByTestId('violations').getByRole('button').first();
   expect(await first.textContent()).toContain('wall');
   await first.click();

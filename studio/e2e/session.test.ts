@@ -102,7 +102,7 @@ test('typing a number makes the result outdated until its change is checked', as
   await until('the number is in the text', async () => (await page.getByTestId('save').isEnabled()));
   await outdated();
   await held();
-  await checkResult('broken');
+  await checkResult('failed');
   expect(await page.title()).toMatch(/^\d+ violations \(unsaved\)/);
   // Parts in collision lose their colour with the result.
   const colour = () => page.evaluate(() => window.jointplay.probe.cell!.violationColor());
