@@ -22,7 +22,8 @@ def test_a_plan_reports_what_the_trajectory_and_the_check_say():
     assert report["result"] == "passed" and report["violations"] == []
     assert report["duration_s"] == pytest.approx(PLAN.duration_s, rel=1e-12)
     assert PLAN.min_distance_m is not None and 1e-4 < PLAN.min_distance_m < 5e-3
-    assert [row["line"] for row in report["instructions"]] == [1, 2]
+    # HOME at the home position is no motion.
+    assert [row["line"] for row in report["instructions"]] == [2]
 
 
 def test_samples_are_a_motion_of_all_axes():
@@ -54,7 +55,7 @@ def test_a_station_elsewhere_changes_the_plan_and_keeps_the_text():
     assert durations[1] == pytest.approx(PLAN.duration_s, rel=1e-12)
     assert durations[0] < durations[1] < durations[2]
     tilted = CELL.with_station("LP1", tilt_rad=(0.5, 0.01))
-    assert tilted.plan(SHORT).report()["compensation"] != PLAN.report()["compensation"]
+    assert tilted.plan(SHORT).report()["compensated"] != PLAN.report()["compensated"]
 
 
 def test_the_result_does_not_depend_on_threads_and_pickles():
@@ -116,5 +117,5 @@ def test_errors_say_where_and_why(tmp_path):
     with pytest.raises(OSError):
         jp.Cell.from_file(tmp_path / "none.toml")
     (tmp_path / "cell.toml").write_text(CELL.text.replace('robot = "dual-arm"', 'robot = "../robot.toml"'))
-    with pytest.raises(jp.FileError, match="in the folder"):
+    with pytest.raises(jp.FileError, match="within the cell file's folder"):
         jp.Cell.from_file(tmp_path / "cell.toml")
