@@ -334,7 +334,7 @@ fn interruptible(
     std::thread::scope(|scope| {
         let (sender, receiver) = mpsc::channel();
         scope.spawn(move || {
-            // The receiver is gone where the plan was interrupted.
+            // The result of an interrupted plan is not received.
             let _ = sender.send(compute());
         });
         let receiver = std::sync::Mutex::new(receiver);
