@@ -135,15 +135,15 @@ fn sample_by_sample(
 #[test]
 fn the_check_reports_every_violation_of_a_sample() {
     let options = CheckOptions { rate: 20.0, ..CheckOptions::default() };
-    for (clearance, verdict) in [(1e-3, CheckResult::Passed), (6e-3, CheckResult::Failed)] {
+    for (clearance, result) in [(1e-3, CheckResult::Passed), (6e-3, CheckResult::Failed)] {
         let mut cell = example();
         (cell.clearance, cell.slot_clearance) = (clearance, clearance);
         let motion =
             plan_trajectory(&cell, steps(&cell, SHORT), &TrajectoryOptions::default()).unwrap();
         let report = check(&cell, &motion, &options);
         let (least, broken) = sample_by_sample(&cell, &motion, &options);
-        assert_eq!(report.result, verdict, "{:#?}", report.violations);
-        assert_eq!(broken.is_empty(), verdict == CheckResult::Passed);
+        assert_eq!(report.result, result, "{:#?}", report.violations);
+        assert_eq!(broken.is_empty(), result == CheckResult::Passed);
         let mut found: BTreeMap<BTreeSet<String>, f64> = BTreeMap::new();
         for row in &report.distances {
             let names = names_of(&cell, &row.entities);

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use jointplay_cell::check::{Report, ViolationKind};
-use jointplay_cell::station::teach::Verdict;
+use jointplay_cell::station::teach::FitResult;
 use jointplay_cell::station::{Origin, SlotId, Station};
 use jointplay_cell::workcell::Cell;
 use jointplay_cell::{IncrementalPlanner, PlanOptions};
@@ -60,7 +60,7 @@ fn references_move_and_turn_the_station() {
     assert!((inward.y - 1e-3).abs() < 1e-6, "{inward}");
     assert_eq!(found.uncertainty.known, [true, true, false, false, false, true]);
     let Origin::Taught(taught) = &found.origin else { panic!() };
-    assert_eq!(taught.references.as_ref().unwrap().verdict, Verdict::Unproven);
+    assert_eq!(taught.references.as_ref().unwrap().result, FitResult::Untested);
     // Nominal parts can have a stated uncertainty.
     let stated = text("references = [{ measured_mm = [700.2, 0.1, 620] }]").replacen(
         "retract_mm",

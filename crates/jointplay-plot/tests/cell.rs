@@ -225,7 +225,7 @@ fn stations_as_they_were_taught() {
         "port",
         "tilt 0.5729° toward 180.0°",
         "4 points, distances up to 20.0 µm (allowed 100.0), tilt ±5649 µrad:",
-        "unverified",
+        "untested",
         "1: +20.0 µm",
         "4: -20.0 µm",
         "aligner",
@@ -239,9 +239,10 @@ fn stations_as_they_were_taught() {
     assert!(picture.to_png(400).unwrap().starts_with(b"\x89PNG"));
     // Points beyond the threshold look otherwise; points on the plane take no factor.
     assert!(!svg.contains(VERMILLION));
-    let scattered = taught(2e-5, 1e-5);
-    let svg = Taught::new(&scattered).to_svg().unwrap();
-    let lines = ["4 points, distances up to 20.0 µm (allowed 10.0), tilt ±5649 µrad:", "scattered"];
+    let inconsistent = taught(2e-5, 1e-5);
+    let svg = Taught::new(&inconsistent).to_svg().unwrap();
+    let lines =
+        ["4 points, distances up to 20.0 µm (allowed 10.0), tilt ±5649 µrad:", "inconsistent"];
     check(&svg, &lines);
     assert_eq!(svg.matches(VERMILLION).count(), 8);
     let even = taught(0.0, 1e-5);

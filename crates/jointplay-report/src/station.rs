@@ -1,6 +1,6 @@
 //! Report on the poses of stations and their uncertainty.
 
-use jointplay_cell::station::teach::{PlaneFit, ReferenceFit, Verdict};
+use jointplay_cell::station::teach::{FitResult, PlaneFit, ReferenceFit};
 use jointplay_cell::station::{Origin, Station};
 use jointplay_cell::workcell::Cell;
 use nalgebra::Vector3;
@@ -79,9 +79,9 @@ pub struct PlaneReport {
     pub uncertainty: Option<UncertaintyReport>,
     /// Allowed uncertainty of the tilt, the budget `plane_urad` of the cell.
     pub allowed_urad: f64,
-    /// `fits`, `unproven` (too few points to judge them), `uncertain` (the tilt is known too poorly for `allowed_urad`) or `scattered`.
-    pub verdict: &'static str,
-    /// Number of the point to be measured again, from 1, if the points are scattered and determine it.
+    /// `fits`, `untested` (too few points to judge them), `uncertain` (the tilt is known too poorly for `allowed_urad`) or `inconsistent`.
+    pub result: &'static str,
+    /// Number of the point to be measured again, from 1, if the points are inconsistent and determine it.
     pub remeasure: Option<usize>,
     /// Further points that are needed, if any.
     pub next: Option<NextPointsReport>,
@@ -143,8 +143,8 @@ pub struct ReferenceReport {
     pub chi_square: Option<f64>,
     /// Largest accepted `chi_square`: the 99.9 % quantile; none without redundancy.
     pub chi_square_limit: Option<f64>,
-    /// `fits`, `unproven` or `scattered`.
-    pub verdict: &'static str,
+    /// `fits`, `untested` or `inconsistent`.
+    pub result: &'static str,
     /// Number of further references with which the fit can be judged.
     pub missing: usize,
 }
@@ -220,17 +220,17 @@ fn station(cell: &Cell, station: &Station) -> StationReport {
     }
 }
 
-fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Fits => "fits",
-        Verdict::Unproven => "unproven",
-        Verdict::Scattered => "scattered",
+fn result(result: FitResult) -> &'static str {
+    match result {
+        FitResult::Fits => "fits",
+        FitResult::Untested => "untested",
+        FitResult::Inconsistent => "inconsistent",
     }
 }
 
 fn plane(cell: &Cell, station: &Station, fit: &PlaneFit) -> PlaneReport {
     let (allowed, factor) = (cell.plane_threshold, cell.coverage_factor);
-    let is_uncertain = fit.verdict == Verdict::Fits && fit.is_uncertain(allowed, factor);
+    let is_uncertain = fit.result == FitResult::Fits && fit.is_uncertain(allowed, factor);
     PlaneReport {
         distances_um: fit.distances.iter().map(|&one| um(one)).collect(),
         leverages: fit.diagnostics.iter().map(|one| one.leverage).collect(),
@@ -251,7 +251,7 @@ fn plane(cell: &Cell, station: &Station, fit: &PlaneFit) -> PlaneReport {
             height_95_um: um(known.height_95(&station.slot_frame(1).translation.vector)),
         }),
         allowed_urad: um(allowed),
-        verdict: if is_uncertain { "uncertain" } else { verdict(fit.verdict) },
+        result: if is_uncertain { "uncertain" } else { result(fit.result) },
         remeasure: fit.suspect().map(|index| index + 1),
         next: fit.next_points(allowed, factor).map(|next| NextPointsReport {
             points_mm: next.points.iter().map(|point| <[f64; 3]>::from(*point).map(mm)).collect(),
@@ -274,7 +274,7 @@ fn references(fit: &ReferenceFit) -> ReferenceReport {
         noise_um: fit.noise.as_ref().map(|noise| noise.iter().map(|&one| um(one)).collect()),
         chi_square: fit.chi_square,
         chi_square_limit: fit.chi_square_limit,
-        verdict: verdict(fit.verdict),
+        result: result(fit.result),
         missing: fit.missing(),
     }
 }

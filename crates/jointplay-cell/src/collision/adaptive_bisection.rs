@@ -423,8 +423,11 @@ impl PairQuery<'_, '_> {
         if self.pair.rule == ClearanceRule::KeepOut {
             return 0.0;
         }
-        let minimum = self.minimum.map_or(self.query.max_distance, |(minimum, _)| minimum);
-        self.limit.max(minimum - distance_tolerance(minimum))
+        self.limit.max(match self.minimum {
+            Some((minimum, _)) => minimum - distance_tolerance(minimum),
+            // Whether a pair comes nearer than the reported range is decided without tolerance.
+            None => self.query.max_distance,
+        })
     }
 
     fn motion_bound(&self, interval: &Range<usize>) -> IntervalMotionBound {

@@ -198,18 +198,18 @@ fn taught_points_determine_the_uncertainty_of_their_plane() {
         "{}",
         no.stderr
     );
-    let unproven: Value = serde_json::from_str(&no.stdout).unwrap();
-    let unproven = &unproven["stations"][0]["plane"];
-    assert_eq!((&unproven["verdict"], &unproven["freedom"]), (&"unproven".into(), &1.into()));
-    let [x, y] = [0, 1].map(|k| unproven["next"]["points_mm"][0][k].as_f64().unwrap() - 500.0);
-    assert!((x.hypot(y) - 120.0).abs() < 1e-2, "{unproven}");
-    assert!(unproven["uncertainty"]["tilt_95_urad"].as_f64().unwrap() > 500.0, "{unproven}");
+    let untested: Value = serde_json::from_str(&no.stdout).unwrap();
+    let untested = &untested["stations"][0]["plane"];
+    assert_eq!((&untested["result"], &untested["freedom"]), (&"untested".into(), &1.into()));
+    let [x, y] = [0, 1].map(|k| untested["next"]["points_mm"][0][k].as_f64().unwrap() - 500.0);
+    assert!((x.hypot(y) - 120.0).abs() < 1e-2, "{untested}");
+    assert!(untested["uncertainty"]["tilt_95_urad"].as_f64().unwrap() > 500.0, "{untested}");
     let no = sandbox.run(&format!("{line} --point-mm 500,500,620 --noise-um 20 --format json"));
     assert_eq!(no.code, 1, "{}", no.stderr);
     assert!(no.stderr.contains("plane_urad"), "{}", no.stderr);
     let uncertain: Value = serde_json::from_str(&no.stdout).unwrap();
     let uncertain = &uncertain["stations"][0]["plane"];
-    assert_eq!(uncertain["verdict"], "uncertain");
+    assert_eq!(uncertain["result"], "uncertain");
     // 200 draws gave 163 µrad rms, 281 µrad at 95 % and 10 µm of height rms.
     let known = |key: &str| uncertain["uncertainty"][key].as_f64().unwrap();
     assert!((known("tilt_rms_urad") / 163.0 - 1.0).abs() < 0.05, "{uncertain}");
@@ -706,7 +706,7 @@ fn stations_are_taught_and_written_back() {
     let station = &taught["stations"][0];
     let tilt = station["tilt_pitch_deg"].as_f64().unwrap();
     assert!((tilt - 0.01_f64.atan().to_degrees()).abs() < 1e-9, "{tilt}");
-    assert_eq!(station["plane"]["verdict"], "fits");
+    assert_eq!(station["plane"]["result"], "fits");
     assert!(sandbox.read("example.toml").contains("# An example cell"));
 
     let before = sandbox.read("example.toml");

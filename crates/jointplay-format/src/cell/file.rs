@@ -122,14 +122,6 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
     let zones = bodies::zones(top, files);
     let loaded_effectors = loaded_effectors(top, effectors.as_ref());
     kind?;
-    let Budgets {
-        play_budget,
-        clearance,
-        slot_clearance,
-        plane_threshold,
-        coverage_factor,
-        gravity,
-    } = budgets?;
     let occupied = occupied
         .into_iter()
         .enumerate()
@@ -137,8 +129,6 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
     Some(Cell {
         name: name?,
         assumed,
-        robot: robot?,
-        wafer: wafer?,
         occupied: occupied.collect(),
         stations,
         loaded_effectors,
@@ -146,13 +136,8 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
         allowed_pairs,
         zones,
         rules,
-        play_budget,
-        clearance,
-        slot_clearance,
-        gravity,
-        plane_threshold,
-        coverage_factor,
         tolerances,
+        ..bare?
     })
 }
 

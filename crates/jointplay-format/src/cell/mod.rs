@@ -24,7 +24,7 @@ pub use file::{MAX_BYTES, read};
 pub use files::Files;
 pub use mesh::{MAX_MESH_BYTES, MAX_TRIANGLES};
 pub use problem::{Errors, Fault, Problem};
-pub use taught::{scattered_points, scattered_references};
+pub use taught::{inconsistent_points, inconsistent_references};
 
 /// Example cell: a robot with two arms, two load ports, an aligner and a process station.
 pub const EXAMPLE: &str = include_str!("../../../../cells/example.toml");

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use jointplay_cell::station::teach::{
-    NominalFrame, PlaneFit, ReferenceFit, ReferencePoint, StatedUncertainty, TaughtFrame,
-    TeachError, Verdict, fit_plane, fit_references,
+    FitResult, NominalFrame, PlaneFit, ReferenceFit, ReferencePoint, StatedUncertainty,
+    TaughtFrame, TeachError, fit_plane, fit_references,
 };
 use nalgebra::{Vector2, Vector3};
 
@@ -84,8 +84,8 @@ pub(super) fn taught(
                     taught.report_at("references", Fault::Unfit(explain_teach(&error)));
                 })
                 .ok()?;
-            if fit.verdict == Verdict::Scattered {
-                report_point(taught, "references", fit.suspect(), scattered_references(&fit));
+            if fit.result == FitResult::Inconsistent {
+                report_point(taught, "references", fit.suspect(), inconsistent_references(&fit));
             }
             Some(fit)
         }
@@ -110,8 +110,8 @@ fn plane(
             report_point(taught, "points_mm", second, explain_teach(&error));
         })
         .ok()?;
-    if fit.verdict == Verdict::Scattered {
-        report_point(taught, "points_mm", fit.suspect(), scattered_points(&fit));
+    if fit.result == FitResult::Inconsistent {
+        report_point(taught, "points_mm", fit.suspect(), inconsistent_points(&fit));
     }
     Some(fit)
 }
@@ -127,7 +127,7 @@ fn report_point(taught: &Table, key: &'static str, index: Option<usize>, message
 
 /// The message of taught points that do not lie in one plane.
 #[must_use]
-pub fn scattered_points(fit: &PlaneFit) -> String {
+pub fn inconsistent_points(fit: &PlaneFit) -> String {
     let relative = |index: usize| match fit.diagnostics[index].studentized {
         Some(times) => format!(", {:.1} times its standard deviation", times.abs()),
         None => String::new(),
@@ -162,7 +162,7 @@ pub fn scattered_points(fit: &PlaneFit) -> String {
 
 /// The message of reference points that do not agree.
 #[must_use]
-pub fn scattered_references(fit: &ReferenceFit) -> String {
+pub fn inconsistent_references(fit: &ReferenceFit) -> String {
     let allowed = number(um(fit.threshold));
     match fit.suspect() {
         Some(index) => format!(

@@ -1,6 +1,6 @@
 //! Pictures of taught stations: their tilt, and the distances of taught points from the plane.
 
-use jointplay_cell::station::teach::{PlaneFit, Verdict};
+use jointplay_cell::station::teach::{FitResult, PlaneFit};
 use jointplay_cell::station::{Origin, Station};
 use jointplay_cell::workcell::Cell;
 use nalgebra::{Rotation3, Unit, Vector3};
@@ -298,17 +298,17 @@ fn description(station: &Station, normal: &Vector3<f64>) -> Vec<String> {
                 ));
             }
             let Some(fit) = &taught.plane else { return lines };
-            let verdict = match fit.verdict {
-                Verdict::Fits => "fits",
-                Verdict::Unproven => "unverified",
-                Verdict::Scattered => "scattered",
+            let result = match fit.result {
+                FitResult::Fits => "fits",
+                FitResult::Untested => "untested",
+                FitResult::Inconsistent => "inconsistent",
             };
             let known = fit.uncertainty.as_ref().map_or_else(
                 || "tilt uncertainty unknown".to_owned(),
                 |known| format!("tilt ±{:.0} µrad", known.tilt_95 * 1e6),
             );
             lines.push(format!(
-                "{} points, distances up to {:.1} µm (allowed {:.1}), {known}: {verdict}",
+                "{} points, distances up to {:.1} µm (allowed {:.1}), {known}: {result}",
                 fit.distances.len(),
                 fit.worst * 1e6,
                 fit.threshold * 1e6

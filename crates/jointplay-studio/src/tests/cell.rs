@@ -314,8 +314,8 @@ fn a_station_is_taught_by_points_and_tilted_by_rotation_vector() {
     let found = plan(&server, &json!({ "cell": text, "program": "HOME\n" }));
     let station = &found["stations"][1];
     assert_eq!(
-        (&station["from"], &station["plane"]["verdict"]),
-        (&"taught".into(), &"unproven".into())
+        (&station["from"], &station["plane"]["result"]),
+        (&"taught".into(), &"untested".into())
     );
     assert_eq!(station["taught_m"], json!(points));
     assert_eq!(station["freedoms"], json!(["x", "y", "yaw"]));

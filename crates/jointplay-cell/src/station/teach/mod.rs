@@ -2,6 +2,7 @@
 
 mod drift;
 mod error;
+mod fit_result;
 mod frame;
 mod next_points;
 mod plane;
@@ -9,14 +10,13 @@ mod quantile;
 mod references;
 mod taught_frame;
 mod uncertainty;
-mod verdict;
 
 pub use drift::{Drift, drift};
 pub use error::TeachError;
+pub use fit_result::{FitResult, PointDiagnostic};
 pub use frame::{frame, yaw};
 pub use next_points::{MAX_NEXT_POINTS, NextPoints};
-pub use plane::{ENOUGH, PlaneFit, PlaneUncertainty, fit_plane};
+pub use plane::{MIN_POINTS_OF_UNKNOWN_NOISE, PlaneFit, PlaneUncertainty, fit_plane};
 pub use references::{ReferenceFit, ReferencePoint, ReferenceUncertainty, fit_references};
 pub use taught_frame::{NominalFrame, TaughtFrame};
 pub use uncertainty::{FrameUncertainty, StatedUncertainty, coverage};
-pub use verdict::{PointDiagnostic, Verdict};

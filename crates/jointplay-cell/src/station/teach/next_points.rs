@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::fit_result::FitResult;
 use super::plane::{PlaneFit, is_testable};
 use super::uncertainty::largest_of_two;
-use super::verdict::Verdict;
 
 /// Largest number of further points that are proposed.
 pub const MAX_NEXT_POINTS: usize = 40;
@@ -26,7 +26,7 @@ pub struct NextPoints {
 }
 
 impl PlaneFit {
-    /// Further points with which the plane can be judged, and its tilt is certain enough; `None` where nothing is missing, and where the points are scattered.
+    /// Further points with which the plane can be judged, and its tilt is certain enough; `None` where nothing is missing, and where the points are inconsistent.
     ///
     /// Each point is the one that adds most to the determinant of the information matrix (D-optimal design): the one where the height of the plane is known least.
     ///
@@ -42,7 +42,8 @@ impl PlaneFit {
     #[must_use]
     pub fn next_points(&self, allowed: f64, coverage_factor: f64) -> Option<NextPoints> {
         let is_certain = !self.is_uncertain(allowed, coverage_factor);
-        if self.verdict == Verdict::Scattered || (self.verdict == Verdict::Fits && is_certain) {
+        if self.result == FitResult::Inconsistent || (self.result == FitResult::Fits && is_certain)
+        {
             return None;
         }
         let known = self.noise.is_some();

@@ -5,21 +5,21 @@ use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::{DMatrix, Vector3};
 
 use super::error::{TeachError, check_noise};
+use super::fit_result::{FitResult, PointDiagnostic, largest_deviation};
 use super::frame::frame;
 use super::quantile::{TWO_SIDED, angle_95, chi_square, f_95, normal_beyond};
 use super::uncertainty::coverage;
-use super::verdict::{PointDiagnostic, Verdict, largest_deviation};
 
 /// Multiple of the threshold below which points are on one line: the tilt about that line is undetermined.
 pub(super) const SPREAD: f64 = 10.0;
 
 /// Number of points from which on their distances from the plane estimate the noise to better than a factor of about three (95 %).
-pub const ENOUGH: usize = 6;
+pub const MIN_POINTS_OF_UNKNOWN_NOISE: usize = 6;
 
 /// Number of redundant points of known noise from which on a deviation can be assigned to a point.
 pub(super) const REDUNDANT: usize = 2;
 
-/// Quantile of the false alarm rate at which points with given noise count as scattered.
+/// Quantile of the false alarm rate at which points with given noise count as inconsistent.
 pub(super) const FALSE_ALARM_QUANTILE: f64 = 3.090_232;
 /// False alarm rate of that quantile, and of the test of single points.
 pub(super) const FALSE_ALARM: f64 = 1e-3;
@@ -55,14 +55,14 @@ pub struct PlaneFit {
     pub noise: Option<Vec<f64>>,
     /// Sum of the squared distances, each divided by its variance; `None` where the noise is not known.
     pub chi_square: Option<f64>,
-    /// Value of `chi_square` above which the points count as scattered; `None` without points to test.
+    /// Value of `chi_square` above which the points count as inconsistent; `None` without points to test.
     pub chi_square_limit: Option<f64>,
     /// Uncertainty of the plane; `None` for three points whose noise is not known.
     pub uncertainty: Option<Box<PlaneUncertainty>>,
     /// Number of points beyond three: degrees of freedom that test the noise.
     pub freedom: usize,
     /// Whether the points agree with one plane.
-    pub verdict: Verdict,
+    pub result: FitResult,
 }
 
 /// Uncertainty of a fitted plane: the covariance of tilt and height along the principal directions of the points, where both slopes and the height at the centroid are uncorrelated.
@@ -143,7 +143,7 @@ impl PlaneUncertainty {
 /// # Numerics
 /// Singular values of the centred points, weighted by the inverse of their noise: the last direction is the normal.
 /// The 95 % bound of the tilt is exact for two independent normal slopes where the noise is given; where it is estimated, it is that of the F distribution of 2 and `freedom` for the larger of both slopes, which is conservative.
-/// Points count as scattered where the chi-square test of all distances fails, or that of the largest studentized one, each with a false alarm rate of 10⁻³.
+/// Points count as inconsistent where the chi-square test of all distances fails, or that of the largest studentized one, each with a false alarm rate of 10⁻³.
 ///
 /// # Assumptions
 /// The errors of the points are independent, normal and isotropic; errors within the plane have no first-order effect.
@@ -207,12 +207,12 @@ pub fn fit_plane(
         && freedom > 0
         && largest > LEAST_OUTLIER
         && normal_beyond(largest) < FALSE_ALARM / points.len() as f64;
-    let verdict = if worst > threshold || is_noisier || has_outlier {
-        Verdict::Scattered
+    let result = if worst > threshold || is_noisier || has_outlier {
+        FitResult::Inconsistent
     } else if is_testable(noise.is_some(), points.len()) {
-        Verdict::Fits
+        FitResult::Fits
     } else {
-        Verdict::Unproven
+        FitResult::Untested
     };
     let sigma = if noise.is_some() { Some(least) } else { estimated };
     let uncertainty = sigma.map(|sigma| {
@@ -252,13 +252,13 @@ pub fn fit_plane(
         chi_square_limit: limit,
         uncertainty,
         freedom,
-        verdict,
+        result,
     })
 }
 
 /// Whether this many points of a plane test themselves.
 pub(super) fn is_testable(is_noise_known: bool, points: usize) -> bool {
-    if is_noise_known { points >= 3 + REDUNDANT } else { points >= ENOUGH }
+    if is_noise_known { points >= 3 + REDUNDANT } else { points >= MIN_POINTS_OF_UNKNOWN_NOISE }
 }
 
 /// Points weighted by their accuracy: 1 for the most accurate ones.
@@ -331,18 +331,18 @@ impl PlaneFit {
     /// * `coverage_factor` – multiple of the standard deviation that has to be allowed
     #[must_use]
     pub fn is_uncertain(&self, allowed: f64, coverage_factor: f64) -> bool {
-        let is_tested = self.noise.is_some() || self.points.len() >= ENOUGH;
+        let is_tested = self.noise.is_some() || self.points.len() >= MIN_POINTS_OF_UNKNOWN_NOISE;
         let tilt = self.uncertainty.as_ref();
         let tilt = tilt.map_or(f64::INFINITY, |known| known.expanded_tilt(coverage_factor));
-        self.verdict != Verdict::Scattered && is_tested && tilt > allowed
+        self.result != FitResult::Inconsistent && is_tested && tilt > allowed
     }
 
-    /// Index of the point to be measured again, where the points are scattered: the one with the largest deviation relative to its noise.
+    /// Index of the point to be measured again, where the points are inconsistent: the one with the largest deviation relative to its noise.
     ///
     /// `None` where the points agree, and where one redundant point does not determine which of them deviates.
     #[must_use]
     pub fn suspect(&self) -> Option<usize> {
-        if self.verdict != Verdict::Scattered || self.freedom < REDUNDANT {
+        if self.result != FitResult::Inconsistent || self.freedom < REDUNDANT {
             return None;
         }
         largest_deviation(&self.diagnostics)
@@ -387,7 +387,7 @@ mod tests {
     fn plane_fit_reproduces_a_plane() {
         let tilt = Tilt { yaw: 2.0, pitch: 0.0139 };
         let fit = fit_plane(&plane(tilt, &SEVEN), 1e-4, Some(&[1e-6; 7])).unwrap();
-        assert_eq!(fit.verdict, Verdict::Fits);
+        assert_eq!(fit.result, FitResult::Fits);
         assert!((fit.normal - tilt.normal()).norm() < 1e-14 && fit.worst < 1e-15, "{fit:?}");
         let frame = fit.frame(&Vector3::new(0.7, -0.2, 0.0), 0.4);
         assert!((yaw(&frame) - 0.4).abs() < 1e-14);
@@ -396,7 +396,7 @@ mod tests {
         for (count, noise) in [(3, None), (3, Some(1e-6)), (4, None), (4, Some(1e-6)), (5, None)] {
             let noise = noise.map(|noise| vec![noise; count]);
             let fit = fit_plane(&plane(tilt, &SEVEN[..count]), 1e-4, noise.as_deref()).unwrap();
-            assert_eq!(fit.verdict, Verdict::Unproven);
+            assert_eq!(fit.result, FitResult::Untested);
             assert_eq!(fit.uncertainty.is_some(), count > 3 || noise.is_some());
         }
     }
@@ -407,15 +407,15 @@ mod tests {
         points[2].z += 4e-4;
         let fit = fit_plane(&points, 5e-5, None).unwrap();
         // The fit distributes the deviation over all four: a quarter each.
-        assert_eq!(fit.verdict, Verdict::Scattered);
+        assert_eq!(fit.result, FitResult::Inconsistent);
         assert!((fit.worst - 1e-4).abs() < 1e-8 && (fit.residual - 1e-4).abs() < 1e-8, "{fit:?}");
         // One redundant point does not determine which of the four deviates.
         assert_eq!(fit.suspect(), None);
         let explained = fit_plane(&points, 2e-4, Some(&[1e-4; 4])).unwrap();
-        assert_eq!(explained.verdict, Verdict::Unproven);
+        assert_eq!(explained.result, FitResult::Untested);
         // Within the threshold, but not for points that are known to a micrometre.
         let fit = fit_plane(&points, 2e-4, Some(&[1e-6; 4])).unwrap();
-        assert_eq!(fit.verdict, Verdict::Scattered);
+        assert_eq!(fit.result, FitResult::Inconsistent);
     }
 
     #[test]
@@ -431,7 +431,7 @@ mod tests {
             let noise: Vec<f64> =
                 (0..7).map(|k| if k == deviating { 1e-3 } else { 1e-5 }).collect();
             let fit = fit_plane(&points, 5e-4, Some(&noise)).unwrap();
-            assert_eq!(fit.verdict, Verdict::Fits, "{fit:?}");
+            assert_eq!(fit.result, FitResult::Fits, "{fit:?}");
         }
     }
 

@@ -4,9 +4,9 @@ use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation2, Vector2, Vector3};
 
 use super::error::{TeachError, check_noise};
+use super::fit_result::{FitResult, PointDiagnostic, largest_deviation};
 use super::plane::{FALSE_ALARM, FALSE_ALARM_QUANTILE, NO_REDUNDANCY, REDUNDANT, SPREAD};
 use super::quantile::chi_square;
-use super::verdict::{PointDiagnostic, Verdict, largest_deviation};
 
 /// Number of redundant coordinates from which on the deviations estimate an unknown noise.
 const ENOUGH_FREEDOM: usize = 3;
@@ -45,14 +45,14 @@ pub struct ReferenceFit {
     pub noise: Option<Vec<f64>>,
     /// Sum of the squared deviations, each divided by its variance; `None` where the noise is not known.
     pub chi_square: Option<f64>,
-    /// Value of `chi_square` above which the references count as scattered; `None` without redundancy.
+    /// Value of `chi_square` above which the references count as inconsistent; `None` without redundancy.
     pub chi_square_limit: Option<f64>,
     /// Uncertainty; `None` where the noise is neither known nor can be estimated.
     pub uncertainty: Option<ReferenceUncertainty>,
     /// Number of coordinates beyond those that determine centre and heading.
     pub freedom: usize,
     /// Whether the reference points agree.
-    pub verdict: Verdict,
+    pub result: FitResult,
 }
 
 /// Uncertainty of centre and heading.
@@ -174,12 +174,12 @@ pub fn fit_references(
     let is_noisier = chi.zip(limit).is_some_and(|(found, limit)| found > limit);
     let has_outlier = noise.is_some() && freedom > 0 && largest > allowed;
     let needed = if noise.is_some() { REDUNDANT } else { ENOUGH_FREEDOM };
-    let verdict = if worst > threshold || is_noisier || has_outlier {
-        Verdict::Scattered
+    let result = if worst > threshold || is_noisier || has_outlier {
+        FitResult::Inconsistent
     } else if freedom >= needed {
-        Verdict::Fits
+        FitResult::Fits
     } else {
-        Verdict::Unproven
+        FitResult::Untested
     };
     let uncertainty = sigma.map(|sigma| {
         // A rotation of the plane moves what was measured at a height over it.
@@ -215,15 +215,15 @@ pub fn fit_references(
         chi_square_limit: limit,
         uncertainty,
         freedom,
-        verdict,
+        result,
     })
 }
 
 impl ReferenceFit {
-    /// Index of the reference point to be measured again, where they are scattered; `None` where they agree, and where they do not determine which one deviates.
+    /// Index of the reference point to be measured again, where they are inconsistent; `None` where they agree, and where they do not determine which one deviates.
     #[must_use]
     pub fn suspect(&self) -> Option<usize> {
-        if self.verdict != Verdict::Scattered
+        if self.result != FitResult::Inconsistent
             || self.freedom < REDUNDANT
             || self.references.len() < 3
         {

@@ -36,7 +36,7 @@ Examples:
   jointplay cell teach --figure stations.png
   jointplay cell teach --station LP2 --first-mm -495,-495,500 --last-mm -492,-495,740
 
-Exit codes: 0 done, 1 the points are scattered, too few to be judged, or the tilt is too uncertain or exceeds the robot's limit, 2 bad input or usage.")]
+Exit codes: 0 done, 1 the points are inconsistent, too few to be judged, or the tilt is too uncertain or exceeds the robot's limit, 2 bad input or usage.")]
 pub(super) struct Teach {
     #[command(flatten)]
     pub(super) cell: CellArgs,
@@ -229,8 +229,8 @@ fn unjudged(station: &StationReport) -> Vec<String> {
     let mut reasons = Vec::new();
     if let Some(plane) = &station.plane {
         let next = || next_points(plane).unwrap_or_default();
-        match (plane.verdict, &plane.uncertainty) {
-            ("unproven", _) => reasons.push(format!(
+        match (plane.result, &plane.uncertainty) {
+            ("untested", _) => reasons.push(format!(
                 "the plane of {} cannot be judged with {}{}",
                 station.name,
                 counted(plane.distances_um.len(), "point"),
@@ -247,7 +247,7 @@ fn unjudged(station: &StationReport) -> Vec<String> {
             _ => {}
         }
     }
-    if let Some(references) = station.references.as_ref().filter(|it| it.verdict == "unproven") {
+    if let Some(references) = station.references.as_ref().filter(|it| it.result == "untested") {
         reasons.push(format!(
             "the centre and the heading of {} cannot be judged with {}: measure {} more, far from each other",
             station.name,
@@ -347,11 +347,11 @@ fn chi_square(found: Option<f64>, limit: Option<f64>) -> String {
 }
 
 fn write_plane(text: &mut String, plane: &PlaneReport, coverage_factor: f64) {
-    let verdict = match plane.verdict {
+    let result = match plane.result {
         "fits" => "fits".to_owned(),
         "uncertain" => format!("uncertain{}", next_points(plane).unwrap_or_default()),
-        "unproven" => format!("cannot be judged{}", next_points(plane).unwrap_or_default()),
-        _ => "scattered: measure the points again".to_owned(),
+        "untested" => format!("untested{}", next_points(plane).unwrap_or_default()),
+        _ => "inconsistent: measure the points again".to_owned(),
     };
     let _ = writeln!(
         text,
@@ -386,7 +386,7 @@ fn write_plane(text: &mut String, plane: &PlaneReport, coverage_factor: f64) {
             fixed(known.tilt_rms_urad, 1)
         );
     }
-    let _ = writeln!(text, "  plane                {verdict}");
+    let _ = writeln!(text, "  plane                {result}");
 }
 
 fn counted_freedom(freedom: usize) -> String {
@@ -420,14 +420,14 @@ fn write_references(text: &mut String, references: &ReferenceReport) {
     let freedom = counted_freedom(references.freedom);
     let chi = chi_square(references.chi_square, references.chi_square_limit);
     let _ = writeln!(text, "  noise                {noise}, {freedom}{chi}");
-    let verdict = match references.verdict {
+    let result = match references.result {
         "fits" => "fits".to_owned(),
-        "unproven" => {
-            format!("cannot be judged: measure {} more, far from each other", references.missing)
+        "untested" => {
+            format!("untested: measure {} more, far from each other", references.missing)
         }
-        _ => "scattered: measure the references again".to_owned(),
+        _ => "inconsistent: measure the references again".to_owned(),
     };
-    let _ = writeln!(text, "  references           {verdict}");
+    let _ = writeln!(text, "  references           {result}");
 }
 
 fn write_uncertainty(text: &mut String, known: &StationUncertaintyReport) {

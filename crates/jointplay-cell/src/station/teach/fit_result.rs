@@ -2,13 +2,13 @@
 
 /// Whether taught points agree with one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum FitResult {
     /// All points lie within the threshold, and as near to the fit as their noise predicts.
     Fits,
     /// There are too few points to test them.
-    Unproven,
+    Untested,
     /// A point is farther from the fit than the threshold, or than its noise explains.
-    Scattered,
+    Inconsistent,
 }
 
 /// Relative difference below which two deviations are equal.
