@@ -3,14 +3,24 @@
 use std::collections::BTreeMap;
 use std::mem::discriminant;
 
+use jointplay_core::spatial::Tilt;
+
+use super::bounds::{MAX_INSTRUCTIONS, passes};
+use super::effector_choice::{check_swap, choose_effector};
+use super::frame::{ArgumentValue, Frame};
 use super::ik_cache::IkCache;
 use super::occupancy::WaferOccupancy;
 use super::resolve::resolve;
 use super::resolved::{
-    ResolvedCommand, ResolvedInstruction, ResolvedProgram, ResolvedSlot, ResolvedSlotNumber,
+    EffectorChoice, EffectorReference, ResolvedArgument, ResolvedBranch, ResolvedCommand,
+    ResolvedCondition, ResolvedInstruction, ResolvedLocation, ResolvedNumber, ResolvedProgram,
+    ResolvedQuantity, ResolvedSlot, ResolvedTilt, StationReference,
 };
 use super::sequence::MotionSequencer;
-use super::{Handoff, Path, Program, ProgramError, ProgramProblem, SourceLocation, Step};
+use super::{
+    AllowedValues, ErrorContext, Handoff, Path, Program, ProgramError, ProgramProblem,
+    SourceLocation, Step, WaferLocation,
+};
 use crate::incremental::{Interrupted, StopRequested, uninterrupted};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
@@ -40,7 +50,7 @@ pub(crate) fn expand_by(
     let (resolved, unresolved) = resolve(cell, program);
     let mut errors = Errors::default();
     for error in unresolved {
-        errors.add(error.place, error.problem);
+        errors.add(error.place, error.problem, || error.context);
     }
     let mut steps = Vec::new();
     if let Some(resolved) = &resolved {
@@ -51,9 +61,13 @@ pub(crate) fn expand_by(
             sequencer: MotionSequencer::new(cell, ik_cache),
             errors: &mut errors,
             instruction: 0,
+            work: 0,
+            frames: vec![Frame::main()],
             stop,
         };
-        expander.block(&resolved.body, &mut Vec::new())?;
+        if let Err(Ended::Interrupted) = expander.block(&resolved.body) {
+            return Err(Interrupted);
+        }
         steps = expander.sequencer.steps;
         ik_cache.end();
     }
@@ -66,13 +80,34 @@ pub(crate) fn expand_by(
 struct Errors(BTreeMap<SourceLocation, Vec<ProgramError>>);
 
 impl Errors {
-    fn add(&mut self, place: SourceLocation, problem: ProgramProblem) {
+    /// Adds an error; `context` is that of a first occurrence.
+    fn add(
+        &mut self,
+        place: SourceLocation,
+        problem: ProgramProblem,
+        context: impl FnOnce() -> ErrorContext,
+    ) {
         let here = self.0.entry(place).or_default();
         let kind = discriminant(&problem);
         match here.iter_mut().find(|error| discriminant(&error.problem) == kind) {
             Some(first) => first.repetitions += 1,
-            None => here.push(ProgramError { place, problem, repetitions: 0 }),
+            None => {
+                here.push(ProgramError { place, problem, context: context(), repetitions: 0 });
+            }
         }
+    }
+}
+
+/// Why the expansion ends before the end of the program.
+enum Ended {
+    Interrupted,
+    /// The limit of instructions is reached; the error is recorded.
+    LimitReached,
+}
+
+impl From<Interrupted> for Ended {
+    fn from(_: Interrupted) -> Self {
+        Self::Interrupted
     }
 }
 
@@ -84,124 +119,421 @@ struct ProgramExpander<'r> {
     errors: &'r mut Errors,
     /// Number of instructions executed.
     instruction: usize,
+    /// Number of instructions, calls, conditions and passes without instruction, for the limit of instructions.
+    work: u64,
+    /// The main instructions, and the routines that are being executed.
+    frames: Vec<Frame<'r>>,
     stop: StopRequested<'r>,
 }
 
-impl ProgramExpander<'_> {
-    /// Executes a block; `passes` are those of the enclosing REPEATs, from 1.
-    fn block(
-        &mut self,
-        body: &[ResolvedInstruction],
-        passes: &mut Vec<u64>,
-    ) -> Result<(), Interrupted> {
-        let resolved = self.resolved;
+impl<'r> ProgramExpander<'r> {
+    fn frame(&self) -> &Frame<'r> {
+        self.frames.last().expect("the main instructions have a frame")
+    }
+
+    fn frame_mut(&mut self) -> &mut Frame<'r> {
+        self.frames.last_mut().expect("the main instructions have a frame")
+    }
+
+    /// Counts an instruction, a call, a condition or an empty pass.
+    fn count(&mut self, place: SourceLocation) -> Result<(), Ended> {
+        if (self.stop)() {
+            return Err(Ended::Interrupted);
+        }
+        self.work += 1;
+        if self.work > MAX_INSTRUCTIONS {
+            self.report(place, ProgramProblem::LimitReached { allowed: MAX_INSTRUCTIONS });
+            return Err(Ended::LimitReached);
+        }
+        Ok(())
+    }
+
+    /// Executes a block.
+    fn block(&mut self, body: &'r [ResolvedInstruction]) -> Result<(), Ended> {
         for ResolvedInstruction { place, command } in body {
-            if (self.stop)() {
-                return Err(Interrupted);
-            }
+            let place = *place;
             match command {
-                ResolvedCommand::Repeat { times, body } => {
-                    for pass in 1..=*times {
-                        passes.push(pass);
-                        self.block(body, passes)?;
-                        passes.pop();
+                ResolvedCommand::Repeat { times, counter, body } => {
+                    let Some(times) = self.value(times) else {
+                        self.occupancy.invalidate();
+                        continue;
+                    };
+                    for pass in 1..=passes(times) {
+                        let before = self.work;
+                        self.frame_mut().counters.push((counter.as_deref(), pass));
+                        self.block(body)?;
+                        if self.work == before {
+                            self.count(place)?;
+                        }
+                        self.frame_mut().counters.pop();
                     }
                 }
-                ResolvedCommand::Call(routine) => {
-                    self.block(&resolved.routines[*routine], &mut Vec::new())?
+                ResolvedCommand::Call { routine, arguments } => {
+                    self.count(place)?;
+                    self.call(place, *routine, arguments)?;
+                }
+                ResolvedCommand::If { branches, otherwise } => {
+                    self.count(place)?;
+                    self.choose(branches, otherwise)?;
                 }
                 command => {
-                    self.sequencer.start(self.instruction, *place, self.occupancy.loaded());
+                    self.count(place)?;
+                    self.sequencer.start(self.instruction, place, self.occupancy.loaded());
                     self.instruction += 1;
-                    self.execute(*place, command, passes);
+                    self.execute(place, command);
                 }
             }
         }
         Ok(())
     }
 
-    fn execute(&mut self, place: SourceLocation, command: &ResolvedCommand, passes: &[u64]) {
-        match *command {
-            ResolvedCommand::Home => self.sequencer.home(),
-            ResolvedCommand::Move(ref targets) => {
-                let done = self.sequencer.move_axes(targets);
-                self.report(place, done);
-            }
-            ResolvedCommand::MoveLine { effector, by } => {
-                let done = self.sequencer.move_line(effector, by);
-                self.report(place, done);
-            }
-            ResolvedCommand::Get { from, effector } => self.get(place, from, effector, passes),
-            ResolvedCommand::Put { to, effector } => self.put(place, to, effector, passes),
-            ResolvedCommand::Transfer { from, to, effector } => {
-                self.get(place, from, effector, passes);
-                self.put(place, to, effector, passes);
-            }
-            ResolvedCommand::Swap { at, get, put } => {
-                self.get(place, at, get, passes);
-                self.put(place, at, put, passes);
-            }
-            ResolvedCommand::Goto { to, effector } => {
-                if let Some(slot) = self.slot(to, passes) {
-                    let done = self.sequencer.goto(effector, slot);
-                    self.report(place, done);
+    /// Executes a routine with its arguments.
+    fn call(
+        &mut self,
+        place: SourceLocation,
+        routine: usize,
+        arguments: &'r [ResolvedArgument],
+    ) -> Result<(), Ended> {
+        let mut values = Vec::with_capacity(arguments.len());
+        for argument in arguments {
+            values.push(match argument {
+                ResolvedArgument::Number(number) => {
+                    let Some(value) = self.finite("the argument", number) else {
+                        self.occupancy.invalidate();
+                        return Ok(());
+                    };
+                    ArgumentValue::Number(value)
+                }
+                ResolvedArgument::Station(StationReference::Fixed(station)) => {
+                    ArgumentValue::Station(*station)
+                }
+                ResolvedArgument::Effector(EffectorReference::Fixed(effector)) => {
+                    ArgumentValue::Effector(*effector)
+                }
+                ResolvedArgument::Station(StationReference::Argument(index))
+                | ResolvedArgument::Effector(EffectorReference::Argument(index))
+                | ResolvedArgument::Location(index) => self.frame().arguments[*index],
+                ResolvedArgument::Effector(EffectorReference::Only) | ResolvedArgument::Unused => {
+                    ArgumentValue::Unused
+                }
+            });
+        }
+        let resolved = self.resolved;
+        let routine = &resolved.routines[routine];
+        let counters = Vec::new();
+        self.frames.push(Frame { routine: Some((routine, place)), arguments: values, counters });
+        self.block(&routine.body)?;
+        self.frames.pop();
+        Ok(())
+    }
+
+    /// Executes the first branch whose condition holds; after an error, none of them.
+    fn choose(
+        &mut self,
+        branches: &'r [ResolvedBranch],
+        otherwise: &'r [ResolvedInstruction],
+    ) -> Result<(), Ended> {
+        for ResolvedBranch { condition, body } in branches {
+            match self.holds(condition) {
+                Some(true) => return self.block(body),
+                Some(false) => {}
+                None => {
+                    self.occupancy.invalidate();
+                    return Ok(());
                 }
             }
-            ResolvedCommand::Wait(seconds) => self.sequencer.dwell(Path::Dwell(seconds)),
-            ResolvedCommand::Speed(fraction) => self.sequencer.speed_scaling = fraction,
-            ResolvedCommand::Blend(radius) => self.sequencer.blend_radius = radius,
-            ResolvedCommand::Tilt(tilt) => {
-                let done = self.sequencer.tilt(tilt);
-                self.report(place, done);
+        }
+        self.block(otherwise)
+    }
+
+    /// Whether a condition holds; `None` where this is not known, after an error.
+    fn holds(&mut self, condition: &'r ResolvedCondition) -> Option<bool> {
+        match condition {
+            ResolvedCondition::Comparison { left, relation, right } => {
+                let left = self.finite("the number to compare", left);
+                let right = self.finite("the number to compare", right);
+                Some(relation.holds(left?, right?))
             }
-            ResolvedCommand::Unresolved => self.occupancy.invalidate(),
-            ResolvedCommand::Call(_) | ResolvedCommand::Repeat { .. } => {
-                unreachable!("executed by `block`")
+            ResolvedCondition::Presence { location, occupied } => {
+                let location = self.location(location)?;
+                Some(self.occupancy.is_occupied(location)? == *occupied)
+            }
+            ResolvedCondition::Not(condition) => Some(!self.holds(condition)?),
+            ResolvedCondition::All(conditions) => {
+                for condition in conditions {
+                    if !self.holds(condition)? {
+                        return Some(false);
+                    }
+                }
+                Some(true)
+            }
+            ResolvedCondition::Any(conditions) => {
+                for condition in conditions {
+                    if self.holds(condition)? {
+                        return Some(true);
+                    }
+                }
+                Some(false)
             }
         }
     }
 
-    fn report(&mut self, place: SourceLocation, done: Result<(), ProgramProblem>) {
+    /// The slot or effector of a condition.
+    fn location(&mut self, location: &ResolvedLocation) -> Option<WaferLocation> {
+        Some(match location {
+            ResolvedLocation::Slot(slot) => WaferLocation::Slot(self.slot(slot)?),
+            ResolvedLocation::Effector(effector) => WaferLocation::Effector(*effector),
+            ResolvedLocation::Argument { index, place } => match self.frame().arguments[*index] {
+                ArgumentValue::Station(station) => {
+                    WaferLocation::Slot(self.slot_of(station, *place, None)?)
+                }
+                ArgumentValue::Effector(effector) => WaferLocation::Effector(effector),
+                ArgumentValue::Number(_) | ArgumentValue::Unused => return None,
+            },
+        })
+    }
+
+    fn execute(&mut self, place: SourceLocation, command: &ResolvedCommand) {
+        match command {
+            ResolvedCommand::Home => self.sequencer.home(),
+            ResolvedCommand::Move(targets) => {
+                let positions = targets.iter().map(|(axis, position)| {
+                    Some((*axis, self.si(position)?))
+                });
+                if let Some(positions) = positions.collect::<Option<Vec<_>>>() {
+                    let done = self.sequencer.move_axes(&positions);
+                    self.report_result(place, done);
+                }
+            }
+            ResolvedCommand::MoveLine { effector, by } => self.move_line(place, *effector, by),
+            ResolvedCommand::Get { from, effector } => {
+                let visit = self.visit(from, *effector);
+                self.get(place, visit);
+            }
+            ResolvedCommand::Put { to, effector } => {
+                let visit = self.visit(to, *effector);
+                self.put(place, visit);
+            }
+            ResolvedCommand::Transfer { from, to, effector } => {
+                self.transfer(place, from, to, *effector);
+            }
+            ResolvedCommand::Swap { at, get, put } => self.swap(place, at, *get, *put),
+            ResolvedCommand::Goto { to, effector } => {
+                if let Some((to, effector)) = self.visit(to, *effector) {
+                    let done = self.sequencer.goto(effector, to);
+                    self.report_result(place, done);
+                }
+            }
+            ResolvedCommand::Wait(duration) => {
+                if let Some(seconds) = self.si(duration) {
+                    self.sequencer.dwell(Path::Dwell(seconds));
+                }
+            }
+            ResolvedCommand::Speed(fraction) => {
+                if let Some(fraction) = self.si(fraction) {
+                    self.sequencer.speed_scaling = fraction;
+                }
+            }
+            ResolvedCommand::Blend(None) => self.sequencer.blend_radius = 0.0,
+            ResolvedCommand::Blend(Some(radius)) => {
+                if let Some(radius) = self.si(radius) {
+                    self.sequencer.blend_radius = radius;
+                }
+            }
+            ResolvedCommand::Tilt(target) => {
+                let tilt = match target {
+                    None => Some(Tilt::LEVEL),
+                    Some(ResolvedTilt { angle, azimuth }) => {
+                        let (pitch, yaw) = (self.si(angle), self.si(azimuth));
+                        pitch.zip(yaw).map(|(pitch, yaw)| Tilt { yaw, pitch })
+                    }
+                };
+                if let Some(tilt) = tilt {
+                    let done = self.sequencer.tilt(tilt);
+                    self.report_result(place, done);
+                }
+            }
+            ResolvedCommand::Unresolved => self.occupancy.invalidate(),
+            ResolvedCommand::Call { .. }
+            | ResolvedCommand::Repeat { .. }
+            | ResolvedCommand::If { .. } => unreachable!("executed by `block`"),
+        }
+    }
+
+    fn move_line(
+        &mut self,
+        place: SourceLocation,
+        effector: EffectorChoice,
+        by: &[Option<ResolvedQuantity>; 3],
+    ) {
+        let mut displacement = [Some(0.0); 3];
+        for (component, length) in displacement.iter_mut().zip(by) {
+            if let Some(length) = length {
+                *component = self.si(length);
+            }
+        }
+        let effector = self.effector(effector, &[]);
+        if let (Some(effector), [Some(x), Some(y), Some(z)]) = (effector, displacement) {
+            let done = self.sequencer.move_line(effector, [x, y, z]);
+            self.report_result(place, done);
+        }
+    }
+
+    fn report(&mut self, place: SourceLocation, problem: ProgramProblem) {
+        let frames = &self.frames;
+        self.errors.add(place, problem, || ErrorContext {
+            variables: frames.last().map_or_else(Vec::new, Frame::variables),
+            calls: frames.iter().rev().filter_map(|frame| Some(frame.routine?.1)).collect(),
+        });
+    }
+
+    fn report_result(&mut self, place: SourceLocation, done: Result<(), ProgramProblem>) {
         if let Err(problem) = done {
-            self.errors.add(place, problem);
+            self.report(place, problem);
+        }
+    }
+
+    /// Value of a quantity in the unit of the text, if it is allowed.
+    fn value(&mut self, quantity: &ResolvedQuantity) -> Option<f64> {
+        let ResolvedQuantity { what, number, allowed } = quantity;
+        let found = self.frame().value(number);
+        if allowed.contains(found) {
+            return Some(found);
+        }
+        let (what, allowed) = (*what, *allowed);
+        self.report(number.place, ProgramProblem::Value { what, found, allowed });
+        None
+    }
+
+    /// Value of a quantity in SI units, if it is allowed.
+    fn si(&mut self, quantity: &ResolvedQuantity) -> Option<f64> {
+        let value = self.value(quantity)?;
+        Some(quantity.allowed.unit.map_or(value, |unit| unit.to_si(value)))
+    }
+
+    /// Value of a number, if it is finite.
+    fn finite(&mut self, what: &'static str, number: &ResolvedNumber) -> Option<f64> {
+        let found = self.frame().value(number);
+        if found.is_finite() {
+            return Some(found);
+        }
+        self.report(number.place, ProgramProblem::NotFinite { what, found });
+        None
+    }
+
+    fn station(&self, station: StationReference) -> Option<usize> {
+        match station {
+            StationReference::Fixed(index) => Some(index),
+            StationReference::Argument(index) => match self.frame().arguments[index] {
+                ArgumentValue::Station(station) => Some(station),
+                _ => None,
+            },
         }
     }
 
     /// The slot of this pass, if the station has it.
-    fn slot(&mut self, slot: ResolvedSlot, passes: &[u64]) -> Option<SlotId> {
-        let found = match slot.number {
-            ResolvedSlotNumber::Fixed(number) => number,
-            ResolvedSlotNumber::Counted { repeat, offset, down } => {
-                let pass = i128::from(passes[repeat]);
-                i128::from(offset) + if down { -pass } else { pass }
-            }
+    fn slot(&mut self, slot: &ResolvedSlot) -> Option<SlotId> {
+        let station = self.station(slot.station)?;
+        self.slot_of(station, slot.place, slot.number.as_ref())
+    }
+
+    /// A slot of a station; without a number, its only one.
+    fn slot_of(
+        &mut self,
+        station: usize,
+        place: SourceLocation,
+        number: Option<&ResolvedNumber>,
+    ) -> Option<SlotId> {
+        let (name, slots) = {
+            let station = &self.sequencer.cell.stations[station];
+            (&station.name, station.slots)
         };
-        let station = &self.sequencer.cell.stations[slot.station];
-        let slots = station.slots;
-        if let Ok(number @ 1..) = usize::try_from(found)
-            && number <= slots
-        {
-            return Some(SlotId { station: slot.station, slot: number });
+        let Some(number) = number else {
+            if slots == 1 {
+                return Some(SlotId { station, slot: 1 });
+            }
+            let problem = ProgramProblem::WhichSlot { station: name.clone(), slots };
+            self.report(place, problem);
+            return None;
+        };
+        let found = self.frame().value(number);
+        if let Some(slot) = slot_number(found).filter(|number| (1..=slots).contains(number)) {
+            return Some(SlotId { station, slot });
         }
-        let station = station.name.clone();
-        self.errors.add(slot.place, ProgramProblem::NoSlot { station, found, slots });
+        let problem = ProgramProblem::NoSlot { station: name.clone(), found, slots };
+        self.report(number.place, problem);
         None
     }
 
-    fn get(
+    /// The effector for stations, if they are open to it.
+    fn effector(&mut self, choice: EffectorChoice, stations: &[usize]) -> Option<EffectorId> {
+        let named = match choice.named {
+            EffectorReference::Fixed(id) => Some(id),
+            EffectorReference::Only => None,
+            EffectorReference::Argument(index) => match self.frame().arguments[index] {
+                ArgumentValue::Effector(id) => Some(id),
+                _ => return None,
+            },
+        };
+        let found = choose_effector(self.sequencer.cell, named, stations);
+        found.map_err(|problem| self.report(choice.place, problem)).ok()
+    }
+
+    /// A slot and the effector that uses it.
+    fn visit(&mut self, slot: &ResolvedSlot, choice: EffectorChoice) -> Option<(SlotId, EffectorId)> {
+        let slot = self.slot(slot);
+        let effector = self.effector(choice, &[slot?.station]);
+        slot.zip(effector)
+    }
+
+    fn transfer(
         &mut self,
         place: SourceLocation,
-        from: ResolvedSlot,
-        effector: EffectorId,
-        passes: &[u64],
+        from: &ResolvedSlot,
+        to: &ResolvedSlot,
+        choice: EffectorChoice,
     ) {
-        let Some(slot) = self.slot(from, passes) else {
-            self.occupancy.invalidate();
-            return;
+        let stations = [self.station(from.station), self.station(to.station)];
+        let effector = match stations {
+            [Some(from), Some(to)] => self.effector(choice, &[from, to]),
+            _ => None,
         };
+        let Some(effector) = effector else { return self.occupancy.invalidate() };
+        let from = self.slot(from);
+        self.get(place, from.map(|from| (from, effector)));
+        let to = self.slot(to);
+        self.put(place, to.map(|to| (to, effector)));
+    }
+
+    fn swap(
+        &mut self,
+        place: SourceLocation,
+        at: &ResolvedSlot,
+        get: EffectorChoice,
+        put: EffectorChoice,
+    ) {
+        let slot = self.slot(at);
+        let effectors = slot.and_then(|slot| {
+            let [get, put] = [get, put].map(|choice| self.effector(choice, &[slot.station]));
+            get.zip(put)
+        });
+        let Some((slot, (picking, placing))) = slot.zip(effectors) else {
+            return self.occupancy.invalidate();
+        };
+        if let Err(problem) = check_swap(self.sequencer.cell, picking, placing) {
+            self.report(put.place, problem);
+            return self.occupancy.invalidate();
+        }
+        self.get(place, Some((slot, picking)));
+        self.put(place, Some((slot, placing)));
+    }
+
+    /// Picks the wafer of a slot; without a slot and an effector, the occupancy is unknown.
+    fn get(&mut self, place: SourceLocation, visit: Option<(SlotId, EffectorId)>) {
+        let Some((slot, effector)) = visit else { return self.occupancy.invalidate() };
         let handoff = Handoff::Picked(effector, slot);
         for problem in self.occupancy.problems(handoff) {
-            self.errors.add(place, problem);
+            self.report(place, problem);
         }
         let process_time = self.sequencer.cell.stations[slot.station].process_time;
         let placed_at_step = self.occupancy.placed_by(slot).filter(|_| process_time > 0.0);
@@ -211,20 +543,12 @@ impl ProgramExpander<'_> {
         self.hand_off(handoff, place, done);
     }
 
-    fn put(
-        &mut self,
-        place: SourceLocation,
-        to: ResolvedSlot,
-        effector: EffectorId,
-        passes: &[u64],
-    ) {
-        let Some(slot) = self.slot(to, passes) else {
-            self.occupancy.invalidate();
-            return;
-        };
+    /// Places a wafer into a slot; without a slot and an effector, the occupancy is unknown.
+    fn put(&mut self, place: SourceLocation, visit: Option<(SlotId, EffectorId)>) {
+        let Some((slot, effector)) = visit else { return self.occupancy.invalidate() };
         let handoff = Handoff::Placed(effector, slot);
         for problem in self.occupancy.problems(handoff) {
-            self.errors.add(place, problem);
+            self.report(place, problem);
         }
         let done = self.sequencer.put(effector, slot);
         self.hand_off(handoff, place, done);
@@ -238,7 +562,17 @@ impl ProgramExpander<'_> {
         done: Result<usize, ProgramProblem>,
     ) {
         let step = done.as_ref().ok().copied();
-        self.report(place, done.map(|_| ()));
+        self.report_result(place, done.map(|_| ()));
         self.occupancy.apply(handoff, place, step);
     }
+}
+
+/// A number as that of a slot; `None` where it is not whole or out of the range of all stations.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "whole, and from 1 to 100 000"
+)]
+fn slot_number(number: f64) -> Option<usize> {
+    AllowedValues::SLOT_NUMBER.contains(number).then_some(number as usize)
 }

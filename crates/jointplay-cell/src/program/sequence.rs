@@ -10,7 +10,7 @@ use super::ik_cache::IkCache;
 use super::limits::check_limits;
 use super::occupancy::slot_name;
 use super::problem::Leveling;
-use super::resolve::effector_name;
+use super::effector_choice::effector_name;
 use super::retracted_pose::{retracted_positions, turns_arms};
 use super::{Handoff, LinePostures, Path, Phase, ProgramProblem, SourceLocation, Step};
 use crate::robot::{ArmChain, EffectorId, RODS, Redundancy, WaferTarget};
