@@ -41,7 +41,7 @@ impl ProgramError {
     #[must_use]
     pub fn note(&self) -> String {
         let ErrorContext { variables, calls } = &self.context;
-        let variables = variables.iter().map(|(name, value)| format!("{name} = {value}"));
+        let variables = variables.iter().map(|(name, number)| format!("{name} = {number}"));
         let calls = calls.iter().map(|call| format!("called in line {}", call.line));
         let context: Vec<String> = variables.chain(calls).collect();
         let context = match &context[..] {
@@ -141,7 +141,7 @@ pub enum ProgramProblem {
         slots: usize,
     },
     /// A slot that the station does not have.
-    #[error("station {station} has no slot {found}; it has {}{}", slots_of(*.slots), if .found.fract() == 0.0 { "" } else { ", numbered in whole numbers" })]
+    #[error("station {station} has no slot {}; it has {}{}", value(*.found, None), slots_of(*.slots), if .found.fract() == 0.0 { "" } else { ", numbered in whole numbers" })]
     NoSlot {
         /// Name of the station.
         station: String,
@@ -213,7 +213,7 @@ pub enum ProgramProblem {
         changed_at_line: Option<usize>,
     },
     /// An expression whose value is not allowed.
-    #[error("{what} is {found}{}, but has to be {allowed}", symbol(.allowed.unit))]
+    #[error("{what} is {}, but has to be {allowed}", value(*.found, .allowed.unit))]
     Value {
         /// The quantity.
         what: &'static str,
@@ -223,8 +223,8 @@ pub enum ProgramProblem {
         allowed: AllowedValues,
     },
     /// A parameter of the program out of its range.
-    #[error("the parameter {name} is {found}{}, but has to be {}", symbol(*.unit), match .range {
-        Some([min, max]) => format!("from {min} to {max}{}", symbol(*.unit)),
+    #[error("the parameter {name} is {}, but has to be {}", value(*.found, *.unit), match .range {
+        Some([min, max]) => format!("from {min} to {}", value(*max, *.unit)),
         None => "a finite number".to_owned(),
     })]
     Parameter {
@@ -238,7 +238,7 @@ pub enum ProgramProblem {
         range: Option<[f64; 2]>,
     },
     /// An expression of a comparison or an argument whose value is infinite or not a number.
-    #[error("{what} is {found}, but has to be a finite number")]
+    #[error("{what} is {}, but has to be a finite number", value(*.found, None))]
     NotFinite {
         /// The number.
         what: &'static str,
@@ -376,9 +376,15 @@ impl std::fmt::Display for Count {
     }
 }
 
-/// Symbol of a unit behind a number.
-fn symbol(unit: Option<Unit>) -> String {
-    unit.map_or_else(String::new, |unit| format!(" {}", unit.symbol()))
+/// A number with its unit.
+fn value(number: f64, unit: Option<Unit>) -> String {
+    if number.is_nan() {
+        return "not a number".to_owned();
+    }
+    if number.is_infinite() {
+        return "infinite".to_owned();
+    }
+    unit.map_or_else(|| number.to_string(), |unit| format!("{number} {}", unit.symbol()))
 }
 
 /// Largest number of names listed in a message.
