@@ -142,27 +142,23 @@ fn reads_as(line: &str, command: Command) {
 #[test]
 fn every_command_is_read() {
     use Unit::{Degree, Millimeter, Percent, Second};
-    let axis = |axis: &str, value, unit| AxisTarget {
-        axis: name(axis),
-        position: quantity(value, unit),
-    };
+    let axis =
+        |axis: &str, value, unit| AxisTarget { axis: name(axis), position: quantity(value, unit) };
     let some_mm = |value| Some(quantity(value, Millimeter));
     let some = |text: &str| Some(name(text));
     reads_as("HOME", Command::Home);
     reads_as(
         "move T -30deg R 200.5 MM # both",
-        Command::Move {
-            targets: vec![
-                axis("T", -30.0, Degree),
-                axis("R", 200.5, Millimeter),
-            ],
-        },
+        Command::Move { targets: vec![axis("T", -30.0, Degree), axis("R", 200.5, Millimeter)] },
     );
     reads_as(
         "MOVE LINE WITH A BY x 10 mm Z -0.5 mm",
         Command::MoveLine { effector: some("A"), by: [some_mm(10.0), None, some_mm(-0.5)] },
     );
-    reads_as("MOVE LINE BY Y 1e2 mm", Command::MoveLine { effector: None, by: [None, some_mm(100.0), None] });
+    reads_as(
+        "MOVE LINE BY Y 1e2 mm",
+        Command::MoveLine { effector: None, by: [None, some_mm(100.0), None] },
+    );
     let from = slot("port-1", fixed(3));
     reads_as("Get port-1 Slot 3 With A", Command::Get { from: from.clone(), effector: some("A") });
     reads_as("PUT aligner", Command::Put { to: slot("aligner", None), effector: None });
@@ -189,7 +185,10 @@ fn every_command_is_read() {
     reads_as(
         "TILT 0.8 deg TOWARD 90 deg",
         Command::Tilt {
-            tilt: Some(TiltTarget { angle: quantity(0.8, Degree), azimuth: quantity(90.0, Degree) }),
+            tilt: Some(TiltTarget {
+                angle: quantity(0.8, Degree),
+                azimuth: quantity(90.0, Degree),
+            }),
         },
     );
     reads_as("CALL lot", Command::Call { routine: name("lot"), arguments: Vec::new() });
@@ -252,10 +251,8 @@ fn conditions_bind_not_before_and_before_or() {
         assert!(otherwise.is_empty());
         branches[0].condition.clone()
     };
-    let presence = |text: &str, occupied| Condition::Presence {
-        location: slot(text, None),
-        occupied,
-    };
+    let presence =
+        |text: &str, occupied| Condition::Presence { location: slot(text, None), occupied };
     assert_eq!(read("aligner HAS WAFER"), presence("aligner", true));
     assert_eq!(read("(A empty)"), presence("A", false));
     assert_eq!(
@@ -391,6 +388,7 @@ fn refused(text: &str) -> String {
 #[test]
 fn syntax_errors_name_their_line_and_column() {
     insta::assert_snapshot!(refused(include_str!("programs/invalid.program")));
+    insta::assert_snapshot!(refused(include_str!("programs/invalid-expressions.program")));
 }
 
 #[test]
@@ -649,10 +647,52 @@ fn attempts() -> impl Strategy<Value = String> {
         "-?[0-9.]{1,4}",
         Just("\n".to_owned()),
         proptest::sample::select(vec![
-            "HOME", "MOVE", "LINE", "GET", "port", "SLOT", "WITH", "A", "BY", "X", "mm", "deg",
-            "%", "s", "REPEAT", "2", "AS", "n", "END\n", "ROUTINE", "+", "-", "\"", "#", "é",
-            "\u{0}", "TILT", "WAIT", "IF", "ELSE", "HAS", "WAFER", "EMPTY", "NOT", "AND", "OR", "PARAMETER",
-            "=", "<", "(", ")", ",", "*", "min(", "FROM", "TO",
+            "HOME",
+            "MOVE",
+            "LINE",
+            "GET",
+            "port",
+            "SLOT",
+            "WITH",
+            "A",
+            "BY",
+            "X",
+            "mm",
+            "deg",
+            "%",
+            "s",
+            "REPEAT",
+            "2",
+            "AS",
+            "n",
+            "END\n",
+            "ROUTINE",
+            "+",
+            "-",
+            "\"",
+            "#",
+            "é",
+            "\u{0}",
+            "TILT",
+            "WAIT",
+            "IF",
+            "ELSE",
+            "HAS",
+            "WAFER",
+            "EMPTY",
+            "NOT",
+            "AND",
+            "OR",
+            "PARAMETER",
+            "=",
+            "<",
+            "(",
+            ")",
+            ",",
+            "*",
+            "min(",
+            "FROM",
+            "TO",
         ])
         .prop_map(str::to_owned),
     ];

@@ -233,7 +233,10 @@ impl PlanningError {
 /// A motion with the robot at rest at home.
 pub(crate) fn rest_at_home(cell: &Cell) -> Option<Trajectory> {
     let place = SourceLocation { line: 1, column: 1 };
-    let wait = Instruction { place, command: Command::Wait { duration: Quantity::from_si(1.0, Unit::Second) } };
+    let wait = Instruction {
+        place,
+        command: Command::Wait { duration: Quantity::from_si(1.0, Unit::Second) },
+    };
     let program = Program { body: vec![wait], ..Program::default() };
     let steps = expand(cell, &program).ok()?;
     plan_trajectory(cell, steps, &TrajectoryOptions::default()).ok()

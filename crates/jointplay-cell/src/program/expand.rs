@@ -297,9 +297,8 @@ impl<'r> ProgramExpander<'r> {
         match command {
             ResolvedCommand::Home => self.sequencer.home(),
             ResolvedCommand::Move(targets) => {
-                let positions = targets.iter().map(|(axis, position)| {
-                    Some((*axis, self.si(position)?))
-                });
+                let positions =
+                    targets.iter().map(|(axis, position)| Some((*axis, self.si(position)?)));
                 if let Some(positions) = positions.collect::<Option<Vec<_>>>() {
                     let done = self.sequencer.move_axes(&positions);
                     self.report_result(place, done);
@@ -480,7 +479,11 @@ impl<'r> ProgramExpander<'r> {
     }
 
     /// A slot and the effector that uses it.
-    fn visit(&mut self, slot: &ResolvedSlot, choice: EffectorChoice) -> Option<(SlotId, EffectorId)> {
+    fn visit(
+        &mut self,
+        slot: &ResolvedSlot,
+        choice: EffectorChoice,
+    ) -> Option<(SlotId, EffectorId)> {
         let slot = self.slot(slot);
         let effector = self.effector(choice, &[slot?.station]);
         slot.zip(effector)

@@ -56,7 +56,8 @@ impl Frame<'_> {
             _ => None,
         });
         let counters = self.counters.iter();
-        let counters = counters.filter_map(|(name, pass)| Some(((*name)?.to_owned(), *pass as f64)));
+        let counters =
+            counters.filter_map(|(name, pass)| Some(((*name)?.to_owned(), *pass as f64)));
         arguments.chain(counters).collect()
     }
 }

@@ -343,12 +343,7 @@ impl ProgramProblem {
     /// Whether the program is valid, but the robot cannot execute it: out of reach, beyond limits, or along lines that its arm cannot follow.
     #[must_use]
     pub fn is_infeasible(&self) -> bool {
-        matches!(
-            self,
-            Self::Limits { .. }
-                | Self::Unreachable { .. }
-                | Self::InfeasibleLine { .. }
-        )
+        matches!(self, Self::Limits { .. } | Self::Unreachable { .. } | Self::InfeasibleLine { .. })
     }
 }
 

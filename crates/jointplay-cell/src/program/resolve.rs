@@ -149,12 +149,10 @@ impl<'p> Resolver<'p> {
             }
             Command::Swap { at, get, put } => {
                 let slot = self.slot(at, scope);
-                let named =
-                    [get, put].map(|name| (name.place, self.effector(Some(name), scope)));
+                let named = [get, put].map(|name| (name.place, self.effector(Some(name), scope)));
                 let slot = slot?;
-                let [get, put] = named.map(|(place, named)| {
-                    named.map(|named| EffectorChoice { named, place })
-                });
+                let [get, put] =
+                    named.map(|(place, named)| named.map(|named| EffectorChoice { named, place }));
                 let (get, put) = (get?, put?);
                 if let (EffectorReference::Fixed(one), EffectorReference::Fixed(other)) =
                     (get.named, put.named)

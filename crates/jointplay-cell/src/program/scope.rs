@@ -2,11 +2,11 @@
 
 use super::effector_choice::{effector_name, names};
 use super::parameter_kind::ParameterKind;
-use super::resolver::Resolver;
 use super::resolved::{
     EffectorReference, ResolvedArgument, ResolvedCommand, ResolvedCondition, ResolvedLocation,
     ResolvedNumber, ResolvedSlot, StationReference, Variable,
 };
+use super::resolver::Resolver;
 use super::{Condition, Name, Number, ProgramProblem, Routine, SlotName};
 use crate::robot::EffectorId;
 

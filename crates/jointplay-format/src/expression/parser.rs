@@ -43,10 +43,10 @@ pub(crate) struct Parser<'t> {
 
 impl<'t> Parser<'t> {
     /// A parser of tokens.
-    pub(crate) fn new(tokens: &'t [Token<'t>], angle: AngleUnit) -> Self {
-        let end = tokens
-            .last()
-            .map_or((1, 0), |last| (last.column + last.text.chars().count(), last.span.end));
+    ///
+    /// # Arguments
+    /// * `end` – column and byte of the end of the text
+    pub(crate) fn new(tokens: &'t [Token<'t>], end: (usize, usize), angle: AngleUnit) -> Self {
         Self { tokens, at: 0, end, angle, depth: 0, operations: Vec::new() }
     }
 

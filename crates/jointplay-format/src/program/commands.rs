@@ -29,9 +29,7 @@ pub(super) fn simple(command: &str, cursor: &mut Cursor<'_, '_>) -> Result<Comma
             Command::Swap { at, get, put: cursor.name("an effector")? }
         }
         "GOTO" => Command::Goto { to: slot(cursor)?, effector: with(cursor)? },
-        "WAIT" => {
-            Command::Wait { duration: cursor.quantity("a time", &[AllowedValues::TIME])? }
-        }
+        "WAIT" => Command::Wait { duration: cursor.quantity("a time", &[AllowedValues::TIME])? },
         "SPEED" => {
             let what = "a share of the limits";
             Command::Speed { fraction: cursor.quantity(what, &[AllowedValues::SPEED])? }

@@ -76,7 +76,7 @@ fn single(cursor: &mut Cursor<'_, '_>, depth: usize) -> Result<Condition, Error>
     cursor.rewind(start);
     cursor.accept_sign("(");
     let inner = any(cursor, depth + 1).and_then(|inner| {
-        cursor.require_sign(")", "AND, OR or `)`")?;
+        cursor.require_sign(")", "`)`")?;
         Ok(inner)
     });
     // The attempt that read more of the line is the one that is meant.

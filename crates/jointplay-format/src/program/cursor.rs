@@ -51,10 +51,15 @@ impl<'l, 't> Cursor<'l, 't> {
         self.expected.clear();
     }
 
+    /// Column of the end of the line, as the ends of an expression.
+    fn end_of_line(&self) -> (usize, usize) {
+        let column = self.line.tokens.last().map_or(1, |last| last.column + last.width());
+        (column, column)
+    }
+
     /// Place of the next token, or the end of the line.
     pub(super) fn place(&self) -> SourceLocation {
-        let end = self.line.tokens.last().map_or(1, |last| last.column + last.width());
-        let column = self.peek().map_or(end, |token| token.column);
+        let column = self.peek().map_or(self.end_of_line().0, |token| token.column);
         SourceLocation { line: self.line.number, column }
     }
 
@@ -187,7 +192,7 @@ impl<'l, 't> Cursor<'l, 't> {
     ) -> Result<Number, Error> {
         let place = self.place();
         let tokens: Vec<_> = self.line.tokens[self.at..].iter().map(operand).collect();
-        let parsed = match read(Parser::new(&tokens, AngleUnit::Degree)) {
+        let parsed = match read(Parser::new(&tokens, self.end_of_line(), AngleUnit::Degree)) {
             Ok(parsed) => parsed,
             Err(error) => return Err(self.expression_error(what, error)),
         };
@@ -214,8 +219,8 @@ impl<'l, 't> Cursor<'l, 't> {
             }
             ExpressionProblem::Syntax { column, expected, found } => {
                 let expected = vec![expected.to_owned()];
-                let end = self.line.tokens.last().map_or(1, |last| last.column + last.width());
-                let found = if column == end { END_OF_LINE.to_owned() } else { found };
+                let found =
+                    if column == self.end_of_line().0 { END_OF_LINE.to_owned() } else { found };
                 let problem = Problem::Expected { expected, found, nearest: None };
                 self.error_at(column, span.len(), problem)
             }
@@ -240,6 +245,10 @@ impl<'l, 't> Cursor<'l, 't> {
         let Some((unit, written)) = self.accept_unit() else {
             if let Some(problem) = self.unbracketed() {
                 return Err(problem);
+            }
+            if unit(&text).is_some() {
+                self.rewind(start);
+                return Err(self.expecting(&[&expected]));
             }
             let width = text.chars().count();
             let problem = Problem::NoUnit { number: text, allowed: symbols() };
@@ -269,15 +278,14 @@ impl<'l, 't> Cursor<'l, 't> {
         let start = self.at;
         let tokens: Vec<_> = self.line.tokens[start..].iter().map(operand).collect();
         let number = self.number(what)?;
-        let used = self.at - start;
+        let (used, text) = (self.at - start, self.text_since(start));
         let Some((unit, written)) = self.accept_unit() else { return Ok((number, None)) };
         let Some(unit) = unit else {
             let allowed = Unit::ALL.map(|unit| unit.symbol().to_owned()).to_vec();
-            let (number, found) = (self.text_since(start), written.text.to_owned());
-            let problem = Problem::Unit { number, found, allowed };
+            let problem = Problem::Unit { number: text, found: written.text.to_owned(), allowed };
             return Err(self.error_at(written.column, written.width(), problem));
         };
-        let signed = Parser::new(&tokens, AngleUnit::Degree).signed().ok();
+        let signed = Parser::new(&tokens, self.end_of_line(), AngleUnit::Degree).signed().ok();
         if signed.is_none_or(|signed| signed.tokens != used) {
             let first = &self.line.tokens[start];
             let width = written.column - first.column;

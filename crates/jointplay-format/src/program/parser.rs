@@ -167,11 +167,7 @@ impl Parser {
     }
 
     /// Opens the next branch of an IF.
-    fn otherwise(
-        &mut self,
-        cursor: &mut Cursor<'_, '_>,
-        place: place::Place,
-    ) -> Result<(), Error> {
+    fn otherwise(&mut self, cursor: &mut Cursor<'_, '_>, place: place::Place) -> Result<(), Error> {
         let next = if cursor.accept("IF") { condition(cursor).map(Some) } else { Ok(None) };
         let next = next.and_then(|next| cursor.end().map(|()| next));
         let Some(Block { kind, body, .. }) = self.open.last_mut() else {
@@ -199,11 +195,7 @@ impl Parser {
     }
 
     /// Declares a parameter of the program.
-    fn parameter(
-        &mut self,
-        cursor: &mut Cursor<'_, '_>,
-        place: place::Place,
-    ) -> Result<(), Error> {
+    fn parameter(&mut self, cursor: &mut Cursor<'_, '_>, place: place::Place) -> Result<(), Error> {
         if let Some(outer) = self.open.last() {
             return Err(Error { place, problem: Box::new(outer.contains("PARAMETER")) });
         }

@@ -135,7 +135,7 @@ pub enum Problem {
     #[error("an expression before a unit needs parentheses, as in `(2 * lift) mm`")]
     NoParentheses,
     /// A bound of a parameter in another unit.
-    #[error("{found}: the unit has to be that of the parameter, {allowed}")]
+    #[error("the bound {found} needs the unit of the parameter: {allowed}")]
     BoundUnit {
         /// The bound as written.
         found: String,
@@ -149,11 +149,11 @@ pub enum Problem {
         found: String,
     },
     /// An expression whose parameters have another unit than the expression.
-    #[error("the expression is in {found}, but has to be in {allowed}")]
+    #[error("the expression is in {found}, but has to be {allowed}")]
     ExpressionUnit {
         /// Unit of the parameters of the expression.
         found: String,
-        /// Unit as written.
+        /// Unit as written, in words.
         allowed: String,
     },
     /// Parameters whose units do not fit together.

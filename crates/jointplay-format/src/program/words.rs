@@ -4,8 +4,24 @@ use jointplay_cell::program::Unit;
 
 /// Words at the start of a line, in the order of the documentation.
 pub(super) const COMMANDS: [&str; 18] = [
-    "HOME", "MOVE", "GET", "PUT", "TRANSFER", "SWAP", "GOTO", "WAIT", "SPEED", "BLEND", "TILT",
-    "CALL", "REPEAT", "IF", "ELSE", "ROUTINE", "PARAMETER", "END",
+    "HOME",
+    "MOVE",
+    "GET",
+    "PUT",
+    "TRANSFER",
+    "SWAP",
+    "GOTO",
+    "WAIT",
+    "SPEED",
+    "BLEND",
+    "TILT",
+    "CALL",
+    "REPEAT",
+    "IF",
+    "ELSE",
+    "ROUTINE",
+    "PARAMETER",
+    "END",
 ];
 
 /// Words within lines.

@@ -15,6 +15,7 @@ use crate::output;
 Examples:
   jointplay cell check
   jointplay cell check --format json
+  jointplay cell check tool.toml lot.program --set lot=13
 
 Exit codes: 0 no violations, 1 violations or unreachable, 2 bad input or usage, 130 interrupted.")]
 pub(super) struct Check {
