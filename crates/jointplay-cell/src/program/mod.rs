@@ -22,6 +22,7 @@
 //! | `retracted_pose` | positions of arms that are retracted for a station |
 //! | `sequence` | motion sequences of instructions |
 //! | `frame` | values of counters and arguments during the expansion |
+//! | `expander` | numbers, slots and conditions during the expansion |
 //! | `expand` | from instructions to steps |
 //! | `handoff_deflection` | droop and sag of wafers at hand-offs |
 //!
@@ -30,6 +31,7 @@
 mod bounds;
 mod effector_choice;
 mod expand;
+mod expander;
 mod frame;
 mod handoff_deflection;
 mod ik_cache;

@@ -5,12 +5,9 @@ use std::ops::Range;
 use jointplay_core::expression::{BinaryOperator, Expression, Operation};
 
 use super::functions::{AngleUnit, argument_count, function, function_name, function_names};
-use super::problem::{ExpressionError, ExpressionProblem};
+use super::problem::{ExpressionError, ExpressionProblem, MAX_DEPTH};
 use super::token::{Token, TokenKind};
 use crate::place::nearest;
-
-/// Deepest nesting of parentheses, powers and signs, so that no text overflows the stack.
-pub(super) const MAX_DEPTH: usize = 100;
 
 /// A variable of an expression as written.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,12 +10,12 @@ use crate::output;
 /// Check a program for reach, limits, slip, collisions and zones, instruction by instruction
 ///
 /// Reports every file error (line, column) and every violation of the trajectory (time), not just the first.
+/// A program with `PARAMETER lot = 25` runs with another value by `--set lot=13`.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   jointplay cell check
   jointplay cell check --format json
-  jointplay cell check tool.toml lot.program --set lot=13
 
 Exit codes: 0 no violations, 1 violations or unreachable, 2 bad input or usage, 130 interrupted.")]
 pub(super) struct Check {
