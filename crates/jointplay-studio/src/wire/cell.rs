@@ -1,5 +1,7 @@
 //! Documents of a cell, its program and their plan.
 
+use std::collections::BTreeMap;
+
 use jointplay::format::cell::Change;
 use jointplay::format::place::Place;
 use jointplay::format::program::keywords;
@@ -11,6 +13,7 @@ use utoipa::ToSchema;
 
 use super::cell_chain::ChainDocument;
 use super::cell_parts::{BodyDocument, RobotParts, StationDocument, WaferDocument, ZoneDocument};
+use super::program_parameters::ParameterValue;
 use super::{Pair, Triple};
 use crate::cell_files::CellFiles;
 use crate::problem::Problem;
@@ -52,6 +55,10 @@ pub(crate) struct PlanRequest {
     /// Text of a program.
     #[serde(default)]
     pub(crate) program: Option<String>,
+    /// Values of parameters of the program.
+    #[serde(default)]
+    #[schema(required = false)]
+    pub(crate) parameters: BTreeMap<String, ParameterValue>,
     /// Changes of the texts of a kept plan; complete texts take precedence.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) since: Option<SinceFields>,
@@ -124,6 +131,10 @@ pub(crate) struct SamplesRequest {
     /// Text of the program; default: that of the file.
     #[serde(default)]
     pub(crate) program: Option<String>,
+    /// Values of parameters of the program.
+    #[serde(default)]
+    #[schema(required = false)]
+    pub(crate) parameters: BTreeMap<String, ParameterValue>,
     /// Sampling rate (Hz).
     #[serde(default = "default_rate")]
     #[schema(required = false, default = 25.0, minimum = 0.1, maximum = 10000)]

@@ -11,6 +11,7 @@ pub(crate) mod cell_pose;
 mod command;
 mod model;
 pub(crate) mod pose;
+pub(crate) mod program_parameters;
 pub(crate) mod question;
 pub(crate) mod robot;
 pub(crate) mod study;
