@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use jointplay_cell::geometry::Shape;
+use jointplay_cell::geometry::{AxisAlignedBox, Shape, box_with_openings};
 use jointplay_cell::robot::HybridRobot;
 use jointplay_cell::station::Station;
 use jointplay_cell::station::teach::frame;
@@ -10,6 +10,7 @@ use jointplay_cell::workcell::{Body, ParentFrame, Zone, ZoneRule};
 use jointplay_cell::{CellError, MAX_BODIES};
 use jointplay_core::spatial::{Pose, Tilt};
 
+use super::explain::explain;
 use super::files::Files;
 use super::mesh;
 use super::pose::{points, yaw_and_tilt};
@@ -63,6 +64,11 @@ pub(super) fn zones(top: &Table, files: &mut Files) -> Vec<Zone> {
         let shape = shape(&table, files);
         table.finish();
         let (Some(name), Some(rule), Some(shape)) = (name, rule, shape) else { continue };
+        if rule == ZoneRule::Safe && matches!(shape, Shape::Boxes { .. }) {
+            let why = "a safe zone has no openings: describe what it excludes by a keep-out zone";
+            table.report_at("box", Fault::Unfit(why.to_owned()));
+            continue;
+        }
         zones.push(Zone { name, rule, base_from_shape, shape });
     }
     zones
@@ -178,10 +184,7 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     };
     let inner = entry.table(reader, format!("a {}", entry.key))?;
     let shape = match entry.key {
-        "box" => inner
-            .needed("size_mm")
-            .and_then(|size| size.numbers::<3, _>(reader, AllowedRange::Positive))
-            .map(|size| Shape::Box { half: size.map(|side| m_from_mm(side) / 2.0) }),
+        "box" => solid_box(&inner),
         "cylinder" => {
             let radius = inner.length("radius_mm", AllowedRange::Positive);
             let height = inner.length("height_mm", AllowedRange::Positive);
@@ -211,4 +214,51 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     };
     inner.finish();
     shape
+}
+
+/// A box, with its openings removed.
+fn solid_box(table: &Table) -> Option<Shape> {
+    let reader = table.reader;
+    let size = |table: &Table| {
+        let size = table.needed("size_mm")?.numbers::<3, _>(reader, AllowedRange::Positive)?;
+        Some(size.map(m_from_mm))
+    };
+    let outer = size(table);
+    let Some(listed) = table.entry("openings") else {
+        return Some(Shape::Box { half: outer?.map(|side| side / 2.0) });
+    };
+    let listed = listed.list(reader)?;
+    let opening = |entry: &Entry| {
+        let opening = entry.table(reader, "an opening")?;
+        let center = opening.entry("position_mm").map_or(Some([0.0; 3]), |position| {
+            position.point(reader).map(<[f64; 3]>::from)
+        });
+        let size = size(&opening);
+        opening.finish();
+        Some(centered(center?, size?))
+    };
+    let openings: Vec<_> = listed.iter().map(opening).collect();
+    let openings: Vec<_> = openings.into_iter().collect::<Option<_>>()?;
+    let error = match box_with_openings(&centered([0.0; 3], outer?), &openings) {
+        Ok(boxes) => return Some(Shape::Boxes { boxes }),
+        Err(error) => error,
+    };
+    if let CellError::OpeningOutside { index } = error {
+        let why = format!(
+            "opening {} has no common interior with the box: its `position_mm` is that of its centre from the centre of the box",
+            index + 1
+        );
+        listed[index].report(reader, Fault::Unfit(why));
+    } else {
+        table.report_at("openings", Fault::Unfit(explain(&error)));
+    }
+    None
+}
+
+/// A box by centre and size (m).
+fn centered(center: [f64; 3], size: [f64; 3]) -> AxisAlignedBox {
+    AxisAlignedBox {
+        min: std::array::from_fn(|k| center[k] - size[k] / 2.0),
+        max: std::array::from_fn(|k| center[k] + size[k] / 2.0),
+    }
 }

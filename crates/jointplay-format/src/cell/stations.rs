@@ -73,6 +73,9 @@ fn station(
     let slots = table.entry("slots").map_or(Some(1), |slots| slots.count(reader, 1, MAX_SLOTS));
     let pitch =
         table.entry("pitch_mm").and_then(|pitch| pitch.number(reader, AllowedRange::Positive));
+    let step = table.entry("slot_step_mm").map_or(Some([0.0; 2]), |step| {
+        step.numbers::<2, _>(reader, AllowedRange::Any).map(|step| step.map(m_from_mm))
+    });
     let placed = place(table, slots.unwrap_or(1), pitch.map(m_from_mm), sensors);
     let stated = taught::stated_uncertainty(table);
     let offset = table.entry("offset_mm").and_then(|offset| offset.point(reader));
@@ -107,6 +110,7 @@ fn station(
         uncertainty: uncertainty.or_stated(&stated),
         slots: slots?,
         pitch,
+        slot_step: step?,
         stroke: stroke?,
         offset: offset.unwrap_or_default().into(),
         retract_reach: retract_reach?,
