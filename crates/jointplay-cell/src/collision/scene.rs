@@ -211,6 +211,13 @@ impl<'a> Scene<'a> {
         self.cell.robot.arms[arm].joints.len() - 1
     }
 
+    /// Index of the first object of an object's entity; the objects of an entity follow each other.
+    pub(crate) fn first_object_of_entity(&self, object: usize) -> usize {
+        let entity = self.objects[object].entity;
+        let before = self.objects[..object].iter().rev();
+        object - before.take_while(|one| one.entity == entity).count()
+    }
+
     /// Index of the wafer that an effector holds.
     pub(crate) fn held_wafer(&self, id: EffectorId) -> Option<usize> {
         self.held.iter().find(|(by, _)| *by == id).map(|(_, object)| *object)
