@@ -246,6 +246,24 @@ fn stations_as_they_were_taught() {
         ["4 points, distances up to 20.0 µm (allowed 10.0), tilt ±5649 µrad:", "inconsistent"];
     check(&svg, &lines);
     assert_eq!(svg.matches(VERMILLION).count(), 8);
+    // Points of known noise that agree.
+    let mut noisy = taught(0.0, 1e-4);
+    let points: Vec<Vector3<f64>> = (0..8)
+        .map(|k| {
+            let angle = f64::from(k) * std::f64::consts::FRAC_PI_4;
+            Vector3::new(0.6 + 0.1 * angle.cos(), 0.2 + 0.1 * angle.sin(), 0.62)
+        })
+        .collect();
+    let fit = fit_plane(&points, 1e-4, Some(&[1e-5; 8])).unwrap();
+    noisy.stations[0].origin =
+        Origin::Taught(Box::new(TaughtFrame { plane: Some(fit), references: None }));
+    for (budget, result) in [(1e-3, "fits"), (1e-5, "uncertain")] {
+        noisy.plane_threshold = budget;
+        let svg = Taught::new(&noisy).to_svg().unwrap();
+        assert!(svg.contains(&format!("{result}</text>")), "{budget}: {svg}");
+        // Distances that round to zero have no sign.
+        assert!(svg.contains("1: 0.0 µm"), "{svg}");
+    }
     let even = taught(0.0, 1e-5);
     let mut one = Taught::new(&even);
     one.stations = vec![0];

@@ -224,13 +224,13 @@ fn result(result: FitResult) -> &'static str {
     match result {
         FitResult::Fits => "fits",
         FitResult::Untested => "untested",
+        FitResult::Uncertain => "uncertain",
         FitResult::Inconsistent => "inconsistent",
     }
 }
 
 fn plane(cell: &Cell, station: &Station, fit: &PlaneFit) -> PlaneReport {
     let (allowed, factor) = (cell.plane_threshold, cell.coverage_factor);
-    let is_uncertain = fit.result == FitResult::Fits && fit.is_uncertain(allowed, factor);
     PlaneReport {
         distances_um: fit.distances.iter().map(|&one| um(one)).collect(),
         leverages: fit.diagnostics.iter().map(|one| one.leverage).collect(),
@@ -251,7 +251,7 @@ fn plane(cell: &Cell, station: &Station, fit: &PlaneFit) -> PlaneReport {
             height_95_um: um(known.height_95(&station.slot_frame(1).translation.vector)),
         }),
         allowed_urad: um(allowed),
-        result: if is_uncertain { "uncertain" } else { result(fit.result) },
+        result: result(fit.result_for(allowed, factor)),
         remeasure: fit.suspect().map(|index| index + 1),
         next: fit.next_points(allowed, factor).map(|next| NextPointsReport {
             points_mm: next.points.iter().map(|point| <[f64; 3]>::from(*point).map(mm)).collect(),

@@ -177,7 +177,7 @@ impl<'a> Taught<'a> {
             points(svg, &frame, fit, &turn, exaggeration.distance);
         }
         let mut y = top + HALF_CAPITAL * TICK + 0.5 * ROW;
-        for (k, line) in description(station, &normal).into_iter().enumerate() {
+        for (k, line) in description(self.cell, station, &normal).into_iter().enumerate() {
             let size = if k == 0 { TITLE } else { TICK };
             for part in wrap(&line, size, wide) {
                 svg.text((left, y), size, Anchor::Start, &part, "");
@@ -209,7 +209,10 @@ fn points(svg: &mut Svg, frame: &Frame, fit: &PlaneFit, turn: &Rotation3<f64>, o
     // Labels avoid the points and labels of others as far as possible.
     let mut taken: Vec<Box2> = stems.iter().map(|&[from, to]| Box2::around(from, to)).collect();
     for (k, (&[_, to], distance)) in stems.iter().zip(&fit.distances).enumerate() {
-        let text = format!("{}: {:+.1} µm", k + 1, distance * 1e6);
+        let tenths = (distance * 1e7).round();
+        // Without a sign where it rounds to zero.
+        let shown = if tenths == 0.0 { "0.0".to_owned() } else { format!("{:+.1}", tenths / 10.0) };
+        let text = format!("{}: {shown} µm", k + 1);
         let (half, high) = (0.5 * width(&text, TICK), 0.5 * TICK);
         let (sideways, over) = (half + 9.0, high + 9.0);
         let outward = if to.0 < frame.middle.0 { -1.0 } else { 1.0 };
@@ -275,7 +278,7 @@ fn fit(station: &Station) -> Option<&PlaneFit> {
 }
 
 /// The description of a station, line by line.
-fn description(station: &Station, normal: &Vector3<f64>) -> Vec<String> {
+fn description(cell: &Cell, station: &Station, normal: &Vector3<f64>) -> Vec<String> {
     let tilt = normal.xy().norm().atan2(normal.z);
     let toward = normal.y.atan2(normal.x).to_degrees();
     let orientation = if tilt > LEAST_TILT {
@@ -298,9 +301,10 @@ fn description(station: &Station, normal: &Vector3<f64>) -> Vec<String> {
                 ));
             }
             let Some(fit) = &taught.plane else { return lines };
-            let result = match fit.result {
+            let result = match fit.result_for(cell.plane_threshold, cell.coverage_factor) {
                 FitResult::Fits => "fits",
                 FitResult::Untested => "untested",
+                FitResult::Uncertain => "uncertain",
                 FitResult::Inconsistent => "inconsistent",
             };
             let known = fit.uncertainty.as_ref().map_or_else(

@@ -7,6 +7,8 @@ pub enum FitResult {
     Fits,
     /// There are too few points to test them.
     Untested,
+    /// The points agree, and determine the tilt less accurately than is allowed: a result of [`PlaneFit::result_for`](super::PlaneFit::result_for) only.
+    Uncertain,
     /// A point is farther from the fit than the threshold, or than its noise explains.
     Inconsistent,
 }

@@ -324,13 +324,21 @@ impl Weighted {
 }
 
 impl PlaneFit {
-    /// Whether the tilt of the plane is too uncertain: its expanded uncertainty exceeds an allowed angle, for points whose noise is given or enough to estimate it.
+    /// Result of the fit, where the expanded uncertainty of the tilt must not exceed an allowed angle.
     ///
     /// # Arguments
     /// * `allowed` – largest allowed error of the tilt (rad)
     /// * `coverage_factor` – multiple of the standard deviation that has to be allowed
     #[must_use]
-    pub fn is_uncertain(&self, allowed: f64, coverage_factor: f64) -> bool {
+    pub fn result_for(&self, allowed: f64, coverage_factor: f64) -> FitResult {
+        match self.result {
+            FitResult::Fits if self.is_uncertain(allowed, coverage_factor) => FitResult::Uncertain,
+            result => result,
+        }
+    }
+
+    /// Whether the expanded uncertainty of the tilt exceeds an allowed angle, for points whose noise is given or enough to estimate it.
+    pub(super) fn is_uncertain(&self, allowed: f64, coverage_factor: f64) -> bool {
         let is_tested = self.noise.is_some() || self.points.len() >= MIN_POINTS_OF_UNKNOWN_NOISE;
         let tilt = self.uncertainty.as_ref();
         let tilt = tilt.map_or(f64::INFINITY, |known| known.expanded_tilt(coverage_factor));
