@@ -4,6 +4,9 @@ use super::shape::AxisAlignedBox;
 use crate::CellError;
 use crate::conditions::{count, lengths};
 
+/// Distance of two faces below which they are one (m).
+const MIN_THICKNESS: f64 = 1e-9;
+
 /// Largest number of openings of a box.
 pub const MAX_OPENINGS: usize = 16;
 
@@ -12,7 +15,7 @@ pub const MAX_OPENINGS: usize = 16;
 /// ```text
 ///    box \ ∪ openings  =  ∪ boxes      up to faces
 /// ```
-/// The coordinates of the faces are those of the arguments.
+/// The coordinates of the faces are those of the arguments; faces closer than 1 nm are one, so that no box is thinner.
 ///
 /// # Arguments
 /// * `openings` – boxes that are removed; they may extend beyond the box
@@ -32,19 +35,27 @@ pub fn box_with_openings(
         lengths("a corner of a box or of its opening", max)?;
     }
     for (index, opening) in openings.iter().enumerate() {
-        if (0..3).any(|k| outer.max[k].min(opening.max[k]) <= outer.min[k].max(opening.min[k])) {
+        let common = |k: usize| outer.max[k].min(opening.max[k]) - outer.min[k].max(opening.min[k]);
+        if (0..3).any(|k| common(k) < MIN_THICKNESS) {
             return Err(CellError::OpeningOutside { index });
         }
     }
+    let mut openings = openings.to_vec();
     let cuts: [Vec<f64>; 3] = std::array::from_fn(|k| {
-        let ends = openings.iter().flat_map(|opening| [opening.min[k], opening.max[k]]);
-        let mut cuts: Vec<f64> = ends.chain([outer.min[k], outer.max[k]]).collect();
+        let mut cuts = vec![outer.min[k], outer.max[k]];
+        for opening in &mut openings {
+            for end in [&mut opening.min[k], &mut opening.max[k]] {
+                match cuts.iter().find(|cut| (*end - **cut).abs() < MIN_THICKNESS) {
+                    Some(cut) => *end = *cut,
+                    None => cuts.push(*end),
+                }
+            }
+        }
         cuts.retain(|cut| (outer.min[k]..=outer.max[k]).contains(cut));
         cuts.sort_by(f64::total_cmp);
-        cuts.dedup();
         cuts
     });
-    let mut cells = Cells::new(&cuts, openings);
+    let mut cells = Cells::new(&cuts, &openings);
     let mut boxes = Vec::new();
     while let Some(first) = cells.first_solid() {
         let last = cells.take_block(first);
@@ -139,6 +150,14 @@ mod tests {
         assert_eq!(boxes.len(), 4, "{boxes:?}");
         let volume: f64 = boxes.iter().map(AxisAlignedBox::volume).sum();
         assert!((volume - 0.02 * (0.5 * 0.4 - 0.36 * 0.05)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn round_off_leaves_no_sheets() {
+        let wall = about([0.0; 3], [0.5, 0.02, 0.3]);
+        // As wide as the wall, but for the last digits.
+        let gap = about([1e-17, 0.0, 0.0], [0.1 + 0.4 - 1e-16, 0.1, 0.1]);
+        assert_eq!(box_with_openings(&wall, &[gap]).unwrap().len(), 2);
     }
 
     #[test]

@@ -23,6 +23,29 @@ use crate::units::{deg, m_from_mm, mm, shift};
 /// Largest relative deviation of the pitch between the first and the last slot.
 const PITCH_SHARE: f64 = 0.01;
 
+/// Keys of a station, without its name.
+pub(super) const STATION_KEYS: [&str; 19] = [
+    "slots",
+    "pitch_mm",
+    "slot_step_mm",
+    "position_mm",
+    "yaw_deg",
+    "tilt",
+    "taught",
+    "drift",
+    "uncertainty",
+    "offset_mm",
+    "retract_mm",
+    "via_mm",
+    "approach",
+    "effectors",
+    "stroke",
+    "process_s",
+    "min_process_s",
+    "max_dwell_s",
+    "wafers",
+];
+
 /// A station with its occupied slots and the limits of stays.
 pub(super) struct ReadStation {
     pub(super) station: Station,

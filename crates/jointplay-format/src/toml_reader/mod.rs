@@ -3,6 +3,7 @@
 //! `P` is the problem type of a file, which includes the common ones by [`From`]`<`[`FileProblem`](crate::file_problem::FileProblem)`>`.
 
 mod expressions;
+pub(crate) mod parameters;
 mod range;
 mod reader;
 mod source;

@@ -21,7 +21,9 @@ const MOST_RECORDED: usize = 200;
 
 /// A text and the errors found in it.
 pub struct Reader<'a, P> {
-    sources: RefCell<Sources<'a, P>>,
+    text: &'a str,
+    /// Texts of the document; those of others have positions beyond the file.
+    sources: RefCell<Sources<P>>,
     problems: RefCell<Vec<(Range<usize>, P)>>,
     /// Number of errors beyond those recorded.
     unrecorded: Cell<usize>,
@@ -36,7 +38,8 @@ impl<'a, P: From<FileProblem> + PartialEq> Reader<'a, P> {
     #[must_use]
     pub fn new(text: &'a str) -> Self {
         Self {
-            sources: RefCell::new(Sources::new(text)),
+            text,
+            sources: RefCell::new(Sources::new(text.len())),
             problems: RefCell::default(),
             unrecorded: Cell::new(0),
             malformed: Cell::new(false),
@@ -46,7 +49,7 @@ impl<'a, P: From<FileProblem> + PartialEq> Reader<'a, P> {
 
     /// Whether the text has at most `allowed` bytes; a longer text is reported.
     pub fn has_at_most(&self, allowed: usize) -> bool {
-        let found = self.sources.borrow().file().len();
+        let found = self.text.len();
         if found > allowed {
             self.report(0..0, FileProblem::TooLong { found, allowed });
         }
@@ -55,7 +58,7 @@ impl<'a, P: From<FileProblem> + PartialEq> Reader<'a, P> {
 
     /// Parses the whole text; the first syntax error is recorded and hides its consequences.
     pub fn parse(&self) -> Spanned<DeTable<'a>> {
-        let (table, errors) = DeTable::parse_recoverable(self.sources.borrow().file());
+        let (table, errors) = DeTable::parse_recoverable(self.text);
         let start = |error: &toml::de::Error| error.span().map_or(0, |span| span.start);
         if let Some(first) = errors.iter().min_by_key(|error| start(error)) {
             let problem = FileProblem::from(malformed(first.message()));
@@ -85,15 +88,14 @@ impl<'a, P: From<FileProblem> + PartialEq> Reader<'a, P> {
 
     /// The bytes of a span.
     #[must_use]
-    pub fn slice(&self, span: Range<usize>) -> &'a str {
-        self.sources.borrow().slice(span)
+    pub fn slice(&self, span: Range<usize>) -> String {
+        self.sources.borrow().slice(self.text, span)
     }
 
     /// The place of a span of bytes in the file; that of the original of a copy, and of the inclusion of a text.
     #[must_use]
     pub fn place(&self, span: Range<usize>) -> Place {
-        let sources = self.sources.borrow();
-        Place::of(sources.file(), sources.span_in_file(span))
+        Place::of(self.text, self.sources.borrow().span_in_file(span))
     }
 
     /// The line of a span of bytes in the file, counted from 1.
@@ -108,7 +110,7 @@ impl<'a, P: From<FileProblem> + PartialEq> Reader<'a, P> {
     }
 
     /// Adds a text that the document includes; returns the position of its first byte.
-    pub(crate) fn include(&self, text: &'a str, inclusion: Inclusion<P>) -> usize {
+    pub(crate) fn include(&self, text: &str, inclusion: Inclusion<P>) -> usize {
         self.sources.borrow_mut().include(text, inclusion)
     }
 
@@ -161,7 +163,7 @@ impl<'a, P: From<FileProblem> + PartialEq> Reader<'a, P> {
                     *problem = FileProblem::More(more).into();
                 }
                 problems.truncate(MOST_LISTED + 1);
-                let place = |(span, problem)| Error::at(sources.file(), span, problem);
+                let place = |(span, problem)| Error::at(self.text, span, problem);
                 Err(problems.into_iter().map(place).collect::<Vec<_>>().into())
             }
         }

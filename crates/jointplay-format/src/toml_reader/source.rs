@@ -20,10 +20,12 @@ pub struct Inclusion<P> {
 }
 
 /// One of the texts.
-struct Source<'a, P> {
+struct Source<P> {
     /// Position of its first byte in the document.
     base: usize,
-    text: &'a str,
+    length: usize,
+    /// The text of an included source; `None` for the file and its copies.
+    text: Option<Rc<str>>,
     origin: Origin<P>,
     /// Values of the names in its expressions; `None` where expressions are not allowed.
     scope: Option<Rc<Scope>>,
@@ -37,31 +39,29 @@ enum Origin<P> {
 }
 
 /// All texts of a document, in the order of their positions; the file is the first.
-pub(super) struct Sources<'a, P>(Vec<Source<'a, P>>);
+pub(super) struct Sources<P>(Vec<Source<P>>);
 
-impl<'a, P> Sources<'a, P> {
-    pub(super) fn new(file: &'a str) -> Self {
-        Self(vec![Source { base: 0, text: file, origin: Origin::File, scope: None }])
+impl<P> Sources<P> {
+    /// # Arguments
+    /// * `length` – length of the file (bytes)
+    pub(super) fn new(length: usize) -> Self {
+        Self(vec![Source { base: 0, length, text: None, origin: Origin::File, scope: None }])
     }
 
     fn index(&self, position: usize) -> usize {
         self.0.partition_point(|source| source.base <= position).saturating_sub(1)
     }
 
-    fn source(&self, position: usize) -> &Source<'a, P> {
+    fn source(&self, position: usize) -> &Source<P> {
         &self.0[self.index(position)]
     }
 
-    /// The text of the file.
-    pub(super) fn file(&self) -> &'a str {
-        self.0[0].text
-    }
-
     /// The text of a span; empty where it leaves its source.
-    pub(super) fn slice(&self, span: Range<usize>) -> &'a str {
+    pub(super) fn slice(&self, file: &str, span: Range<usize>) -> String {
         let source = self.source(span.start);
         let end = span.end.saturating_sub(source.base);
-        source.text.get(span.start - source.base..end).unwrap_or_default()
+        let text = source.text.as_deref().unwrap_or(file);
+        text.get(span.start - source.base..end).unwrap_or_default().to_owned()
     }
 
     pub(super) fn scope(&self, position: usize) -> Option<Rc<Scope>> {
@@ -73,21 +73,25 @@ impl<'a, P> Sources<'a, P> {
         self.0[index].scope = Some(Rc::new(scope));
     }
 
-    fn add(&mut self, text: &'a str, origin: Origin<P>, scope: Option<Rc<Scope>>) -> usize {
-        let base = self.0.last().map_or(0, |last| last.base + last.text.len() + 1);
-        self.0.push(Source { base, text, origin, scope });
-        base
+    /// Position of the first byte of a further source.
+    fn end(&self) -> usize {
+        self.0.last().map_or(0, |last| last.base + last.length + 1)
     }
 
     /// Adds a copy of the source at a position; returns the offset from the original to the copy.
     pub(super) fn copy(&mut self, position: usize, scope: Scope) -> usize {
-        let Source { base, text, .. } = *self.source(position);
-        self.add(text, Origin::Copy(base), Some(Rc::new(scope))) - base
+        let &Source { base: original, length, ref text, .. } = self.source(position);
+        let (text, base) = (text.clone(), self.end());
+        let origin = Origin::Copy(original);
+        self.0.push(Source { base, length, text, origin, scope: Some(Rc::new(scope)) });
+        base - original
     }
 
     /// Adds an included text; returns the position of its first byte.
-    pub(super) fn include(&mut self, text: &'a str, inclusion: Inclusion<P>) -> usize {
-        self.add(text, Origin::Included(inclusion), None)
+    pub(super) fn include(&mut self, text: &str, inclusion: Inclusion<P>) -> usize {
+        let (base, length, origin) = (self.end(), text.len(), Origin::Included(inclusion));
+        self.0.push(Source { base, length, text: Some(text.into()), origin, scope: None });
+        base
     }
 
     /// The place of a problem in the file, with the problem as the file has it.
@@ -99,7 +103,7 @@ impl<'a, P> Sources<'a, P> {
                 Origin::File => return (span, problem),
                 Origin::Copy(base) => span = local.start + base..local.end + base,
                 Origin::Included(inclusion) => {
-                    let error = Error::at(source.text, local, problem);
+                    let error = Error::at(source.text.as_deref().unwrap_or(""), local, problem);
                     problem = (inclusion.problem)(inclusion.name.clone(), error);
                     span = inclusion.span.clone();
                 }

@@ -57,7 +57,8 @@ pub(super) fn moved_table<'a>(table: &DeTable<'a>, by: usize) -> DeTable<'a> {
     table.iter().map(moved).collect()
 }
 
-fn moved_value<'a>(value: &Value<'a>, by: usize) -> Value<'a> {
+/// A value with all positions moved by an offset.
+pub(super) fn moved_value<'a>(value: &Value<'a>, by: usize) -> Value<'a> {
     let moved = match value.get_ref() {
         DeValue::Array(list) => {
             DeValue::Array(list.iter().map(|value| moved_value(value, by)).collect())

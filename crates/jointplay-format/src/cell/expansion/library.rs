@@ -10,7 +10,7 @@ use super::super::problem::Fault;
 use super::super::tree::{Entry, Reader};
 
 /// The `kind` of files of parts.
-pub(in super::super) const PART_KIND: &str = "part";
+pub(super) const PART_KIND: &str = "part";
 
 /// Longer texts of parts are refused.
 const MAX_PART_BYTES: usize = 100_000;

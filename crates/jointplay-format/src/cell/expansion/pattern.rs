@@ -4,8 +4,8 @@ use toml::Spanned;
 use toml::de::{DeArray, DeValue};
 
 use super::super::problem::Fault;
-use super::super::tree::{AllowedRange, Entry, Reader, Table};
-use super::document::{Node, Value};
+use super::super::tree::{AllowedRange, Entry, Reader};
+use super::document::{Node, Value, moved_value};
 use super::expand::Groups;
 use crate::expression::Scope;
 
@@ -74,19 +74,11 @@ fn copies<'a>(reader: &Reader<'a>, mut node: Node<'a>, groups: &mut Groups) -> V
             copy.set_text("name", name, span);
         }
         if let Some(step) = &step {
-            let whole = Node { span: node.span.clone(), table: [step.clone()].map(keyed).into() };
-            let step = whole.moved(by);
-            if let Some(step) = step.table.get("step_mm") {
-                add_steps(reader, &mut copy, step, number);
-            }
+            add_steps(reader, &mut copy, &moved_value(step, by), number);
         }
         copy
     };
     (1..=count).map(copy).collect()
-}
-
-fn keyed<'a>(value: Value<'a>) -> (Spanned<std::borrow::Cow<'a, str>>, Value<'a>) {
-    (Spanned::new(value.span(), "step_mm".into()), value)
 }
 
 /// Moves the position of a copy by its number of steps.
