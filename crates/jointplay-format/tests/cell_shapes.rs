@@ -124,8 +124,10 @@ fn invalid_openings_are_reported_with_their_place() {
         let found = changed(wall, &text).unwrap_err();
         assert!(found.contains(message), "{found}");
     };
-    refused("[{ size_mm = [1, 1, 1] }, { position_mm = [0, 900, 0], size_mm = [1, 1, 1] }]",
-        "opening 2 has no common interior with the box");
+    refused(
+        "[{ size_mm = [1, 1, 1] }, { position_mm = [0, 900, 0], size_mm = [1, 1, 1] }]",
+        "opening 2 has no common interior with the box",
+    );
     refused("[{ size_mm = [600, 20, 1000] }]", "remove all of it");
     refused("[{ size_mm = [1, 1] }]", "`size_mm` has 2 entries, but needs 3");
     refused("[{ size = [1, 1, 1] }]", "did you mean `size_mm`?");

@@ -34,7 +34,8 @@ impl Shape {
                     let center = one.center();
                     let part = Self::Box { half: one.half() }.surface();
                     let first = surface.vertices.len() as u32;
-                    let shifted = part.vertices.iter().map(|at| [0, 1, 2].map(|k| at[k] + center[k]));
+                    let shifted =
+                        part.vertices.iter().map(|at| [0, 1, 2].map(|k| at[k] + center[k]));
                     surface.vertices.extend(shifted);
                     let corners = part.triangles.iter().map(|corners| corners.map(|k| first + k));
                     surface.triangles.extend(corners);
@@ -84,7 +85,8 @@ mod tests {
     fn surfaces_are_closed_and_face_outward() {
         let pi = std::f64::consts::PI;
         check(&Shape::Box { half: [0.1, 0.2, 0.3] }, 0.048);
-        let slabs = [0.0, 1.0].map(|x| AxisAlignedBox { min: [x, 0.0, 0.0], max: [x + 1.0, 2.0, 3.0] });
+        let slabs =
+            [0.0, 1.0].map(|x| AxisAlignedBox { min: [x, 0.0, 0.0], max: [x + 1.0, 2.0, 3.0] });
         check(&Shape::Boxes { boxes: slabs.to_vec() }, 12.0);
         check(&Shape::Cylinder { radius: 0.2, half_height: 0.05 }, pi * 0.04 * 0.1);
         let capsule = Shape::Capsule { ends: [[1.0, 0.0, 0.0], [1.0, 0.0, 0.5]], radius: 0.1 };

@@ -28,7 +28,9 @@ impl Shape {
                 boxes.iter().try_for_each(|one| {
                     lengths("a corner of a box", &one.min)?;
                     lengths("a corner of a box", &one.max)?;
-                    one.half().iter().try_for_each(|&half| size("half of a box's edge length", half))
+                    one.half()
+                        .iter()
+                        .try_for_each(|&half| size("half of a box's edge length", half))
                 })
             }
             Self::Cylinder { radius, half_height } => {

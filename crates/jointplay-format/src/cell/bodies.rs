@@ -8,8 +8,8 @@ use jointplay_cell::{CellError, MAX_BODIES};
 
 use super::explain::explain;
 use super::files::Files;
-use super::mesh;
 use super::frames::{Parents, Placement, names_of};
+use super::mesh;
 use super::pose::points;
 use super::problem::Fault;
 use super::tree::{AllowedRange, Entry, Table};
@@ -170,9 +170,9 @@ fn solid_box(table: &Table) -> Option<Shape> {
     let listed = listed.list(reader)?;
     let opening = |entry: &Entry| {
         let opening = entry.table(reader, "an opening")?;
-        let center = opening.entry("position_mm").map_or(Some([0.0; 3]), |position| {
-            position.point(reader).map(<[f64; 3]>::from)
-        });
+        let center = opening
+            .entry("position_mm")
+            .map_or(Some([0.0; 3]), |position| position.point(reader).map(<[f64; 3]>::from));
         let size = size(&opening);
         opening.finish();
         Some(centered(center?, size?))

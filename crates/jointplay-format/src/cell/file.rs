@@ -80,11 +80,7 @@ pub fn read_with(
 ///
 /// # Errors
 /// As [`read_with`].
-pub fn expand(
-    text: &str,
-    replaced: &[(String, f64)],
-    files: &mut Files,
-) -> Result<String, Errors> {
+pub fn expand(text: &str, replaced: &[(String, f64)], files: &mut Files) -> Result<String, Errors> {
     whole(text, replaced, files, expansion::print).map(|(_, text)| text)
 }
 

@@ -51,10 +51,9 @@ fn tilt(table: &Table) -> Option<Tilt> {
     } else {
         let toward = table.number("yaw_deg", AllowedRange::Within(-360.0, 360.0));
         let pitch = table.number("pitch_deg", STEEPEST);
-        toward.zip(pitch).map(|(yaw, pitch)| Tilt {
-            yaw: yaw.to_radians(),
-            pitch: pitch.to_radians(),
-        })
+        toward
+            .zip(pitch)
+            .map(|(yaw, pitch)| Tilt { yaw: yaw.to_radians(), pitch: pitch.to_radians() })
     };
     table.finish();
     tilt

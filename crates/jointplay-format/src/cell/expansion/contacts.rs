@@ -16,7 +16,8 @@ pub(super) fn expand_groups<'a>(document: &mut DeTable<'a>, bodies: &[Node<'a>],
         let members = members.and_then(|name| groups.members(name));
         let Some(members) = members else { return vec![value.clone()] };
         let members = members.iter().filter(|name| is_body(name));
-        let named = |name: &String| Spanned::new(value.span(), DeValue::String(name.clone().into()));
+        let named =
+            |name: &String| Spanned::new(value.span(), DeValue::String(name.clone().into()));
         members.map(named).collect()
     };
     let pairs = |pair: &Value<'a>| -> Vec<Value<'a>> {

@@ -74,12 +74,13 @@ fn described(name: &'static str, text: &'static str) -> Part {
     };
     let mut keys: Vec<_> = table("parameters").into_iter().flatten().collect();
     keys.sort_by_key(|(key, _)| key.span().start);
-    let parameter = |(key, value): (&toml::Spanned<Cow<str>>, &toml::Spanned<toml::de::DeValue>)| {
-        let key: &str = key.get_ref();
-        let span = value.span();
-        let default = text.get(span).unwrap_or_default().trim_matches('"').to_owned();
-        PartParameter { name: key.to_owned(), default, meaning: meaning(key) }
-    };
+    let parameter =
+        |(key, value): (&toml::Spanned<Cow<str>>, &toml::Spanned<toml::de::DeValue>)| {
+            let key: &str = key.get_ref();
+            let span = value.span();
+            let default = text.get(span).unwrap_or_default().trim_matches('"').to_owned();
+            PartParameter { name: key.to_owned(), default, meaning: meaning(key) }
+        };
     Part {
         name,
         text,

@@ -71,8 +71,7 @@ impl<'a> Parts<'_, 'a> {
         }
         let station = content.get("station").and_then(|station| station.get_ref().as_table());
         let is_placed = |node: &Node<'a>| !node.table.contains_key("on");
-        let has_frame =
-            station.is_none() && lists.bodies.iter().chain(&lists.zones).any(is_placed);
+        let has_frame = station.is_none() && lists.bodies.iter().chain(&lists.zones).any(is_placed);
         let mut keys = instance.table.clone();
         for key in ["name", "part"].into_iter().chain(parameters.iter().map(String::as_str)) {
             keys.remove(key);
@@ -173,14 +172,19 @@ impl<'a> Parts<'_, 'a> {
         }
         top.finish();
         let declared = top.table("parameters", "`[parameters]`");
-        let names: Vec<String> =
-            declared.iter().flat_map(Table::entries).map(|(entry, _)| entry.key.to_owned()).collect();
-        let replaced = |key: &String| {
-            let value = instance.table.get(key.as_str())?;
-            let value = Entry { key, value }.number(reader, AllowedRange::Any)?;
-            Some((key.clone(), value))
+        let declared: Vec<_> = declared.iter().flat_map(Table::entries).collect();
+        let replaced = |(default, _): &(Entry<'_, 'a>, Range<usize>)| {
+            let value = instance.table.get(default.key)?;
+            // A parameter with a positive default is a size or a count.
+            let allowed = match default.any_number() {
+                Some(default) if default > 0.0 => AllowedRange::Positive,
+                _ => AllowedRange::Any,
+            };
+            let value = Entry { key: default.key, value }.number(reader, allowed)?;
+            Some((default.key.to_owned(), value))
         };
-        let replaced: Vec<(String, f64)> = names.iter().filter_map(replaced).collect();
+        let replaced: Vec<(String, f64)> = declared.iter().filter_map(replaced).collect();
+        let names = declared.iter().map(|(entry, _)| entry.key.to_owned()).collect();
         let found = parameters::resolve(&top, &replaced, AngleUnit::Degree);
         reader.set_scope(base, found.scope);
         kind?;
@@ -196,9 +200,7 @@ fn within(name: String, inner: Problem) -> Fault {
 /// The pairs of a part with the names of the bodies of an instance.
 fn contacts<'a>(pairs: &Value<'a>, name: &Name) -> Vec<Value<'a>> {
     let named = |value: &Value<'a>| match value.get_ref() {
-        DeValue::String(own) => {
-            Spanned::new(value.span(), DeValue::String(name.of(own).into()))
-        }
+        DeValue::String(own) => Spanned::new(value.span(), DeValue::String(name.of(own).into())),
         _ => value.clone(),
     };
     let pair = |pair: &Value<'a>| match pair.get_ref() {

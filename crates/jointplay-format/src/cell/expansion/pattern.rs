@@ -30,24 +30,25 @@ pub(super) fn repeat<'a>(
 fn copies<'a>(reader: &Reader<'a>, mut node: Node<'a>, groups: &mut Groups) -> Vec<Node<'a>> {
     let Some(value) = node.table.remove("repeat") else { return Vec::new() };
     let entry = Entry { key: "repeat", value: &value };
-    let Some(table) = entry.table(reader, "`repeat`") else { return Vec::new() };
+    // With an error in its pattern, a table counts as one without it, which prevents further errors.
+    let Some(table) = entry.table(reader, "`repeat`") else { return vec![node] };
     let count = table.needed("count").and_then(|count| count.count(reader, 0, MAX_COPIES));
     let _ = table.entry("step_mm");
     table.finish();
     let step = table.entry("step_mm").map(|step| step.value.clone());
     let (Some(count), Some(scope)) = (count, reader.scope(node.span.start)) else {
-        return Vec::new();
+        return vec![node];
     };
     if scope.parameters.contains(NUMBER) {
         let why = format!(
             "the parameter `{NUMBER}` hides the number of the copy, which is called `{NUMBER}` within `repeat`: rename the parameter"
         );
         entry.report(reader, Fault::Unfit(why));
-        return Vec::new();
+        return vec![node];
     }
     if !groups.add_copies(count) {
         entry.report(reader, Groups::too_many());
-        return Vec::new();
+        return vec![node];
     }
     if step.is_some()
         && let Some(key) = ["taught", "drift"].into_iter().find(|key| node.table.contains_key(*key))
@@ -56,7 +57,7 @@ fn copies<'a>(reader: &Reader<'a>, mut node: Node<'a>, groups: &mut Groups) -> V
             "`step_mm` moves `position_mm`, but the position follows from `{key}`: describe each station by a table of its own"
         );
         table.report_at("step_mm", Fault::Unfit(why));
-        return Vec::new();
+        return vec![node];
     }
     let copy = |number: usize| {
         let mut numbered = Scope::clone(&scope);
@@ -83,9 +84,8 @@ fn copies<'a>(reader: &Reader<'a>, mut node: Node<'a>, groups: &mut Groups) -> V
 
 /// Moves the position of a copy by its number of steps.
 fn add_steps<'a>(reader: &Reader<'a>, copy: &mut Node<'a>, step: &Value<'a>, number: usize) {
-    let numbers = |key, value: &Value<'a>| {
-        Entry { key, value }.numbers::<3, _>(reader, AllowedRange::Any)
-    };
+    let numbers =
+        |key, value: &Value<'a>| Entry { key, value }.numbers::<3, _>(reader, AllowedRange::Any);
     let span = copy.table.get("position_mm").map_or(step.span(), Spanned::span);
     let position = match copy.table.get("position_mm") {
         Some(position) => numbers("position_mm", position),
