@@ -183,9 +183,9 @@ box = {{ size_mm = [\"n\", 10, 10] }}
     assert_eq!(posts.len(), 4);
     assert_eq!(posts[1], ("post2", Vector3::new(-0.9, 0.0, 0.0)));
     // An error in a pattern is reported once, at its place in the file.
-    let wrong = text.replace("size_mm = [\"n\", 10, 10]", "size_mm = [\"n\", -10, 10]");
-    refused(&wrong, "-10", "has to be positive");
-    assert_eq!(cell_of(&wrong).unwrap_err().len(), 1);
+    let negative = text.replace("size_mm = [\"n\", 10, 10]", "size_mm = [\"n\", -10, 10]");
+    refused(&negative, "-10", "has to be positive");
+    assert_eq!(cell_of(&negative).unwrap_err().len(), 1);
     refused(&text.replace("count = 3", "count = 401"), "401", "from 0 to 400");
     refused(&text.replace("count = 3", "cont = 3"), "cont", "did you mean `count`?");
     let with_n = format!("{text}\n[parameters]\nn = 3\n");
@@ -322,15 +322,15 @@ fn parts_can_be_files_and_their_errors_have_the_line_in_them() {
     assert_eq!(found.zones[0].name, "B-over");
     let at = found.zones[0].base_from_shape.translation.vector;
     assert!((at - Vector3::new(0.0, 0.0, 0.15)).norm() < 1e-15);
-    let wrong = |from: &str, to: &str, message: &str| {
+    let damaged = |from: &str, to: &str, message: &str| {
         let errors = with(&part.replace(from, to)).unwrap_err();
         assert!(errors.to_string().contains(message), "{errors}");
         assert_eq!(errors[0].place.text, "part = \"parts/bench.toml\"");
     };
-    wrong("size_mm", "sze_mm", "\"parts/bench.toml\" has an error in line 7");
-    wrong("\"side_mm\"", "\"side\"", "line 7: unknown name `side` (did you mean `side_mm`?)");
-    wrong("[[body]]", "[[body]", "has an error in line 5");
-    wrong(
+    damaged("size_mm", "sze_mm", "\"parts/bench.toml\" has an error in line 7");
+    damaged("\"side_mm\"", "\"side\"", "line 7: unknown name `side` (did you mean `side_mm`?)");
+    damaged("[[body]]", "[[body]", "has an error in line 5");
+    negative(
         "kind = \"part\"",
         "kind = \"cell\"",
         "has an error in line 1: kind \"cell\" is not known",

@@ -171,8 +171,8 @@ mod tests {
         let solid = about([0.0; 3], [1.0; 3]);
         let inside = about([0.0; 3], [0.5; 3]);
         // It touches a face of the box from outside.
-        let beside = about([1.0, 0.0, 0.0], [1.0; 3]);
-        let found = box_with_openings(&solid, &[inside, beside]);
+        let outside = about([1.0, 0.0, 0.0], [1.0; 3]);
+        let found = box_with_openings(&solid, &[inside, outside]);
         assert_eq!(found, Err(CellError::OpeningOutside { index: 1 }));
         let found = box_with_openings(&solid, &[about([0.0; 3], [1.0, 2.0, 3.0])]);
         assert_eq!(found, Err(CellError::NothingLeft));

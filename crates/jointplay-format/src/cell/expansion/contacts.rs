@@ -4,7 +4,7 @@ use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
 use super::document::{Node, Value};
-use super::expand::Groups;
+use super::groups::Groups;
 
 /// Replaces each pair of `may_touch` with the name of a group by the pairs of its bodies.
 pub(super) fn expand_groups<'a>(document: &mut DeTable<'a>, bodies: &[Node<'a>], groups: &Groups) {

@@ -6,8 +6,10 @@
 //! | file | contents |
 //! | --- | --- |
 //! | `document` | lists of tables, copied with other positions |
+//! | `groups` | names of bodies that patterns and parts generate |
 //! | `inheritance` | tables with `like` |
 //! | `pattern` | tables with `repeat` |
+//! | `lists` | tables of stations, bodies, zones and frames, with their templates and patterns |
 //! | `library` | texts of parts |
 //! | `part` | tables with `part` |
 //! | `contacts` | allowed contacts of groups of bodies |
@@ -17,8 +19,10 @@
 mod contacts;
 mod document;
 mod expand;
+mod groups;
 mod inheritance;
 mod library;
+mod lists;
 mod part;
 mod pattern;
 mod print;

@@ -6,7 +6,7 @@ use toml::de::{DeArray, DeValue};
 use super::super::problem::Fault;
 use super::super::tree::{AllowedRange, Entry, Reader};
 use super::document::{Node, Value, moved_value};
-use super::expand::Groups;
+use super::groups::Groups;
 use crate::expression::Scope;
 
 /// Largest number of copies of a table.
