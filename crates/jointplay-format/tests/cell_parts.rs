@@ -330,7 +330,7 @@ fn parts_can_be_files_and_their_errors_have_the_line_in_them() {
     damaged("size_mm", "sze_mm", "\"parts/bench.toml\" has an error in line 7");
     damaged("\"side_mm\"", "\"side\"", "line 7: unknown name `side` (did you mean `side_mm`?)");
     damaged("[[body]]", "[[body]", "has an error in line 5");
-    negative(
+    damaged(
         "kind = \"part\"",
         "kind = \"cell\"",
         "has an error in line 1: kind \"cell\" is not known",
