@@ -34,13 +34,15 @@ pub struct Station {
     pub slots: usize,
     /// Distance between slots along z of the station frame (m); without meaning for one slot.
     pub pitch: f64,
+    /// Displacement of each slot against the slot below, along x and y of the station frame, in addition to the pitch (m).
+    pub slot_step: [f64; 2],
     /// Heights at which the effector passes below and above the resting plane, along z of the station frame (m).
     pub stroke: Stroke,
     /// Offset of the wafer in the station frame (m).
     pub offset: [f64; 3],
-    /// Distance of the wafer centre from the robot's axis at which the arm counts as retracted for this station (m).
+    /// Distance of the wafer centre from the axis of the arm's first joint, in the plane of the slot, at which the arm counts as retracted for this station (m).
     pub retract_reach: f64,
-    /// Via points: wafer centres between the retracted pose and the station, in the station frame (m), outermost first.
+    /// Via points: wafer centres between the retracted pose and the slot, in the frame of the slot (m), outermost first.
     pub via: Vec<[f64; 3]>,
     /// Approach.
     pub approach: Approach,
