@@ -18,7 +18,7 @@ use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::Binary;
-use crate::wire::cell::SamplesRequest;
+use crate::wire::cell_samples::SamplesRequest;
 use crate::wire::program_parameters::with_parameters;
 
 /// Maximum number of samples in a response.

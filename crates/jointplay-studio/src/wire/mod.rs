@@ -8,6 +8,7 @@ pub(crate) mod cell_jog;
 pub(crate) mod cell_jogged;
 pub(crate) mod cell_parts;
 pub(crate) mod cell_pose;
+pub(crate) mod cell_samples;
 mod command;
 mod model;
 pub(crate) mod pose;
