@@ -159,7 +159,11 @@ impl<'t> Parser<'t> {
             return self.close();
         }
         match self.peek() {
-            Some(Token { kind: TokenKind::Number(value), .. }) => {
+            Some(Token { kind: TokenKind::Number(value), span, .. }) => {
+                if value.is_infinite() {
+                    let problem = ExpressionProblem::NotFinite { value: *value };
+                    return Err(ExpressionError { span: span.clone(), problem });
+                }
                 self.operations.push(Operation::Constant(*value));
                 self.at += 1;
                 Ok(())

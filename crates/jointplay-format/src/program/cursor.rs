@@ -1,5 +1,7 @@
 //! Reads one line from left to right.
 
+use std::cell::OnceCell;
+
 use jointplay_cell::program::{AllowedValues, Name, Number, Quantity, SourceLocation, Unit};
 
 use super::lexer::{Kind, Line, Token, unquoted};
@@ -16,6 +18,8 @@ const END_OF_LINE: &str = "the end of the line";
 /// A position in a line, with the alternatives that the grammar allows there.
 pub(super) struct Cursor<'l, 't> {
     line: &'l Line<'t>,
+    /// The tokens as those of an expression, once one is read.
+    operands: OnceCell<Vec<expression::Token<'t>>>,
     at: usize,
     /// Alternatives that were tried here without success.
     expected: Vec<String>,
@@ -23,7 +27,7 @@ pub(super) struct Cursor<'l, 't> {
 
 impl<'l, 't> Cursor<'l, 't> {
     pub(super) fn new(line: &'l Line<'t>) -> Self {
-        Self { line, at: 0, expected: Vec::new() }
+        Self { line, operands: OnceCell::new(), at: 0, expected: Vec::new() }
     }
 
     /// The token after the next one.
@@ -81,9 +85,11 @@ impl<'l, 't> Cursor<'l, 't> {
             let found = END_OF_LINE.to_owned();
             return self.error(Problem::Expected { expected, found, nearest: None });
         };
-        let wants_name = expected
-            .iter()
-            .any(|choice| choice.starts_with("the name") || choice.starts_with("the number"));
+        let wants_name = expected.iter().any(|choice| {
+            choice.starts_with("the name")
+                || choice.starts_with("the number")
+                || choice.contains(" in ")
+        });
         self.error(match (token.kind, reserved(token.text)) {
             (Kind::Unclosed, _) => Problem::Unclosed { found: token.text.to_owned() },
             (Kind::Word, Some(_)) if wants_name => {
@@ -184,6 +190,12 @@ impl<'l, 't> Cursor<'l, 't> {
         self.line.tokens[at..self.at].iter().map(|token| token.text).collect()
     }
 
+    /// A parser of the expression that starts at a token.
+    fn parser(&self, start: usize) -> Parser<'_> {
+        let all = self.operands.get_or_init(|| self.line.tokens.iter().map(operand).collect());
+        Parser::new(&all[start..], self.end_of_line(), AngleUnit::Degree)
+    }
+
     /// An expression at the next token.
     fn expression(
         &mut self,
@@ -191,8 +203,7 @@ impl<'l, 't> Cursor<'l, 't> {
         read: impl for<'p> FnOnce(Parser<'p>) -> Result<Parsed, ExpressionError>,
     ) -> Result<Number, Error> {
         let place = self.place();
-        let tokens: Vec<_> = self.line.tokens[self.at..].iter().map(operand).collect();
-        let parsed = match read(Parser::new(&tokens, self.end_of_line(), AngleUnit::Degree)) {
+        let parsed = match read(self.parser(self.at)) {
             Ok(parsed) => parsed,
             Err(error) => return Err(self.expression_error(what, error)),
         };
@@ -276,7 +287,6 @@ impl<'l, 't> Cursor<'l, 't> {
         what: &'static str,
     ) -> Result<(Number, Option<Unit>), Error> {
         let start = self.at;
-        let tokens: Vec<_> = self.line.tokens[start..].iter().map(operand).collect();
         let number = self.number(what)?;
         let (used, text) = (self.at - start, self.text_since(start));
         let Some((unit, written)) = self.accept_unit() else { return Ok((number, None)) };
@@ -285,7 +295,7 @@ impl<'l, 't> Cursor<'l, 't> {
             let problem = Problem::Unit { number: text, found: written.text.to_owned(), allowed };
             return Err(self.error_at(written.column, written.width(), problem));
         };
-        let signed = Parser::new(&tokens, self.end_of_line(), AngleUnit::Degree).signed().ok();
+        let signed = self.parser(start).signed().ok();
         if signed.is_none_or(|signed| signed.tokens != used) {
             let first = &self.line.tokens[start];
             let width = written.column - first.column;
