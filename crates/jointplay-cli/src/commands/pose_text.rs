@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use jointplay::report::ForwardReport;
 use jointplay::virtualization::Solver;
 
-use crate::output::{characteristic_length, fixed, limits, three};
+use crate::output::{characteristic_length, limits, three};
+use jointplay::format::number::fixed;
 
 /// A pose as text.
 ///

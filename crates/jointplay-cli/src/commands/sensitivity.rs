@@ -11,7 +11,8 @@ use super::relief;
 use crate::arguments::{AnswerArgs, ModelArgs, Rods, TiltArgs};
 use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input, SetArgs, assignment};
-use crate::output::{characteristic_length, fixed, limits, magnitude, three};
+use crate::output::{characteristic_length, limits, magnitude, three};
+use jointplay::format::number::fixed;
 
 /// Compute the displacement of the virtual joints for a tilt, with first-order bounds
 ///

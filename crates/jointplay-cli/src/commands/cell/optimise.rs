@@ -20,8 +20,9 @@ use super::optimise_log::{EvaluationLog, Inputs};
 use crate::arguments::{finite, length, whole};
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
-use crate::output::{self, fixed};
+use crate::output;
 use crate::progress::Progress;
+use jointplay::format::number::fixed;
 
 const LOG: &str = "evaluations.jsonl";
 const DOCUMENT: &str = "optimise.json";
