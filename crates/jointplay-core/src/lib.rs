@@ -12,6 +12,7 @@
 //! | compute mobility | [`mobility`] |
 //! | compute the play that a motion requires | [`sensitivity`], [`gpr::Gpr::tilt_play`] |
 //! | use a mechanism of your own | implement [`constraint::System`] |
+//! | evaluate an arithmetic expression | [`expression`] |
 //! | decompose a matrix, with a rank | [`linalg`] |
 //!
 //! ```
@@ -30,6 +31,7 @@
 pub mod bulk;
 pub mod constraint;
 mod error;
+pub mod expression;
 pub mod gpr;
 pub mod linalg;
 pub mod mechanism;

@@ -26,6 +26,7 @@ pub mod catalogue;
 pub mod cell;
 pub mod coordinates;
 pub mod explain;
+mod expression;
 pub mod file_problem;
 pub mod mechanism;
 pub mod number;

@@ -1,8 +1,8 @@
 //! The beginning of every mechanism file and loop closure file: kind and units.
 
-use super::expression::AngleUnit;
 use super::tree::Table;
 use super::values::{LengthUnit, Units};
+use crate::expression::AngleUnit;
 
 /// Largest accepted text in bytes, so that reading takes limited time.
 pub const MAX_BYTES: usize = 4_000_000;

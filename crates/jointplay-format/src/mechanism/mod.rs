@@ -22,7 +22,6 @@
 //! # Ok::<(), jointplay_format::mechanism::Errors>(())
 //! ```
 
-mod expression;
 pub mod frame;
 mod header;
 mod joint;
@@ -37,7 +36,6 @@ mod values;
 mod virtual_joint;
 mod write;
 
-pub use expression::{AngleUnit, ExpressionProblem};
 pub use header::MAX_BYTES;
 pub use kind::kind_of;
 pub use loops::with_loops;
@@ -45,3 +43,5 @@ pub use problem::{Error, Errors, Problem};
 pub use read::{Expected, MechanismFile, parse, parse_with};
 pub use values::{LengthUnit, Units};
 pub use write::write;
+
+pub use crate::expression::{AngleUnit, ExpressionProblem};

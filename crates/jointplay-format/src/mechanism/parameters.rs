@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use toml::de::DeValue;
 
-use super::expression::{AngleUnit, Expression, Scope, is_free_name};
 use super::problem::Problem;
 use super::tree::{Entry, Table};
-use super::values::{evaluate, parse_expression};
+use super::values::{evaluate, parse_formula};
+use crate::expression::{AngleUnit, Formula, Scope, is_free_name};
 use crate::file_problem::FileProblem;
 use crate::place::nearest;
 
@@ -18,7 +18,7 @@ const MOST_CYCLES: usize = 20;
 struct Waiting<'r, 'a> {
     entry: Entry<'r, 'a>,
     source: &'r str,
-    expression: Expression,
+    formula: Formula,
 }
 
 /// Parameters as read.
@@ -38,7 +38,7 @@ pub(super) fn resolve(top: &Table, replaced: &[(String, f64)], angle: AngleUnit)
     let order: Vec<String> = entries.iter().map(|(entry, _)| entry.key.to_owned()).collect();
     let parameters: BTreeSet<String> = order.iter().cloned().collect();
     entries.sort_by_key(|(entry, _)| entry.key);
-    let mut scope = Scope { angle, values: BTreeMap::new(), parameters };
+    let mut scope = Scope { values: BTreeMap::new(), parameters };
     for (name, value) in replaced {
         let found = entries.iter().find(|(entry, _)| entry.key == name);
         let span = found.map_or(0..0, |(entry, _)| entry.span());
@@ -71,8 +71,8 @@ pub(super) fn resolve(top: &Table, replaced: &[(String, f64)], angle: AngleUnit)
         }
         match entry.value.get_ref() {
             DeValue::String(source) => {
-                if let Some(expression) = parse_expression(reader, &entry, source) {
-                    waiting.push(Waiting { entry, source, expression });
+                if let Some(formula) = parse_formula(reader, &entry, source, angle) {
+                    waiting.push(Waiting { entry, source, formula });
                 }
             }
             DeValue::Integer(_) | DeValue::Float(_) => match entry.any_number() {
@@ -94,8 +94,8 @@ pub(super) fn resolve(top: &Table, replaced: &[(String, f64)], angle: AngleUnit)
         waiting[cycle[0]].entry.report(reader, Problem::Cycle { names });
     }
     for index in sequence {
-        let Waiting { entry, source, expression } = &waiting[index];
-        if let Some(value) = evaluate(reader, entry, source, expression, &scope) {
+        let Waiting { entry, source, formula } = &waiting[index];
+        if let Some(value) = evaluate(reader, entry, source, formula, &scope) {
             scope.values.insert(entry.key.to_owned(), value);
         }
     }
@@ -117,7 +117,7 @@ fn sorted(waiting: &[Waiting]) -> Sorted {
         waiting.iter().enumerate().map(|(index, item)| (item.entry.key, index)).collect();
     let needs: Vec<Vec<usize>> = waiting
         .iter()
-        .map(|item| item.expression.names().filter_map(|name| index.get(name).copied()).collect())
+        .map(|item| item.formula.names().filter_map(|name| index.get(name).copied()).collect())
         .collect();
     let mut cycles = Vec::new();
     let (mut order, mut done) = (Vec::new(), vec![false; waiting.len()]);

@@ -2,7 +2,7 @@
 
 use jointplay_core::mechanism::MechanismError;
 
-use super::expression::ExpressionProblem;
+use crate::expression::ExpressionProblem;
 use crate::file_problem::FileProblem;
 use crate::number::{counted, number};
 
@@ -43,7 +43,7 @@ pub enum Problem {
     },
     /// A parameter name that expressions cannot contain.
     #[error(
-        "no parameter can be called {found:?}: a name is letters, digits and `_`, does not start with a digit, and is neither `pi` nor a function"
+        "no parameter can be called {found:?}: a name is letters, digits and `_`, does not start with a digit, and is not `pi`"
     )]
     ParameterName {
         /// The value found.

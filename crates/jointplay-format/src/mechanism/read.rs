@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use jointplay_core::mechanism::{Joint, Mechanism, MechanismError};
 
-use super::expression::AngleUnit;
 use super::header::{MAX_BYTES, has_other_kind, units};
 use super::joint::{Links, joint};
 use super::names::{printable_name, prose};
@@ -13,6 +12,7 @@ use super::problem::{Errors, Problem};
 use super::tree::{Entry, Reader, Table};
 use super::values::{LengthUnit, Units, Values};
 use super::virtual_joint::{Joints, virtual_joint};
+use crate::expression::AngleUnit;
 use crate::file_problem::FileProblem;
 
 /// A mechanism as read.
@@ -329,7 +329,8 @@ mod tests {
         refuse("a = 220", "a = \"2 * half\"", "\"2 * half\"", "in a circle: a → half → a");
         refuse("a = 220", "a = \"a\"", "\"a\"", "a → a");
         refuse("a = 220", "a = nan", "nan", "`a` is not a number");
-        refuse("a = 220", "a = 220\nsin = 1", "sin", "no parameter can be called \"sin\"");
+        refuse("a = 220", "a = 220\npi = 1", "pi", "no parameter can be called \"pi\"");
+        refuse("\"a / 2\"", "\"sin / 2\"", "sin", "`sin` is a function: write its arguments");
         refuse("lead = 5", "lead = \"1 / 0\"", "1 / 0", "is infinite");
     }
 

@@ -6,9 +6,9 @@ use jointplay_core::mechanism::joint::Coordinate;
 use nalgebra::{Unit, Vector3};
 use toml::de::DeValue;
 
-use super::expression::{AngleUnit, Expression, ExpressionError, Scope};
 use super::problem::Problem;
 use super::tree::{AllowedRange, Entry, Reader, Table};
+use crate::expression::{AngleUnit, ExpressionError, Formula, Scope};
 use crate::file_problem::FileProblem;
 use crate::number::number;
 use crate::units::shift;
@@ -78,38 +78,6 @@ impl LengthUnit {
     }
 }
 
-impl AngleUnit {
-    /// All of them, with their names in files.
-    pub const ALL: [(&str, Self); 2] = [("deg", Self::Degree), ("rad", Self::Radian)];
-
-    /// Radians from an angle in this unit.
-    #[must_use]
-    pub fn to_radians(self, angle: f64) -> f64 {
-        match self {
-            Self::Degree => angle.to_radians(),
-            Self::Radian => angle,
-        }
-    }
-
-    /// An angle in this unit from radians.
-    #[must_use]
-    pub fn from_radians(self, radians: f64) -> f64 {
-        match self {
-            Self::Degree => crate::units::deg(radians),
-            Self::Radian => radians,
-        }
-    }
-
-    /// Its name, as in files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Degree => "deg",
-            Self::Radian => "rad",
-        }
-    }
-}
-
 /// The largest length (m) and the largest angle (rad) that a file may name: far from where squares overflow.
 const LARGEST: f64 = 1e6;
 
@@ -125,8 +93,8 @@ impl Values<'_, '_> {
     pub(super) fn number(&self, entry: &Entry) -> Option<f64> {
         match entry.value.get_ref() {
             DeValue::String(source) => {
-                let expression = parse_expression(self.reader, entry, source)?;
-                let value = evaluate(self.reader, entry, source, &expression, &self.scope)?;
+                let formula = parse_formula(self.reader, entry, source, self.units.angle)?;
+                let value = evaluate(self.reader, entry, source, &formula, &self.scope)?;
                 entry.within(self.reader, value, AllowedRange::Any)
             }
             DeValue::Integer(_) | DeValue::Float(_) => entry.number(self.reader, AllowedRange::Any),
@@ -217,20 +185,25 @@ impl Values<'_, '_> {
     }
 }
 
-/// A formula from the value of a key.
-pub(super) fn parse_expression(reader: &Reader, entry: &Entry, source: &str) -> Option<Expression> {
+/// The expression in the value of a key.
+pub(super) fn parse_formula(
+    reader: &Reader,
+    entry: &Entry,
+    source: &str,
+    angle: AngleUnit,
+) -> Option<Formula> {
     let report = |error: ExpressionError| {
         reader.report(expression_span(reader, entry, source, &error), error.problem);
     };
-    Expression::parse(source).map_err(report).ok()
+    Formula::parse(source, angle).map_err(report).ok()
 }
 
-/// The value of a formula; a parameter without a value has its own error.
+/// The value of an expression; a parameter without a value has its own error.
 pub(super) fn evaluate(
     reader: &Reader,
     entry: &Entry,
     source: &str,
-    expression: &Expression,
+    formula: &Formula,
     scope: &Scope,
 ) -> Option<f64> {
     let report = |error: ExpressionError| {
@@ -240,7 +213,7 @@ pub(super) fn evaluate(
             reader.report_with(span, || error.among(names).problem.into());
         }
     };
-    expression.evaluate(scope).map_err(report).ok()
+    formula.evaluate(scope).map_err(report).ok()
 }
 
 /// The bytes of the file that an error of an expression is about.
