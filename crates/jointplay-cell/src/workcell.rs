@@ -87,7 +87,7 @@ pub struct Cell {
     pub zones: Vec<Zone>,
     /// Rules for the stays and visits of wafers.
     pub rules: WaferRules,
-    /// Largest displacement of the virtual joints that the play of the mechanism allows (m).
+    /// Largest Euclidean norm of the displacements of all virtual joints, in the metric of the robot (m).
     pub play_budget: f64,
     /// Required clearance of bodies (m).
     pub clearance: f64,

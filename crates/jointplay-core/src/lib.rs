@@ -1,4 +1,4 @@
-//! The mathematics of robots that move only because their joints have play.
+//! The mathematics of overconstrained robots, some of whose motions need play in the joints.
 //!
 //! Everything is in SI units (m, rad); nothing here reads a file, prints, or keeps state.
 //! Symbols, frames, signs and the order of coordinates are those of `NOTATION.md`.

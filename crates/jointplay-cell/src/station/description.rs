@@ -38,9 +38,9 @@ pub struct Station {
     pub stroke: Stroke,
     /// Offset of the wafer in the station frame (m).
     pub offset: [f64; 3],
-    /// Distance of the wafer centre from the robot's axis at which the arm counts as retracted for this station (m).
+    /// Distance of the wafer centre from the axis of the arm's first joint, in the plane of the slot, at which the arm counts as retracted for this station (m).
     pub retract_reach: f64,
-    /// Via points: wafer centres between the retracted pose and the station, in the station frame (m), outermost first.
+    /// Via points: wafer centres between the retracted pose and the slot, in the frame of the slot (m), outermost first.
     pub via: Vec<[f64; 3]>,
     /// Approach.
     pub approach: Approach,

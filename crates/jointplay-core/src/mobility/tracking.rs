@@ -34,7 +34,7 @@ const LONGEST_STEP: f64 = 0.1;
 const SHORTEST_STEP: f64 = 1e-9;
 /// Steps of a continuation at most, the rejected ones among them.
 const MAX_STEPS: usize = 200;
-/// Length of a continuation that counts as a motion, in units of its first accepted step.
+/// Length of a continuation that counts as a motion, in units of its first accepted step, unless it reaches [`KEPT_RADIUS`] before.
 ///
 /// A motion stopped at order p is accepted up to the distance where p-th powers are below round-off. Its first step is at least half of that distance, so that it never reaches twice its first step.
 const FAR: f64 = 16.0;

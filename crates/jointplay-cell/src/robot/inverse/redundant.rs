@@ -119,7 +119,7 @@ impl<'a> Redundant<'a> {
     }
 
     /// The positions of a given configuration that are farthest from limits, and from the stretched and the folded arm:
-    /// a local minimum of Σ 1/(1 − u²) + 1/sin² β near the present positions, u from −1 at one limit of an axis to 1 at the other, β the elbow angle.
+    /// a local minimum of Σ 1/(1 − u²) + 1/sin² β near the present positions, u from −1 at one limit of an axis to 1 at the other, β the elbow angle of two links, or half of it for a belt-driven pair, which is stretched at 0 and at π.
     ///
     /// The free angles descend while the pair follows in closed form, so that it never leaves its configuration:
     /// each step minimizes a second-order model of u and cos β.

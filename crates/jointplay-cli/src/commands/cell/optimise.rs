@@ -1,4 +1,4 @@
-//! `jointplay cell optimise`: orders, arms, blends and speeds of a program.
+//! `jointplay cell optimise`: orders, effectors, blends and speeds of a program.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
