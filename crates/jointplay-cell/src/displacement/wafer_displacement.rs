@@ -30,7 +30,7 @@ const TILT_TOLERANCE: f64 = 1e-9;
 pub struct PlacedWafer {
     /// The effector.
     pub effector: EffectorId,
-    /// Positions of all axes, rods first ((m), (rad)).
+    /// Positions of all axes, rods first (m or rad).
     pub positions: Vec<f64>,
     /// Slot that the wafer is in, if any.
     pub slot: Option<SlotId>,

@@ -9,7 +9,7 @@ use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::workcell::Cell;
 
-/// State of the tool after some hand-offs, by the model.
+/// State of the cell after some hand-offs, by the timing model.
 #[derive(Clone)]
 struct State {
     /// Time of the last hand-off (s).

@@ -385,7 +385,7 @@ impl<'c> MotionSequencer<'c> {
             Some(postures) => {
                 let chain = ArmChain::new(&self.cell.robot, effector);
                 let seed = postures.near(&chain, point, &self.positions);
-                let redundancy = Redundancy::AtSeed;
+                let redundancy = Redundancy::KeepRedundantAngles;
                 self.ik_cache.positions(self.cell, effector, &target, loaded, &seed, redundancy)
             }
             None => self.solve(effector, &target, loaded),

@@ -132,13 +132,10 @@ impl ArmChain {
     }
 
     /// Motion of the wafer relative to the platform, in the axes of the wafer.
-    pub(crate) fn motion_in_wafer_frame(
-        &self,
-        arm_positions: &[ArmVector; 3],
-    ) -> FrameAcceleration {
+    pub(crate) fn motion_in_wafer_frame(&self, arm_positions: &[ArmVector; 3]) -> PlanarMotion {
         let heading = arm_positions.each_ref().map(|rates| dot(&self.heading.1, rates));
         let [place, velocity, acceleration] = self.tip_motion(arm_positions, -heading[0]);
-        FrameAcceleration { place, velocity, acceleration, heading }
+        PlanarMotion { place, velocity, acceleration, heading }
     }
 
     /// Position, velocity and acceleration of the tip relative to the platform, rotated by an angle.
@@ -168,7 +165,7 @@ impl ArmChain {
 
 /// Motion of a wafer relative to the platform, in the axes of the wafer.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct FrameAcceleration {
+pub(crate) struct PlanarMotion {
     /// Position of the centre from the platform's origin (m).
     pub(crate) place: Vector2<f64>,
     /// Velocity of the centre (m/s).
@@ -251,7 +248,7 @@ impl HybridRobot {
     }
 }
 
-/// Rotation vector from one rotation to another that is near, in the base frame, as long as the sine of its angle (rad).
+/// Rotation vector from one rotation to another that is near, in the base frame, its length the sine of the angle instead of the angle (rad).
 pub(super) fn turn_between(from: &Rotation3<f64>, to: &Rotation3<f64>) -> Vector3<f64> {
     let turn = (to * from.inverse()).into_inner();
     let twice = Vector3::new(

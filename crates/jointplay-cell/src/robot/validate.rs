@@ -72,6 +72,7 @@ impl HybridRobot {
     /// The robot with its conditions checked: names are unique, counts possible, numbers finite, limits in order, home positions within them, and each arm can move its wafers in its plane.
     ///
     /// All other functions of a robot assume these conditions, and may panic on a robot that was never checked.
+    /// The limit checks of the returned robot's [`gpr`](Self::gpr) are switched off: [`Self::limit_violations`] checks the limits of axes and tilt for whole sets of positions.
     ///
     /// # Errors
     /// [`CellError`] of the first condition that is violated.

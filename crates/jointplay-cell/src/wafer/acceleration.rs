@@ -14,7 +14,7 @@ use crate::workcell::Cell;
 const MIN_HEADING_RADIUS: f64 = 1e-9;
 
 impl Cell {
-    /// Motion of an effector's wafer, its arm deflected as at rest; the wafer's own sag is neglected.
+    /// Motion of an effector's wafer, the deflection of its arm quasi-static: that of the arm at rest in each position; the wafer's own sag is neglected.
     ///
     /// # Errors
     /// [`Unreachable::Robot`] and [`Unreachable::Droop`].
@@ -42,16 +42,16 @@ impl Cell {
     ///
     /// # Errors
     /// As [`Self::wafer_motion`].
-    pub fn friction_margin(
+    pub fn friction_demand(
         &self,
         effector: EffectorId,
         motion: &AxesMotion<'_>,
     ) -> Result<FrictionDemand, Unreachable> {
-        Ok(self.friction_margin_of(effector, &self.wafer_motion(effector, motion, true)?))
+        Ok(self.friction_demand_of(effector, &self.wafer_motion(effector, motion, true)?))
     }
 
-    /// As [`Self::friction_margin`], the motion of the wafer known.
-    pub(crate) fn friction_margin_of(
+    /// As [`Self::friction_demand`], the motion of the wafer known.
+    pub(crate) fn friction_demand_of(
         &self,
         effector: EffectorId,
         wafer: &FrameMotion,

@@ -32,13 +32,13 @@ impl Wafer {
         area * self.thickness * self.material.density
     }
 
-    /// Weight by area, q (Pa).
+    /// Weight per area, q (Pa).
     #[must_use]
     pub fn weight_by_area(&self, gravity: f64) -> f64 {
         self.material.density * gravity * self.thickness
     }
 
-    /// Bending stiffness D = E h³ / 12 (1 − ν²) (N m).
+    /// Flexural rigidity D = E h³ / (12 (1 − ν²)) (N m).
     #[must_use]
     pub fn stiffness(&self) -> f64 {
         let Material { young, poisson, .. } = self.material;

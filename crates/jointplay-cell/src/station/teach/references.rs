@@ -49,8 +49,8 @@ pub struct ReferenceFit {
     pub chi_square_limit: Option<f64>,
     /// Uncertainty; `None` where the noise is neither known nor can be estimated.
     pub uncertainty: Option<ReferenceUncertainty>,
-    /// Number of coordinates beyond those that determine centre and heading.
-    pub freedom: usize,
+    /// Redundancy: number of coordinates beyond those that determine centre and heading, the degrees of freedom of the residuals.
+    pub redundancy: usize,
     /// Whether the reference points agree.
     pub result: FitResult,
 }
@@ -61,7 +61,7 @@ pub struct ReferenceUncertainty {
     /// Standard deviation of a measured coordinate, given or estimated: the least of all references (m).
     pub noise: f64,
     /// Degrees of freedom of an estimated noise; `None` where it is given.
-    pub freedom: Option<usize>,
+    pub degrees_of_freedom: Option<usize>,
     /// Standard deviation of the centroid of the references in each direction (m).
     pub center: f64,
     /// Standard deviation of the heading (rad); 0 where it is nominal.
@@ -88,7 +88,7 @@ impl ReferenceUncertainty {
 /// * `base_from_nominal` – frame of the station with its nominal centre and heading, in its taught plane
 /// * `references` – one or more; two or more at different places determine the heading
 /// * `threshold` – largest allowed deviation of a reference point (m)
-/// * `noise` – standard deviation of each coordinate of each reference point; `None` where it is not known and equal for all (m)
+/// * `noise` – standard deviation of each coordinate of each reference point; `None` where it is not known, and assumed equal for all (m)
 ///
 /// # Errors
 /// [`TeachError`] without references, for coordinates that are not finite, and for noise that is not positive.
@@ -194,7 +194,7 @@ pub fn fit_references(
         let by_tilt = [by_tilt(Vector2::x()), by_tilt(Vector2::y())];
         ReferenceUncertainty {
             noise: sigma,
-            freedom: noise.is_none().then_some(freedom),
+            degrees_of_freedom: noise.is_none().then_some(freedom),
             center: sigma / total.sqrt(),
             turn: if has_heading { sigma / squares.sqrt() } else { 0.0 },
             nominal_center,
@@ -214,7 +214,7 @@ pub fn fit_references(
         chi_square: chi,
         chi_square_limit: limit,
         uncertainty,
-        freedom,
+        redundancy: freedom,
         result,
     })
 }
@@ -224,7 +224,7 @@ impl ReferenceFit {
     #[must_use]
     pub fn suspect(&self) -> Option<usize> {
         if self.result != FitResult::Inconsistent
-            || self.freedom < REDUNDANT
+            || self.redundancy < REDUNDANT
             || self.references.len() < 3
         {
             return None;
@@ -236,6 +236,6 @@ impl ReferenceFit {
     #[must_use]
     pub fn missing(&self) -> usize {
         let needed = if self.noise.is_some() { REDUNDANT } else { ENOUGH_FREEDOM };
-        needed.saturating_sub(self.freedom).div_ceil(2)
+        needed.saturating_sub(self.redundancy).div_ceil(2)
     }
 }
