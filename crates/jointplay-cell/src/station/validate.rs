@@ -36,6 +36,7 @@ impl Station {
         }
         not_negative(of("pitch"), self.pitch, "m")?;
         lengths(&of("pitch"), &[self.pitch])?;
+        lengths(&of("step between slots"), &self.slot_step)?;
         for (what, value, unit) in [
             ("stroke below the wafer", self.stroke.below, "m"),
             ("stroke above the wafer", self.stroke.above, "m"),
@@ -62,13 +63,15 @@ impl Station {
         self.check_tilt(robot)
     }
 
-    /// Checks that the retract distance is less than the distance of the lowest slot from the robot's axis.
+    /// Checks that the retract distance is less than the distance of every slot from the robot's axis.
     ///
     /// # Errors
     /// [`CellError::RetractReach`]
     pub fn check_retract_reach(&self) -> Result<(), CellError> {
-        let center = self.slot_frame(1).translation.vector;
-        let (found, reach) = (self.retract_reach, center.x.hypot(center.y));
+        let reach_of = |slot| self.slot_frame(slot).translation.vector.xy().norm();
+        // The slots of a tilted station, or of one whose slots are displaced, are at different distances.
+        let reach = (1..=self.slots).map(reach_of).fold(f64::INFINITY, f64::min);
+        let found = self.retract_reach;
         if found >= reach {
             return Err(CellError::RetractReach { station: self.name.clone(), found, reach });
         }
