@@ -20,8 +20,7 @@ use crate::arguments::{finite, length};
 use crate::failure::Failure;
 use crate::figure::FigureArgs;
 use crate::folder::{self, ForceArgs};
-use crate::output;
-use jointplay::format::number::fixed;
+use crate::output::{self, fixed};
 
 /// Compute the pose of a station from taught points, or list the poses of all stations
 ///
@@ -366,7 +365,7 @@ fn write_plane(text: &mut String, plane: &PlaneReport, coverage_factor: f64) {
     }
     let leverages: Vec<String> = plane.leverages.iter().map(|&one| fixed(one, 2)).collect();
     let _ = writeln!(text, "  leverage             {}", leverages.join(", "));
-    let freedom = counted_freedom(plane.redundancy);
+    let freedom = counted_freedom(plane.freedom);
     let noise = match (&plane.noise_um, &plane.uncertainty) {
         (Some(noise), _) => format!("{} µm per coordinate, given", noise_text(noise)),
         (None, Some(known)) => {
@@ -418,7 +417,7 @@ fn write_references(text: &mut String, references: &ReferenceReport) {
         Some(noise) => format!("{} µm per coordinate, given", noise_text(noise)),
         None => "not given".to_owned(),
     };
-    let freedom = counted_freedom(references.redundancy);
+    let freedom = counted_freedom(references.freedom);
     let chi = chi_square(references.chi_square, references.chi_square_limit);
     let _ = writeln!(text, "  noise                {noise}, {freedom}{chi}");
     let result = match references.result {
