@@ -20,7 +20,8 @@ use crate::arguments::{finite, length};
 use crate::failure::Failure;
 use crate::figure::FigureArgs;
 use crate::folder::{self, ForceArgs};
-use crate::output::{self, fixed};
+use crate::output;
+use jointplay::format::number::fixed;
 
 /// Compute the pose of a station from taught points, or list the poses of all stations
 ///
