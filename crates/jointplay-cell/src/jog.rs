@@ -33,7 +33,7 @@ pub enum StopReason {
     Contact([EntityId; 2]),
 }
 
-/// Pose of a wafer relative to a slot, in cylindrical coordinates about the axis of the arm's rotation.
+/// Pose of a wafer relative to a slot, in cylindrical coordinates about the axis of the arm's first joint.
 ///
 /// ```text
 ///    the wafer is in the slot where all coordinates are zero; its x axis then points inward
@@ -217,7 +217,7 @@ impl Cell {
         self.slot_view(effector, slot).relative_pose(wafer)
     }
 
-    /// Frame of a slot; for an unreachable slot, with the axis of the robot.
+    /// Frame of a slot, with the axis of the arm's first joint; for an unreachable slot, with the base axis.
     fn slot_view(&self, effector: EffectorId, slot: SlotId) -> SlotFrame {
         let frame = self.stations[slot.station].slot_frame(slot.slot);
         let (center, normal) = (frame.translation.vector, frame.rotation * Vector3::z());

@@ -166,7 +166,7 @@ impl VariationInputs<'_> {
     /// r, ϑ: position of the wafer's centre and heading on the platform, r along the wafer's axes; ρ: distance of the centre from the platform's origin, at most.
     /// z: height of the platform; α: its tilt, in bounds of magnitude only; g: gravity.
     /// R: radius of the wafer; b: lever arm of friction against rotation.
-    /// d, s: drop and slope of the deflection at the reach l, with derivatives by the reach.
+    /// d, s: drop and slope of the deflection at the reach l, with derivatives with respect to the reach.
     fn accumulate(&self) -> Vec<ForceVariation> {
         let Self { scene, effector, sampled, bounds, rods, arm, tilt, droop } = *self;
         let cell = scene.cell;
@@ -191,12 +191,12 @@ impl VariationInputs<'_> {
             let [turn, _, heading_acceleration] =
                 std::array::from_fn(|k| (now.heading[k] - previous.heading[k]).abs());
             let (speed, wafer_radius) =
-                (previous.velocity.norm(), previous.place.norm() + chain.height().abs());
-            let displacement = (now.place - previous.place).norm();
+                (previous.velocity.norm(), previous.position.norm() + chain.height().abs());
+            let displacement = (now.position - previous.position).norm();
             let velocity_change = (now.velocity - previous.velocity).norm();
             if arm_moves {
                 let acceleration_change = (now.acceleration - previous.acceleration).norm();
-                let reach = (previous.place.norm() - mount_radius).abs().max(MIN_REACH);
+                let reach = (previous.position.norm() - mount_radius).abs().max(MIN_REACH);
                 let acceleration = previous.acceleration.norm();
                 let transport = acceleration * displacement
                     + speed * (4.0 * velocity_change + speed * displacement / reach);

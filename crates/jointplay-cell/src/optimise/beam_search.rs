@@ -28,7 +28,7 @@ struct State {
 }
 
 /// Hand-off with the one before it.
-struct Link {
+struct HistoryNode {
     before: Option<usize>,
     made: Move,
 }
@@ -44,7 +44,7 @@ pub(super) struct BeamSearch<'a> {
     /// Mean time of the motions to a hand-off (s).
     mean_travel: f64,
     /// Hand-offs of all states that the beam has had.
-    history: Vec<Link>,
+    history: Vec<HistoryNode>,
 }
 
 impl<'a> BeamSearch<'a> {
@@ -86,7 +86,7 @@ impl<'a> BeamSearch<'a> {
             reached.truncate(width);
             beam.clear();
             for (mut state, made) in reached {
-                self.history.push(Link { before: state.history, made });
+                self.history.push(HistoryNode { before: state.history, made });
                 state.history = Some(self.history.len() - 1);
                 beam.push(state);
             }

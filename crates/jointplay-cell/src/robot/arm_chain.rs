@@ -216,7 +216,7 @@ impl ArmChain {
         self.heading.0 + dot(&self.heading.1, arm_positions)
     }
 
-    /// Velocity of the tip by each of the arm's axes (m/m or m/rad).
+    /// Velocity of the tip per velocity of each of the arm's axes (m/m or m/rad).
     pub(super) fn tip_velocities(&self, arm_positions: &ArmVector) -> [Vector2<f64>; MAX_JOINTS] {
         let mut velocities = [Vector2::zeros(); MAX_JOINTS];
         for link_vector in self.link_vectors() {

@@ -294,7 +294,7 @@ fn check_droop(droop: &Droop, of: impl Fn(&str) -> String) -> Result<(), CellErr
         Droop::Rigid => Ok(()),
         Droop::Cantilever { stiffness, mass_per_length } => {
             positive(of("the stiffness"), *stiffness, "N m²")?;
-            in_range(of("the mass by length"), *mass_per_length, 0.0, f64::MAX, "kg/m")
+            in_range(of("the mass per length"), *mass_per_length, 0.0, f64::MAX, "kg/m")
         }
         Droop::Table { rows } => {
             let mut least = 0.0;

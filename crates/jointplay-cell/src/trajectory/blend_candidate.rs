@@ -293,7 +293,7 @@ impl BlendSample {
             let [positions, velocities, accelerations] = &self.states[motion];
             let axes = AxesMotion { positions, velocities, accelerations };
             let platform = cell.robot.platform_motion(&self.platforms[motion], &axes).ok()?;
-            let on_platform = chain.wafer_motion(&chain.arm_rates(&axes));
+            let on_platform = chain.wafer_motion(&chain.arm_states(&axes));
             let wafer =
                 cell.deflected_motion(&platform, &on_platform, chain.effector, true).ok()?;
             Some(cell.friction_demand_of(chain.effector, &wafer).utilization())

@@ -48,9 +48,9 @@ pub enum ViolationKind {
 /// Quantity of the value and limit of a violation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ViolationQuantity {
-    /// Length, or one of its derivatives by time.
+    /// Length, or one of its time derivatives.
     Length,
-    /// Angle, or one of its derivatives by time.
+    /// Angle, or one of its time derivatives.
     Angle,
     /// Specific force: force per mass (m/s²).
     SpecificForce,

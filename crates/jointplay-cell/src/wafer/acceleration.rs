@@ -34,7 +34,7 @@ impl Cell {
         let now = robot.platform(motion.positions)?;
         let platform = robot.platform_motion(&now, motion)?;
         let chain = ArmChain::new(robot, effector);
-        let on_platform = chain.wafer_motion(&chain.arm_rates(motion));
+        let on_platform = chain.wafer_motion(&chain.arm_states(motion));
         Ok(self.deflected_motion(&platform, &on_platform, effector, loaded)?)
     }
 

@@ -94,7 +94,7 @@ pub enum SagError {
 pub fn sag(wafer: &Wafer, support: &Support, gravity: f64) -> Result<Sag, SagError> {
     let poisson = checked(wafer, gravity)?;
     let a = wafer.diameter / 2.0;
-    let unit = wafer.weight_by_area(gravity) * a.powi(4) / wafer.stiffness();
+    let unit = wafer.weight_per_area(gravity) * a.powi(4) / wafer.flexural_rigidity();
     let within = |what, found: f64, max: f64| {
         if found > 0.0 && found <= max * (1.0 + TOLERANCE) {
             return Ok((found / max).min(1.0));

@@ -62,7 +62,7 @@ impl Decomposition {
         }
     }
 
-    /// Derivatives of the spanned vector by both unknowns.
+    /// Derivatives of the spanned vector with respect to both unknowns.
     #[inline]
     pub(super) fn span_change(&self, found: &PairSolution, point: &Vector2<f64>) -> SpanChange {
         let [one, other] = found.link_vectors;
@@ -134,7 +134,7 @@ impl Decomposition {
     }
 }
 
-/// Derivatives of a spanned vector by the two unknowns of a pair.
+/// Derivatives of a spanned vector with respect to the two unknowns of a pair.
 pub(super) struct SpanChange {
     /// First derivatives, by either unknown.
     pub(super) velocities: [Vector2<f64>; 2],

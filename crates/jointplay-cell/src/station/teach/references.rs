@@ -9,7 +9,7 @@ use super::plane::{FALSE_ALARM, FALSE_ALARM_QUANTILE, NO_REDUNDANCY, REDUNDANT, 
 use super::quantile::chi_square;
 
 /// Number of redundant coordinates from which on the deviations estimate an unknown noise.
-const ENOUGH_FREEDOM: usize = 3;
+const MIN_REDUNDANCY: usize = 3;
 
 /// A point whose position in the station is known, such as the centre of a wafer or a pin, and where it was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -173,7 +173,7 @@ pub fn fit_references(
     let allowed = (-2.0 * (FALSE_ALARM / count as f64).ln()).sqrt();
     let is_noisier = chi.zip(limit).is_some_and(|(found, limit)| found > limit);
     let has_outlier = noise.is_some() && freedom > 0 && largest > allowed;
-    let needed = if noise.is_some() { REDUNDANT } else { ENOUGH_FREEDOM };
+    let needed = if noise.is_some() { REDUNDANT } else { MIN_REDUNDANCY };
     let result = if worst > threshold || is_noisier || has_outlier {
         FitResult::Inconsistent
     } else if freedom >= needed {
@@ -235,7 +235,7 @@ impl ReferenceFit {
     /// Number of further reference points with which the fit can be judged.
     #[must_use]
     pub fn missing(&self) -> usize {
-        let needed = if self.noise.is_some() { REDUNDANT } else { ENOUGH_FREEDOM };
+        let needed = if self.noise.is_some() { REDUNDANT } else { MIN_REDUNDANCY };
         needed.saturating_sub(self.redundancy).div_ceil(2)
     }
 }

@@ -14,7 +14,7 @@ use super::uncertainty::FrameUncertainty;
 pub struct NominalFrame {
     /// Position of the lowest wafer, in the base frame (m).
     pub origin: Vector3<f64>,
-    /// Heading (rad).
+    /// Heading: rotation about the vertical, before the tilt (rad).
     pub yaw: f64,
     /// Unit normal, in the base frame.
     pub normal: Vector3<f64>,
