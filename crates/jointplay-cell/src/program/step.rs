@@ -96,6 +96,6 @@ pub struct Step {
     pub loaded: Vec<EffectorId>,
     /// Hand-off at the end of the step.
     pub handoff: Option<Handoff>,
-    /// Slot that the effector reaches into; at this station, the required clearances of the step are those of slots.
+    /// Slot that the effector reaches into: the step then needs the slot clearances of this station.
     pub slot: Option<SlotId>,
 }

@@ -19,8 +19,7 @@ pub enum Approach {
 
 /// A place for wafers: load port, aligner, process station.
 ///
-/// Its frame has the origin at the nominal resting position in the lowest slot: the centre of the wafer's lower face; z is normal to that face, y points inward.
-/// Wafers rest at [`offset`](Self::offset) from there.
+/// Its frame has the origin at the nominal resting position in the lowest slot, before [`offset`](Self::offset): the centre of the wafer's lower face; z is normal to that face, y points inward.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Station {
     /// Name in programs.
@@ -39,7 +38,7 @@ pub struct Station {
     pub slot_step: [f64; 2],
     /// Heights at which the effector passes below and above the resting plane, along z of the station frame (m).
     pub stroke: Stroke,
-    /// Offset of all wafers from the origin of their slots, in the station frame (m).
+    /// Offset of all resting positions, in the station frame (m): the wafer in the lowest slot rests at this offset from the origin.
     pub offset: [f64; 3],
     /// Distance of the wafer centre from the axis of the arm's first joint, in the plane of the slot, at which the arm counts as retracted for this station (m).
     pub retract_reach: f64,
