@@ -58,17 +58,23 @@ impl Station {
                 return Err(CellError::NameTwice { what, name });
             }
         }
-        self.check_retract_reach()?;
+        self.check_retract_reach(robot)?;
         self.check_tilt(robot)
     }
 
-    /// Checks that the retract distance is less than the distance of the lowest slot from the robot's axis.
+    /// Checks that the retract distance is less than the distance of the lowest slot from the first joint of each arm that serves the station, seen from above over the level platform.
     ///
     /// # Errors
-    /// [`CellError::RetractReach`]
-    pub fn check_retract_reach(&self) -> Result<(), CellError> {
+    /// [`CellError::RetractReach`]; [`CellError::NoSuchEffector`] for an effector that the robot does not have.
+    pub fn check_retract_reach(&self, robot: &HybridRobot) -> Result<(), CellError> {
         let center = self.slot_frame(1).translation.vector;
-        let (found, reach) = (self.retract_reach, center.x.hypot(center.y));
+        let mut reach = f64::INFINITY;
+        for &id in &self.effectors {
+            robot.check_effector(id)?;
+            let [x, y, _] = robot.arms[id.arm].mount;
+            reach = reach.min((center.x - x).hypot(center.y - y));
+        }
+        let found = self.retract_reach;
         if found >= reach {
             return Err(CellError::RetractReach { station: self.name.clone(), found, reach });
         }

@@ -83,7 +83,7 @@ fn deflection(facts: &mut Vec<Fact>, compensated: &CompensatedReport) {
     );
     facts.push(fact("compensated", text));
     let text = format!(
-        "{} µm and {} mrad from the slot planes; residual curvature of wafers {} µm",
+        "{} µm and {} mrad from the slot planes; residual sag of wafers {} µm",
         fixed(compensated.left_um, 3),
         fixed(compensated.left_mrad, 4),
         fixed(compensated.bent_um, 1)
@@ -105,7 +105,7 @@ fn deflection(facts: &mut Vec<Fact>, compensated: &CompensatedReport) {
         .collect();
     if !known.is_empty() {
         let text = format!(
-            "known to {} (coverage factor {}); in slot clearance and plane budget",
+            "known to {} (coverage factor {}); included in the checks of slot clearance and plane budget",
             known.join(", "),
             number(compensated.coverage_factor)
         );
