@@ -38,6 +38,7 @@ fn port(name: &str, direction: f64) -> Station {
         uncertainty: FrameUncertainty::UNKNOWN,
         slots: WAFERS,
         pitch: 0.01,
+        slot_step: [0.0; 2],
         stroke: Stroke { below: 0.003, above: 0.003, speed: 0.05 },
         offset: [0.0; 3],
         retract_reach: 0.3,

@@ -142,6 +142,15 @@ pub enum CellError {
         /// Number of points.
         points: usize,
     },
+    /// An opening that removes nothing of its box.
+    #[error("opening {index} of a box, counted from 0, has no common interior with the box")]
+    OpeningOutside {
+        /// Index of the opening.
+        index: usize,
+    },
+    /// Openings that remove the whole box.
+    #[error("the openings of a box remove all of it")]
+    NothingLeft,
     /// A station at which an arm cannot be retracted.
     #[error(
         "the retract distance of station {station} is {found} m, but has to be less than the distance of its wafer from the first joint of the arm, {reach} m"
@@ -151,7 +160,7 @@ pub enum CellError {
         station: String,
         /// Retract distance found (m).
         found: f64,
-        /// Distance of the wafer in the lowest slot from the first joint of the arm, seen from above (m).
+        /// Least distance of a wafer in a slot from the first joint of the arm, seen from above (m).
         reach: f64,
     },
     /// A station that tilts further than the platform.

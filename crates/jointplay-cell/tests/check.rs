@@ -565,6 +565,7 @@ fn get(cell: &mut Cell, pitch: f64) -> Trajectory {
         uncertainty: FrameUncertainty::UNKNOWN,
         slots: 3,
         pitch,
+        slot_step: [0.0; 2],
         stroke: Stroke { below: 0.002, above: 0.002, speed: 0.05 },
         offset: [0.0; 3],
         retract_reach: 0.3,

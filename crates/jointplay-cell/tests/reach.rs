@@ -73,7 +73,7 @@ fn retract_distances_are_measured_from_the_first_joint_of_the_arm() {
         effectors: vec![EffectorId { arm: 0, effector: 0 }],
         process_time: 0.0,
     };
-    // The arm stands 0.3 m before the base axis, then behind it.
+    // The arm is mounted 0.3 m in front of the base axis, then behind it.
     for (x, distance) in [(0.3, 0.4), (-0.3, 1.0), (0.0, 0.7)] {
         robot.arms[0].mount = [x, 0.0, 0.06];
         for (retract_reach, is_less) in [(distance - 1e-6, true), (distance + 1e-6, false)] {

@@ -45,6 +45,7 @@ fn tool(processes: &[f64], wafers: usize) -> Cell {
         uncertainty: jointplay_cell::station::teach::FrameUncertainty::UNKNOWN,
         slots,
         pitch: 0.01,
+        slot_step: [0.0; 2],
         stroke: Stroke { below: 0.002, above: 0.002, speed: 0.01 },
         offset: [0.0; 3],
         retract_reach: 0.2,

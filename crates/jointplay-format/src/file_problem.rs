@@ -1,5 +1,6 @@
 //! Errors that any TOML file can have.
 
+use crate::expression::ExpressionProblem;
 use crate::number::{counted, entries, number};
 use crate::place::{Form, listed, suggestion};
 
@@ -85,6 +86,23 @@ pub enum FileProblem {
         found: String,
         /// Greatest length.
         longest: usize,
+    },
+    /// An expression without a value.
+    #[error(transparent)]
+    Expression(#[from] ExpressionProblem),
+    /// A parameter name that expressions cannot contain.
+    #[error(
+        "no parameter can be called {found:?}: a name is letters, digits and `_`, does not start with a digit, and is not `pi`"
+    )]
+    ParameterName {
+        /// The value found.
+        found: String,
+    },
+    /// Parameters that depend on each other.
+    #[error("parameters refer to each other in a circle: {}", names.join(" → "))]
+    Cycle {
+        /// The circle; the first name is also the last.
+        names: Vec<String>,
     },
     /// Number of further errors, which are not listed.
     #[error("{} from here on", counted(*.0, "more error"))]

@@ -69,6 +69,7 @@ fn station(name: &str, azimuth: f64, tilt: Tilt, slots: usize) -> Station {
         uncertainty: FrameUncertainty::UNKNOWN,
         slots,
         pitch: 0.01,
+        slot_step: [0.0; 2],
         stroke: Stroke { below: 0.004, above: 0.003, speed: 0.02 },
         offset: [0.0; 3],
         retract_reach: 0.3,

@@ -77,6 +77,7 @@ fn cell() -> Cell {
         uncertainty: FrameUncertainty::UNKNOWN,
         slots,
         pitch: 0.01,
+        slot_step: [0.0; 2],
         stroke: Stroke { below: 0.005, above: 0.005, speed: 0.05 },
         offset: [0.0; 3],
         retract_reach: 0.3,

@@ -8,7 +8,7 @@ use super::step_findings::{StepFindings, update_peak};
 use crate::EntityId;
 use crate::collision::{PairResults, Scene, distance_tolerance};
 use crate::trajectory::Trajectory;
-use crate::violation::{Subject, Violation, ViolationInterval, ViolationKind};
+use crate::violation::{IntervalMerger, Subject, Violation, ViolationInterval, ViolationKind};
 use crate::workcell::Cell;
 
 /// Report under construction.
@@ -19,7 +19,7 @@ pub(super) struct Aggregator<'a> {
     violations: Vec<Violation>,
     /// Violations that reach to the end of their last step, and may continue in the next.
     open: BTreeMap<Subject, Open>,
-    /// Minimum distances by pair of objects.
+    /// Minimum distances by pair of entities, each by its first object.
     minima: HashMap<[usize; 2], Minimum>,
     /// Minimum of the present instruction.
     nearest: Option<([usize; 2], Minimum)>,
@@ -94,16 +94,25 @@ impl<'a> Aggregator<'a> {
                 entities_of_step(scene.cell, kind, first, second)
             });
         }
-        for interval in &distances.violations {
-            let Subject { kind, first: a, second: b } = interval.worst.subject;
-            let [a, b] = [objects[a], objects[b]];
-            let subject = Subject { kind, first: a, second: b };
-            self.add_violation(index, findings.samples, interval, subject, || {
-                [a, b].map(|object| scene.objects[object].entity).to_vec()
-            });
+        // All objects of an entity are one in the report.
+        let first_object = |object: usize| scene.first_object_of_entity(objects[object]);
+        let mut by_entity = IntervalMerger::default();
+        let of_entities = |interval: &ViolationInterval| {
+            let mut interval = interval.clone();
+            let Subject { kind, first, second } = interval.worst.subject;
+            let [first, second] = [first, second].map(first_object);
+            interval.worst.subject = Subject { kind, first, second };
+            interval
+        };
+        by_entity.join(distances.violations.iter().map(of_entities).collect(), 0);
+        for interval in by_entity.into_intervals() {
+            let subject = interval.worst.subject;
+            let entities = [subject.first, subject.second].map(|it| scene.objects[it].entity);
+            let entities = || entities.to_vec();
+            self.add_violation(index, findings.samples, &interval, subject, entities);
         }
         for minimum in &distances.minima {
-            let mut pair = minimum.objects.map(|object| objects[object]);
+            let mut pair = minimum.objects.map(first_object);
             pair.sort_unstable();
             let (distance, time) = (minimum.distance, start + minimum.time);
             let here = Minimum { distance, time, step: index };

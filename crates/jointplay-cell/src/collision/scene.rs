@@ -49,8 +49,9 @@ impl<'a> Scene<'a> {
                 }
                 ParentFrame::Link { arm, link } => vec![Parent::Link { arm, link }],
             };
+            // So has a body of several boxes: one for each of them.
             for parent in parents {
-                if let Some(collider) = cache.get(&body.shape, &body.parent_from_shape) {
+                for collider in cache.get_convex(&body.shape, &body.parent_from_shape) {
                     let (entity, role) = (EntityId::Body(index), Role::Body(index));
                     objects.push(CollisionObject::new(entity, collider, parent, role, cache));
                 }
@@ -58,19 +59,19 @@ impl<'a> Scene<'a> {
         }
         let mut safe_zones = Vec::new();
         for (index, zone) in cell.zones.iter().enumerate() {
-            let Some(collider) = cache.get(&zone.shape, &zone.base_from_shape) else { continue };
+            let (shape, pose) = (&zone.shape, &zone.base_from_shape);
             match zone.rule {
                 ZoneRule::KeepOut => {
                     let (entity, role) = (EntityId::Zone(index), Role::KeepOut);
-                    objects.push(CollisionObject::new(
-                        entity,
-                        collider,
-                        Parent::World,
-                        role,
-                        cache,
-                    ));
+                    for collider in cache.get_convex(shape, pose) {
+                        let object =
+                            CollisionObject::new(entity, collider, Parent::World, role, cache);
+                        objects.push(object);
+                    }
                 }
-                ZoneRule::Safe => safe_zones.push((index, collider.collider)),
+                ZoneRule::Safe => {
+                    safe_zones.extend(cache.get(shape, pose).map(|it| (index, it.collider)));
+                }
             }
         }
         // The lower face of a wafer is in the xy plane of its frame.
@@ -208,6 +209,13 @@ impl<'a> Scene<'a> {
     /// Index of the last link of an arm.
     pub(super) fn last_link(&self, arm: usize) -> usize {
         self.cell.robot.arms[arm].joints.len() - 1
+    }
+
+    /// Index of the first object of an object's entity; the objects of an entity follow each other.
+    pub(crate) fn first_object_of_entity(&self, object: usize) -> usize {
+        let entity = self.objects[object].entity;
+        let before = self.objects[..object].iter().rev();
+        object - before.take_while(|one| one.entity == entity).count()
     }
 
     /// Index of the wafer that an effector holds.

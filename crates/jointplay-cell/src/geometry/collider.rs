@@ -6,7 +6,7 @@ use parry3d_f64::math::{Mat3, Pose3, Rot3, Vector};
 use parry3d_f64::shape::SharedShape;
 
 use super::interval::Interval;
-use super::shape::Shape;
+use super::shape::{AxisAlignedBox, Shape};
 
 /// Shape in the frame of the body that it is attached to, with its bounding sphere.
 #[derive(Clone)]
@@ -49,6 +49,7 @@ pub(super) fn posed(pose: &Pose) -> Pose3 {
 impl Collider {
     /// Collider of a shape; `None` where the shape has no points.
     ///
+    /// Unions of boxes are compounds of the library, whose distances are less exact than those between single boxes: see [`ColliderCache::get_convex`](super::ColliderCache::get_convex).
     /// Points in one plane and meshes without triangles are replaced by their bounding box, which contains them.
     pub(crate) fn new(shape: &Shape, parent_from_shape: &Pose) -> Option<Self> {
         // The axis of the library's cylinders is y.
@@ -62,6 +63,18 @@ impl Collider {
                 SharedShape::cuboid(half[0], half[1], half[2]),
                 SupportExtent::Box { center: [0.0; 3], half: *half },
             ),
+            Shape::Boxes { boxes } => {
+                let corners: Vec<[f64; 3]> =
+                    boxes.iter().flat_map(|one| [one.min, one.max]).collect();
+                let (center, half) = bounds(&corners)?;
+                let part = |one: &AxisAlignedBox| {
+                    let [x, y, z] = one.half();
+                    let at = Pose3::from_parts(vector(&one.center()), Rot3::IDENTITY);
+                    (at, SharedShape::cuboid(x, y, z))
+                };
+                let parts = SharedShape::compound(boxes.iter().map(part).collect());
+                (parts, SupportExtent::Box { center, half })
+            }
             Shape::Cylinder { radius, half_height } => {
                 placed *= upright;
                 (

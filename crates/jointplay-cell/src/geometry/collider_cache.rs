@@ -3,9 +3,10 @@
 use std::convert::Infallible;
 
 use jointplay_core::spatial::Pose;
+use nalgebra::Translation3;
 
 use super::collider::Collider;
-use super::shape::Shape;
+use super::shape::{AxisAlignedBox, Shape};
 use crate::incremental::{CacheKey, GenerationalCache};
 
 /// Colliders of the last check, each with its own number; so have the poses of fixed colliders.
@@ -44,6 +45,22 @@ impl ColliderCache {
             .colliders
             .get_or_compute(CacheKey::default().with(parent_from_shape).with(shape), compute);
         Some(CachedCollider { number: found.0, collider: found.1.clone()? })
+    }
+
+    /// Numbers and colliders of the convex parts of a shape: of each box of a union; other shapes are one part.
+    pub(crate) fn get_convex(
+        &mut self,
+        shape: &Shape,
+        parent_from_shape: &Pose,
+    ) -> Vec<CachedCollider> {
+        let Shape::Boxes { boxes } = shape else {
+            return self.get(shape, parent_from_shape).into_iter().collect();
+        };
+        let part = |one: &AxisAlignedBox| {
+            let placed = parent_from_shape * Translation3::from(one.center());
+            self.get(&Shape::Box { half: one.half() }, &placed)
+        };
+        boxes.iter().filter_map(part).collect()
     }
 
     /// Number of a collider at a fixed pose.

@@ -3,6 +3,7 @@
 //! | file | contents |
 //! | --- | --- |
 //! | `shape` | shapes of collision objects |
+//! | `openings` | boxes with openings, as unions of boxes |
 //! | `triangulate` | shapes as triangles, for display and export |
 //! | `interval` | intervals of coordinates, of which axis-aligned boxes are made |
 //! | `collider` | shapes as the collision library takes them, with bounding spheres |
@@ -17,6 +18,7 @@ mod collider;
 mod collider_cache;
 mod distance;
 mod interval;
+mod openings;
 mod shape;
 mod triangulate;
 mod validate;
@@ -27,5 +29,6 @@ pub(crate) use distance::{
     bounding_sphere_gap, distance, penetration_depth, separation, separation_along, signed_distance,
 };
 pub(crate) use interval::Interval;
-pub use shape::Shape;
+pub use openings::{MAX_OPENINGS, box_with_openings};
+pub use shape::{AxisAlignedBox, Shape};
 pub use triangulate::Surface;

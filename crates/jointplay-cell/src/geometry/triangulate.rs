@@ -19,7 +19,7 @@ pub struct Surface {
 }
 
 impl Shape {
-    /// Triangulated surface; circles are polygons with 32 vertices, and points in one plane have no surface.
+    /// Triangulated surface; each box of a union has a surface of its own, circles are polygons with 32 vertices, and points in one plane have no surface.
     #[must_use]
     pub fn surface(&self) -> Surface {
         let surface_of = |(vertices, triangles): (Vec<Vector>, Vec<[u32; 3]>)| Surface {
@@ -28,6 +28,20 @@ impl Shape {
         };
         match self {
             Self::Box { half } => surface_of(Cuboid::new(Vector::from(*half)).to_trimesh()),
+            Self::Boxes { boxes } => {
+                let mut surface = Surface::default();
+                for one in boxes {
+                    let center = one.center();
+                    let part = Self::Box { half: one.half() }.surface();
+                    let first = surface.vertices.len() as u32;
+                    let shifted =
+                        part.vertices.iter().map(|at| [0, 1, 2].map(|k| at[k] + center[k]));
+                    surface.vertices.extend(shifted);
+                    let corners = part.triangles.iter().map(|corners| corners.map(|k| first + k));
+                    surface.triangles.extend(corners);
+                }
+                surface
+            }
             Self::Cylinder { radius, half_height } => {
                 let mut surface =
                     surface_of(Cylinder::new(*half_height, *radius).to_trimesh(CIRCLE_VERTICES));
@@ -52,6 +66,7 @@ impl Shape {
 
 #[cfg(test)]
 mod tests {
+    use super::super::shape::AxisAlignedBox;
     use super::*;
 
     /// Volume within a closed surface whose triangles run counter-clockwise seen from outside (m³).
@@ -70,6 +85,9 @@ mod tests {
     fn surfaces_are_closed_and_face_outward() {
         let pi = std::f64::consts::PI;
         check(&Shape::Box { half: [0.1, 0.2, 0.3] }, 0.048);
+        let slabs =
+            [0.0, 1.0].map(|x| AxisAlignedBox { min: [x, 0.0, 0.0], max: [x + 1.0, 2.0, 3.0] });
+        check(&Shape::Boxes { boxes: slabs.to_vec() }, 12.0);
         check(&Shape::Cylinder { radius: 0.2, half_height: 0.05 }, pi * 0.04 * 0.1);
         let capsule = Shape::Capsule { ends: [[1.0, 0.0, 0.0], [1.0, 0.0, 0.5]], radius: 0.1 };
         check(&capsule, pi * 0.01 * (0.5 + 4.0 / 3.0 * 0.1));

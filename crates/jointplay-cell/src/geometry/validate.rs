@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::shape::Shape;
 use crate::CellError;
-use crate::conditions::{MAX_LENGTH, in_range, index, lengths, positive};
+use crate::conditions::{MAX_LENGTH, count, in_range, index, lengths, positive};
 
 /// Fraction of its length and width below which the depth of a point set is flat.
 const MIN_RELATIVE_DEPTH: f64 = 1e-6;
@@ -22,6 +22,16 @@ impl Shape {
         match self {
             Self::Box { half } => {
                 half.iter().try_for_each(|&half| size("half of a box's edge length", half))
+            }
+            Self::Boxes { boxes } => {
+                count("the boxes of a union", boxes.len(), 1, usize::MAX)?;
+                boxes.iter().try_for_each(|one| {
+                    lengths("a corner of a box", &one.min)?;
+                    lengths("a corner of a box", &one.max)?;
+                    one.half()
+                        .iter()
+                        .try_for_each(|&half| size("half of a box's edge length", half))
+                })
             }
             Self::Cylinder { radius, half_height } => {
                 size("the radius of a cylinder", *radius)?;

@@ -20,6 +20,7 @@ impl CacheKeyPart for Station {
             uncertainty: _,
             slots,
             pitch,
+            slot_step,
             stroke,
             offset,
             retract_reach,
@@ -29,7 +30,7 @@ impl CacheKeyPart for Station {
             process_time,
         } = self;
         let Stroke { below, above, speed } = stroke;
-        key.add(name).add(base_from_station).add(slots).add(pitch);
+        key.add(name).add(base_from_station).add(slots).add(pitch).add(slot_step);
         key.add(below).add(above).add(speed).add(offset).add(retract_reach).add(via);
         key.add(&match approach {
             Approach::Radial => 0_u64,

@@ -34,6 +34,8 @@ pub struct Station {
     pub slots: usize,
     /// Distance between slots along z of the station frame (m); without meaning for one slot.
     pub pitch: f64,
+    /// Displacement of each slot against the slot below, along x and y of the station frame, in addition to the pitch (m).
+    pub slot_step: [f64; 2],
     /// Heights at which the effector passes below and above the resting plane, along z of the station frame (m).
     pub stroke: Stroke,
     /// Offset of the wafer in the station frame (m).

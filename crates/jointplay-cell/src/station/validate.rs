@@ -36,6 +36,7 @@ impl Station {
         }
         not_negative(of("pitch"), self.pitch, "m")?;
         lengths(&of("pitch"), &[self.pitch])?;
+        lengths(&of("step between slots"), &self.slot_step)?;
         for (what, value, unit) in [
             ("stroke below the wafer", self.stroke.below, "m"),
             ("stroke above the wafer", self.stroke.above, "m"),
@@ -62,17 +63,20 @@ impl Station {
         self.check_tilt(robot)
     }
 
-    /// Checks that the retract distance is less than the distance of the lowest slot from the first joint of each arm that serves the station, seen from above over the level platform.
+    /// Checks that the retract distance is less than the distance of every slot from the first joint of each arm that serves the station, seen from above over the level platform.
     ///
     /// # Errors
     /// [`CellError::RetractReach`]; [`CellError::NoSuchEffector`] for an effector that the robot does not have.
     pub fn check_retract_reach(&self, robot: &HybridRobot) -> Result<(), CellError> {
-        let center = self.slot_frame(1).translation.vector;
         let mut reach = f64::INFINITY;
         for &id in &self.effectors {
             robot.check_effector(id)?;
             let [x, y, _] = robot.arms[id.arm].mount;
-            reach = reach.min((center.x - x).hypot(center.y - y));
+            // The slots of a tilted station, or of one whose slots are displaced, are at different distances.
+            for slot in 1..=self.slots {
+                let center = self.slot_frame(slot).translation.vector;
+                reach = reach.min((center.x - x).hypot(center.y - y));
+            }
         }
         let found = self.retract_reach;
         if found >= reach {

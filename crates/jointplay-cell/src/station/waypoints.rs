@@ -52,8 +52,8 @@ impl Station {
     /// Resting position of the wafer in a slot, counted from 1, in the station frame (m).
     #[must_use]
     pub fn slot_position(&self, slot: usize) -> Vector3<f64> {
-        let above = self.pitch * (slot as f64 - 1.0);
-        Vector3::from(self.offset) + Vector3::new(0.0, 0.0, above)
+        let [x, y] = self.slot_step;
+        Vector3::from(self.offset) + Vector3::new(x, y, self.pitch) * (slot as f64 - 1.0)
     }
 
     /// Waypoints for a slot, counted from 1.
@@ -215,6 +215,7 @@ mod tests {
             uncertainty: FrameUncertainty::UNKNOWN,
             slots: 25,
             pitch: 0.01,
+            slot_step: [0.0; 2],
             stroke: Stroke { below: 0.004, above: 0.003, speed: 0.02 },
             offset: [0.001, 0.0, 0.0],
             retract_reach,

@@ -93,7 +93,7 @@ impl IntervalMerger {
         });
     }
 
-    /// Adds the intervals of the next window, whose first sample is the last of the window before.
+    /// Adds intervals in the order of their first samples, such as those of the next window, whose first sample is the last of the window before.
     ///
     /// # Arguments
     /// * `first` – number of that sample in the step
@@ -104,7 +104,8 @@ impl IntervalMerger {
             let open = self.0.iter_mut().rev().find(|open| open.worst.subject == subject);
             match open.filter(|open| open.last + 1 >= interval.first) {
                 Some(open) => {
-                    (open.end, open.last) = (interval.end, interval.last);
+                    (open.end, open.last) =
+                        (open.end.max(interval.end), open.last.max(interval.last));
                     if interval.worst.severity > open.worst.severity {
                         (open.worst, open.worst_time) = (interval.worst, interval.worst_time);
                     }

@@ -2,17 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use jointplay_cell::geometry::Shape;
-use jointplay_cell::robot::HybridRobot;
-use jointplay_cell::station::Station;
-use jointplay_cell::station::teach::frame;
+use jointplay_cell::geometry::{AxisAlignedBox, Shape, box_with_openings};
 use jointplay_cell::workcell::{Body, ParentFrame, Zone, ZoneRule};
 use jointplay_cell::{CellError, MAX_BODIES};
-use jointplay_core::spatial::{Pose, Tilt};
 
+use super::explain::explain;
 use super::files::Files;
+use super::frames::{Parents, Placement, names_of};
 use super::mesh;
-use super::pose::{points, yaw_and_tilt};
+use super::pose::points;
 use super::problem::Fault;
 use super::tree::{AllowedRange, Entry, Table};
 use super::unique::unique;
@@ -20,13 +18,7 @@ use crate::file_problem::FileProblem;
 use crate::units::m_from_mm;
 
 /// All bodies.
-pub(super) fn bodies(
-    top: &Table,
-    robot: Option<&HybridRobot>,
-    stations: &[Station],
-    files: &mut Files,
-) -> Vec<Body> {
-    let station_names = names_of(top, "station");
+pub(super) fn bodies(top: &Table, parents: &Parents, files: &mut Files) -> Vec<Body> {
     let mut names = BTreeMap::new();
     let mut bodies = Vec::new();
     for mut table in few(top, "body") {
@@ -35,20 +27,18 @@ pub(super) fn bodies(
             table.whose = format!("the body {name:?}");
             unique(&table, "body", name, &mut names);
         }
-        let carried = parent(&table, robot, (stations, &station_names));
-        let pose = pose(&table);
+        let placement = parents.placement(&table);
         let shape = shape(&table, files);
         table.finish();
-        let (Some(name), Some(carried), Some(shape)) = (name, carried, shape) else { continue };
-        let (parent, station) = carried;
-        let frame = station.map_or(Pose::identity(), |found| stations[found].base_from_station);
-        bodies.push(Body { name, parent, parent_from_shape: frame * pose, shape, station });
+        let (Some(name), Some(placement), Some(shape)) = (name, placement, shape) else { continue };
+        let Placement { parent, parent_from_frame, station } = placement;
+        bodies.push(Body { name, parent, parent_from_shape: parent_from_frame, shape, station });
     }
     bodies
 }
 
 /// All zones.
-pub(super) fn zones(top: &Table, files: &mut Files) -> Vec<Zone> {
+pub(super) fn zones(top: &Table, parents: &Parents, files: &mut Files) -> Vec<Zone> {
     let mut names = BTreeMap::new();
     let mut zones = Vec::new();
     for mut table in few(top, "zone") {
@@ -59,19 +49,25 @@ pub(super) fn zones(top: &Table, files: &mut Files) -> Vec<Zone> {
         }
         let known = [("keep-out", ZoneRule::KeepOut), ("safe", ZoneRule::Safe)];
         let rule = table.needed("rule").and_then(|rule| rule.word(table.reader, "rule", &known));
-        let base_from_shape = pose(&table);
+        let placement = parents.placement(&table);
         let shape = shape(&table, files);
         table.finish();
         let (Some(name), Some(rule), Some(shape)) = (name, rule, shape) else { continue };
+        let Some(placement) = placement else { continue };
+        if placement.parent != ParentFrame::World {
+            let why = "a zone is fixed: `on` has to be \"world\", a station, or a fixed frame";
+            table.report_at("on", Fault::Unfit(why.to_owned()));
+            continue;
+        }
+        let base_from_shape = placement.parent_from_frame;
+        if rule == ZoneRule::Safe && matches!(shape, Shape::Boxes { .. }) {
+            let why = "a safe zone has no openings: describe what it excludes by a keep-out zone";
+            table.report_at("box", Fault::Unfit(why.to_owned()));
+            continue;
+        }
         zones.push(Zone { name, rule, base_from_shape, shape });
     }
     zones
-}
-
-/// The names in all tables of a key, including tables with errors.
-fn names_of(top: &Table, key: &'static str) -> Vec<String> {
-    let name_of = |table: Table| Some(table.entry("name")?.value.get_ref().as_str()?.to_owned());
-    top.tables(key).into_iter().filter_map(name_of).collect()
 }
 
 fn few<'r, 'a>(top: &Table<'r, 'a>, key: &'static str) -> Vec<Table<'r, 'a>> {
@@ -109,56 +105,6 @@ pub(super) fn pairs(top: &Table, bodies: &[Body]) -> Vec<[usize; 2]> {
     entry.list(reader).unwrap_or_default().into_iter().filter_map(pair).collect()
 }
 
-/// The parent of a body, and the station in whose frame its pose is given.
-fn parent(
-    table: &Table,
-    robot: Option<&HybridRobot>,
-    (stations, names): (&[Station], &[String]),
-) -> Option<(ParentFrame, Option<usize>)> {
-    let reader = table.reader;
-    let Some(entry) = table.entry("on") else { return Some((ParentFrame::World, None)) };
-    if entry.is_text() {
-        let known = [("world", ParentFrame::World), ("platform", ParentFrame::Platform)];
-        return Some((entry.word(reader, "parent", &known)?, None));
-    }
-    let on = entry.table(reader, "a parent")?;
-    let (station, arm, link) = (on.entry("station"), on.entry("arm"), on.entry("link"));
-    on.finish();
-    let (name, link) = match (station, arm, link) {
-        (Some(station), None, None) => {
-            let name = station.text(reader)?;
-            let Some(found) = stations.iter().position(|known| known.name == name) else {
-                // A station with errors was reported already.
-                if !names.iter().any(|known| known == name) {
-                    station.unknown(reader, "station", name, names);
-                }
-                return None;
-            };
-            return Some((ParentFrame::World, Some(found)));
-        }
-        (None, Some(arm), Some(link)) => (arm, link),
-        _ => {
-            let needed = "\"world\", \"platform\", { station = … } or { arm = …, link = … }";
-            entry.type_error(reader, needed);
-            return None;
-        }
-    };
-    let (arm, robot) = (name.text(reader)?, robot?);
-    let Some(index) = robot.arms.iter().position(|known| known.name == arm) else {
-        let names: Vec<String> = robot.arms.iter().map(|arm| arm.name.clone()).collect();
-        name.unknown(reader, "arm", arm, &names);
-        return None;
-    };
-    let link = link.count(reader, 1, robot.arms[index].joints.len())? - 1;
-    Some((ParentFrame::Link { arm: index, link }, None))
-}
-
-fn pose(table: &Table) -> Pose {
-    let position = table.entry("position_mm").and_then(|entry| entry.point(table.reader));
-    let (yaw, tilt) = yaw_and_tilt(table);
-    frame(position.unwrap_or_default(), &tilt.unwrap_or(Tilt::LEVEL).normal(), yaw)
-}
-
 /// Exactly one of the shapes.
 fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     let reader = table.reader;
@@ -178,10 +124,7 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     };
     let inner = entry.table(reader, format!("a {}", entry.key))?;
     let shape = match entry.key {
-        "box" => inner
-            .needed("size_mm")
-            .and_then(|size| size.numbers::<3, _>(reader, AllowedRange::Positive))
-            .map(|size| Shape::Box { half: size.map(|side| m_from_mm(side) / 2.0) }),
+        "box" => solid_box(&inner),
         "cylinder" => {
             let radius = inner.length("radius_mm", AllowedRange::Positive);
             let height = inner.length("height_mm", AllowedRange::Positive);
@@ -211,4 +154,51 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     };
     inner.finish();
     shape
+}
+
+/// A box, with its openings removed.
+fn solid_box(table: &Table) -> Option<Shape> {
+    let reader = table.reader;
+    let size = |table: &Table| {
+        let size = table.needed("size_mm")?.numbers::<3, _>(reader, AllowedRange::Positive)?;
+        Some(size.map(m_from_mm))
+    };
+    let outer = size(table);
+    let Some(listed) = table.entry("openings") else {
+        return Some(Shape::Box { half: outer?.map(|side| side / 2.0) });
+    };
+    let listed = listed.list(reader)?;
+    let opening = |entry: &Entry| {
+        let opening = entry.table(reader, "an opening")?;
+        let center = opening
+            .entry("position_mm")
+            .map_or(Some([0.0; 3]), |position| position.point(reader).map(<[f64; 3]>::from));
+        let size = size(&opening);
+        opening.finish();
+        Some(centered(center?, size?))
+    };
+    let openings: Vec<_> = listed.iter().map(opening).collect();
+    let openings: Vec<_> = openings.into_iter().collect::<Option<_>>()?;
+    let error = match box_with_openings(&centered([0.0; 3], outer?), &openings) {
+        Ok(boxes) => return Some(Shape::Boxes { boxes }),
+        Err(error) => error,
+    };
+    if let CellError::OpeningOutside { index } = error {
+        let why = format!(
+            "opening {} has no common interior with the box: its `position_mm` is that of its centre from the centre of the box",
+            index + 1
+        );
+        listed[index].report(reader, Fault::Unfit(why));
+    } else {
+        table.report_at("openings", Fault::Unfit(explain(&error)));
+    }
+    None
+}
+
+/// A box by centre and size (m).
+fn centered(center: [f64; 3], size: [f64; 3]) -> AxisAlignedBox {
+    AxisAlignedBox {
+        min: std::array::from_fn(|k| center[k] - size[k] / 2.0),
+        max: std::array::from_fn(|k| center[k] + size[k] / 2.0),
+    }
 }

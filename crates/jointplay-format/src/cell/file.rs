@@ -1,5 +1,6 @@
 //! From text to a cell.
 
+use std::cell::OnceCell;
 use std::ops::Range;
 
 use jointplay_cell::displacement::Tolerances;
@@ -8,17 +9,22 @@ use jointplay_cell::station::{DwellLimits, SlotId, WaferRules};
 use jointplay_cell::wafer::{Material, Wafer, check_thin_plate};
 use jointplay_cell::workcell::Cell;
 use jointplay_cell::{CellError, CellPart, InvalidPart, MAX_COVERAGE_FACTOR};
+use toml::de::DeTable;
 
 use super::effectors::{Effectors, effectors, named_effectors};
+use super::expansion::{self, Library};
 use super::explain::explain;
 use super::files::{Files, read_named_file};
+use super::frames::Parents;
 use super::problem::{Errors, Fault};
 use super::rules::visits;
 use super::stations::Dwell;
 use super::tree::{AllowedRange, Entry, Reader, Table};
 use super::{bodies, robot, stations};
 use crate::catalogue;
+use crate::expression::AngleUnit;
 use crate::number::number;
+use crate::toml_reader::parameters::{self, Parameters};
 
 /// Longer texts are refused unread.
 pub const MAX_BYTES: usize = 1_000_000;
@@ -46,13 +52,58 @@ const MATERIALS: [(&str, [f64; 3]); 2] =
 /// # Errors
 /// All errors with their places: malformed TOML; missing or unknown keys; values of another type; unknown names; files that cannot be read; values that contradict each other.
 pub fn read(text: &str, files: &mut Files) -> Result<Cell, Errors> {
+    read_with(text, &[], files)
+}
+
+/// Reads a cell file with other values for some of its parameters, for example for a sweep.
+///
+/// # Arguments
+/// * `replaced` – names of parameters of the file, and their values in the units of the file
+/// * `files` – as for [`read`]
+///
+/// # Errors
+/// As [`read`]; a name that is no parameter of the file is an error at its start.
+pub fn read_with(
+    text: &str,
+    replaced: &[(String, f64)],
+    files: &mut Files,
+) -> Result<Cell, Errors> {
+    whole(text, replaced, files, |_, _| ()).map(|(cell, ())| cell)
+}
+
+/// The text of a cell file without parameters, templates, patterns and parts: [`read`] returns the same cell for both.
+///
+/// Comments are not included.
+///
+/// # Arguments
+/// * `replaced`, `files` – as for [`read_with`]
+///
+/// # Errors
+/// As [`read_with`].
+pub fn expand(text: &str, replaced: &[(String, f64)], files: &mut Files) -> Result<String, Errors> {
+    whole(text, replaced, files, expansion::print).map(|(_, text)| text)
+}
+
+/// The cell, and a result from its expanded document.
+fn whole<T>(
+    text: &str,
+    replaced: &[(String, f64)],
+    files: &mut Files,
+    result: impl for<'a> FnOnce(&DeTable<'a>, &Reader<'a>) -> T,
+) -> Result<(Cell, T), Errors> {
+    let library = OnceCell::new();
     let reader = Reader::new(text);
     if !reader.has_at_most(MAX_BYTES) {
         return reader.done(None);
     }
     let document = reader.parse();
     let top = Table::new(&reader, "a cell", document.get_ref(), 0..0);
-    let cell = whole(&top, files);
+    let Parameters { scope, .. } = parameters::resolve(&top, replaced, AngleUnit::Degree);
+    reader.set_scope(0, scope);
+    let library = library.get_or_init(|| Library::load(document.get_ref(), files));
+    let expanded = expansion::expand(&reader, document.get_ref(), library);
+    let top = Table::new(&reader, "a cell", &expanded, 0..0);
+    let cell = contents(&top, files);
     top.finish();
     // Values that can be read one by one may still be invalid together.
     if reader.is_clean()
@@ -62,7 +113,9 @@ pub fn read(text: &str, files: &mut Files) -> Result<Cell, Errors> {
             reader.report(span_of(&top, part), Fault::Unfit(explain(&error)));
         }
     }
-    reader.done(cell)
+    let result = reader.is_clean().then(|| result(&expanded, &reader));
+    drop(top);
+    reader.done(cell.zip(result))
 }
 
 /// Location of a part of a cell.
@@ -84,7 +137,7 @@ fn span_of(top: &Table, part: CellPart) -> Range<usize> {
     found.unwrap_or(0..0)
 }
 
-fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
+fn contents(top: &Table, files: &mut Files) -> Option<Cell> {
     let reader = top.reader;
     let kind = top.needed("kind").and_then(|kind| kind.word(reader, "kind", &[("cell", ())]));
     let name = top.needed("name").and_then(|name| name.line(reader)).map(str::to_owned);
@@ -117,9 +170,10 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
     let (stations, occupied): (Vec<_>, Vec<Vec<usize>>) =
         read.into_iter().map(|read| (read.station, read.wafers)).unzip();
     let rules = WaferRules { dwell, visits: visits(top, &stations) };
-    let bodies = bodies::bodies(top, robot.as_ref(), &stations, files);
+    let parents = Parents::read(top, robot.as_ref(), effectors.as_ref(), &stations);
+    let bodies = bodies::bodies(top, &parents, files);
     let allowed_pairs = bodies::pairs(top, &bodies);
-    let zones = bodies::zones(top, files);
+    let zones = bodies::zones(top, &parents, files);
     let loaded_effectors = loaded_effectors(top, effectors.as_ref());
     kind?;
     let occupied = occupied

@@ -5,10 +5,12 @@
 mod bodies;
 mod edit;
 mod effectors;
+mod expansion;
 pub mod explain;
 pub mod explain_trajectory;
 mod file;
 mod files;
+mod frames;
 mod mesh;
 mod pose;
 mod problem;
@@ -20,7 +22,8 @@ mod tree;
 mod unique;
 
 pub use edit::{Change, TaughtNoise, note_station, set_station};
-pub use file::{MAX_BYTES, read};
+pub use expansion::{Part, PartParameter, parts};
+pub use file::{MAX_BYTES, expand, read, read_with};
 pub use files::Files;
 pub use mesh::{MAX_MESH_BYTES, MAX_TRIANGLES};
 pub use problem::{Errors, Fault, Problem};

@@ -23,6 +23,29 @@ use crate::units::{deg, m_from_mm, mm, shift};
 /// Largest relative deviation of the pitch between the first and the last slot.
 const PITCH_SHARE: f64 = 0.01;
 
+/// Keys of a station, without its name.
+pub(super) const STATION_KEYS: [&str; 19] = [
+    "slots",
+    "pitch_mm",
+    "slot_step_mm",
+    "position_mm",
+    "yaw_deg",
+    "tilt",
+    "taught",
+    "drift",
+    "uncertainty",
+    "offset_mm",
+    "retract_mm",
+    "via_mm",
+    "approach",
+    "effectors",
+    "stroke",
+    "process_s",
+    "min_process_s",
+    "max_dwell_s",
+    "wafers",
+];
+
 /// A station with its occupied slots and the limits of stays.
 pub(super) struct ReadStation {
     pub(super) station: Station,
@@ -73,6 +96,9 @@ fn station(
     let slots = table.entry("slots").map_or(Some(1), |slots| slots.count(reader, 1, MAX_SLOTS));
     let pitch =
         table.entry("pitch_mm").and_then(|pitch| pitch.number(reader, AllowedRange::Positive));
+    let step = table.entry("slot_step_mm").map_or(Some([0.0; 2]), |step| {
+        step.numbers::<2, _>(reader, AllowedRange::Any).map(|step| step.map(m_from_mm))
+    });
     let placed = place(table, slots.unwrap_or(1), pitch.map(m_from_mm), sensors);
     let stated = taught::stated_uncertainty(table);
     let offset = table.entry("offset_mm").and_then(|offset| offset.point(reader));
@@ -107,6 +133,7 @@ fn station(
         uncertainty: uncertainty.or_stated(&stated),
         slots: slots?,
         pitch,
+        slot_step: step?,
         stroke: stroke?,
         offset: offset.unwrap_or_default().into(),
         retract_reach: retract_reach?,

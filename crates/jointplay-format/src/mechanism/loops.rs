@@ -7,11 +7,11 @@ use toml::de::DeValue;
 
 use super::header::{MAX_BYTES, has_other_kind, units};
 use super::joint::{Links, joint};
-use super::parameters;
 use super::problem::{Errors, Problem};
 use super::read::{FALLBACK_UNITS, joint_tables};
 use super::tree::{Entry, Reader, Table};
 use super::values::Values;
+use crate::toml_reader::parameters;
 
 /// The `kind` of a loop closure file.
 const KIND: &str = "loops";

@@ -28,7 +28,6 @@ mod joint;
 mod kind;
 mod loops;
 mod names;
-mod parameters;
 mod problem;
 mod read;
 mod tree;

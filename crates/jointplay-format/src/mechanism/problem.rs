@@ -2,7 +2,6 @@
 
 use jointplay_core::mechanism::MechanismError;
 
-use crate::expression::ExpressionProblem;
 use crate::file_problem::FileProblem;
 use crate::number::{counted, number};
 
@@ -19,9 +18,6 @@ pub enum Problem {
     /// An error that every file can have.
     #[error(transparent)]
     Common(#[from] FileProblem),
-    /// An expression without a value.
-    #[error(transparent)]
-    Expression(#[from] ExpressionProblem),
     /// Links and joints that make no mechanism.
     #[error(transparent)]
     Mechanism(#[from] MechanismError),
@@ -40,20 +36,6 @@ pub enum Problem {
     JointName {
         /// The value found.
         found: String,
-    },
-    /// A parameter name that expressions cannot contain.
-    #[error(
-        "no parameter can be called {found:?}: a name is letters, digits and `_`, does not start with a digit, and is not `pi`"
-    )]
-    ParameterName {
-        /// The value found.
-        found: String,
-    },
-    /// Parameters that depend on each other.
-    #[error("parameters refer to each other in a circle: {}", names.join(" → "))]
-    Cycle {
-        /// The circle; the first name is also the last.
-        names: Vec<String>,
     },
     /// A direction of length zero.
     #[error("`{key}` is a direction, but all its numbers are 0")]

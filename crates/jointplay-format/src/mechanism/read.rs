@@ -7,13 +7,13 @@ use jointplay_core::mechanism::{Joint, Mechanism, MechanismError};
 use super::header::{MAX_BYTES, has_other_kind, units};
 use super::joint::{Links, joint};
 use super::names::{printable_name, prose};
-use super::parameters::{self, Parameters};
 use super::problem::{Errors, Problem};
 use super::tree::{Entry, Reader, Table};
 use super::values::{LengthUnit, Units, Values};
 use super::virtual_joint::{Joints, virtual_joint};
 use crate::expression::AngleUnit;
 use crate::file_problem::FileProblem;
+use crate::toml_reader::parameters::{self, Parameters};
 
 /// A mechanism as read.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,14 +1,12 @@
 //! Numbers, lengths, angles and directions of a file, in SI units.
 
-use std::ops::Range;
-
 use jointplay_core::mechanism::joint::Coordinate;
 use nalgebra::{Unit, Vector3};
 use toml::de::DeValue;
 
 use super::problem::Problem;
 use super::tree::{AllowedRange, Entry, Reader, Table};
-use crate::expression::{AngleUnit, ExpressionError, Formula, Scope};
+use crate::expression::{AngleUnit, Scope};
 use crate::file_problem::FileProblem;
 use crate::number::number;
 use crate::units::shift;
@@ -93,8 +91,8 @@ impl Values<'_, '_> {
     pub(super) fn number(&self, entry: &Entry) -> Option<f64> {
         match entry.value.get_ref() {
             DeValue::String(source) => {
-                let formula = parse_formula(self.reader, entry, source, self.units.angle)?;
-                let value = evaluate(self.reader, entry, source, &formula, &self.scope)?;
+                let formula = entry.formula(self.reader, source, self.units.angle)?;
+                let value = entry.evaluate(self.reader, source, &formula, &self.scope)?;
                 entry.within(self.reader, value, AllowedRange::Any)
             }
             DeValue::Integer(_) | DeValue::Float(_) => entry.number(self.reader, AllowedRange::Any),
@@ -183,50 +181,4 @@ impl Values<'_, '_> {
         // Divided first, for squares of very large or small numbers are no numbers.
         Some(Unit::new_normalize(vector / largest))
     }
-}
-
-/// The expression in the value of a key.
-pub(super) fn parse_formula(
-    reader: &Reader,
-    entry: &Entry,
-    source: &str,
-    angle: AngleUnit,
-) -> Option<Formula> {
-    let report = |error: ExpressionError| {
-        reader.report(expression_span(reader, entry, source, &error), error.problem);
-    };
-    Formula::parse(source, angle).map_err(report).ok()
-}
-
-/// The value of an expression; a parameter without a value has its own error.
-pub(super) fn evaluate(
-    reader: &Reader,
-    entry: &Entry,
-    source: &str,
-    formula: &Formula,
-    scope: &Scope,
-) -> Option<f64> {
-    let report = |error: ExpressionError| {
-        if !error.is_about(&scope.parameters) {
-            let span = expression_span(reader, entry, source, &error);
-            let names = scope.parameters.iter().map(String::as_str);
-            reader.report_with(span, || error.among(names).problem.into());
-        }
-    };
-    formula.evaluate(scope).map_err(report).ok()
-}
-
-/// The bytes of the file that an error of an expression is about.
-fn expression_span(
-    reader: &Reader,
-    entry: &Entry,
-    source: &str,
-    error: &ExpressionError,
-) -> Range<usize> {
-    let span = entry.span();
-    let quoted = reader.slice(span.clone());
-    // Where the string is written without escapes, the invalid part of it can be shown.
-    let is_plain = quoted.get(1..quoted.len().max(2) - 1) == Some(source);
-    let start = span.start + 1;
-    if is_plain { start + error.span.start..start + error.span.end } else { span }
 }

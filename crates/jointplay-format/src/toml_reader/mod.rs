@@ -2,10 +2,14 @@
 //!
 //! `P` is the problem type of a file, which includes the common ones by [`From`]`<`[`FileProblem`](crate::file_problem::FileProblem)`>`.
 
+mod expressions;
+pub(crate) mod parameters;
 mod range;
 mod reader;
+mod source;
 mod table;
 
 pub use range::AllowedRange;
 pub use reader::Reader;
+pub use source::Inclusion;
 pub use table::{Entry, Table};

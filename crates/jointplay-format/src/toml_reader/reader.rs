@@ -1,11 +1,15 @@
 //! The text of a file and its errors.
 
 use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
 use std::ops::Range;
+use std::rc::Rc;
 
 use toml::Spanned;
 use toml::de::DeTable;
 
+use super::source::{Inclusion, Sources};
+use crate::expression::Scope;
 use crate::file_problem::FileProblem;
 use crate::place::{Error, Errors, Place, malformed};
 
@@ -18,11 +22,15 @@ const MOST_RECORDED: usize = 200;
 /// A text and the errors found in it.
 pub struct Reader<'a, P> {
     text: &'a str,
+    /// Texts of the document; those of others have positions beyond the file.
+    sources: RefCell<Sources<P>>,
     problems: RefCell<Vec<(Range<usize>, P)>>,
     /// Number of errors beyond those recorded.
     unrecorded: Cell<usize>,
     /// Whether the text is invalid TOML: then no errors of its contents are reported, which are guesses.
     malformed: Cell<bool>,
+    /// Values of the expressions read so far, by the position of their text.
+    evaluated: RefCell<BTreeMap<usize, f64>>,
 }
 
 impl<'a, P: From<FileProblem> + PartialEq> Reader<'a, P> {
@@ -31,9 +39,11 @@ impl<'a, P: From<FileProblem> + PartialEq> Reader<'a, P> {
     pub fn new(text: &'a str) -> Self {
         Self {
             text,
+            sources: RefCell::new(Sources::new(text.len())),
             problems: RefCell::default(),
             unrecorded: Cell::new(0),
             malformed: Cell::new(false),
+            evaluated: RefCell::default(),
         }
     }
 
@@ -78,20 +88,50 @@ impl<'a, P: From<FileProblem> + PartialEq> Reader<'a, P> {
 
     /// The bytes of a span.
     #[must_use]
-    pub fn slice(&self, span: Range<usize>) -> &'a str {
-        self.text.get(span).unwrap_or_default()
+    pub fn slice(&self, span: Range<usize>) -> String {
+        self.sources.borrow().slice(self.text, span)
     }
 
-    /// The place of a span of bytes.
+    /// The place of a span of bytes in the file; that of the original of a copy, and of the inclusion of a text.
     #[must_use]
     pub fn place(&self, span: Range<usize>) -> Place {
-        Place::of(self.text, span)
+        Place::of(self.text, self.sources.borrow().span_in_file(span))
     }
 
-    /// The line of a span of bytes, counted from 1.
+    /// The line of a span of bytes in the file, counted from 1.
     #[must_use]
     pub fn line(&self, span: Range<usize>) -> usize {
-        Place::of(self.text, span).line
+        self.place(span).line
+    }
+
+    /// Adds a copy of the text around a position, with values of the names in its expressions; returns the offset from the original to the copy.
+    pub(crate) fn copy(&self, position: usize, scope: Scope) -> usize {
+        self.sources.borrow_mut().copy(position, scope)
+    }
+
+    /// Adds a text that the document includes; returns the position of its first byte.
+    pub(crate) fn include(&self, text: &str, inclusion: Inclusion<P>) -> usize {
+        self.sources.borrow_mut().include(text, inclusion)
+    }
+
+    /// Allows expressions in the text around a position, with values of their names.
+    pub(crate) fn set_scope(&self, position: usize, scope: Scope) {
+        self.sources.borrow_mut().set_scope(position, scope);
+    }
+
+    /// Values of the names in expressions at a position; `None` where expressions are not allowed.
+    pub(crate) fn scope(&self, position: usize) -> Option<Rc<Scope>> {
+        self.sources.borrow().scope(position)
+    }
+
+    /// Value of an expression that was read, by the position of its text.
+    pub(crate) fn evaluated(&self, position: usize) -> Option<f64> {
+        self.evaluated.borrow().get(&position).copied()
+    }
+
+    /// Records the value of an expression.
+    pub(super) fn set_evaluated(&self, position: usize, value: f64) {
+        self.evaluated.borrow_mut().insert(position, value);
     }
 
     /// Whether no error is recorded.
@@ -105,12 +145,19 @@ impl<'a, P: From<FileProblem> + PartialEq> Reader<'a, P> {
     /// # Errors
     /// At most 20 errors; one more counts the others.
     pub fn done<T>(self, value: Option<T>) -> Result<T, Errors<P>> {
-        let mut problems = self.problems.into_inner();
+        let (found, sources) = (self.problems.into_inner(), self.sources.into_inner());
         match value {
-            Some(value) if problems.is_empty() => Ok(value),
+            Some(value) if found.is_empty() => Ok(value),
             _ => {
+                let mut problems: Vec<(Range<usize>, P)> = Vec::new();
+                for (span, problem) in found {
+                    let error = sources.in_file(span, problem);
+                    // An error of a table is that of each of its copies.
+                    if !problems.contains(&error) {
+                        problems.push(error);
+                    }
+                }
                 problems.sort_by_key(|(span, _)| span.start);
-                problems.dedup();
                 let more = problems.len().saturating_sub(MOST_LISTED) + self.unrecorded.get();
                 if let Some((_, problem)) = problems.get_mut(MOST_LISTED) {
                     *problem = FileProblem::More(more).into();

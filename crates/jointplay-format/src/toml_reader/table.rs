@@ -243,15 +243,15 @@ impl<'r, 'a> Entry<'r, 'a> {
         value
     }
 
-    /// A number, in the unit of the file.
+    /// A number, in the unit of the file, or the value of an expression where the file allows it.
     pub fn number<P: From<FileProblem> + PartialEq>(
         &self,
         reader: &Reader<'_, P>,
         allowed: AllowedRange,
     ) -> Option<f64> {
-        let Some(value) = self.any_number() else {
-            self.type_error(reader, "a number");
-            return None;
+        let value = match self.any_number() {
+            Some(value) => value,
+            None => self.expression(reader)?,
         };
         self.within(reader, value, allowed)
     }
@@ -280,7 +280,12 @@ impl<'r, 'a> Entry<'r, 'a> {
     ) -> Option<usize> {
         let value = self.number(reader, AllowedRange::Within(least as f64, most as f64))?;
         if value.fract() != 0.0 {
-            self.type_error(reader, "a whole number");
+            if self.is_text() {
+                let (key, needed) = (self.key.to_owned(), "a whole number".to_owned());
+                self.report(reader, FileProblem::OutOfRange { key, value, needed });
+            } else {
+                self.type_error(reader, "a whole number");
+            }
             return None;
         }
         Some(value as usize)

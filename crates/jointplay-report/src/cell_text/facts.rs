@@ -11,7 +11,7 @@ const SHORTEST_WAIT: f64 = 0.05;
 /// A labelled line of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fact {
-    /// What it tells, such as `throughput`.
+    /// Its name, such as `throughput`.
     pub label: &'static str,
     /// Values with units.
     pub text: String,

@@ -138,6 +138,11 @@ pub(crate) enum ShapeDocument {
         /// Half edge lengths (m).
         half_m: Triple,
     },
+    /// A box with openings.
+    Boxes {
+        /// Number of boxes of which it is the union.
+        boxes: usize,
+    },
     /// A cylinder along z.
     Cylinder {
         /// Radius (m).
@@ -166,6 +171,7 @@ impl From<&Shape> for ShapeDocument {
     fn from(shape: &Shape) -> Self {
         match shape {
             Shape::Box { half } => Self::Box { half_m: Triple(*half) },
+            Shape::Boxes { boxes } => Self::Boxes { boxes: boxes.len() },
             Shape::Cylinder { radius, half_height } => {
                 Self::Cylinder { radius_m: *radius, half_height_m: *half_height }
             }

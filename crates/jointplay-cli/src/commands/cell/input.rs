@@ -325,7 +325,7 @@ fn program_diagnostic(cell: &Cell, error: &ProgramError, text: &str, label: &str
 }
 
 /// Reads a file that a cell refers to, in the folder of the cell or below.
-fn read_relative(folder: Option<&Path>, name: &str) -> Result<Vec<u8>, String> {
+pub(super) fn read_relative(folder: Option<&Path>, name: &str) -> Result<Vec<u8>, String> {
     let folder = folder.ok_or("the included example has no folder for other files")?;
     let allowed = cell::MAX_MESH_BYTES as u64;
     jointplay_files::read(folder, name, allowed).map_err(|why| why.to_string())

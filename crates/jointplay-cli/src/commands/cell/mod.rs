@@ -3,6 +3,7 @@
 mod check;
 mod displacement;
 mod example;
+mod expand;
 mod export;
 mod format;
 mod input;
@@ -33,6 +34,7 @@ Examples:
   jointplay cell teach
   jointplay cell displacement
   jointplay cell format
+  jointplay cell expand my-cell.toml
   jointplay cell example --out my-cell")]
 pub(crate) struct CellCommand {
     #[command(subcommand)]
@@ -49,6 +51,7 @@ enum Action {
     Teach(teach::Teach),
     Displacement(displacement::Displacement),
     Format(format::Format),
+    Expand(expand::Expand),
     Example(example::ExampleCommand),
 }
 
@@ -63,6 +66,7 @@ impl CellCommand {
             Action::Teach(command) => command.run(),
             Action::Displacement(command) => command.run(),
             Action::Format(command) => command.run(),
+            Action::Expand(command) => command.run(),
             Action::Example(command) => command.run(),
         }
     }
@@ -77,6 +81,7 @@ impl CellCommand {
             Action::Teach(command) => command.cell.format,
             Action::Displacement(command) => command.input.format(),
             Action::Format(command) => command.format,
+            Action::Expand(command) => command.cell.format,
             Action::Example(command) => command.format,
         }
     }

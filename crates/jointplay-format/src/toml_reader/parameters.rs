@@ -4,9 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use toml::de::DeValue;
 
-use super::problem::Problem;
-use super::tree::{Entry, Table};
-use super::values::{evaluate, parse_formula};
+use super::table::{Entry, Table};
 use crate::expression::{AngleUnit, Formula, Scope, is_free_name};
 use crate::file_problem::FileProblem;
 use crate::place::nearest;
@@ -22,15 +20,19 @@ struct Waiting<'r, 'a> {
 }
 
 /// Parameters as read.
-pub(super) struct Parameters {
+pub(crate) struct Parameters {
     /// Values by name, in the units of the file.
-    pub(super) scope: Scope,
+    pub(crate) scope: Scope,
     /// Names in the order of the file.
-    pub(super) order: Vec<String>,
+    pub(crate) order: Vec<String>,
 }
 
 /// The values of all parameters, in the units of the file; `replaced` takes precedence over the file.
-pub(super) fn resolve(top: &Table, replaced: &[(String, f64)], angle: AngleUnit) -> Parameters {
+pub(crate) fn resolve<P: From<FileProblem> + PartialEq>(
+    top: &Table<P>,
+    replaced: &[(String, f64)],
+    angle: AngleUnit,
+) -> Parameters {
     let reader = top.reader;
     let table = top.table("parameters", "`[parameters]`");
     let mut entries: Vec<_> = table.iter().flat_map(Table::entries).collect();
@@ -63,7 +65,7 @@ pub(super) fn resolve(top: &Table, replaced: &[(String, f64)], angle: AngleUnit)
     for (entry, span) in entries {
         let name = entry.key;
         if !is_free_name(name) {
-            reader.report(span, Problem::ParameterName { found: name.to_owned() });
+            reader.report(span, FileProblem::ParameterName { found: name.to_owned() });
             continue;
         }
         if scope.values.contains_key(name) {
@@ -71,7 +73,7 @@ pub(super) fn resolve(top: &Table, replaced: &[(String, f64)], angle: AngleUnit)
         }
         match entry.value.get_ref() {
             DeValue::String(source) => {
-                if let Some(formula) = parse_formula(reader, &entry, source, angle) {
+                if let Some(formula) = entry.formula(reader, source, angle) {
                     waiting.push(Waiting { entry, source, formula });
                 }
             }
@@ -91,11 +93,11 @@ pub(super) fn resolve(top: &Table, replaced: &[(String, f64)], angle: AngleUnit)
     let Sorted { order: sequence, cycles } = sorted(&waiting);
     for cycle in cycles {
         let names = cycle.iter().map(|&index| waiting[index].entry.key.to_owned()).collect();
-        waiting[cycle[0]].entry.report(reader, Problem::Cycle { names });
+        waiting[cycle[0]].entry.report(reader, FileProblem::Cycle { names });
     }
     for index in sequence {
         let Waiting { entry, source, formula } = &waiting[index];
-        if let Some(value) = evaluate(reader, entry, source, formula, &scope) {
+        if let Some(value) = entry.evaluate(reader, source, formula, &scope) {
             scope.values.insert(entry.key.to_owned(), value);
         }
     }
