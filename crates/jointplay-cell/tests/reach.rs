@@ -65,6 +65,7 @@ fn retract_distances_are_measured_from_the_first_joint_of_the_arm() {
         uncertainty: FrameUncertainty::UNKNOWN,
         slots: 1,
         pitch: 0.0,
+        slot_step: [0.0; 2],
         stroke: Stroke { below: 0.002, above: 0.002, speed: 0.05 },
         offset: [0.0; 3],
         retract_reach: 0.0,
