@@ -25,7 +25,7 @@ pub(super) fn pose(report: &ForwardReport, asked: Solver) -> String {
     let _ = writeln!(text, "  centre shift (µm)    {}", three(&shift_um, 3));
     let _ = writeln!(
         text,
-        "  tilt                 {}° toward yaw {}°, twist {}°",
+        "  tilt                 {}° at azimuth {}°, twist {}°",
         fixed(platform.pitch_deg, 6),
         fixed(platform.yaw_deg, 6),
         fixed(platform.twist_deg, 9)

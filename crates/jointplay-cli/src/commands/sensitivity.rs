@@ -77,7 +77,7 @@ fn text(report: &SensitivityReport) -> String {
     let um = |mm: f64| fixed(mm * 1e3, 3);
     let _ = writeln!(
         text,
-        "tilt {}° toward yaw {}°, {} virtual joints{}",
+        "tilt {}° at azimuth {}°, {} virtual joints{}",
         fixed(report.pitch_deg, 6),
         fixed(report.yaw_deg, 6),
         report.virtualization,

@@ -17,10 +17,15 @@ fn sandbox() -> Sandbox {
 #[test]
 fn a_report_is_one_page_without_other_files_or_scripts() {
     let sandbox = sandbox();
-    let run = sandbox.run("cell report cell.toml fast.program --before slow.program");
+    let line = format!(
+        "cell report {} fast.program --before slow.program",
+        sandbox.file("cell.toml").display()
+    );
+    let run = sandbox.run(&line);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let page = sandbox.read("cell-report.html");
     for expected in [
+        "program fast.program",
         "Check passed",
         "Before and after",
         "arm with A",

@@ -11,7 +11,7 @@ const SHORTEST_WAIT: f64 = 0.05;
 /// A labelled line of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fact {
-    /// What it tells, such as `throughput`.
+    /// Its name, such as `throughput`.
     pub label: &'static str,
     /// Values with units.
     pub text: String,
@@ -83,7 +83,7 @@ fn deflection(facts: &mut Vec<Fact>, compensated: &CompensatedReport) {
     );
     facts.push(fact("compensated", text));
     let text = format!(
-        "{} µm and {} mrad from the slot planes; residual curvature of wafers {} µm",
+        "{} µm and {} mrad from the slot planes; residual sag of wafers {} µm",
         fixed(compensated.left_um, 3),
         fixed(compensated.left_mrad, 4),
         fixed(compensated.bent_um, 1)
@@ -105,7 +105,7 @@ fn deflection(facts: &mut Vec<Fact>, compensated: &CompensatedReport) {
         .collect();
     if !known.is_empty() {
         let text = format!(
-            "known to {} (coverage factor {}); in slot clearance and plane budget",
+            "known to {} (coverage factor {}); included in the checks of slot clearance and plane budget",
             known.join(", "),
             number(compensated.coverage_factor)
         );

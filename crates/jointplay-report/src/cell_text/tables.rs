@@ -72,7 +72,7 @@ impl TextTable {
     }
 }
 
-/// Tables of a check: use of the stations, lines of the program, slowest segments, axes, minimum distances; those without rows are left out.
+/// Tables of a check: use of the stations, lines of the program, slowest segments, axes, minimum distances; those without rows are omitted.
 #[must_use]
 pub fn cell_tables(report: &CellReport) -> Vec<TextTable> {
     let all = [

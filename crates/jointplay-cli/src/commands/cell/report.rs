@@ -1,6 +1,6 @@
 //! `jointplay cell report`: one page on a cell and its program.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::format::number::fixed;
@@ -152,6 +152,12 @@ fn middle_periods(document: &CellReport) -> Option<[f64; 2]> {
     Some([start, (start + periods).min(part.end_s)])
 }
 
+/// Name of the file of a program.
+fn file_name(planned: &Planned) -> &str {
+    let label = &planned.input.label;
+    Path::new(label).file_name().and_then(|name| name.to_str()).unwrap_or(label)
+}
+
 fn page(
     planned: &Planned,
     document: &CellReport,
@@ -186,12 +192,21 @@ fn page(
     {
         timing.push(picture(&format!("From {} to {} s.", fixed(*from, 0), fixed(*to, 0)), svg));
     }
-    let program = |planned: &'_ Planned| (planned.input.label.clone(), planned.input.text.clone());
-    let (name, listing) = program(planned);
-    let other = before.map(|(planned, report)| (program(planned), report));
+    let name = file_name(planned);
+    // Without folders, unless they tell the programs apart.
+    let names = match before {
+        Some((before, _)) if file_name(before) != name => [name, file_name(before)],
+        Some((before, _)) => [planned.input.label.as_str(), before.input.label.as_str()],
+        None => [name, ""],
+    };
+    let text = &planned.input.text;
     let page = CellPage {
-        program: PageProgram { name: &name, text: &listing, report: document },
-        before: other.as_ref().map(|((name, text), report)| PageProgram { name, text, report }),
+        program: PageProgram { name: names[0], text, report: document },
+        before: before.map(|(planned, report)| PageProgram {
+            name: names[1],
+            text: &planned.input.text,
+            report,
+        }),
         cell,
         timing,
         stations: pictures::taught_svg(planned)?.map(|svg| {
