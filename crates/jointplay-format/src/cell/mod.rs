@@ -3,6 +3,7 @@
 //! The readers report all errors of a file, each with its place.
 
 mod bodies;
+mod described;
 mod edit;
 mod effectors;
 mod expansion;
