@@ -12,6 +12,7 @@ pub mod explain_trajectory;
 mod file;
 mod files;
 mod frames;
+mod glb;
 mod mesh;
 mod pose;
 mod problem;
