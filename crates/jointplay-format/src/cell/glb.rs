@@ -12,7 +12,7 @@ use gltf_json::validation::Checked;
 use gltf_json::{Accessor, Index, Root};
 use nalgebra::{Matrix4, Point3, Quaternion, UnitQuaternion, Vector3};
 
-use super::mesh::{MAX_TRIANGLES, Mesh, too_many};
+use super::surface::{MAX_TRIANGLES, Mesh, too_many};
 use crate::place::{listed, nearest, suggestion};
 
 /// Bytes of the header, and of that of a chunk.
@@ -119,7 +119,7 @@ impl<'a> Scene<'a> {
             }
             let node = nodes.get(index).ok_or_else(missing)?;
             let pose = parent * transform(node);
-            named += usize::from(!is_within && name.is_some() && is_named(node));
+            named += usize::from(name.is_some() && is_named(node));
             let is_within = is_within || is_named(node);
             if is_within {
                 placed.push((node, pose));

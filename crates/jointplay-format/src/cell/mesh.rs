@@ -8,14 +8,12 @@ use jointplay_cell::geometry::Shape;
 use super::files::{Files, read_named_file};
 use super::glb;
 use super::problem::Fault;
+use super::surface::{MAX_TRIANGLES, Mesh, too_many};
 use super::tree::Table;
 use crate::units::m_from_mm;
 
 /// Larger files of shapes are refused unread.
 pub const MAX_MESH_BYTES: usize = 64 << 20;
-
-/// Largest number of triangles of a shape; a check evaluates distances about a thousand times per second of motion.
-pub const MAX_TRIANGLES: usize = 500_000;
 
 /// Bytes of a binary STL file before its triangles, and for each of them.
 const STL_HEAD: usize = 84;
@@ -70,12 +68,6 @@ pub(super) fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     Some(hull)
 }
 
-/// A surface in the unit of its file.
-pub(super) struct Mesh {
-    pub(super) vertices: Vec<[f64; 3]>,
-    pub(super) triangles: Vec<[u32; 3]>,
-}
-
 fn parse(ending: &str, node: Option<&str>, bytes: &[u8]) -> Result<Mesh, String> {
     if bytes.len() > MAX_MESH_BYTES {
         return Err(format!(
@@ -106,10 +98,6 @@ fn parse(ending: &str, node: Option<&str>, bytes: &[u8]) -> Result<Mesh, String>
         return Err("it names corners that it does not have".to_owned());
     }
     Ok(mesh)
-}
-
-pub(super) fn too_many() -> String {
-    format!("it has more than {MAX_TRIANGLES} triangles; simplify the shape")
 }
 
 fn stl(bytes: &[u8]) -> Result<Mesh, String> {
