@@ -120,7 +120,7 @@ fn an_edit_of_inherited_values_changes_the_station_and_not_its_template() {
     ) + "[[template]]\nname = \"LP2\"\nposition_mm = [0, 650, 500]\nretract_mm = 10\ntaught = { points_mm = [[0, 750, 500], [100, 650, 500], [-100, 650, 500]], noise_um = 3 }\n";
     let points = [[0.0, 0.75, 0.5], [0.1, 0.65, 0.5], [-0.1, 0.65, 0.5001]].map(Vector3::from);
     let change = Change::Taught { points: points.to_vec(), threshold: 1e-4, noise: None };
-    let taught = set_station(&text, "P2", &[change.clone()]).unwrap();
+    let taught = set_station(&text, "P2", std::slice::from_ref(&change)).unwrap();
     let Origin::Taught(found) = station(&taught, "P2").origin else { panic!("{taught}") };
     let plane = found.plane.unwrap();
     assert_eq!(plane.points, points);
