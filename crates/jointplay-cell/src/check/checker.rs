@@ -25,7 +25,7 @@ use crate::workcell::{Cell, Zone, ZoneRule};
 /// Clearances are checked continuously, between the samples too, by adaptive bisection \[Schwarzer\]; the module `collision` states the guarantee and its assumptions.
 ///
 /// # Numerics
-/// Minimum distances are exact at the evaluated samples; a sample that was not evaluated may have a distance smaller by `tolerance` of the row.
+/// Minimum distances are exact at the evaluated samples; a sample that was not evaluated may have a distance smaller by [`MinimumDistance::tolerance`](super::MinimumDistance::tolerance).
 ///
 /// # Assumptions
 /// Bodies and wafers are rigid, and wafers are flat discs.
@@ -151,7 +151,7 @@ impl CheckCache {
         Ok(())
     }
 
-    pub(crate) fn limit_stats(&self) -> CacheStats {
+    pub(crate) fn findings_stats(&self) -> CacheStats {
         self.findings.stats()
     }
 

@@ -38,7 +38,7 @@ pub struct PoseContext<'m> {
 /// Part of a joint-space line before the first contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactFreePath {
-    /// Positions of all axes at its end, rods first ((m), (rad)).
+    /// Positions of all axes at its end, rods first (m or rad).
     pub positions: Vec<f64>,
     /// Fraction of the path, 1 for a path without contact.
     pub fraction: f64,

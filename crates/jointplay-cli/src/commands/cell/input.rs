@@ -28,7 +28,7 @@ pub(super) const EXAMPLE: &str = "example";
 const PROGRAM: &str = "program";
 
 /// A cell file, and the output format.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub(super) struct CellArgs {
     /// Cell file (TOML) [default: the included example]
     #[arg(value_name = "CELL")]
@@ -124,6 +124,11 @@ impl CellArgs {
 }
 
 impl InputArgs {
+    /// The same cell with another program.
+    pub(super) fn with_program(&self, program: &Path) -> Self {
+        Self { cell: self.cell.clone(), program: Some(program.to_owned()) }
+    }
+
     pub(super) fn format(&self) -> FormatArgs {
         self.cell.format
     }
