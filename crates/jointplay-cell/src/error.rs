@@ -1,8 +1,8 @@
-//! Errors of descriptions, as facts.
+//! Errors of descriptions and of arguments.
 
 use jointplay_core::spatial::Tilt;
 
-/// Why a description makes no robot, station or cell. Lengths are in m, angles in rad.
+/// Invalid description of a robot, station or cell, or invalid argument. Lengths are in m, angles in rad.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CellError {
@@ -153,14 +153,14 @@ pub enum CellError {
     NothingLeft,
     /// A station at which an arm cannot be retracted.
     #[error(
-        "the retract distance of station {station} is {found} m, but has to be less than the distance of its wafer from the robot's axis, {reach} m"
+        "the retract distance of station {station} is {found} m, but has to be less than the distance of its wafer from the first joint of the arm, {reach} m"
     )]
     RetractReach {
         /// Name of the station.
         station: String,
         /// Retract distance found (m).
         found: f64,
-        /// Least distance of a wafer in a slot from the robot's axis (m).
+        /// Least distance of a wafer in a slot from the first joint of the arm, seen from above (m).
         reach: f64,
     },
     /// A station that tilts further than the platform.

@@ -6,6 +6,9 @@ mod common;
 
 use common::{KINDS, kind};
 use jointplay_cell::robot::{EffectorId, RODS};
+use jointplay_cell::station::teach::FrameUncertainty;
+use jointplay_cell::station::{Approach, Origin, Station, Stroke};
+use jointplay_core::spatial::Pose;
 
 /// Evenly distributed numbers from 0 to 1, the same in each run.
 fn spread(index: usize, base: usize) -> f64 {
@@ -49,5 +52,35 @@ fn reach_range_is_a_tight_bound() {
             nearest - least < 0.02 && most - farthest < 0.02,
             "{number}: {least} {nearest} {farthest} {most}"
         );
+    }
+}
+
+#[test]
+fn retract_distances_are_measured_from_the_first_joint_of_the_arm() {
+    let mut robot = kind(0, [0.2, 0.22, 0.15]);
+    let mut station = Station {
+        name: "port".into(),
+        base_from_station: Pose::translation(0.7, 0.0, 0.5),
+        origin: Origin::Nominal,
+        uncertainty: FrameUncertainty::UNKNOWN,
+        slots: 1,
+        pitch: 0.0,
+        slot_step: [0.0; 2],
+        stroke: Stroke { below: 0.002, above: 0.002, speed: 0.05 },
+        offset: [0.0; 3],
+        retract_reach: 0.0,
+        via: Vec::new(),
+        approach: Approach::Radial,
+        effectors: vec![EffectorId { arm: 0, effector: 0 }],
+        process_time: 0.0,
+    };
+    // The arm is mounted 0.3 m in front of the base axis, then behind it.
+    for (x, distance) in [(0.3, 0.4), (-0.3, 1.0), (0.0, 0.7)] {
+        robot.arms[0].mount = [x, 0.0, 0.06];
+        for (retract_reach, is_less) in [(distance - 1e-6, true), (distance + 1e-6, false)] {
+            station.retract_reach = retract_reach;
+            let checked = station.check_retract_reach(&robot);
+            assert_eq!(checked.is_ok(), is_less, "{x} {retract_reach}: {checked:?}");
+        }
     }
 }

@@ -23,6 +23,7 @@ mod figure;
 mod folder;
 mod mechanism_input;
 mod output;
+mod print_page;
 mod progress;
 mod source;
 mod space;

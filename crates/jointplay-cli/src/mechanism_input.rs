@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::coordinates::Coordinates;
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
-use jointplay::format::number::number;
+use jointplay::format::number::{fixed, number};
 use jointplay::format::units::m_from_mm;
 use jointplay::interop::import::{self, Imported};
 use jointplay::mechanism::joint::Coordinate;
@@ -305,7 +305,7 @@ impl Input {
             let listed: Vec<String> = values
                 .enumerate()
                 .map(|(k, (name, value))| {
-                    format!("{name} = {}", output::fixed(value, self.coordinates.decimals(k)))
+                    format!("{name} = {}", fixed(value, self.coordinates.decimals(k)))
                 })
                 .collect();
             text.push_str(&format!("\n  {}: {}", i + 1, listed.join(", ")));
@@ -318,7 +318,7 @@ impl Input {
         let width = values.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(20);
         let line = |(i, (name, value)): (usize, &(String, f64))| {
             let (k, pad) = (first + i, width - name.chars().count());
-            let number = output::fixed(*value, self.coordinates.decimals(k));
+            let number = fixed(*value, self.coordinates.decimals(k));
             format!("  {name}{}{number:>16} {}\n", " ".repeat(pad), self.coordinates.unit(k))
         };
         values.iter().enumerate().map(line).collect()

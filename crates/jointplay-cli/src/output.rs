@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 
 use clap::{Args, ValueEnum};
-use jointplay::format::number::rounded;
+use jointplay::format::number::{fixed, rounded};
 use jointplay::report::{LimitReport, VirtualJointGroups};
 use serde::Serialize;
 
@@ -99,20 +99,6 @@ pub(crate) fn limits(broken: &[LimitReport]) -> String {
 /// Three numbers in columns.
 pub(crate) fn three(values: &[f64], decimals: usize) -> String {
     values.iter().map(|&value| format!("{:>14}", fixed(value, decimals))).collect()
-}
-
-/// A number with fixed decimals, without a minus before zero; a dash for one that is not finite.
-pub(crate) fn fixed(value: f64, decimals: usize) -> String {
-    if !value.is_finite() {
-        return "-".to_owned();
-    }
-    // Beyond this size a double has no decimals.
-    if value.abs() >= 1e12 {
-        return rounded(value, 6);
-    }
-    let text = format!("{value:.decimals$}");
-    let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
-    if zero { text.replace('-', "") } else { text }
 }
 
 /// A number with a prefix, such as 3.21 M.

@@ -45,6 +45,27 @@ fn without_zeros(decimal: &str) -> &str {
     }
 }
 
+/// A number with fixed decimals, without a minus before zero; a dash for one that is not finite.
+#[must_use]
+pub fn fixed(value: f64, decimals: usize) -> String {
+    if !value.is_finite() {
+        return "-".to_owned();
+    }
+    // Beyond this size a double has no decimals.
+    if value.abs() >= 1e12 {
+        return rounded(value, 6);
+    }
+    let text = format!("{value:.decimals$}");
+    let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
+    if zero { text.replace('-', "") } else { text }
+}
+
+/// A share in %; very large shares, such as of a limit of zero, are shown as >9999.
+#[must_use]
+pub fn percent(share: f64) -> String {
+    if share.is_finite() && share < 99.995 { fixed(100.0 * share, 0) } else { ">9999".to_owned() }
+}
+
 /// A count with its noun, whose plural ends in s: `1 loop`, `2 loops`.
 #[must_use]
 pub fn counted(count: usize, noun: &str) -> String {

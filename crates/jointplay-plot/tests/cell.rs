@@ -297,7 +297,8 @@ fn gantt(duration: f64) -> Gantt {
             span(0.7 * duration, 0.9 * duration, IntervalKind::Process(1)),
             span(0.6 * duration, 0.6 * duration, IntervalKind::Violation),
         ],
-        duration,
+        window: [0.0, duration],
+        max_bands: 12,
         title: "axes".to_owned(),
         width: 720.0,
     }

@@ -10,6 +10,8 @@
 
 mod beyond;
 mod cell;
+mod cell_page;
+mod cell_text;
 mod compare;
 mod displacement;
 mod distance;
@@ -39,6 +41,8 @@ pub use beyond::beyond_limits;
 pub use cell::{
     AxisReport, CellReport, InstructionReport, ShareReport, ViolationReport, cell, excerpt,
 };
+pub use cell_page::{CellPage, KeyFigure, PagePicture, PageProgram, key_figures};
+pub use cell_text::{Fact, TableColumn, TextTable, cell_facts, cell_tables};
 pub use compare::{CompareReport, LeverReport, ModelReport, WaferOverPlatform, compare};
 pub use displacement::{
     BoundReport, ContributionReport, DisplacementReport, ShiftReport, UnknownReport,

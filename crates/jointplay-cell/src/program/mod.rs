@@ -67,4 +67,4 @@ pub use syntax::{
     AxisTarget, Branch, Command, Condition, Instruction, Parameter, Program, Relation, Routine,
     SlotName, TiltTarget,
 };
-pub use wafer_locations::{WaferLocation, WaferLocations, WaferStay, WaferTransfer};
+pub use wafer_locations::{LocationChange, WaferLocation, WaferLocations, WaferStay};

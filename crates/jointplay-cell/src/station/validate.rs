@@ -59,18 +59,25 @@ impl Station {
                 return Err(CellError::NameTwice { what, name });
             }
         }
-        self.check_retract_reach()?;
+        self.check_retract_reach(robot)?;
         self.check_tilt(robot)
     }
 
-    /// Checks that the retract distance is less than the distance of every slot from the robot's axis.
+    /// Checks that the retract distance is less than the distance of every slot from the first joint of each arm that serves the station, seen from above over the level platform.
     ///
     /// # Errors
-    /// [`CellError::RetractReach`]
-    pub fn check_retract_reach(&self) -> Result<(), CellError> {
-        let reach_of = |slot| self.slot_frame(slot).translation.vector.xy().norm();
-        // The slots of a tilted station, or of one whose slots are displaced, are at different distances.
-        let reach = (1..=self.slots).map(reach_of).fold(f64::INFINITY, f64::min);
+    /// [`CellError::RetractReach`]; [`CellError::NoSuchEffector`] for an effector that the robot does not have.
+    pub fn check_retract_reach(&self, robot: &HybridRobot) -> Result<(), CellError> {
+        let mut reach = f64::INFINITY;
+        for &id in &self.effectors {
+            robot.check_effector(id)?;
+            let [x, y, _] = robot.arms[id.arm].mount;
+            // The slots of a tilted station, or of one whose slots are displaced, are at different distances.
+            for slot in 1..=self.slots {
+                let center = self.slot_frame(slot).translation.vector;
+                reach = reach.min((center.x - x).hypot(center.y - y));
+            }
+        }
         let found = self.retract_reach;
         if found >= reach {
             return Err(CellError::RetractReach { station: self.name.clone(), found, reach });

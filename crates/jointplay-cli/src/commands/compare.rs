@@ -17,8 +17,9 @@ use jointplay::virtualization::built_in;
 use crate::arguments::{AnswerArgs, MetricArgs, SolverName, Steps, finite, length, pitches, yaw};
 use crate::failure::Failure;
 use crate::figure::{FIGURE_REFINEMENT, FigureArgs};
-use crate::output::{self, fixed, limits};
+use crate::output::{self, limits};
 use crate::source::{Kind, Source};
+use jointplay::format::number::fixed;
 
 /// Compare all models over a range of tilts
 ///

@@ -20,9 +20,10 @@ use jointplay::virtualization::{Planar, SolveOptions};
 use crate::arguments::{AnswerArgs, RodArgs, VirtualizationName};
 use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input, SetArgs, ToleranceArgs, assignment};
-use crate::output::{fixed, limits, magnitude, three};
+use crate::output::{limits, magnitude, three};
 use crate::progress::Progress;
 use crate::source::{Kind, Source};
+use jointplay::format::number::fixed;
 
 /// Compute the Kutzbach, instantaneous and finite mobility, and redundant constraints
 ///

@@ -20,9 +20,9 @@ use crate::failure::Failure;
 use crate::figure::svg_and_png;
 use crate::folder::{self, ForceArgs};
 use crate::mechanism_input::{Input, MechanismArgs};
-use crate::output::fixed;
 use crate::progress::Progress;
 use crate::source;
+use jointplay::format::number::fixed;
 
 /// Default number of steps of a path.
 const STEPS: usize = 60;

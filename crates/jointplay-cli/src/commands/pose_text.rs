@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use jointplay::report::ForwardReport;
 use jointplay::virtualization::Solver;
 
-use crate::output::{characteristic_length, fixed, limits, three};
+use crate::output::{characteristic_length, limits, three};
+use jointplay::format::number::fixed;
 
 /// A pose as text.
 ///
@@ -24,7 +25,7 @@ pub(super) fn pose(report: &ForwardReport, asked: Solver) -> String {
     let _ = writeln!(text, "  centre shift (µm)    {}", three(&shift_um, 3));
     let _ = writeln!(
         text,
-        "  tilt                 {}° toward yaw {}°, twist {}°",
+        "  tilt                 {}° at azimuth {}°, twist {}°",
         fixed(platform.pitch_deg, 6),
         fixed(platform.yaw_deg, 6),
         fixed(platform.twist_deg, 9)

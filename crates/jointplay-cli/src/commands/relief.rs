@@ -11,8 +11,9 @@ use jointplay::sensitivity::commanded_sensitivity;
 use crate::arguments::AnswerArgs;
 use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input};
-use crate::output::{fixed, magnitude};
+use crate::output::magnitude;
 use crate::progress::Progress;
+use jointplay::format::number::fixed;
 
 /// Prints the displacement of the virtual joints for a command; fails if one exceeds its clearance.
 pub(super) fn run(

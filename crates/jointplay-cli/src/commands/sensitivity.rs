@@ -11,7 +11,8 @@ use super::relief;
 use crate::arguments::{AnswerArgs, ModelArgs, Rods, TiltArgs};
 use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input, SetArgs, assignment};
-use crate::output::{characteristic_length, fixed, limits, magnitude, three};
+use crate::output::{characteristic_length, limits, magnitude, three};
+use jointplay::format::number::fixed;
 
 /// Compute the displacement of the virtual joints for a tilt, with first-order bounds
 ///
@@ -76,7 +77,7 @@ fn text(report: &SensitivityReport) -> String {
     let um = |mm: f64| fixed(mm * 1e3, 3);
     let _ = writeln!(
         text,
-        "tilt {}° toward yaw {}°, {} virtual joints{}",
+        "tilt {}° at azimuth {}°, {} virtual joints{}",
         fixed(report.pitch_deg, 6),
         fixed(report.yaw_deg, 6),
         report.virtualization,

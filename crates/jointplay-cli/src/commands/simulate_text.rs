@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use jointplay::report::StudyReport;
 
-use crate::output::fixed;
+use jointplay::format::number::fixed;
 
 /// Terms of the table, in one line each.
 const NOTES: &str = "  X: virtual joint coordinates; singular pass: a sample at zero tilt, where the rods are equally long

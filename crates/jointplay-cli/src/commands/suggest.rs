@@ -9,8 +9,8 @@ use jointplay::report::{self, ByName, SuggestReport};
 
 use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input, MechanismArgs, assignment};
-use crate::output::fixed;
 use crate::progress::Progress;
+use jointplay::format::number::fixed;
 
 /// Number of sets listed in text; JSON lists all.
 const LISTED: usize = 10;

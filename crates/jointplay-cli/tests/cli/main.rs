@@ -11,6 +11,7 @@ mod import;
 mod mechanism;
 mod page;
 mod refusals;
+mod report;
 mod sandbox;
 mod simulate;
 #[cfg(all(feature = "studio", unix))]

@@ -37,7 +37,7 @@ pub fn explain(error: &CellError) -> String {
             number(mm(*allowed))
         ),
         CellError::RetractReach { station, found, reach } => format!(
-            "the retract distance of station {station} is {} mm, but has to be less than the distance of its wafer from the robot's axis, {:.3} mm",
+            "the retract distance of station {station} is {} mm, but has to be less than the distance of its wafer from the first joint of the arm, {:.3} mm",
             number(mm(*found)),
             mm(*reach)
         ),

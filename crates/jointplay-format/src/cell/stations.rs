@@ -144,8 +144,8 @@ fn station(
     };
     if let Some(robot) = robot {
         check_tilt(table, &station, robot, bare);
+        check_reach(table, &station, robot);
     }
-    check_reach(table, &station);
     Some(ReadStation { station, wafers, dwell })
 }
 
@@ -279,12 +279,12 @@ fn check_tilt(table: &Table, station: &Station, robot: &HybridRobot, bare: Optio
     )));
 }
 
-fn check_reach(table: &Table, station: &Station) {
-    if let Err(CellError::RetractReach { found, reach, .. }) = station.check_retract_reach() {
+fn check_reach(table: &Table, station: &Station, robot: &HybridRobot) {
+    if let Err(CellError::RetractReach { found, reach, .. }) = station.check_retract_reach(robot) {
         table.report_at(
             "retract_mm",
             Fault::Unfit(format!(
-                "`retract_mm` is {}, but the wafer of {} is only {:.3} mm from the robot's axis",
+                "`retract_mm` is {}, but the wafer of {} is only {:.3} mm from the first joint of the arm",
                 number(mm(found)),
                 table.whose,
                 reach * 1e3

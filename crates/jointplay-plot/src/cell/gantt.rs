@@ -23,8 +23,8 @@ const BAR: f64 = 10.0;
 const TICKS: f64 = 36.0;
 /// Smallest duration of a band (s).
 const SHORTEST: f64 = 60.0;
-/// Largest number of bands.
-const MOST_BANDS: f64 = 12.0;
+/// Default of the largest number of bands.
+const MAX_BANDS: u32 = 12;
 
 /// The timing diagram of a trajectory; long trajectories are split into bands, one below the other.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,8 +35,10 @@ pub struct Gantt {
     pub places: Vec<String>,
     /// Intervals of instructions, motions, wafers and violations.
     pub intervals: Vec<Interval>,
-    /// Duration of the trajectory (s).
-    pub duration: f64,
+    /// Start and end of the drawn part of the trajectory (s).
+    pub window: [f64; 2],
+    /// Largest number of bands.
+    pub max_bands: u32,
     /// Title above the picture; empty for none.
     pub title: String,
     /// Width in pixels.
@@ -106,19 +108,29 @@ impl Gantt {
             to,
             kind: IntervalKind::Violation,
         }));
-        let duration = motion.duration();
-        Self { axes, places, intervals, duration, title: title.to_owned(), width: 1080.0 }
+        let window = [0.0, motion.duration()];
+        Self {
+            axes,
+            places,
+            intervals,
+            window,
+            max_bands: MAX_BANDS,
+            title: title.to_owned(),
+            width: 1080.0,
+        }
     }
 
     /// The picture as SVG with real text, on white.
     ///
     /// # Errors
-    /// [`Error::Size`] if the width is out of bounds; [`Error::Extent`] if the motion takes no time, or not a finite one.
+    /// [`Error::Size`] if the width is out of bounds; [`Error::Extent`] if the drawn part takes no time, or not a finite one.
     pub fn to_svg(&self) -> Result<String, Error> {
         crate::check::width(self.width)?;
-        if !(self.duration.is_finite() && self.duration > 0.0) {
+        let [start, end] = self.window;
+        let duration = end - start;
+        if !(duration.is_finite() && duration > 0.0) {
             let what = "the trajectory".to_owned();
-            return Err(Error::Extent { what, found: self.duration, unit: "s" });
+            return Err(Error::Extent { what, found: duration, unit: "s" });
         }
         let has_violations =
             self.intervals.iter().any(|interval| interval.kind == IntervalKind::Violation);
@@ -131,8 +143,8 @@ impl Gantt {
             rows.iter().map(|name| width(name, TICK)).fold(0.0, f64::max).min(0.3 * self.width);
         let left = label + 18.0;
         let room = self.width - left - MARGIN;
-        let bands = (self.duration / SHORTEST).ceil().clamp(1.0, MOST_BANDS);
-        let length = self.duration / bands;
+        let bands = (duration / SHORTEST).ceil().clamp(1.0, f64::from(self.max_bands.max(1)));
+        let length = duration / bands;
         let title = wrap(&self.title, TITLE, self.width - 2.0 * MARGIN);
         #[expect(clippy::cast_precision_loss, reason = "counts of lines")]
         let (top, high) =
@@ -144,9 +156,13 @@ impl Gantt {
             let at = (0.5 * self.width, 26.0 + line as f64 * TITLE * LEADING);
             svg.text(at, TITLE, Anchor::Middle, text, "");
         }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 12")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "at most max_bands"
+        )]
         for band in 0..bands as u32 {
-            let from = f64::from(band) * length;
+            let from = start + f64::from(band) * length;
             let place =
                 Band { left, room, top: top + f64::from(band) * high, from, to: from + length };
             self.band(&mut svg, &place, &rows);

@@ -4,12 +4,14 @@ mod gantt;
 mod gantt_interval;
 mod gantt_places;
 mod outline;
+mod posture;
 mod station_label;
 mod teach;
 mod top;
 
 pub use gantt::Gantt;
 pub use gantt_interval::{Interval, IntervalKind};
+pub use posture::ArmPosture;
 pub use teach::Taught;
 pub use top::{EffectorPath, TopView};
 

@@ -6,6 +6,7 @@ use jointplay_cell::workcell::{Cell, ParentFrame, ZoneRule};
 
 use super::effector_colour;
 use super::outline::outline;
+use super::posture::ArmPosture;
 use super::station_label::{Circle, Obstacles, place};
 use crate::path::Rectangle;
 use crate::scale_bar::scale_bar;
@@ -51,6 +52,8 @@ pub struct TopView<'a> {
     pub cell: &'a Cell,
     /// Reaches and paths of its effectors.
     pub paths: Vec<EffectorPath>,
+    /// Arms at some positions.
+    pub postures: Vec<ArmPosture>,
     /// Positions of violations in the base frame (m).
     pub violations: Vec<[f64; 2]>,
     /// Bodies and zones involved in violations; only fixed ones are drawn.
@@ -78,8 +81,15 @@ impl<'a> TopView<'a> {
     #[must_use]
     pub fn new(cell: &'a Cell) -> Self {
         let title = cell.name.clone();
-        let (paths, violations, violating) = (Vec::new(), Vec::new(), Vec::new());
-        Self { cell, paths, violations, violating, title, width: 720.0 }
+        Self {
+            cell,
+            paths: Vec::new(),
+            postures: Vec::new(),
+            violations: Vec::new(),
+            violating: Vec::new(),
+            title,
+            width: 720.0,
+        }
     }
 
     /// The picture as SVG with real text, on white.
@@ -114,6 +124,7 @@ impl<'a> TopView<'a> {
         self.robot(&mut svg, &camera);
         self.zones(&mut svg, &camera);
         self.stations(&mut svg, &camera);
+        self.arms(&mut svg, &camera);
         self.effector_paths(&mut svg, &camera);
         self.violating_bodies(&mut svg, &camera);
         let frame = Rectangle { x: 2.0, y: top, w: self.width - 4.0, h: bottom - top };
@@ -160,6 +171,10 @@ impl<'a> TopView<'a> {
             points.extend(outline(&zone.shape, &zone.base_from_shape));
         }
         points.extend(self.paths.iter().flat_map(|path| path.points.iter().copied()));
+        for posture in &self.postures {
+            points.extend(posture.outlines(self.cell).into_iter().flatten());
+            points.extend(posture.joints());
+        }
         let (mut low, mut high) = ([f64::MAX; 2], [f64::MIN; 2]);
         for point in points {
             low = [low[0].min(point[0]), low[1].min(point[1])];
@@ -234,6 +249,37 @@ impl<'a> TopView<'a> {
             let (x, y) = camera.at([base.x, base.y]);
             svg.path(&dot((x, y), 3.0), &format!(" fill=\"{INK}\""));
         }
+    }
+
+    /// Bodies of the arms, with lines through their joints, and the wafers that they carry.
+    fn arms(&self, svg: &mut Svg, camera: &Camera) {
+        for posture in &self.postures {
+            let colour = effector_colour(self.effector_index(posture.effector)).hex();
+            let look = format!(
+                " fill=\"{colour}\" fill-opacity=\"0.12\" stroke=\"{colour}\" stroke-width=\"1.2\""
+            );
+            for outline in posture.outlines(self.cell) {
+                svg.path(&polygon(camera, &outline), &look);
+            }
+            let joints: Vec<_> = posture.joints().iter().map(|&at| camera.at(at)).collect();
+            svg.path(
+                &path_data(&joints),
+                &format!(" stroke=\"{colour}\" stroke-width=\"2.4\" stroke-linejoin=\"round\""),
+            );
+            for &joint in &joints[..joints.len() - 1] {
+                svg.path(&dot(joint, 3.0), &format!(" fill=\"{colour}\""));
+            }
+            let radius = 0.5 * self.cell.wafer.diameter;
+            svg.path(
+                &circle(camera, posture.wafer_centre(), radius),
+                &format!(" stroke=\"{colour}\" stroke-width=\"2\""),
+            );
+        }
+    }
+
+    /// Index of an effector among all of the robot, which determines its colour.
+    fn effector_index(&self, effector: EffectorId) -> usize {
+        self.cell.robot.effectors().position(|one| one == effector).unwrap_or(0)
     }
 
     fn effector_paths(&self, svg: &mut Svg, camera: &Camera) {
@@ -338,6 +384,14 @@ impl<'a> TopView<'a> {
             let [path_style, reach_style] = [self.path_style(k), self.reach_style(k)];
             entries.push((element("M0 0h20", &path_style), format!("wafer centre of {name}")));
             entries.push((element("M0 0h20", &reach_style), format!("reach of {name}")));
+        }
+        for effector in self.cell.robot.effectors() {
+            if self.postures.iter().any(|posture| posture.effector == effector) {
+                let name = &self.cell.robot.arms[effector.arm].effectors[effector.effector].name;
+                let colour = effector_colour(self.effector_index(effector)).hex();
+                let look = format!(" stroke=\"{colour}\" stroke-width=\"2.4\"");
+                entries.push((element("M0 0h20", &look), format!("arm with {name}")));
+            }
         }
         if !self.cell.stations.is_empty() {
             let arrow = element("M0 0h14", &format!(" stroke=\"{INK}\" stroke-width=\"1.4\""))

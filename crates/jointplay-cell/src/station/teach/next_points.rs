@@ -38,7 +38,7 @@ impl PlaneFit {
     /// The variance of the height is convex, so that its maximum over a disc is on the circle; 72 directions are tried.
     ///
     /// # Assumptions
-    /// Further points can be measured as far from the center of the points as the farthest of them, with the noise of the most accurate of them.
+    /// Further points can be measured as far from the centre of the points as the farthest of them, with the noise of the most accurate of them.
     #[must_use]
     pub fn next_points(&self, allowed: f64, coverage_factor: f64) -> Option<NextPoints> {
         let is_certain = !self.is_uncertain(allowed, coverage_factor);
@@ -68,7 +68,10 @@ impl PlaneFit {
             let is_certain = !known || coverage_factor * largest_slope(information) <= allowed;
             is_testable(known, points) && is_certain
         };
-        let noise = (known && coverage_factor * largest_slope(&information) > allowed)
+        // Less noise alone helps only where the points can be tested.
+        let noise = (known
+            && is_testable(known, self.points.len())
+            && coverage_factor * largest_slope(&information) > allowed)
             .then(|| sigma * allowed / (coverage_factor * largest_slope(&information)));
         let mut points = Vec::new();
         while points.len() < MAX_NEXT_POINTS
@@ -137,6 +140,17 @@ mod tests {
         let next = fit.next_points(1e-3, 2.0).unwrap();
         let from_center = next.points[0] - fit.center;
         assert!(from_center.y.abs() > 0.09 && from_center.x.abs() < 0.05, "{from_center}");
+    }
+
+    #[test]
+    fn less_noise_is_no_advice_for_too_few_points() {
+        let places = points(&[(0.1, 0.0), (-0.05, 0.08), (-0.05, -0.08)]);
+        let fit = fit_plane(&places, 1e-4, Some(&[1e-5; 3])).unwrap();
+        let next = fit.next_points(20e-6, 2.0).unwrap();
+        assert_eq!(next.noise, None);
+        // They stay untested with exact points too.
+        let exact = fit_plane(&places, 1e-4, Some(&[1e-12; 3])).unwrap();
+        assert_eq!(exact.result, FitResult::Untested);
     }
 
     #[test]

@@ -19,7 +19,8 @@ use jointplay::spatial::Tilt;
 use super::input::InputArgs;
 use crate::arguments::{finite, length};
 use crate::failure::Failure;
-use crate::output::{self, fixed};
+use crate::output;
+use jointplay::format::number::fixed;
 
 /// Compute how far wafers are displaced by tilt, droop and play, and how certain their positions are
 ///

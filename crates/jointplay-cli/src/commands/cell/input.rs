@@ -29,7 +29,7 @@ pub(super) const EXAMPLE: &str = "example";
 const PROGRAM: &str = "program";
 
 /// A cell file, and the output format.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub(super) struct CellArgs {
     /// Cell file (TOML) [default: the included example]
     #[arg(value_name = "CELL")]
@@ -76,7 +76,7 @@ impl CellSource {
         folder: Option<PathBuf>,
     ) -> Result<Self, Failure> {
         let read = cell::read(&text, &mut |name| read_relative(folder.as_deref(), name));
-        let cell = read.map_err(|problems| Failure::invalid(&problems, &label))?;
+        let cell = read.map_err(|problems| Failure::invalid_cell(&problems, &label))?;
         Ok(Self { cell, label, stem, text, folder })
     }
 }
@@ -135,6 +135,12 @@ impl CellArgs {
 }
 
 impl InputArgs {
+    /// The same cell with another program, and the same values of its parameters.
+    pub(super) fn with_program(&self, program: &Path) -> Self {
+        let (cell, set) = (self.cell.clone(), self.set.clone());
+        Self { cell, program: Some(program.to_owned()), set }
+    }
+
     pub(super) fn format(&self) -> FormatArgs {
         self.cell.format
     }

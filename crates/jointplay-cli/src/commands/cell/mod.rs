@@ -10,8 +10,8 @@ mod input;
 mod optimise;
 mod optimise_log;
 mod pictures;
+mod report;
 mod run;
-mod slowest;
 mod teach;
 mod text;
 
@@ -28,12 +28,13 @@ use crate::output::FormatArgs;
 Examples:
   jointplay cell check
   jointplay cell run --out example-run
+  jointplay cell report --out report.html
   jointplay cell export --to gltf,csv
   jointplay cell optimise --out faster
   jointplay cell teach
   jointplay cell displacement
   jointplay cell format
-  jointplay cell expand my-cell.toml
+  jointplay cell expand
   jointplay cell example --out my-cell")]
 pub(crate) struct CellCommand {
     #[command(subcommand)]
@@ -44,6 +45,7 @@ pub(crate) struct CellCommand {
 enum Action {
     Check(check::Check),
     Run(run::Run),
+    Report(report::ReportCommand),
     Export(export::Export),
     Optimise(optimise::Optimise),
     Teach(teach::Teach),
@@ -58,6 +60,7 @@ impl CellCommand {
         match &self.action {
             Action::Check(command) => command.run(),
             Action::Run(command) => command.run(),
+            Action::Report(command) => command.run(),
             Action::Export(command) => command.run(),
             Action::Optimise(command) => command.run(),
             Action::Teach(command) => command.run(),
@@ -72,6 +75,7 @@ impl CellCommand {
         match &self.action {
             Action::Check(command) => command.input.format(),
             Action::Run(command) => command.input.format(),
+            Action::Report(command) => command.input.format(),
             Action::Export(command) => command.input.format(),
             Action::Optimise(command) => command.input.format(),
             Action::Teach(command) => command.cell.format,

@@ -20,15 +20,16 @@ use super::optimise_log::{EvaluationLog, Inputs};
 use crate::arguments::{finite, length, whole};
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
-use crate::output::{self, fixed};
+use crate::output;
 use crate::progress::Progress;
+use jointplay::format::number::fixed;
 
 const LOG: &str = "evaluations.jsonl";
 const DOCUMENT: &str = "optimise.json";
 
 /// Search for faster or safer programs with the same wafer flow
 ///
-/// Each wafer visits the same slots in the same order, within the rules of the cell; the order of the hand-offs, the arms, a blend radius and the speed are varied.
+/// Each wafer visits the same slots in the same order, within the rules of the cell; the order of the hand-offs, the effectors, a blend radius and the speed are varied.
 /// Listed are the programs without violations that no other exceeds in throughput, minimum distance and slip margin; each was planned and checked as by `jointplay cell check`.
 /// Evaluations are logged: the same command continues an interrupted search, and the result is the same.
 #[derive(Args)]
@@ -216,21 +217,18 @@ impl Optimise {
             counted(document.wafers, "wafer"),
             counted(document.evaluated, "program")
         );
-        text.push_str(
-            "  wafers/h  min. distance mm  slip margin %  speed %  blend mm  order  program\n",
-        );
+        text.push_str("  wafers/h  min. distance mm  slip margin %  speed %  blend mm  program\n");
         let given = document.given.iter().map(|one| (one, "as given, without blends"));
         let found = document.programs.iter().map(|one| (one, one.file.as_deref().unwrap_or("")));
         for (one, name) in given.chain(found) {
             let _ = writeln!(
                 text,
-                "  {:>8} {:>17} {:>14} {:>8} {:>9} {:>6}  {name}",
+                "  {:>8} {:>17} {:>14} {:>8} {:>9}  {name}",
                 fixed(one.wafers_per_hour, 1),
                 fixed(one.clearance_mm, 3),
                 fixed(one.slip_margin_percent, 1),
                 fixed(one.speed_percent, 0),
-                fixed(one.blend_mm, 1),
-                one.order
+                fixed(one.blend_mm, 1)
             );
         }
         let written = counted(document.programs.len(), "program");

@@ -1,16 +1,20 @@
 //! Pictures of a cell and of its trajectory.
 
+use std::collections::BTreeSet;
+
 use jointplay::cell::EntityId;
 use jointplay::cell::check::Violation;
+use jointplay::cell::program::Handoff;
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::schedule::schedule;
+use jointplay::cell::station::Origin;
 use jointplay::cell::workcell::ParentFrame;
 use jointplay::interop::export;
-use jointplay::plot::cell::{EffectorPath, Gantt, TopView};
+use jointplay::plot::cell::{ArmPosture, EffectorPath, Gantt, Taught, TopView};
 
 use super::input::Planned;
 use crate::failure::Failure;
-use crate::figure::svg_and_png;
+use crate::figure::{svg, svg_and_png};
 
 /// Sampling rate of the paths of wafer centres (Hz).
 const PATH_RATE: f64 = 50.0;
@@ -25,6 +29,57 @@ pub(super) fn pictures(planned: &Planned) -> Result<[(String, Vec<u8>); 4], Fail
     let [top_svg, top_png] = svg_and_png("top", &top_view(planned)?)?;
     let [gantt_svg, gantt_png] = svg_and_png("gantt", &gantt(planned))?;
     Ok([top_svg, top_png, gantt_svg, gantt_png])
+}
+
+/// The top view as SVG.
+pub(super) fn top_view_svg(planned: &Planned) -> Result<String, Failure> {
+    svg("top", &TopView { title: String::new(), ..top_view(planned)? })
+}
+
+/// The arms at the first hand-off at each station, seen from above, as SVG.
+pub(super) fn postures_svg(planned: &Planned) -> Result<String, Failure> {
+    let cell = planned.cell();
+    let mut view = TopView::new(cell);
+    view.title = String::new();
+    let mut visited = BTreeSet::new();
+    for step in &planned.motion.steps {
+        let Some(Handoff::Picked(effector, slot) | Handoff::Placed(effector, slot)) = step.handoff
+        else {
+            continue;
+        };
+        if visited.insert(slot.station) {
+            let pose = cell.forward_with_deflection(&step.to, &step.loaded)?;
+            view.postures.push(ArmPosture { effector, pose });
+        }
+    }
+    svg("arms", &view)
+}
+
+/// Parts of the timing diagram as SVG, without titles.
+///
+/// # Arguments
+/// * `windows` – start and end of each part (s)
+/// * `max_bands` – largest number of bands of a part
+pub(super) fn gantt_svgs(
+    planned: &Planned,
+    windows: &[[f64; 2]],
+    max_bands: u32,
+) -> Result<Vec<String>, Failure> {
+    let whole = Gantt { title: String::new(), max_bands, ..gantt(planned) };
+    let part = |&window| svg("gantt", &Gantt { window, ..whole.clone() });
+    windows.iter().map(part).collect()
+}
+
+/// The taught stations as SVG; none without taught stations.
+pub(super) fn taught_svg(planned: &Planned) -> Result<Option<String>, Failure> {
+    let stations = &planned.cell().stations;
+    let is_taught = |&index: &usize| matches!(stations[index].origin, Origin::Taught(_));
+    let stations: Vec<usize> = (0..stations.len()).filter(is_taught).collect();
+    if stations.is_empty() {
+        return Ok(None);
+    }
+    svg("stations", &Taught { stations, title: String::new(), ..Taught::new(planned.cell()) })
+        .map(Some)
 }
 
 fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {

@@ -20,7 +20,8 @@ use crate::arguments::{finite, length};
 use crate::failure::Failure;
 use crate::figure::FigureArgs;
 use crate::folder::{self, ForceArgs};
-use crate::output::{self, fixed};
+use crate::output;
+use jointplay::format::number::fixed;
 
 /// Compute the pose of a station from taught points, or list the poses of all stations
 ///
@@ -301,7 +302,7 @@ fn write_station(text: &mut String, station: &StationReport, limit: f64) {
     }
     let _ = writeln!(
         text,
-        "  tilt                 {}° toward yaw {}°, {} % of the robot's {}°",
+        "  tilt                 {}° at azimuth {}°, {} % of the robot's {}°",
         fixed(station.tilt_pitch_deg, 4),
         fixed(station.tilt_yaw_deg, 2),
         fixed(100.0 * station.tilt_share, 0),

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use jointplay::format::number::fixed;
 use jointplay::format::study::StudyFile;
 use jointplay::report::{ColumnReport, OutcomeReport, TotalsReport};
 
@@ -81,7 +82,7 @@ fn number(value: f64) -> String {
         "0".to_owned()
     } else if (1e-3..1e6).contains(&size) {
         let whole = size.log10().floor().max(0.0) as usize;
-        output::fixed(value, 6 - whole.min(6))
+        fixed(value, 6 - whole.min(6))
     } else {
         format!("{value:.4e}")
     }

@@ -1,10 +1,10 @@
-//! The slowest segments of a program, and what limits them, as text.
+//! The slowest segments of a program, and what limits them.
 
-use std::fmt::Write as _;
+use jointplay_format::number::fixed;
 
-use jointplay::report::{CellReport, LimitingReport, SegmentReport};
-
-use crate::output::fixed;
+use super::tables::{TableColumn, TextTable};
+use crate::cell::CellReport;
+use crate::segment::{LimitingReport, SegmentReport};
 
 /// Largest number of rows.
 const ROWS: usize = 8;
@@ -17,8 +17,8 @@ struct Group<'a> {
     longest: &'a SegmentReport,
 }
 
-/// A table of the segments that take most of the time in total; empty where nothing moves.
-pub(super) fn slowest_segments(report: &CellReport) -> String {
+/// The segments that take most of the time in total.
+pub(super) fn slowest_segments(report: &CellReport) -> TextTable {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for instruction in &report.instructions {
         for segment in &instruction.segments {
@@ -45,27 +45,29 @@ pub(super) fn slowest_segments(report: &CellReport) -> String {
             }
         }
     }
-    if groups.is_empty() {
-        return String::new();
-    }
     groups.sort_by(|a, b| b.total_s.total_cmp(&a.total_s));
-    let mut text =
-        "segments that take most time, and the limit that is reached longest\n".to_owned();
-    let _ = writeln!(text, "  line  runs   s each  segment  limited by");
-    for group in groups.iter().take(ROWS) {
+    let row = |group: &Group<'_>| {
         #[expect(clippy::cast_precision_loss, reason = "a count of runs")]
         let each = group.total_s / group.runs as f64;
-        let _ = writeln!(
-            text,
-            "  {:>4} {:>5} {:>8}  {:<7}  {}",
-            group.line,
-            group.runs,
+        vec![
+            group.line.to_string(),
+            group.runs.to_string(),
             fixed(each, 3),
-            group.longest.phase,
-            explained(group.longest)
-        );
+            group.longest.phase.to_owned(),
+            explained(group.longest),
+        ]
+    };
+    TextTable {
+        title: "segments that take most time, and the limit that is reached longest",
+        columns: vec![
+            TableColumn::number("line"),
+            TableColumn::number("runs"),
+            TableColumn::number("s each"),
+            TableColumn::text("segment"),
+            TableColumn::text("limited by"),
+        ],
+        rows: groups.iter().take(ROWS).map(row).collect(),
     }
-    text
 }
 
 /// Limit and name of what limits a segment.

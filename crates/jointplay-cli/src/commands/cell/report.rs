@@ -1,0 +1,218 @@
+//! `jointplay cell report`: one page on a cell and its program.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use jointplay::format::number::fixed;
+use jointplay::report::{
+    CellPage, CellReport, KeyFigure, PagePicture, PageProgram, TableColumn, TextTable, key_figures,
+};
+use serde::Serialize;
+
+use super::input::{InputArgs, Planned};
+use super::pictures;
+use crate::failure::Failure;
+use crate::folder::{self, ForceArgs};
+use crate::output;
+use crate::print_page::{Browser, print_page};
+
+/// Duration of a part of the timing diagram (s), number of its bands, and largest number of parts: a part fits on a printed page.
+const PART: f64 = 240.0;
+const BANDS: u32 = 4;
+const MAX_PARTS: f64 = 6.0;
+
+/// Write a report on a program: cell, schedule, margins, accuracy, violations and assumptions on one page
+///
+/// The page needs no other files, and no network. A second program, --before, is compared by its key figures.
+/// A file name that ends in .pdf makes the same page as PDF, printed by a Chromium-based browser of this machine.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay cell report
+  jointplay cell report cell.toml lot.program --before old.program --out report.pdf
+
+Exit codes: 0 no violations, 1 violations or unreachable, 2 bad input or usage, 130 interrupted.")]
+pub(super) struct ReportCommand {
+    #[command(flatten)]
+    pub(super) input: InputArgs,
+    /// Program before a change, in the same cell, for comparison
+    #[arg(long, value_name = "PROGRAM")]
+    before: Option<PathBuf>,
+    /// File of the report; its name ends in .html or .pdf
+    #[arg(short, long, value_name = "FILE", default_value = "cell-report.html", value_parser = page_file)]
+    out: PageFile,
+    /// Browser that prints the PDF [default: the first that is found of Chromium, Chrome and Edge]
+    #[arg(long, value_name = "FILE")]
+    browser: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArgs,
+}
+
+/// The file of a page, and whether it is a PDF.
+#[derive(Debug, Clone)]
+struct PageFile {
+    path: PathBuf,
+    is_pdf: bool,
+}
+
+fn page_file(text: &str) -> Result<PageFile, String> {
+    let path = PathBuf::from(text);
+    let extension = path.extension().map(|end| end.to_ascii_lowercase());
+    match extension.as_ref().and_then(|end| end.to_str()) {
+        Some("html" | "htm") => Ok(PageFile { path, is_pdf: false }),
+        Some("pdf") => Ok(PageFile { path, is_pdf: true }),
+        _ => Err("the name must end in .html or .pdf".to_owned()),
+    }
+}
+
+/// Result of `cell report`.
+#[derive(Serialize)]
+struct ReportDocument {
+    /// The file written.
+    file: PathBuf,
+    /// Result of the check: `passed` or `failed`.
+    result: &'static str,
+    /// Key figures of the program.
+    key_figures: Vec<KeyFigure>,
+    /// Key figures of the program before the change, if given.
+    before: Option<Vec<KeyFigure>>,
+}
+
+impl ReportCommand {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        folder::check_file(&self.out.path, self.force)?;
+        // A missing browser is reported before the planning.
+        let browser = match self.out.is_pdf {
+            true => Some(Browser::find(self.browser.as_deref())?),
+            false => None,
+        };
+        let planned = self.input.plan()?;
+        let document = planned.document();
+        let before = match &self.before {
+            Some(program) => Some(self.input.with_program(program).plan()?),
+            None => None,
+        };
+        let before_document = before.as_ref().map(Planned::document);
+        let page = page(&planned, &document, before.as_ref().zip(before_document.as_ref()))?;
+        let bytes = match &browser {
+            Some(browser) => print_page(browser, &page)?,
+            None => page.into_bytes(),
+        };
+        folder::write_file(&self.out.path, &bytes, self.force)?;
+        let written = ReportDocument {
+            file: self.out.path.clone(),
+            result: document.result,
+            key_figures: key_figures(&document),
+            before: before_document.as_ref().map(key_figures),
+        };
+        if self.input.format().json() {
+            output::json(&written)?;
+        } else {
+            output::text(&text(&written))?;
+        }
+        planned.exit()
+    }
+}
+
+/// The key figures, and the file.
+fn text(written: &ReportDocument) -> String {
+    let figures = written.key_figures.iter().enumerate();
+    let number = TableColumn::number;
+    let table = match &written.before {
+        None => TextTable {
+            title: "key figures",
+            columns: vec![TableColumn::text(""), number("")],
+            rows: figures.map(|(_, one)| vec![one.name.to_owned(), one.to_text()]).collect(),
+        },
+        Some(before) => TextTable {
+            title: "key figures",
+            columns: vec![
+                TableColumn::text(""),
+                number("before"),
+                number("after"),
+                number("difference"),
+            ],
+            rows: figures
+                .map(|(k, one)| {
+                    let old = &before[k];
+                    vec![one.name.to_owned(), old.to_text(), one.to_text(), one.difference(old)]
+                })
+                .collect(),
+        },
+    };
+    format!("{}written: {}\n", table.to_text(), written.file.display())
+}
+
+/// Two periods in the middle of the longest periodic part, where neither its start nor its end matter (s).
+fn middle_periods(document: &CellReport) -> Option<[f64; 2]> {
+    let parts = document.schedule.periodic_parts.iter();
+    let part = parts.max_by(|a, b| (a.end_s - a.start_s).total_cmp(&(b.end_s - b.start_s)))?;
+    let periods = 2.0 * part.period_s;
+    let start = (0.5 * (part.start_s + part.end_s - periods)).max(part.start_s);
+    Some([start, (start + periods).min(part.end_s)])
+}
+
+/// Name of the file of a program.
+fn file_name(planned: &Planned) -> &str {
+    let label = &planned.input.label;
+    Path::new(label).file_name().and_then(|name| name.to_str()).unwrap_or(label)
+}
+
+fn page(
+    planned: &Planned,
+    document: &CellReport,
+    before: Option<(&Planned, &CellReport)>,
+) -> Result<String, Failure> {
+    let picture = |caption: &str, svg: String| PagePicture { caption: caption.to_owned(), svg };
+    let cell = vec![
+        picture(
+            "From above: stations with their entries, bodies, zones, reach of the arms and paths of the wafer centres.",
+            pictures::top_view_svg(planned)?,
+        ),
+        picture(
+            "The arms at the first hand-off at each station.",
+            pictures::postures_svg(planned)?,
+        ),
+    ];
+    let mut timing = Vec::new();
+    if let Some(window) = middle_periods(document) {
+        let parts = pictures::gantt_svgs(planned, &[window], 1)?;
+        let caption = "Two periods in the middle of the longest periodic part.";
+        timing.extend(parts.into_iter().map(|svg| picture(caption, svg)));
+    }
+    let duration = planned.motion.duration();
+    let parts = (duration / PART).ceil().clamp(1.0, MAX_PARTS);
+    let windows: Vec<[f64; 2]> = (0..MAX_PARTS as u32)
+        .map(f64::from)
+        .take_while(|&part| part < parts)
+        .map(|part| [part / parts * duration, (part + 1.0) / parts * duration])
+        .collect();
+    for (svg, [from, to]) in
+        pictures::gantt_svgs(planned, &windows, BANDS)?.into_iter().zip(&windows)
+    {
+        timing.push(picture(&format!("From {} to {} s.", fixed(*from, 0), fixed(*to, 0)), svg));
+    }
+    let name = file_name(planned);
+    // Without folders, unless they tell the programs apart.
+    let names = match before {
+        Some((before, _)) if file_name(before) != name => [name, file_name(before)],
+        Some((before, _)) => [planned.input.label.as_str(), before.input.label.as_str()],
+        None => [name, ""],
+    };
+    let text = &planned.input.text;
+    let page = CellPage {
+        program: PageProgram { name: names[0], text, report: document },
+        before: before.map(|(planned, report)| PageProgram {
+            name: names[1],
+            text: &planned.input.text,
+            report,
+        }),
+        cell,
+        timing,
+        stations: pictures::taught_svg(planned)?.map(|svg| {
+            picture("Planes of the taught stations, with exaggerated tilt and distances.", svg)
+        }),
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    Ok(page.to_html())
+}
