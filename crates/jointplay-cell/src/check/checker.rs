@@ -67,9 +67,9 @@ impl CheckCache {
         for first in (0..trajectory.steps.len()).step_by(BATCH) {
             let steps = first..(first + BATCH).min(trajectory.steps.len());
             let colliders = &mut self.colliders;
-            let transfers = locations.transfers_in(&steps);
+            let changes = locations.location_changes_in(&steps);
             let (checks, keys) =
-                StepChecks::new(trajectory, steps, transfers, options, scene, colliders, context)?;
+                StepChecks::new(trajectory, steps, changes, options, scene, colliders, context)?;
             self.check_batch(&checks, &keys, first, context, &mut aggregator)?;
             scene = checks.into_last_scene();
         }
