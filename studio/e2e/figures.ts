@@ -50,6 +50,9 @@ test('the cell', async () => {
   await page.getByRole('tab', { name: 'Station', exact: true }).click();
   await page.getByTestId('jog-station').selectOption('LP2');
   await page.getByTestId('jog-in').click();
+  await until('the arm is at the slot', async () => Math.abs(Number(await page.getByTestId('field-jog-z').inputValue())) < 1e-6);
+  await page.getByTestId('field-jog-z').fill('3');
+  await page.getByTestId('field-jog-z').press('Enter');
   await until('the pose is checked', async () => (await page.getByTestId('jog-check').getAttribute('data-state')) === 'passed');
   await save(page, 'studio-cell-jog');
   await page.getByTestId('jog-release').click();
