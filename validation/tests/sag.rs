@@ -20,7 +20,7 @@ const GRAVITY: f64 = 9.80665;
 fn wafer(poisson: f64) -> (Wafer, f64) {
     let material = Material { name: "silicon".into(), young: 148e9, poisson, density: 2329.0 };
     let wafer = Wafer { diameter: 0.3, thickness: 775e-6, material };
-    let unit = wafer.weight_by_area(GRAVITY) * 0.15_f64.powi(4) / wafer.stiffness();
+    let unit = wafer.weight_per_area(GRAVITY) * 0.15_f64.powi(4) / wafer.flexural_rigidity();
     (wafer, unit)
 }
 

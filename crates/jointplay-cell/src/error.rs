@@ -1,8 +1,8 @@
-//! Errors of descriptions, as facts.
+//! Errors of descriptions and of arguments.
 
 use jointplay_core::spatial::Tilt;
 
-/// Why a description makes no robot, station or cell. Lengths are in m, angles in rad.
+/// Invalid description of a robot, station or cell, or invalid argument. Lengths are in m, angles in rad.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CellError {

@@ -16,7 +16,7 @@ const BISECTIONS: usize = 40;
 /// Positions after a jog, and why it stopped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JogOutcome {
-    /// Positions of all axes, rods first ((m), (rad)).
+    /// Positions of all axes, rods first (m or rad).
     pub positions: Vec<f64>,
     /// Why the target was not reached; `None` if it was.
     pub stopped: Option<StopReason>,
@@ -33,7 +33,7 @@ pub enum StopReason {
     Contact([EntityId; 2]),
 }
 
-/// Pose of a wafer relative to a slot, in cylindrical coordinates about the axis of the arm's rotation.
+/// Pose of a wafer relative to a slot, in cylindrical coordinates about the axis of the arm's first joint.
 ///
 /// ```text
 ///    the wafer is in the slot where all coordinates are zero; its x axis then points inward
@@ -96,7 +96,7 @@ impl Cell {
     /// Moves all axes toward positions: each motor up to its limits, the rods along a straight line up to their limits and that of the tilt.
     ///
     /// # Arguments
-    /// * `from`, `to` – positions of all axes, rods first ((m), (rad))
+    /// * `from`, `to` – positions of all axes, rods first (m or rad)
     ///
     /// # Errors
     /// [`CellError::LengthMismatch`], [`CellError::NotFinite`]
@@ -114,7 +114,11 @@ impl Cell {
         Ok(JogOutcome { positions, stopped })
     }
 
-    /// Moves the platform toward a tilt and a height; the motors do not move.
+    /// Moves the platform toward a tilt and a height; the motors of the arms do not move.
+    ///
+    /// # Arguments
+    /// * `from` – present positions of all axes, rods first (m or rad)
+    /// * `height` – height at which the platform plane crosses the base axis
     ///
     /// # Errors
     /// As [`Self::jog_axes`], and those of the robot's inverse.
@@ -132,11 +136,12 @@ impl Cell {
 
     /// Moves the wafer of an effector along a straight line toward a target in the base frame, its plane rotating evenly, with droop compensated as by [`Self::compensated_inverse`].
     ///
-    /// # Arguments
-    /// * `from` – present positions of all axes
-    /// * `loaded` – whether the effector holds a wafer
+    /// Where the droop at the start is unknown, the line starts at the pose of the wafer on the rigid arm.
     ///
-    /// At the start, the droop may be unknown.
+    /// # Arguments
+    /// * `from` – present positions of all axes, rods first (m or rad)
+    /// * `loaded` – whether the effector holds a wafer
+    /// * `to` – target at the end of the line
     ///
     /// # Errors
     /// Those of the robot's kinematics, and numbers that are not finite.
@@ -212,7 +217,7 @@ impl Cell {
         self.slot_view(effector, slot).relative_pose(wafer)
     }
 
-    /// Frame of a slot; for an unreachable slot, with the axis of the robot.
+    /// Frame of a slot, with the axis of the arm's first joint; for an unreachable slot, with the base axis.
     fn slot_view(&self, effector: EffectorId, slot: SlotId) -> SlotFrame {
         let frame = self.stations[slot.station].slot_frame(slot.slot);
         let (center, normal) = (frame.translation.vector, frame.rotation * Vector3::z());

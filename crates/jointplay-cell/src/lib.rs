@@ -16,6 +16,7 @@
 //! | [`geometry`] | shapes, their triangles, colliders and distances |
 //! | [`robot`] | a three-rod robot that carries planar arms: description, forward and inverse kinematics of the whole chain |
 //! | [`wafer`] | plates that sag, arms that droop, and the compensation by the platform |
+//! | [`displacement`] | displacement of a wafer by the tilt of the platform and by other causes, and the uncertainty of its position |
 //! | [`station`] | places for wafers: frames, slots, approach, and frames from taught points |
 //! | [`workcell`] | robot, stations, wafers, bodies and zones |
 //! | [`program`] | programs, and the steps that they expand to |
@@ -25,9 +26,22 @@
 //! | [`jog`] | interactive motion up to the limits |
 //! | [`optimise`] | orders of hand-offs, arms, blends and speeds that are better than those of a program |
 //! | [`IncrementalPlanner`] | expansion, trajectory and check, with results of the previous plan reused |
+//! | [`EntityId`], [`CellError`], [`InvalidPart`] | parts that results refer to, errors of descriptions and arguments, invalid parts of a cell |
 //!
-//! Internal modules are `incremental` (cache keys, caches, parallel map), `collision` (continuous collision checking, with the guarantee at its head) and `violation`.
-//! No two files import each other, directly or through others; `geometry` and `incremental` know nothing of robots and cells.
+//! Internal modules:
+//!
+//! | module | contents |
+//! | --- | --- |
+//! | `incremental` | cache keys, caches, parallel map, interruption |
+//! | `collision` | continuous collision checking; its first lines state the guarantee |
+//! | `violation` | violations, their kinds and groups; public in [`check`] |
+//! | `planner` | the [`IncrementalPlanner`] |
+//! | `arm_placement` | poses of links, end effectors and wafers with deflected arms |
+//! | `conditions`, `validate` | conditions of numbers, and those that a cell has to fulfil |
+//! | `entity`, `error` | [`EntityId`] and [`CellError`] |
+//!
+//! No two files import each other, directly or through others; `incremental` does not depend on robots or cells, and `geometry` only on their error type, [`CellError`].
+//! Labels in brackets, such as \[Schwarzer\], are entries of the list of references in the repository, `REFERENCES.md`.
 //!
 //! Pure mathematics in SI units: no files, no clock; results do not depend on the number of threads.
 

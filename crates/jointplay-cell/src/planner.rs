@@ -21,7 +21,7 @@ use crate::workcell::Cell;
 /// use jointplay_cell::IncrementalPlanner;
 ///
 /// let planner = IncrementalPlanner::default();
-/// assert_eq!(planner.limit_cache_stats().misses, 0);
+/// assert_eq!(planner.findings_cache_stats().misses, 0);
 /// ```
 pub struct IncrementalPlanner {
     ik_cache: IkCache,
@@ -136,10 +136,10 @@ impl IncrementalPlanner {
         self.segment_cache.stats()
     }
 
-    /// Cache statistics of the last check against limits, slip and safe zones.
+    /// Cache statistics of the findings of the last check that concern no pair of bodies: limits, slip and safe zones.
     #[must_use]
-    pub fn limit_cache_stats(&self) -> CacheStats {
-        self.checks.limit_stats()
+    pub fn findings_cache_stats(&self) -> CacheStats {
+        self.checks.findings_stats()
     }
 
     /// Cache statistics of the distances of the last check.

@@ -14,8 +14,8 @@ pub const MAX_BODIES: usize = 400;
 /// Largest coverage factor.
 pub const MAX_COVERAGE_FACTOR: f64 = 6.0;
 
-/// Largest gravitational acceleration, and required clearance, in SI units.
-const MAX_BUDGET: f64 = 1e9;
+/// Largest required clearance, slot clearance and gravitational acceleration, in SI units.
+const MAX_VALUE: f64 = 1e9;
 
 /// Part of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -137,7 +137,7 @@ impl Cell {
             ("the gravitational acceleration", self.gravity, "m/s²"),
         ] {
             not_negative(what.to_owned(), value, unit)?;
-            in_range(what.to_owned(), value, 0.0, MAX_BUDGET, unit)?;
+            in_range(what.to_owned(), value, 0.0, MAX_VALUE, unit)?;
         }
         Ok(())
     }

@@ -58,7 +58,8 @@ pub struct Zone {
 pub enum ZoneRule {
     /// No body of the robot and no held wafer may enter.
     KeepOut,
-    /// The centre of each effector must stay inside while its arm is retracted and the robot turns.
+    /// The centre of the resting plane of each effector's wafer, empty or loaded, must stay inside during steps of the phase [`Turn`](crate::program::Phase::Turn), in which the robot turns with retracted arms.
+    /// Each safe zone is a condition of its own: with several, the centres must stay inside all of them.
     Safe,
 }
 
@@ -67,7 +68,7 @@ pub enum ZoneRule {
 pub struct Cell {
     /// Name.
     pub name: String,
-    /// Assumed values, each with its reason.
+    /// Assumed values of the cell file, each as text with its reason.
     pub assumed: Vec<String>,
     /// The robot.
     pub robot: HybridRobot,
@@ -95,7 +96,8 @@ pub struct Cell {
     pub slot_clearance: f64,
     /// Gravitational acceleration, along −z of the base frame (m/s²).
     pub gravity: f64,
-    /// Largest angle between the plane of a held wafer and that of its station after compensation (rad).
+    /// Plane budget: largest angle between the plane of a held wafer and that of its station after compensation (rad).
+    /// [`check`](crate::check::check) adds the expanded uncertainty of the station's tilt to the angle, where it is known.
     pub plane_threshold: f64,
     /// Multiple of the standard deviation of a station's frame that its clearances and its plane have to allow.
     pub coverage_factor: f64,

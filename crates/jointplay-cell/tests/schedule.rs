@@ -402,7 +402,7 @@ fn rule_violations(cell: &Cell, trajectory: &Trajectory) -> Vec<Violation> {
         ViolationKind::LongDwell,
         ViolationKind::ShortDwell,
         ViolationKind::LeftInStation,
-        ViolationKind::MissingVisit,
+        ViolationKind::VisitRule,
     ];
     let report = check(cell, trajectory, &CheckOptions::default());
     report.violations.into_iter().filter(|one| rules.contains(&one.kind)).collect()

@@ -127,7 +127,7 @@ fn invalid_axis_motions_are_rejected() {
     let (still, there) = ([0.0; 5], [0.5, 0.5, 0.5, 0.0, 0.9]);
     let of = |velocities: &[f64], id: EffectorId| {
         let motion = AxesMotion { positions: &there, velocities, accelerations: &still };
-        cell.friction_margin(id, &motion).map(|margin| margin.required)
+        cell.friction_demand(id, &motion).map(|margin| margin.required)
     };
     assert_eq!(of(&still, id), Ok(0.0));
     let short = CellError::LengthMismatch { found: 4, expected: 5 };

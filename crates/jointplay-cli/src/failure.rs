@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anstyle::{AnsiColor, Style};
+use jointplay::format::cell;
 use jointplay::format::coordinates;
 use jointplay::format::explain::{explain, explain_limit};
 use jointplay::format::number::{counted, number};
@@ -114,6 +115,28 @@ impl Diagnostic {
     pub(crate) fn list<P: std::fmt::Display>(errors: &[place::Error<P>], file: &str) -> Vec<Self> {
         errors.iter().map(|error| Self::new(error, file)).collect()
     }
+
+    /// The errors of a cell file; those of a file that it names follow the place where it names it.
+    fn list_cell(errors: &[cell::Problem], file: &str) -> Vec<Self> {
+        let mut all = Vec::new();
+        for error in errors {
+            let cell::Fault::Within { name, inner, others } = &*error.problem else {
+                all.push(Self::new(error, file));
+                continue;
+            };
+            let inner: Vec<cell::Problem> =
+                std::iter::once(&**inner).chain(others).cloned().collect();
+            let message = format!("{name:?} has {}", counted(inner.len(), "error"));
+            let named = place::Error { place: error.place.clone(), problem: Box::new(message) };
+            all.push(Self::new(&named, file));
+            let path = match file.rsplit_once('/') {
+                Some((folder, _)) if name.contains('.') => format!("{folder}/{name}"),
+                _ => name.clone(),
+            };
+            all.extend(Self::list_cell(&inner, &path));
+        }
+        all
+    }
 }
 
 /// Largest number of errors listed in text; JSON lists all.
@@ -211,6 +234,11 @@ impl Failure {
     /// All errors of a file.
     pub(crate) fn invalid<P: std::fmt::Display>(errors: &[place::Error<P>], file: &str) -> Self {
         Self::Invalid(Diagnostic::list(errors, file))
+    }
+
+    /// All errors of a cell file, and of the files that it names.
+    pub(crate) fn invalid_cell(errors: &[cell::Problem], file: &str) -> Self {
+        Self::Invalid(Diagnostic::list_cell(errors, file))
     }
 
     fn exit_code(&self) -> u8 {

@@ -4,6 +4,7 @@
 
 use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, Report, check};
+use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
@@ -136,4 +137,110 @@ fn invalid_openings_are_reported_with_their_place() {
     let opened = "rule = \"safe\"\nposition_mm = [0.0, 0.0, 600.0]\nbox = { size_mm = [90, 90, 700], openings = [{ size_mm = [1, 1, 1] }] }";
     let found = changed(safe, opened).unwrap_err();
     assert!(found.contains("a safe zone has no openings"), "{found}");
+}
+
+/// A binary glTF file: the node `frame`, moved by 1 m along x and turned by 90° about y, with the children `door`, twice as large, and `lamp`, mirrored; both show a tetrahedron.
+fn glb(children: [&str; 2], extra: &str) -> Vec<u8> {
+    let points: [[f32; 3]; 4] = [[0.0; 3], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]];
+    let triangles: [[u16; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let mut binary: Vec<u8> = points.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
+    binary.extend(triangles.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+    let [door, lamp] = children;
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let mut json = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}],
+        "nodes": [
+            {{"name": "frame", "translation": [1, 0, 0], "rotation": [0, {half}, 0, {half}], "children": [1, 2]}},
+            {{"name": "{door}", "scale": [2, 2, 2], "mesh": 0}},
+            {{"name": "{lamp}", "matrix": [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 5, 0, 1], "mesh": 0}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "indices": 1}}]}}],
+        "accessors": [
+            {{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [0.1, 0.1, 0.1]}},
+            {{"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}}],
+        "bufferViews": [
+            {{"buffer": 0, "byteLength": 48}}, {{"buffer": 0, "byteOffset": 48, "byteLength": 24}}],
+        "buffers": [{{"byteLength": 72}}]{extra}}}"#
+    );
+    while json.len() % 4 != 0 {
+        json.push(' ');
+    }
+    let mut bytes = b"glTF".to_vec();
+    let length = |bytes: usize| u32::try_from(bytes).unwrap().to_le_bytes();
+    bytes.extend(length(2));
+    bytes.extend(length(12 + 8 + json.len() + 8 + binary.len()));
+    for (kind, chunk) in [(b"JSON", json.as_bytes()), (b"BIN\0", &binary)] {
+        bytes.extend(length(chunk.len()));
+        bytes.extend(kind);
+        bytes.extend(chunk);
+    }
+    bytes
+}
+
+/// The wall of the example with the shape of a file.
+fn wall_of(file: &str, keys: &str, bytes: &[u8]) -> Result<Shape, String> {
+    let wall = "box = { size_mm = [600.0, 20.0, 1000.0] }";
+    let mesh = format!("mesh = {{ file = \"{file}\"{keys} }}");
+    let text = EXAMPLE.replacen(wall, &mesh, 1);
+    let cell = read(&text, &mut |_| Ok(bytes.to_vec())).map_err(|errors| errors.to_string())?;
+    Ok(cell.bodies.into_iter().find(|body| body.name == "wall").unwrap().shape)
+}
+
+/// Vertices, and the volume within the triangles.
+fn measured(shape: Shape) -> (Vec<Vector3<f64>>, f64) {
+    let Shape::Mesh { vertices, triangles } = shape else { panic!("{shape:?}") };
+    let vertices: Vec<Vector3<f64>> = vertices.into_iter().map(Vector3::from).collect();
+    let at = |k: u32| vertices[k as usize];
+    let volumes = triangles.iter().map(|t| at(t[0]).dot(&at(t[1]).cross(&at(t[2]))) / 6.0);
+    let volume = volumes.sum();
+    (vertices, volume)
+}
+
+#[test]
+fn nodes_of_a_binary_gltf_file_are_bodies_with_z_up() {
+    let file = glb(["door", "lamp"], "");
+    let (door, volume) = measured(wall_of("tool.glb", ", node = \"door\"", &file).unwrap());
+    // Scaled by 2, turned x → −z about y, moved by 1 along x; then y up becomes z up: (x, y, z) → (x, −z, y).
+    let expected = [[1.0, 0.0, 0.0], [1.0, 0.2, 0.0], [1.0, 0.0, 0.2], [1.2, 0.0, 0.0]];
+    for (found, expected) in door.iter().zip(expected.map(Vector3::from)) {
+        assert!((found - expected).norm() < 1e-7, "{found} {expected}");
+    }
+    assert!((volume - 8.0 * 1e-3 / 6.0).abs() < 1e-9, "{volume}");
+    // The mirrored node faces outward, too; the whole scene and the common parent have both.
+    let (lamp, volume) = measured(wall_of("tool.glb", ", node = \"lamp\"", &file).unwrap());
+    assert!((volume - 1e-3 / 6.0).abs() < 1e-9 && (lamp[0].z - 5.0).abs() < 1e-6, "{volume}");
+    for keys in ["", ", node = \"frame\""] {
+        let (all, volume) = measured(wall_of("tool.glb", keys, &file).unwrap());
+        assert!(all.len() == 8 && (volume - 9.0 * 1e-3 / 6.0).abs() < 1e-9);
+    }
+    assert!(matches!(wall_of("tool.glb", ", convex = true", &file), Ok(Shape::Convex { .. })));
+}
+
+#[test]
+fn unusable_meshes_are_refused_with_the_reason() {
+    let file = glb(["door", "lamp"], "");
+    let refused = |name: &str, keys: &str, bytes: &[u8], message: &str| {
+        let found = wall_of(name, keys, bytes).unwrap_err();
+        assert!(found.contains(message), "{found}");
+    };
+    refused(
+        "t.glb",
+        ", node = \"dor\"",
+        &file,
+        "no node \"dor\" (did you mean `door`?); known: frame",
+    );
+    refused("t.glb", ", node = \"d\"", &glb(["d", "d"], ""), "it has 2 nodes \"d\"");
+    refused("t.glb", ", unit = \"m\"", &file, "is in metres: remove `unit`");
+    refused("t.stl", ", node = \"door\"", &file, "has nodes: remove `node`");
+    let draco = r#", "extensionsRequired": ["KHR_draco_mesh_compression"]"#;
+    refused("t.glb", "", &glb(["a", "b"], draco), "export it without compression");
+    refused("t.step", "", b"ISO-10303-21;", "it has no triangles: export it");
+    refused("t.gltf", "", b"{}", "save it as binary glTF");
+    refused("t.ply", "", b"ply", "neither in .stl, .obj nor in .glb");
+    refused("t.glb", "", b"{}", "it does not start with `glTF`");
+    for cut in (0..file.len()).step_by(7) {
+        assert!(wall_of("t.glb", "", &file[..cut]).is_err());
+        let mut damaged = file.clone();
+        damaged[cut] = damaged[cut].wrapping_add(1);
+        let _ = wall_of("t.glb", "", &damaged);
+    }
 }

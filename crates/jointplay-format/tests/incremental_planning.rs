@@ -91,7 +91,7 @@ fn sample_by_sample(
             };
             let (from, to) = (positions.clone(), positions);
             let path = Path::Dwell(0.0);
-            // Contact rules of the step apply, whose path names the effector.
+            // Clearance rules of the step apply, whose path names the effector.
             let acting = match (step.path, step.handoff) {
                 (Path::Line(id), None) => Some(Path::Line(id)),
                 _ => None,
@@ -184,7 +184,7 @@ fn pushes(cell: &Cell, motion: &Trajectory, index: usize, rate: f64) -> Vec<(f64
             accelerations: &sample.accelerations,
         };
         let shares =
-            step.loaded.iter().map(|&id| cell.friction_margin(id, &now).unwrap().utilization());
+            step.loaded.iter().map(|&id| cell.friction_demand(id, &now).unwrap().utilization());
         pushes.extend(shares.reduce(f64::max).map(|share| (time, share)));
     }
     pushes
@@ -410,7 +410,7 @@ fn only_segments_affected_by_a_change_are_recomputed() {
         [
             memory.ik_cache_stats(),
             memory.segment_cache_stats(),
-            memory.limit_cache_stats(),
+            memory.findings_cache_stats(),
             memory.distance_cache_stats(),
         ]
     };
@@ -431,7 +431,7 @@ fn only_segments_affected_by_a_change_are_recomputed() {
         [memory.ik_cache_stats(), memory.segment_cache_stats()].map(|reuse| reuse.misses),
         [0; 2]
     );
-    assert_eq!(memory.limit_cache_stats().misses, 0);
+    assert_eq!(memory.findings_cache_stats().misses, 0);
     // A limit: everything is recomputed.
     let axis = &mut cell.robot.axes[3];
     axis.empty.velocity *= 0.5;

@@ -158,6 +158,33 @@ fn violation_note() -> Vec<ViolationNote> {
     }]
 }
 
+/// A cell that names a fixed body of an exported file has it at the same place.
+fn assert_body_is_read_back(cell: &Cell, name: &str, file: &[u8]) {
+    use jointplay_cell::geometry::Shape;
+    let wall = "position_mm = [100.0, -600.0, 500.0]\nbox = { size_mm = [600.0, 20.0, 1000.0] }";
+    let mesh = format!("mesh = {{ file = \"t.glb\", node = \"{name}\" }}");
+    let example = jointplay_format::cell::EXAMPLE;
+    assert!(example.contains(wall));
+    let text = example.replacen(wall, &mesh, 1);
+    let read = jointplay_format::cell::read(&text, &mut |_| Ok(file.to_vec())).unwrap();
+    let found = read.bodies.iter().find(|body| body.name == "wall").unwrap();
+    let Shape::Mesh { vertices, .. } = &found.shape else { panic!() };
+    let body = cell.bodies.iter().find(|body| body.name == name).unwrap();
+    let expected: Vec<nalgebra::Point3<f64>> = body
+        .shape
+        .surface()
+        .vertices
+        .into_iter()
+        .map(|vertex| body.parent_from_shape * nalgebra::Point3::from(vertex))
+        .collect();
+    let nearest = |point: &nalgebra::Point3<f64>, all: &[nalgebra::Point3<f64>]| {
+        all.iter().map(|other| (point - other).norm()).fold(f64::INFINITY, f64::min)
+    };
+    let vertices: Vec<_> = vertices.iter().map(|&vertex| nalgebra::Point3::from(vertex)).collect();
+    assert!(vertices.iter().all(|vertex| nearest(vertex, &expected) < 1e-6), "{name}");
+    assert!(expected.iter().all(|vertex| nearest(vertex, &vertices) < 1e-6), "{name}");
+}
+
 /// Runs a test with a motion without violations and one with a violation.
 fn with(test: impl Fn(&MotionExport<'_>)) {
     let cell = cell();
@@ -356,7 +383,11 @@ fn droop_is_the_same_in_programs_and_in_jogging() {
     let slot = cell.stations[3].slot_frame(1);
     let off = pose(&frames, "wafer of LP1 1").translation.vector - slot.translation.vector;
     assert!(off.norm() < 1e-6, "{off}");
-    let (root, _) = parts(&gltf(&motion_export, 50.0).unwrap());
+    let file = gltf(&motion_export, 50.0).unwrap();
+    for name in ["LP1-left", "slit-above", "LP2-back"] {
+        assert_body_is_read_back(&cell, name, &file);
+    }
+    let (root, _) = parts(&file);
     let nodes = root["nodes"].as_array().unwrap();
     let named = |name: &str| nodes.iter().find(|node| node["name"] == name).unwrap();
     // Slots and bodies of a station refer to it.

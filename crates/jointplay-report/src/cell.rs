@@ -381,7 +381,7 @@ fn compensated(
         left_um: um(most(carried, |one| one.position_residual)),
         left_mrad: mm(most(carried, |one| one.tilt_residual)),
         bent_um: um(most(carried, |one| one.rms_flatness)),
-        jump_um: um(most(carried, |one| one.load_step)),
+        jump_um: um(most(carried, |one| one.load_displacement)),
         taught_mrad: tilt.map(mm),
         taught_um: height.map(um),
         taught_sideways_um: sideways.map(um),

@@ -6,11 +6,11 @@ use jointplay_cell::workcell::Cell;
 use jointplay_format::number::number as plain;
 use jointplay_format::units::{deg, mm, um};
 
-/// ViolationQuantity of messages, and a value of a violation in this unit.
+/// Unit of messages, and a value of a violation in this unit.
 pub(crate) fn in_display_unit(one: &Violation, value: f64) -> (&'static str, f64) {
-    match (one.unit, one.kind) {
+    match (one.quantity, one.kind) {
         (ViolationQuantity::None, _) => ("", value),
-        (ViolationQuantity::Acceleration, _) => ("m/s²", value),
+        (ViolationQuantity::SpecificForce, _) => ("m/s²", value),
         (ViolationQuantity::Time, _) => ("s", value),
         (ViolationQuantity::Length, ViolationKind::Velocity) => ("mm/s", mm(value)),
         (ViolationQuantity::Length, ViolationKind::Acceleration) => ("mm/s²", mm(value)),
@@ -206,7 +206,7 @@ mod tests {
             worst_time: 0.0,
             worst,
             limit,
-            unit: ViolationQuantity::Length,
+            quantity: ViolationQuantity::Length,
             detail: String::new(),
         };
         let shown = |worst, limit| distinct(&violation(worst, limit));

@@ -194,7 +194,7 @@ impl<'a> Aggregator<'a> {
                     worst_time: begin + interval.worst_time,
                     worst: worst.value,
                     limit: worst.limit,
-                    unit: worst.unit,
+                    quantity: worst.quantity,
                     detail: interval.detail.clone(),
                 });
                 (self.violations.len() - 1, worst.severity)

@@ -25,7 +25,7 @@ use crate::workcell::{Cell, Zone, ZoneRule};
 /// Clearances are checked continuously, between the samples too, by adaptive bisection \[Schwarzer\]; the module `collision` states the guarantee and its assumptions.
 ///
 /// # Numerics
-/// Minimum distances are exact at the evaluated samples; a sample that was not evaluated may have a distance smaller by `tolerance` of the row.
+/// Minimum distances are exact at the evaluated samples; a sample that was not evaluated may have a distance smaller by [`MinimumDistance::tolerance`](super::MinimumDistance::tolerance).
 ///
 /// # Assumptions
 /// Bodies and wafers are rigid, and wafers are flat discs.
@@ -67,9 +67,9 @@ impl CheckCache {
         for first in (0..trajectory.steps.len()).step_by(BATCH) {
             let steps = first..(first + BATCH).min(trajectory.steps.len());
             let colliders = &mut self.colliders;
-            let transfers = locations.transfers_in(&steps);
+            let changes = locations.location_changes_in(&steps);
             let (checks, keys) =
-                StepChecks::new(trajectory, steps, transfers, options, scene, colliders, context)?;
+                StepChecks::new(trajectory, steps, changes, options, scene, colliders, context)?;
             self.check_batch(&checks, &keys, first, context, &mut aggregator)?;
             scene = checks.into_last_scene();
         }
@@ -151,7 +151,7 @@ impl CheckCache {
         Ok(())
     }
 
-    pub(crate) fn limit_stats(&self) -> CacheStats {
+    pub(crate) fn findings_stats(&self) -> CacheStats {
         self.findings.stats()
     }
 

@@ -18,7 +18,7 @@ use crate::workcell::Cell;
 
 /// Relative tolerance of limits: a trajectory planned at a limit does not violate it by round-off.
 const LIMIT_TOLERANCE: f64 = 1e-6;
-/// Absolute tolerance of position limits (m and rad).
+/// Absolute tolerance of position limits (m or rad).
 const POSITION_TOLERANCE: f64 = 1e-9;
 
 /// Tilt of the platform and displacement of its virtual joints.
@@ -132,14 +132,14 @@ impl StepFindings {
         if is_within_limits {
             return;
         }
-        let unit = match axis.kind {
+        let quantity = match axis.kind {
             AxisKind::Rotary => ViolationQuantity::Angle,
             AxisKind::Linear => ViolationQuantity::Length,
         };
         for (sample, (state, &time)) in states.zip(times).enumerate() {
             let mut add = |kind: ViolationKind, severity: f64, value: f64, limit: f64| {
                 let subject = Subject { kind, first: index, second: 0 };
-                let violation = SampleViolation { subject, kind, severity, value, limit, unit };
+                let violation = SampleViolation { subject, kind, severity, value, limit, quantity };
                 violations.add(SampleTime { time, sample }, violation, String::new);
             };
             let position = state[0];
@@ -202,9 +202,9 @@ impl StepFindings {
     ) {
         let PlatformState { tilt, play } = state;
         let tilt_max = cell.robot.gpr.limits().tilt_max;
-        let mut add = |kind: ViolationKind, value: f64, limit: f64, unit: ViolationQuantity| {
+        let mut add = |kind: ViolationKind, value: f64, limit: f64, quantity: ViolationQuantity| {
             let (subject, severity) = (Subject::of(kind), value);
-            let violation = SampleViolation { subject, kind, severity, value, limit, unit };
+            let violation = SampleViolation { subject, kind, severity, value, limit, quantity };
             violations.add(at, violation, String::new);
         };
         self.tilt = self.tilt.max(tilt / tilt_max);
@@ -243,7 +243,7 @@ impl StepFindings {
                     severity: friction.required - friction.available,
                     value: friction.required,
                     limit: friction.available,
-                    unit: ViolationQuantity::Acceleration,
+                    quantity: ViolationQuantity::SpecificForce,
                 };
                 violations.add(SampleTime { time, sample }, violation, String::new);
             }

@@ -46,7 +46,7 @@ pub(super) fn plane_violations(cell: &Cell, trajectory: &Trajectory) -> Vec<Viol
             worst_time: time,
             worst: angle,
             limit: cell.plane_threshold,
-            unit: ViolationQuantity::Angle,
+            quantity: ViolationQuantity::Angle,
             detail: String::new(),
         })
     };

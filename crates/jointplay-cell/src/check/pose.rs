@@ -38,7 +38,7 @@ pub struct PoseContext<'m> {
 /// Part of a joint-space line before the first contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactFreePath {
-    /// Positions of all axes at its end, rods first ((m), (rad)).
+    /// Positions of all axes at its end, rods first (m or rad).
     pub positions: Vec<f64>,
     /// Fraction of the path, 1 for a path without contact.
     pub fraction: f64,
@@ -99,8 +99,8 @@ impl<'a> SceneAtTime<'a> {
         let mut scene = Scene::new(cell, &mut colliders);
         let ended = trajectory.times.iter().skip(1).take_while(|&&end| end <= time).count();
         let locations = WaferLocations::of_steps(cell, &trajectory.steps[..ended]);
-        for transfer in locations.transfers() {
-            scene.move_wafer(transfer, &mut colliders);
+        for change in locations.location_changes() {
+            scene.move_wafer(change, &mut colliders);
         }
         let placed_wafers = locations.placed_wafers();
         let current = trajectory.steps.get(ended.min(trajectory.steps.len().saturating_sub(1)));

@@ -213,11 +213,11 @@ fn needed_translations(
     colliders.begin();
     let mut scene = Scene::new(cell, &mut colliders);
     let locations = WaferLocations::of_steps(cell, &trajectory.steps);
-    let mut transfers = locations.transfers().iter().peekable();
+    let mut changes = locations.location_changes().iter().peekable();
     let mut sample = Sample::default();
     for Moment { step, time, violation } in moments {
-        while let Some(transfer) = transfers.next_if(|transfer| transfer.step < step) {
-            scene.move_wafer(transfer, &mut colliders);
+        while let Some(change) = changes.next_if(|change| change.step < step) {
+            scene.move_wafer(change, &mut colliders);
         }
         let time_in_step = (time - trajectory.times[step]).min(trajectory.step_duration(step));
         trajectory.write_sample_in_step(step, time_in_step, &mut sample);

@@ -64,7 +64,8 @@ pub struct InstructionResult {
     pub tilt: f64,
     /// Largest displacement of the virtual joints relative to the play budget.
     pub play: f64,
-    /// Largest utilization of friction, by index among all effectors; samples that were not evaluated may have 0.0001 more, unless a wafer slips.
+    /// Largest utilization of friction, by index among all effectors.
+    /// Not all samples are evaluated: by an estimate with a margin, which is not proven, the others have at most 0.0001 more, and none of them slips.
     pub slip: Option<Utilization>,
     /// Minimum distance of all pairs; `None` where all distances exceed the reporting range.
     pub nearest: Option<MinimumDistance>,

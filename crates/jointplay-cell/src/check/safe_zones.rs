@@ -48,10 +48,10 @@ impl StepFindings {
                     margin = margin.min(-outside);
                     if outside > 0.0 {
                         let subject = Subject { kind, first: index, second: *zone };
-                        let (value, limit, unit) = (outside, 0.0, ViolationQuantity::Length);
+                        let (value, limit, quantity) = (outside, 0.0, ViolationQuantity::Length);
                         let severity = outside;
                         let violation =
-                            SampleViolation { subject, kind, severity, value, limit, unit };
+                            SampleViolation { subject, kind, severity, value, limit, quantity };
                         violations.add(at, violation, String::new);
                     }
                 }

@@ -11,7 +11,7 @@ use crate::wafer::{DroopBounds, FrictionDemand, MIN_REACH};
 /// These are the offset of the centre of pressure of the pads, and the in-plane motion of the platform as it tilts: both are of second order in tilt and acceleration.
 /// A tenth covers them with a margin; tests compare the largest utilization with that of all samples.
 const INFLATION: f64 = 1.1;
-/// Tolerance of the largest utilization of friction: samples that were not evaluated may have as much more.
+/// Tolerance of the largest utilization of friction: samples that were not evaluated may have this much more, to the accuracy of [`INFLATION`].
 const UTILIZATION_TOLERANCE: f64 = 1e-4;
 
 /// A held wafer at the samples of a step.
@@ -108,7 +108,7 @@ impl<'a> HeldWafer<'a> {
 
     /// Friction at a sample; infinite where the acceleration is unknown, so that no neighbouring interval is ruled out.
     fn evaluate(&mut self, sample: usize) -> FrictionDemand {
-        let Some(margin) = self.friction_margin(sample) else {
+        let Some(margin) = self.friction_demand(sample) else {
             return FrictionDemand { required: f64::INFINITY, available: 0.0 };
         };
         self.peak = self.peak.max(margin.utilization());
@@ -116,7 +116,7 @@ impl<'a> HeldWafer<'a> {
         margin
     }
 
-    fn friction_margin(&self, sample: usize) -> Option<FrictionDemand> {
+    fn friction_demand(&self, sample: usize) -> Option<FrictionDemand> {
         let cell = self.scene.cell;
         let rods = self.rods.at(sample);
         let [positions, velocities, accelerations] = rods.each_ref().map(|values| &values[..]);
@@ -125,7 +125,7 @@ impl<'a> HeldWafer<'a> {
         let platform = cell.robot.platform_motion(&now, &motion).ok()?;
         let on_platform = self.scene.chain(self.effector).wafer_motion(&self.arm.at(sample));
         let wafer = cell.deflected_motion(&platform, &on_platform, self.effector, true).ok()?;
-        Some(cell.friction_margin_of(self.effector, &wafer))
+        Some(cell.friction_demand_of(self.effector, &wafer))
     }
 }
 
@@ -166,7 +166,7 @@ impl VariationInputs<'_> {
     /// r, ϑ: position of the wafer's centre and heading on the platform, r along the wafer's axes; ρ: distance of the centre from the platform's origin, at most.
     /// z: height of the platform; α: its tilt, in bounds of magnitude only; g: gravity.
     /// R: radius of the wafer; b: lever arm of friction against rotation.
-    /// d, s: drop and slope of the deflection at the reach l, with derivatives by the reach.
+    /// d, s: drop and slope of the deflection at the reach l, with derivatives with respect to the reach.
     fn accumulate(&self) -> Vec<ForceVariation> {
         let Self { scene, effector, sampled, bounds, rods, arm, tilt, droop } = *self;
         let cell = scene.cell;
@@ -191,12 +191,12 @@ impl VariationInputs<'_> {
             let [turn, _, heading_acceleration] =
                 std::array::from_fn(|k| (now.heading[k] - previous.heading[k]).abs());
             let (speed, wafer_radius) =
-                (previous.velocity.norm(), previous.place.norm() + chain.height().abs());
-            let displacement = (now.place - previous.place).norm();
+                (previous.velocity.norm(), previous.position.norm() + chain.height().abs());
+            let displacement = (now.position - previous.position).norm();
             let velocity_change = (now.velocity - previous.velocity).norm();
             if arm_moves {
                 let acceleration_change = (now.acceleration - previous.acceleration).norm();
-                let reach = (previous.place.norm() - mount_radius).abs().max(MIN_REACH);
+                let reach = (previous.position.norm() - mount_radius).abs().max(MIN_REACH);
                 let acceleration = previous.acceleration.norm();
                 let transport = acceleration * displacement
                     + speed * (4.0 * velocity_change + speed * displacement / reach);

@@ -11,7 +11,7 @@ use crate::collision::{
 };
 use crate::geometry::ColliderCache;
 use crate::incremental::{CacheKey, Interrupted, JobContext, parallel_map};
-use crate::program::{Phase, WaferTransfer};
+use crate::program::{LocationChange, Phase};
 use crate::trajectory::Trajectory;
 
 /// Successive steps of a trajectory, with their scenes.
@@ -35,12 +35,12 @@ pub(super) struct StepKey {
 
 impl<'a> StepChecks<'a> {
     /// # Arguments
-    /// * `transfers` – of wafers at the ends of these steps
+    /// * `changes` – of the locations of wafers at the ends of these steps
     /// * `scene` – before the first of the steps
     pub(super) fn new(
         trajectory: &'a Trajectory,
         steps: Range<usize>,
-        transfers: &[WaferTransfer],
+        changes: &[LocationChange],
         options: &'a CheckOptions,
         scene: Scene<'a>,
         cache: &mut ColliderCache,
@@ -49,14 +49,14 @@ impl<'a> StepChecks<'a> {
         let cell = scene.cell;
         let mut scenes = vec![scene];
         let mut scene_of = Vec::with_capacity(steps.len());
-        let mut transfers = transfers.iter().peekable();
+        let mut changes = changes.iter().peekable();
         for step in steps.clone() {
             context.check_interruption()?;
             let last = scenes.len() - 1;
             scene_of.push(last);
-            if let Some(transfer) = transfers.next_if(|transfer| transfer.step == step) {
+            if let Some(change) = changes.next_if(|change| change.step == step) {
                 let mut next = scenes[last].clone();
-                next.move_wafer(transfer, cache);
+                next.move_wafer(change, cache);
                 scenes.push(next);
             }
         }

@@ -58,7 +58,7 @@ pub(crate) struct PairMinimum {
     pub(crate) time: f64,
 }
 
-/// Pair of collision objects, the first of which moves, and its contact rule.
+/// Pair of collision objects, the first of which moves, and its clearance rule.
 #[derive(Clone, Copy)]
 pub(crate) struct CandidatePair {
     pub(crate) objects: [usize; 2],
@@ -191,7 +191,7 @@ impl CandidatePair {
             severity: -value,
             value,
             limit,
-            unit: ViolationQuantity::Length,
+            quantity: ViolationQuantity::Length,
         }
     }
 }

@@ -40,10 +40,10 @@ pub(crate) fn acting_effector(step: &Step) -> Option<EffectorId> {
 }
 
 impl Scene<'_> {
-    /// Contact rule of two objects, independent of the step.
+    /// Clearance rule of two objects, independent of the step.
     ///
     /// Not checked are objects on one body or on two bodies that a joint connects, pairs that the cell allows, and a wafer with the link that holds it.
-    pub(crate) fn general_contact_rule(&self, a: usize, b: usize) -> ClearanceRule {
+    pub(crate) fn general_clearance_rule(&self, a: usize, b: usize) -> ClearanceRule {
         let (first, second) = (&self.objects[a], &self.objects[b]);
         if !(first.parent.moves() || second.parent.moves()) || self.are_adjacent(a, b) {
             return ClearanceRule::Unchecked;
@@ -60,13 +60,13 @@ impl Scene<'_> {
         ClearanceRule::MinClearance(self.cell.clearance)
     }
 
-    /// Contact rule of a moving and a fixed object during a step.
+    /// Clearance rule of a moving and a fixed object during a step.
     ///
     /// While a step is in a slot, the end effector and its wafer must satisfy the slot clearance to the wafers of that station, and the lesser of slot clearance and general clearance to all fixed objects.
     /// The wafers of the station need more, by the uncertainty of its frame: see [`Cell::slot_margins`](crate::workcell::Cell::slot_margins).
     /// During lift and lower, the last link may touch the wafer of that slot.
     pub(crate) fn clearance_rule(&self, mover: usize, fixed: usize, step: &Step) -> ClearanceRule {
-        let general = self.general_contact_rule(mover, fixed);
+        let general = self.general_clearance_rule(mover, fixed);
         let (ClearanceRule::MinClearance(_), Some(slot), Some(id)) =
             (general, step.slot, acting_effector(step))
         else {

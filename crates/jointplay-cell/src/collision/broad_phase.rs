@@ -62,7 +62,7 @@ impl BroadPhase {
         let mut pairs = Vec::new();
         for a in 0..moving.len() {
             for b in a + 1..moving.len() {
-                let rule = scene.general_contact_rule(moving[a], moving[b]);
+                let rule = scene.general_clearance_rule(moving[a], moving[b]);
                 if rule != ClearanceRule::Unchecked {
                     pairs.push(CandidatePair { objects: [a, b], rule });
                 }

@@ -27,7 +27,7 @@ impl LinkPoses {
 /// Why the poses of the links are unknown at one time.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct PoseError {
-    /// [`Kind::Platform`] or [`Kind::Droop`].
+    /// [`ViolationKind::Platform`] or [`ViolationKind::Droop`].
     pub(crate) kind: ViolationKind,
     pub(crate) reason: String,
 }

@@ -113,7 +113,7 @@ impl MotionBoundCoefficients {
     /// ```
     /// Symbols as in the chapter "Deflection" of `docs/explanation/collision-guarantee.md`:
     /// δ: displacement of a point by the deflection; a: its distance from the wafer's centre (`from_center`); ϱ: reach, the extension of the arm from its first joint to that centre;
-    /// f, φ: drop and slope at the reach (`droop.value`), f', φ': their derivatives by it (`droop.by_reach`); v: horizontal part of the reach, r₀: [`MIN_REACH`], with φ / max(|v|, r₀) ≤ `slope_per_reach`;
+    /// f, φ: drop and slope at the reach (`droop.value`), f', φ': their derivatives with respect to it (`droop.by_reach`); v: horizontal part of the reach, r₀: [`MIN_REACH`], with φ / max(|v|, r₀) ≤ `slope_per_reach`;
     /// ψ: rotation of the last link (`at_last`); ω: rotation of the common ancestor (`at_common`).
     fn with_deflection(cell: &Cell, extent: ObjectExtent, common_joints: usize) -> Self {
         let robot = &cell.robot;

@@ -9,7 +9,7 @@ use crate::program::WaferLocation;
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 
-/// Body that a collision object is attached to.
+/// Frame that a collision object is attached to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Parent {
     World,
@@ -40,7 +40,7 @@ impl From<WaferLocation> for Parent {
     }
 }
 
-/// Role of a collision object in contact rules.
+/// Role of a collision object in clearance rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Role {
     /// Body of the cell, by index.

@@ -111,7 +111,7 @@ impl SampledStep {
         states
     }
 
-    /// Lengths of the rods by sample (m); a single value where no rod moves.
+    /// Positions of the rods by sample (m); a single value where no rod moves.
     pub(crate) fn rods(&self) -> [Column<'_>; RODS] {
         let states: [_; RODS] = std::array::from_fn(|rod| self.states_of(rod));
         let any_moves = states.iter().any(Option::is_some);

@@ -9,7 +9,7 @@ use super::link_poses::{LinkPoses, PoseError};
 use super::object::{CollisionObject, Parent, Role};
 use crate::EntityId;
 use crate::geometry::{Collider, ColliderCache, PlacedCollider, Shape};
-use crate::program::{WaferLocation, WaferLocations, WaferTransfer};
+use crate::program::{LocationChange, WaferLocation, WaferLocations};
 use crate::robot::{ArmChain, EffectorId};
 use crate::station::SlotId;
 use crate::workcell::{Cell, ParentFrame, ZoneRule};
@@ -224,13 +224,13 @@ impl<'a> Scene<'a> {
     }
 
     /// Attaches a wafer to its new parent at a hand-off.
-    pub(crate) fn move_wafer(&mut self, transfer: &WaferTransfer, cache: &mut ColliderCache) {
+    pub(crate) fn move_wafer(&mut self, change: &LocationChange, cache: &mut ColliderCache) {
         let Some(first) = self.first_wafer else { return };
-        let index = first + transfer.wafer;
+        let index = first + change.wafer;
         self.held.retain(|&(_, wafer)| wafer != index);
         let object = Arc::make_mut(&mut self.objects[index]);
-        object.parent = Parent::from(transfer.to);
-        match transfer.to {
+        object.parent = Parent::from(change.to);
+        match change.to {
             WaferLocation::Effector(id) => self.held.push((id, index)),
             WaferLocation::Slot(slot) => {
                 let frame = self.cell.stations[slot.station].slot_frame(slot.slot);

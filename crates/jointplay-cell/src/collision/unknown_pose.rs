@@ -15,8 +15,8 @@ impl UnknownPose {
     pub(crate) fn report(self, violations: &mut IntervalMerger) {
         let Self { at, error: PoseError { kind, reason } } = self;
         let subject = Subject::of(kind);
-        let (severity, value, limit, unit) = (0.0, 0.0, 0.0, ViolationQuantity::None);
-        let violation = SampleViolation { subject, kind, severity, value, limit, unit };
+        let (severity, value, limit, quantity) = (0.0, 0.0, 0.0, ViolationQuantity::None);
+        let violation = SampleViolation { subject, kind, severity, value, limit, quantity };
         violations.add(at, violation, || reason);
     }
 }

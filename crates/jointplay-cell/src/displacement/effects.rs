@@ -10,7 +10,7 @@ use crate::robot::{AxisKind, EffectorId, HybridRobot, RODS};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
-/// Half the step of differences (m and rad): errors of the third derivative are below 10⁻⁹ of the effect, round-off about as much.
+/// Half the step of differences (m or rad): errors of the third derivative are below 10⁻⁹ of the effect, round-off about as much.
 const STEP: f64 = 1e-5;
 
 /// Effect of one parameter of the robot.

@@ -25,16 +25,16 @@ const VIRTUALIZATIONS: [BuiltIn; 4] =
 /// Relative tolerance on the robot's largest tilt.
 const TILT_TOLERANCE: f64 = 1e-9;
 
-/// A wafer on an effector, at rest.
+/// A wafer that an effector holds at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlacedWafer {
     /// The effector.
     pub effector: EffectorId,
-    /// Positions of all axes, rods first ((m), (rad)).
+    /// Positions of all axes, rods first (m or rad).
     pub positions: Vec<f64>,
-    /// Slot that the wafer is in, if any.
+    /// Slot in which the effector holds the wafer, if any.
     pub slot: Option<SlotId>,
-    /// Height of the wafer above its resting place in the slot, along the normal (m).
+    /// Height of the wafer above its resting position in the slot, along the normal; 0 without a slot (m).
     pub lift: f64,
 }
 
@@ -58,7 +58,7 @@ pub struct WaferDisplacement {
     pub wafer: PlacedWafer,
     /// Tilt of the platform.
     pub tilt: Tilt,
-    /// Distance of the wafer's centre from the robot's axis over the level platform (m).
+    /// Distance of the wafer's centre from the base axis, over the level platform (m).
     pub reach: f64,
     /// Height of the wafer over the platform plane: the lever of the tilt (m).
     pub lever: f64,

@@ -11,7 +11,7 @@
 //! | `cache_key` | cache keys of shapes |
 //! | `distance` | minimum distance, separation along a direction, penetration depth |
 //!
-//! Nothing in this folder knows of cells.
+//! Nothing in this folder depends on robots or cells, except that invalid shapes are a [`CellError`](crate::CellError).
 
 mod cache_key;
 mod collider;

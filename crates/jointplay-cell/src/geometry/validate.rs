@@ -6,7 +6,7 @@ use super::shape::Shape;
 use crate::CellError;
 use crate::conditions::{MAX_LENGTH, count, in_range, index, lengths, positive};
 
-/// Fraction of its length and width below which the depth of a point set is flat.
+/// Thickness of a point set, relative to its length, below which its points count as coplanar.
 const MIN_RELATIVE_DEPTH: f64 = 1e-6;
 
 impl Shape {

@@ -9,7 +9,7 @@ use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::workcell::Cell;
 
-/// State of the tool after some hand-offs, by the model.
+/// State of the cell after some hand-offs, by the timing model.
 #[derive(Clone)]
 struct State {
     /// Time of the last hand-off (s).
@@ -28,7 +28,7 @@ struct State {
 }
 
 /// Hand-off with the one before it.
-struct Link {
+struct HistoryNode {
     before: Option<usize>,
     made: Move,
 }
@@ -44,7 +44,7 @@ pub(super) struct BeamSearch<'a> {
     /// Mean time of the motions to a hand-off (s).
     mean_travel: f64,
     /// Hand-offs of all states that the beam has had.
-    history: Vec<Link>,
+    history: Vec<HistoryNode>,
 }
 
 impl<'a> BeamSearch<'a> {
@@ -86,7 +86,7 @@ impl<'a> BeamSearch<'a> {
             reached.truncate(width);
             beam.clear();
             for (mut state, made) in reached {
-                self.history.push(Link { before: state.history, made });
+                self.history.push(HistoryNode { before: state.history, made });
                 state.history = Some(self.history.len() - 1);
                 beam.push(state);
             }

@@ -88,11 +88,11 @@ impl WaferFlow {
         }
         routes.sort_by_key(|(_, route)| route.rank[0]);
         let index_of = |wafer: usize| routes.iter().position(|(known, _)| *known == wafer);
-        let transfers = locations.transfers().iter().filter_map(|transfer| {
-            let handoff = trajectory.steps[transfer.step].handoff?;
-            Some(Move { route: index_of(transfer.wafer)?, handoff })
+        let changes = locations.location_changes().iter().filter_map(|change| {
+            let handoff = trajectory.steps[change.step].handoff?;
+            Some(Move { route: index_of(change.wafer)?, handoff })
         });
-        let order: Vec<Move> = transfers.collect();
+        let order: Vec<Move> = changes.collect();
         if order.is_empty() {
             return Err(FlowError::NoWafer);
         }

@@ -43,7 +43,7 @@ impl Objectives {
         std::array::from_fn(|k| (values[k] / resolutions[k]).round())
     }
 
-    /// Whether all objectives are as large as others, and one is larger, at the resolution of the objectives: 0.1 wafers per hour, 20 µm, 0.1 % of the friction.
+    /// Whether all objectives are at least as large as those of another program, and at least one is larger, at the resolution of the objectives: 0.1 wafers per hour, 20 µm, 0.1 % of the friction.
     #[must_use]
     pub fn dominates(&self, other: &Self) -> bool {
         let pairs = || self.steps().into_iter().zip(other.steps());

@@ -35,7 +35,7 @@ pub struct HandoffDeflection {
     /// Root mean square distance of the wafer from its mean plane, which no tilt of the platform compensates (m).
     pub rms_flatness: f64,
     /// Distance by which the effector moves as the arm takes the wafer's weight or gives it up (m).
-    pub load_step: f64,
+    pub load_displacement: f64,
 }
 
 /// Deflections of all hand-offs of a program, in order; those of arms whose droop is not known there are omitted.
@@ -57,7 +57,7 @@ pub fn handoff_deflections(cell: &Cell, steps: &[Step]) -> Vec<HandoffDeflection
         let (normal, wanted) = (rest.rotation * Vector3::z(), slot_frame.rotation * Vector3::z());
         let [loaded, empty] =
             [true, false].map(|loaded| cell.wafer_pose(effector, &it.to, loaded).ok());
-        let load_step = loaded?.translation.vector - empty?.translation.vector;
+        let load_displacement = loaded?.translation.vector - empty?.translation.vector;
         let center = rest.translation.vector + normal * sag.plane_height;
         let target = slot_frame.translation.vector + wanted * lift;
         Some(HandoffDeflection {
@@ -69,7 +69,7 @@ pub fn handoff_deflections(cell: &Cell, steps: &[Step]) -> Vec<HandoffDeflection
             position_residual: (center - target).norm(),
             tilt_residual: normal.cross(&wanted).norm().atan2(normal.dot(&wanted)),
             rms_flatness: sag.deviation,
-            load_step: load_step.norm(),
+            load_displacement: load_displacement.norm(),
         })
     };
     steps.iter().enumerate().filter_map(of).collect()

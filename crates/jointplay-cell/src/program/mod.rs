@@ -51,4 +51,4 @@ pub use step::{Handoff, LinePostures, Path, Phase, Step};
 pub use syntax::{
     AxisTarget, Command, Instruction, Name, Program, Routine, SlotName, SlotNumber, SourceLocation,
 };
-pub use wafer_locations::{WaferLocation, WaferLocations, WaferStay, WaferTransfer};
+pub use wafer_locations::{LocationChange, WaferLocation, WaferLocations, WaferStay};

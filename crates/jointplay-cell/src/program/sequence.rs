@@ -150,7 +150,7 @@ impl<'c> MotionSequencer<'c> {
         Ok(())
     }
 
-    /// TILT: the platform to a tilt at constant height on the axis.
+    /// TILT: the platform to a tilt, its plane crossing the base axis at constant height.
     pub(super) fn tilt(&mut self, tilt: Tilt) -> Result<(), ProgramProblem> {
         let to = self.positions_at_tilt(tilt);
         check_limits(self.cell, "this TILT", &to)?;
@@ -342,7 +342,7 @@ impl<'c> MotionSequencer<'c> {
         }
     }
 
-    /// Positions with another tilt, at the same height on the axis.
+    /// Positions with another tilt, the platform plane crossing the base axis at the same height.
     fn positions_at_tilt(&self, tilt: Tilt) -> Vec<f64> {
         let gpr = &self.cell.robot.gpr;
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
@@ -385,7 +385,7 @@ impl<'c> MotionSequencer<'c> {
             Some(postures) => {
                 let chain = ArmChain::new(&self.cell.robot, effector);
                 let seed = postures.near(&chain, point, &self.positions);
-                let redundancy = Redundancy::AtSeed;
+                let redundancy = Redundancy::KeepRedundantAngles;
                 self.ik_cache.positions(self.cell, effector, &target, loaded, &seed, redundancy)
             }
             None => self.solve(effector, &target, loaded),

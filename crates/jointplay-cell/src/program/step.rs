@@ -78,9 +78,9 @@ pub struct Step {
     pub place: SourceLocation,
     /// Part of the instruction.
     pub phase: Phase,
-    /// Positions of all axes at its start (m and rad).
+    /// Positions of all axes at its start (m or rad).
     pub from: Vec<f64>,
-    /// Positions of all axes at its end (m and rad).
+    /// Positions of all axes at its end (m or rad).
     pub to: Vec<f64>,
     /// Path between them.
     pub path: Path,
@@ -88,7 +88,7 @@ pub struct Step {
     pub speed_scaling: f64,
     /// Largest distance of a wafer's centre from the unblended path where this step is blended with a neighbour that allows as much; 0 brings all axes to rest (m).
     pub blend_radius: f64,
-    /// Postures along a line; `None` where each point of the line has those nearest to the joint-space line.
+    /// Postures along a line; `None` where the positions on the line are those nearest to linear interpolation of the axes between `from` and `to`.
     pub postures: Option<LinePostures>,
     /// Largest speed of the wafer's centre along a line (m/s); `None` where only the axes limit it.
     pub line_speed: Option<f64>,
@@ -96,6 +96,6 @@ pub struct Step {
     pub loaded: Vec<EffectorId>,
     /// Hand-off at the end of the step.
     pub handoff: Option<Handoff>,
-    /// Slot that the effector reaches into; determines the contact rules of the step, see `Scene::clearance_rule`: clearances within the station.
+    /// Slot that the effector reaches into: the step then needs the slot clearances of this station.
     pub slot: Option<SlotId>,
 }

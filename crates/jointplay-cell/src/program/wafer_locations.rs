@@ -31,7 +31,7 @@ pub struct WaferStay {
 
 /// Change of the location of a wafer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct WaferTransfer {
+pub struct LocationChange {
     /// Index of the step at whose end the wafer changes its location.
     pub step: usize,
     /// Index of the wafer.
@@ -59,7 +59,7 @@ pub struct WaferTransfer {
 pub struct WaferLocations {
     wafer_ids: Vec<EntityId>,
     stays: Vec<Vec<WaferStay>>,
-    transfers: Vec<WaferTransfer>,
+    changes: Vec<LocationChange>,
     /// Wafers by their present location.
     occupants: BTreeMap<WaferLocation, usize>,
 }
@@ -121,7 +121,7 @@ impl WaferLocations {
         Self {
             wafer_ids: locations.iter().map(wafer_id).collect(),
             stays: locations.iter().map(stay).collect(),
-            transfers: Vec::new(),
+            changes: Vec::new(),
             occupants: locations.into_iter().enumerate().map(|(k, at)| (at, k)).collect(),
         }
     }
@@ -142,7 +142,7 @@ impl WaferLocations {
     ///
     /// # Arguments
     /// * `step` – index of the step, not below those of earlier calls
-    pub fn apply(&mut self, step: usize, handoff: Handoff) -> Option<WaferTransfer> {
+    pub fn apply(&mut self, step: usize, handoff: Handoff) -> Option<LocationChange> {
         let (from, to) = (handoff.source(), handoff.destination());
         if self.occupants.contains_key(&to) {
             return None;
@@ -154,9 +154,9 @@ impl WaferLocations {
             last.departure_step = Some(step);
         }
         stays.push(WaferStay { location: to, arrival_step: Some(step), departure_step: None });
-        let transfer = WaferTransfer { step, wafer, to };
-        self.transfers.push(transfer);
-        Some(transfer)
+        let change = LocationChange { step, wafer, to };
+        self.changes.push(change);
+        Some(change)
     }
 
     /// Indices of all wafers.
@@ -199,15 +199,15 @@ impl WaferLocations {
 
     /// Changes of locations in the order of time.
     #[must_use]
-    pub fn transfers(&self) -> &[WaferTransfer] {
-        &self.transfers
+    pub fn location_changes(&self) -> &[LocationChange] {
+        &self.changes
     }
 
     /// Changes of locations at the ends of some steps.
     #[must_use]
-    pub fn transfers_in(&self, steps: &Range<usize>) -> &[WaferTransfer] {
-        let first = |step: usize| self.transfers.partition_point(|transfer| transfer.step < step);
-        &self.transfers[first(steps.start)..first(steps.end)]
+    pub fn location_changes_in(&self, steps: &Range<usize>) -> &[LocationChange] {
+        let first = |step: usize| self.changes.partition_point(|change| change.step < step);
+        &self.changes[first(steps.start)..first(steps.end)]
     }
 
     /// Number of different wafers that are placed into a slot.

@@ -112,18 +112,18 @@ impl FrameMotion {
 
 impl ArmChain {
     /// Positions, velocities and accelerations of the arm's own axes, from those of all axes.
-    pub(crate) fn arm_rates(&self, motion: &AxesMotion<'_>) -> [ArmVector; 3] {
+    pub(crate) fn arm_states(&self, motion: &AxesMotion<'_>) -> [ArmVector; 3] {
         [motion.positions, motion.velocities, motion.accelerations]
             .map(|rates| self.arm_positions(rates))
     }
 
-    /// Motion of the wafer relative to the platform, by positions, velocities and accelerations of the arm's own axes.
-    pub(crate) fn wafer_motion(&self, arm_positions: &[ArmVector; 3]) -> FrameMotion {
-        let [tip, velocity, acceleration] = self.tip_motion(arm_positions, 0.0);
+    /// Motion of the wafer relative to the platform, from positions, velocities and accelerations of the arm's own axes.
+    pub(crate) fn wafer_motion(&self, arm_states: &[ArmVector; 3]) -> FrameMotion {
+        let [tip, velocity, acceleration] = self.tip_motion(arm_states, 0.0);
         let [_, rate, acceleration_of_heading] =
-            arm_positions.each_ref().map(|rates| dot(&self.heading.1, rates));
+            arm_states.each_ref().map(|rates| dot(&self.heading.1, rates));
         FrameMotion {
-            base_from_frame: self.at(&tip, &arm_positions[0]),
+            base_from_frame: self.at(&tip, &arm_states[0]),
             velocity: velocity.push(0.0),
             acceleration: acceleration.push(0.0),
             angular_velocity: Vector3::z() * rate,
@@ -132,20 +132,17 @@ impl ArmChain {
     }
 
     /// Motion of the wafer relative to the platform, in the axes of the wafer.
-    pub(crate) fn motion_in_wafer_frame(
-        &self,
-        arm_positions: &[ArmVector; 3],
-    ) -> FrameAcceleration {
-        let heading = arm_positions.each_ref().map(|rates| dot(&self.heading.1, rates));
-        let [place, velocity, acceleration] = self.tip_motion(arm_positions, -heading[0]);
-        FrameAcceleration { place, velocity, acceleration, heading }
+    pub(crate) fn motion_in_wafer_frame(&self, arm_states: &[ArmVector; 3]) -> PlanarMotion {
+        let heading = arm_states.each_ref().map(|rates| dot(&self.heading.1, rates));
+        let [position, velocity, acceleration] = self.tip_motion(arm_states, -heading[0]);
+        PlanarMotion { position, velocity, acceleration, heading }
     }
 
     /// Position, velocity and acceleration of the tip relative to the platform, rotated by an angle.
-    fn tip_motion(&self, arm_positions: &[ArmVector; 3], turn: f64) -> [Vector2<f64>; 3] {
+    fn tip_motion(&self, arm_states: &[ArmVector; 3], turn: f64) -> [Vector2<f64>; 3] {
         let (mut velocity, mut acceleration) = (Vector2::zeros(), Vector2::zeros());
         let mut tip = turned(&self.origin, turn);
-        let by = |slopes: &ArmVector| arm_positions.each_ref().map(|rates| dot(slopes, rates));
+        let by = |slopes: &ArmVector| arm_states.each_ref().map(|rates| dot(slopes, rates));
         for link_vector in self.link_vectors() {
             let [angle, omega, alpha] = by(&link_vector.turn);
             let link_vector = turned(&link_vector.vector, turn + angle);
@@ -168,9 +165,9 @@ impl ArmChain {
 
 /// Motion of a wafer relative to the platform, in the axes of the wafer.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct FrameAcceleration {
+pub(crate) struct PlanarMotion {
     /// Position of the centre from the platform's origin (m).
-    pub(crate) place: Vector2<f64>,
+    pub(crate) position: Vector2<f64>,
     /// Velocity of the centre (m/s).
     pub(crate) velocity: Vector2<f64>,
     /// Acceleration of the centre (m/s²).
@@ -201,7 +198,7 @@ impl HybridRobot {
         let platform = self.platform(motion.positions)?;
         let platform = self.platform_motion(&platform, motion)?;
         let chain = ArmChain::new(self, id);
-        Ok(platform.composed_with(&chain.wafer_motion(&chain.arm_rates(motion))))
+        Ok(platform.composed_with(&chain.wafer_motion(&chain.arm_states(motion))))
     }
 
     pub(crate) fn check_motion(&self, motion: &AxesMotion<'_>) -> Result<(), CellError> {
@@ -251,7 +248,7 @@ impl HybridRobot {
     }
 }
 
-/// Rotation vector from one rotation to another that is near, in the base frame, as long as the sine of its angle (rad).
+/// Rotation vector from one rotation to another that is near, in the base frame, its length the sine of the angle instead of the angle (rad).
 pub(super) fn turn_between(from: &Rotation3<f64>, to: &Rotation3<f64>) -> Vector3<f64> {
     let turn = (to * from.inverse()).into_inner();
     let twice = Vector3::new(

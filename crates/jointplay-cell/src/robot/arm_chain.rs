@@ -14,7 +14,7 @@ pub(super) type ArmVector = [f64; MAX_JOINTS];
 pub(super) struct LinkVector {
     /// The vector where all axes are at zero, in the platform frame (m).
     pub(super) vector: Vector2<f64>,
-    /// Rotation by each position.
+    /// Rotation per position of each axis (1, or rad/m).
     pub(super) turn: ArmVector,
 }
 
@@ -23,7 +23,7 @@ pub(super) struct LinkVector {
 pub(super) struct PrismaticJoint {
     /// Direction of the joint, and its rotation.
     pub(super) along: LinkVector,
-    /// Length by each position.
+    /// Length per position of each axis (1, or m/rad).
     pub(super) extension: ArmVector,
 }
 
@@ -48,7 +48,7 @@ pub(crate) struct ArmChain {
     link_count: usize,
     prismatic_joints: [PrismaticJoint; MAX_JOINTS],
     prismatic_count: usize,
-    /// Heading of the wafer where all axes are at zero (rad), and its rotation by each position.
+    /// Heading of the wafer where all axes are at zero (rad), and its rotation per position of each axis.
     pub(super) heading: (f64, ArmVector),
 }
 
@@ -216,7 +216,7 @@ impl ArmChain {
         self.heading.0 + dot(&self.heading.1, arm_positions)
     }
 
-    /// Velocity of the tip by each of the arm's axes (m/m or m/rad).
+    /// Velocity of the tip per velocity of each of the arm's axes (m/m or m/rad).
     pub(super) fn tip_velocities(&self, arm_positions: &ArmVector) -> [Vector2<f64>; MAX_JOINTS] {
         let mut velocities = [Vector2::zeros(); MAX_JOINTS];
         for link_vector in self.link_vectors() {

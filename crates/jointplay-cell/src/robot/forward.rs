@@ -85,7 +85,7 @@ impl HybridRobot {
     /// ```
     ///
     /// # Arguments
-    /// * `positions` – positions of all axes, rods first ((m), (rad))
+    /// * `positions` – positions of all axes, rods first (m or rad)
     ///
     /// # Errors
     /// [`CellError::LengthMismatch`], [`CellError::NotFinite`], and those of the platform model.

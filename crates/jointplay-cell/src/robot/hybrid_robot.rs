@@ -30,9 +30,9 @@ pub struct KinematicLimits {
 /// Kind of motion of an axis or a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AxisKind {
-    /// Rotation about the platform normal (rad).
+    /// Rotation (rad): of an arm's joint, about the platform normal.
     Rotary,
-    /// Translation along the radial direction of the link (m).
+    /// Translation (m): of a rod, along its vertical axis; of an arm's joint, along the x axis of the link before.
     Linear,
 }
 
@@ -119,7 +119,7 @@ pub struct HybridRobot {
     pub axes: Vec<Axis>,
     /// Arms; one or two.
     pub arms: Vec<Arm>,
-    /// Parameters that are assumed and not known, as keys of the file with the reason.
+    /// Assumed parameters, each as text `key: reason` with the key of the robot file.
     pub assumed: Vec<String>,
 }
 

@@ -4,7 +4,7 @@ use std::ops::{Deref, DerefMut};
 
 use super::hybrid_robot::MAX_AXES;
 
-/// Positions of up to [`MAX_AXES`] axes, rods first ((m), (rad)); dereferences to a slice.
+/// Positions of up to [`MAX_AXES`] axes, rods first (m or rad); dereferences to a slice.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Positions {
     values: [f64; MAX_AXES],

@@ -72,6 +72,7 @@ impl HybridRobot {
     /// The robot with its conditions checked: names are unique, counts possible, numbers finite, limits in order, home positions within them, and each arm can move its wafers in its plane.
     ///
     /// All other functions of a robot assume these conditions, and may panic on a robot that was never checked.
+    /// The limit checks of the returned robot's [`gpr`](Self::gpr) are switched off: [`Self::limit_violations`] checks the limits of axes and tilt for whole sets of positions.
     ///
     /// # Errors
     /// [`CellError`] of the first condition that is violated.
@@ -293,7 +294,7 @@ fn check_droop(droop: &Droop, of: impl Fn(&str) -> String) -> Result<(), CellErr
         Droop::Rigid => Ok(()),
         Droop::Cantilever { stiffness, mass_per_length } => {
             positive(of("the stiffness"), *stiffness, "N m²")?;
-            in_range(of("the mass by length"), *mass_per_length, 0.0, f64::MAX, "kg/m")
+            in_range(of("the mass per length"), *mass_per_length, 0.0, f64::MAX, "kg/m")
         }
         Droop::Table { rows } => {
             let mut least = 0.0;

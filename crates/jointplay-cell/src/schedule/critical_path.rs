@@ -19,7 +19,7 @@ pub enum Resource {
 /// Times on the critical path; their sum is the duration of the interval.
 ///
 /// A dwell that waits for a process ends when the process ends: from its end, the path leads back through the process to the hand-off that started it, and from there along the motions of the robot.
-/// The share of a resource is the relative decrease of the duration for a relative decrease of the times of that resource, as long as the path stays the same.
+/// The time of a resource divided by the duration is the elasticity of the duration: its relative decrease per relative decrease of the times of that resource, as long as the path stays the same.
 ///
 /// # Source
 /// \[Kelley\]

@@ -26,7 +26,7 @@ pub struct PeriodicPart {
     pub end: f64,
     /// Number of whole periods.
     pub cycles: usize,
-    /// Number of wafers that leave the part in a period.
+    /// Number of wafers completed per period: those that are not handled again in the part; the median of all periods.
     pub wafers: usize,
     /// Median period (s).
     pub period: f64,

@@ -64,7 +64,7 @@ impl RuleChecker<'_> {
             worst_time: time,
             worst: 0.0,
             limit: 0.0,
-            unit: ViolationQuantity::None,
+            quantity: ViolationQuantity::None,
             detail: String::new(),
         }
     }
@@ -80,7 +80,7 @@ impl RuleChecker<'_> {
                 worst_time: end,
                 worst: dwell,
                 limit,
-                unit: ViolationQuantity::Time,
+                quantity: ViolationQuantity::Time,
                 ..self.violation(kind, stay.wafer, station, step)
             };
         match (limits.max, departure) {
@@ -124,7 +124,7 @@ impl RuleChecker<'_> {
         let station = rule.stations[0];
         let missing = |at: &TimedStay, detail: String| Violation {
             detail,
-            ..self.violation(ViolationKind::MissingVisit, first.wafer, station, step(at))
+            ..self.violation(ViolationKind::VisitRule, first.wafer, station, step(at))
         };
         if !rule.before.is_empty() {
             let (mut is_done, mut is_entered) = (false, false);

@@ -44,10 +44,10 @@ pub fn schedule(cell: &Cell, trajectory: &Trajectory) -> Schedule {
     let locations = WaferLocations::of_steps(cell, &trajectory.steps);
     let stays = timed_stays(trajectory, &locations);
     let robot = RobotUtilization::new(cell, trajectory);
-    let transfers = locations.transfers();
+    let changes = locations.location_changes();
     let wafer_of = |step: usize| {
-        let found = transfers.binary_search_by_key(&step, |transfer| transfer.step).ok()?;
-        Some(transfers[found].wafer)
+        let found = changes.binary_search_by_key(&step, |change| change.step).ok()?;
+        Some(changes[found].wafer)
     };
     Schedule {
         wafers: locations.wafers().map(|wafer| locations.wafer_id(wafer)).collect(),

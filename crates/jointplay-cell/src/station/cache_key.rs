@@ -11,7 +11,7 @@ impl CacheKeyPart for SlotId {
 }
 
 impl CacheKeyPart for Station {
-    /// The origin and the taught points are in `base_from_station` already; the uncertainty has no effect on motions, and its effect on clearances is part of the contact rules.
+    /// The origin and the taught points are in `base_from_station` already; the uncertainty has no effect on motions, and its effect on clearances is part of the clearance rules.
     fn append_to(&self, key: &mut CacheKey) {
         let Self {
             name,

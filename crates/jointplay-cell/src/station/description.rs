@@ -11,7 +11,7 @@ use crate::robot::EffectorId;
 /// Direction in which a wafer enters a station.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Approach {
-    /// Along the line from the robot's axis through the slot, as an arm extends.
+    /// Along the line from the axis of the arm's first joint through the slot, as an arm extends.
     Radial,
     /// Along the y axis of the station frame.
     Line,
@@ -19,7 +19,7 @@ pub enum Approach {
 
 /// A place for wafers: load port, aligner, process station.
 ///
-/// Its frame has the origin at the centre of the lowest slot's wafer, in the plane that the wafer's lower face rests on; z normal to that plane, y inward.
+/// Its frame has the origin at the nominal resting position in the lowest slot, before [`offset`](Self::offset): the centre of the wafer's lower face; z is normal to that face, y points inward.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Station {
     /// Name in programs.
@@ -38,11 +38,11 @@ pub struct Station {
     pub slot_step: [f64; 2],
     /// Heights at which the effector passes below and above the resting plane, along z of the station frame (m).
     pub stroke: Stroke,
-    /// Offset of the wafer in the station frame (m).
+    /// Offset of all resting positions, in the station frame (m): the wafer in the lowest slot rests at this offset from the origin.
     pub offset: [f64; 3],
     /// Distance of the wafer centre from the axis of the arm's first joint, in the plane of the slot, at which the arm counts as retracted for this station (m).
     pub retract_reach: f64,
-    /// Via points: wafer centres between the retracted pose and the slot, in the frame of the slot (m), outermost first.
+    /// Via points: wafer centres in the order from the retracted pose to the slot, in the frame of the slot (m).
     pub via: Vec<[f64; 3]>,
     /// Approach.
     pub approach: Approach,

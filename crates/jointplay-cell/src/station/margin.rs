@@ -9,7 +9,7 @@ use crate::workcell::Cell;
 const EDGE_POINTS: usize = 24;
 
 impl Cell {
-    /// Distances that the wafers in the slots of a station need for the uncertainty of its frame, the lowest first (m); zero where nothing is known.
+    /// Distances that the wafers in the slots of a station need for the uncertainty of its frame, the lowest first (m); zero for a station without a known uncertainty, which counts as exact.
     ///
     /// ```text
     ///    coverage factor · largest standard deviation of the displacement of a point on the wafer's edge, in any direction

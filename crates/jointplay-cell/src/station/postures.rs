@@ -24,7 +24,7 @@ pub(crate) enum LinePoint {
 
 /// Postures of an arm between its retracted pose and the slots of a station.
 ///
-/// They are planned for the lowest slot and the platform parallel to it; each slot takes from them what its own line leaves free.
+/// They are planned for the lowest slot and a platform parallel to it; on the line of any slot they are the reference for the redundant angles of the arm.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct StationPostures {
     /// Positions of the arm's motors along the line from the retracted pose to the slot.
@@ -61,7 +61,7 @@ impl StationPostures {
 pub struct InfeasibleLine {
     /// Largest fraction of the line that can be followed from the retracted pose.
     pub fraction: f64,
-    /// Distance of the wafer's centre from the axis that the arm turns about, where the line ends (m).
+    /// Distance of the wafer's centre from the axis of the arm's first joint, where the part of the line that can be followed ends (m).
     pub reach: f64,
     /// Changes, each of which alone gives a line that can be followed.
     pub remedies: Vec<LineRemedy>,
@@ -70,7 +70,7 @@ pub struct InfeasibleLine {
 /// A change of a station or of an arm that makes a line possible.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LineRemedy {
-    /// Another distance of the retracted wafer from the axis that the arm turns about (m).
+    /// Another distance of the retracted wafer from the axis of the arm's first joint (m).
     Retract(f64),
     /// Another distance of the slot from that axis (m).
     Radius(f64),

@@ -35,7 +35,7 @@ pub struct VisitRule {
     pub name: String,
     /// Indices of the stations, one of which a wafer has to visit.
     pub stations: Vec<usize>,
-    /// Indices of the stations before whose visits it has to; empty for any time in the program.
+    /// Indices of the stations before whose first visit the wafer has to visit one of [`stations`](Self::stations); wafers that visit none of them are exempt; empty for any time in the program.
     pub before: Vec<usize>,
     /// Indices of the stations in which the wafers are at the start; empty for all wafers that the program moves.
     pub origins: Vec<usize>,

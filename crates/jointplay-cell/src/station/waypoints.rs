@@ -59,7 +59,7 @@ impl Station {
     /// Waypoints for a slot, counted from 1.
     ///
     /// # Arguments
-    /// * `axis` – intersections of the axis that the arm turns about with the slot's plane, for the resting pose and the poses retracted below and above: x, y in the base frame (m); [`Cell::waypoints`] computes them
+    /// * `axis`, `below`, `above` – intersections of the axis of the arm's first joint with the slot's plane, for the resting pose and the poses retracted below and above: x, y in the base frame (m); [`Cell::waypoints`] computes them
     #[must_use]
     pub fn waypoints(&self, slot: usize, [axis, below, above]: [[f64; 2]; 3]) -> Waypoints {
         let frame = self.slot_frame(slot);
@@ -104,10 +104,10 @@ impl Station {
         }
     }
 
-    /// Distance along the line out of the slot at which the wafer counts as retracted: where the line is at the retract distance from the axis, or else nearest to it (m).
+    /// Distance along the line out of the slot at which the wafer counts as retracted: where the line is at the retract distance from the axis of the arm's first joint, or else nearest to it (m).
     ///
     /// # Arguments
-    /// * `resting` – from the axis to the resting position, within the slot's plane (m)
+    /// * `resting` – from that axis to the resting position, within the slot's plane (m)
     fn distance_out(&self, resting: Vector3<f64>, out: &Vector3<f64>) -> f64 {
         // |resting + t out|² = reach², the smaller root.
         let along = resting.dot(out);
@@ -127,11 +127,13 @@ fn within(frame: &Pose, [x, y]: [f64; 2]) -> Vector3<f64> {
 impl Cell {
     /// Waypoints for a slot, on the line along which the arm extends at the platform's tilt.
     ///
-    /// The axis of a tilted arm intersects the slot's plane at a distance from the robot's axis: 3 mm at a height of 150 mm over the platform and 1°, which is much for a wafer that is retracted to a few millimetres.
+    /// The axis of the arm's first joint tilts with the platform, and shifts where it intersects the slot's plane: by 3 mm at 1° and a height of 150 mm over the platform, which is much for a wafer that is retracted to a few millimetres.
     /// The retract distance is measured from that intersection, within the plane: so the arm's motors have the same positions at any tilt.
     ///
     /// # Arguments
-    /// * `near` – present positions of all axes
+    /// * `effector` – effector that carries the wafer
+    /// * `slot` – station, and slot counted from 1
+    /// * `seed` – present positions of all axes, rods first (m or rad)
     ///
     /// # Errors
     /// Those of [`Cell::compensated_inverse`] for the resting position.
@@ -157,7 +159,7 @@ impl Cell {
         Ok(waypoints([axis, retracted(&retracted_below), retracted(&retracted_above)]))
     }
 
-    /// Intersection of the axis that the arm turns about with the plane of a slot, the wafer resting there, in the base frame (m).
+    /// Intersection of the axis of the arm's first joint with the plane of a slot, the wafer resting there, in the base frame (m).
     ///
     /// # Errors
     /// As [`Cell::waypoints`].

@@ -35,9 +35,6 @@ impl Trajectory {
     /// * `rate` – uniform rate (Hz)
     /// * `interval` – start and end time (s)
     /// * `limits` – limits of each axis, which deviations are compared with
-    ///
-    /// # Source
-    /// Own derivation.
     pub fn plot_times<'l>(
         &self,
         rate: f64,

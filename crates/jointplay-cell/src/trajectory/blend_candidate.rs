@@ -293,10 +293,10 @@ impl BlendSample {
             let [positions, velocities, accelerations] = &self.states[motion];
             let axes = AxesMotion { positions, velocities, accelerations };
             let platform = cell.robot.platform_motion(&self.platforms[motion], &axes).ok()?;
-            let on_platform = chain.wafer_motion(&chain.arm_rates(&axes));
+            let on_platform = chain.wafer_motion(&chain.arm_states(&axes));
             let wafer =
                 cell.deflected_motion(&platform, &on_platform, chain.effector, true).ok()?;
-            Some(cell.friction_margin_of(chain.effector, &wafer).utilization())
+            Some(cell.friction_demand_of(chain.effector, &wafer).utilization())
         };
         // Where the motion is unknown, the check of the trajectory reports it.
         let utilization = |chain, motion| utilization(chain, motion).unwrap_or(0.0);

@@ -147,11 +147,11 @@ const MAX_INTERVALS: usize = 1024;
 const MIN_INTERVAL: f64 = 1e-7;
 /// Largest number of halvings of the distance to the next point.
 const MAX_HALVINGS: usize = 10;
-/// Residual at which a point counts as found [m and rad]: a thousandth of the tolerance of inverse kinematics.
+/// Residual at which a point counts as found (m or rad): a thousandth of the tolerance of inverse kinematics.
 const POINT_TOLERANCE: f64 = 1e-12;
 /// Number of Newton steps after which a point counts as out of reach.
 const MAX_ITERATIONS: usize = 30;
-/// Residual up to which a point is accepted that does not converge further [m and rad]: round-off near singular positions.
+/// Residual up to which a point is accepted that does not converge further (m or rad): round-off near singular positions.
 const ACCEPTED_RESIDUAL: f64 = 1e-9;
 /// Largest difference of the end positions from those that the line leads to (m or rad).
 const SAME_BRANCH: f64 = 1e3 * ACCEPTED_RESIDUAL;
@@ -162,7 +162,7 @@ type PathPoint = (f64, Vec<f64>);
 impl CartesianLine<'_> {
     /// Positions of all axes along the line.
     ///
-    /// Of all positions that hold the wafer on the line, each point has those nearest to the joint-space line of the axes, or to given postures:
+    /// Where the arm is redundant, the positions at each point of the line are those nearest to a reference q_reference(s): linear interpolation of the axes between both ends, or given postures:
     ///
     /// ```text
     ///    min |q − q_reference(s)|²   subject to   center(q) = c(s),  normal(q) = n(s),  heading(q) = h(s)

@@ -56,7 +56,7 @@ struct QuinticSpline {
 }
 
 impl QuinticSpline {
-    /// The spline through values at parameters that grow, at least six; the first three intervals fraction one polynomial, and so do the last three.
+    /// The spline through values at parameters that grow, at least six; the first three intervals share one polynomial, and so do the last three.
     ///
     /// # Numerics
     /// The matrix is totally positive: elimination needs no exchange of rows.

@@ -32,7 +32,7 @@ type Banded = [[f64; 3]; COEFFICIENTS];
 /// Minimizes ∫ du/√x within [`RateConstraints`]; the bound of the jerk is replaced by its tangent in each iteration (the convex–concave procedure).
 ///
 /// # Source
-/// \\[Verscheure\\] for the formulation without jerk; \\[LippBoyd\\] for the tangents; \\[NocedalWright\\], chapter 19, for the method
+/// \[Verscheure\] for the formulation without jerk; \[LippBoyd\] for the tangents; \[NocedalWright\], chapter 19, for the method
 pub(super) struct RateSearch<'a> {
     coefficients: Coefficients,
     slacks: Slacks,

@@ -122,7 +122,7 @@ impl Segment {
         }
     }
 
-    /// Superposes the segment on a sample: adds its displacement from the corner that it fractions with the other segment, and its derivatives.
+    /// Superposes the segment on a sample: adds its displacement from the corner that it shares with the other segment, and the derivatives of its displacement.
     ///
     /// # Arguments
     /// * `time` – since the start of this segment (s)

@@ -63,5 +63,5 @@ pub(super) fn utilization(
         velocities: &velocities,
         accelerations: &accelerations,
     };
-    cell.friction_margin(id, &motion).map_or(0.0, |margin| margin.utilization())
+    cell.friction_demand(id, &motion).map_or(0.0, |margin| margin.utilization())
 }

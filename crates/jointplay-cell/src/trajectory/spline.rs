@@ -4,7 +4,7 @@ use std::hash::Hasher;
 
 use super::profile::hash_numbers;
 
-/// Position of one axis with its first three derivatives by the path parameter.
+/// Position of one axis with its first three derivatives with respect to the path parameter.
 pub(crate) type Jet = [f64; 4];
 
 /// A cubic spline through positions of all axes, over knots that grow from 0 to 1.

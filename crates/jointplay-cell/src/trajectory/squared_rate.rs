@@ -139,7 +139,7 @@ impl RateGrid {
         [[b0, 1.0 - b0 - b2, b2], [s0, -s0 - s2, s2], [c0, -c0 - c2, c2]]
     }
 
-    /// Path parameter σ with its first three derivatives by u at a fraction of an interval.
+    /// Path parameter σ with its first three derivatives with respect to u at a fraction of an interval.
     pub(super) fn path_parameter(&self, interval: usize, fraction: f64) -> Jet {
         let (r, k) = (self.ramp, self.peak);
         let ramp = |u: f64| [k * u * u * u / (6.0 * r), k * u * u / (2.0 * r), k * u / r, k / r];

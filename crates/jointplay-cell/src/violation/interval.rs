@@ -27,7 +27,7 @@ pub(crate) struct SampleViolation {
     pub(crate) severity: f64,
     pub(crate) value: f64,
     pub(crate) limit: f64,
-    pub(crate) unit: ViolationQuantity,
+    pub(crate) quantity: ViolationQuantity,
 }
 
 /// Violation over an interval of time without interruption.

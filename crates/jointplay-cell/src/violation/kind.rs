@@ -29,7 +29,7 @@ pub enum ViolationKind {
     Clearance,
     /// An end effector or its wafer violates the slot clearance of a station.
     SlotClearance,
-    /// The plane of a wafer may deviate from that of its station by more than the plane budget.
+    /// The plane of a wafer may deviate from that of its station by more than the plane budget, [`Cell::plane_threshold`](crate::workcell::Cell::plane_threshold).
     PlaneBudget,
     /// A collision object is in a keep-out zone.
     KeepOut,
@@ -41,19 +41,19 @@ pub enum ViolationKind {
     ShortDwell,
     /// A wafer is left at the end of the program in a station that limits its stay.
     LeftInStation,
-    /// A wafer does not make a visit that a rule requires, or makes too many.
-    MissingVisit,
+    /// The visits of a wafer violate a rule: one is missing, too late or too many.
+    VisitRule,
 }
 
 /// Quantity of the value and limit of a violation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ViolationQuantity {
-    /// Length, or one of its derivatives by time.
+    /// Length, or one of its time derivatives.
     Length,
-    /// Angle, or one of its derivatives by time.
+    /// Angle, or one of its time derivatives.
     Angle,
-    /// Specific force (m/s²).
-    Acceleration,
+    /// Specific force: force per mass (m/s²).
+    SpecificForce,
     /// Time (s).
     Time,
     /// No value.
@@ -61,7 +61,7 @@ pub enum ViolationQuantity {
 }
 
 impl ViolationKind {
-    /// ViolationKind that represents the cause: contacts and clearances of a pair have one cause.
+    /// Kind that represents the cause: contacts and clearances of a pair have one cause.
     pub(super) fn cause(self) -> Self {
         match self {
             Self::Clearance | Self::SlotClearance => Self::Collision,
@@ -78,7 +78,7 @@ impl ViolationKind {
             Self::KeepOut => 2,
             Self::Clearance | Self::SlotClearance | Self::SafeZone => 3,
             Self::Slip => 4,
-            Self::LongDwell | Self::LeftInStation | Self::ShortDwell | Self::MissingVisit => 5,
+            Self::LongDwell | Self::LeftInStation | Self::ShortDwell | Self::VisitRule => 5,
             _ => 6,
         }
     }
@@ -105,7 +105,7 @@ impl fmt::Display for ViolationKind {
             Self::LongDwell => "long stay",
             Self::ShortDwell => "short stay",
             Self::LeftInStation => "wafer left in station",
-            Self::MissingVisit => "visit rule",
+            Self::VisitRule => "visit rule",
         })
     }
 }

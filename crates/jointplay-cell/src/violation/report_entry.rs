@@ -8,7 +8,7 @@ use crate::workcell::Cell;
 /// Violation of one limit over an interval of time, within one instruction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Violation {
-    /// ViolationKind of the violation.
+    /// Kind of the violation.
     pub kind: ViolationKind,
     /// Entities concerned: an axis, an effector, an effector and a zone, two collision objects, or a wafer and a station; empty for the platform.
     pub entities: Vec<EntityId>,
@@ -31,8 +31,8 @@ pub struct Violation {
     /// Limit in SI units; of a collision the required clearance.
     pub limit: f64,
     /// Quantity of `worst` and `limit`.
-    pub unit: ViolationQuantity,
-    /// Reason, where a pose is unknown or a visit is missing.
+    pub quantity: ViolationQuantity,
+    /// Reason, where a pose is unknown or a visit rule is violated.
     pub detail: String,
 }
 
@@ -40,9 +40,9 @@ impl Violation {
     /// Symbol of the SI unit of `worst` and `limit`; empty where they have no value.
     #[must_use]
     pub fn symbol(&self) -> &'static str {
-        match (self.unit, self.kind) {
+        match (self.quantity, self.kind) {
             (ViolationQuantity::None, _) => "",
-            (ViolationQuantity::Acceleration, _) => "m/s²",
+            (ViolationQuantity::SpecificForce, _) => "m/s²",
             (ViolationQuantity::Time, _) => "s",
             (ViolationQuantity::Length, ViolationKind::Velocity) => "m/s",
             (ViolationQuantity::Length, ViolationKind::Acceleration) => "m/s²",
@@ -97,7 +97,7 @@ impl Violation {
             ViolationKind::Play => format!(
                 "the virtual joints are displaced by {worst:.3e} m, the play budget is {limit:.3e} m"
             ),
-            ViolationKind::Platform | ViolationKind::Droop | ViolationKind::MissingVisit => {
+            ViolationKind::Platform | ViolationKind::Droop | ViolationKind::VisitRule => {
                 self.detail.clone()
             }
             ViolationKind::Slip if worst.is_infinite() => {

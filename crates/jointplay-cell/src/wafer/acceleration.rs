@@ -14,7 +14,7 @@ use crate::workcell::Cell;
 const MIN_HEADING_RADIUS: f64 = 1e-9;
 
 impl Cell {
-    /// Motion of an effector's wafer, its arm deflected as at rest; the wafer's own sag is neglected.
+    /// Motion of an effector's wafer, the deflection of its arm quasi-static: that of the arm at rest in each position; the wafer's own sag is neglected.
     ///
     /// # Errors
     /// [`Unreachable::Robot`] and [`Unreachable::Droop`].
@@ -34,7 +34,7 @@ impl Cell {
         let now = robot.platform(motion.positions)?;
         let platform = robot.platform_motion(&now, motion)?;
         let chain = ArmChain::new(robot, effector);
-        let on_platform = chain.wafer_motion(&chain.arm_rates(motion));
+        let on_platform = chain.wafer_motion(&chain.arm_states(motion));
         Ok(self.deflected_motion(&platform, &on_platform, effector, loaded)?)
     }
 
@@ -42,16 +42,16 @@ impl Cell {
     ///
     /// # Errors
     /// As [`Self::wafer_motion`].
-    pub fn friction_margin(
+    pub fn friction_demand(
         &self,
         effector: EffectorId,
         motion: &AxesMotion<'_>,
     ) -> Result<FrictionDemand, Unreachable> {
-        Ok(self.friction_margin_of(effector, &self.wafer_motion(effector, motion, true)?))
+        Ok(self.friction_demand_of(effector, &self.wafer_motion(effector, motion, true)?))
     }
 
-    /// As [`Self::friction_margin`], the motion of the wafer known.
-    pub(crate) fn friction_margin_of(
+    /// As [`Self::friction_demand`], the motion of the wafer known.
+    pub(crate) fn friction_demand_of(
         &self,
         effector: EffectorId,
         wafer: &FrameMotion,

@@ -18,13 +18,13 @@ const EXACT: f64 = 1e-14;
 /// Largest number of iterations; each reduces the error by about the slope of the droop, so that a handful is enough.
 const MAX_ITERATIONS: usize = 20;
 
-/// Fraction of the largest tilt that a clamped tilt stays below it, so that round-off does not violate the limit.
+/// Relative margin of a clamped tilt below the largest tilt, so that round-off does not violate the limit.
 const CLAMP_MARGIN: f64 = 1e-12;
 
 /// Positions at which a drooping arm holds a wafer at its target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CompensatedPose {
-    /// Positions of all axes, rods first ((m), (rad)).
+    /// Positions of all axes, rods first (m or rad).
     pub positions: Vec<f64>,
     /// Elbow and reach direction of the arm.
     pub configuration: Configuration,
@@ -53,7 +53,7 @@ impl Cell {
     /// * `seed` – present positions of all axes
     ///
     /// # Errors
-    /// [`Unreachable`]; also where more than the cell's threshold is left of the tilt.
+    /// [`Unreachable`]; also where more than the plane budget, [`Cell::plane_threshold`], is left of the tilt.
     ///
     /// # Numerics
     /// A fixed-point iteration that contracts by about the slope of the droop, 10⁻³, at each step; the wafer is within 10⁻¹² m of the target.

@@ -49,8 +49,8 @@ impl Droop {
     /// Deflection of the arm at its end.
     ///
     /// ```text
-    ///    cantilever:   drop  =  q L⁴ / 8 EI  +  P L³ / 3 EI        q: own weight by length, P: load at the tip
-    ///                  slope =  q L³ / 6 EI  +  P L² / 2 EI
+    ///    cantilever:   drop  =  q L⁴ / (8 EI)  +  P L³ / (3 EI)        q: own weight per length, P: load at the tip
+    ///                  slope =  q L³ / (6 EI)  +  P L² / (2 EI)
     /// ```
     /// A table is interpolated between reaches by a shape-preserving cubic, and between empty and loaded in proportion to the load.
     ///
@@ -68,7 +68,7 @@ impl Droop {
         self.derivatives_by_reach(reach, load, gravity).map(|[at, ..]| at)
     }
 
-    /// Deflection with its first and second derivative by the reach.
+    /// Deflection with its first and second derivative with respect to the reach.
     pub(super) fn derivatives_by_reach(
         &self,
         reach: f64,
@@ -139,13 +139,13 @@ impl Droop {
     }
 }
 
-/// Upper bounds on the magnitudes of a deflection and its derivatives by the reach.
+/// Upper bounds on the magnitudes of a deflection and its derivatives with respect to the reach.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct DroopBounds {
     pub(crate) value: Deflection,
-    /// First derivative by the reach.
+    /// First derivative with respect to the reach.
     pub(crate) by_reach: Deflection,
-    /// Second derivative by the reach.
+    /// Second derivative with respect to the reach.
     pub(crate) second_by_reach: Deflection,
     /// Slope divided by its reach (rad/m).
     pub(crate) slope_per_reach: f64,

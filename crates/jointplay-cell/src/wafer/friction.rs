@@ -5,30 +5,32 @@ use nalgebra::Vector3;
 use super::model::{Support, Wafer};
 use crate::robot::FrameMotion;
 
-/// Friction that a wafer needs, and friction that is available, as forces by mass of the wafer.
+/// Friction that a wafer needs, and friction that is available, as forces per mass of the wafer.
 ///
 /// ```text
-///    |f_t|  +  |M| / (b − |c|)   ≤   µ f_n        f = g̈ + g e_b3,   c = n × m / f_n,   M = n · (m − c × f)
+///    |f_t|  +  |M| / (b − |c|)   ≤   µ f_n        f = a + g e_z,   c = n × m / f_n,   M = n · (m − c × f)
 /// ```
-/// f and m: force by mass that accelerates the wafer, and its moment about the middle of the resting plane, rotational inertia included; f_n and f_t: components along the normal n and perpendicular to it.
+/// f and m: force per mass that the effector exerts on the wafer, and its moment about the middle of the resting plane, rotational inertia included; f_n and f_t: components of f along the normal n and perpendicular to it.
+/// a: acceleration of the wafer's centre of mass; g: gravitational acceleration; e_z: upward unit vector.
 /// c: centre of pressure of the pads; M: moment about it that friction has to transmit.
 /// b: radius of the three points, or of the wafer on its edge, or half the distance of the rails.
 ///
 /// # Assumptions
 /// Coulomb friction at the pads, a rigid flat wafer.
-/// The condition is sufficient for any position of the pads and any distribution of the weight over them; it is exact without a moment, and without a force in the plane.
+/// The condition is sufficient for any position of the pads and any distribution of the weight over them.
+/// It is exact for M = 0, and for f_t = 0 and c = 0; on two rails the latter holds for pads opposite to each other.
 ///
 /// # Source
 /// Own derivation, docs/explanation/wafers.md
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionDemand {
-    /// Force by mass that friction has to transmit; infinite where the wafer lifts off its support (m/s²).
+    /// Force per mass that friction has to transmit (m/s²); infinite where the wafer may lift off its support: c is outside the largest circle about the middle within the support.
     pub required: f64,
-    /// Force by mass that friction can transmit (m/s²).
+    /// Force per mass that friction can transmit (m/s²).
     pub available: f64,
 }
 
-/// Force and moment by mass that a wafer needs to move with its effector, in the base frame.
+/// Force and moment per mass that a wafer needs to move with its effector, in the base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct RequiredWrench {
     /// Force (m/s²).
@@ -40,7 +42,7 @@ struct RequiredWrench {
 }
 
 impl FrictionDemand {
-    /// Friction margin of a moving wafer.
+    /// Friction demand of a moving wafer.
     pub(super) fn new(
         motion: &FrameMotion,
         wafer: &Wafer,
@@ -51,7 +53,7 @@ impl FrictionDemand {
         friction_check(&required_wrench(motion, wafer, gravity), wafer, support, friction)
     }
 
-    /// Required friction as a share of the available friction; the wafer slips above 1.
+    /// Required friction divided by the available friction; above 1 the wafer may slip.
     #[must_use]
     pub fn utilization(&self) -> f64 {
         if self.available > 0.0 { self.required / self.available } else { f64::INFINITY }
@@ -75,7 +77,7 @@ fn required_wrench(motion: &FrameMotion, wafer: &Wafer, gravity: f64) -> Require
     let [.., acceleration] = motion.point(&Vector3::new(0.0, 0.0, half));
     let force = acceleration + Vector3::new(0.0, 0.0, gravity);
     let FrameMotion { angular_velocity: omega, angular_acceleration: alpha, .. } = motion;
-    // Moments of inertia of a disc by mass: about a diameter, and about its normal.
+    // Moments of inertia of a disc per mass: about a diameter, and about its normal.
     let radius = 0.5 * wafer.diameter;
     let across = 0.25 * radius * radius + wafer.thickness * wafer.thickness / 12.0;
     let about = 0.5 * radius * radius;

@@ -32,15 +32,15 @@ impl Wafer {
         area * self.thickness * self.material.density
     }
 
-    /// Weight by area, q (Pa).
+    /// Weight per area, q (Pa).
     #[must_use]
-    pub fn weight_by_area(&self, gravity: f64) -> f64 {
+    pub fn weight_per_area(&self, gravity: f64) -> f64 {
         self.material.density * gravity * self.thickness
     }
 
-    /// Bending stiffness D = E h³ / 12 (1 − ν²) (N m).
+    /// Flexural rigidity D = E h³ / (12 (1 − ν²)) (N m).
     #[must_use]
-    pub fn stiffness(&self) -> f64 {
+    pub fn flexural_rigidity(&self) -> f64 {
         let Material { young, poisson, .. } = self.material;
         young * self.thickness.powi(3) / (12.0 * (1.0 - poisson * poisson))
     }
@@ -77,7 +77,7 @@ pub enum Droop {
     Cantilever {
         /// Bending stiffness E·I (N m²).
         stiffness: f64,
-        /// Mass of the arm by length (kg/m).
+        /// Mass of the arm per length (kg/m).
         mass_per_length: f64,
     },
 }

@@ -1,6 +1,6 @@
 //! A free round plate on point supports in a symmetric pattern.
 //!
-//! All quantities are dimensionless: radii in radii of the plate, forces in its weight, deflections in q a⁴/D with the weight by area q and the bending stiffness D.
+//! All quantities are dimensionless: radii in radii of the plate, forces in its weight, deflections in q a⁴/D with the weight per area q and the flexural rigidity D.
 
 /// Fraction of the sum of a series below which its terms are neglected.
 const THRESHOLD: f64 = 1e-10;

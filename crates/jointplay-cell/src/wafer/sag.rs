@@ -28,13 +28,11 @@ pub struct Sag {
     pub lowest: f64,
     /// Height of the highest point (m).
     pub highest: f64,
-    /// Height of the plane that fits the wafer in the least-squares sense (m).
+    /// Height of the plane that fits the wafer in the least-squares sense; parallel to that of the supports, because all supports are symmetric (m).
     pub plane_height: f64,
-    /// Angle of that plane to the plane of the supports; 0, because all supports are symmetric (rad).
-    pub plane_tilt: f64,
     /// Root mean square distance of the wafer from that plane (m).
     pub deviation: f64,
-    /// Largest deflection as a share of the thickness: the linear theory holds up to about a fifth.
+    /// Largest deflection as a fraction of the thickness: the linear theory holds up to about a fifth.
     pub share_of_thickness: f64,
 }
 
@@ -80,9 +78,9 @@ pub enum SagError {
 /// Sag of a wafer under its own weight.
 ///
 /// ```text
-///    D ∇⁴w = q,    D = E h³ / 12 (1 − ν²),    q = ρ g h        edge free of moment, and of force but at the supports
+///    D ∇⁴w = q,    D = E h³ / (12 (1 − ν²)),    q = ρ g h        edge free of moment, and of force but at the supports
 /// ```
-/// On its whole edge w = q a⁴ (5 + ν) / 64 (1 + ν) D at the centre.
+/// On its whole edge w = q a⁴ (5 + ν) / (64 (1 + ν) D) at the centre.
 /// On points and rails, w is the sum over the loaded points of exact solutions for the free plate, see docs/explanation/wafers.md; rails only push, so that the plate may lift off them.
 ///
 /// # Errors
@@ -96,7 +94,7 @@ pub enum SagError {
 pub fn sag(wafer: &Wafer, support: &Support, gravity: f64) -> Result<Sag, SagError> {
     let poisson = checked(wafer, gravity)?;
     let a = wafer.diameter / 2.0;
-    let unit = wafer.weight_by_area(gravity) * a.powi(4) / wafer.stiffness();
+    let unit = wafer.weight_per_area(gravity) * a.powi(4) / wafer.flexural_rigidity();
     let within = |what, found: f64, max: f64| {
         if found > 0.0 && found <= max * (1.0 + TOLERANCE) {
             return Ok((found / max).min(1.0));
@@ -205,7 +203,6 @@ impl Shape {
             lowest: lowest * unit,
             highest: highest * unit,
             plane_height: mean * unit,
-            plane_tilt: 0.0,
             deviation: (square - mean * mean).max(0.0).sqrt() * unit,
             share_of_thickness: lowest.abs().max(highest.abs()) * unit / thickness,
         }
@@ -320,7 +317,7 @@ mod tests {
         for poisson in [0.0_f64, 0.17, 0.28, 0.4] {
             let found = sag(&unit(poisson), &Support::Edge, 1.0).unwrap();
             near(-found.center, (5.0 + poisson) / (64.0 * (1.0 + poisson)), 1e-15);
-            assert_eq!((found.lowest, found.plane_tilt), (found.center, 0.0));
+            assert_eq!(found.lowest, found.center);
             near(found.highest, 0.0, 1e-16);
             // The integrals of w and of w² over the plate, w = ((1 − r²)(c − r²))/64 with c = (5 + ν)/(1 + ν).
             let c = (5.0 + poisson) / (1.0 + poisson);

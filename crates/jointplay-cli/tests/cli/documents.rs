@@ -99,6 +99,7 @@ fn every_example_in_a_help_text_runs() {
         "cell optimise",
         "cell teach",
         "cell format",
+        "cell expand",
         "cell example",
     ] {
         let help = helper.done(&format!("{command} --help"));

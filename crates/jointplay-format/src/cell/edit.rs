@@ -6,9 +6,10 @@ use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value};
 
+use super::described::{self, Described, TABLES, is_called};
 use super::problem::{Fault, Problem};
 use crate::file_problem::FileProblem;
-use crate::place::{Error, Form, nearest};
+use crate::place::{Error, Form};
 use crate::units::{deg, mm, shift};
 
 /// Noise of taught points: the standard deviation of each coordinate.
@@ -84,11 +85,47 @@ pub fn set_station(text: &str, name: &str, changes: &[Change]) -> Result<String,
         let span = error.span().unwrap_or(0..0);
         Error::at(text, span, FileProblem::from(Form::Malformed { message }).into())
     })?;
-    let mut table = station(&mut document, name).map_err(|fault| Error::at(text, 0..0, fault))?;
-    for change in changes {
-        apply(&mut table, change);
+    let at_start = |fault| Error::at(text, 0..0, fault);
+    let inherited = described::inherited(&document, name, &inherited_keys(changes));
+    let mut station = station(&mut document, name).map_err(at_start)?;
+    for (key, item) in inherited {
+        station.table.insert(&key, item);
     }
+    let expressions = described::expressions(station.table);
+    for change in changes {
+        apply(&mut station, change);
+    }
+    described::check_unchanged(station.table, name, &expressions).map_err(at_start)?;
     Ok(document.to_string())
+}
+
+/// Keys whose present values the changes need, also where the station takes them from another table.
+fn inherited_keys(changes: &[Change]) -> Vec<&'static str> {
+    let needs_drift = |change: &Change| {
+        matches!(
+            change,
+            Change::Position(_)
+                | Change::Tilt(_)
+                | Change::Turned(_)
+                | Change::Taught { .. }
+                | Change::References { .. }
+        )
+    };
+    let needs_taught =
+        |change: &Change| matches!(change, Change::Taught { .. } | Change::References { .. });
+    let mut keys = Vec::new();
+    if changes.iter().any(needs_drift) {
+        keys.push("drift");
+    }
+    if changes.iter().any(needs_taught) {
+        keys.push("taught");
+    }
+    keys
+}
+
+fn station<'d>(document: &'d mut DocumentMut, name: &str) -> Result<Station<'d>, Fault> {
+    let Described { table, is_inline } = described::table(document, name)?;
+    Ok(Station { table, is_inline })
 }
 
 /// Start of the note on a station that was taught in contact.
@@ -128,28 +165,25 @@ pub fn note_station(text: &str, name: &str, touching: &[[String; 2]]) -> Result<
             }
         }
     };
-    match document.get_mut("station") {
-        Some(Item::ArrayOfTables(tables)) => {
-            let found = tables.iter_mut().find(|it| is_called(*it, name));
-            if let Some(table) = found {
-                let prefix = noted(table.decor().prefix(), "");
-                table.decor_mut().set_prefix(prefix);
+    for (_, item) in document.iter_mut().filter(|(key, _)| TABLES.contains(&key.get())) {
+        match item {
+            Item::ArrayOfTables(tables) => {
+                if let Some(table) = tables.iter_mut().find(|it| is_called(*it, name)) {
+                    let prefix = noted(table.decor().prefix(), "");
+                    table.decor_mut().set_prefix(prefix);
+                }
             }
-        }
-        Some(Item::Value(Value::Array(list))) => {
-            let mut tables = list.iter_mut().filter_map(Value::as_inline_table_mut);
-            if let Some(table) = tables.find(|it| is_called(*it, name)) {
-                let prefix = noted(table.decor().prefix(), "\n    ");
-                table.decor_mut().set_prefix(prefix);
+            Item::Value(Value::Array(list)) => {
+                let mut tables = list.iter_mut().filter_map(Value::as_inline_table_mut);
+                if let Some(table) = tables.find(|it| is_called(*it, name)) {
+                    let prefix = noted(table.decor().prefix(), "\n    ");
+                    table.decor_mut().set_prefix(prefix);
+                }
             }
+            _ => {}
         }
-        _ => {}
     }
     Ok(document.to_string())
-}
-
-fn is_called(table: &dyn TableLike, name: &str) -> bool {
-    table.get("name").and_then(Item::as_str) == Some(name)
 }
 
 /// Keys of the noise of taught points.
@@ -164,10 +198,6 @@ struct Station<'d> {
 }
 
 impl Station<'_> {
-    fn name(&self) -> Option<&str> {
-        self.table.get("name").and_then(Item::as_str)
-    }
-
     /// Replaces the value of a key; the comment after it remains.
     fn set(&mut self, key: &str, mut value: Value) {
         if let Some(old) = self.table.get_mut(key).and_then(Item::as_value_mut) {
@@ -294,35 +324,6 @@ fn coordinates(point: &Value) -> Option<Vector3<f64>> {
     };
     let numbers: Vec<f64> = list.iter().map_while(number).collect();
     (list.len() == 3 && numbers.len() == 3).then(|| Vector3::from_column_slice(&numbers))
-}
-
-fn station<'d>(document: &'d mut DocumentMut, name: &str) -> Result<Station<'d>, Fault> {
-    let stations: Vec<Station<'d>> = match document.get_mut("station") {
-        Some(Item::ArrayOfTables(tables)) => {
-            tables.iter_mut().map(|table| Station { table, is_inline: false }).collect()
-        }
-        Some(Item::Value(Value::Array(list))) => list
-            .iter_mut()
-            .filter_map(Value::as_inline_table_mut)
-            .map(|table| Station { table, is_inline: true })
-            .collect(),
-        _ => {
-            let whose = "a cell whose stations can be changed".to_owned();
-            return Err(FileProblem::MissingKey { whose, key: "[[station]]".to_owned() }.into());
-        }
-    };
-    let names: Vec<String> =
-        stations.iter().filter_map(|station| station.name().map(str::to_owned)).collect();
-    let mut stations = stations.into_iter();
-    stations.find(|station| station.name() == Some(name)).ok_or_else(|| {
-        let problem = FileProblem::Unknown {
-            what: "station".to_owned(),
-            found: name.to_owned(),
-            nearest: nearest(name, names.iter().map(String::as_str)),
-            known: names,
-        };
-        problem.into()
-    })
 }
 
 fn apply(station: &mut Station<'_>, change: &Change) {

@@ -1,4 +1,4 @@
-//! Shapes from files: STL and OBJ.
+//! Shapes from files: STL, OBJ and binary glTF.
 
 use std::io::Cursor;
 
@@ -6,21 +6,23 @@ use jointplay_cell::CellError;
 use jointplay_cell::geometry::Shape;
 
 use super::files::{Files, read_named_file};
+use super::glb;
 use super::problem::Fault;
+use super::surface::{MAX_TRIANGLES, Mesh, too_many};
 use super::tree::Table;
 use crate::units::m_from_mm;
 
 /// Larger files of shapes are refused unread.
 pub const MAX_MESH_BYTES: usize = 64 << 20;
 
-/// Largest number of triangles of a shape; a check evaluates distances about a thousand times per second of motion.
-pub const MAX_TRIANGLES: usize = 500_000;
-
 /// Bytes of a binary STL file before its triangles, and for each of them.
 const STL_HEAD: usize = 84;
 const STL_TRIANGLE: usize = 50;
 
-/// The shape of `{ file = …, unit = …, convex = … }`.
+/// Endings of files of surfaces without triangles, which no reader here reads.
+const CAD_ENDINGS: [&str; 6] = ["step", "stp", "iges", "igs", "sldprt", "x_t"];
+
+/// The shape of `{ file = …, unit = …, convex = …, node = … }`.
 pub(super) fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     let reader = table.reader;
     let file = table.needed("file");
@@ -28,13 +30,31 @@ pub(super) fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
         .entry("unit")
         .map_or(Some(true), |unit| unit.word(reader, "unit", &[("mm", true), ("m", false)]));
     let convex = table.entry("convex").map_or(Some(false), |convex| convex.flag(reader));
+    let node = table.entry("node").map(|node| node.line(reader));
     let file = file?;
     let name = file.line(reader)?;
-    let (is_mm, convex) = (unit?, convex?);
-    let mesh = read_named_file(name, files).and_then(|bytes| parse(name, &bytes));
+    let ending = name.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase());
+    let is_glb = ending.as_deref() == Some("glb");
+    if node.is_some() && !is_glb {
+        let why = "only a binary glTF file (.glb) has nodes: remove `node`";
+        table.report_at("node", Fault::Unfit(why.to_owned()));
+        return None;
+    }
+    if is_glb && table.entry("unit").is_some() {
+        let why = "a binary glTF file (.glb) is in metres: remove `unit`";
+        table.report_at("unit", Fault::Unfit(why.to_owned()));
+        return None;
+    }
+    let node = match node {
+        Some(node) => Some(node?),
+        None => None,
+    };
+    let (is_mm, convex) = (unit? && !is_glb, convex?);
+    let mesh = read_named_file(name, files)
+        .and_then(|bytes| parse(ending.as_deref().unwrap_or_default(), node, &bytes));
     let mesh =
         mesh.map_err(|why| file.report(reader, Fault::File { name: name.to_owned(), why })).ok()?;
-    let length = |value: f32| if is_mm { m_from_mm(f64::from(value)) } else { f64::from(value) };
+    let length = |value: f64| if is_mm { m_from_mm(value) } else { value };
     let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex.map(length)).collect();
     if !convex {
         return Some(Shape::Mesh { vertices, triangles: mesh.triangles });
@@ -48,24 +68,25 @@ pub(super) fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     Some(hull)
 }
 
-/// A surface in the unit of its file.
-struct Mesh {
-    vertices: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
-}
-
-fn parse(name: &str, bytes: &[u8]) -> Result<Mesh, String> {
+fn parse(ending: &str, node: Option<&str>, bytes: &[u8]) -> Result<Mesh, String> {
     if bytes.len() > MAX_MESH_BYTES {
         return Err(format!(
             "it has {} bytes, but at most {MAX_MESH_BYTES} are allowed; simplify the shape",
             bytes.len()
         ));
     }
-    let ending = name.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase());
-    let mesh = match ending.as_deref() {
-        Some("stl") => stl(bytes)?,
-        Some("obj") => obj(bytes)?,
-        _ => return Err("its name ends neither in .stl nor in .obj".to_owned()),
+    let mesh = match ending {
+        "stl" => stl(bytes)?,
+        "obj" => obj(bytes)?,
+        "glb" => glb::surface(bytes, node)?,
+        "gltf" => return Err("save it as binary glTF, which ends in .glb".to_owned()),
+        ending if CAD_ENDINGS.contains(&ending) => {
+            return Err(
+                "it has no triangles: export it from the CAD program, or convert it with FreeCAD, as .stl, .obj or .glb"
+                    .to_owned(),
+            );
+        }
+        _ => return Err("its name ends neither in .stl, .obj nor in .glb".to_owned()),
     };
     if mesh.triangles.is_empty() {
         return Err("it has no triangles".to_owned());
@@ -77,10 +98,6 @@ fn parse(name: &str, bytes: &[u8]) -> Result<Mesh, String> {
         return Err("it names corners that it does not have".to_owned());
     }
     Ok(mesh)
-}
-
-fn too_many() -> String {
-    format!("it has more than {MAX_TRIANGLES} triangles; simplify the shape")
 }
 
 fn stl(bytes: &[u8]) -> Result<Mesh, String> {
@@ -128,7 +145,7 @@ fn joined(corners: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
         .iter()
         .map(|corner| {
             *indices.entry(key(corner)).or_insert_with(|| {
-                vertices.push(*corner);
+                vertices.push(corner.map(f64::from));
                 vertices.len() as u32 - 1
             })
         })
@@ -151,7 +168,8 @@ fn obj(bytes: &[u8]) -> Result<Mesh, String> {
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
     for model in models {
         let first = vertices.len() as u32;
-        vertices.extend(model.mesh.positions.chunks_exact(3).map(|p| [p[0], p[1], p[2]]));
+        let positions = model.mesh.positions.chunks_exact(3);
+        vertices.extend(positions.map(|p| [p[0], p[1], p[2]].map(f64::from)));
         let corners = model.mesh.indices.chunks_exact(3);
         triangles.extend(corners.map(|c| [first + c[0], first + c[1], first + c[2]]));
         if triangles.len() > MAX_TRIANGLES {

@@ -3,6 +3,7 @@
 //! The readers report all errors of a file, each with its place.
 
 mod bodies;
+mod described;
 mod edit;
 mod effectors;
 mod expansion;
@@ -11,12 +12,14 @@ pub mod explain_trajectory;
 mod file;
 mod files;
 mod frames;
+mod glb;
 mod mesh;
 mod pose;
 mod problem;
 pub mod robot;
 mod rules;
 mod stations;
+mod surface;
 mod taught;
 mod tree;
 mod unique;
@@ -25,8 +28,9 @@ pub use edit::{Change, TaughtNoise, note_station, set_station};
 pub use expansion::{Part, PartParameter, parts};
 pub use file::{MAX_BYTES, expand, read, read_with};
 pub use files::Files;
-pub use mesh::{MAX_MESH_BYTES, MAX_TRIANGLES};
+pub use mesh::MAX_MESH_BYTES;
 pub use problem::{Errors, Fault, Problem};
+pub use surface::MAX_TRIANGLES;
 pub use taught::{inconsistent_points, inconsistent_references};
 
 /// Example cell: a robot with two arms, two load ports, an aligner and a process station.

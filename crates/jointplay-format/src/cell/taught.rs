@@ -149,7 +149,7 @@ pub fn inconsistent_points(fit: &PlaneFit) -> String {
     } else if let (Some(found), Some(limit)) = (fit.chi_square, fit.chi_square_limit) {
         message += &format!(
             "; the noise does not explain the deviations (chi-square {found:.1}, limit {limit:.1} at {} degrees of freedom)",
-            fit.freedom
+            fit.redundancy
         );
     }
     message

@@ -91,7 +91,7 @@ fn hand_offs(motion_export: &MotionExport<'_>) -> Vec<Value> {
             "time_s": motion.times[one.step + 1],
             "effector": motion_export.effector_name(one.effector),
             "slot": slot_name(&cell.stations[one.slot.station], one.slot.slot),
-            "jump_um": um(one.load_step),
+            "jump_um": um(one.load_displacement),
         })
     };
     handoff_deflections(cell, &motion.steps).iter().map(report).collect()

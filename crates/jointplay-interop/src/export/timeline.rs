@@ -11,7 +11,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use jointplay_cell::program::WaferTransfer;
+use jointplay_cell::program::LocationChange;
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::trajectory::Trajectory;
 use jointplay_cell::workcell::Cell;
@@ -245,7 +245,7 @@ impl Timeline {
 fn changes(motion_export: &MotionExport<'_>) -> Result<Vec<Change>, Error> {
     let mut wafers = WaferFrames::new(motion_export);
     let mut changes = Vec::new();
-    while let Some(WaferTransfer { step, wafer, .. }) = wafers.apply_next()? {
+    while let Some(LocationChange { step, wafer, .. }) = wafers.apply_next()? {
         changes.push(Change { step, wafer, to: HeldAt::new(&wafers.frames[wafer]) });
     }
     Ok(changes)

@@ -1,6 +1,6 @@
 //! Frames of all wafers during a motion.
 
-use jointplay_cell::program::{WaferLocation, WaferLocations, WaferTransfer};
+use jointplay_cell::program::{LocationChange, WaferLocation, WaferLocations};
 use jointplay_cell::robot::ChainPose;
 use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Pose;
@@ -45,7 +45,7 @@ pub(super) struct WaferFrames<'a> {
     pub(super) locations: WaferLocations,
     /// By wafer.
     pub(super) frames: Vec<WaferFrame>,
-    /// Index of the next transfer.
+    /// Index of the next change of a location.
     next: usize,
 }
 
@@ -59,34 +59,36 @@ impl<'a> WaferFrames<'a> {
         Self { motion_export, locations, frames, next: 0 }
     }
 
-    /// Applies all transfers until a time (s).
+    /// Applies all changes of locations until a time (s).
     pub(super) fn advance_to(&mut self, time: f64) -> Result<(), Error> {
         let times = &self.motion_export.motion.times;
-        let transfers = self.locations.transfers();
-        let until = transfers.partition_point(|transfer| times[transfer.step + 1] <= time);
+        let changes = self.locations.location_changes();
+        let until = changes.partition_point(|change| times[change.step + 1] <= time);
         while self.next < until {
             self.apply_next()?;
         }
         Ok(())
     }
 
-    /// Applies the next transfer: the wafer then moves with its new location, from exactly where it is.
-    pub(super) fn apply_next(&mut self) -> Result<Option<WaferTransfer>, Error> {
-        let Some(&transfer) = self.locations.transfers().get(self.next) else { return Ok(None) };
+    /// Applies the next change of a location: the wafer then moves with its new location, from exactly where it is.
+    pub(super) fn apply_next(&mut self) -> Result<Option<LocationChange>, Error> {
+        let Some(&change) = self.locations.location_changes().get(self.next) else {
+            return Ok(None);
+        };
         self.next += 1;
-        let (motion_export, step) = (self.motion_export, transfer.step);
+        let (motion_export, step) = (self.motion_export, change.step);
         let time = motion_export.motion.times[step + 1];
         let sample = motion_export.motion.sample_at(time);
         // Until then the arm deflects as in the step that ends.
         let pose = placed(motion_export, time, &sample.positions, loaded(motion_export, step))?;
-        let base_from_wafer = self.frames[transfer.wafer].base_from_wafer(&pose);
-        let pose = match transfer.to {
+        let base_from_wafer = self.frames[change.wafer].base_from_wafer(&pose);
+        let pose = match change.to {
             WaferLocation::Slot(_) => base_from_wafer,
             WaferLocation::Effector(id) => {
                 pose.base_from_wafer[id.arm][id.effector].inverse() * base_from_wafer
             }
         };
-        self.frames[transfer.wafer] = WaferFrame { location: transfer.to, pose };
-        Ok(Some(transfer))
+        self.frames[change.wafer] = WaferFrame { location: change.to, pose };
+        Ok(Some(change))
     }
 }

@@ -10,13 +10,13 @@ const CONTINUED_FROM: f64 = 0.9999;
 /// Largest number of axes; unused ones count as centred in their range and cost 1.
 pub(super) const AXES: usize = 4;
 
-/// Largest number of barriers at the ends of a configuration.
+/// Largest number of barriers at the singular positions of an arm.
 pub(super) const MAX_BARRIERS: usize = 2;
 
-/// Largest number of Newton steps; two to four are usual, ten from a ten-thousandth before a barrier.
+/// Largest number of Newton steps; two to four are usual, ten for a start at a distance of 10⁻⁴ from a pole.
 const MAX_ITERATIONS: usize = 30;
 
-/// Fraction of both the total gain and the cost below which a step is the last: the next would gain the square of it.
+/// Fraction of both the total gain and the cost below which a step is the last: convergence is quadratic, and the gain of the next step would be about the square of this fraction.
 const LAST_STEP_GAIN: f64 = 0.01;
 
 /// Fraction of the cost below which a gain ends the descent.
@@ -41,10 +41,10 @@ pub(super) fn of_limits(u: &PerAxis) -> [PerAxis; 3] {
     ]
 }
 
-/// Cost of one end of a configuration.
+/// Cost near a singular position: the stretched or folded elbow, or the reach at which a radial arm changes its direction.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum EndBarrier {
-    /// No cost: the configuration has no such end.
+    /// No cost: the arm has no such position.
     None,
     /// 1/(1 − u²), infinite beyond ±1.
     Elbow,

@@ -30,11 +30,12 @@ impl HybridRobot {
     /// All positions of the axes that bring the wafer of an effector to a target.
     ///
     /// ```text
-    ///    normal → rods at height 0 → platform → height of the arm's plane through the centre → centre in the platform frame → motors
+    ///    normal → rods with their ends in the plane of this normal through O_b → pose of the platform → common lift of the rods,
+    ///    which brings the arm's plane to the wafer's centre → centre in the platform frame → motors
     /// ```
-    /// Raising all rods by the same amount raises the platform by that amount, so that each of these steps is exact, including the shift of the centre and the height error of a tilt at reach.
+    /// Raising all rods by the same amount raises the platform by that amount, so that each of these steps is exact, including the shift of the platform's centre by a tilt, and the change of height that a tilt causes at the reach of the wafer.
     /// Arms of two links with or without further joints at their ends, radial arms with a belt and radial arms with a prismatic joint are solved in closed form with all their branches;
-    /// redundant arms by staying away from limits and from the stretched arm: a local minimum of Σ 1/(1 − u²) + 1/sin² β from the present positions, u from −1 to 1 between the limits of an axis, β the elbow angle of the last two free links;
+    /// redundant arms by staying away from limits and from the stretched arm: a local minimum of Σ 1/(1 − u²) + 1/sin² β from the present positions, u from −1 to 1 between the limits of an axis, β the elbow angle of the two links that place the wafer's centre;
     /// all others by Newton's method from several starts.
     /// Positions that differ by whole revolutions are branches of their own where limits admit several.
     ///
@@ -329,7 +330,9 @@ impl Solver<'_> {
             for configuration in bends(decomposition) {
                 let found = match self.redundancy {
                     Redundancy::AwayFromLimits => redundant.away_from_limits(configuration),
-                    Redundancy::AtSeed => redundant.as_near(configuration),
+                    Redundancy::KeepRedundantAngles => {
+                        redundant.keeping_redundant_angles(configuration)
+                    }
                 };
                 if let Some(arm_positions) = found {
                     revolutions.within(&arm_positions, self.ranges, |arm_positions| {

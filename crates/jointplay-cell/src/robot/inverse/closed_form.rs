@@ -16,8 +16,9 @@ pub(super) struct PairSolution {
     pub(super) configuration: Configuration,
     /// Both link vectors; for a prismatic pair the whole span, and its direction (m).
     pub(super) link_vectors: [Vector2<f64>; 2],
-    /// Distance of the configuration from its ends: the cosine of the elbow angle, or the reach ahead of the first joint (m).
-    pub(super) end_distance: f64,
+    /// Coordinate that indicates singular configurations: for two links the cosine of the elbow angle, ±1 where stretched or folded;
+    /// for the other pairs the reach ahead of the first joint, negative backward, 0 where its direction changes (m).
+    pub(super) singular_coordinate: f64,
 }
 
 /// Up to four solutions.
@@ -61,7 +62,7 @@ impl Decomposition {
         }
     }
 
-    /// Derivatives of the spanned vector by both unknowns.
+    /// Derivatives of the spanned vector with respect to both unknowns.
     #[inline]
     pub(super) fn span_change(&self, found: &PairSolution, point: &Vector2<f64>) -> SpanChange {
         let [one, other] = found.link_vectors;
@@ -133,7 +134,7 @@ impl Decomposition {
     }
 }
 
-/// Derivatives of a spanned vector by the two unknowns of a pair.
+/// Derivatives of a spanned vector with respect to the two unknowns of a pair.
 pub(super) struct SpanChange {
     /// First derivatives, by either unknown.
     pub(super) velocities: [Vector2<f64>; 2],
@@ -189,8 +190,13 @@ fn links(
                 (first, turned(&Vector2::new(a, 0.0), first))
             };
             let pair = [first - one.angle, first + side * angle_between - other.angle];
-            let end_distance = cosine / (a * b);
-            PairSolution { pair, configuration, link_vectors: [link, point - link], end_distance }
+            let singular_coordinate = cosine / (a * b);
+            PairSolution {
+                pair,
+                configuration,
+                link_vectors: [link, point - link],
+                singular_coordinate,
+            }
         })
     };
     // Stretched or folded, both solutions are one.
@@ -247,9 +253,9 @@ fn belt(
             let (along, aside) =
                 (unit * (0.5 * grown), perpendicular(&unit) * (0.5 * side * across));
             let link_vectors = [along + aside, along - aside];
-            let end_distance = grown + w.x;
+            let singular_coordinate = grown + w.x;
             solutions[count] =
-                Some(PairSolution { pair, configuration, link_vectors, end_distance });
+                Some(PairSolution { pair, configuration, link_vectors, singular_coordinate });
             count += 1;
         }
     }
@@ -276,15 +282,20 @@ fn prismatic(
         let reaching = (along > 0.0).then_some(reaching);
         let configuration = Configuration { elbow: None, reaching };
         configuration.agrees_with(wanted).then(|| {
-            let end_distance = sign * along;
+            let singular_coordinate = sign * along;
             let (turn, direction) = if d > 0.0 {
-                let direction = within(&Vector2::new(end_distance, w.y), point) / (d * d);
+                let direction = within(&Vector2::new(singular_coordinate, w.y), point) / (d * d);
                 (angle(&within(unit, &direction)), direction)
             } else {
                 (like[0], turned(unit, like[0]))
             };
-            let pair = [turn, end_distance - w.x];
-            PairSolution { pair, configuration, link_vectors: [*point, direction], end_distance }
+            let pair = [turn, singular_coordinate - w.x];
+            PairSolution {
+                pair,
+                configuration,
+                link_vectors: [*point, direction],
+                singular_coordinate,
+            }
         })
     };
     let backward = if along > 0.0 { solution(-1.0, ReachDirection::Backward) } else { None };

@@ -43,7 +43,7 @@ pub(super) struct BeltDrivenLink {
 /// The unknowns of an arm: the two of the pair, then the angle of the last link, then that of the first.
 ///
 /// ```text
-///    y = Y a        a: positions of the axes, n of each
+///    y = Y a        y: unknowns,   a: positions of the axes;   as many of both, `count`
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Decomposition {

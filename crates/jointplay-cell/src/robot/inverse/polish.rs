@@ -10,7 +10,7 @@ use crate::robot::angle::wrap_angle;
 use crate::robot::hybrid_robot::{EffectorId, HybridRobot};
 use crate::robot::positions::Positions;
 
-/// Residual below which nothing is corrected: round-off of a metre (m and rad).
+/// Residual below which nothing is corrected: round-off of a metre (m or rad).
 const MAX_RESIDUAL: f64 = 1e-13;
 
 /// Largest number of Newton steps; one or two are usual.

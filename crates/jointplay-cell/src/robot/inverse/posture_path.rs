@@ -14,9 +14,9 @@ pub(crate) struct PlanarPath {
 /// Positions of an arm's motors along a path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PosturePath {
-    /// Shares of the path's length, growing from 0 to 1.
+    /// Fractions of the path's length, growing from 0 to 1.
     pub fractions: Vec<f64>,
-    /// Positions of the arm's axes at each fraction, rods aside, in the order of the joints that they drive first (m or rad).
+    /// Positions of the arm's axes at each fraction, without the rods, in the order of the first joint that each drives (m or rad).
     pub positions: Vec<Vec<f64>>,
 }
 
@@ -40,7 +40,7 @@ pub(crate) struct NoPosturePath {
 }
 
 impl PlanarPath {
-    /// Shares of the path's length at the corners.
+    /// Fractions of the path's length at the corners.
     pub(crate) fn fractions(&self) -> Vec<f64> {
         let mut lengths = vec![0.0];
         for pair in self.corners.windows(2) {

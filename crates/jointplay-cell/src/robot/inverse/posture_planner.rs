@@ -25,7 +25,7 @@ impl HybridRobot {
     ///    min ∫ Σ_a (q_a′/v_a)² + c (q_a″/v_a)² + w Σ_a 1/(1 − u_a²) + w/sin² β ds
     /// ```
     /// v: velocity limit of an axis, u: its position, from −1 at one limit to 1 at the other, β: the elbow angle. The first posture is free, at a small cost for its distance from home, which is added.
-    /// A shortest path through a grid of free angles, elbows and revolutions is the minimum without the term of curvature, over steps between neighbouring cells of that grid; a descent of the whole cost then smooths it.
+    /// The shortest path through a grid of free angles, elbows and revolutions minimizes the cost without the term of curvature, over steps between neighbouring cells of the grid; a descent of the whole cost then smooths it.
     ///
     /// # Errors
     /// [`NoPosturePath`] where no grid path exists.

@@ -137,7 +137,10 @@ impl<'a> PostureSearch<'a> {
         [found.pair[0], found.pair[1], self.last_angle(free), free[1]]
     }
 
-    /// A posture with its cost; `own` may differ from `unknown` by whole revolutions.
+    /// A posture with its cost.
+    ///
+    /// # Arguments
+    /// * `arm_positions` – positions of the arm's axes for `found` and `free`, up to whole revolutions
     fn posture(&self, found: &PairSolution, free: [f64; 2], arm_positions: &ArmVector) -> Posture {
         let unknown = self.decomposition.unknown(arm_positions);
         let fractions = from_fn(|a| {
@@ -163,7 +166,8 @@ impl<'a> PostureSearch<'a> {
     fn elbow_cost(&self, found: &PairSolution) -> f64 {
         match self.decomposition.pair {
             Pair::Links(_) => {
-                1.0 / (1.0 - found.end_distance * found.end_distance).max(f64::MIN_POSITIVE)
+                1.0 / (1.0 - found.singular_coordinate * found.singular_coordinate)
+                    .max(f64::MIN_POSITIVE)
             }
             Pair::Belt(..) | Pair::Prismatic(_) => 0.0,
         }

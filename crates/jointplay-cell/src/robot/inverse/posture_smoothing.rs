@@ -119,7 +119,7 @@ impl Smoothing<'_> {
         DVector::from_vec(residuals)
     }
 
-    /// Derivatives of the residuals by the free angles, in the order of both.
+    /// Derivatives of the residuals with respect to the free angles, in the order of both.
     #[expect(
         clippy::needless_range_loop,
         reason = "the axes of several arrays, of which only the first ones are used"

@@ -31,7 +31,7 @@ const STARTS: [usize; 3] = [8, 16, 48];
 /// Largest of [`STARTS`].
 const MAX_STARTS: usize = 48;
 
-/// Reach of a radial arm, as a fraction of its last link, below which the end of its reach direction costs.
+/// Reach of a radial arm, as a fraction of the length of its last link, at which the barrier at the change of its reach direction costs 1.
 const MIN_REACH: f64 = 0.1;
 
 /// The free angles of an arm: of its first and of its last link vector.
@@ -67,8 +67,8 @@ struct Candidate {
     /// Position of each axis, from −1 at one limit to 1 at the other.
     normalized_positions: PerAxis,
     cost: f64,
-    /// Part of the cost by elbow and reach direction.
-    of_bend: f64,
+    /// Part of the cost for elbow and reach direction.
+    singularity_cost: f64,
 }
 
 impl<'a> Redundant<'a> {
@@ -128,7 +128,7 @@ impl<'a> Redundant<'a> {
         let here = self.at([self.seed[2], self.seed[3]], configuration, &self.seed);
         let here = here.map(|here| self.wrapped_to_limits(here));
         let (mut now, stretched) = match here {
-            Some(here) if here.of_bend < MAX_ELBOW_COST => (here, None),
+            Some(here) if here.singularity_cost < MAX_ELBOW_COST => (here, None),
             here => match STARTS.iter().find_map(|&count| self.start(count, configuration)) {
                 Some(now) => (now, here),
                 None => return here.map(|here| self.decomposition.positions(&here.unknown)),
@@ -165,7 +165,10 @@ impl<'a> Redundant<'a> {
     }
 
     /// The positions of a given configuration whose free links have the directions of the present positions.
-    pub(super) fn as_near(&self, configuration: Configuration) -> Option<ArmVector> {
+    pub(super) fn keeping_redundant_angles(
+        &self,
+        configuration: Configuration,
+    ) -> Option<ArmVector> {
         let here = self.at([self.seed[2], self.seed[3]], configuration, &self.seed)?;
         Some(self.decomposition.positions(&here.unknown))
     }
@@ -257,7 +260,7 @@ impl<'a> Redundant<'a> {
         let found = solutions.into_iter().flatten().next()?;
         let unknown = [found.pair[0], found.pair[1], self.last.unwrap_or(free[0]), free[1]];
         let unknown = self.decomposition.wrapped(&unknown, seed);
-        let (normalized_positions, cost, of_bend) = (PerAxis::default(), 0.0, 0.0);
+        let (normalized_positions, cost, singularity_cost) = (PerAxis::default(), 0.0, 0.0);
         Some(self.costed(Candidate {
             unknown,
             found,
@@ -265,7 +268,7 @@ impl<'a> Redundant<'a> {
             link_vectors,
             normalized_positions,
             cost,
-            of_bend,
+            singularity_cost,
         }))
     }
 
@@ -279,15 +282,16 @@ impl<'a> Redundant<'a> {
                 + (by[2][a] * y[2] + by[3][a] * y[3])
         });
         let ends = self.ends(&place.found);
-        place.of_bend = (0..MAX_BARRIERS).map(|t| self.poles[t].of(ends[t][0])[0]).sum();
-        place.cost = of_limits(&place.normalized_positions)[0].iter().sum::<f64>() + place.of_bend;
+        place.singularity_cost = (0..MAX_BARRIERS).map(|t| self.poles[t].of(ends[t][0])[0]).sum();
+        place.cost =
+            of_limits(&place.normalized_positions)[0].iter().sum::<f64>() + place.singularity_cost;
         place
     }
 
-    /// Distance of the configuration from its ends, one for each pole, with its first two derivatives by the squared length of the spanned vector.
+    /// Argument of each barrier, with its first two derivatives with respect to the squared length of the spanned vector.
     #[inline]
     fn ends(&self, found: &PairSolution) -> [[f64; 3]; MAX_BARRIERS] {
-        let perpendicular = found.end_distance.abs();
+        let perpendicular = found.singular_coordinate.abs();
         let of_ahead = [
             perpendicular,
             0.5 / perpendicular,
@@ -295,14 +299,14 @@ impl<'a> Redundant<'a> {
         ];
         match &self.decomposition.pair {
             Pair::Links([i, j]) => {
-                [[found.end_distance, 0.5 / (i.length * j.length), 0.0], [0.0; 3]]
+                [[found.singular_coordinate, 0.5 / (i.length * j.length), 0.0], [0.0; 3]]
             }
             Pair::Belt([i, _], belt_driven_link) => {
-                let by_ahead = found.end_distance.signum() / (2.0 * i.length);
+                let by_ahead = found.singular_coordinate.signum() / (2.0 * i.length);
                 let [_, slope, curvature] = of_ahead.map(|number| number * by_ahead);
                 [
                     [
-                        (found.end_distance - belt_driven_link.vector.x) / (2.0 * i.length),
+                        (found.singular_coordinate - belt_driven_link.vector.x) / (2.0 * i.length),
                         slope,
                         curvature,
                     ],

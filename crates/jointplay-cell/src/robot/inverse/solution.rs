@@ -14,7 +14,7 @@ pub struct WaferTarget {
     pub center: Vector3<f64>,
     /// Upward normal of that plane, of any length.
     pub normal: Vector3<f64>,
-    /// Heading of the wafer about the normal, from the shortest rotation of level to the normal (rad); `None` leaves it to the arm.
+    /// Heading of the wafer about the normal; at 0 its x axis is the base x axis after the shortest rotation from +z to the normal (rad). `None` leaves it to the arm.
     pub heading: Option<f64>,
 }
 
@@ -34,8 +34,8 @@ impl WaferTarget {
 pub enum Redundancy {
     /// Those farthest from the limits of the axes and from the stretched arm, a local minimum near the present positions.
     AwayFromLimits,
-    /// Those in which the links that are free keep their directions.
-    AtSeed,
+    /// Those in which the redundant links keep the directions of the present positions; the pair of joints that places the wafer's centre follows.
+    KeepRedundantAngles,
 }
 
 /// All solutions of the inverse kinematics for a target.

@@ -38,7 +38,7 @@ impl PlaneFit {
     /// The variance of the height is convex, so that its maximum over a disc is on the circle; 72 directions are tried.
     ///
     /// # Assumptions
-    /// Further points can be measured as far from the center of the points as the farthest of them, with the noise of the most accurate of them.
+    /// Further points can be measured as far from the centre of the points as the farthest of them, with the noise of the most accurate of them.
     #[must_use]
     pub fn next_points(&self, allowed: f64, coverage_factor: f64) -> Option<NextPoints> {
         let is_certain = !self.is_uncertain(allowed, coverage_factor);

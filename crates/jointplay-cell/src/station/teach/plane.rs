@@ -23,7 +23,7 @@ pub(super) const REDUNDANT: usize = 2;
 pub(super) const FALSE_ALARM_QUANTILE: f64 = 3.090_232;
 /// False alarm rate of that quantile, and of the test of single points.
 pub(super) const FALSE_ALARM: f64 = 1e-3;
-/// Multiple of the standard deviation that no false alarm rate of a single point allows to reject, whatever the number of points.
+/// Standardized deviation up to which no point counts as an outlier, whatever the number of points.
 const LEAST_OUTLIER: f64 = 3.0;
 /// Redundancy below which the deviation of a point is round-off.
 pub(super) const NO_REDUNDANCY: f64 = 1e-9;
@@ -59,8 +59,8 @@ pub struct PlaneFit {
     pub chi_square_limit: Option<f64>,
     /// Uncertainty of the plane; `None` for three points whose noise is not known.
     pub uncertainty: Option<Box<PlaneUncertainty>>,
-    /// Number of points beyond three: degrees of freedom that test the noise.
-    pub freedom: usize,
+    /// Redundancy: number of points beyond three, the degrees of freedom of the residuals.
+    pub redundancy: usize,
     /// Whether the points agree with one plane.
     pub result: FitResult,
 }
@@ -68,26 +68,26 @@ pub struct PlaneFit {
 /// Uncertainty of a fitted plane: the covariance of tilt and height along the principal directions of the points, where both slopes and the height at the centroid are uncorrelated.
 ///
 /// ```text
-///    var(slope_k)  =  1 / Σ w u_k²        var(height)  =  1/Σ w + Σ_k p_k² / Σ w u_k²        w = 1/σ²;  u_k: coordinates of the points from their center, p_k: those of the place asked about
+///    var(slope_k)  =  1 / Σ w u_k²        var(height)  =  1/Σ w + Σ_k p_k² / Σ w u_k²        w = 1/σ²;  u_k: coordinates of the points from their centre, p_k: those of the place asked about
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlaneUncertainty {
     /// Standard deviation of a measured coordinate, given or estimated from the distances: the least of all points (m).
     pub noise: f64,
-    /// Whether that is estimated from the distances, with [`PlaneFit::freedom`] degrees of freedom.
+    /// Whether that is estimated from the distances, with [`PlaneFit::redundancy`] degrees of freedom.
     pub is_estimated: bool,
     /// Principal directions of the points in their plane, in the base frame.
     pub directions: [Vector3<f64>; 2],
     /// Standard deviation of the slope along each (rad).
     pub slopes: [f64; 2],
-    /// Standard deviation of the height at the center of the points (m).
+    /// Standard deviation of the height at the centre of the points (m).
     pub height: f64,
     /// Angle within which the true normal lies with 95 % confidence (rad).
     pub tilt_95: f64,
     /// Factor on a standard deviation of a height that gives 95 % confidence.
     factor: f64,
-    /// Degrees of freedom of an estimated noise.
-    pub freedom: Option<usize>,
+    /// Degrees of freedom of an estimated noise; `None` where it is given.
+    pub degrees_of_freedom: Option<usize>,
     /// Centroid of the points, in the base frame (m).
     center: Vector3<f64>,
 }
@@ -102,7 +102,7 @@ impl PlaneUncertainty {
     /// Standard deviation of the tilt in its least certain direction, times a coverage factor (rad).
     #[must_use]
     pub fn expanded_tilt(&self, coverage_factor: f64) -> f64 {
-        coverage(coverage_factor, self.freedom) * self.slopes[0].max(self.slopes[1])
+        coverage(coverage_factor, self.degrees_of_freedom) * self.slopes[0].max(self.slopes[1])
     }
 
     /// Standard deviation of the height of the true plane over a position (m).
@@ -124,7 +124,7 @@ impl PlaneUncertainty {
         self.factor * self.height_deviation(place)
     }
 
-    /// Coordinates of a position along the principal directions, from the center of the points (m).
+    /// Coordinates of a position along the principal directions, from the centre of the points (m).
     pub(super) fn lever(&self, place: &Vector3<f64>) -> [f64; 2] {
         self.directions.map(|direction| (place - self.center).dot(&direction))
     }
@@ -232,7 +232,7 @@ pub fn fit_plane(
             height: mean(sigma),
             tilt_95,
             factor,
-            freedom: noise.is_none().then_some(freedom),
+            degrees_of_freedom: noise.is_none().then_some(freedom),
             center,
         })
     });
@@ -251,7 +251,7 @@ pub fn fit_plane(
         chi_square: chi,
         chi_square_limit: limit,
         uncertainty,
-        freedom,
+        redundancy: freedom,
         result,
     })
 }
@@ -269,7 +269,7 @@ struct Weighted {
     weights: Vec<f64>,
     /// Sum of the weights.
     total: f64,
-    /// Singular values and directions of the weighted points from their center.
+    /// Singular values and directions of the weighted points from their centre.
     found: Svd,
 }
 
@@ -350,7 +350,7 @@ impl PlaneFit {
     /// `None` where the points agree, and where one redundant point does not determine which of them deviates.
     #[must_use]
     pub fn suspect(&self) -> Option<usize> {
-        if self.result != FitResult::Inconsistent || self.freedom < REDUNDANT {
+        if self.result != FitResult::Inconsistent || self.redundancy < REDUNDANT {
             return None;
         }
         largest_deviation(&self.diagnostics)

@@ -9,7 +9,7 @@ use super::plane::{FALSE_ALARM, FALSE_ALARM_QUANTILE, NO_REDUNDANCY, REDUNDANT, 
 use super::quantile::chi_square;
 
 /// Number of redundant coordinates from which on the deviations estimate an unknown noise.
-const ENOUGH_FREEDOM: usize = 3;
+const MIN_REDUNDANCY: usize = 3;
 
 /// A point whose position in the station is known, such as the centre of a wafer or a pin, and where it was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,8 +49,8 @@ pub struct ReferenceFit {
     pub chi_square_limit: Option<f64>,
     /// Uncertainty; `None` where the noise is neither known nor can be estimated.
     pub uncertainty: Option<ReferenceUncertainty>,
-    /// Number of coordinates beyond those that determine centre and heading.
-    pub freedom: usize,
+    /// Redundancy: number of coordinates beyond those that determine centre and heading, the degrees of freedom of the residuals.
+    pub redundancy: usize,
     /// Whether the reference points agree.
     pub result: FitResult,
 }
@@ -61,7 +61,7 @@ pub struct ReferenceUncertainty {
     /// Standard deviation of a measured coordinate, given or estimated: the least of all references (m).
     pub noise: f64,
     /// Degrees of freedom of an estimated noise; `None` where it is given.
-    pub freedom: Option<usize>,
+    pub degrees_of_freedom: Option<usize>,
     /// Standard deviation of the centroid of the references in each direction (m).
     pub center: f64,
     /// Standard deviation of the heading (rad); 0 where it is nominal.
@@ -88,7 +88,7 @@ impl ReferenceUncertainty {
 /// * `base_from_nominal` – frame of the station with its nominal centre and heading, in its taught plane
 /// * `references` – one or more; two or more at different places determine the heading
 /// * `threshold` – largest allowed deviation of a reference point (m)
-/// * `noise` – standard deviation of each coordinate of each reference point; `None` where it is not known and equal for all (m)
+/// * `noise` – standard deviation of each coordinate of each reference point; `None` where it is not known, and assumed equal for all (m)
 ///
 /// # Errors
 /// [`TeachError`] without references, for coordinates that are not finite, and for noise that is not positive.
@@ -173,7 +173,7 @@ pub fn fit_references(
     let allowed = (-2.0 * (FALSE_ALARM / count as f64).ln()).sqrt();
     let is_noisier = chi.zip(limit).is_some_and(|(found, limit)| found > limit);
     let has_outlier = noise.is_some() && freedom > 0 && largest > allowed;
-    let needed = if noise.is_some() { REDUNDANT } else { ENOUGH_FREEDOM };
+    let needed = if noise.is_some() { REDUNDANT } else { MIN_REDUNDANCY };
     let result = if worst > threshold || is_noisier || has_outlier {
         FitResult::Inconsistent
     } else if freedom >= needed {
@@ -194,7 +194,7 @@ pub fn fit_references(
         let by_tilt = [by_tilt(Vector2::x()), by_tilt(Vector2::y())];
         ReferenceUncertainty {
             noise: sigma,
-            freedom: noise.is_none().then_some(freedom),
+            degrees_of_freedom: noise.is_none().then_some(freedom),
             center: sigma / total.sqrt(),
             turn: if has_heading { sigma / squares.sqrt() } else { 0.0 },
             nominal_center,
@@ -214,7 +214,7 @@ pub fn fit_references(
         chi_square: chi,
         chi_square_limit: limit,
         uncertainty,
-        freedom,
+        redundancy: freedom,
         result,
     })
 }
@@ -224,7 +224,7 @@ impl ReferenceFit {
     #[must_use]
     pub fn suspect(&self) -> Option<usize> {
         if self.result != FitResult::Inconsistent
-            || self.freedom < REDUNDANT
+            || self.redundancy < REDUNDANT
             || self.references.len() < 3
         {
             return None;
@@ -235,7 +235,7 @@ impl ReferenceFit {
     /// Number of further reference points with which the fit can be judged.
     #[must_use]
     pub fn missing(&self) -> usize {
-        let needed = if self.noise.is_some() { REDUNDANT } else { ENOUGH_FREEDOM };
-        needed.saturating_sub(self.freedom).div_ceil(2)
+        let needed = if self.noise.is_some() { REDUNDANT } else { MIN_REDUNDANCY };
+        needed.saturating_sub(self.redundancy).div_ceil(2)
     }
 }

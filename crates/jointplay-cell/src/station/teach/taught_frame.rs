@@ -14,7 +14,7 @@ use super::uncertainty::FrameUncertainty;
 pub struct NominalFrame {
     /// Position of the lowest wafer, in the base frame (m).
     pub origin: Vector3<f64>,
-    /// Heading (rad).
+    /// Heading: rotation about the vertical, before the tilt (rad).
     pub yaw: f64,
     /// Unit normal, in the base frame.
     pub normal: Vector3<f64>,
@@ -60,7 +60,7 @@ impl TaughtFrame {
         let mut found = FrameUncertainty::UNKNOWN;
         let mut tilt = Matrix3::zeros();
         if let Some(known) = self.plane.as_ref().and_then(|plane| plane.uncertainty.as_deref()) {
-            // Height at the center of the points, and slopes along both directions, to height of the origin and rotation vector.
+            // Height at the centre of the points, and slopes along both directions, to height of the origin and rotation vector.
             let lever = known.lever(&base_from_station.translation.vector);
             let mut by_fit = Matrix3::zeros();
             by_fit[(0, 0)] = 1.0;
@@ -73,7 +73,7 @@ impl TaughtFrame {
             let [first, second] = known.slopes;
             let variances = Vector3::new(known.height, first, second).map(|one| one * one);
             tilt = by_fit * Matrix3::from_diagonal(&variances) * by_fit.transpose();
-            found.set_known(&[2, 3, 4], known.freedom);
+            found.set_known(&[2, 3, 4], known.degrees_of_freedom);
         }
         let place = |covariance: &mut Matrix6<f64>, i: usize, j: usize, value: f64| {
             covariance[(i, j)] += value;
@@ -108,7 +108,7 @@ impl TaughtFrame {
                 }
             }
             let known_rows: &[usize] = if fit.turn.is_some() { &rows } else { &rows[..2] };
-            found.set_known(known_rows, known.freedom);
+            found.set_known(known_rows, known.degrees_of_freedom);
         }
         found
     }

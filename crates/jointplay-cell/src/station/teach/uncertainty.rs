@@ -16,7 +16,7 @@ pub struct FrameUncertainty {
     /// Which of the six components have a known uncertainty.
     pub known: [bool; 6],
     /// Degrees of freedom of the noise where it is estimated from the points, the least of all components; `None` where it is given.
-    pub freedom: Option<usize>,
+    pub degrees_of_freedom: Option<usize>,
 }
 
 /// Uncertainty of a station that is stated and not computed from points; each is a standard deviation, for each direction.
@@ -43,14 +43,14 @@ impl FrameUncertainty {
     pub const UNKNOWN: Self = Self {
         covariance: Matrix6::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; 6])),
         known: [false; 6],
-        freedom: None,
+        degrees_of_freedom: None,
     };
 
     pub(super) fn set_known(&mut self, components: &[usize], freedom: Option<usize>) {
         for &component in components {
             self.known[component] = true;
         }
-        self.freedom = match (self.freedom, freedom) {
+        self.degrees_of_freedom = match (self.degrees_of_freedom, freedom) {
             (Some(one), Some(other)) => Some(one.min(other)),
             (one, other) => one.or(other),
         };
@@ -120,7 +120,7 @@ impl FrameUncertainty {
     /// Multiple of a standard deviation that contains the same share as a coverage factor does of a normal distribution; larger where the noise is estimated.
     #[must_use]
     pub fn coverage(&self, coverage_factor: f64) -> f64 {
-        coverage(coverage_factor, self.freedom)
+        coverage(coverage_factor, self.degrees_of_freedom)
     }
 }
 

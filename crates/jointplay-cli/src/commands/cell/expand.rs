@@ -14,8 +14,8 @@ use crate::output;
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
-  jointplay cell expand my-cell.toml
-  jointplay cell expand my-cell.toml > expanded.toml
+  jointplay cell expand
+  jointplay cell expand example > expanded.toml
 
 Exit codes: 0 done, 2 bad input or usage.")]
 pub(super) struct Expand {
@@ -41,7 +41,7 @@ impl Expand {
         let source = self.cell.load()?;
         let folder = source.folder.as_deref();
         let text = cell::expand(&source.text, &[], &mut |name| read_relative(folder, name));
-        let text = text.map_err(|problems| Failure::invalid(&problems, &source.label))?;
+        let text = text.map_err(|problems| Failure::invalid_cell(&problems, &source.label))?;
         if !self.cell.format.json() {
             return output::raw(&text);
         }

@@ -65,7 +65,7 @@ impl CellSource {
         folder: Option<PathBuf>,
     ) -> Result<Self, Failure> {
         let read = cell::read(&text, &mut |name| read_relative(folder.as_deref(), name));
-        let cell = read.map_err(|problems| Failure::invalid(&problems, &label))?;
+        let cell = read.map_err(|problems| Failure::invalid_cell(&problems, &label))?;
         Ok(Self { cell, label, stem, text, folder })
     }
 }

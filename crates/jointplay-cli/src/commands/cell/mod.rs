@@ -34,7 +34,7 @@ Examples:
   jointplay cell teach
   jointplay cell displacement
   jointplay cell format
-  jointplay cell expand my-cell.toml
+  jointplay cell expand
   jointplay cell example --out my-cell")]
 pub(crate) struct CellCommand {
     #[command(subcommand)]

@@ -28,6 +28,7 @@ mod pattern;
 mod print;
 
 pub(super) use expand::expand;
+pub(super) use inheritance::is_replaced;
 pub(super) use library::Library;
 pub use library::{Part, PartParameter, parts};
 pub(super) use print::print;
