@@ -2,7 +2,7 @@
 
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
-use super::expansion::{is_replaced, parts};
+use super::expansion::{is_replaced, is_station};
 use super::problem::Fault;
 use crate::file_problem::FileProblem;
 use crate::place::nearest;
@@ -42,8 +42,7 @@ fn text<'t>(table: &'t dyn TableLike, key: &str) -> Option<&'t str> {
 
 /// Whether a table can describe a station: a part of the library that is none cannot.
 fn may_be_station(table: &dyn TableLike) -> bool {
-    let part = text(table, "part");
-    !parts().iter().any(|known| Some(known.name) == part && !known.is_station)
+    text(table, "part").and_then(is_station) != Some(false)
 }
 
 /// The table of the station of a name.

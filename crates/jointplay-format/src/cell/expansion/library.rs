@@ -64,6 +64,12 @@ pub fn parts() -> Vec<Part> {
     PARTS.iter().map(|&(name, text)| described(name, text)).collect()
 }
 
+/// Whether a part of the library is a station; `None` for other parts.
+pub(in super::super) fn is_station(name: &str) -> Option<bool> {
+    let (name, text) = PARTS.iter().find(|(known, _)| *known == name)?;
+    Some(described(name, text).is_station)
+}
+
 fn described(name: &'static str, text: &'static str) -> Part {
     let document = DeTable::parse(text).expect("the included parts are valid, as a test checks");
     let document = document.get_ref();

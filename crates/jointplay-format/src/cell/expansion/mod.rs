@@ -29,6 +29,6 @@ mod print;
 
 pub(super) use expand::expand;
 pub(super) use inheritance::is_replaced;
-pub(super) use library::Library;
+pub(super) use library::{Library, is_station};
 pub use library::{Part, PartParameter, parts};
 pub(super) use print::print;
