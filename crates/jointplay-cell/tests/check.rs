@@ -523,9 +523,14 @@ fn bodies_too_near_touching_allowed_and_zones() {
     let keep_out = zone(ZoneRule::KeepOut, "door", body.shape, body.parent_from_shape);
     breaks(|cell| cell.zones.push(keep_out), ViolationKind::KeepOut, "is in keep-out zone door");
     let safe = zone(ZoneRule::Safe, "yard", Shape::Box { half: [0.2; 3] }, at(0.0, 0.0, 0.6));
-    let report =
-        breaks(|cell| cell.zones.push(safe), ViolationKind::SafeZone, "outside safe zone yard");
+    let hall = zone(ZoneRule::Safe, "hall", Shape::Box { half: [5.0; 3] }, at(0.0, 0.0, 0.6));
+    let one = |cell: &mut Cell| cell.zones.push(safe.clone());
+    let report = breaks(one, ViolationKind::SafeZone, "outside safe zone yard");
     assert!(report.violations.iter().all(|one| one.instruction == 0), "only while it turns");
+    // Each safe zone is a condition of its own: a larger one around it does not replace it.
+    let both = |cell: &mut Cell| cell.zones.extend([hall, safe.clone()]);
+    let report = breaks(both, ViolationKind::SafeZone, "outside safe zone yard");
+    assert!(report.violations.iter().all(|one| one.entities.contains(&EntityId::Zone(1))));
     // Two bodies of the robot that may touch.
     let mut cell = cell();
     let block = |name: &str, parent| Body {
