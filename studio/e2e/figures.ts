@@ -18,7 +18,7 @@ HOME
 
 async function save(page: Page, name: string): Promise<void> {
   // Pictures and texts have settled after some frames.
-  await frames(page, 20);
+  await frames(page, 60);
   await page.screenshot({ path: resolve(ROOT, 'docs/figures', `${name}.png`) });
 }
 
@@ -49,7 +49,11 @@ test('the cell', async () => {
   // A wafer above its slot in the station that tilts.
   await page.getByRole('tab', { name: 'Station', exact: true }).click();
   await page.getByTestId('jog-station').selectOption('LP2');
+  await page.getByTestId('jog-stop').uncheck();
   await page.getByTestId('jog-in').click();
+  await until('the arm is at the slot', async () => Math.abs(Number(await page.getByTestId('field-jog-z').inputValue())) < 1e-6);
+  await page.getByTestId('field-jog-z').fill('3');
+  await page.getByTestId('field-jog-z').press('Enter');
   await until('the pose is checked', async () => (await page.getByTestId('jog-check').getAttribute('data-state')) === 'passed');
   await save(page, 'studio-cell-jog');
   await page.getByTestId('jog-release').click();

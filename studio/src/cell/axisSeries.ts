@@ -31,8 +31,12 @@ export function axisSeries(timeline: Timeline, range: readonly [number, number])
   else
     for (let index = first; index < after; index += 1) {
       const window = timeline.window(index);
-      if (!window) continue;
       const [start] = timeline.bounds(index);
+      if (!window) {
+        // A gap: what is not loaded is not drawn as a straight line.
+        rows.push([start, ...Array<number>(3 * axes).fill(NaN)]);
+        continue;
+      }
       window.steps.forEach((step, k) => {
         const width = step.end_s - step.start_s;
         const sinces = new Set<number>([0, width]);
@@ -45,7 +49,7 @@ export function axisSeries(timeline: Timeline, range: readonly [number, number])
         }
       });
     }
-  if (rows.length === 0) return null;
+  if (rows.every((row) => Number.isNaN(row[1]))) return null;
   const column = (place: number) => Float64Array.from(rows, (row) => row[place]!);
   const values = Array.from({ length: axes }, (_, axis): [Float64Array, Float64Array, Float64Array] => [column(1 + 3 * axis), column(2 + 3 * axis), column(3 + 3 * axis)]);
   return { times: column(0), values };

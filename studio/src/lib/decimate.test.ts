@@ -30,3 +30,22 @@ test('decimation of a range does not depend on the rest', () => {
   expect(selected.at(-1)).toBe(8999);
   expect(selected.length).toBe(20);
 });
+
+test('a pause between motions is drawn with both of its ends', () => {
+  // Dense oscillations, a pause of one second without samples, and dense oscillations.
+  const times: number[] = [];
+  const values: number[] = [];
+  for (let i = 0; i <= 3000; i++) {
+    times.push(i < 1500 ? i / 1000 : i / 1000 + 1);
+    values.push(i === 1499 || i === 1500 ? 0 : Math.sin(i));
+  }
+  const selected = decimate([values], 0, times.length, 50, times);
+  expect(selected).toContain(1499);
+  expect(selected).toContain(1500);
+  expect(selected[0]).toBe(0);
+  expect(selected.at(-1)).toBe(3000);
+  expect(selected.length).toBeLessThanOrEqual(200);
+  for (let i = 1; i < selected.length; i++) expect(selected[i]).toBeGreaterThan(selected[i - 1] as number);
+  // Intervals of equal numbers of samples lose them.
+  expect(decimate([values], 0, times.length, 47)).not.toContain(1499);
+});

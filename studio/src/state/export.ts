@@ -46,7 +46,7 @@ export function figure(shown: typeof Plots, studio: Studio): Blob {
     const { times, count } = studio.study;
     const x = (sample: number) => times?.[sample] ?? sample;
     const [first, end] = times ? [sampleAt(times, from), Math.min(sampleAt(times, to) + 2, count)] : [from, to + 1];
-    const selected = decimate(columns.map(({ values }) => values), first, end, MAX_POINTS / 8);
+    const selected = decimate(columns.map(({ values }) => values), first, end, MAX_POINTS / 8, times ?? null);
     return {
       title: `${kind.title}, ${studio.document.model}`,
       x: { title: times ? 'time [s]' : 'sample', range: [from, to] as [number, number] },
