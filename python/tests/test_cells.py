@@ -98,6 +98,21 @@ def test_exports_refuse_violations_unless_asked(tmp_path):
     assert CELL.plan(pathlib.Path(file)).duration_s == PLAN.duration_s
 
 
+def test_parameters_of_a_program_are_set():
+    program = "PARAMETER lot = 2 FROM 1 TO 25\nPARAMETER pause = 1 s\nREPEAT lot\n  WAIT pause s\nEND\n"
+    assert CELL.plan(program).duration_s == 2
+    assert CELL.plan(program, parameters={"lot": 3, "pause": "0.5 s"}).duration_s == 1.5
+    for parameters, message in [
+        ({"lott": 3}, "did you mean `lot`"),
+        ({"lot": 26}, "from 1 to 25"),
+        ({"pause": 2}, "as in `2 s`"),
+    ]:
+        with pytest.raises(jp.FileError, match=message):
+            CELL.plan(program, parameters=parameters)
+    with pytest.raises(jp.NotFiniteError):
+        CELL.plan(program, parameters={"lot": float("nan")})
+
+
 def test_errors_say_where_and_why(tmp_path):
     with pytest.raises(jp.FileError) as bad:
         jp.Cell.from_toml(CELL.text.replace("name = ", "naem = "))

@@ -14,7 +14,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use jointplay_cell::check::{CheckOptions, check};
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::{
-    Command, Instruction, Name, Program, SlotName, SlotNumber, SourceLocation, Step, expand,
+    Command, Instruction, Name, Number, Program, SlotName, SourceLocation, Step, expand,
 };
 use jointplay_cell::station::teach::FrameUncertainty;
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
@@ -94,7 +94,7 @@ fn lot(cell: &Cell) -> Vec<Step> {
     let name = |text: &str| Name { text: text.to_owned(), place };
     let slot = |station: &str, number| SlotName {
         station: name(station),
-        slot: Some(SlotNumber::Fixed { number, place }),
+        slot: Some(Number::whole(number)),
     };
     let body = (1..=WAFERS).map(|number| Instruction {
         place,
@@ -104,7 +104,7 @@ fn lot(cell: &Cell) -> Vec<Step> {
             effector: None,
         },
     });
-    let program = Program { body: body.collect(), routines: Vec::new() };
+    let program = Program { body: body.collect(), ..Program::default() };
     expand(cell, &program).unwrap()
 }
 

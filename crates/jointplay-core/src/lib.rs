@@ -13,6 +13,7 @@
 //! | compute the play that a motion requires | [`sensitivity`], [`gpr::Gpr::tilt_play`] |
 //! | use a mechanism of your own | implement [`constraint::System`] |
 //! | evaluate an arithmetic expression | [`expression`] |
+//! | convert units without changing decimals | [`decimal`] |
 //! | decompose a matrix, with a rank | [`linalg`] |
 //!
 //! ```
@@ -30,6 +31,7 @@
 
 pub mod bulk;
 pub mod constraint;
+pub mod decimal;
 mod error;
 pub mod expression;
 pub mod gpr;

@@ -2,6 +2,8 @@
 //!
 //! `0.093218 * 1000.0` is 93.21799999999999; [`mm`] returns 93.218, and [`m_from_mm`] returns the original number.
 
+pub use jointplay_core::decimal::shift;
+
 /// Millimetres from metres.
 #[must_use]
 pub fn mm(meters: f64) -> f64 {
@@ -103,19 +105,6 @@ impl Unit {
         let back = if self == Self::Degree { rounded.to_radians() } else { rounded / self.in_si() };
         if (back - si).abs() <= f64::EPSILON * si.abs() { rounded } else { plain }
     }
-}
-
-/// Moves the decimal point of the shortest decimal that represents `value`.
-pub fn shift(value: f64, places: i32) -> f64 {
-    if !value.is_finite() {
-        // NaN and infinities have no decimals.
-        return value;
-    }
-    let mut buffer = zmij::Buffer::new();
-    let text = buffer.format_finite(value);
-    let (digits, exponent) = text.split_once('e').unwrap_or((text, "0"));
-    let exponent = exponent.parse().map_or(places, |exponent: i32| exponent + places);
-    format!("{digits}e{exponent}").parse().unwrap_or(value)
 }
 
 #[cfg(test)]

@@ -3,11 +3,10 @@
 #![expect(clippy::unwrap_used, reason = "tests may")]
 
 use jointplay_cell::program::{
-    AxisTarget, Command, Instruction, MAX_CALLS, Name, Program, Routine, SlotName, SlotNumber,
-    SourceLocation,
+    AxisTarget, Branch, Command, Condition, Instruction, MAX_CALLS, Name, Number, Parameter,
+    Program, Quantity, Relation, Routine, SlotName, SourceLocation, TiltTarget, Unit,
 };
-use jointplay_cell::robot::AxisKind;
-use jointplay_core::spatial::Tilt;
+use jointplay_core::expression::{BinaryOperator, Expression, Function, Operation};
 use jointplay_format::program::{MAX_BYTES, MAX_DEPTH, format, parse, write};
 use proptest::prelude::*;
 
@@ -16,33 +15,59 @@ fn name(text: &str) -> Name {
     Name { text: text.to_owned(), place: SourceLocation::default() }
 }
 
-fn slot(station: &str, slot: Option<SlotNumber>) -> SlotName {
+fn slot(station: &str, slot: Option<Number>) -> SlotName {
     SlotName { station: name(station), slot }
 }
 
-fn fixed(number: usize) -> Option<SlotNumber> {
-    Some(SlotNumber::Fixed { number, place: SourceLocation::default() })
+fn fixed(number: usize) -> Option<Number> {
+    Some(Number::whole(number))
+}
+
+fn quantity(value: f64, unit: Unit) -> Quantity {
+    Quantity { number: Number::constant(value), unit }
 }
 
 /// The same program without the places of its parts.
 fn anywhere(mut program: Program) -> Program {
+    for parameter in &mut program.parameters {
+        parameter.name.place = SourceLocation::default();
+        forget_number(&mut parameter.value);
+    }
     program.body.iter_mut().for_each(forget);
     for routine in &mut program.routines {
         routine.name.place = SourceLocation::default();
+        routine.parameters.iter_mut().for_each(|it| it.place = SourceLocation::default());
         routine.body.iter_mut().for_each(forget);
     }
     program
 }
 
-fn forget(instruction: &mut Instruction) {
-    fn at(slot: &mut SlotName) {
-        slot.station.place = SourceLocation::default();
-        match &mut slot.slot {
-            Some(SlotNumber::Fixed { place, .. }) => *place = SourceLocation::default(),
-            Some(SlotNumber::Counted { counter, .. }) => counter.place = SourceLocation::default(),
-            None => {}
+fn forget_number(number: &mut Number) {
+    number.place = SourceLocation::default();
+    let unplaced = number.expression.try_map(|variable| Ok::<_, ()>(name(&variable.text)));
+    number.expression = unplaced.unwrap();
+}
+
+fn forget_slot(slot: &mut SlotName) {
+    slot.station.place = SourceLocation::default();
+    slot.slot.iter_mut().for_each(forget_number);
+}
+
+fn forget_condition(condition: &mut Condition) {
+    match condition {
+        Condition::Comparison { left, right, .. } => {
+            forget_number(left);
+            forget_number(right);
+        }
+        Condition::Presence { location, .. } => forget_slot(location),
+        Condition::Not(inner) => forget_condition(inner),
+        Condition::All(inner) | Condition::Any(inner) => {
+            inner.iter_mut().for_each(forget_condition);
         }
     }
+}
+
+fn forget(instruction: &mut Instruction) {
     fn of(name: &mut Option<Name>) {
         if let Some(name) = name {
             name.place = SourceLocation::default();
@@ -50,36 +75,59 @@ fn forget(instruction: &mut Instruction) {
     }
     instruction.place = SourceLocation::default();
     match &mut instruction.command {
-        Command::Move { targets } => {
-            targets.iter_mut().for_each(|target| target.axis.place = SourceLocation::default());
+        Command::Home => {}
+        Command::Move { targets } => targets.iter_mut().for_each(|target| {
+            target.axis.place = SourceLocation::default();
+            forget_number(&mut target.position.number);
+        }),
+        Command::MoveLine { effector, by } => {
+            of(effector);
+            by.iter_mut().flatten().for_each(|length| forget_number(&mut length.number));
         }
-        Command::MoveLine { effector, .. } => of(effector),
         Command::Get { from: slot, effector }
         | Command::Put { to: slot, effector }
         | Command::Goto { to: slot, effector } => {
-            at(slot);
+            forget_slot(slot);
             of(effector);
         }
         Command::Transfer { from, to, effector } => {
-            at(from);
-            at(to);
+            forget_slot(from);
+            forget_slot(to);
             of(effector);
         }
         Command::Swap { at: slot, get, put } => {
-            at(slot);
+            forget_slot(slot);
             get.place = SourceLocation::default();
             put.place = SourceLocation::default();
         }
-        Command::Call { routine } => routine.place = SourceLocation::default(),
-        Command::Repeat { counter, body, .. } => {
+        Command::Call { routine, arguments } => {
+            routine.place = SourceLocation::default();
+            arguments.iter_mut().for_each(forget_number);
+        }
+        Command::Repeat { times, counter, body } => {
+            forget_number(times);
             of(counter);
             body.iter_mut().for_each(forget);
         }
-        Command::Home
-        | Command::Wait { .. }
-        | Command::Speed { .. }
-        | Command::Blend { .. }
-        | Command::Tilt { .. } => {}
+        Command::If { branches, otherwise } => {
+            for branch in branches {
+                forget_condition(&mut branch.condition);
+                branch.body.iter_mut().for_each(forget);
+            }
+            otherwise.iter_mut().for_each(forget);
+        }
+        Command::Wait { duration: quantity } | Command::Speed { fraction: quantity } => {
+            forget_number(&mut quantity.number);
+        }
+        Command::Blend { radius } => {
+            radius.iter_mut().for_each(|radius| forget_number(&mut radius.number));
+        }
+        Command::Tilt { tilt } => {
+            if let Some(tilt) = tilt {
+                forget_number(&mut tilt.angle.number);
+                forget_number(&mut tilt.azimuth.number);
+            }
+        }
     }
 }
 
@@ -93,23 +141,24 @@ fn reads_as(line: &str, command: Command) {
 
 #[test]
 fn every_command_is_read() {
-    let axis = |axis: &str, kind, position| AxisTarget { axis: name(axis), kind, position };
+    use Unit::{Degree, Millimeter, Percent, Second};
+    let axis =
+        |axis: &str, value, unit| AxisTarget { axis: name(axis), position: quantity(value, unit) };
+    let some_mm = |value| Some(quantity(value, Millimeter));
     let some = |text: &str| Some(name(text));
     reads_as("HOME", Command::Home);
     reads_as(
         "move T -30deg R 200.5 MM # both",
-        Command::Move {
-            targets: vec![
-                axis("T", AxisKind::Rotary, (-30_f64).to_radians()),
-                axis("R", AxisKind::Linear, 0.2005),
-            ],
-        },
+        Command::Move { targets: vec![axis("T", -30.0, Degree), axis("R", 200.5, Millimeter)] },
     );
     reads_as(
         "MOVE LINE WITH A BY x 10 mm Z -0.5 mm",
-        Command::MoveLine { effector: some("A"), by: [0.01, 0.0, -0.0005] },
+        Command::MoveLine { effector: some("A"), by: [some_mm(10.0), None, some_mm(-0.5)] },
     );
-    reads_as("MOVE LINE BY Y 1e2 mm", Command::MoveLine { effector: None, by: [0.0, 0.1, 0.0] });
+    reads_as(
+        "MOVE LINE BY Y 1e2 mm",
+        Command::MoveLine { effector: None, by: [None, some_mm(100.0), None] },
+    );
     let from = slot("port-1", fixed(3));
     reads_as("Get port-1 Slot 3 With A", Command::Get { from: from.clone(), effector: some("A") });
     reads_as("PUT aligner", Command::Put { to: slot("aligner", None), effector: None });
@@ -127,35 +176,182 @@ fn every_command_is_read() {
         Command::Swap { at: from.clone(), get: name("A"), put: name("B") },
     );
     reads_as("GOTO port-1 SLOT 3", Command::Goto { to: from, effector: None });
-    reads_as("WAIT 0.25 s", Command::Wait { seconds: 0.25 });
-    reads_as("SPEED 50 %", Command::Speed { fraction: 0.5 });
-    reads_as("SPEED 33.3%", Command::Speed { fraction: 0.333 });
-    reads_as("BLEND 2.5 mm", Command::Blend { radius: 0.0025 });
-    reads_as("blend off", Command::Blend { radius: 0.0 });
-    reads_as("TILT LEVEL", Command::Tilt { tilt: Tilt::LEVEL });
+    reads_as("WAIT 0.25 s", Command::Wait { duration: quantity(0.25, Second) });
+    reads_as("SPEED 50 %", Command::Speed { fraction: quantity(50.0, Percent) });
+    reads_as("SPEED 33.3%", Command::Speed { fraction: quantity(33.3, Percent) });
+    reads_as("BLEND 2.5 mm", Command::Blend { radius: some_mm(2.5) });
+    reads_as("blend off", Command::Blend { radius: None });
+    reads_as("TILT LEVEL", Command::Tilt { tilt: None });
     reads_as(
         "TILT 0.8 deg TOWARD 90 deg",
-        Command::Tilt { tilt: Tilt { pitch: 0.8_f64.to_radians(), yaw: 90_f64.to_radians() } },
+        Command::Tilt {
+            tilt: Some(TiltTarget {
+                angle: quantity(0.8, Degree),
+                azimuth: quantity(90.0, Degree),
+            }),
+        },
     );
-    reads_as("CALL lot", Command::Call { routine: name("lot") });
+    reads_as("CALL lot", Command::Call { routine: name("lot"), arguments: Vec::new() });
+}
+
+/// The expression of a slot number, in postfix order.
+fn postfix(text: &str) -> String {
+    let program = parse(&format!("GET port SLOT {text}")).unwrap();
+    let Command::Get { from: SlotName { slot: Some(number), .. }, .. } = &program.body[0].command
+    else {
+        panic!("{text}")
+    };
+    let operation = |operation: &Operation<Name>| match operation {
+        Operation::Constant(value) => value.to_string(),
+        Operation::Variable(name) => name.text.clone(),
+        Operation::Negate => "neg".to_owned(),
+        Operation::Binary(operator) => format!("{operator:?}"),
+        Operation::Call { function, arguments } => format!("{function:?}{arguments}"),
+    };
+    number.expression.operations().iter().map(operation).collect::<Vec<_>>().join(" ")
 }
 
 #[test]
-fn slot_numbers_may_depend_on_a_counter() {
-    let counted = |offset, down| {
-        let number = SlotNumber::Counted { counter: name("n"), offset, down };
-        Command::Get { from: slot("port", Some(number)), effector: None }
-    };
-    reads_as("GET port SLOT n", counted(0, false));
-    for plus in ["n + 3", "n +3", "n+3", "n+ 3"] {
-        reads_as(&format!("GET port SLOT {plus}"), counted(3, false));
+fn numbers_are_expressions() {
+    assert_eq!(postfix("n"), "n");
+    for plus in ["n + 3", "n +3", "n+3", "n+ 3", "\"n\"+3"] {
+        assert_eq!(postfix(plus), "n 3 Add");
     }
-    reads_as("GET port SLOT n - 1", counted(-1, false));
-    reads_as("GET port SLOT n -1", counted(-1, false));
-    reads_as("GET port SLOT \"n\"-1", counted(-1, false));
     for minus in ["26 - n", "26-n", "26 -n"] {
-        reads_as(&format!("GET port SLOT {minus}"), counted(26, true));
+        assert_eq!(postfix(minus), "26 n Subtract");
     }
+    assert_eq!(postfix("n -1"), "n 1 Subtract");
+    assert_eq!(postfix("n-1"), "n-1");
+    assert_eq!(postfix("2 * (n + -1) ^ 2"), "2 n -1 Add 2 Power Multiply");
+    assert_eq!(postfix("mod(n - 1, 4) + min(a, b, 25)"), "n 1 Subtract 4 Mod2 a b 25 Min3 Add");
+    // A name is a function only before a parenthesis.
+    assert_eq!(postfix("round / floor(round)"), "round round Floor1 Divide");
+}
+
+#[test]
+fn quantities_are_expressions_in_parentheses_before_a_unit() {
+    let text = "PARAMETER lift = 5 mm\nPARAMETER angle = 30 deg\nMOVE LINE BY Z (lift / 2) mm X -lift mm\nMOVE T -angle deg R (lift + 2) mm\nWAIT min(2, 3) s\n";
+    let program = parse(text).unwrap();
+    assert_eq!(write(&program).replace("\n\n", "\n").lines().count(), 5);
+    let Command::MoveLine { by: [Some(x), None, Some(z)], .. } = &program.body[0].command else {
+        panic!()
+    };
+    let value = |quantity: &Quantity| quantity.number.expression.evaluate(|_| Ok::<_, ()>(5.0));
+    assert_eq!((value(x), value(z)), (Ok(-5.0), Ok(2.5)));
+    let Command::Move { targets } = &program.body[1].command else { panic!() };
+    assert_eq!(targets[0].position.unit, Unit::Degree);
+    assert_eq!(value(&targets[1].position), Ok(7.0));
+}
+
+#[test]
+fn conditions_bind_not_before_and_before_or() {
+    let read = |text: &str| {
+        let program = anywhere(parse(&format!("IF {text}\nEND")).unwrap());
+        let Command::If { branches, otherwise } = &program.body[0].command else { panic!() };
+        assert!(otherwise.is_empty());
+        branches[0].condition.clone()
+    };
+    let presence =
+        |text: &str, occupied| Condition::Presence { location: slot(text, None), occupied };
+    assert_eq!(read("aligner HAS WAFER"), presence("aligner", true));
+    assert_eq!(read("(A empty)"), presence("A", false));
+    assert_eq!(
+        read("port SLOT n + 1 EMPTY"),
+        Condition::Presence {
+            location: slot(
+                "port",
+                Some(Number {
+                    place: SourceLocation::default(),
+                    expression: Expression::from_postfix(vec![
+                        Operation::Variable(name("n")),
+                        Operation::Constant(1.0),
+                        Operation::Binary(BinaryOperator::Add),
+                    ])
+                    .unwrap(),
+                })
+            ),
+            occupied: false,
+        }
+    );
+    let less = |left, right| Condition::Comparison {
+        left: Number::constant(left),
+        relation: Relation::Less,
+        right: Number::constant(right),
+        unit: None,
+    };
+    assert_eq!(
+        read("1 < 2 OR NOT A HAS WAFER AND (3) < 4"),
+        Condition::Any(vec![
+            less(1.0, 2.0),
+            Condition::All(vec![Condition::Not(Box::new(presence("A", true))), less(3.0, 4.0)]),
+        ])
+    );
+    assert_eq!(
+        read("(1 < 2 OR A HAS WAFER) AND 3 < 4"),
+        Condition::All(vec![
+            Condition::Any(vec![less(1.0, 2.0), presence("A", true)]),
+            less(3.0, 4.0),
+        ])
+    );
+}
+
+#[test]
+fn branches_routines_and_parameters_are_read() {
+    let text = "PARAMETER lot = 25 FROM 1 TO 25\nif lot = 1\nHOME\nelse if lot<>2\nelse\nWAIT 1 s\nend\ncall serve ( lot-1,A, 2*lot)\nroutine serve(k, arm, m)\nend\n";
+    let program = parse(text).unwrap();
+    assert_eq!(program.parameters[0].range, Some([1.0, 25.0]));
+    let Command::If { branches, otherwise } = &program.body[0].command else { panic!() };
+    assert_eq!((branches.len(), branches[1].body.len(), otherwise.len()), (2, 0, 1));
+    let Command::Call { arguments, .. } = &program.body[1].command else { panic!() };
+    assert_eq!(arguments.len(), 3);
+    let parameters: Vec<&str> =
+        program.routines[0].parameters.iter().map(|name| name.text.as_str()).collect();
+    assert_eq!(parameters, ["k", "arm", "m"]);
+    assert_eq!(
+        format(text).unwrap(),
+        "PARAMETER lot = 25 FROM 1 TO 25\nIF lot = 1\n  HOME\nELSE IF lot <> 2\nELSE\n  WAIT 1 s\nEND\nCALL serve(lot-1, A, 2 * lot)\nROUTINE serve(k, arm, m)\nEND\n"
+    );
+}
+
+#[test]
+fn formatting_separates_operators_and_not_signs_or_arguments() {
+    let text = "PARAMETER lift=-5MM FROM -10 mm TO +5 mm\nMOVE T -30deg R -( lift+-2 )mm\nMOVE T (2-1) deg min -atan2(1,2) deg\nMOVE LINE BY x -lift mm Z(lift)mm\nGET port SLOT 2*( n -1)\nIF NOT(n-1<=-3 and lift>-2 mm)OR port slot 3 empty\nEND\n";
+    let even = "PARAMETER lift = -5 mm FROM -10 mm TO +5 mm\nMOVE T -30 deg R -(lift + -2) mm\nMOVE T (2 - 1) deg min -atan2(1, 2) deg\nMOVE LINE BY X -lift mm Z (lift) mm\nGET port SLOT 2 * (n - 1)\nIF NOT (n-1 <= -3 AND lift > -2 mm) OR port SLOT 3 EMPTY\nEND\n";
+    assert_eq!(format(text).unwrap(), even);
+    assert_eq!(format(even).unwrap(), even);
+}
+
+#[test]
+fn units_of_parameters_are_checked() {
+    let declared = "PARAMETER lift = 5 mm\nPARAMETER turn = 30 deg\nPARAMETER lot = 25\n";
+    let check = |line: &str, message: &str| {
+        let text = format!("{declared}{line}\n");
+        if message.is_empty() {
+            assert!(parse(&text).is_ok(), "{line}: {:?}", parse(&text));
+        } else {
+            let found = refused(&text);
+            assert!(found.contains(message), "{line}: {found}");
+            assert!(found.starts_with("4:"), "{found}");
+        }
+    };
+    check("MOVE LINE BY Z lift mm", "");
+    check("MOVE LINE BY Z (lift * cos(turn) + 2) mm", "");
+    check("MOVE LINE BY Z sqrt(lift ^ 2 + lift * lift) mm", "");
+    check("MOVE T atan2(lift, 2 * lift) deg", "");
+    check("GET port SLOT lot / 5", "");
+    check("IF lift > 3 mm\nEND", "");
+    check("IF lift > 3\nEND", "");
+    check("SPEED lift %", "the expression is in mm, but has to be in %");
+    check("MOVE LINE BY Z turn mm", "the expression is in deg, but has to be in mm");
+    check("GET port SLOT lift", "the expression is in mm, but has to be a number without unit");
+    check("WAIT (lift + turn) s", "mm and deg have no common unit");
+    check("WAIT (1 / lift) s", "the expression is in 1 / mm, but has to be in s");
+    check("IF lift > 3 deg\nEND", "mm and deg have no common unit");
+    check("WAIT asin(lift) s", "the expression is in mm, but has to be a number without unit");
+    check("MOVE LINE BY Z lift / 2 mm", "needs parentheses, as in `(2 * lift) mm`");
+    check("PARAMETER half = lift / 2", "but has to be a number without unit");
+    check("PARAMETER half = lift / 2 mm", "needs parentheses");
+    check("PARAMETER half = (lift / 2) mm", "");
 }
 
 #[test]
@@ -169,13 +365,14 @@ fn blocks_contain_the_lines_up_to_their_end() {
         routine.name,
         Name { text: "twice".to_owned(), place: SourceLocation { line: 3, column: 9 } }
     );
-    let Command::Repeat { times: 2, counter: Some(counter), body } = &routine.body[0].command
-    else {
+    let Command::Repeat { times, counter: Some(counter), body } = &routine.body[0].command else {
         panic!()
     };
+    assert_eq!(times.expression.as_constant(), Some(2.0));
     assert_eq!(counter.text, "n");
     assert_eq!(routine.body[0].place, SourceLocation { line: 4, column: 3 });
-    let Command::Repeat { times: 3, counter: None, body } = &body[0].command else { panic!() };
+    let Command::Repeat { times, counter: None, body } = &body[0].command else { panic!() };
+    assert_eq!(times.expression.as_constant(), Some(3.0));
     assert_eq!(body[0].command, Command::Home);
 }
 
@@ -191,6 +388,7 @@ fn refused(text: &str) -> String {
 #[test]
 fn syntax_errors_name_their_line_and_column() {
     insta::assert_snapshot!(refused(include_str!("programs/invalid.program")));
+    insta::assert_snapshot!(refused(include_str!("programs/invalid-expressions.program")));
 }
 
 #[test]
@@ -207,7 +405,7 @@ fn the_fuzzing_seed_contains_every_command() {
     let text = include_str!("../../../fuzz/seeds/program/all.program");
     assert_eq!(format(text).unwrap(), text);
     for command in
-        ["HOME", "SPEED", "MOVE", "LINE", "GOTO", "CALL", "WAIT", "BLEND", "TILT", "SWAP"]
+        ["HOME", "SPEED", "MOVE", "LINE", "GOTO", "CALL", "WAIT", "BLEND", "TILT", "SWAP", "IF"]
     {
         assert!(text.contains(command));
     }
@@ -229,7 +427,7 @@ fn examples_of_the_reference_are_formatted_programs() {
         assert!(all.lines().any(|line| line.starts_with(command)), "{command} has no example");
         assert!(page.contains(&format!("\"{}\"", command.split(' ').next().unwrap())));
     }
-    assert_eq!(page.matches("\n### ").count(), 14);
+    assert_eq!(page.matches("\n### ").count(), 16);
     for limit in [MAX_DEPTH, MAX_CALLS] {
         assert!(page.contains(&format!("| {limit} |")));
     }
@@ -270,38 +468,107 @@ fn names() -> impl Strategy<Value = Name> {
     .prop_map(|text| name(&text))
 }
 
-fn slots() -> impl Strategy<Value = SlotName> {
-    let counted = |down| move |(counter, offset)| SlotNumber::Counted { counter, offset, down };
-    let number = prop_oneof![
-        (1..=100_000_usize).prop_map(|number| fixed(number).unwrap()),
-        (names(), -30..=30_i64).prop_map(counted(false)),
-        (names(), 1..=30_i64).prop_map(counted(true)),
-    ];
-    (names(), proptest::option::of(number)).prop_map(|(station, slot)| SlotName { station, slot })
-}
-
 /// Numbers of a few decimals, as users write them.
 fn decimals() -> impl Strategy<Value = f64> {
     (-999_999..=999_999_i32, 0..=6_i32)
         .prop_map(|(digits, places)| f64::from(digits) / 10_f64.powi(places))
 }
 
-fn lengths() -> impl Strategy<Value = f64> {
-    decimals().prop_map(jointplay_format::units::m_from_mm)
+type Operations = Vec<Operation<Name>>;
+
+/// Expressions as the parser makes them: a negative constant is not a negated one.
+fn expressions() -> impl Strategy<Value = Expression<Name>> {
+    let leaf = prop_oneof![
+        decimals().prop_map(|value| vec![Operation::Constant(value)]),
+        names().prop_map(|name| vec![Operation::Variable(name)]),
+    ];
+    let operators = proptest::sample::select(vec![
+        BinaryOperator::Add,
+        BinaryOperator::Subtract,
+        BinaryOperator::Multiply,
+        BinaryOperator::Divide,
+        BinaryOperator::Power,
+    ]);
+    let functions =
+        proptest::sample::select(vec![Function::SinDegrees, Function::Floor, Function::Max]);
+    let operations = leaf.prop_recursive(4, 12, 3, move |inner| {
+        let pair = (inner.clone(), inner.clone());
+        prop_oneof![
+            inner.clone().prop_map(|mut operand: Operations| {
+                if !matches!(operand[..], [Operation::Constant(_)]) {
+                    operand.push(Operation::Negate);
+                }
+                operand
+            }),
+            (pair, operators.clone()).prop_map(|((mut left, right), operator)| {
+                left.extend(right);
+                left.push(Operation::Binary(operator));
+                left
+            }),
+            (inner, functions.clone()).prop_map(|(mut argument, function)| {
+                argument.push(Operation::Call { function, arguments: 1 });
+                argument
+            }),
+        ]
+    });
+    operations.prop_map(|operations| Expression::from_postfix(operations).unwrap())
+}
+
+fn number(expression: Expression<Name>) -> Number {
+    Number { place: SourceLocation::default(), expression }
+}
+
+/// Literal numbers in a range, and expressions.
+fn numbers(literal: impl Strategy<Value = f64> + 'static) -> impl Strategy<Value = Number> {
+    let computed =
+        expressions().prop_filter("literals have a range", |it| it.as_constant().is_none());
+    prop_oneof![literal.prop_map(Number::constant), computed.prop_map(number)]
+}
+
+fn quantities(
+    literal: impl Strategy<Value = f64> + 'static,
+    unit: Unit,
+) -> impl Strategy<Value = Quantity> {
+    numbers(literal).prop_map(move |number| Quantity { number, unit })
+}
+
+fn slots() -> impl Strategy<Value = SlotName> {
+    let slot = proptest::option::of(numbers((1..=100_000_u32).prop_map(f64::from)));
+    (names(), slot).prop_map(|(station, slot)| SlotName { station, slot })
+}
+
+fn conditions() -> impl Strategy<Value = Condition> {
+    use Relation::{Equal, Greater, GreaterOrEqual, Less, LessOrEqual, NotEqual};
+    let relations = vec![Less, LessOrEqual, Greater, GreaterOrEqual, Equal, NotEqual];
+    let relation = proptest::sample::select(relations);
+    let units = proptest::option::of(proptest::sample::select(Unit::ALL.to_vec()));
+    let leaf = prop_oneof![
+        (numbers(decimals()), relation, numbers(decimals()), units).prop_map(
+            |(left, relation, right, unit)| Condition::Comparison { left, relation, right, unit }
+        ),
+        (slots(), proptest::bool::ANY)
+            .prop_map(|(location, occupied)| Condition::Presence { location, occupied }),
+    ];
+    leaf.prop_recursive(3, 8, 3, |inner| {
+        let several = || proptest::collection::vec(inner.clone(), 2..4);
+        prop_oneof![
+            inner.clone().prop_map(|condition| Condition::Not(Box::new(condition))),
+            several().prop_map(Condition::All),
+            several().prop_map(Condition::Any),
+        ]
+    })
 }
 
 fn targets() -> impl Strategy<Value = AxisTarget> {
-    let turn = decimals().prop_map(|deg| (AxisKind::Rotary, deg.to_radians()));
-    let slide = lengths().prop_map(|m| (AxisKind::Linear, m));
-    (names(), prop_oneof![turn, slide]).prop_map(|(axis, (kind, position))| AxisTarget {
-        axis,
-        kind,
-        position,
-    })
+    let position =
+        prop_oneof![quantities(decimals(), Unit::Degree), quantities(decimals(), Unit::Millimeter)];
+    (names(), position).prop_map(|(axis, position)| AxisTarget { axis, position })
 }
 
 fn commands() -> impl Strategy<Value = Command> {
     let effector = || proptest::option::of(names());
+    let length = || proptest::option::of(quantities(decimals(), Unit::Millimeter));
+    let tenths = |range: std::ops::RangeInclusive<i32>| range.prop_map(|it| f64::from(it) / 10.0);
     let leaf = prop_oneof![
         Just(Command::Home),
         proptest::collection::vec(targets(), 1..4).prop_map(|mut targets| {
@@ -309,7 +576,8 @@ fn commands() -> impl Strategy<Value = Command> {
             targets.dedup_by(|a, b| a.axis == b.axis);
             Command::Move { targets }
         }),
-        (effector(), [lengths(), lengths(), lengths()])
+        (effector(), [length(), length(), length()])
+            .prop_filter("a line has a direction", |(_, by)| by.iter().any(Option::is_some))
             .prop_map(|(effector, by)| Command::MoveLine { effector, by }),
         (slots(), effector()).prop_map(|(from, effector)| Command::Get { from, effector }),
         (slots(), effector()).prop_map(|(to, effector)| Command::Put { to, effector }),
@@ -320,18 +588,31 @@ fn commands() -> impl Strategy<Value = Command> {
         }),
         (slots(), names(), names()).prop_map(|(at, get, put)| Command::Swap { at, get, put }),
         (slots(), effector()).prop_map(|(to, effector)| Command::Goto { to, effector }),
-        (0..=864_000_u32).prop_map(|tenths| Command::Wait { seconds: f64::from(tenths) / 10.0 }),
-        (1..=10_000_u32).prop_map(|share| Command::Speed { fraction: f64::from(share) / 1e4 }),
-        (0..=1000_u32).prop_map(|radius| Command::Blend { radius: f64::from(radius) / 1000.0 }),
-        (-8900..=8900_i32, decimals()).prop_map(|(pitch, yaw)| {
-            let pitch = (f64::from(pitch) / 100.0).to_radians();
-            Command::Tilt { tilt: Tilt { pitch, yaw: yaw.to_radians() } }
+        quantities(tenths(0..=864_000), Unit::Second)
+            .prop_map(|duration| Command::Wait { duration }),
+        quantities(tenths(1..=1000), Unit::Percent)
+            .prop_map(|fraction| Command::Speed { fraction }),
+        proptest::option::of(quantities(tenths(0..=10_000), Unit::Millimeter))
+            .prop_map(|radius| Command::Blend { radius }),
+        proptest::option::of((
+            quantities(tenths(-890..=890), Unit::Degree),
+            quantities(decimals(), Unit::Degree)
+        ))
+        .prop_map(|tilt| Command::Tilt {
+            tilt: tilt.map(|(angle, azimuth)| TiltTarget { angle, azimuth })
         }),
-        names().prop_map(|routine| Command::Call { routine }),
+        (names(), proptest::collection::vec(numbers(decimals()), 0..3))
+            .prop_map(|(routine, arguments)| Command::Call { routine, arguments }),
     ];
     leaf.prop_recursive(4, 24, 4, |inner| {
-        (1..=1_000_000_u64, proptest::option::of(names()), bodies(inner))
-            .prop_map(|(times, counter, body)| Command::Repeat { times, counter, body })
+        let times = numbers((1..=1_000_000_u32).prop_map(f64::from));
+        let repeat = (times, proptest::option::of(names()), bodies(inner.clone()))
+            .prop_map(|(times, counter, body)| Command::Repeat { times, counter, body });
+        let branch = (conditions(), bodies(inner.clone()))
+            .prop_map(|(condition, body)| Branch { condition, body });
+        let branches = (proptest::collection::vec(branch, 1..3), bodies(inner))
+            .prop_map(|(branches, otherwise)| Command::If { branches, otherwise });
+        prop_oneof![repeat, branches]
     })
 }
 
@@ -341,10 +622,21 @@ fn bodies(commands: impl Strategy<Value = Command>) -> impl Strategy<Value = Vec
     proptest::collection::vec(instruction, 0..4)
 }
 
+fn parameters() -> impl Strategy<Value = Parameter> {
+    let unit = proptest::option::of(proptest::sample::select(Unit::ALL.to_vec()));
+    let range = proptest::option::of([decimals(), decimals()]);
+    (numbers(decimals()), unit, range).prop_map(|(value, unit, range)| {
+        // Names of parameters with units would restrict the expressions of the program.
+        Parameter { name: name("own parameter"), value, unit, range }
+    })
+}
+
 fn programs() -> impl Strategy<Value = Program> {
-    let routine = (names(), bodies(commands())).prop_map(|(name, body)| Routine { name, body });
-    (bodies(commands()), proptest::collection::vec(routine, 0..3))
-        .prop_map(|(body, routines)| Program { body, routines })
+    let routine = (names(), proptest::collection::vec(names(), 0..3), bodies(commands()))
+        .prop_map(|(name, parameters, body)| Routine { name, parameters, body });
+    let parameters = proptest::collection::vec(parameters(), 0..2);
+    (parameters, bodies(commands()), proptest::collection::vec(routine, 0..3))
+        .prop_map(|(parameters, body, routines)| Program { parameters, body, routines })
 }
 
 /// A text that might be meant as a program.
@@ -355,9 +647,52 @@ fn attempts() -> impl Strategy<Value = String> {
         "-?[0-9.]{1,4}",
         Just("\n".to_owned()),
         proptest::sample::select(vec![
-            "HOME", "MOVE", "LINE", "GET", "port", "SLOT", "WITH", "A", "BY", "X", "mm", "deg",
-            "%", "s", "REPEAT", "2", "AS", "n", "END\n", "ROUTINE", "+", "-", "\"", "#", "é",
-            "\u{0}", "TILT", "WAIT",
+            "HOME",
+            "MOVE",
+            "LINE",
+            "GET",
+            "port",
+            "SLOT",
+            "WITH",
+            "A",
+            "BY",
+            "X",
+            "mm",
+            "deg",
+            "%",
+            "s",
+            "REPEAT",
+            "2",
+            "AS",
+            "n",
+            "END\n",
+            "ROUTINE",
+            "+",
+            "-",
+            "\"",
+            "#",
+            "é",
+            "\u{0}",
+            "TILT",
+            "WAIT",
+            "IF",
+            "ELSE",
+            "HAS",
+            "WAFER",
+            "EMPTY",
+            "NOT",
+            "AND",
+            "OR",
+            "PARAMETER",
+            "=",
+            "<",
+            "(",
+            ")",
+            ",",
+            "*",
+            "min(",
+            "FROM",
+            "TO",
         ])
         .prop_map(str::to_owned),
     ];

@@ -11,11 +11,12 @@ use jointplay::cell::workcell::Cell;
 use jointplay::cell::{IncrementalPlanner, PlanError, PlanOptions, check::Report};
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::cell::{Change, set_station};
+use jointplay::format::program::Setting;
 use jointplay::format::{cell, program};
 use jointplay::nalgebra::Vector3;
 use jointplay::spatial::Tilt;
 use pyo3::prelude::*;
-use pyo3::types::{PyString, PyTuple};
+use pyo3::types::{PyMapping, PyString, PyTuple};
 
 use crate::arrays::numbers_of_shape;
 use crate::cell_plan::{PyCellPlan, axis_units};
@@ -189,6 +190,8 @@ impl PyCell {
     /// ----------
     /// program : str or path-like
     ///     Text of a program, or its file as a `pathlib.Path`.
+    /// parameters : dict, optional
+    ///     Values of parameters of the program, by name: a number, or a text such as `'5 mm'` for a parameter with a unit.
     /// threads : int, optional
     ///     Number of threads; all cores by default. The result does not depend on it.
     ///
@@ -203,14 +206,15 @@ impl PyCell {
     ///     The program has errors.
     /// PlanningError
     ///     The program has no trajectory: stations out of reach, limits, lines that the arm cannot follow.
-    #[pyo3(signature = (program, *, threads=None))]
+    #[pyo3(signature = (program, *, parameters=None, threads=None))]
     fn plan(
         &self,
         py: Python<'_>,
         program: &Bound<'_, PyAny>,
+        parameters: Option<&Bound<'_, PyMapping>>,
         threads: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<PyCellPlan> {
-        let source = source(py, program)?;
+        let source = source(py, program)?.with_parameters(py, parameters)?;
         let parsed = program::parse(&source.text)
             .map_err(|problems| errors::file(py, &source.label, &problems))?;
         let threads = Threads::of(threads, usize::MAX)?;
@@ -311,6 +315,29 @@ fn finite_numbers<const N: usize>(given: &Bound<'_, PyAny>, what: &str) -> PyRes
         return Err(errors::not_finite(given.py(), what, value));
     }
     Ok(std::array::from_fn(|k| numbers[k]))
+}
+
+impl Source {
+    /// The program with values of its parameters.
+    fn with_parameters(
+        self,
+        py: Python<'_>,
+        parameters: Option<&Bound<'_, PyMapping>>,
+    ) -> PyResult<Self> {
+        let Some(parameters) = parameters else { return Ok(self) };
+        let mut settings = Vec::new();
+        for item in parameters.items()? {
+            let (name, value): (String, Bound<'_, PyAny>) = item.extract()?;
+            let value = match value.cast::<PyString>() {
+                Ok(text) => text.to_str()?.to_owned(),
+                Err(_) => finite(&value, "parameters")?.to_string(),
+            };
+            settings.push(Setting { name, value });
+        }
+        let text = program::with_parameters(&self.text, &settings)
+            .map_err(|problems| errors::file(py, &self.label, &problems))?;
+        Ok(Self { text, ..self })
+    }
 }
 
 /// A program given as text or as a file.

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use jointplay::cell::check::Report;
 use jointplay::cell::program::{
-    Command, Instruction, Program, ProgramError, SourceLocation, expand, name_errors,
+    Command, Instruction, Program, ProgramError, Quantity, SourceLocation, Unit, expand,
+    name_errors,
 };
 use jointplay::cell::trajectory::{
     Trajectory, TrajectoryError, TrajectoryOptions, plan_trajectory,
@@ -232,8 +233,11 @@ impl PlanningError {
 /// A motion with the robot at rest at home.
 pub(crate) fn rest_at_home(cell: &Cell) -> Option<Trajectory> {
     let place = SourceLocation { line: 1, column: 1 };
-    let wait = Instruction { place, command: Command::Wait { seconds: 1.0 } };
-    let program = Program { body: vec![wait], routines: Vec::new() };
+    let wait = Instruction {
+        place,
+        command: Command::Wait { duration: Quantity::from_si(1.0, Unit::Second) },
+    };
+    let program = Program { body: vec![wait], ..Program::default() };
     let steps = expand(cell, &program).ok()?;
     plan_trajectory(cell, steps, &TrajectoryOptions::default()).ok()
 }

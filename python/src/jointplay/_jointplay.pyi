@@ -388,7 +388,13 @@ class Cell:
         heading_rad: float | None = None,
         tilt_rad: Sequence[float] | NDArray[np.float64] | None = None,
     ) -> Cell: ...
-    def plan(self, program: str | PathLike[str], *, threads: int | None = None) -> CellPlan: ...
+    def plan(
+        self,
+        program: str | PathLike[str],
+        *,
+        parameters: Mapping[str, float | str] | None = None,
+        threads: int | None = None,
+    ) -> CellPlan: ...
     @staticmethod
     def _again(text: str, folder: str | PathLike[str] | None, label: str) -> Cell: ...
 

@@ -44,7 +44,8 @@ const FACADE: &str = "jointplay";
 const STUDIO: &str = "jointplay-studio";
 const FILES: &str = "jointplay-files";
 
-const MATHEMATICS: Outside = Outside::Only(&["nalgebra", "thiserror", "pulp", "faer"]);
+/// `zmij` finds the shortest decimal of a number.
+const MATHEMATICS: Outside = Outside::Only(&["nalgebra", "thiserror", "pulp", "faer", "zmij"]);
 const STUDIES: Outside = Outside::Only(&["rayon", "nalgebra", "thiserror", "chacha20"]);
 /// Jerk-limited profiles and distances of bodies are others' crafts.
 const CELLS: Outside =

@@ -111,6 +111,12 @@ fn check_commands(body: &[Instruction]) -> Result<(), FlowError> {
     for Instruction { place, command } in body {
         match command {
             Command::Repeat { body, .. } => check_commands(body)?,
+            Command::If { branches, otherwise } => {
+                for branch in branches {
+                    check_commands(&branch.body)?;
+                }
+                check_commands(otherwise)?;
+            }
             Command::Home
             | Command::Get { .. }
             | Command::Put { .. }

@@ -2,7 +2,7 @@
 
 use super::flow::Move;
 use crate::program::{
-    Command, Handoff, Instruction, Name, Program, SlotName, SlotNumber, SourceLocation,
+    Command, Handoff, Instruction, Name, Number, Program, Quantity, SlotName, SourceLocation, Unit,
 };
 use crate::station::SlotId;
 use crate::workcell::Cell;
@@ -17,17 +17,17 @@ pub(super) fn order_program(cell: &Cell, order: &[Move], speed: f64, blend_radiu
     let mut body = Vec::new();
     let mut add = |command| body.push(Instruction { place, command });
     if speed < 1.0 {
-        add(Command::Speed { fraction: speed });
+        add(Command::Speed { fraction: Quantity::from_si(speed, Unit::Percent) });
     }
     if blend_radius > 0.0 {
-        add(Command::Blend { radius: blend_radius });
+        add(Command::Blend { radius: Some(Quantity::from_si(blend_radius, Unit::Millimeter)) });
     }
     add(Command::Home);
     let name = |text: &str| Name { text: text.to_owned(), place };
     let slot = |slot: SlotId| {
         let station = &cell.stations[slot.station];
-        let number = SlotNumber::Fixed { number: slot.slot, place };
-        SlotName { station: name(&station.name), slot: (station.slots > 1).then_some(number) }
+        let number = (station.slots > 1).then(|| Number::whole(slot.slot));
+        SlotName { station: name(&station.name), slot: number }
     };
     let mut rest = order;
     while let Some((first, others)) = rest.split_first() {
@@ -53,5 +53,5 @@ pub(super) fn order_program(cell: &Cell, order: &[Move], speed: f64, blend_radiu
         rest = &rest[used..];
     }
     add(Command::Home);
-    Program { body, routines: Vec::new() }
+    Program { body, ..Program::default() }
 }

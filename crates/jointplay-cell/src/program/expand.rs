@@ -1,13 +1,17 @@
 //! From the instructions of a program to steps.
 
-use std::collections::BTreeMap;
-use std::mem::discriminant;
+use jointplay_core::spatial::Tilt;
 
+use super::bounds::{MAX_INSTRUCTIONS, passes};
+use super::effector_choice::check_swap;
+use super::expander::{Errors, ProgramExpander};
+use super::frame::{ArgumentValue, Frame};
 use super::ik_cache::IkCache;
 use super::occupancy::WaferOccupancy;
 use super::resolve::resolve;
 use super::resolved::{
-    ResolvedCommand, ResolvedInstruction, ResolvedProgram, ResolvedSlot, ResolvedSlotNumber,
+    EffectorChoice, EffectorReference, ResolvedArgument, ResolvedBranch, ResolvedCommand,
+    ResolvedInstruction, ResolvedQuantity, ResolvedSlot, ResolvedTilt, StationReference,
 };
 use super::sequence::MotionSequencer;
 use super::{Handoff, Path, Program, ProgramError, ProgramProblem, SourceLocation, Step};
@@ -40,7 +44,7 @@ pub(crate) fn expand_by(
     let (resolved, unresolved) = resolve(cell, program);
     let mut errors = Errors::default();
     for error in unresolved {
-        errors.add(error.place, error.problem);
+        errors.add(error.place, error.problem, || error.context);
     }
     let mut steps = Vec::new();
     if let Some(resolved) = &resolved {
@@ -51,9 +55,13 @@ pub(crate) fn expand_by(
             sequencer: MotionSequencer::new(cell, ik_cache),
             errors: &mut errors,
             instruction: 0,
+            work: 0,
+            frames: vec![Frame::main()],
             stop,
         };
-        expander.block(&resolved.body, &mut Vec::new())?;
+        if let Err(Ended::Interrupted) = expander.block(&resolved.body) {
+            return Err(Interrupted);
+        }
         steps = expander.sequencer.steps;
         ik_cache.end();
     }
@@ -61,147 +69,275 @@ pub(crate) fn expand_by(
     Ok(if errors.is_empty() { Ok(steps) } else { Err(errors) })
 }
 
-/// Errors, each kind once at a location.
-#[derive(Default)]
-struct Errors(BTreeMap<SourceLocation, Vec<ProgramError>>);
+/// Why the expansion ends before the end of the program.
+enum Ended {
+    Interrupted,
+    /// The limit of instructions is reached; the error is recorded.
+    LimitReached,
+}
 
-impl Errors {
-    fn add(&mut self, place: SourceLocation, problem: ProgramProblem) {
-        let here = self.0.entry(place).or_default();
-        let kind = discriminant(&problem);
-        match here.iter_mut().find(|error| discriminant(&error.problem) == kind) {
-            Some(first) => first.repetitions += 1,
-            None => here.push(ProgramError { place, problem, repetitions: 0 }),
-        }
+impl From<Interrupted> for Ended {
+    fn from(_: Interrupted) -> Self {
+        Self::Interrupted
     }
 }
 
-/// The state of a program during its expansion.
-struct ProgramExpander<'r> {
-    resolved: &'r ResolvedProgram,
-    occupancy: WaferOccupancy<'r>,
-    sequencer: MotionSequencer<'r>,
-    errors: &'r mut Errors,
-    /// Number of instructions executed.
-    instruction: usize,
-    stop: StopRequested<'r>,
-}
+impl<'r> ProgramExpander<'r> {
+    /// Counts an instruction, a call, a condition or an empty pass.
+    fn count(&mut self, place: SourceLocation) -> Result<(), Ended> {
+        if (self.stop)() {
+            return Err(Ended::Interrupted);
+        }
+        self.work += 1;
+        if self.work > MAX_INSTRUCTIONS {
+            self.report(place, ProgramProblem::LimitReached { allowed: MAX_INSTRUCTIONS });
+            return Err(Ended::LimitReached);
+        }
+        Ok(())
+    }
 
-impl ProgramExpander<'_> {
-    /// Executes a block; `passes` are those of the enclosing REPEATs, from 1.
-    fn block(
-        &mut self,
-        body: &[ResolvedInstruction],
-        passes: &mut Vec<u64>,
-    ) -> Result<(), Interrupted> {
-        let resolved = self.resolved;
+    /// Executes a block.
+    fn block(&mut self, body: &'r [ResolvedInstruction]) -> Result<(), Ended> {
         for ResolvedInstruction { place, command } in body {
-            if (self.stop)() {
-                return Err(Interrupted);
-            }
+            let place = *place;
             match command {
-                ResolvedCommand::Repeat { times, body } => {
-                    for pass in 1..=*times {
-                        passes.push(pass);
-                        self.block(body, passes)?;
-                        passes.pop();
+                ResolvedCommand::Repeat { times, counter, body } => {
+                    let Some(times) = self.value(times) else {
+                        self.occupancy.invalidate();
+                        continue;
+                    };
+                    for pass in 1..=passes(times) {
+                        let before = self.work;
+                        self.frame_mut().counters.push((counter.as_deref(), pass));
+                        self.block(body)?;
+                        if self.work == before {
+                            self.count(place)?;
+                        }
+                        self.frame_mut().counters.pop();
                     }
                 }
-                ResolvedCommand::Call(routine) => {
-                    self.block(&resolved.routines[*routine], &mut Vec::new())?
+                ResolvedCommand::Call { routine, arguments } => {
+                    self.count(place)?;
+                    self.call(place, *routine, arguments)?;
+                }
+                ResolvedCommand::If { branches, otherwise } => {
+                    self.count(place)?;
+                    self.choose(branches, otherwise)?;
                 }
                 command => {
-                    self.sequencer.start(self.instruction, *place, self.occupancy.loaded());
+                    self.count(place)?;
+                    self.sequencer.start(self.instruction, place, self.occupancy.loaded());
                     self.instruction += 1;
-                    self.execute(*place, command, passes);
+                    self.execute(place, command);
                 }
             }
         }
         Ok(())
     }
 
-    fn execute(&mut self, place: SourceLocation, command: &ResolvedCommand, passes: &[u64]) {
-        match *command {
-            ResolvedCommand::Home => self.sequencer.home(),
-            ResolvedCommand::Move(ref targets) => {
-                let done = self.sequencer.move_axes(targets);
-                self.report(place, done);
-            }
-            ResolvedCommand::MoveLine { effector, by } => {
-                let done = self.sequencer.move_line(effector, by);
-                self.report(place, done);
-            }
-            ResolvedCommand::Get { from, effector } => self.get(place, from, effector, passes),
-            ResolvedCommand::Put { to, effector } => self.put(place, to, effector, passes),
-            ResolvedCommand::Transfer { from, to, effector } => {
-                self.get(place, from, effector, passes);
-                self.put(place, to, effector, passes);
-            }
-            ResolvedCommand::Swap { at, get, put } => {
-                self.get(place, at, get, passes);
-                self.put(place, at, put, passes);
-            }
-            ResolvedCommand::Goto { to, effector } => {
-                if let Some(slot) = self.slot(to, passes) {
-                    let done = self.sequencer.goto(effector, slot);
-                    self.report(place, done);
-                }
-            }
-            ResolvedCommand::Wait(seconds) => self.sequencer.dwell(Path::Dwell(seconds)),
-            ResolvedCommand::Speed(fraction) => self.sequencer.speed_scaling = fraction,
-            ResolvedCommand::Blend(radius) => self.sequencer.blend_radius = radius,
-            ResolvedCommand::Tilt(tilt) => {
-                let done = self.sequencer.tilt(tilt);
-                self.report(place, done);
-            }
-            ResolvedCommand::Unresolved => self.occupancy.invalidate(),
-            ResolvedCommand::Call(_) | ResolvedCommand::Repeat { .. } => {
-                unreachable!("executed by `block`")
-            }
-        }
-    }
-
-    fn report(&mut self, place: SourceLocation, done: Result<(), ProgramProblem>) {
-        if let Err(problem) = done {
-            self.errors.add(place, problem);
-        }
-    }
-
-    /// The slot of this pass, if the station has it.
-    fn slot(&mut self, slot: ResolvedSlot, passes: &[u64]) -> Option<SlotId> {
-        let found = match slot.number {
-            ResolvedSlotNumber::Fixed(number) => number,
-            ResolvedSlotNumber::Counted { repeat, offset, down } => {
-                let pass = i128::from(passes[repeat]);
-                i128::from(offset) + if down { -pass } else { pass }
-            }
-        };
-        let station = &self.sequencer.cell.stations[slot.station];
-        let slots = station.slots;
-        if let Ok(number @ 1..) = usize::try_from(found)
-            && number <= slots
-        {
-            return Some(SlotId { station: slot.station, slot: number });
-        }
-        let station = station.name.clone();
-        self.errors.add(slot.place, ProgramProblem::NoSlot { station, found, slots });
-        None
-    }
-
-    fn get(
+    /// Executes a routine with its arguments.
+    fn call(
         &mut self,
         place: SourceLocation,
-        from: ResolvedSlot,
-        effector: EffectorId,
-        passes: &[u64],
+        routine: usize,
+        arguments: &'r [ResolvedArgument],
+    ) -> Result<(), Ended> {
+        let mut values = Vec::with_capacity(arguments.len());
+        for argument in arguments {
+            values.push(match argument {
+                ResolvedArgument::Number(number) => {
+                    let Some(value) = self.finite("the argument", number) else {
+                        self.occupancy.invalidate();
+                        return Ok(());
+                    };
+                    ArgumentValue::Number(value)
+                }
+                ResolvedArgument::Station(StationReference::Fixed(station)) => {
+                    ArgumentValue::Station(*station)
+                }
+                ResolvedArgument::Effector(EffectorReference::Fixed(effector)) => {
+                    ArgumentValue::Effector(*effector)
+                }
+                ResolvedArgument::Station(StationReference::Argument(index))
+                | ResolvedArgument::Effector(EffectorReference::Argument(index))
+                | ResolvedArgument::Location(index) => self.frame().arguments[*index],
+                ResolvedArgument::Effector(EffectorReference::Only) | ResolvedArgument::Unused => {
+                    ArgumentValue::Unused
+                }
+            });
+        }
+        let resolved = self.resolved;
+        let routine = &resolved.routines[routine];
+        let counters = Vec::new();
+        self.frames.push(Frame { routine: Some((routine, place)), arguments: values, counters });
+        self.block(&routine.body)?;
+        self.frames.pop();
+        Ok(())
+    }
+
+    /// Executes the first branch whose condition holds; after an error, none of them.
+    fn choose(
+        &mut self,
+        branches: &'r [ResolvedBranch],
+        otherwise: &'r [ResolvedInstruction],
+    ) -> Result<(), Ended> {
+        for ResolvedBranch { condition, body } in branches {
+            match self.holds(condition) {
+                Some(true) => return self.block(body),
+                Some(false) => {}
+                None => {
+                    self.occupancy.invalidate();
+                    return Ok(());
+                }
+            }
+        }
+        self.block(otherwise)
+    }
+
+    fn execute(&mut self, place: SourceLocation, command: &ResolvedCommand) {
+        match command {
+            ResolvedCommand::Home => self.sequencer.home(),
+            ResolvedCommand::Move(targets) => {
+                let positions =
+                    targets.iter().map(|(axis, position)| Some((*axis, self.si(position)?)));
+                if let Some(positions) = positions.collect::<Option<Vec<_>>>() {
+                    let done = self.sequencer.move_axes(&positions);
+                    self.report_result(place, done);
+                }
+            }
+            ResolvedCommand::MoveLine { effector, by } => self.move_line(place, *effector, by),
+            ResolvedCommand::Get { from, effector } => {
+                let visit = self.visit(from, *effector);
+                self.get(place, visit);
+            }
+            ResolvedCommand::Put { to, effector } => {
+                let visit = self.visit(to, *effector);
+                self.put(place, visit);
+            }
+            ResolvedCommand::Transfer { from, to, effector } => {
+                self.transfer(place, from, to, *effector);
+            }
+            ResolvedCommand::Swap { at, get, put } => self.swap(place, at, *get, *put),
+            ResolvedCommand::Goto { to, effector } => {
+                if let Some((to, effector)) = self.visit(to, *effector) {
+                    let done = self.sequencer.goto(effector, to);
+                    self.report_result(place, done);
+                }
+            }
+            ResolvedCommand::Wait(duration) => {
+                if let Some(seconds) = self.si(duration) {
+                    self.sequencer.dwell(Path::Dwell(seconds));
+                }
+            }
+            ResolvedCommand::Speed(fraction) => {
+                if let Some(fraction) = self.si(fraction) {
+                    self.sequencer.speed_scaling = fraction;
+                }
+            }
+            ResolvedCommand::Blend(None) => self.sequencer.blend_radius = 0.0,
+            ResolvedCommand::Blend(Some(radius)) => {
+                if let Some(radius) = self.si(radius) {
+                    self.sequencer.blend_radius = radius;
+                }
+            }
+            ResolvedCommand::Tilt(target) => {
+                let tilt = match target {
+                    None => Some(Tilt::LEVEL),
+                    Some(ResolvedTilt { angle, azimuth }) => {
+                        let (pitch, yaw) = (self.si(angle), self.si(azimuth));
+                        pitch.zip(yaw).map(|(pitch, yaw)| Tilt { yaw, pitch })
+                    }
+                };
+                if let Some(tilt) = tilt {
+                    let done = self.sequencer.tilt(tilt);
+                    self.report_result(place, done);
+                }
+            }
+            ResolvedCommand::Unresolved => self.occupancy.invalidate(),
+            ResolvedCommand::Call { .. }
+            | ResolvedCommand::Repeat { .. }
+            | ResolvedCommand::If { .. } => unreachable!("executed by `block`"),
+        }
+    }
+
+    fn move_line(
+        &mut self,
+        place: SourceLocation,
+        effector: EffectorChoice,
+        by: &[Option<ResolvedQuantity>; 3],
     ) {
-        let Some(slot) = self.slot(from, passes) else {
-            self.occupancy.invalidate();
-            return;
+        let mut displacement = [Some(0.0); 3];
+        for (component, length) in displacement.iter_mut().zip(by) {
+            if let Some(length) = length {
+                *component = self.si(length);
+            }
+        }
+        let effector = self.effector(effector, &[]);
+        if let (Some(effector), [Some(x), Some(y), Some(z)]) = (effector, displacement) {
+            let done = self.sequencer.move_line(effector, [x, y, z]);
+            self.report_result(place, done);
+        }
+    }
+
+    /// A slot and the effector that uses it.
+    fn visit(
+        &mut self,
+        slot: &ResolvedSlot,
+        choice: EffectorChoice,
+    ) -> Option<(SlotId, EffectorId)> {
+        let slot = self.slot(slot);
+        let effector = self.effector(choice, &[slot?.station]);
+        slot.zip(effector)
+    }
+
+    fn transfer(
+        &mut self,
+        place: SourceLocation,
+        from: &ResolvedSlot,
+        to: &ResolvedSlot,
+        choice: EffectorChoice,
+    ) {
+        let stations = [self.station(from.station), self.station(to.station)];
+        let effector = match stations {
+            [Some(from), Some(to)] => self.effector(choice, &[from, to]),
+            _ => None,
         };
+        let Some(effector) = effector else { return self.occupancy.invalidate() };
+        let from = self.slot(from);
+        self.get(place, from.map(|from| (from, effector)));
+        let to = self.slot(to);
+        self.put(place, to.map(|to| (to, effector)));
+    }
+
+    fn swap(
+        &mut self,
+        place: SourceLocation,
+        at: &ResolvedSlot,
+        get: EffectorChoice,
+        put: EffectorChoice,
+    ) {
+        let slot = self.slot(at);
+        let effectors = slot.and_then(|slot| {
+            let [get, put] = [get, put].map(|choice| self.effector(choice, &[slot.station]));
+            get.zip(put)
+        });
+        let Some((slot, (picking, placing))) = slot.zip(effectors) else {
+            return self.occupancy.invalidate();
+        };
+        if let Err(problem) = check_swap(self.sequencer.cell, picking, placing) {
+            self.report(put.place, problem);
+            return self.occupancy.invalidate();
+        }
+        self.get(place, Some((slot, picking)));
+        self.put(place, Some((slot, placing)));
+    }
+
+    /// Picks the wafer of a slot; without a slot and an effector, the occupancy is unknown.
+    fn get(&mut self, place: SourceLocation, visit: Option<(SlotId, EffectorId)>) {
+        let Some((slot, effector)) = visit else { return self.occupancy.invalidate() };
         let handoff = Handoff::Picked(effector, slot);
         for problem in self.occupancy.problems(handoff) {
-            self.errors.add(place, problem);
+            self.report(place, problem);
         }
         let process_time = self.sequencer.cell.stations[slot.station].process_time;
         let placed_at_step = self.occupancy.placed_by(slot).filter(|_| process_time > 0.0);
@@ -211,20 +347,12 @@ impl ProgramExpander<'_> {
         self.hand_off(handoff, place, done);
     }
 
-    fn put(
-        &mut self,
-        place: SourceLocation,
-        to: ResolvedSlot,
-        effector: EffectorId,
-        passes: &[u64],
-    ) {
-        let Some(slot) = self.slot(to, passes) else {
-            self.occupancy.invalidate();
-            return;
-        };
+    /// Places a wafer into a slot; without a slot and an effector, the occupancy is unknown.
+    fn put(&mut self, place: SourceLocation, visit: Option<(SlotId, EffectorId)>) {
+        let Some((slot, effector)) = visit else { return self.occupancy.invalidate() };
         let handoff = Handoff::Placed(effector, slot);
         for problem in self.occupancy.problems(handoff) {
-            self.errors.add(place, problem);
+            self.report(place, problem);
         }
         let done = self.sequencer.put(effector, slot);
         self.hand_off(handoff, place, done);
@@ -238,7 +366,7 @@ impl ProgramExpander<'_> {
         done: Result<usize, ProgramProblem>,
     ) {
         let step = done.as_ref().ok().copied();
-        self.report(place, done.map(|_| ()));
+        self.report_result(place, done.map(|_| ()));
         self.occupancy.apply(handoff, place, step);
     }
 }

@@ -9,9 +9,10 @@
 //!
 //! | file | contents |
 //! | --- | --- |
-//! | `syntax` | syntax tree |
-//! | `problem` | errors |
-//! | `resolved`, `resolve` | names resolved in the cell |
+//! | `syntax`, `quantity`, `location` | syntax tree |
+//! | `problem`, `parameter_kind` | errors |
+//! | `resolve`, `resolver`, `scope`, `parameter_kinds`, `effector_choice` | resolution of names in the cell |
+//! | `resolved` | program with its names resolved |
 //! | `bounds` | bounds on the expansion |
 //! | `step` | steps: moves and dwells of all axes |
 //! | `wafer_locations` | locations of all wafers during the steps of a program |
@@ -20,21 +21,32 @@
 //! | `limits` | limits of commanded positions |
 //! | `retracted_pose` | positions of arms that are retracted for a station |
 //! | `sequence` | motion sequences of instructions |
+//! | `frame` | values of counters and arguments during the expansion |
+//! | `expander` | numbers, slots and conditions during the expansion |
 //! | `expand` | from instructions to steps |
 //! | `handoff_deflection` | droop and sag of wafers at hand-offs |
 //!
 //! The text of programs is parsed and written by `jointplay-format`.
 
 mod bounds;
+mod effector_choice;
 mod expand;
+mod expander;
+mod frame;
 mod handoff_deflection;
 mod ik_cache;
 mod limits;
+mod location;
 mod occupancy;
+mod parameter_kind;
+mod parameter_kinds;
 mod problem;
+mod quantity;
 mod resolve;
 mod resolved;
+mod resolver;
 mod retracted_pose;
+mod scope;
 mod sequence;
 mod step;
 mod syntax;
@@ -45,10 +57,14 @@ pub use expand::expand;
 pub(crate) use expand::expand_by;
 pub use handoff_deflection::{HandoffDeflection, handoff_deflections};
 pub(crate) use ik_cache::IkCache;
-pub use problem::{Count, Leveling, ProgramError, ProgramProblem};
+pub use location::{Name, SourceLocation};
+pub use parameter_kind::ParameterKind;
+pub use problem::{Count, ErrorContext, Leveling, ProgramError, ProgramProblem};
+pub use quantity::{AllowedValues, Number, Quantity, Unit};
 pub use resolve::name_errors;
 pub use step::{Handoff, LinePostures, Path, Phase, Step};
 pub use syntax::{
-    AxisTarget, Command, Instruction, Name, Program, Routine, SlotName, SlotNumber, SourceLocation,
+    AxisTarget, Branch, Command, Condition, Instruction, Parameter, Program, Relation, Routine,
+    SlotName, TiltTarget,
 };
 pub use wafer_locations::{LocationChange, WaferLocation, WaferLocations, WaferStay};

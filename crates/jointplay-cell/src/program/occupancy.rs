@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::step::Handoff;
 use super::wafer_locations::{WaferLocation, WaferLocations};
 use super::{ProgramProblem, SourceLocation};
-use crate::program::resolve::effector_name;
+use crate::program::effector_choice::effector_name;
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::workcell::Cell;
@@ -54,6 +54,15 @@ impl<'c> WaferOccupancy<'c> {
             None if self.is_unknown => Occupancy::Unknown,
             None if self.locations.occupant(location).is_some() => Occupancy::Occupied,
             None => Occupancy::Empty,
+        }
+    }
+
+    /// Whether a location holds a wafer; `None` where a line with an error may have changed it.
+    pub(super) fn is_occupied(&self, location: WaferLocation) -> Option<bool> {
+        match self.occupancy(location) {
+            Occupancy::Empty => Some(false),
+            Occupancy::Occupied => Some(true),
+            Occupancy::Unknown => None,
         }
     }
 

@@ -1,31 +1,61 @@
 //! Errors of a program in its cell.
 
-use super::SourceLocation;
+use super::location::SourceLocation;
+use super::parameter_kind::ParameterKind;
+use super::quantity::{AllowedValues, Unit};
 use crate::robot::{AxisKind, LimitViolation};
 use crate::station::InfeasibleLine;
 use crate::wafer::{SagError, Unreachable};
 
 /// An error of a program in its cell.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{problem}{}", self.repetition_note())]
+#[error("{problem}{}", self.note())]
 pub struct ProgramError {
     /// Location in the text.
     pub place: SourceLocation,
     /// The problem at its first occurrence.
     pub problem: ProgramProblem,
+    /// Counters, arguments and calls of the first occurrence.
+    pub context: ErrorContext,
     /// Number of further occurrences at this location.
     pub repetitions: usize,
 }
 
+/// State of a program at the occurrence of an error.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ErrorContext {
+    /// Counters and numeric arguments with their values, outermost first.
+    pub variables: Vec<(String, f64)>,
+    /// Locations of the calls of the routines around the instruction, innermost first.
+    pub calls: Vec<SourceLocation>,
+}
+
 impl ProgramError {
-    /// Text about the repetitions of the problem at its location; empty where there are none.
+    /// An error outside of the expansion of the program.
     #[must_use]
-    pub fn repetition_note(&self) -> String {
-        match self.repetitions {
-            0 => String::new(),
-            1 => "; and once more where this line is repeated".to_owned(),
-            repetitions => format!("; and {repetitions} times more where this line is repeated"),
-        }
+    pub fn new(place: SourceLocation, problem: ProgramProblem) -> Self {
+        Self { place, problem, context: ErrorContext::default(), repetitions: 0 }
+    }
+
+    /// Text about counters, calls and repetitions of the problem; empty where there are none.
+    #[must_use]
+    pub fn note(&self) -> String {
+        let ErrorContext { variables, calls } = &self.context;
+        let variables = variables.iter().map(|(name, number)| format!("{name} = {number}"));
+        let calls = calls.iter().map(|call| format!("called in line {}", call.line));
+        let context: Vec<String> = variables.chain(calls).collect();
+        let context = match &context[..] {
+            [] => String::new(),
+            some => format!(" ({})", some.join(", ")),
+        };
+        context
+            + &match self.repetitions {
+                0 => String::new(),
+                1 => "; and once more where this line is repeated".to_owned(),
+                repetitions => {
+                    format!("; and {repetitions} times more where this line is repeated")
+                }
+            }
     }
 }
 
@@ -111,12 +141,12 @@ pub enum ProgramProblem {
         slots: usize,
     },
     /// A slot that the station does not have.
-    #[error("station {station} has no slot {found}; it has {}", slots_of(*.slots))]
+    #[error("station {station} has no slot {}; it has {}{}", value(*.found, None), slots_of(*.slots), if .found.fract() == 0.0 { "" } else { ", numbered in whole numbers" })]
     NoSlot {
         /// Name of the station.
         station: String,
         /// The slot number found.
-        found: i128,
+        found: f64,
         /// Number of slots; they are counted from 1.
         slots: usize,
     },
@@ -126,8 +156,8 @@ pub enum ProgramProblem {
         /// Names of the routines of the cycle; the first is also the last.
         routines: Vec<String>,
     },
-    /// CALL and REPEAT are nested too deeply.
-    #[error("CALL and REPEAT are nested more than {allowed} deep")]
+    /// CALL, REPEAT and IF are nested too deeply.
+    #[error("CALL, REPEAT and IF are nested more than {allowed} deep")]
     TooDeep {
         /// Largest depth.
         allowed: usize,
@@ -182,15 +212,88 @@ pub enum ProgramProblem {
         /// Line that placed the wafer; `None` where there never was one.
         changed_at_line: Option<usize>,
     },
-    /// A speed, time or displacement out of range.
-    #[error("{what} is {value}, but has to be {allowed}")]
-    Range {
+    /// An expression whose value is not allowed.
+    #[error("{what} is {}, but has to be {allowed}", value(*.found, .allowed.unit))]
+    Value {
         /// The quantity.
         what: &'static str,
+        /// The value found, in the unit of the allowed values.
+        found: f64,
+        /// Allowed values.
+        allowed: AllowedValues,
+    },
+    /// A parameter of the program out of its range.
+    #[error("the parameter {name} is {}, but has to be {}", value(*.found, *.unit), match .range {
+        Some([min, max]) => format!("from {min} to {}", value(*max, *.unit)),
+        None => "a finite number".to_owned(),
+    })]
+    Parameter {
+        /// Name of the parameter.
+        name: String,
+        /// The value found, in the unit.
+        found: f64,
+        /// Unit of the parameter.
+        unit: Option<Unit>,
+        /// Least and largest value, in the unit.
+        range: Option<[f64; 2]>,
+    },
+    /// An expression of a comparison or an argument whose value is infinite or not a number.
+    #[error("{what} is {}, but has to be a finite number", value(*.found, None))]
+    NotFinite {
+        /// The number.
+        what: &'static str,
         /// The value found.
-        value: f64,
-        /// The allowed range.
-        allowed: &'static str,
+        found: f64,
+    },
+    /// Too few or too many arguments of a routine.
+    #[error("the routine {routine} has {}, but is called with {found}", match &.parameters[..] {
+        [] => "no parameters".to_owned(),
+        [one] => format!("1 parameter ({one})"),
+        some => format!("{} parameters ({})", some.len(), some.join(", ")),
+    })]
+    ArgumentCount {
+        /// Name of the routine.
+        routine: String,
+        /// Names of its parameters.
+        parameters: Vec<String>,
+        /// Number of arguments found.
+        found: usize,
+    },
+    /// An argument that is not the name that the routine needs.
+    #[error("the parameter {name} of {routine} is {kind}: name one")]
+    ArgumentKind {
+        /// Name of the routine.
+        routine: String,
+        /// Name of the parameter.
+        name: String,
+        /// Kind of the parameter.
+        kind: ParameterKind,
+    },
+    /// A parameter of a routine that is used as two kinds.
+    #[error("the parameter {name} is used as {kind} here, but as {before} in line {line}")]
+    ParameterUse {
+        /// Name of the parameter.
+        name: String,
+        /// Kind of its first use.
+        before: ParameterKind,
+        /// Line of its first use.
+        line: usize,
+        /// Kind of this use.
+        kind: ParameterKind,
+    },
+    /// A name of a station and of an effector.
+    #[error("`{name}` is a station and an effector; write `{name} SLOT 1` for the station")]
+    AmbiguousLocation {
+        /// The name.
+        name: String,
+    },
+    /// The program expands to too many instructions, for numbers of passes that are known during the expansion only.
+    #[error(
+        "the program expands to more than {allowed} instructions, and reaches this number here; lower the number of passes"
+    )]
+    LimitReached {
+        /// Largest number of instructions.
+        allowed: u64,
     },
     /// Positions that violate limits of axes or of the platform.
     #[error("{what} violates limits: {}", violated(.violations))]
@@ -240,13 +343,7 @@ impl ProgramProblem {
     /// Whether the program is valid, but the robot cannot execute it: out of reach, beyond limits, or along lines that its arm cannot follow.
     #[must_use]
     pub fn is_infeasible(&self) -> bool {
-        matches!(
-            self,
-            Self::Range { .. }
-                | Self::Limits { .. }
-                | Self::Unreachable { .. }
-                | Self::InfeasibleLine { .. }
-        )
+        matches!(self, Self::Limits { .. } | Self::Unreachable { .. } | Self::InfeasibleLine { .. })
     }
 }
 
@@ -272,6 +369,17 @@ impl std::fmt::Display for Count {
             count => count.fmt(formatter),
         }
     }
+}
+
+/// A number with its unit.
+fn value(number: f64, unit: Option<Unit>) -> String {
+    if number.is_nan() {
+        return "not a number".to_owned();
+    }
+    if number.is_infinite() {
+        return "infinite".to_owned();
+    }
+    unit.map_or_else(|| number.to_string(), |unit| format!("{number} {}", unit.symbol()))
 }
 
 /// Largest number of names listed in a message.

@@ -3,14 +3,21 @@
 use std::collections::BTreeMap;
 
 use super::bounds::{WHOLE, check_bounds};
+use super::effector_choice::{check_swap, choose_effector};
+use super::parameter_kinds::ParameterKinds;
+use super::quantity::{AllowedValues, Quantity, Unit};
 use super::resolved::{
-    ResolvedCommand, ResolvedInstruction, ResolvedProgram, ResolvedSlot, ResolvedSlotNumber,
+    EffectorChoice, EffectorReference, ResolvedBranch, ResolvedCommand, ResolvedInstruction,
+    ResolvedProgram, ResolvedQuantity, ResolvedRoutine, ResolvedSlot, ResolvedTilt,
+    StationReference,
 };
+use super::resolver::Resolver;
+use super::scope::{ROUTINE, Scope, VARIABLE};
 use super::{
-    AxisTarget, Command, Instruction, Name, Program, ProgramError, ProgramProblem, SlotName,
-    SlotNumber, SourceLocation,
+    AxisTarget, Command, Instruction, Name, Number, Program, ProgramError, ProgramProblem,
+    SlotName, SourceLocation,
 };
-use crate::robot::{EffectorId, HybridRobot};
+use crate::robot::AxisKind;
 use crate::workcell::Cell;
 
 /// Resolves all names of a program.
@@ -22,21 +29,29 @@ pub(super) fn resolve(
     program: &Program,
 ) -> (Option<ResolvedProgram>, Vec<ProgramError>) {
     let mut routines = BTreeMap::new();
-    let mut resolver = Resolver { cell, routines: BTreeMap::new(), errors: Vec::new() };
+    let mut errors = Vec::new();
     for (index, routine) in program.routines.iter().enumerate() {
         let Name { text, place } = &routine.name;
         if let Some(&(_, line)) = routines.get(text.as_str()) {
             let (what, name) = (ROUTINE, text.clone());
-            resolver.error(*place, ProgramProblem::Duplicate { what, name, line });
+            errors.push(ProgramError::new(*place, ProgramProblem::Duplicate { what, name, line }));
         } else {
             routines.insert(text.as_str(), (index, place.line));
         }
     }
-    resolver.routines = routines;
+    let mut kinds = ParameterKinds::infer(program, &routines);
+    errors.append(&mut kinds.errors);
+    let parameters = BTreeMap::new();
+    let mut resolver = Resolver { cell, program, routines, kinds, parameters, errors };
+    resolver.evaluate_parameters();
     let mut resolved = ResolvedProgram {
-        body: resolver.block(&program.body, &mut Vec::new()),
-        routines: (program.routines.iter())
-            .map(|routine| resolver.block(&routine.body, &mut Vec::new()))
+        body: resolver.block(&program.body, &mut Scope::default()),
+        routines: (program.routines.iter().enumerate())
+            .map(|(index, routine)| {
+                let parameters = resolver.routine_parameters(&routine.parameters);
+                let body = resolver.block(&routine.body, &mut Scope::of_routine(index, routine));
+                ResolvedRoutine { parameters, body }
+            })
             .collect(),
     };
     let mut errors = resolver.errors;
@@ -50,7 +65,7 @@ pub(super) fn resolve(
             *problem,
             ProgramProblem::TooDeep { .. } | ProgramProblem::TooLong { what: WHOLE, .. }
         );
-        errors.push(ProgramError { place, problem: *problem, repetitions: 0 });
+        errors.push(ProgramError::new(place, *problem));
         if whole || !resolved.mark_unresolved(place) {
             break;
         }
@@ -60,47 +75,32 @@ pub(super) fn resolve(
 
 /// Errors of single lines of a program that could not be parsed as a whole: names, units, unbounded repetition.
 ///
-/// Unknown routines and counters are not reported, because they may be defined in the part that was not parsed; wafers and targets are not checked.
+/// Unknown routines, counters and parameters are not reported, because they may be defined in the part that was not parsed; wafers and targets are not checked.
 #[must_use]
 pub fn name_errors(cell: &Cell, program: &Program) -> Vec<ProgramError> {
     let (_, mut errors) = resolve(cell, program);
     errors.retain(|error| {
-        !matches!(error.problem, ProgramProblem::Unknown { what: ROUTINE | COUNTER, .. })
+        !matches!(
+            error.problem,
+            ProgramProblem::Unknown { what: ROUTINE | VARIABLE, .. }
+                | ProgramProblem::ArgumentCount { .. }
+        )
     });
     errors
 }
 
-/// Kinds of names, in messages.
-const ROUTINE: &str = "the routine";
-const COUNTER: &str = "the counter";
-
 /// Largest number of unbounded instructions that are reported together.
 const MAX_UNBOUNDED: usize = 10;
 
-struct Resolver<'p> {
-    cell: &'p Cell,
-    /// Index and line of each routine, by name.
-    routines: BTreeMap<&'p str, (usize, usize)>,
-    errors: Vec<ProgramError>,
-}
-
-/// The counters of the REPEATs around an instruction, outermost first.
-type Counters<'p> = Vec<Option<&'p Name>>;
-
 impl<'p> Resolver<'p> {
-    fn error(&mut self, place: SourceLocation, problem: ProgramProblem) {
-        self.errors.push(ProgramError { place, problem, repetitions: 0 });
-    }
-
     fn block(
         &mut self,
         body: &'p [Instruction],
-        counters: &mut Counters<'p>,
+        scope: &mut Scope<'p>,
     ) -> Vec<ResolvedInstruction> {
         let mut lines = Vec::with_capacity(body.len());
         for instruction in body {
-            let command =
-                self.command(instruction, counters).unwrap_or(ResolvedCommand::Unresolved);
+            let command = self.command(instruction, scope).unwrap_or(ResolvedCommand::Unresolved);
             lines.push(ResolvedInstruction { place: instruction.place, command });
         }
         lines
@@ -110,158 +110,161 @@ impl<'p> Resolver<'p> {
     fn command(
         &mut self,
         instruction: &'p Instruction,
-        counters: &mut Counters<'p>,
+        scope: &mut Scope<'p>,
     ) -> Option<ResolvedCommand> {
         let place = instruction.place;
         Some(match &instruction.command {
             Command::Home => ResolvedCommand::Home,
             Command::Move { targets } => {
-                let found: Vec<_> = targets.iter().map(|target| self.axis(target)).collect();
+                let found: Vec<_> = targets.iter().map(|target| self.axis(target, scope)).collect();
                 ResolvedCommand::Move(found.into_iter().collect::<Option<_>>()?)
             }
             Command::MoveLine { effector, by } => {
-                let effector = match effector {
-                    Some(name) => self.effector(name),
-                    None => self.only_one(place, "the robot has several effectors", &self.all()),
-                };
-                if let Some(&value) = by.iter().find(|length| !length.is_finite()) {
-                    let allowed = "a finite length in m";
-                    self.error(
-                        place,
-                        ProgramProblem::Range { what: "the displacement", value, allowed },
-                    );
-                    return None;
-                }
-                ResolvedCommand::MoveLine { effector: effector?, by: *by }
+                let effector = self.choice(place, effector.as_ref(), &[], scope);
+                let [x, y, z] = by.each_ref().map(|length| {
+                    let (what, allowed) = ("the displacement", AllowedValues::LENGTH);
+                    self.optional(what, length.as_ref(), allowed, scope)
+                });
+                ResolvedCommand::MoveLine { effector: effector?, by: [x?, y?, z?] }
             }
             Command::Get { from, effector } => {
-                let (from, effector) =
-                    self.slot_and_effector(place, from, effector.as_ref(), counters)?;
+                let (from, effector) = self.visit(place, from, effector.as_ref(), scope)?;
                 ResolvedCommand::Get { from, effector }
             }
             Command::Put { to, effector } => {
-                let (to, effector) =
-                    self.slot_and_effector(place, to, effector.as_ref(), counters)?;
+                let (to, effector) = self.visit(place, to, effector.as_ref(), scope)?;
                 ResolvedCommand::Put { to, effector }
             }
             Command::Goto { to, effector } => {
-                let (to, effector) =
-                    self.slot_and_effector(place, to, effector.as_ref(), counters)?;
+                let (to, effector) = self.visit(place, to, effector.as_ref(), scope)?;
                 ResolvedCommand::Goto { to, effector }
             }
             Command::Transfer { from, to, effector } => {
-                let (from, to) = (self.slot(from, counters), self.slot(to, counters));
-                let named = effector.as_ref().map(|name| self.effector(name));
-                let (from, to) = (from?, to?);
-                let effector = match named {
-                    Some(found) => {
-                        let found = found?;
-                        let may = [from, to].map(|slot| self.may_use(place, found, slot.station));
-                        may.iter().all(|may| *may).then_some(found)?
-                    }
-                    None => self.common_effector(place, from.station, to.station)?,
-                };
-                ResolvedCommand::Transfer { from, to, effector }
+                let (from, to) = (self.slot(from, scope), self.slot(to, scope));
+                let named = self.effector(effector.as_ref(), scope);
+                let (from, to, named) = (from?, to?, named?);
+                let choice = EffectorChoice { named, place };
+                self.check_choice(choice, &[from.station, to.station])?;
+                ResolvedCommand::Transfer { from, to, effector: choice }
             }
             Command::Swap { at, get, put } => {
-                let slot = self.slot(at, counters);
-                let (picking, placing) = (self.effector(get), self.effector(put));
-                let (slot, picking, placing) = (slot?, picking?, placing?);
-                if picking == placing {
-                    let effector = get.text.clone();
-                    self.error(put.place, ProgramProblem::SameEffector { effector });
-                    return None;
-                }
-                let may = [(get, picking), (put, placing)]
-                    .map(|(name, id)| self.may_use(name.place, id, slot.station));
-                may.iter().all(|may| *may).then_some(ResolvedCommand::Swap {
-                    at: slot,
-                    get: picking,
-                    put: placing,
-                })?
-            }
-            Command::Wait { seconds } => {
-                let ok = seconds.is_finite() && *seconds >= 0.0;
-                let allowed = "finite and not negative, in s";
-                self.check_range(place, "the time", *seconds, ok, allowed)?;
-                ResolvedCommand::Wait(*seconds)
-            }
-            Command::Speed { fraction } => {
-                let ok = *fraction > 0.0 && *fraction <= 1.0;
-                self.check_range(
-                    place,
-                    "the speed",
-                    *fraction,
-                    ok,
-                    "a fraction above 0, at most 1",
-                )?;
-                ResolvedCommand::Speed(*fraction)
-            }
-            Command::Blend { radius } => {
-                let ok = radius.is_finite() && *radius >= 0.0;
-                let allowed = "finite and not negative, in m";
-                self.check_range(place, "the radius of blending", *radius, ok, allowed)?;
-                ResolvedCommand::Blend(*radius)
-            }
-            Command::Tilt { tilt } => {
-                let ok = tilt.pitch.abs() < std::f64::consts::FRAC_PI_2;
-                self.check_range(
-                    place,
-                    "the tilt",
-                    tilt.pitch,
-                    ok,
-                    "less than a right angle, in rad",
-                )?;
-                let allowed = "finite, in rad";
-                self.check_range(place, "the azimuth", tilt.yaw, tilt.yaw.is_finite(), allowed)?;
-                ResolvedCommand::Tilt(*tilt)
-            }
-            Command::Call { routine } => {
-                if let Some(&(index, _)) = self.routines.get(routine.text.as_str()) {
-                    ResolvedCommand::Call(index)
-                } else {
-                    let known = self.routines.keys().map(|name| (*name).to_owned()).collect();
-                    self.unknown(ROUTINE, routine, known);
-                    return None;
-                }
-            }
-            Command::Repeat { times, counter, body } => {
-                let same = |outer: &&Name| Some(&outer.text) == counter.as_ref().map(|it| &it.text);
-                if let Some(name) = counter
-                    && let Some(outer) = counters.iter().flatten().find(|outer| same(outer))
+                let slot = self.slot(at, scope);
+                let named = [get, put].map(|name| (name.place, self.effector(Some(name), scope)));
+                let slot = slot?;
+                let [get, put] =
+                    named.map(|(place, named)| named.map(|named| EffectorChoice { named, place }));
+                let (get, put) = (get?, put?);
+                if let (EffectorReference::Fixed(one), EffectorReference::Fixed(other)) =
+                    (get.named, put.named)
                 {
-                    let (what, line) = (COUNTER, outer.place.line);
-                    let problem = ProgramProblem::Duplicate { what, name: name.text.clone(), line };
-                    self.error(name.place, problem);
+                    self.checked(put.place, check_swap(self.cell, one, other))?;
                 }
-                counters.push(counter.as_ref());
-                let body = self.block(body, counters);
-                counters.pop();
-                ResolvedCommand::Repeat { times: *times, body }
+                let may = [get, put].map(|choice| self.check_choice(choice, &[slot.station]));
+                may.into_iter().collect::<Option<Vec<()>>>()?;
+                ResolvedCommand::Swap { at: slot, get, put }
+            }
+            Command::Wait { duration } => ResolvedCommand::Wait(self.quantity(
+                "the time",
+                duration,
+                AllowedValues::TIME,
+                scope,
+            )?),
+            Command::Speed { fraction } => ResolvedCommand::Speed(self.quantity(
+                "the share of the limits",
+                fraction,
+                AllowedValues::SPEED,
+                scope,
+            )?),
+            Command::Blend { radius } => {
+                let (what, allowed) = ("the radius of blending", AllowedValues::BLEND_RADIUS);
+                ResolvedCommand::Blend(self.optional(what, radius.as_ref(), allowed, scope)?)
+            }
+            Command::Tilt { tilt: None } => ResolvedCommand::Tilt(None),
+            Command::Tilt { tilt: Some(tilt) } => {
+                let angle = self.quantity("the tilt", &tilt.angle, AllowedValues::TILT, scope);
+                let azimuth =
+                    self.quantity("the azimuth", &tilt.azimuth, AllowedValues::ANGLE, scope);
+                ResolvedCommand::Tilt(Some(ResolvedTilt { angle: angle?, azimuth: azimuth? }))
+            }
+            Command::Call { routine, arguments } => self.call(routine, arguments, scope)?,
+            Command::Repeat { times, counter, body } => {
+                self.repeat(times, counter.as_ref(), body, scope)?
+            }
+            Command::If { branches, otherwise } => {
+                let mut resolved = Vec::with_capacity(branches.len());
+                for branch in branches {
+                    let condition = self.condition(&branch.condition, scope);
+                    let body = self.block(&branch.body, scope);
+                    resolved.push(condition.map(|condition| ResolvedBranch { condition, body }));
+                }
+                let otherwise = self.block(otherwise, scope);
+                let branches = resolved.into_iter().collect::<Option<_>>()?;
+                ResolvedCommand::If { branches, otherwise }
             }
         })
     }
 
-    fn check_range(
+    fn repeat(
         &mut self,
-        place: SourceLocation,
-        what: &'static str,
-        value: f64,
-        ok: bool,
-        allowed: &'static str,
-    ) -> Option<()> {
-        if !ok {
-            self.error(place, ProgramProblem::Range { what, value, allowed });
+        times: &'p Number,
+        counter: Option<&'p Name>,
+        body: &'p [Instruction],
+        scope: &mut Scope<'p>,
+    ) -> Option<ResolvedCommand> {
+        let times = self.number(times, scope);
+        if let Some(name) = counter {
+            self.check_free(name, scope);
         }
-        ok.then_some(())
+        scope.counters.push(counter);
+        let body = self.block(body, scope);
+        scope.counters.pop();
+        let (what, allowed) = ("the number of passes", AllowedValues::PASSES);
+        let times = self.allowed(ResolvedQuantity { what, number: times?, allowed })?;
+        Some(ResolvedCommand::Repeat { times, counter: counter.map(|it| it.text.clone()), body })
     }
 
-    fn unknown(&mut self, what: &'static str, name: &Name, known: Vec<String>) {
-        let found = name.text.clone();
-        self.error(name.place, ProgramProblem::Unknown { what, found, known });
+    /// A quantity, checked where it is constant.
+    fn quantity(
+        &mut self,
+        what: &'static str,
+        quantity: &Quantity,
+        allowed: AllowedValues,
+        scope: &Scope<'_>,
+    ) -> Option<ResolvedQuantity> {
+        let number = self.number(&quantity.number, scope)?;
+        self.allowed(ResolvedQuantity { what, number, allowed })
     }
 
-    fn axis(&mut self, target: &AxisTarget) -> Option<(usize, f64)> {
+    /// A quantity where there is one.
+    fn optional(
+        &mut self,
+        what: &'static str,
+        quantity: Option<&Quantity>,
+        allowed: AllowedValues,
+        scope: &Scope<'_>,
+    ) -> Option<Option<ResolvedQuantity>> {
+        match quantity {
+            Some(quantity) => self.quantity(what, quantity, allowed, scope).map(Some),
+            None => Some(None),
+        }
+    }
+
+    /// The quantity, if it may have an allowed value.
+    fn allowed(&mut self, quantity: ResolvedQuantity) -> Option<ResolvedQuantity> {
+        let ResolvedQuantity { what, number, allowed } = &quantity;
+        if let Some(found) = number.constant().filter(|&value| !allowed.contains(value)) {
+            let (what, allowed) = (*what, *allowed);
+            self.error(number.place, ProgramProblem::Value { what, found, allowed });
+            return None;
+        }
+        Some(quantity)
+    }
+
+    fn axis(
+        &mut self,
+        target: &AxisTarget,
+        scope: &Scope<'_>,
+    ) -> Option<(usize, ResolvedQuantity)> {
         let axes = &self.cell.robot.axes;
         let Some(index) = axes.iter().position(|axis| axis.name == target.axis.text) else {
             let known = axes.iter().map(|axis| axis.name.clone()).collect();
@@ -269,157 +272,64 @@ impl<'p> Resolver<'p> {
             return None;
         };
         let axis = &axes[index];
-        if axis.kind != target.kind {
+        let (unit, allowed) = match axis.kind {
+            AxisKind::Rotary => (Unit::Degree, AllowedValues::ANGLE),
+            AxisKind::Linear => (Unit::Millimeter, AllowedValues::LENGTH),
+        };
+        if target.position.unit != unit {
             let (name, kind) = (axis.name.clone(), axis.kind);
             self.error(target.axis.place, ProgramProblem::AxisUnit { axis: name, kind });
             return None;
         }
-        let position = target.position;
-        let finite = position.is_finite();
-        self.check_range(target.axis.place, "the position", position, finite, "finite")?;
-        Some((index, position))
+        Some((index, self.quantity("the position", &target.position, allowed, scope)?))
     }
 
-    fn all(&self) -> Vec<EffectorId> {
-        effectors(&self.cell.robot)
-    }
-
-    fn effector(&mut self, name: &Name) -> Option<EffectorId> {
-        let robot = &self.cell.robot;
-        let found = self.all().into_iter().find(|&id| effector_name(robot, id) == name.text);
-        if found.is_none() {
-            let known = self.names(&self.all());
-            self.unknown("the effector", name, known);
-        }
-        found
-    }
-
-    fn names(&self, ids: &[EffectorId]) -> Vec<String> {
-        ids.iter().map(|&id| effector_name(&self.cell.robot, id).to_owned()).collect()
-    }
-
-    /// The only element of a list, or an error.
-    fn only_one(
+    /// The effector of an instruction without stations or with those that are known, checked where all are known.
+    fn choice(
         &mut self,
         place: SourceLocation,
-        context: &str,
-        ids: &[EffectorId],
-    ) -> Option<EffectorId> {
-        if let &[only] = ids {
-            return Some(only);
-        }
-        let (context, known) = (context.to_owned(), self.names(ids));
-        self.error(place, ProgramProblem::WhichEffector { context, known });
-        None
+        name: Option<&Name>,
+        stations: &[StationReference],
+        scope: &Scope<'_>,
+    ) -> Option<EffectorChoice> {
+        let named = self.effector(name, scope)?;
+        let choice = EffectorChoice { named, place: name.map_or(place, |name| name.place) };
+        self.check_choice(choice, stations)?;
+        Some(choice)
+    }
+
+    /// Checks an effector where neither it nor the stations depend on arguments.
+    fn check_choice(
+        &mut self,
+        choice: EffectorChoice,
+        stations: &[StationReference],
+    ) -> Option<()> {
+        let named = match choice.named {
+            EffectorReference::Fixed(id) => Some(id),
+            EffectorReference::Only => None,
+            EffectorReference::Argument(_) => return Some(()),
+        };
+        let fixed = stations.iter().map(|station| match station {
+            StationReference::Fixed(index) => Some(*index),
+            StationReference::Argument(_) => None,
+        });
+        let Some(fixed) = fixed.collect::<Option<Vec<usize>>>() else { return Some(()) };
+        self.checked(choice.place, choose_effector(self.cell, named, &fixed)).map(|_| ())
     }
 
     /// A slot and the effector that uses it.
-    fn slot_and_effector(
+    fn visit(
         &mut self,
         place: SourceLocation,
-        slot: &'p SlotName,
+        slot: &SlotName,
         effector: Option<&Name>,
-        counters: &Counters<'p>,
-    ) -> Option<(ResolvedSlot, EffectorId)> {
-        let slot = self.slot(slot, counters);
-        let named = effector.map(|name| (name.place, self.effector(name)));
-        let slot = slot?;
-        let station = &self.cell.stations[slot.station];
-        let effector = match named {
-            Some((place, found)) => {
-                let found = found?;
-                self.may_use(place, found, slot.station).then_some(found)?
-            }
-            None => {
-                let context = format!("station {} is open to several effectors", station.name);
-                self.only_one(place, &context, &station.effectors)?
-            }
-        };
-        Some((slot, effector))
+        scope: &Scope<'_>,
+    ) -> Option<(ResolvedSlot, EffectorChoice)> {
+        let slot = self.slot(slot, scope);
+        let named = self.effector(effector, scope);
+        let (slot, named) = (slot?, named?);
+        let choice = EffectorChoice { named, place: effector.map_or(place, |name| name.place) };
+        self.check_choice(choice, &[slot.station])?;
+        Some((slot, choice))
     }
-
-    fn may_use(&mut self, place: SourceLocation, effector: EffectorId, station: usize) -> bool {
-        let station = &self.cell.stations[station];
-        let may = station.effectors.contains(&effector);
-        if !may {
-            let problem = ProgramProblem::NotAllowed {
-                effector: effector_name(&self.cell.robot, effector).to_owned(),
-                station: station.name.clone(),
-                known: self.names(&station.effectors),
-            };
-            self.error(place, problem);
-        }
-        may
-    }
-
-    /// The only effector that may use two stations.
-    fn common_effector(
-        &mut self,
-        place: SourceLocation,
-        from: usize,
-        to: usize,
-    ) -> Option<EffectorId> {
-        let (one, other) = (&self.cell.stations[from], &self.cell.stations[to]);
-        let may = one.effectors.iter().filter(|id| other.effectors.contains(id));
-        let both: Vec<EffectorId> = may.copied().collect();
-        if both.is_empty() {
-            let problem = ProgramProblem::NoCommonEffector {
-                from: one.name.clone(),
-                to: other.name.clone(),
-                may_from: self.names(&one.effectors),
-                may_to: self.names(&other.effectors),
-            };
-            self.error(place, problem);
-            return None;
-        }
-        let context =
-            format!("stations {} and {} are open to several effectors", one.name, other.name);
-        self.only_one(place, &context, &both)
-    }
-
-    fn slot(&mut self, name: &'p SlotName, counters: &Counters<'p>) -> Option<ResolvedSlot> {
-        let stations = &self.cell.stations;
-        let index = stations.iter().position(|station| station.name == name.station.text);
-        if index.is_none() {
-            let known = stations.iter().map(|station| station.name.clone()).collect();
-            self.unknown("the station", &name.station, known);
-        }
-        let (number, place) = match &name.slot {
-            None => (Some(ResolvedSlotNumber::Fixed(1)), name.station.place),
-            Some(SlotNumber::Fixed { number, place }) => (
-                Some(ResolvedSlotNumber::Fixed(i128::try_from(*number).unwrap_or(i128::MAX))),
-                *place,
-            ),
-            Some(SlotNumber::Counted { counter, offset, down }) => {
-                let is_it = |it: &Option<&Name>| it.is_some_and(|it| it.text == counter.text);
-                let number = counters.iter().rposition(is_it).map(|repeat| {
-                    ResolvedSlotNumber::Counted { repeat, offset: *offset, down: *down }
-                });
-                if number.is_none() {
-                    let known = counters.iter().flatten().map(|it| it.text.clone()).collect();
-                    self.unknown(COUNTER, counter, known);
-                }
-                (number, counter.place)
-            }
-        };
-        let station = index?;
-        if let (None, slots @ 2..) = (&name.slot, stations[station].slots) {
-            let station = name.station.text.clone();
-            self.error(name.station.place, ProgramProblem::WhichSlot { station, slots });
-            return None;
-        }
-        Some(ResolvedSlot { station, number: number?, place })
-    }
-}
-
-pub(super) fn effectors(robot: &HybridRobot) -> Vec<EffectorId> {
-    let arms = robot.arms.iter().enumerate();
-    let on = |(arm, it): (usize, &crate::robot::Arm)| {
-        (0..it.effectors.len()).map(move |effector| EffectorId { arm, effector })
-    };
-    arms.flat_map(on).collect()
-}
-
-pub(super) fn effector_name(robot: &HybridRobot, id: EffectorId) -> &str {
-    &robot.arms[id.arm].effectors[id.effector].name
 }

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
 
+use super::effector_choice::effector_name;
 use super::ik_cache::IkCache;
 use super::limits::check_limits;
 use super::occupancy::slot_name;
 use super::problem::Leveling;
-use super::resolve::effector_name;
 use super::retracted_pose::{retracted_positions, turns_arms};
 use super::{Handoff, LinePostures, Path, Phase, ProgramProblem, SourceLocation, Step};
 use crate::robot::{ArmChain, EffectorId, RODS, Redundancy, WaferTarget};

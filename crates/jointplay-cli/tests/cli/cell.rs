@@ -868,3 +868,34 @@ fn displacement_of_wafers_names_causes_and_bounds() {
     let steep = sandbox.run("cell displacement --tilt-deg 0,3");
     assert_eq!(steep.code, 1, "{}", steep.stderr);
 }
+
+#[test]
+fn parameters_of_a_program_are_set_on_every_command_that_reads_it() {
+    let sandbox = sandbox(&[]);
+    let text = "PARAMETER lot = 2 FROM 1 TO 25\nPARAMETER pause = 1 s\nREPEAT lot AS n\n  TRANSFER LP1 SLOT n TO LP2 SLOT n WITH A\n  WAIT pause s\nEND\n";
+    sandbox.write("example.program", text);
+    let wafers = |command: &str| sandbox.json(command)["wafers"].as_u64().unwrap();
+    assert_eq!(wafers("cell check example.toml"), 2);
+    assert_eq!(wafers("cell check example.toml --set lot=1,pause=2s"), 1);
+    sandbox.done("cell run example.toml --set lot=1 --out run");
+    let report: Value = serde_json::from_str(&sandbox.read("run/report.json")).unwrap();
+    assert_eq!(report["wafers"], 1);
+    sandbox.done("cell export example.toml --set lot=1 --to text --dialect neutral --out text");
+    let displacement = sandbox.json("cell displacement example.toml --set lot=1");
+    assert_eq!(displacement["wafers"].as_array().unwrap().len(), 2);
+    let refused = |flags: &str, message: &str| {
+        let run = sandbox.run(&format!("cell check example.toml {flags}"));
+        assert_eq!(run.code, 2, "{flags}: {}", run.stderr);
+        assert!(run.stderr.contains(message), "{flags}: {}", run.stderr);
+    };
+    refused(
+        "--set lott=1",
+        "example.program:1:17: the parameter `lott` is not known (did you mean",
+    );
+    refused("--set lot=26", "example.program:1:17: the parameter lot is 26, but has to be from 1");
+    refused("--set pause=2", "has to be a number in s, as in `2 s`, found 2");
+    refused("--set pause=2mm", "has to be a number in s, as in `2 s`, found 2mm");
+    refused("--set lot", "expected PARAMETER=VALUE");
+    let run = sandbox.run("cell displacement example.toml --station LP2 --set lot=1");
+    assert_eq!(run.code, 2, "{}", run.stderr);
+}

@@ -28,7 +28,8 @@ pub(crate) struct Formula {
 impl Formula {
     /// Parses a text, with the unit of the angles of its functions.
     pub(crate) fn parse(text: &str, angle: AngleUnit) -> Result<Self, ExpressionError> {
-        let expression = Parser::new(&tokens(text), angle).whole()?;
+        let end = (text.trim_end().chars().count() + 1, text.trim_end().len());
+        let expression = Parser::new(&tokens(text), end, angle).whole()?;
         Ok(Self { expression, length: text.len() })
     }
 

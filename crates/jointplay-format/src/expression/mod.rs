@@ -6,6 +6,7 @@
 //! | `functions` | names of functions, and the unit of their angles |
 //! | `parser` | from tokens to an expression |
 //! | `formula` | expressions in the text of a value, and their evaluation |
+//! | `write` | from an expression to text |
 //! | `problem` | errors |
 
 mod formula;
@@ -13,9 +14,12 @@ mod functions;
 mod parser;
 mod problem;
 mod token;
+mod write;
 
 pub(crate) use formula::{Formula, Scope};
 pub use functions::AngleUnit;
+pub(crate) use parser::{Parsed, Parser, VariableName};
 pub(crate) use problem::ExpressionError;
 pub use problem::ExpressionProblem;
-pub(crate) use token::is_free_name;
+pub(crate) use token::{Token, TokenKind, is_free_name, number_length};
+pub(crate) use write::{Rank, text};

@@ -5,12 +5,9 @@ use std::ops::Range;
 use jointplay_core::expression::{BinaryOperator, Expression, Operation};
 
 use super::functions::{AngleUnit, argument_count, function, function_name, function_names};
-use super::problem::{ExpressionError, ExpressionProblem};
+use super::problem::{ExpressionError, ExpressionProblem, MAX_DEPTH};
 use super::token::{Token, TokenKind};
 use crate::place::nearest;
-
-/// Deepest nesting of parentheses, powers and signs, so that no text overflows the stack.
-pub(super) const MAX_DEPTH: usize = 100;
 
 /// A variable of an expression as written.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,10 +40,10 @@ pub(crate) struct Parser<'t> {
 
 impl<'t> Parser<'t> {
     /// A parser of tokens.
-    pub(crate) fn new(tokens: &'t [Token<'t>], angle: AngleUnit) -> Self {
-        let end = tokens
-            .last()
-            .map_or((1, 0), |last| (last.column + last.text.chars().count(), last.span.end));
+    ///
+    /// # Arguments
+    /// * `end` – column and byte of the end of the text
+    pub(crate) fn new(tokens: &'t [Token<'t>], end: (usize, usize), angle: AngleUnit) -> Self {
         Self { tokens, at: 0, end, angle, depth: 0, operations: Vec::new() }
     }
 
@@ -162,7 +159,11 @@ impl<'t> Parser<'t> {
             return self.close();
         }
         match self.peek() {
-            Some(Token { kind: TokenKind::Number(value), .. }) => {
+            Some(Token { kind: TokenKind::Number(value), span, .. }) => {
+                if value.is_infinite() {
+                    let problem = ExpressionProblem::NotFinite { value: *value };
+                    return Err(ExpressionError { span: span.clone(), problem });
+                }
                 self.operations.push(Operation::Constant(*value));
                 self.at += 1;
                 Ok(())

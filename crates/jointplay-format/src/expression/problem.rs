@@ -4,9 +4,11 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::functions::function_names;
-use super::parser::MAX_DEPTH;
 use crate::number::number;
 use crate::place::{listed, nearest, suggestion};
+
+/// Deepest nesting of parentheses, powers and signs, so that no text overflows the stack.
+pub(super) const MAX_DEPTH: usize = 100;
 
 /// An error of an expression with the bytes that it is about.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,16 +1,25 @@
 //! Reads one line from left to right.
 
-use jointplay_cell::program::{Name, SourceLocation};
+use std::cell::OnceCell;
+
+use jointplay_cell::program::{AllowedValues, Name, Number, Quantity, SourceLocation, Unit};
 
 use super::lexer::{Kind, Line, Token, unquoted};
 use super::problem::{Error, Problem};
-use super::words::{Unit, is_foreign_unit, meant, reserved};
+use super::words::{is_foreign_unit, meant, reserved, unit};
+use crate::expression::{
+    self, AngleUnit, ExpressionError, ExpressionProblem, Parsed, Parser, TokenKind, VariableName,
+};
 use crate::place;
-use crate::units::{m_from_mm, shift};
+
+/// The end of the line, in messages.
+const END_OF_LINE: &str = "the end of the line";
 
 /// A position in a line, with the alternatives that the grammar allows there.
 pub(super) struct Cursor<'l, 't> {
     line: &'l Line<'t>,
+    /// The tokens as those of an expression, once one is read.
+    operands: OnceCell<Vec<expression::Token<'t>>>,
     at: usize,
     /// Alternatives that were tried here without success.
     expected: Vec<String>,
@@ -18,7 +27,23 @@ pub(super) struct Cursor<'l, 't> {
 
 impl<'l, 't> Cursor<'l, 't> {
     pub(super) fn new(line: &'l Line<'t>) -> Self {
-        Self { line, at: 0, expected: Vec::new() }
+        Self { line, operands: OnceCell::new(), at: 0, expected: Vec::new() }
+    }
+
+    /// The token after the next one.
+    pub(super) fn peek_second(&self) -> Option<&'l Token<'t>> {
+        self.line.tokens.get(self.at + 1)
+    }
+
+    /// A position to which [`rewind`](Self::rewind) returns.
+    pub(super) fn position(&self) -> usize {
+        self.at
+    }
+
+    /// Returns to an earlier position.
+    pub(super) fn rewind(&mut self, position: usize) {
+        self.at = position;
+        self.expected.clear();
     }
 
     pub(super) fn peek(&self) -> Option<&'l Token<'t>> {
@@ -30,10 +55,15 @@ impl<'l, 't> Cursor<'l, 't> {
         self.expected.clear();
     }
 
+    /// Column of the end of the line, as the ends of an expression.
+    fn end_of_line(&self) -> (usize, usize) {
+        let column = self.line.tokens.last().map_or(1, |last| last.column + last.width());
+        (column, column)
+    }
+
     /// Place of the next token, or the end of the line.
     pub(super) fn place(&self) -> SourceLocation {
-        let end = self.line.tokens.last().map_or(1, |last| last.column + last.width());
-        let column = self.peek().map_or(end, |token| token.column);
+        let column = self.peek().map_or(self.end_of_line().0, |token| token.column);
         SourceLocation { line: self.line.number, column }
     }
 
@@ -52,10 +82,14 @@ impl<'l, 't> Cursor<'l, 't> {
     pub(super) fn unexpected(&self) -> Error {
         let expected = self.expected.clone();
         let Some(token) = self.peek() else {
-            let found = "the end of the line".to_owned();
+            let found = END_OF_LINE.to_owned();
             return self.error(Problem::Expected { expected, found, nearest: None });
         };
-        let wants_name = expected.iter().any(|choice| choice.starts_with("the name"));
+        let wants_name = expected.iter().any(|choice| {
+            choice.starts_with("the name")
+                || choice.starts_with("the number")
+                || choice.contains(" in ")
+        });
         self.error(match (token.kind, reserved(token.text)) {
             (Kind::Unclosed, _) => Problem::Unclosed { found: token.text.to_owned() },
             (Kind::Word, Some(_)) if wants_name => {
@@ -94,6 +128,17 @@ impl<'l, 't> Cursor<'l, 't> {
         found
     }
 
+    /// Requires a sign; `expected` are the alternatives in the message.
+    pub(super) fn require_sign(&mut self, sign: &str, expected: &str) -> Result<(), Error> {
+        if self.accept_sign(sign) { Ok(()) } else { Err(self.expecting(&[expected])) }
+    }
+
+    /// The error that the next token is none of these.
+    pub(super) fn expecting(&mut self, expected: &[&str]) -> Error {
+        self.expected.extend(expected.iter().map(|one| (*one).to_owned()));
+        self.unexpected()
+    }
+
     /// The next token, if it is a name; `what` is the kind of the named object.
     pub(super) fn accept_name(&mut self, what: &str) -> Result<Option<Name>, Error> {
         let name = match self.peek() {
@@ -118,77 +163,181 @@ impl<'l, 't> Cursor<'l, 't> {
         self.accept_name(what)?.ok_or_else(|| self.unexpected())
     }
 
-    /// A whole number from `min` to `max`, if the next token is a number.
-    pub(super) fn accept_whole(
-        &mut self,
-        what: &'static str,
-        min: i64,
-        max: i64,
-    ) -> Result<Option<i64>, Error> {
-        let Some(&Token { kind: Kind::Number(value), text, .. }) = self.peek() else {
-            self.expected.push("a whole number".to_owned());
-            return Ok(None);
-        };
-        #[expect(clippy::cast_precision_loss, reason = "limits are far below 2⁵³")]
-        if !(value.fract() == 0.0 && value >= min as f64 && value <= max as f64) {
-            let allowed = format!("a whole number from {min} to {max}");
-            return Err(self.error(Problem::Range { what, found: text.to_owned(), allowed }));
-        }
-        self.advance();
-        #[expect(clippy::cast_possible_truncation, reason = "whole, and within the limits")]
-        Ok(Some(value as i64))
+    /// A sum without unit; `what` is its meaning.
+    pub(super) fn number(&mut self, what: &str) -> Result<Number, Error> {
+        self.expression(what, |parser| parser.sum())
     }
 
-    /// A number with one of these units, in SI, from `min` to `max` in the unit as written; its unit.
+    /// A sum without unit, whose value is checked if it is a literal number.
+    pub(super) fn literal_or_number(
+        &mut self,
+        what: &'static str,
+        allowed: AllowedValues,
+    ) -> Result<Number, Error> {
+        let (at, place) = (self.at, self.place());
+        let number = self.number(what)?;
+        if let Some(false) = number.expression.as_constant().map(|value| allowed.contains(value)) {
+            let (found, allowed) = (self.text_since(at), allowed.to_string());
+            let width = found.chars().count();
+            let problem = Problem::Range { what, found, allowed };
+            return Err(self.error_at(place.column, width, problem));
+        }
+        Ok(number)
+    }
+
+    /// The tokens since an earlier position, without blanks.
+    fn text_since(&self, at: usize) -> String {
+        self.line.tokens[at..self.at].iter().map(|token| token.text).collect()
+    }
+
+    /// A parser of the expression that starts at a token.
+    fn parser(&self, start: usize) -> Parser<'_> {
+        let all = self.operands.get_or_init(|| self.line.tokens.iter().map(operand).collect());
+        Parser::new(&all[start..], self.end_of_line(), AngleUnit::Degree)
+    }
+
+    /// An expression at the next token.
+    fn expression(
+        &mut self,
+        what: &str,
+        read: impl for<'p> FnOnce(Parser<'p>) -> Result<Parsed, ExpressionError>,
+    ) -> Result<Number, Error> {
+        let place = self.place();
+        let parsed = match read(self.parser(self.at)) {
+            Ok(parsed) => parsed,
+            Err(error) => return Err(self.expression_error(what, error)),
+        };
+        self.at += parsed.tokens;
+        self.expected.clear();
+        let name = |name: &VariableName| {
+            if name.text.trim().is_empty() || name.text.contains(char::is_control) {
+                let problem = Problem::Name { found: format!("{:?}", name.text) };
+                return Err(self.error_at(name.column, name.span.len(), problem));
+            }
+            let place = SourceLocation { line: place.line, column: name.column };
+            Ok(Name { text: name.text.clone(), place })
+        };
+        let expression = parsed.expression.try_map(name)?;
+        Ok(Number { place, expression })
+    }
+
+    fn expression_error(&mut self, what: &str, error: ExpressionError) -> Error {
+        let ExpressionError { span, problem } = error;
+        match problem {
+            ExpressionProblem::Syntax { column, .. } if column == self.place().column => {
+                self.expected.push(what.to_owned());
+                self.unexpected()
+            }
+            ExpressionProblem::Syntax { column, expected, found } => {
+                let expected = vec![expected.to_owned()];
+                let found =
+                    if column == self.end_of_line().0 { END_OF_LINE.to_owned() } else { found };
+                let problem = Problem::Expected { expected, found, nearest: None };
+                self.error_at(column, span.len(), problem)
+            }
+            problem => self.error_at(span.start, span.len(), Problem::Expression(problem)),
+        }
+    }
+
+    /// A number with one of the allowed units; a literal number is checked.
     pub(super) fn quantity(
         &mut self,
         what: &'static str,
-        allowed: &[(Unit, f64, f64)],
-    ) -> Result<(f64, Unit), Error> {
-        let units = || allowed.iter().map(|(unit, ..)| unit.symbol().to_owned()).collect();
-        let Some(number) = self.peek().copied() else {
-            return Err(self.no_number(what, allowed));
+        allowed: &[AllowedValues],
+    ) -> Result<Quantity, Error> {
+        let symbols = || {
+            let units = allowed.iter().filter_map(|one| one.unit);
+            units.map(|unit| unit.symbol().to_owned()).collect::<Vec<_>>()
         };
-        let Kind::Number(value) = number.kind else {
-            return Err(self.no_number(what, allowed));
+        let (start, place) = (self.at, self.place());
+        let expected = format!("{what} in {}", symbols().join(" or "));
+        let number = self.expression(&expected, |parser| parser.signed())?;
+        let text = self.text_since(start);
+        let Some((unit, written)) = self.accept_unit() else {
+            if let Some(problem) = self.unbracketed() {
+                return Err(problem);
+            }
+            if unit(&text).is_some() {
+                self.rewind(start);
+                return Err(self.expecting(&[&expected]));
+            }
+            let width = text.chars().count();
+            let problem = Problem::NoUnit { number: text, allowed: symbols() };
+            return Err(self.error_at(place.column, width, problem));
         };
-        let next = self.line.tokens.get(self.at + 1).copied();
-        let written = next.filter(|token| {
-            let unit = Unit::of(token.text).is_some() || is_foreign_unit(token.text);
-            unit || token.text == "°" || (token.kind == Kind::Word && token.touches(&number))
-        });
-        let Some(written) = written else {
-            let problem = Problem::NoUnit { number: number.text.to_owned(), allowed: units() };
-            return Err(self.error(problem));
-        };
-        let unit = Unit::of(written.text);
-        let Some(&(unit, min, max)) = allowed.iter().find(|(known, ..)| Some(*known) == unit)
+        let Some((unit, values)) =
+            allowed.iter().find_map(|one| Some((unit.filter(|it| one.unit == Some(*it))?, one)))
         else {
-            let (number, found) = (number.text.to_owned(), written.text.to_owned());
-            let problem = Problem::Unit { number, found, allowed: units() };
+            let found = written.text.to_owned();
+            let problem = Problem::Unit { number: text, found, allowed: symbols() };
             return Err(self.error_at(written.column, written.width(), problem));
         };
-        if !(min..=max).contains(&value) {
-            let symbol = unit.symbol();
-            let found = format!("{} {symbol}", number.text);
-            let allowed = format!("from {min} to {max} {symbol}");
-            return Err(self.error(Problem::Range { what, found, allowed }));
+        if let Some(false) = number.expression.as_constant().map(|value| values.contains(value)) {
+            let width = text.chars().count();
+            let found = format!("{text} {}", unit.symbol());
+            let problem = Problem::Range { what, found, allowed: values.to_string() };
+            return Err(self.error_at(place.column, width, problem));
         }
-        self.advance();
-        self.advance();
-        let si = match unit {
-            Unit::Millimeter => m_from_mm(value),
-            Unit::Degree => value.to_radians(),
-            Unit::Second => value,
-            Unit::Percent => shift(value, -2),
-        };
-        Ok((si, unit))
+        Ok(Quantity { number, unit })
     }
 
-    fn no_number(&mut self, what: &str, allowed: &[(Unit, f64, f64)]) -> Error {
-        let units: Vec<&str> = allowed.iter().map(|(unit, ..)| unit.symbol()).collect();
-        self.expected.push(format!("{what} in {}", units.join(" or ")));
-        self.unexpected()
+    /// A number with an optional unit.
+    pub(super) fn number_with_unit(
+        &mut self,
+        what: &'static str,
+    ) -> Result<(Number, Option<Unit>), Error> {
+        let start = self.at;
+        let number = self.number(what)?;
+        let (used, text) = (self.at - start, self.text_since(start));
+        let Some((unit, written)) = self.accept_unit() else { return Ok((number, None)) };
+        let Some(unit) = unit else {
+            let allowed = Unit::ALL.map(|unit| unit.symbol().to_owned()).to_vec();
+            let problem = Problem::Unit { number: text, found: written.text.to_owned(), allowed };
+            return Err(self.error_at(written.column, written.width(), problem));
+        };
+        let signed = self.parser(start).signed().ok();
+        if signed.is_none_or(|signed| signed.tokens != used) {
+            let first = &self.line.tokens[start];
+            let width = written.column - first.column;
+            return Err(self.error_at(first.column, width, Problem::NoParentheses));
+        }
+        Ok((number, Some(unit)))
+    }
+
+    /// A constant in a unit: the bound of a parameter.
+    pub(super) fn bound(&mut self, needed: Option<Unit>) -> Result<f64, Error> {
+        let (start, column) = (self.at, self.place().column);
+        let (number, unit) = self.number_with_unit("the number of its bound")?;
+        let text = self.text_since(start);
+        let width = text.chars().count();
+        if unit != needed {
+            let allowed = needed.map_or_else(|| "no unit".to_owned(), |it| it.symbol().to_owned());
+            let problem = Problem::BoundUnit { found: text, allowed };
+            return Err(self.error_at(column, width, problem));
+        }
+        match number.expression.as_constant().filter(|value| value.is_finite()) {
+            Some(value) => Ok(value),
+            None => Err(self.error_at(column, width, Problem::BoundNumber { found: text })),
+        }
+    }
+
+    /// The unit after a number, and its token; `None` for a unit that this language does not accept.
+    fn accept_unit(&mut self) -> Option<(Option<Unit>, &'l Token<'t>)> {
+        let number = &self.line.tokens[self.at.checked_sub(1)?];
+        let written = self.peek().filter(|token| {
+            let is_unit = unit(token.text).is_some() || is_foreign_unit(token.text);
+            let touches = token.kind == Kind::Word && token.touches(number);
+            (is_unit || token.text == "°" || touches) && token.kind != Kind::Quoted
+        })?;
+        self.advance();
+        Some((unit(written.text), written))
+    }
+
+    /// The error of an operator after an operand, where only an expression in parentheses can follow.
+    fn unbracketed(&self) -> Option<Error> {
+        let next = self.peek()?;
+        let is_operator = next.kind == Kind::Sign && "+-*/^".contains(next.text);
+        is_operator.then(|| self.error(Problem::NoParentheses))
     }
 
     /// Requires the end of the line.
@@ -199,6 +348,18 @@ impl<'l, 't> Cursor<'l, 't> {
         self.expected.push("the end of the line".to_owned());
         Err(self.unexpected())
     }
+}
+
+/// A token as that of an expression: keywords end it.
+fn operand<'t>(token: &Token<'t>) -> expression::Token<'t> {
+    let kind = match token.kind {
+        Kind::Number(value) => TokenKind::Number(value),
+        Kind::Word if reserved(token.text).is_none() => TokenKind::Name(token.text.into()),
+        Kind::Quoted => TokenKind::Name(unquoted(token).into()),
+        Kind::Word | Kind::Sign | Kind::Unclosed => TokenKind::Sign,
+    };
+    let span = token.column..token.column + token.width();
+    expression::Token { kind, text: token.text, column: token.column, span }
 }
 
 /// The text of a token, without control characters.

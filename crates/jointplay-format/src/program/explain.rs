@@ -25,9 +25,22 @@ pub fn explain(robot: &HybridRobot, text: &str, error: &ProgramError) -> Error<E
         // Names are case sensitive, and incorrect case is a common typing error.
         let alike = known.iter().find(|name| name.to_lowercase() == lower);
         let nearest = alike.cloned().or_else(|| nearest(found, known.iter().map(String::as_str)));
-        message += &suggestion(&nearest);
+        message += &match difference(found, known) {
+            Some(difference) => format!("; names can contain `-`: write `{difference}`"),
+            None => suggestion(&nearest),
+        };
     }
     Error { place: shown(text, error.place), problem: Box::new(Explained { message }) }
+}
+
+/// A difference that was written as one name: `n-1` for `n - 1`.
+fn difference(found: &str, known: &[String]) -> Option<String> {
+    let (left, right) = found.split_once('-')?;
+    let is_operand = |text: &str| {
+        known.iter().any(|name| name == text) || text.parse::<f64>().is_ok_and(f64::is_finite)
+    };
+    let names = known.iter().any(|name| name == left || name == right);
+    (names && is_operand(left) && is_operand(right)).then(|| format!("{left} - {right}"))
 }
 
 /// A problem in mm and degrees.
@@ -58,7 +71,7 @@ fn message(robot: &HybridRobot, error: &ProgramError) -> String {
         // Other problems have no lengths or angles.
         _ => return error.to_string(),
     };
-    problem + &error.repetition_note()
+    problem + &error.note()
 }
 
 /// The changes of a station or robot that make a line possible.

@@ -3,7 +3,7 @@
 use super::lexer::{Kind, Line, Token, lines};
 use super::parser::parse;
 use super::problem::Error;
-use super::words::{DIRECTIONS, Unit, reserved};
+use super::words::{DIRECTIONS, reserved, unit};
 
 /// Indentation of a block.
 pub(super) const INDENT: &str = "  ";
@@ -25,13 +25,13 @@ pub fn format(text: &str) -> Result<String, Vec<Error>> {
             empty = false;
         }
         let starts = |word| line.tokens.first().is_some_and(|first| first.is(word));
-        if starts("END") {
+        if starts("END") || starts("ELSE") {
             depth = depth.saturating_sub(1);
         }
         for _ in 0..depth {
             out.push_str(INDENT);
         }
-        depth += usize::from(starts("REPEAT") || starts("ROUTINE"));
+        depth += usize::from(["REPEAT", "IF", "ELSE", "ROUTINE"].into_iter().any(starts));
         out.push_str(&laid_out(&line));
         out.push('\n');
     }
@@ -40,11 +40,14 @@ pub fn format(text: &str) -> Result<String, Vec<Error>> {
 
 fn laid_out(line: &Line<'_>) -> String {
     let mut text = String::new();
-    for (index, token) in line.tokens.iter().enumerate() {
-        if index > 0 {
+    let mut state = LineState::default();
+    for token in &line.tokens {
+        let before = state.last;
+        let written = state.next(token);
+        if separated(before, state.last, token) {
             text.push(' ');
         }
-        text.push_str(&written(&line.tokens[..index], token));
+        text.push_str(&written);
     }
     if let Some(comment) = line.comment {
         if !text.is_empty() {
@@ -61,23 +64,83 @@ fn laid_out(line: &Line<'_>) -> String {
     text
 }
 
-/// The text of a token, given the tokens before it.
-fn written(before: &[Token<'_>], token: &Token<'_>) -> String {
-    match (token.kind, before) {
-        (Kind::Word, _) if reserved(token.text).is_some() => token.text.to_ascii_uppercase(),
-        (Kind::Word, [.., last]) if matches!(last.kind, Kind::Number(_)) => Unit::of(token.text)
-            .map_or_else(|| token.text.to_owned(), |unit| unit.symbol().to_owned()),
-        // Directions are keywords only after BY; elsewhere they may be axes or effectors.
-        (Kind::Word, _) if before.iter().any(|it| it.is("BY")) => {
-            let direction = DIRECTIONS.into_iter().find(|direction| token.is(direction));
-            direction.unwrap_or(token.text).to_owned()
+/// Role of a token in its line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+enum Role {
+    /// The start of the line.
+    #[default]
+    Start,
+    Keyword,
+    /// An axis or a direction, before its position.
+    Axis,
+    /// The end of an operand: a number, a name or a closing parenthesis.
+    Operand,
+    Unit,
+    /// A sign before an operand.
+    Sign,
+    Open,
+    /// Any other sign: an operator between operands, a comparison, a comma.
+    Operator,
+}
+
+/// Roles of the tokens of a line, from left to right.
+#[derive(Default)]
+struct LineState {
+    last: Role,
+    /// Whether the line is a MOVE, and a name is an axis.
+    expects_axis: bool,
+    /// Whether the line is a MOVE.
+    moves: bool,
+    /// Whether directions follow.
+    by: bool,
+    /// Number of open parentheses.
+    depth: usize,
+}
+
+impl LineState {
+    /// Passes a token, and returns its text.
+    fn next(&mut self, token: &Token<'_>) -> String {
+        if let (Kind::Word, Some(keyword)) = (token.kind, reserved(token.text)) {
+            self.moves |= keyword == "MOVE";
+            self.by |= keyword == "BY";
+            (self.expects_axis, self.last) = (self.moves, Role::Keyword);
+            return keyword.to_owned();
         }
-        (Kind::Number(_), [.., slot, Token { kind: Kind::Word | Kind::Quoted, .. }])
-            if slot.is("SLOT") =>
-        {
-            let (sign, digits) = token.text.split_at(1);
-            format!("{sign} {digits}")
+        let follows_operand = self.last == Role::Operand;
+        let is_operand = matches!(token.kind, Kind::Number(_) | Kind::Word | Kind::Quoted);
+        // Two operands do not follow each other: the second one is a unit.
+        if let (true, Some(unit)) = (follows_operand && self.depth == 0, unit(token.text)) {
+            (self.expects_axis, self.last) = (self.moves, Role::Unit);
+            return unit.symbol().to_owned();
         }
-        _ => token.text.to_owned(),
+        if is_operand && self.expects_axis && self.depth == 0 {
+            (self.expects_axis, self.last) = (false, Role::Axis);
+            let direction = DIRECTIONS.into_iter().find(|word| self.by && token.is(word));
+            return direction.unwrap_or(token.text).to_owned();
+        }
+        self.last = match token.text {
+            _ if is_operand => Role::Operand,
+            "(" => {
+                self.depth += 1;
+                Role::Open
+            }
+            ")" => {
+                self.depth = self.depth.saturating_sub(1);
+                Role::Operand
+            }
+            "+" | "-" if !follows_operand => Role::Sign,
+            _ => Role::Operator,
+        };
+        token.text.to_owned()
+    }
+}
+
+/// Whether a space separates a token from the one before it.
+fn separated(before: Role, role: Role, token: &Token<'_>) -> bool {
+    match before {
+        Role::Start | Role::Sign | Role::Open => false,
+        // Arguments follow the name without a space.
+        Role::Operand if role == Role::Open => false,
+        _ => !matches!(token.text, ")" | ","),
     }
 }

@@ -1,6 +1,7 @@
 //! Splits a line into words, numbers and signs.
 
 use super::words::{continues_word, starts_word};
+use crate::expression::number_length;
 
 /// A token of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,9 +21,9 @@ pub(super) enum Kind {
     Quoted,
     /// A name without a closing quote.
     Unclosed,
-    /// A number; infinite if it is too large.
+    /// A number without sign; infinite if it is too large.
     Number(f64),
-    /// Any other character.
+    /// A comparison of two characters, or any other character.
     Sign,
 }
 
@@ -96,12 +97,16 @@ fn token(text: &str, first: char) -> (Kind, usize) {
     if starts_word(first) {
         return (Kind::Word, text.find(|letter| !continues_word(letter)).unwrap_or(text.len()));
     }
-    let length = number(text.as_bytes());
+    let length = number_length(text);
     match text[..length].parse() {
         Ok(value) => (Kind::Number(value), length),
+        Err(_) if COMPARISONS.iter().any(|sign| text.starts_with(sign)) => (Kind::Sign, 2),
         Err(_) => (Kind::Sign, first.len_utf8()),
     }
 }
+
+/// Signs of two characters; the last two are those of other languages.
+const COMPARISONS: [&str; 5] = ["<=", ">=", "<>", "==", "!="];
 
 fn quoted(text: &str) -> (Kind, usize) {
     let mut end = 1;
@@ -114,33 +119,6 @@ fn quoted(text: &str) -> (Kind, usize) {
         end += 1;
     }
     (Kind::Unclosed, text.trim_end().len())
-}
-
-/// Length of the decimal number at the start of the text; 0 if there is none.
-fn number(text: &[u8]) -> usize {
-    let digits = |from: usize| {
-        text[from.min(text.len())..].iter().take_while(|byte| byte.is_ascii_digit()).count()
-    };
-    let sign = usize::from(matches!(text.first(), Some(b'+' | b'-')));
-    let whole = digits(sign);
-    let mut end = sign + whole;
-    if text.get(end) == Some(&b'.') {
-        let fraction = digits(end + 1);
-        if whole + fraction == 0 {
-            return 0;
-        }
-        end += 1 + fraction;
-    } else if whole == 0 {
-        return 0;
-    }
-    if matches!(text.get(end), Some(b'e' | b'E')) {
-        let sign = usize::from(matches!(text.get(end + 1), Some(b'+' | b'-')));
-        let exponent = digits(end + 1 + sign);
-        if exponent > 0 {
-            end += 1 + sign + exponent;
-        }
-    }
-    end
 }
 
 /// The text of a name without its quotes.
@@ -175,7 +153,8 @@ mod tests {
                 (Word, "T", 1),
                 (Number(30.0), "30", 3),
                 (Word, "deg", 5),
-                (Number(-0.0005), "-.5e-3", 9),
+                (Sign, "-", 9),
+                (Number(0.0005), ".5e-3", 10),
                 (Word, "mm", 15),
                 (Number(50.0), "50", 18),
                 (Sign, "%", 20),
@@ -183,7 +162,7 @@ mod tests {
             None,
         );
         check(
-            "26-n n - 1",
+            "26-n n - 1 <=1",
             &[
                 (Number(26.0), "26", 1),
                 (Sign, "-", 3),
@@ -191,6 +170,8 @@ mod tests {
                 (Word, "n", 6),
                 (Sign, "-", 8),
                 (Number(1.0), "1", 10),
+                (Sign, "<=", 12),
+                (Number(1.0), "1", 14),
             ],
             None,
         );

@@ -15,16 +15,21 @@
 //! | read the valid lines of a program | [`parse_recovering`] |
 //! | format the text of a program | [`format`](fn@format) |
 //! | write a program as text | [`write`](fn@write) |
+//! | set parameters in the text of a program | [`with_parameters`] |
 //! | name a phase of an instruction | [`phase_name`] |
 //! | show a planning error in the text | [`explain`](fn@explain) |
 
+mod commands;
+mod condition;
 mod cursor;
+mod dimension;
 mod explain;
 mod layout;
 mod lexer;
 mod parser;
 mod phase;
 mod problem;
+mod settings;
 mod words;
 mod write;
 
@@ -33,6 +38,7 @@ pub use layout::format;
 pub use parser::{MAX_BYTES, MAX_DEPTH, parse, parse_recovering};
 pub use phase::phase_name;
 pub use problem::{Error, Problem};
+pub use settings::{Setting, SettingProblem, with_parameters};
 pub use words::keywords;
 pub use write::write;
 

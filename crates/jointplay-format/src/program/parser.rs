@@ -1,15 +1,17 @@
 //! From text to a program.
 
 use jointplay_cell::program::{
-    AxisTarget, Command, Instruction, Name, Program, Routine, SlotName, SlotNumber, SourceLocation,
+    AllowedValues, Branch, Command, Condition, Instruction, Name, Number, Parameter, Program,
+    Routine, SourceLocation,
 };
-use jointplay_cell::robot::AxisKind;
-use jointplay_core::spatial::Tilt;
 
+use super::commands::{list, simple};
+use super::condition::condition;
 use super::cursor::Cursor;
+use super::dimension::unit_errors;
 use super::lexer::{Kind, lines};
 use super::problem::{Error, Problem};
-use super::words::{COMMANDS, DIRECTIONS, Unit, meant};
+use super::words::{COMMANDS, meant};
 use crate::place;
 
 /// Longer texts are refused unread.
@@ -17,21 +19,6 @@ pub const MAX_BYTES: usize = 1_000_000;
 
 /// Greatest depth of nested blocks.
 pub const MAX_DEPTH: usize = 32;
-
-/// Farthest target of an axis, of a rotary and of a linear one (deg or mm).
-const FARTHEST: f64 = 1e6;
-/// Longest pause: a day (s).
-const LONGEST_WAIT: f64 = 86_400.0;
-/// Largest tilt; rods cannot support a vertical platform (deg).
-const STEEPEST: f64 = 89.0;
-/// Lowest speed (% of the limits).
-const SLOWEST: f64 = 0.01;
-/// Largest blend radius (mm).
-const WIDEST_BLEND: f64 = 1000.0;
-/// Largest number of a slot, far above the slots of any station.
-const MOST_SLOTS: i64 = 100_000;
-/// Largest number of passes in a text; planning limits it further.
-const MOST_PASSES: i64 = 1_000_000_000_000_000;
 
 /// Reads a program.
 ///
@@ -58,7 +45,11 @@ pub fn parse_recovering(text: &str) -> (Program, Vec<Error>) {
             parser.errors.push(error);
         }
     }
-    parser.finish()
+    let (program, mut errors) = parser.finish();
+    if errors.is_empty() {
+        errors = unit_errors(text, &program);
+    }
+    (program, errors)
 }
 
 #[derive(Default)]
@@ -78,10 +69,19 @@ struct Block {
 
 enum BlockKind {
     Repeat {
-        times: u64,
+        times: Number,
         counter: Option<Name>,
     },
-    Routine(Name),
+    If {
+        /// Branches before the open one.
+        branches: Vec<Branch>,
+        /// Condition of the open branch; `None` after ELSE.
+        condition: Option<Condition>,
+    },
+    Routine {
+        name: Name,
+        parameters: Vec<Name>,
+    },
     /// An invalid block, which still has an END.
     Lost(&'static str),
 }
@@ -90,9 +90,15 @@ impl Block {
     fn word(&self) -> &'static str {
         match self.kind {
             BlockKind::Repeat { .. } => "REPEAT",
-            BlockKind::Routine(_) => "ROUTINE",
+            BlockKind::If { .. } => "IF",
+            BlockKind::Routine { .. } => "ROUTINE",
             BlockKind::Lost(word) => word,
         }
+    }
+
+    /// The problem of a declaration within this block.
+    fn contains(&self, inner: &'static str) -> Problem {
+        Problem::InnerDeclaration { inner, outer: self.word(), line: self.place.line }
     }
 }
 
@@ -108,6 +114,9 @@ impl Parser {
         match command {
             "REPEAT" => self.opened(cursor, opening, "REPEAT", repeat),
             "ROUTINE" => self.opened(cursor, opening, "ROUTINE", routine),
+            "IF" => self.opened(cursor, opening, "IF", branch),
+            "ELSE" => self.otherwise(cursor, opening),
+            "PARAMETER" => self.parameter(cursor, opening),
             "END" => self.closed(cursor, opening),
             _ => {
                 let command = simple(command, cursor)?;
@@ -132,9 +141,7 @@ impl Parser {
         read: fn(&mut Cursor<'_, '_>) -> Result<BlockKind, Error>,
     ) -> Result<(), Error> {
         let problem = match self.open.last() {
-            Some(outer) if word == "ROUTINE" => {
-                Some(Problem::InnerRoutine { outer: outer.word(), line: outer.place.line })
-            }
+            Some(outer) if word == "ROUTINE" => Some(outer.contains(word)),
             _ if self.open.len() >= MAX_DEPTH => Some(Problem::TooDeep { allowed: MAX_DEPTH }),
             _ => None,
         };
@@ -159,6 +166,43 @@ impl Parser {
         cursor.end()
     }
 
+    /// Opens the next branch of an IF.
+    fn otherwise(&mut self, cursor: &mut Cursor<'_, '_>, place: place::Place) -> Result<(), Error> {
+        let next = if cursor.accept("IF") { condition(cursor).map(Some) } else { Ok(None) };
+        let next = next.and_then(|next| cursor.end().map(|()| next));
+        let Some(Block { kind, body, .. }) = self.open.last_mut() else {
+            return Err(Error { place, problem: Box::new(Problem::UnmatchedElse) });
+        };
+        match kind {
+            BlockKind::If { branches, condition } => {
+                let Some(before) = condition.take() else {
+                    *kind = BlockKind::Lost("IF");
+                    return Err(Error { place, problem: Box::new(Problem::ElseAfterElse) });
+                };
+                branches.push(Branch { condition: before, body: std::mem::take(body) });
+                match next {
+                    Ok(next) => *condition = next,
+                    Err(error) => {
+                        *kind = BlockKind::Lost("IF");
+                        return Err(error);
+                    }
+                }
+                Ok(())
+            }
+            BlockKind::Lost("IF") => next.map(|_| ()),
+            _ => Err(Error { place, problem: Box::new(Problem::UnmatchedElse) }),
+        }
+    }
+
+    /// Declares a parameter of the program.
+    fn parameter(&mut self, cursor: &mut Cursor<'_, '_>, place: place::Place) -> Result<(), Error> {
+        if let Some(outer) = self.open.last() {
+            return Err(Error { place, problem: Box::new(outer.contains("PARAMETER")) });
+        }
+        self.program.parameters.push(parameter(cursor)?);
+        Ok(())
+    }
+
     /// Adds a complete block to the block around it.
     fn close(&mut self, Block { kind, place, body }: Block) {
         let place = SourceLocation { line: place.line, column: place.column };
@@ -166,7 +210,19 @@ impl Parser {
             BlockKind::Repeat { times, counter } => {
                 self.push(Instruction { place, command: Command::Repeat { times, counter, body } });
             }
-            BlockKind::Routine(name) => self.program.routines.push(Routine { name, body }),
+            BlockKind::If { mut branches, condition } => {
+                let otherwise = match condition {
+                    Some(condition) => {
+                        branches.push(Branch { condition, body });
+                        Vec::new()
+                    }
+                    None => body,
+                };
+                self.push(Instruction { place, command: Command::If { branches, otherwise } });
+            }
+            BlockKind::Routine { name, parameters } => {
+                self.program.routines.push(Routine { name, parameters, body });
+            }
             BlockKind::Lost(_) => {}
         }
     }
@@ -184,7 +240,7 @@ impl Parser {
             nearest: nearest.map(str::to_owned),
         });
         // A misspelt block has an END, which is not an error of its own.
-        let lost = ["REPEAT", "ROUTINE"].into_iter().find(|word| nearest == Some(word));
+        let lost = ["REPEAT", "ROUTINE", "IF"].into_iter().find(|word| nearest == Some(word));
         if let Some(word) = lost {
             self.open.push(Block {
                 kind: BlockKind::Lost(word),
@@ -207,143 +263,35 @@ impl Parser {
 }
 
 fn repeat(cursor: &mut Cursor<'_, '_>) -> Result<BlockKind, Error> {
-    let what = "the number of passes";
-    let times = cursor.accept_whole(what, 1, MOST_PASSES)?.ok_or_else(|| cursor.unexpected())?;
-    let times = times.unsigned_abs();
+    // A literal number of passes is at least 1; an expression may be 0.
+    let allowed = AllowedValues { min: 1.0, ..AllowedValues::PASSES };
+    let times = cursor.literal_or_number("the number of passes", allowed)?;
     let counter = if cursor.accept("AS") { Some(cursor.name("a counter")?) } else { None };
     Ok(BlockKind::Repeat { times, counter })
 }
 
 fn routine(cursor: &mut Cursor<'_, '_>) -> Result<BlockKind, Error> {
-    cursor.name("a routine").map(BlockKind::Routine)
+    let name = cursor.name("a routine")?;
+    let parameters = list(cursor, |cursor| cursor.name("a parameter"))?;
+    Ok(BlockKind::Routine { name, parameters })
 }
 
-/// The arguments of a command that is no block.
-fn simple(command: &str, cursor: &mut Cursor<'_, '_>) -> Result<Command, Error> {
-    Ok(match command {
-        "HOME" => Command::Home,
-        "MOVE" if cursor.accept("LINE") => line(cursor)?,
-        "MOVE" => axes(cursor)?,
-        "GET" => Command::Get { from: slot(cursor)?, effector: with(cursor)? },
-        "PUT" => Command::Put { to: slot(cursor)?, effector: with(cursor)? },
-        "TRANSFER" => {
-            let from = slot(cursor)?;
-            cursor.require("TO")?;
-            Command::Transfer { from, to: slot(cursor)?, effector: with(cursor)? }
-        }
-        "SWAP" => {
-            let at = slot(cursor)?;
-            cursor.require("GET")?;
-            let get = cursor.name("an effector")?;
-            cursor.require("PUT")?;
-            Command::Swap { at, get, put: cursor.name("an effector")? }
-        }
-        "GOTO" => Command::Goto { to: slot(cursor)?, effector: with(cursor)? },
-        "WAIT" => {
-            let (seconds, _) = cursor.quantity("a time", &[(Unit::Second, 0.0, LONGEST_WAIT)])?;
-            Command::Wait { seconds }
-        }
-        "SPEED" => {
-            let allowed = [(Unit::Percent, SLOWEST, 100.0)];
-            Command::Speed { fraction: cursor.quantity("a share of the limits", &allowed)?.0 }
-        }
-        "BLEND" if cursor.accept("OFF") => Command::Blend { radius: 0.0 },
-        "BLEND" => {
-            let allowed = [(Unit::Millimeter, 0.0, WIDEST_BLEND)];
-            Command::Blend { radius: cursor.quantity("a radius of blending", &allowed)?.0 }
-        }
-        "TILT" => Command::Tilt { tilt: tilt(cursor)? },
-        _ => Command::Call { routine: cursor.name("a routine")? },
-    })
+fn branch(cursor: &mut Cursor<'_, '_>) -> Result<BlockKind, Error> {
+    Ok(BlockKind::If { branches: Vec::new(), condition: Some(condition(cursor)?) })
 }
 
-fn axes(cursor: &mut Cursor<'_, '_>) -> Result<Command, Error> {
-    const ALLOWED: [(Unit, f64, f64); 2] =
-        [(Unit::Degree, -FARTHEST, FARTHEST), (Unit::Millimeter, -FARTHEST, FARTHEST)];
-    let mut targets: Vec<AxisTarget> = Vec::new();
-    loop {
-        let before = cursor.peek();
-        let Some(axis) = cursor.accept_name("an axis")? else {
-            // At least one axis is required.
-            if targets.is_empty() {
-                return Err(cursor.unexpected());
-            }
-            return Ok(Command::Move { targets });
-        };
-        if let Some(token) = before.filter(|_| targets.iter().any(|it| it.axis.text == axis.text)) {
-            let problem = Problem::Twice { name: axis.text };
-            return Err(cursor.error_at(token.column, token.width(), problem));
-        }
-        let (position, unit) = cursor.quantity("a position", &ALLOWED)?;
-        let kind = if unit == Unit::Degree { AxisKind::Rotary } else { AxisKind::Linear };
-        targets.push(AxisTarget { axis, kind, position });
-    }
-}
-
-fn line(cursor: &mut Cursor<'_, '_>) -> Result<Command, Error> {
-    let effector = with(cursor)?;
-    cursor.require("BY")?;
-    let mut by = [None; 3];
-    loop {
-        let column = cursor.place().column;
-        let Some(direction) = DIRECTIONS.into_iter().position(|word| cursor.accept(word)) else {
-            if by == [None; 3] {
-                return Err(cursor.unexpected());
-            }
-            return Ok(Command::MoveLine { effector, by: by.map(|it| it.unwrap_or(0.0)) });
-        };
-        if by[direction].is_some() {
-            let problem = Problem::Twice { name: DIRECTIONS[direction].to_owned() };
-            return Err(cursor.error_at(column, 1, problem));
-        }
-        let allowed = [(Unit::Millimeter, -FARTHEST, FARTHEST)];
-        by[direction] = Some(cursor.quantity("a length", &allowed)?.0);
-    }
-}
-
-fn with(cursor: &mut Cursor<'_, '_>) -> Result<Option<Name>, Error> {
-    if cursor.accept("WITH") { cursor.name("an effector").map(Some) } else { Ok(None) }
-}
-
-fn slot(cursor: &mut Cursor<'_, '_>) -> Result<SlotName, Error> {
-    let station = cursor.name("a station")?;
-    let slot = if cursor.accept("SLOT") { Some(slot_number(cursor)?) } else { None };
-    Ok(SlotName { station, slot })
-}
-
-fn slot_number(cursor: &mut Cursor<'_, '_>) -> Result<SlotNumber, Error> {
-    let place = cursor.place();
-    // A decreasing slot number may start beyond the last slot.
-    if let Some(number) = cursor.accept_whole("the number of the slot", 1, MOST_SLOTS)? {
-        if cursor.accept_sign("-") {
-            let counter = cursor.name("a counter")?;
-            return Ok(SlotNumber::Counted { counter, offset: number, down: true });
-        }
-        let number = usize::try_from(number).unwrap_or(usize::MAX);
-        return Ok(SlotNumber::Fixed { number, place });
-    }
-    let counter = cursor.name("a counter")?;
-    let plus = cursor.accept_sign("+");
-    let minus = !plus && cursor.accept_sign("-");
-    // Without a space, the sign is part of the number token.
-    let signed = cursor.peek().is_some_and(|next| next.text.starts_with(['+', '-']));
-    let offset = if plus || minus || signed {
-        let what = "the number added to the counter";
-        let number = cursor.accept_whole(what, -MOST_SLOTS, MOST_SLOTS)?;
-        let number = number.ok_or_else(|| cursor.unexpected())?;
-        if minus { -number } else { number }
+/// The declaration of a parameter, up to the end of the line.
+pub(super) fn parameter(cursor: &mut Cursor<'_, '_>) -> Result<Parameter, Error> {
+    let name = cursor.name("a parameter")?;
+    cursor.require_sign("=", "`=`")?;
+    let (value, unit) = cursor.number_with_unit("the number of its value")?;
+    let range = if cursor.accept("FROM") {
+        let min = cursor.bound(unit)?;
+        cursor.require("TO")?;
+        Some([min, cursor.bound(unit)?])
     } else {
-        0
+        None
     };
-    Ok(SlotNumber::Counted { counter, offset, down: false })
-}
-
-fn tilt(cursor: &mut Cursor<'_, '_>) -> Result<Tilt, Error> {
-    if cursor.accept("LEVEL") {
-        return Ok(Tilt::LEVEL);
-    }
-    let (pitch, _) = cursor.quantity("a tilt", &[(Unit::Degree, -STEEPEST, STEEPEST)])?;
-    cursor.require("TOWARD")?;
-    let (yaw, _) = cursor.quantity("an azimuth", &[(Unit::Degree, -FARTHEST, FARTHEST)])?;
-    Ok(Tilt { yaw, pitch })
+    cursor.end()?;
+    Ok(Parameter { name, value, unit, range })
 }

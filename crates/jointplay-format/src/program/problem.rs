@@ -1,5 +1,6 @@
 //! Errors in the text of a program.
 
+use crate::expression::ExpressionProblem;
 use crate::place::{listed, suggestion};
 
 /// An error in the text of a program, with its place.
@@ -103,21 +104,65 @@ pub enum Problem {
     /// A block without its END.
     #[error("this {opened} has no END")]
     NoEnd {
-        /// Keyword of the block: REPEAT or ROUTINE.
+        /// Keyword of the block: REPEAT, IF or ROUTINE.
         opened: &'static str,
     },
     /// An END without a block.
-    #[error("END without a block: no REPEAT or ROUTINE is open")]
+    #[error("END without a block: no REPEAT, IF or ROUTINE is open")]
     UnmatchedEnd,
-    /// A routine within another block.
+    /// An ELSE without an IF.
+    #[error("ELSE without a block: no IF is open")]
+    UnmatchedElse,
+    /// An ELSE after that of the same IF.
+    #[error("this IF has an ELSE already; a condition needs ELSE IF before it")]
+    ElseAfterElse,
+    /// A routine or parameter within a block.
     #[error(
-        "a ROUTINE cannot be inside the {outer} of line {line}; is the END of that block missing?"
+        "a {inner} cannot be inside the {outer} of line {line}; is the END of that block missing?"
     )]
-    InnerRoutine {
-        /// Keyword of the block around it: REPEAT or ROUTINE.
+    InnerDeclaration {
+        /// ROUTINE or PARAMETER.
+        inner: &'static str,
+        /// Keyword of the block around it: REPEAT, IF or ROUTINE.
         outer: &'static str,
         /// First line of the block around it.
         line: usize,
+    },
+    /// An expression without a value.
+    #[error(transparent)]
+    Expression(#[from] ExpressionProblem),
+    /// An expression before a unit without parentheses.
+    #[error("an expression before a unit needs parentheses, as in `(2 * lift) mm`")]
+    NoParentheses,
+    /// A bound of a parameter in another unit.
+    #[error("the bound {found} needs the unit of the parameter: {allowed}")]
+    BoundUnit {
+        /// The bound as written.
+        found: String,
+        /// Unit of the parameter.
+        allowed: String,
+    },
+    /// A bound of a parameter that is not a number.
+    #[error("a bound of a parameter has to be a number, found {found}")]
+    BoundNumber {
+        /// The bound as written.
+        found: String,
+    },
+    /// An expression whose parameters have another unit than the expression.
+    #[error("the expression is in {found}, but has to be {allowed}")]
+    ExpressionUnit {
+        /// Unit of the parameters of the expression.
+        found: String,
+        /// Unit as written, in words.
+        allowed: String,
+    },
+    /// Parameters whose units do not fit together.
+    #[error("{left} and {right} have no common unit")]
+    Units {
+        /// Unit of the left operand.
+        left: String,
+        /// Unit of the right operand.
+        right: String,
     },
 }
 

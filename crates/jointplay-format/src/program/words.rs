@@ -1,13 +1,34 @@
 //! Keywords and units of the program language.
 
+use jointplay_cell::program::Unit;
+
 /// Words at the start of a line, in the order of the documentation.
-pub(super) const COMMANDS: [&str; 15] = [
-    "HOME", "MOVE", "GET", "PUT", "TRANSFER", "SWAP", "GOTO", "WAIT", "SPEED", "BLEND", "TILT",
-    "CALL", "REPEAT", "ROUTINE", "END",
+pub(super) const COMMANDS: [&str; 18] = [
+    "HOME",
+    "MOVE",
+    "GET",
+    "PUT",
+    "TRANSFER",
+    "SWAP",
+    "GOTO",
+    "WAIT",
+    "SPEED",
+    "BLEND",
+    "TILT",
+    "CALL",
+    "REPEAT",
+    "IF",
+    "ELSE",
+    "ROUTINE",
+    "PARAMETER",
+    "END",
 ];
 
 /// Words within lines.
-const PARTICLES: [&str; 9] = ["LINE", "SLOT", "WITH", "TO", "BY", "TOWARD", "LEVEL", "AS", "OFF"];
+const PARTICLES: [&str; 16] = [
+    "LINE", "SLOT", "WITH", "TO", "BY", "TOWARD", "LEVEL", "AS", "OFF", "FROM", "HAS", "WAFER",
+    "EMPTY", "NOT", "AND", "OR",
+];
 
 /// Axes of the base frame, in the displacement of a line.
 pub(super) const DIRECTIONS: [&str; 3] = ["X", "Y", "Z"];
@@ -23,7 +44,7 @@ pub(super) fn reserved(word: &str) -> Option<&'static str> {
 }
 
 /// Commands of other robots' languages, each with the command of this language.
-const ELSEWHERE: [(&str, &str); 12] = [
+const ELSEWHERE: [(&str, &str); 19] = [
     ("PICK", "GET"),
     ("FETCH", "GET"),
     ("TAKE", "GET"),
@@ -36,6 +57,13 @@ const ELSEWHERE: [(&str, &str); 12] = [
     ("LOOP", "REPEAT"),
     ("FOR", "REPEAT"),
     ("SUB", "ROUTINE"),
+    ("DEF", "ROUTINE"),
+    ("PROC", "ROUTINE"),
+    ("VAR", "PARAMETER"),
+    ("CONST", "PARAMETER"),
+    ("ELSEIF", "ELSE"),
+    ("ELIF", "ELSE"),
+    ("ENDIF", "END"),
 ];
 
 /// The most similar of the allowed words.
@@ -54,31 +82,9 @@ pub(super) fn meant<'a>(word: &str, could: impl Iterator<Item = &'a str>) -> Opt
         .map(|(_, known)| known)
 }
 
-/// Units of numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Unit {
-    Millimeter,
-    Degree,
-    Second,
-    Percent,
-}
-
-impl Unit {
-    const ALL: [Self; 4] = [Self::Millimeter, Self::Degree, Self::Second, Self::Percent];
-
-    /// Symbol of the unit.
-    pub(super) fn symbol(self) -> &'static str {
-        match self {
-            Self::Millimeter => "mm",
-            Self::Degree => "deg",
-            Self::Second => "s",
-            Self::Percent => "%",
-        }
-    }
-
-    pub(super) fn of(word: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|unit| unit.symbol().eq_ignore_ascii_case(word))
-    }
+/// The unit with a symbol, in any letter case.
+pub(super) fn unit(word: &str) -> Option<Unit> {
+    Unit::ALL.into_iter().find(|unit| unit.symbol().eq_ignore_ascii_case(word))
 }
 
 /// Units that other programs accept and this language does not.

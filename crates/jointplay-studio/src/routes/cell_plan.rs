@@ -15,6 +15,7 @@ use crate::wire::cell::{
 };
 use crate::wire::cell_chain::ChainDocument;
 use crate::wire::cell_parts::{RobotParts, bodies, stations, wafers, zones};
+use crate::wire::program_parameters::with_parameters;
 
 /// Plan a program in a cell: the motion in windows, the report, and all errors
 ///
@@ -34,7 +35,7 @@ use crate::wire::cell_parts::{RobotParts, bodies, stations, wafers, zones};
 )]
 pub(crate) async fn plan(
     State(state): State<AppState>,
-    Body(PlanRequest { cell, program, since }): Body<PlanRequest>,
+    Body(PlanRequest { cell, program, parameters, since }): Body<PlanRequest>,
 ) -> Result<Json<PlanDocument>, Problem> {
     let session = state.session()?;
     let (cell, program) = match since {
@@ -50,6 +51,7 @@ pub(crate) async fn plan(
         }
         None => session.texts(cell, program),
     };
+    let program = with_parameters(program, parameters)?;
     let planned = move |stop: StopRequested<'_>| {
         let plan = session.plan(cell, program, stop).map_err(interrupted)?;
         Ok(Json(document(&plan)))

@@ -18,7 +18,8 @@ use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::Binary;
-use crate::wire::cell::SamplesRequest;
+use crate::wire::cell_samples::SamplesRequest;
+use crate::wire::program_parameters::with_parameters;
 
 /// Maximum number of samples in a response.
 const MAX_SAMPLES: f64 = 100_000.0;
@@ -46,6 +47,7 @@ pub(crate) async fn samples(
     let (session, rate, peaks) = (state.session()?, request.rate()?, request.peaks);
     let (from, to) = (request.from_s.unwrap_or(0.0), request.to_s.unwrap_or(f64::INFINITY));
     let (cell, program) = session.texts(request.cell, request.program);
+    let program = with_parameters(program, request.parameters)?;
     let sampled = move |stop: StopRequested<'_>| {
         let plan = session.plan(cell, program, stop).map_err(interrupted)?;
         let refused = |why: String| Problem::request(StatusCode::CONFLICT, why);

@@ -375,3 +375,28 @@ fn invalid_requests_name_their_field() {
     let extra = ask(&server, Method::POST, "cell/plan", &json!({ "programme": "" }));
     assert_eq!(extra.status, StatusCode::UNPROCESSABLE_ENTITY);
 }
+
+#[test]
+fn a_plan_takes_values_of_parameters() {
+    let server = server(CellFiles::example());
+    let text = "PARAMETER lot = 2 FROM 1 TO 25\nPARAMETER pause = 1 s\nREPEAT lot AS n\n  GOTO LP1 SLOT n WITH A\n  WAIT pause s\nEND\n";
+    let instructions = |parameters: Value| {
+        let plan = plan(&server, &json!({ "program": text, "parameters": parameters }));
+        assert_eq!(plan["diagnostics"], json!([]));
+        plan["instructions"].as_u64().unwrap()
+    };
+    assert_eq!(instructions(json!({})), 4);
+    assert_eq!(instructions(json!({ "lot": 3, "pause": "2 s" })), 6);
+    assert_eq!(instructions(json!({ "lot": "1" })), 2);
+    let refused = |path: &str, parameters: Value, message: &str| {
+        let body = json!({ "program": text, "parameters": parameters });
+        let answer = ask(&server, Method::POST, path, &body);
+        assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY);
+        let problem = answer.json();
+        assert_eq!(problem["field"], "parameters");
+        assert!(problem["detail"].as_str().unwrap().contains(message), "{problem}");
+    };
+    refused("cell/plan", json!({ "lott": 3 }), "`lott` is not known (did you mean `lot`?)");
+    refused("cell/samples", json!({ "lot": 30 }), "has to be from 1 to 25");
+    refused("cell/plan", json!({ "pause": 2 }), "has to be a number in s, as in `2 s`");
+}

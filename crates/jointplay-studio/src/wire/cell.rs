@@ -1,5 +1,7 @@
 //! Documents of a cell, its program and their plan.
 
+use std::collections::BTreeMap;
+
 use jointplay::format::cell::Change;
 use jointplay::format::place::Place;
 use jointplay::format::program::keywords;
@@ -11,6 +13,7 @@ use utoipa::ToSchema;
 
 use super::cell_chain::ChainDocument;
 use super::cell_parts::{BodyDocument, RobotParts, StationDocument, WaferDocument, ZoneDocument};
+use super::program_parameters::ParameterValue;
 use super::{Pair, Triple};
 use crate::cell_files::CellFiles;
 use crate::problem::Problem;
@@ -52,6 +55,10 @@ pub(crate) struct PlanRequest {
     /// Text of a program.
     #[serde(default)]
     pub(crate) program: Option<String>,
+    /// Values of parameters of the program.
+    #[serde(default)]
+    #[schema(required = false)]
+    pub(crate) parameters: BTreeMap<String, ParameterValue>,
     /// Changes of the texts of a kept plan; complete texts take precedence.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) since: Option<SinceFields>,
@@ -111,47 +118,6 @@ impl SinceFields {
         };
         let cell = changed(cell, self.cell.as_ref(), "since.cell")?;
         Ok((cell, changed(program, self.program.as_ref(), "since.program")?))
-    }
-}
-
-/// A cell and a program, and the samples of their motion.
-#[derive(Debug, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct SamplesRequest {
-    /// Text of the cell; default: that of the file.
-    #[serde(default)]
-    pub(crate) cell: Option<String>,
-    /// Text of the program; default: that of the file.
-    #[serde(default)]
-    pub(crate) program: Option<String>,
-    /// Sampling rate (Hz).
-    #[serde(default = "default_rate")]
-    #[schema(required = false, default = 25.0, minimum = 0.1, maximum = 10000)]
-    pub(crate) rate_hz: f64,
-    /// Additional samples at extrema of velocities and at kinks of accelerations, so that linear interpolation reproduces the motion.
-    #[serde(default)]
-    pub(crate) peaks: bool,
-    /// Start of the time range; default: start of the motion (s).
-    #[serde(default)]
-    pub(crate) from_s: Option<f64>,
-    /// End of the time range; default: end of the motion (s).
-    #[serde(default)]
-    pub(crate) to_s: Option<f64>,
-}
-
-fn default_rate() -> f64 {
-    25.0
-}
-
-impl SamplesRequest {
-    /// The sampling rate, checked (Hz).
-    pub(crate) fn rate(&self) -> Result<f64, Problem> {
-        if (0.1..=10_000.0).contains(&self.rate_hz) {
-            return Ok(self.rate_hz);
-        }
-        let detail =
-            format!("sampling rate must be within 0.1 to 10000 Hz, got {} Hz", self.rate_hz);
-        Err(Problem::field("rate_hz", detail))
     }
 }
 

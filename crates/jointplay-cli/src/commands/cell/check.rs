@@ -10,6 +10,7 @@ use crate::output;
 /// Check a program for reach, limits, slip, collisions and zones, instruction by instruction
 ///
 /// Reports every file error (line, column) and every violation of the trajectory (time), not just the first.
+/// A program with `PARAMETER lot = 25` runs with another value by `--set lot=13`.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:

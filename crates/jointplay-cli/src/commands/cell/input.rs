@@ -13,6 +13,7 @@ use jointplay::cell::{
 };
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::number::counted;
+use jointplay::format::program::Setting;
 use jointplay::format::{cell, program};
 use jointplay::interop::export::{self, MotionExport, ViolationNote};
 use jointplay::report;
@@ -45,6 +46,16 @@ pub(super) struct InputArgs {
     /// Program [default: the file next to the cell with the same name that ends in .program]
     #[arg(value_name = "PROGRAM")]
     program: Option<PathBuf>,
+    /// Values of parameters of the program: numbers, with the unit of the parameter
+    #[arg(long, value_name = "PARAMETER=VALUE", value_delimiter = ',', value_parser = setting)]
+    set: Vec<Setting>,
+}
+
+fn setting(text: &str) -> Result<Setting, String> {
+    let (name, value) = text
+        .rsplit_once('=')
+        .ok_or_else(|| format!("invalid value {text:?}: expected PARAMETER=VALUE"))?;
+    Ok(Setting { name: name.trim().to_owned(), value: value.trim().to_owned() })
 }
 
 /// A cell with its text, its name in messages, and the name of its result files.
@@ -124,9 +135,10 @@ impl CellArgs {
 }
 
 impl InputArgs {
-    /// The same cell with another program.
+    /// The same cell with another program, and the same values of its parameters.
     pub(super) fn with_program(&self, program: &Path) -> Self {
-        Self { cell: self.cell.clone(), program: Some(program.to_owned()) }
+        let (cell, set) = (self.cell.clone(), self.set.clone());
+        Self { cell, program: Some(program.to_owned()), set }
     }
 
     pub(super) fn format(&self) -> FormatArgs {
@@ -135,12 +147,16 @@ impl InputArgs {
 
     /// The cell alone.
     pub(super) fn load_cell(&self) -> Result<CellSource, Failure> {
+        if !self.set.is_empty() {
+            let text = "--set sets parameters of a program, which is not read here";
+            return Err(Failure::Usage(text.to_owned()));
+        }
         self.cell.load()
     }
 
     pub(super) fn load(&self) -> Result<Input, Failure> {
         // Errors of both files are reported together.
-        let (cell, program) = (self.cell.load(), self.program_text());
+        let (cell, program) = (self.cell.load(), self.program_with_parameters());
         let ProgramText { text, label } = match (program, &cell) {
             (Ok(found), _) => found,
             (Err(program), Ok(_)) => return Err(program),
@@ -191,6 +207,14 @@ impl InputArgs {
         };
         let text = read_text(&path, program::MAX_BYTES as u64)?;
         Ok(ProgramText { text, label: source::label(&path) })
+    }
+
+    /// The program with the parameters that are set.
+    fn program_with_parameters(&self) -> Result<ProgramText, Failure> {
+        let ProgramText { text, label } = self.program_text()?;
+        let text = program::with_parameters(&text, &self.set)
+            .map_err(|problems| Failure::invalid(&problems, &label))?;
+        Ok(ProgramText { text, label })
     }
 
     /// Expands the program, plans its trajectory and checks it.

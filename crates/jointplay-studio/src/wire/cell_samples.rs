@@ -1,0 +1,54 @@
+//! Requests for samples of the motion of a program.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::program_parameters::ParameterValue;
+use crate::problem::Problem;
+
+/// A cell and a program, and the samples of their motion.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SamplesRequest {
+    /// Text of the cell; default: that of the file.
+    #[serde(default)]
+    pub(crate) cell: Option<String>,
+    /// Text of the program; default: that of the file.
+    #[serde(default)]
+    pub(crate) program: Option<String>,
+    /// Values of parameters of the program.
+    #[serde(default)]
+    #[schema(required = false)]
+    pub(crate) parameters: BTreeMap<String, ParameterValue>,
+    /// Sampling rate (Hz).
+    #[serde(default = "default_rate")]
+    #[schema(required = false, default = 25.0, minimum = 0.1, maximum = 10000)]
+    pub(crate) rate_hz: f64,
+    /// Additional samples at extrema of velocities and at kinks of accelerations, so that linear interpolation reproduces the motion.
+    #[serde(default)]
+    pub(crate) peaks: bool,
+    /// Start of the time range; default: start of the motion (s).
+    #[serde(default)]
+    pub(crate) from_s: Option<f64>,
+    /// End of the time range; default: end of the motion (s).
+    #[serde(default)]
+    pub(crate) to_s: Option<f64>,
+}
+
+fn default_rate() -> f64 {
+    25.0
+}
+
+impl SamplesRequest {
+    /// The sampling rate, checked (Hz).
+    pub(crate) fn rate(&self) -> Result<f64, Problem> {
+        if (0.1..=10_000.0).contains(&self.rate_hz) {
+            return Ok(self.rate_hz);
+        }
+        let detail =
+            format!("sampling rate must be within 0.1 to 10000 Hz, got {} Hz", self.rate_hz);
+        Err(Problem::field("rate_hz", detail))
+    }
+}
