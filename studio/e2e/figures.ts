@@ -8,7 +8,7 @@ import type { Page } from 'playwright-core';
 import { test } from 'vitest';
 import { browse, cellFixture, COMMAND, drawn, EXAMPLE_CELL, frames, partNames, ROOT, serve, until, visit, waitForCheck } from './studio';
 
-const PROGRAM = `# One wafer by way of aligner and process station.
+const PROGRAM = `# One wafer through aligner and process station.
 HOME
 TRANSFER LP1 SLOT 1 TO ALIGN WITH A
 TRANSFER ALIGN TO PM1 WITH A
@@ -66,7 +66,7 @@ test('the cell', async () => {
   await save(page, 'studio-cell-plots');
   await page.getByTestId('cell-plots-toggle').click();
 
-  // A wall in the way.
+  // A wall in the path of an arm.
   writeFileSync(fixture.cellFile, EXAMPLE_CELL);
   await page.getByRole('tab', { name: 'Cell file' }).click();
   await page.getByTestId('text-cell').locator('.cm-content').click();

@@ -3,6 +3,8 @@
 mod facts;
 mod segments;
 mod tables;
+mod text_table;
 
 pub use facts::{Fact, cell_facts};
-pub use tables::{TableColumn, TextTable, cell_tables};
+pub use tables::cell_tables;
+pub use text_table::{TableColumn, TextTable};

@@ -2,7 +2,7 @@
 
 use jointplay_format::number::fixed;
 
-use super::tables::{TableColumn, TextTable};
+use super::text_table::{TableColumn, TextTable};
 use crate::cell::CellReport;
 use crate::segment::{LimitingReport, SegmentReport};
 

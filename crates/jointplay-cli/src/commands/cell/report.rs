@@ -193,7 +193,7 @@ fn page(
         timing.push(picture(&format!("From {} to {} s.", fixed(*from, 0), fixed(*to, 0)), svg));
     }
     let name = file_name(planned);
-    // Without folders, unless they tell the programs apart.
+    // Without folders, unless the names are equal.
     let names = match before {
         Some((before, _)) if file_name(before) != name => [name, file_name(before)],
         Some((before, _)) => [planned.input.label.as_str(), before.input.label.as_str()],
