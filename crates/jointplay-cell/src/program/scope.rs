@@ -75,8 +75,8 @@ impl<'p> Resolver<'p> {
     pub(super) fn check_free(&mut self, name: &Name, scope: &Scope<'_>) {
         let arguments = scope.routine.map_or(&[][..], |(_, parameters)| parameters);
         let outer = scope.counters.iter().flatten().copied().chain(arguments);
-        let outer = outer.filter(|outer| outer.text == name.text).map(|outer| outer.place.line);
-        let line = outer.last();
+        let mut outer = outer.filter(|outer| outer.text == name.text);
+        let line = outer.next().map(|outer| outer.place.line);
         self.check_unused(name, line);
     }
 
