@@ -116,13 +116,13 @@ impl ReportCommand {
 
 /// The key figures, and the file.
 fn text(written: &ReportDocument) -> String {
-    let figures = written.key_figures.iter().enumerate();
+    let figures = written.key_figures.iter();
     let number = TableColumn::number;
     let table = match &written.before {
         None => TextTable {
             title: "key figures",
             columns: vec![TableColumn::text(""), number("")],
-            rows: figures.map(|(_, one)| vec![one.name.to_owned(), one.to_text()]).collect(),
+            rows: figures.map(|one| vec![one.name.to_owned(), one.to_text()]).collect(),
         },
         Some(before) => TextTable {
             title: "key figures",
@@ -133,8 +133,8 @@ fn text(written: &ReportDocument) -> String {
                 number("difference"),
             ],
             rows: figures
-                .map(|(k, one)| {
-                    let old = &before[k];
+                .zip(before)
+                .map(|(one, old)| {
                     vec![one.name.to_owned(), old.to_text(), one.to_text(), one.difference(old)]
                 })
                 .collect(),
