@@ -4,6 +4,7 @@
 
 mod answers;
 mod cell;
+mod cell_parameters;
 mod command;
 mod documents;
 mod draw;

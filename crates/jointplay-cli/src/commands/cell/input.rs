@@ -1,5 +1,7 @@
 //! Cells and programs given on the command line, and their plan.
 
+use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -18,6 +20,7 @@ use jointplay::format::{cell, program};
 use jointplay::interop::export::{self, MotionExport, ViolationNote};
 use jointplay::report;
 
+use crate::arguments::finite;
 use crate::failure::{Diagnostic, Failure};
 use crate::output::FormatArgs;
 use crate::progress::{Progress, Reporter};
@@ -25,6 +28,8 @@ use crate::source::{self, Kind, STANDARD, Source, read_text};
 
 /// Name of the included example, in place of a file.
 pub(super) const EXAMPLE: &str = "example";
+/// Prefix of the names of parameters of the cell.
+const OF_CELL: &str = "cell.";
 /// Extension of program files.
 const PROGRAM: &str = "program";
 
@@ -46,7 +51,7 @@ pub(super) struct InputArgs {
     /// Program [default: the file next to the cell with the same name that ends in .program]
     #[arg(value_name = "PROGRAM")]
     program: Option<PathBuf>,
-    /// Values of parameters of the program: numbers, with the unit of the parameter
+    /// Values of parameters: of the program, numbers with the unit of the parameter; of the cell, `cell.NAME=VALUE` in the units of the file
     #[arg(long, value_name = "PARAMETER=VALUE", value_delimiter = ',', value_parser = setting)]
     set: Vec<Setting>,
 }
@@ -66,6 +71,8 @@ pub(super) struct CellSource {
     pub(super) text: String,
     /// Folder of the files that the cell refers to; `None` for the example.
     pub(super) folder: Option<PathBuf>,
+    /// Names of the files that were read for the cell, with hashes of their contents.
+    pub(super) files: BTreeMap<String, u64>,
 }
 
 impl CellSource {
@@ -74,10 +81,18 @@ impl CellSource {
         stem: String,
         text: String,
         folder: Option<PathBuf>,
+        parameters: &[(String, f64)],
     ) -> Result<Self, Failure> {
-        let read = cell::read(&text, &mut |name| read_relative(folder.as_deref(), name));
+        let mut files = BTreeMap::new();
+        let read = cell::read_with(&text, parameters, &mut |name| {
+            let bytes = read_relative(folder.as_deref(), name)?;
+            let mut hasher = DefaultHasher::new();
+            bytes.hash(&mut hasher);
+            files.insert(name.to_owned(), hasher.finish());
+            Ok(bytes)
+        });
         let cell = read.map_err(|problems| Failure::invalid_cell(&problems, &label))?;
-        Ok(Self { cell, label, stem, text, folder })
+        Ok(Self { cell, label, stem, text, folder, files })
     }
 }
 
@@ -115,6 +130,11 @@ impl CellArgs {
     }
 
     pub(super) fn load(&self) -> Result<CellSource, Failure> {
+        self.load_with(&[])
+    }
+
+    /// The cell with other values of some of its parameters, in the units of the file.
+    fn load_with(&self, parameters: &[(String, f64)]) -> Result<CellSource, Failure> {
         match &self.file {
             Some(path) if !self.is_example() => {
                 let stem = source::stem(path);
@@ -124,11 +144,12 @@ impl CellArgs {
                     source.require(&[Kind::Cell], "a work cell")?;
                     source
                 };
-                CellSource::parse(label, stem, text, Some(folder))
+                CellSource::parse(label, stem, text, Some(folder), parameters)
             }
             _ => {
                 let label = format!("{EXAMPLE}.toml");
-                CellSource::parse(label, EXAMPLE.to_owned(), cell::EXAMPLE.to_owned(), None)
+                let text = cell::EXAMPLE.to_owned();
+                CellSource::parse(label, EXAMPLE.to_owned(), text, None, parameters)
             }
         }
     }
@@ -147,16 +168,21 @@ impl InputArgs {
 
     /// The cell alone.
     pub(super) fn load_cell(&self) -> Result<CellSource, Failure> {
-        if !self.set.is_empty() {
-            let text = "--set sets parameters of a program, which is not read here";
-            return Err(Failure::Usage(text.to_owned()));
+        let (of_cell, of_program) = self.settings()?;
+        if let Some(one) = of_program.first() {
+            let name = &one.name;
+            let text = format!(
+                "--set {name}: no program is read here; a parameter of the cell is set by --set cell.{name}=VALUE"
+            );
+            return Err(Failure::Usage(text));
         }
-        self.cell.load()
+        self.cell.load_with(&of_cell)
     }
 
     pub(super) fn load(&self) -> Result<Input, Failure> {
         // Errors of both files are reported together.
-        let (cell, program) = (self.cell.load(), self.program_with_parameters());
+        let (of_cell, of_program) = self.settings()?;
+        let (cell, program) = (self.cell.load_with(&of_cell), self.program_with(&of_program));
         let ProgramText { text, label } = match (program, &cell) {
             (Ok(found), _) => found,
             (Err(program), Ok(_)) => return Err(program),
@@ -209,10 +235,26 @@ impl InputArgs {
         Ok(ProgramText { text, label: source::label(&path) })
     }
 
+    /// The parameters that are set, of the cell and of the program.
+    pub(super) fn settings(&self) -> Result<(Vec<(String, f64)>, Vec<Setting>), Failure> {
+        let (mut of_cell, mut of_program) = (Vec::new(), Vec::new());
+        for one in &self.set {
+            match one.name.strip_prefix(OF_CELL) {
+                Some(name) => {
+                    let value = finite(&one.value)
+                        .map_err(|why| Failure::Usage(format!("--set {}: {why}", one.name)))?;
+                    of_cell.push((name.to_owned(), value));
+                }
+                None => of_program.push(one.clone()),
+            }
+        }
+        Ok((of_cell, of_program))
+    }
+
     /// The program with the parameters that are set.
-    fn program_with_parameters(&self) -> Result<ProgramText, Failure> {
+    fn program_with(&self, parameters: &[Setting]) -> Result<ProgramText, Failure> {
         let ProgramText { text, label } = self.program_text()?;
-        let text = program::with_parameters(&text, &self.set)
+        let text = program::with_parameters(&text, parameters)
             .map_err(|problems| Failure::invalid(&problems, &label))?;
         Ok(ProgramText { text, label })
     }

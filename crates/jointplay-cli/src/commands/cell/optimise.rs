@@ -129,9 +129,15 @@ impl Optimise {
             .map_err(|error| Failure::Usage(format!("{}: {error}", given.label)))?;
         std::fs::create_dir_all(&self.out)
             .map_err(|source| Failure::Write { path: self.out.clone(), source })?;
+        let (parameters, _) = self.input.settings()?;
         let inputs = Inputs {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             cell: given.cell.text.clone(),
+            files: given.cell.files.clone(),
+            parameters: parameters
+                .into_iter()
+                .map(|(name, value)| (name, value.to_string()))
+                .collect(),
             program: given.text.clone(),
         };
         let mut log = EvaluationLog::open(&log_path, &inputs, self.force)?;

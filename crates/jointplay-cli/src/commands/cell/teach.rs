@@ -213,7 +213,7 @@ fn changed(source: CellSource, station: &str, changes: &[Change]) -> Result<Cell
     let text = cell::set_station(&source.text, station, changes)
         .map_err(|problem| Failure::at(&problem, &source.label))?;
     let label = source.label.clone();
-    match CellSource::parse(source.label, source.stem, text, source.folder) {
+    match CellSource::parse(source.label, source.stem, text, source.folder, &[]) {
         // The file was valid before: the new points are infeasible. They are not in the file, so that no line of it is quoted.
         Err(Failure::Invalid(mut all)) => {
             for one in &mut all {
