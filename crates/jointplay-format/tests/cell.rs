@@ -165,7 +165,11 @@ fn errors_name_their_place_and_the_allowed_values() {
     refuse("wafers = \"all\"", "approach = \"straight\"", "approach \"straight\" is not known");
     refuse("name = \"LP2\"", "name = \"LP1\"", "station \"LP1\" is defined twice");
     refuse("name = \"LP2\"", "name = \"load port\"", "a name is letters, digits");
-    refuse("retract_mm = 10.0", "retract_mm = 800.0", "is only 700.036 mm from the robot's axis");
+    refuse(
+        "retract_mm = 10.0",
+        "retract_mm = 800.0",
+        "is only 700.036 mm from the first joint of the arm",
+    );
     refuse(
         "pitch_deg = 0.8",
         "pitch_deg = 2.0",
