@@ -263,7 +263,10 @@ fn offset_angles_stay_at_zero_whatever_the_robot_does() {
         (3..6).map(|m| x[m].abs()).fold(0.0, f64::max)
     };
     let angular = (0..720).map(|k| angle(0.5 * f64::from(k))).fold(0.0, f64::max);
-    assert!(PAGE.contains(&format!("at most {:.2}·10⁻⁷ rad over all tilt directions at 2°", angular * 1e7)));
+    assert!(PAGE.contains(&format!(
+        "at most {:.2}·10⁻⁷ rad over all tilt directions at 2°",
+        angular * 1e7
+    )));
     near(angular, 8.632e-7, 0.001e-7);
     // The centre moves as in the radial model, since only dr moves.
     for yaw in yaws_deg() {

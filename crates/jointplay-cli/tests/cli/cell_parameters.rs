@@ -40,7 +40,7 @@ fn sandbox() -> Sandbox {
     sandbox.write("cell.toml", CELL);
     sandbox.write(
         "cell.program",
-        "PARAMETER from = 1\nTRANSFER port SLOT from TO port SLOT 3 - from\n",
+        "PARAMETER first = 1\nTRANSFER port SLOT first TO port SLOT 3 - first\n",
     );
     sandbox
 }
@@ -57,12 +57,12 @@ fn parameters_of_a_cell_are_set_by_their_name_with_a_prefix() {
     let written = sandbox.json("cell check near.toml")["duration_s"].as_f64().unwrap();
     assert_eq!(near.to_bits(), written.to_bits());
     assert_ne!(near, duration(""));
-    assert_eq!(near, duration("--set from=1,cell.distance=600"));
+    assert_eq!(near, duration("--set first=1,cell.distance=600"));
     for (set, expected) in [
         ("cell.distanse=600", "distance"),
         ("cell.distance=far", "invalid number"),
         ("cell.distance=inf", "not a finite number"),
-        ("distance=600", "known: from"),
+        ("distance=600", "known: first"),
     ] {
         let run = sandbox.run(&format!("cell check cell.toml --set {set}"));
         assert_eq!(run.code, 2, "{set}");
