@@ -196,7 +196,7 @@ test('a station is taught by position and by plane points, and undo restores it'
     await until('the point is taken', async () => (await page.getByTestId('points-ALIGN').locator('li').count()) === points + 1);
     if (points === 1) await page.getByTestId('plane-ALIGN').filter({ hasText: '2 of 3 points' }).waitFor();
     if (points === 2) await page.getByTestId('plane-ALIGN').filter({ hasText: 'add a fourth to verify' }).waitFor();
-    if (points === 3) await page.getByTestId('plane-ALIGN').filter({ hasText: 'too few points to estimate the noise' }).waitFor();
+    if (points === 3) await page.getByTestId('plane-ALIGN').filter({ hasText: 'too few points to test them' }).waitFor();
   }
   for (let k = 0; k < 4; k += 1) await undo.click();
   await until('no point is left', async () => (await page.getByTestId('points-ALIGN').count()) === 0);
