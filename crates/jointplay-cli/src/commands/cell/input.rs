@@ -63,6 +63,15 @@ fn setting(text: &str) -> Result<Setting, String> {
     Ok(Setting { name: name.trim().to_owned(), value: value.trim().to_owned() })
 }
 
+/// Values of parameters that are set.
+#[derive(Default)]
+pub(super) struct Settings {
+    /// Of the cell: names and values in the units of the file.
+    pub(super) of_cell: Vec<(String, f64)>,
+    /// Of the program.
+    pub(super) of_program: Vec<Setting>,
+}
+
 /// A cell with its text, its name in messages, and the name of its result files.
 pub(super) struct CellSource {
     pub(super) cell: Cell,
@@ -168,7 +177,7 @@ impl InputArgs {
 
     /// The cell alone.
     pub(super) fn load_cell(&self) -> Result<CellSource, Failure> {
-        let (of_cell, of_program) = self.settings()?;
+        let Settings { of_cell, of_program } = self.settings()?;
         if let Some(one) = of_program.first() {
             let name = &one.name;
             let text = format!(
@@ -181,7 +190,7 @@ impl InputArgs {
 
     pub(super) fn load(&self) -> Result<Input, Failure> {
         // Errors of both files are reported together.
-        let (of_cell, of_program) = self.settings()?;
+        let Settings { of_cell, of_program } = self.settings()?;
         let (cell, program) = (self.cell.load_with(&of_cell), self.program_with(&of_program));
         let ProgramText { text, label } = match (program, &cell) {
             (Ok(found), _) => found,
@@ -236,19 +245,19 @@ impl InputArgs {
     }
 
     /// The parameters that are set, of the cell and of the program.
-    pub(super) fn settings(&self) -> Result<(Vec<(String, f64)>, Vec<Setting>), Failure> {
-        let (mut of_cell, mut of_program) = (Vec::new(), Vec::new());
+    pub(super) fn settings(&self) -> Result<Settings, Failure> {
+        let mut settings = Settings::default();
         for one in &self.set {
             match one.name.strip_prefix(OF_CELL) {
                 Some(name) => {
                     let value = finite(&one.value)
                         .map_err(|why| Failure::Usage(format!("--set {}: {why}", one.name)))?;
-                    of_cell.push((name.to_owned(), value));
+                    settings.of_cell.push((name.to_owned(), value));
                 }
-                None => of_program.push(one.clone()),
+                None => settings.of_program.push(one.clone()),
             }
         }
-        Ok((of_cell, of_program))
+        Ok(settings)
     }
 
     /// The program with the parameters that are set.

@@ -129,7 +129,7 @@ impl Optimise {
             .map_err(|error| Failure::Usage(format!("{}: {error}", given.label)))?;
         std::fs::create_dir_all(&self.out)
             .map_err(|source| Failure::Write { path: self.out.clone(), source })?;
-        let (parameters, _) = self.input.settings()?;
+        let parameters = self.input.settings()?.of_cell;
         let inputs = Inputs {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             cell: given.cell.text.clone(),
