@@ -2,7 +2,9 @@
 
 use jointplay_cell::CellError;
 use jointplay_format::number::number;
-use jointplay_format::place::suggestion;
+use jointplay_format::place::{Errors, suggestion};
+
+use super::dialect::Problem;
 
 /// Error of an export of a motion.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -73,6 +75,9 @@ pub enum Error {
         /// Reason.
         source: Box<CellError>,
     },
+    /// A motion that a dialect cannot express: an expression without a value, or a station without a code.
+    #[error(transparent)]
+    Dialect(Errors<Problem>),
     /// A file that is too large for its format.
     #[error("the file would have {bytes} bytes, more than glTF allows; use a lower rate")]
     TooLarge {

@@ -159,9 +159,9 @@ fn frame_columns<'g>(
     quantity: impl Fn(FrameQuantity) -> Quantity,
 ) -> Vec<SampleColumn> {
     let columns = [
-        ("x", "mm", "x", "x of the origin of the", FrameQuantity::X),
-        ("y", "mm", "y", "y of the origin of the", FrameQuantity::Y),
-        ("z", "mm", "z", "z of the origin of the", FrameQuantity::Z),
+        ("x", "mm", "x", "x of the centre of the", FrameQuantity::X),
+        ("y", "mm", "y", "y of the centre of the", FrameQuantity::Y),
+        ("z", "mm", "z", "z of the centre of the", FrameQuantity::Z),
         ("heading", "deg", "heading", "heading of the", FrameQuantity::Heading),
         ("tilt", "deg", "tilt", "tilt angle of the", FrameQuantity::Tilt),
         ("tilt_direction", "deg", "tilt", "tilt direction of the", FrameQuantity::TiltDirection),

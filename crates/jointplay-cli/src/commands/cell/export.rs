@@ -116,11 +116,17 @@ impl Kind {
     }
 }
 
+/// A dialect, and its name in messages.
+struct NamedDialect {
+    dialect: Dialect,
+    label: String,
+}
+
 /// What the files of all formats have in common.
 struct FileContents<'a> {
     /// Name of a file without its ending.
     stem: &'a str,
-    dialect: &'a Dialect,
+    dialect: &'a NamedDialect,
     table: &'a SampleOptions,
 }
 
@@ -166,6 +172,7 @@ impl Export {
         let kinds = self.kinds()?;
         folder::check_folder(&self.out, self.force)?;
         let dialect = dialect(&self.dialect)?;
+        let columns = self.selected_columns()?;
         let planned = self.input.plan()?;
         if !planned.passed() && !self.despite_errors {
             let count = counted(planned.report.violations.len(), "violation");
@@ -175,7 +182,7 @@ impl Export {
                 violations(&planned)
             )));
         }
-        let table = self.table(&planned)?;
+        let table = self.table(&planned, columns);
         let files = self.files(&planned, &kinds, &dialect, &table)?;
         let names = |columns: &Vec<SampleColumn>| {
             columns.iter().map(|column| column.name.clone()).collect()
@@ -224,16 +231,22 @@ impl Export {
         Ok(kinds)
     }
 
+    /// The chosen columns; unknown ones are refused before the planning.
+    fn selected_columns(&self) -> Result<Option<Vec<SampleColumn>>, Failure> {
+        if self.columns.is_empty() {
+            return Ok(None);
+        }
+        let cell = self.input.load()?.cell.cell;
+        let columns = select_columns(&cell, &self.columns);
+        columns.map(Some).map_err(|error| Failure::Usage(error.to_string()))
+    }
+
     /// Rows and columns of the tables.
-    fn table(&self, planned: &Planned) -> Result<SampleOptions, Failure> {
-        let columns = match self.columns.is_empty() {
-            true => None,
-            false => Some(select_columns(planned.cell(), &self.columns).map_err(usage)?),
-        };
+    fn table(&self, planned: &Planned, columns: Option<Vec<SampleColumn>>) -> SampleOptions {
         let has_window = self.from_s.is_some() || self.to_s.is_some();
         let (from, to) = (self.from_s.unwrap_or(0.0), self.to_s);
         let window = has_window.then(|| [from, to.unwrap_or(planned.motion.duration())]);
-        Ok(SampleOptions { window, columns, ..SampleOptions::at_rate(self.rate.0) })
+        SampleOptions { window, columns, ..SampleOptions::at_rate(self.rate.0) }
     }
 
     /// Prints the columns that tables can have.
@@ -252,7 +265,7 @@ impl Export {
         &self,
         planned: &Planned,
         kinds: &[Kind],
-        dialect: &Dialect,
+        dialect: &NamedDialect,
         table: &SampleOptions,
     ) -> Result<Vec<WrittenFile>, Failure> {
         let motion_export = planned.motion_export();
@@ -298,10 +311,17 @@ impl Export {
                 staged.add(&name, |writer| Ok(writer.write_all(text.as_bytes())?))
             }
             Kind::Text => {
+                let NamedDialect { dialect, label } = dialect;
                 let name = format!("{stem}-{}.{}", dialect.name, dialect.extension);
                 staged.add(&name, |writer| {
-                    dialect.write_in_parts(motion_export, rate, |part| {
+                    let written = dialect.write_in_parts(motion_export, rate, |part| {
                         Ok::<_, Contents>(writer.write_all(part.as_bytes())?)
+                    });
+                    written.map_err(|error| match error {
+                        Contents::Other(Failure::Export(export::Error::Dialect(errors))) => {
+                            Contents::Other(Failure::invalid(&errors, label))
+                        }
+                        other => other,
                     })
                 })
             }
@@ -326,7 +346,7 @@ pub(super) fn csv(
 }
 
 /// An included dialect, or the dialect in a file.
-fn dialect(path: &Path) -> Result<Dialect, Failure> {
+fn dialect(path: &Path) -> Result<NamedDialect, Failure> {
     let label = label(path);
     let known = DIALECTS.iter().find(|entry| entry.name == label && !path.exists());
     let text = match known {
@@ -337,7 +357,10 @@ fn dialect(path: &Path) -> Result<Dialect, Failure> {
         }
         None => read_text(path, MAX_BYTES as u64)?,
     };
-    Dialect::parse(&text).map_err(|errors| Failure::invalid(&errors, &label))
+    match Dialect::parse(&text) {
+        Ok(dialect) => Ok(NamedDialect { dialect, label }),
+        Err(errors) => Err(Failure::invalid(&errors, &label)),
+    }
 }
 
 #[cfg(feature = "parquet")]
@@ -373,11 +396,6 @@ fn mcap(
     rate: f64,
 ) -> Result<(), Failure> {
     staged.add(name, |writer| Ok(writer.write_all(&export::mcap::write(motion_export, rate)?)?))
-}
-
-/// A choice of columns that the cell does not have.
-fn usage(error: export::Error) -> Failure {
-    Failure::Usage(error.to_string())
 }
 
 fn columns_text(list: &ColumnList) -> String {

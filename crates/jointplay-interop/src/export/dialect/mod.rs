@@ -1,6 +1,6 @@
 //! Controller text: lines from the templates of a dialect file.
 //!
-//! A template is text with names in braces; `{{` and `}}` represent the braces themselves.
+//! A template is text with fields in braces: a name or an expression of numbers, and a format, as in `{slot:02}` or `{1000 * duration:.0f}`; `{{` and `}}` represent the braces themselves.
 //!
 //! | key | written | names |
 //! | --- | --- | --- |
@@ -9,26 +9,32 @@
 //! | `axes`, `line`, `still` | for each motion: of axes, along a line, none; these three or `point` | `number`, `phase`, `time`, `duration`, `positions`, `effector` |
 //! | `point` | at equal intervals of time | `number`, `time`, `positions`, `velocities` |
 //! | `blend` | between two blended motions | `overlap` |
-//! | `taken`, `left` | where a wafer is taken or left | `effector`, `station`, `slot` |
+//! | `taken`, `left` | where a wafer is taken or left | `effector`, `station`, `slot`, `effector_code`, `station_code` |
 //! | `axis` | for each axis within `positions` and `velocities`, with `between` between them | `name`, `value`, `number` |
 //! | `comment` | violations of the motion, before everything else | `text` |
+//!
+//! The table `[output]` has the form of the lines, with numbers and checksums; `[station_codes]` and `[effector_codes]` have the codes of the controller for the names of the cell.
 
+mod checksum;
+mod codes;
+mod format_spec;
+mod output;
 mod problem;
+mod read;
 mod template;
 mod write;
 
 pub use problem::Problem;
-use template::Template;
 
+use codes::Codes;
 use jointplay_format::mechanism::{AngleUnit, LengthUnit};
 use jointplay_format::place::Errors;
-use jointplay_format::toml_reader::{self, Entry};
+use output::OutputFormat;
+use read::{Reader, Table};
+use template::Template;
 
 /// Longest accepted dialect file (bytes).
 pub const MAX_BYTES: usize = 100_000;
-
-/// Largest number of decimals.
-const MOST_DECIMALS: usize = 12;
 
 /// Language of a controller.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,7 +47,6 @@ pub struct Dialect {
     pub extension: String,
     length: LengthUnit,
     angle: AngleUnit,
-    decimals: usize,
     time_decimals: usize,
     axis: Template,
     between: String,
@@ -53,6 +58,9 @@ pub struct Dialect {
     taken: Vec<Template>,
     left: Vec<Template>,
     end: Vec<Template>,
+    station_codes: Option<Codes>,
+    effector_codes: Option<Codes>,
+    output: OutputFormat,
 }
 
 /// Description of motions.
@@ -91,7 +99,7 @@ impl Dialect {
         }
         let document = reader.parse();
         let top = Table::new(&reader, "a dialect", document.get_ref(), 0..0);
-        let dialect = read(&top);
+        let dialect = read::read(&top);
         top.finish();
         reader.done(dialect)
     }
@@ -101,99 +109,6 @@ impl Dialect {
     pub fn neutral() -> Self {
         Self::parse(DIALECTS[0].text).expect("the included dialect is valid, as a test checks")
     }
-}
-
-type Reader<'a> = toml_reader::Reader<'a, Problem>;
-type Table<'r, 'a> = toml_reader::Table<'r, 'a, Problem>;
-
-fn read(top: &Table) -> Option<Dialect> {
-    let reader = top.reader;
-    let text = |key| top.needed(key)?.text(reader).map(str::to_owned);
-    let (name, about, between) = (text("name"), text("about"), text("between"));
-    let extension = top.needed("extension").and_then(|entry| extension(reader, &entry));
-    let length = unit(top, "length", &LengthUnit::ALL);
-    let angle = unit(top, "angle", &AngleUnit::ALL);
-    let decimals = |key| top.needed(key)?.count(reader, 0, MOST_DECIMALS);
-    let (decimals, time_decimals) = (decimals("decimals"), decimals("time_decimals"));
-    let one = |key, known| template(reader, &top.needed(key)?, known);
-    let axis = one("axis", template::AXIS);
-    let comment = one("comment", template::COMMENT);
-    let all = |key, known| {
-        top.entry(key).map_or_else(|| Some(Vec::new()), |entry| templates(reader, &entry, known))
-    };
-    let begin = all("begin", template::ENDS);
-    let instruction = all("instruction", template::INSTRUCTION);
-    let motion = motions(top);
-    let blend = all("blend", template::BLEND);
-    let taken = all("taken", template::WAFER);
-    let left = all("left", template::WAFER);
-    let end = all("end", template::ENDS);
-    Some(Dialect {
-        name: name?,
-        about: about?,
-        extension: extension?,
-        length: length?,
-        angle: angle?,
-        decimals: decimals?,
-        time_decimals: time_decimals?,
-        axis: axis?,
-        between: between?,
-        comment: comment?,
-        begin: begin?,
-        instruction: instruction?,
-        motion: motion?,
-        blend: blend?,
-        taken: taken?,
-        left: left?,
-        end: end?,
-    })
-}
-
-fn template(reader: &Reader, entry: &Entry, known: &'static [&'static str]) -> Option<Template> {
-    let read = Template::parse(entry.text(reader)?, known);
-    read.map_err(|problem| entry.report(reader, problem)).ok()
-}
-
-fn templates(
-    reader: &Reader,
-    entry: &Entry,
-    known: &'static [&'static str],
-) -> Option<Vec<Template>> {
-    // All templates are read, so that each error is reported.
-    let list = entry.list(reader)?;
-    let read: Vec<_> = list.iter().map(|one| template(reader, one, known)).collect();
-    read.into_iter().collect()
-}
-
-fn motions(top: &Table) -> Option<Motions> {
-    let list = |entry: Entry, known| templates(top.reader, &entry, known);
-    let keys = ["axes", "line", "still", "point"];
-    match keys.map(|key| top.entry(key)) {
-        [Some(axes), Some(line), Some(still), None] => {
-            let step = template::STEP;
-            let (axes, line, still) = (list(axes, step), list(line, step), list(still, step));
-            Some(Motions::Steps { axes: axes?, line: line?, still: still? })
-        }
-        [None, None, None, Some(point)] => list(point, template::POINT).map(Motions::Points),
-        _ => {
-            top.report(Problem::Motions);
-            None
-        }
-    }
-}
-
-fn extension(reader: &Reader, entry: &Entry) -> Option<String> {
-    let found = entry.text(reader)?.to_owned();
-    let plain = |letter: char| letter.is_ascii_alphanumeric() || letter == '.';
-    if found.is_empty() || !found.chars().all(plain) {
-        entry.report(reader, Problem::Extension { found });
-        return None;
-    }
-    Some(found)
-}
-
-fn unit<U: Copy>(top: &Table, key: &'static str, all: &[(&str, U)]) -> Option<U> {
-    top.needed(key)?.word(top.reader, &format!("unit of {key}"), all)
 }
 
 #[cfg(test)]
@@ -230,6 +145,23 @@ mod tests {
         refuse("\ndecimals = 6", "\ndecimals = 20", "from 0 to 12");
         refuse("extension = \"txt\"", "extension = \"../x\"", "letters and digits");
         refuse("still =", "stil =", "unknown key");
+        refuse("WAIT {duration}", "WAIT {duration:d}", "not a format of a number with decimals");
+        refuse("{station} {slot}", "{station_code} {slot}", "needs the table `[station_codes]`");
+        let output = |table: &str| format!("end = [\"END {{time}}\"]\n{table}");
+        for (table, message) in [
+            ("[output]\nchecksum = \"crc\"", "known: xor, sum, lrc, crc-16/xmodem"),
+            ("[output]\nline = \"{text}*{checksum}\"", "`{checksum}` needs the key `checksum`"),
+            ("[output]\nlast = [\"{checksum}\"]", "needs the key `file_checksum`"),
+            ("[output]\nline_end = \"cr\"", "known: lf, crlf"),
+            ("[output]\ncover = \"x\"", "did you mean `covered`?"),
+            ("[output]\nexcept = [1]", "has to be a text"),
+            ("[station_codes]\nLP1 = 1\nLP2 = \"P2\"", "all texts, or all whole numbers"),
+            ("[station_codes]\nLP1 = 1.5", "a whole number"),
+        ] {
+            let text = DIALECTS[0].text.replace("end = [\"END {time}\"]", &output(table));
+            let errors = Dialect::parse(&text).unwrap_err().with_excerpt("x.toml");
+            assert!(errors.contains(message), "{table}: {errors}");
+        }
         refuse(
             "still = [\"WAIT {duration}\"]\n",
             "",
