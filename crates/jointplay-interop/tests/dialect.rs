@@ -84,7 +84,7 @@ last = ["; {lines} lines", "#{checksum:08x}"]
     assert!(text.ends_with("\r\n"));
     let lines: Vec<&str> = text.split_terminator("\r\n").collect();
     assert_eq!((lines.len(), lines[0], lines[4]), (6, "; by jointplay", "; 4 lines"));
-    assert!(lines[1].starts_with("N0010 M1 +0300.000,"), "{text}");
+    assert!(lines[1].starts_with("N0010 M1 +0500.000,"), "{text}");
     assert!(lines[2].starts_with("N0020 GET LP1 3*"), "{text}");
     for line in &lines[1..4] {
         let (covered, checksum) = line.rsplit_once('*').unwrap();
@@ -113,7 +113,8 @@ checksum = "xor"
 
 #[test]
 fn stations_without_a_code_are_all_reported() {
-    let rest = "taken = [\"{station_code}\"]\nleft = [\"{station_code}\"]\n[station_codes]\nLP3 = 1\n";
+    let rest =
+        "taken = [\"{station_code}\"]\nleft = [\"{station_code}\"]\n[station_codes]\nLP3 = 1\n";
     let Err(Error::Dialect(errors)) = write(rest) else { panic!("no error") };
     let shown = errors.with_excerpt("mine.toml");
     assert_eq!(errors.len(), 2, "{shown}");
@@ -121,7 +122,7 @@ fn stations_without_a_code_are_all_reported() {
         let message = format!("`[station_codes]` has no code for \"{name}\" (did you mean `LP3`?)");
         assert!(shown.contains(&message), "{shown}");
     }
-    assert!(shown.contains("mine.toml:16:1: "), "{shown}");
+    assert!(shown.contains("mine.toml:17:1: "), "{shown}");
     // Codes that no template writes are not needed.
     assert!(write("taken = [\"{station}\"]\n[station_codes]\nLP3 = 1\n").is_ok());
 }
@@ -132,5 +133,8 @@ fn divisions_by_zero_are_reported_with_place_and_values() {
         panic!("no error")
     };
     let shown = errors.with_excerpt("mine.toml");
-    assert!(shown.starts_with("mine.toml:15:16: `1 / (slot - 3)` is infinite for slot = 3"), "{shown}");
+    assert!(
+        shown.starts_with("mine.toml:15:16: `1 / (slot - 3)` is infinite for slot = 3"),
+        "{shown}"
+    );
 }

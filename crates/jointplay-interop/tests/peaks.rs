@@ -30,7 +30,11 @@ fn lines_between_samples_with_peaks_are_the_motion() {
     let motion_export =
         MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
     let even = samples(&motion_export, 25.0).unwrap();
-    let found = samples_with(&motion_export, &SampleOptions { peaks: true, ..SampleOptions::at_rate(25.0) }).unwrap();
+    let found = samples_with(
+        &motion_export,
+        &SampleOptions { peaks: true, ..SampleOptions::at_rate(25.0) },
+    )
+    .unwrap();
     let fine = samples(&motion_export, 5000.0).unwrap();
     let (times, fine_times) = (values(&found, "time_s"), values(&fine, "time_s"));
     assert!(times.windows(2).all(|pair| pair[1] - pair[0] > 1e-9));

@@ -201,8 +201,7 @@ impl PyCellPlan {
         let width = export::sample_columns(&self.cell).len();
         let width = columns.as_ref().map_or(width, Vec::len);
         check_size(py, (window[1].min(duration) - window[0]) * rate_hz * width as f64)?;
-        let options =
-            SampleOptions { rate: rate_hz, peaks: false, window: Some(window), columns };
+        let options = SampleOptions { rate: rate_hz, peaks: false, window: Some(window), columns };
         let table = py.detach(|| export::samples_with(&self.motion_export(), &options));
         let arrays = PyDict::new(py);
         for Column { name, values } in table.map_err(input)? {

@@ -74,7 +74,9 @@ pub enum ProgramProblem {
         known: Vec<String>,
     },
     /// A parameter that is declared after its use.
-    #[error("the parameter `{name}` is declared later, in line {line}; move its declaration before this line")]
+    #[error(
+        "the parameter `{name}` is declared later, in line {line}; move its declaration before this line"
+    )]
     DeclaredLater {
         /// The name.
         name: String,

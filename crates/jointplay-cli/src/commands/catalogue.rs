@@ -227,12 +227,7 @@ fn parts(name: Option<&str>) -> Result<Vec<PartReport>, Failure> {
     Ok(parts.into_iter().map(PartReport::new).collect())
 }
 
-fn copy(
-    name: &str,
-    text: &str,
-    folder: &Path,
-    force: ForceArgs,
-) -> Result<Copied, Failure> {
+fn copy(name: &str, text: &str, folder: &Path, force: ForceArgs) -> Result<Copied, Failure> {
     let name = format!("{name}.toml");
     let path = folder.join(&name);
     folder::write(folder, &[(name, text.as_bytes().to_vec())], force)?;
@@ -279,9 +274,10 @@ fn list(catalogue: &CatalogueReport) -> String {
             cell(entry.redundancy),
         );
     }
-    let rows = catalogue.parts.iter().map(|part| {
-        vec![part.name.to_owned(), part.kind.to_owned(), part.description.clone()]
-    });
+    let rows = catalogue
+        .parts
+        .iter()
+        .map(|part| vec![part.name.to_owned(), part.kind.to_owned(), part.description.clone()]);
     let parts = TextTable {
         title: "parts of cells",
         columns: ["name", "kind", "description"].map(TableColumn::text).into(),

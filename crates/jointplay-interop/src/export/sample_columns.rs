@@ -139,7 +139,12 @@ pub fn sample_columns(cell: &Cell) -> Vec<SampleColumn> {
             columns.push(column(&format!("{short}{unit}"), &meaning, &groups, quantity));
         }
     }
-    columns.push(column("violations", "number of violations at this time", &[], Quantity::Violations));
+    columns.push(column(
+        "violations",
+        "number of violations at this time",
+        &[],
+        Quantity::Violations,
+    ));
     columns
 }
 
@@ -169,7 +174,8 @@ fn frame_columns<'g>(
     let frame_column = |(end, unit, coordinate, meaning, kind)| {
         let short = format!("{name}_{end}");
         let meaning = format!("{meaning} {what}");
-        let mut one = column(&format!("{short}_{unit}"), &meaning, &groups(coordinate), quantity(kind));
+        let mut one =
+            column(&format!("{short}_{unit}"), &meaning, &groups(coordinate), quantity(kind));
         one.groups.push(short);
         one
     };

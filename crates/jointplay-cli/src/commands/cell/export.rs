@@ -252,9 +252,8 @@ impl Export {
     /// Prints the columns that tables can have.
     fn list_columns(&self) -> Result<(), Failure> {
         let cell = self.input.load()?.cell.cell;
-        let column = |SampleColumn { name, meaning, groups, .. }| {
-            ListedColumn { name, meaning, groups }
-        };
+        let column =
+            |SampleColumn { name, meaning, groups, .. }| ListedColumn { name, meaning, groups };
         let columns = sample_columns(&cell).into_iter().map(column).collect();
         let groups = COLUMN_GROUPS.map(|(name, meaning)| ListedGroup { name, meaning }).into();
         self.input.format().print(&ColumnList { columns, groups }, columns_text)

@@ -174,8 +174,7 @@ impl InputArgs {
             let of_cell = one.name.starts_with(OF_CELL);
             set.is_some_and(|set| !of_cell || set.iter().any(|other| other.name == one.name))
         };
-        let mut all: Vec<Setting> =
-            self.set.iter().filter(|one| !replaced(one)).cloned().collect();
+        let mut all: Vec<Setting> = self.set.iter().filter(|one| !replaced(one)).cloned().collect();
         all.extend(set.into_iter().flatten().cloned());
         Self { cell: self.cell.clone(), program: Some(program.to_owned()), set: all }
     }

@@ -90,7 +90,10 @@ pub enum Problem {
         table: &'static str,
     },
     /// A station or an effector of the program without a code.
-    #[error("`[{table}]` has no code for {name:?}{}; codes exist for: {known}", suggestion(nearest))]
+    #[error(
+        "`[{table}]` has no code for {name:?}{}; codes exist for: {known}",
+        suggestion(nearest)
+    )]
     NoCode {
         /// The table.
         table: &'static str,

@@ -170,9 +170,8 @@ impl File<'_, '_, '_> {
         };
         // With another word, the names of the templates are those with a checksum.
         let (line_sum, file_sum) = (checksum("checksum"), checksum("file_checksum"));
-        let assumed = |sum: Option<Checksum>, key| {
-            sum.or_else(|| top.entry(key).map(|_| Checksum::Xor))
-        };
+        let assumed =
+            |sum: Option<Checksum>, key| sum.or_else(|| top.entry(key).map(|_| Checksum::Xor));
         let one = |key, names| match top.entry(key) {
             Some(entry) => self.template(&entry, &names).map(Some),
             None => Some(None),

@@ -24,7 +24,12 @@ impl Names {
     }
 
     /// Adds a name that exists where a key of the file defines it.
-    pub(super) fn with(mut self, name: &'static str, key: &'static str, kind: Option<Kind>) -> Self {
+    pub(super) fn with(
+        mut self,
+        name: &'static str,
+        key: &'static str,
+        kind: Option<Kind>,
+    ) -> Self {
         match kind {
             Some(kind) => self.known.push((name, kind)),
             None => self.undefined.push((name, key)),
@@ -80,7 +85,10 @@ struct Field {
 enum Source {
     Name(&'static str),
     /// An expression, and whether its value has to be whole.
-    Expression { formula: Formula, is_whole: bool },
+    Expression {
+        formula: Formula,
+        is_whole: bool,
+    },
 }
 
 impl Template {
@@ -177,7 +185,8 @@ impl Field {
             Some(&(name, kind)) => (Source::Name(name), kind),
             None => expression(text, format, names)?,
         };
-        let spec = FormatSpec::parse(format, kind, decimals.of(kind)).map_err(FieldError::Format)?;
+        let spec =
+            FormatSpec::parse(format, kind, decimals.of(kind)).map_err(FieldError::Format)?;
         Ok(Self { source, spec, text: text.trim().to_owned(), place })
     }
 
@@ -231,7 +240,8 @@ fn expression(text: &str, format: &str, names: &Names) -> Result<(Source, Kind),
     })?;
     let (mut are_whole, mut are_times) = (true, true);
     for variable in formula.variables() {
-        let kind = names.known.iter().find(|(known, _)| *known == variable.name).map(|(_, kind)| *kind);
+        let kind =
+            names.known.iter().find(|(known, _)| *known == variable.name).map(|(_, kind)| *kind);
         match kind {
             Some(Kind::Text) => {
                 let name = variable.name.to_owned();
@@ -270,7 +280,9 @@ mod tests {
 
     fn parse(text: &str) -> Result<Template, (Range<usize>, Problem)> {
         let names = Names::new(&NAMES).with("code", "the table `[codes]`", None);
-        Template::parse(text, &names, Decimals { values: 3, times: 1 }, |part| Place::of(text, part))
+        Template::parse(text, &names, Decimals { values: 3, times: 1 }, |part| {
+            Place::of(text, part)
+        })
     }
 
     fn value(name: &str) -> Value {
@@ -303,11 +315,19 @@ mod tests {
 
     #[test]
     fn invalid_fields_are_rejected_with_their_part_of_the_template() {
-        refuse("S{slots}", "slots", "`{slots}` is not a name of this template (did you mean `slot`?); known here: slot, time, text");
+        refuse(
+            "S{slots}",
+            "slots",
+            "`{slots}` is not a name of this template (did you mean `slot`?); known here: slot, time, text",
+        );
         refuse("µ {slot + sloth}", "sloth", "did you mean `slot`?");
         refuse("{code:02}", "code", "`{code}` needs the table `[codes]`");
         refuse("{2 * code}", "code", "needs the table");
-        refuse("{slot:2.1d}", "2.1d", "`2.1d` is not a format of a whole number; allowed in this order");
+        refuse(
+            "{slot:2.1d}",
+            "2.1d",
+            "`2.1d` is not a format of a whole number; allowed in this order",
+        );
         refuse("{time:d}", "d", "round(…)");
         refuse("{text:+}", "+", "is not a format of a text");
         refuse("{text + 1}", "text", "expressions have numbers only");
