@@ -6,7 +6,7 @@ use jointplay_format::place::{Error, Place, listed, nearest};
 
 use super::format_spec::{Kind, Value};
 use super::problem::Problem;
-use super::read::Table;
+use super::tree::Table;
 
 /// Codes by name.
 #[derive(Debug, Clone, PartialEq)]

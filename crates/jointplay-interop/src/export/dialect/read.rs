@@ -1,18 +1,21 @@
 //! Reader of dialect files.
 
 use jointplay_format::mechanism::{AngleUnit, LengthUnit};
-use jointplay_format::toml_reader::{self, Entry};
+use jointplay_format::place::Errors;
+use jointplay_format::toml_reader::Entry;
 
 use super::checksum::Checksum;
 use super::codes::Codes;
 use super::format_spec::Kind;
+use super::included::DIALECTS;
+use super::language::{Dialect, Motions};
 use super::output::{LINE_ENDS, OutputFormat, covered_names, last_names, line_names};
 use super::problem::Problem;
 use super::template::{Decimals, Names, Template};
-use super::{Dialect, Motions};
+use super::tree::{Reader, Table};
 
-pub(super) type Reader<'a> = toml_reader::Reader<'a, Problem>;
-pub(super) type Table<'r, 'a> = toml_reader::Table<'r, 'a, Problem>;
+/// Longest accepted dialect file (bytes).
+pub const MAX_BYTES: usize = 100_000;
 
 /// Largest number of decimals.
 const MOST_DECIMALS: usize = 12;
@@ -48,13 +51,37 @@ const AXIS: [(&str, Kind); 3] =
     [("name", Kind::Text), ("value", Kind::Real), ("number", Kind::Integer)];
 const COMMENT: [(&str, Kind); 1] = [("text", Kind::Text)];
 
+impl Dialect {
+    /// Reads a dialect file.
+    ///
+    /// # Errors
+    /// All errors in the order of their places, at least one: invalid TOML, missing and unknown keys, unknown names and units, motions described in no manner or in two.
+    pub fn parse(text: &str) -> Result<Self, Errors<Problem>> {
+        let reader = Reader::new(text);
+        if !reader.has_at_most(MAX_BYTES) {
+            return reader.done(None);
+        }
+        let document = reader.parse();
+        let top = Table::new(&reader, "a dialect", document.get_ref(), 0..0);
+        let dialect = read(&top);
+        top.finish();
+        reader.done(dialect)
+    }
+
+    /// The neutral dialect.
+    #[must_use]
+    pub fn neutral() -> Self {
+        Self::parse(DIALECTS[0].text).expect("the included dialect is valid, as a test checks")
+    }
+}
+
 /// A file with what its templates need.
 struct File<'t, 'r, 'a> {
     top: &'t Table<'r, 'a>,
     decimals: Decimals,
 }
 
-pub(super) fn read(top: &Table<'_, '_>) -> Option<Dialect> {
+fn read(top: &Table<'_, '_>) -> Option<Dialect> {
     let reader = top.reader;
     let text = |key| top.needed(key)?.text(reader).map(str::to_owned);
     let (name, about, between) = (text("name"), text("about"), text("between"));
@@ -63,7 +90,7 @@ pub(super) fn read(top: &Table<'_, '_>) -> Option<Dialect> {
     let angle = unit(top, "angle", &AngleUnit::ALL);
     let decimals = |key| top.needed(key)?.count(reader, 0, MOST_DECIMALS);
     let (values, times) = (decimals("decimals"), decimals("time_decimals"));
-    // Templates are also checked where the decimals are wrong.
+    // Templates are also checked where the decimals are invalid.
     let decimals = Decimals { values: values.unwrap_or(0), times: times.unwrap_or(0) };
     let file = File { top, decimals };
     let station_codes = Codes::read(top, "station_codes");
@@ -213,4 +240,63 @@ fn extension(reader: &Reader<'_>, entry: &Entry<'_, '_>) -> Option<String> {
 
 fn unit<U: Copy>(top: &Table<'_, '_>, key: &'static str, all: &[(&str, U)]) -> Option<U> {
     top.needed(key)?.word(top.reader, &format!("unit of {key}"), all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_included_dialect_is_valid() {
+        for entry in DIALECTS {
+            assert_eq!(Dialect::parse(entry.text).unwrap().name, entry.name);
+        }
+        assert_eq!(Dialect::neutral().name, "neutral");
+    }
+
+    /// Replaces a line of the neutral dialect, and checks an error message.
+    #[track_caller]
+    fn refuse(from: &str, to: &str, message: &str) {
+        let text = DIALECTS[0].text.replace(from, to);
+        assert_ne!(text, DIALECTS[0].text);
+        let errors = Dialect::parse(&text).unwrap_err();
+        let shown: Vec<String> = errors.iter().map(|error| error.with_excerpt("x.toml")).collect();
+        let shown = shown.join("\n");
+        assert!(shown.contains(message), "{shown}");
+        assert!(to.is_empty() || shown.contains(to.lines().next().unwrap()), "{shown}");
+    }
+
+    #[test]
+    fn invalid_dialects_are_rejected_with_the_place_of_each_error() {
+        refuse("length = \"mm\"", "length = \"furlong\"", "known: ");
+        refuse("angle = \"deg\"", "angle = \"turns\"", "known: ");
+        refuse("WAIT {duration}", "WAIT {durations}", "did you mean `duration`");
+        refuse("WAIT {duration}", "WAIT {duration", "ends without");
+        refuse("WAIT {duration}", "WAIT duration}", "}}");
+        refuse("\ndecimals = 6", "\ndecimals = 20", "from 0 to 12");
+        refuse("extension = \"txt\"", "extension = \"../x\"", "letters and digits");
+        refuse("still =", "stil =", "unknown key");
+        refuse("WAIT {duration}", "WAIT {duration:d}", "not a format of a number with decimals");
+        refuse("{station} {slot}", "{station_code} {slot}", "needs the table `[station_codes]`");
+        let output = |table: &str| format!("end = [\"END {{time}}\"]\n{table}");
+        for (table, message) in [
+            ("[output]\nchecksum = \"crc\"", "known: xor, sum, lrc, crc-16/xmodem"),
+            ("[output]\nline = \"{text}*{checksum}\"", "`{checksum}` needs the key `checksum`"),
+            ("[output]\nlast = [\"{checksum}\"]", "needs the key `file_checksum`"),
+            ("[output]\nline_end = \"cr\"", "known: lf, crlf"),
+            ("[output]\ncover = \"x\"", "did you mean `covered`?"),
+            ("[output]\nexcept = [1]", "has to be a text"),
+            ("[station_codes]\nLP1 = 1\nLP2 = \"P2\"", "all texts, or all whole numbers"),
+            ("[station_codes]\nLP1 = 1.5", "a whole number"),
+        ] {
+            let text = DIALECTS[0].text.replace("end = [\"END {time}\"]", &output(table));
+            let errors = Dialect::parse(&text).unwrap_err().with_excerpt("x.toml");
+            assert!(errors.contains(message), "{table}: {errors}");
+        }
+        refuse(
+            "still = [\"WAIT {duration}\"]\n",
+            "",
+            "either `axes`, `line` and `still`, or `point`",
+        );
+    }
 }

@@ -8,9 +8,10 @@ use jointplay_format::program::phase_name;
 
 use super::codes::Codes;
 use super::format_spec::Value;
+use super::language::{Dialect, Motions};
 use super::output::Output;
+use super::problem::Problem;
 use super::template::Template;
-use super::{Dialect, Motions, Problem};
 use crate::export::error::Error;
 use crate::export::motion_export::MotionExport;
 
