@@ -771,7 +771,7 @@ fn every_file_lasts_as_long_as_the_motion() {
     sandbox.write("own.toml", "name = \"own\"\nabout = \"mine\"\nextension = \"x\"\nlength = \"m\"\nangle = \"rad\"\ndecimals = 3\ntime_decimals = 3\naxis = \"{valeu}\"\nbetween = \",\"\ncomment = \"{text}\"\npoint = []\n");
     let refused = sandbox.run("cell export example.toml --to text --dialect own.toml --out own");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("own.toml:8:8: "), "{}", refused.stderr);
+    assert!(refused.stderr.contains("own.toml:8:10: "), "{}", refused.stderr);
     assert!(refused.stderr.contains("did you mean `value`"), "{}", refused.stderr);
 }
 

@@ -45,7 +45,7 @@ pub(super) fn rate(text: &str) -> Result<Rate, String> {
 Examples:
   jointplay cell export
   jointplay cell export --to gltf --rate 60 --out scene
-  jointplay cell export --columns time,x,y,z,heading,tilt --from-s 10 --to-s 12.5 --rate 1000 --out approach
+  jointplay cell export --columns time,heading,tilt --from-s 10 --to-s 12.5 --out approach
   jointplay cell export --columns list
   jointplay cell export --to text --dialect points --out controller
 
