@@ -91,7 +91,7 @@ fn text(report: &SensitivityReport) -> String {
     let _ = writeln!(text, "displacement of the virtual joints from level");
     let _ = writeln!(text, "  exact ‖ΔX‖ (µm)      {:>14}", um(report.displacement_mm));
     let _ =
-        writeln!(text, "  bounds (µm), Jacobian at           lower         upper    linear ‖dX‖");
+        writeln!(text, "  estimates (µm), Jacobian at        lower         upper    linear ‖dX‖");
     for bounds in &report.bounds {
         let _ = writeln!(
             text,
@@ -100,7 +100,7 @@ fn text(report: &SensitivityReport) -> String {
             um(bounds.lower_mm),
             um(bounds.upper_mm),
             um(bounds.linear_mm),
-            if bounds.held { "satisfied" } else { "violated" }
+            if bounds.held { "contains ‖ΔX‖" } else { "does not contain ‖ΔX‖" }
         );
     }
     let values: String =
@@ -109,10 +109,10 @@ fn text(report: &SensitivityReport) -> String {
     let _ = writeln!(text, "  singular values     {values}");
     let _ = writeln!(
         text,
-        "contributions to ΔX                          1             2             3"
+        "shares of ΔX"
     );
     for (source, shares) in
-        [("rods 1, 2, 3", &report.rod_shares), ("sides 12, 23, 31", &report.side_shares)]
+        [("motion of rods 1, 2, 3", &report.rod_shares), ("required by sides 12, 23, 31", &report.side_shares)]
     {
         let shares = match shares {
             Some(shares) => {
