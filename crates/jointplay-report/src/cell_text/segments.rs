@@ -84,7 +84,7 @@ fn explained(segment: &SegmentReport) -> String {
     let name = name.as_ref().map_or(String::new(), |name| format!(" of {name}"));
     let percent = |share: &f64| fixed(100.0 * share, 0);
     format!(
-        "{limit}{name} for {} % of the time; first at {} %, last at {} % of the path",
+        "{limit}{name} for {} % of the time (first at {} %, last at {} % of the path)",
         percent(time_share),
         percent(from_share),
         percent(to_share)

@@ -21,7 +21,6 @@ use jointplay::interop::export::{self, MotionExport, ViolationNote};
 use jointplay::report;
 
 use crate::arguments::finite;
-use crate::console;
 use crate::failure::{Diagnostic, Failure};
 use crate::output::FormatArgs;
 use crate::progress::{Progress, Reporter};
@@ -157,9 +156,6 @@ impl CellArgs {
                 CellSource::parse(label, stem, text, Some(folder), parameters)
             }
             _ => {
-                if self.file.is_none() {
-                    console::note("no cell file is given: the included example is used");
-                }
                 let label = format!("{EXAMPLE}.toml");
                 let text = cell::EXAMPLE.to_owned();
                 CellSource::parse(label, EXAMPLE.to_owned(), text, None, parameters)
