@@ -6,7 +6,7 @@ use jointplay::gpr::{Gpr, ball_sides};
 use jointplay::virtualization::{Metric, Offset, Planar, Polar, Radial, Sides, Solver};
 use jointplay_validation::cases::{HEIGHT, RADIUS, options, pose, tilt, yaws_deg};
 use jointplay_validation::centers::circumcenter;
-use jointplay_validation::paths::{least_rotation, turn, torsion, warm_started};
+use jointplay_validation::paths::{least_rotation, torsion, turn, warm_started};
 use jointplay_validation::printed::{
     ByL, ThirdColumn, X, iterate, offset_points_printed, offset_points_right, polar_by_x,
     polar_sides,

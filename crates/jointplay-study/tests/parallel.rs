@@ -32,7 +32,8 @@ fn with_threads(threads: usize) -> (Vec<Vec<u64>>, Vec<Status>, StatusCounts) {
         assert_eq!((tally.count(Status::PitchTooLarge), tally.failed()), (9, 9));
         let given = rods.each_ref().map(|column| Column::from(&column[..]));
         let options = SolveOptions { solver: Solver::LeastNorm, ..SolveOptions::default() };
-        let wanted = &mut [(Quantity::VirtualJoint(4), &mut x[..]), (Quantity::Torsion, &mut torsion)];
+        let wanted =
+            &mut [(Quantity::VirtualJoint(4), &mut x[..]), (Quantity::Torsion, &mut torsion)];
         parallel::forward_many(&gpr, given, &Polar, &options, &mut status, wanted).unwrap()
     });
     let [q_1, q_2, q_3] = rods;

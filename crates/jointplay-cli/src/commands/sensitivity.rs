@@ -107,13 +107,11 @@ fn text(report: &SensitivityReport) -> String {
         report.singular_values.iter().map(|&value| format!(" {}", magnitude(value))).collect();
     let _ = writeln!(text, "sensitivity ∂X/∂P at the tilt");
     let _ = writeln!(text, "  singular values     {values}");
-    let _ = writeln!(
-        text,
-        "shares of ΔX"
-    );
-    for (source, shares) in
-        [("motion of rods 1, 2, 3", &report.rod_shares), ("required by sides 12, 23, 31", &report.side_shares)]
-    {
+    let _ = writeln!(text, "shares of ΔX");
+    for (source, shares) in [
+        ("motion of rods 1, 2, 3", &report.rod_shares),
+        ("required by sides 12, 23, 31", &report.side_shares),
+    ] {
         let shares = match shares {
             Some(shares) => {
                 shares.iter().map(|s| format!("{:>13}%", fixed(s * 100.0, 2))).collect()

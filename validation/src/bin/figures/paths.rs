@@ -5,7 +5,7 @@ use jointplay::plot::{Axis, Colour, Curve, Dash, Figure, Model, Panel, Style, mo
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{Metric, Offset, Planar, Solver, Virtualization};
 use jointplay_validation::cases::{HEIGHT, options};
-use jointplay_validation::paths::{least_rotation, turn, torsion, warm_started};
+use jointplay_validation::paths::{least_rotation, torsion, turn, warm_started};
 
 const SAMPLES: u32 = 120;
 
@@ -24,7 +24,8 @@ pub(crate) fn figure() -> Figure {
             gpr.forward(rods, &Planar, &options).expect("near level").torsion()
         })
         .collect();
-    let scaled = |torsion: &[f64], scale: f64| torsion.iter().map(|t| t * scale).collect::<Vec<_>>();
+    let scaled =
+        |torsion: &[f64], scale: f64| torsion.iter().map(|t| t * scale).collect::<Vec<_>>();
     let nominal_style = Style::line(Colour::BLUE, Dash::Solid).with_width(2.2);
     let rotation: Vec<f64> = least_rotation(&tilts).iter().map(torsion).collect();
     let whole = Panel::new(Axis::linear("turns of precession"), Axis::linear("torsion (mrad)"))

@@ -312,13 +312,21 @@ fn write_wafer(text: &mut String, wafer: &WaferDisplacementReport, coverage_fact
     };
     for one in &wafer.contributions {
         let (expanded, linear_sum) = (&one.expanded, &one.linear_sum);
-        let values =
-            [expanded.horizontal_um, expanded.vertical_um, linear_sum.horizontal_um, linear_sum.vertical_um];
+        let values = [
+            expanded.horizontal_um,
+            expanded.vertical_um,
+            linear_sum.horizontal_um,
+            linear_sum.vertical_um,
+        ];
         row(one.cause, values, one.basis);
     }
     let (expanded, linear_sum) = (&wafer.expanded, &wafer.linear_sum);
-    let values =
-        [expanded.horizontal_um, expanded.vertical_um, linear_sum.horizontal_um, linear_sum.vertical_um];
+    let values = [
+        expanded.horizontal_um,
+        expanded.vertical_um,
+        linear_sum.horizontal_um,
+        linear_sum.vertical_um,
+    ];
     row("all", values, "");
     if !wafer.unknown.is_empty() {
         let _ = writeln!(text, "  not stated in full, and not included");
