@@ -48,7 +48,7 @@ _Metric: TypeAlias = Literal["paper", "radius"] | float
 _Quantity: TypeAlias = Literal[
     "yaw_rad",
     "pitch_rad",
-    "twist_rad",
+    "torsion_rad",
     "axis_height_m",
     "origin_m",
     "normal",
@@ -250,7 +250,7 @@ class Forward:
     @property
     def pitch_rad(self) -> float: ...
     @property
-    def twist_rad(self) -> float: ...
+    def torsion_rad(self) -> float: ...
     @property
     def axis_height_m(self) -> float: ...
     @property

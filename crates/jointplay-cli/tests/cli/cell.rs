@@ -927,9 +927,11 @@ fn displacement_of_wafers_names_causes_and_bounds() {
     let stated = sandbox.json("cell displacement stated.toml --station PM1 --effector A");
     let wafer = &stated["wafers"][0];
     assert_eq!(wafer["unknown"].as_array().unwrap().len(), 1, "{wafer}");
-    assert!(number(&wafer["expanded"]["horizontal_um"]) < number(&wafer["worst"]["horizontal_um"]));
+    assert!(
+        number(&wafer["expanded"]["horizontal_um"]) < number(&wafer["linear_sum"]["horizontal_um"])
+    );
     let program = sandbox.done("cell displacement stated.toml example.program");
-    assert!(program.contains("worst case (±µm)") && program.contains("least certain"), "{program}");
+    assert!(program.contains("linear sum (±µm)") && program.contains("least certain"), "{program}");
 
     for (line, expected) in [
         ("cell displacement --station PM9", "known: LP1, LP2, ALIGN, PM1"),
