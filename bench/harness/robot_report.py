@@ -25,7 +25,7 @@ WHAT = {
 }
 NOTES = {
     "closed": [
-        "*jointplay, one by one*: `virtualization::solve`, and with pose `Gpr::forward`; *bulk*: `Gpr::forward_many`, whose pose is origin, normal and twist.",
+        "*jointplay, one by one*: `virtualization::solve`, and with pose `Gpr::forward`; *bulk*: `Gpr::forward_many`, whose pose is origin, normal and torsion.",
         "*C, vectors over poses*: 8 or 16 poses in the vectors of the compiler, or a loop without branches under `#pragma omp simd`. *C, by hand*: pose by pose. Both use the law of cosines, series for the sines of small turns, a first step computed once for all poses, and one division for a 3×3 system. *C, textbook* omits the series and the first step.",
         "*Numba*, *JAX*, *NumPy* use the same formulas, Numba and JAX the same series; *CasADi* derives them and generates C, which is compiled like the rest.",
         "Of C, every kernel is built by every compiler found, with `-O3 -march=native`, with and without `-ffast-math`; the fastest counts, all are below.",

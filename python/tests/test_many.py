@@ -19,7 +19,7 @@ def gpr() -> jp.Gpr:
     """The paper's robot, which also answers beyond its limits, as the paper's study needs."""
     return jp.Gpr.paper().without_limit_checks()
 
-SCALARS = ("yaw_rad", "pitch_rad", "twist_rad", "axis_height_m", "residual_m", "iterations")
+SCALARS = ("yaw_rad", "pitch_rad", "torsion_rad", "axis_height_m", "residual_m", "iterations")
 VECTORS = ("origin_m", "normal", "sides_m", "virtual_joints")
 
 

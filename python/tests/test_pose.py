@@ -26,7 +26,7 @@ def test_the_command_says_the_same(gpr, ask, virtualization, solver):
     platform = report["platform"]
     assert pose.yaw_rad == pytest.approx(math.radians(platform["yaw_deg"]), rel=1e-14)
     assert pose.pitch_rad == pytest.approx(math.radians(platform["pitch_deg"]), rel=1e-14)
-    assert pose.twist_rad == pytest.approx(math.radians(platform["twist_deg"]), rel=1e-13, abs=1e-18)
+    assert pose.torsion_rad == pytest.approx(math.radians(platform["torsion_deg"]), rel=1e-13, abs=1e-18)
     assert pose.axis_height_m * 1e3 == pytest.approx(platform["axis_height_mm"], rel=1e-14)
     np.testing.assert_allclose(pose.origin_m * 1e3, platform["origin_mm"], rtol=1e-14)
     np.testing.assert_allclose(pose.normal, platform["normal"], rtol=1e-15)

@@ -38,7 +38,7 @@ FOUR_BAR = jp.Mechanism.from_catalogue("four-bar")
 RODS = jp.Mechanism.from_catalogue("gpr-mechanism")
 
 FORWARD = [
-    *("rods_m", "sides_m", "yaw_rad", "pitch_rad", "twist_rad", "axis_height_m", "origin_m", "center_shift_m"),
+    *("rods_m", "sides_m", "yaw_rad", "pitch_rad", "torsion_rad", "axis_height_m", "origin_m", "center_shift_m"),
     *("normal", "base_from_platform", "virtual_joints", "characteristic_length_m", "iterations", "residual_m"),
 ]
 # Fields with NaN for unknown values.

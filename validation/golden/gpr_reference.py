@@ -331,7 +331,7 @@ class Pose:
     origin: mpmath.matrix
     rotation: mpmath.matrix
     normal: list
-    twist: mpf
+    torsion: mpf
     misfit: mpf  # greatest distance |pose(p_k) - P_k|
 
 
@@ -346,11 +346,11 @@ def pose_of(model, robot, x, points):
     origin = (points[0] + points[1] + points[2] - images[0] - images[1] - images[2]) / 3
     misfit = max(mpmath.norm(origin + im - p) for im, p in zip(images, points))
     n = [rotation[r, 2] for r in range(3)]
-    return Pose(origin, rotation, n, twist_about_normal(rotation), misfit)
+    return Pose(origin, rotation, n, torsion(rotation), misfit)
 
 
-def twist_about_normal(rotation):
-    """The twist t in R = T Rz(t), T = Rz(yaw) Ry(pitch) Rz(-yaw) being the
+def torsion(rotation):
+    """The torsion t in R = T Rz(t), T = Rz(yaw) Ry(pitch) Rz(-yaw) being the
     shortest rotation from e3 to the normal: T = 1 + [v] + [v]^2/(1 + n_z),
     v = e3 x n."""
     nx, ny, nz = (rotation[r, 2] for r in range(3))
@@ -510,7 +510,7 @@ def write_forward(all_robots):
     columns = ["robot", "model", "rho_mm", "solver", "yaw_deg", "pitch_deg", "axis_height_mm"]
     columns += ["q1_mm", "q2_mm", "q3_mm", "L12_mm", "L23_mm", "L31_mm"]
     columns += [f"x{i}" for i in range(1, 7)]
-    columns += ["x_mm", "y_mm", "z_mm", "nx", "ny", "nz", "twist_deg"]
+    columns += ["x_mm", "y_mm", "z_mm", "nx", "ny", "nz", "torsion_deg"]
     rows = []
     for robot in all_robots:
         for yaw_deg, pitch_deg, height in POSES:
@@ -526,14 +526,14 @@ def write_forward(all_robots):
                     assert pose.misfit < mpf(10) ** -44, (robot.name, model, pose.misfit)
                     row = [robot.name, model, number(rho), solver, yaw_deg, pitch_deg, height]
                     row += q + sides + list(x) + [None] * (6 - len(x))
-                    row += list(pose.origin) + pose.normal + [mpmath.degrees(pose.twist)]
+                    row += list(pose.origin) + pose.normal + [mpmath.degrees(pose.torsion)]
                     rows.append(row)
     write("gpr-forward.csv", FORWARD_HEADER, columns, rows)
 
 
 FORWARD_HEADER = [
     "Robots: gpr-robots.csv.",
-    "Units: q, L, origin in mm; normal without unit; twist in degrees; rho in mm, empty where X",
+    "Units: q, L, origin in mm; normal without unit; torsion in degrees; rho in mm, empty where X",
     "  has no angle.",
     "X: radial l1 l2 l3 (mm), x4..x6 empty; polar l1 l2 l3 (mm) phi1 phi2 phi3 (rad);",
     "  offset dr1 dr2 dr3 (mm) dphi1 dphi2 dphi3 (rad); planar u1 u2 u3 v1 v2 v3 (mm, platform",
@@ -544,7 +544,7 @@ FORWARD_HEADER = [
     "Solver least-norm: F = 0 with the least norm of X - X0, from the Lagrange conditions; the",
     "  local minimum next to the newton solution, second-order condition checked.",
     "Pose: the rigid transform which carries the sockets p_k(X) onto the balls P_k.",
-    "  R = Rz(yaw) Ry(pitch) Rz(-yaw) Rz(twist).",
+    "  R = Rz(yaw) Ry(pitch) Rz(-yaw) Rz(torsion).",
     "Tolerances, absolute, for an implementation in double precision. In brackets the greatest",
     "  error of this same computation rounded to 53 bits; the rest is room for other formulas,",
     "  for metres inside, and for the last step of an iteration which stops early.",
@@ -554,7 +554,7 @@ FORWARD_HEADER = [
     "                             on dr of a fraction of a mm): well-conditioned against L",
     "  origin 1e-10 mm (3e-13)    follows X and q",
     "  normal 1e-13 (6e-16)       differences of coordinates over about 100 mm",
-    "  twist 1e-10 deg (7e-14)    follows X, over about 100 mm",
+    "  torsion 1e-10 deg (7e-14)    follows X, over about 100 mm",
 ]
 
 

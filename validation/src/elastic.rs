@@ -12,7 +12,7 @@ pub struct Rest {
     /// O_p in the base frame (m).
     pub origin: Vector3<f64>,
     /// Turn about the normal, beyond the shortest rotation (rad).
-    pub twist: f64,
+    pub torsion: f64,
 }
 
 /// The weighted fit within the plane of the balls: least Σ |p_k − P_k|² / q_k³.
@@ -39,15 +39,15 @@ pub fn weighted_fit(
         cosine += stiffness[k] * arm.dot(&target);
         sine += stiffness[k] * arm.perp(&target);
     }
-    let twist = sine.atan2(cosine);
-    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), twist);
-    Rest { origin: onto - tilted * (turn * from.push(0.0)), twist }
+    let torsion = sine.atan2(cosine);
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), torsion);
+    Rest { origin: onto - tilted * (turn * from.push(0.0)), torsion }
 }
 
 /// The equilibrium of the rods: least Σ (sideways displacement)² / q_k³, with every socket at its rod's height.
 ///
 /// Unlike [`weighted_fit`] the rods bend sideways only, and the plane follows the bent tips.
-/// Gauss–Newton on O_p's two sideways coordinates and the twist; normal and height follow from the three heights.
+/// Gauss–Newton on O_p's two sideways coordinates and the torsion; normal and height follow from the three heights.
 ///
 /// # Panics
 /// If the three heights fix no plane.
@@ -83,10 +83,10 @@ pub fn equilibrium(sockets: &[Vector2<f64>; 3], balls: &[Vector3<f64>; 3]) -> Re
         unknowns -= Vector3::from([step[0], step[1], step[2]]);
     }
     let (_, origin) = stand(sockets, balls, &unknowns);
-    Rest { origin, twist: unknowns[2] }
+    Rest { origin, torsion: unknowns[2] }
 }
 
-/// Rotation and O_p that bring each socket to the height of its rod, for O_p's sideways place and the twist.
+/// Rotation and O_p that bring each socket to the height of its rod, for O_p's sideways place and the torsion.
 fn stand(
     sockets: &[Vector2<f64>; 3],
     balls: &[Vector3<f64>; 3],

@@ -101,7 +101,7 @@ fn shortest(from: &Vector3<f64>, to: &Vector3<f64>) -> Rotation3<f64> {
 
 /// Turn of a rotation about its own e_3, beyond the shortest rotation from level (rad).
 #[must_use]
-pub fn twist_about_normal(rotation: &Rotation3<f64>) -> f64 {
+pub fn torsion(rotation: &Rotation3<f64>) -> f64 {
     let normal = rotation.matrix().column(2).into_owned();
     let rest = shortest(&Vector3::z(), &normal).inverse() * rotation;
     rest.matrix()[(1, 0)].atan2(rest.matrix()[(0, 0)])

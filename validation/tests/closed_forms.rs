@@ -66,7 +66,7 @@ fn planar_is_the_centroid_without_torsion() {
             let found = pose(&Planar, Solver::ClosedForm, Metric::Paper, yaw, pitch);
             let off = found.base_from_platform.translation.vector - centroid(&balls(yaw, pitch));
             assert!(off.norm() < 1e-15);
-            near(found.twist_about_normal(), 0.0, 1e-15);
+            near(found.torsion(), 0.0, 1e-15);
             // Balls on a circle over the axis: their centroid stays on it.
             assert!(found.center_shift().norm() < 1e-15);
         }
@@ -206,7 +206,7 @@ fn elastic_rods_hold_the_platform_near_the_planar_model() {
         assert!((off - Vector2::new(cos, sin) * length).norm() < 0.02 * length);
         // Bending within the plane or sideways: the difference is of the squared tilt.
         assert!((fit.origin - rest.origin).xy().norm() < 1e-3 * UM);
-        near(fit.twist, rest.twist, 1e-8);
+        near(fit.torsion, rest.torsion, 1e-8);
         // The two others are fifty times as far.
         let radial = origin(&Radial, Solver::ClosedForm, yaw, 2.0);
         let polar = origin(&Polar, Solver::Newton, yaw, 2.0);

@@ -6,7 +6,7 @@ use jointplay::gpr::{Gpr, ball_sides};
 use jointplay::virtualization::{Metric, Offset, Planar, Polar, Radial, Sides, Solver};
 use jointplay_validation::cases::{HEIGHT, RADIUS, options, pose, tilt, yaws_deg};
 use jointplay_validation::centers::circumcenter;
-use jointplay_validation::paths::{least_rotation, turn, twist_about_normal, warm_started};
+use jointplay_validation::paths::{least_rotation, torsion, turn, warm_started};
 use jointplay_validation::printed::{
     ByL, ThirdColumn, X, iterate, offset_points_printed, offset_points_right, polar_by_x,
     polar_sides,
@@ -354,7 +354,7 @@ fn least_rotation_from_the_last_pose_gains_torsion_at_every_turn() {
     for (n, end) in ends().into_iter().enumerate() {
         let turns = f64::from(u32::try_from(n + 1).unwrap());
         // A polygon of 360 corners encloses less than its circle, by 5·10⁻⁵.
-        near(twist_about_normal(&rotations[end]), turns * gain, 1e-4 * turns * gain);
+        near(torsion(&rotations[end]), turns * gain, 1e-4 * turns * gain);
     }
 }
 
@@ -362,7 +362,7 @@ fn least_rotation_from_the_last_pose_gains_torsion_at_every_turn() {
 fn a_warm_start_depends_on_the_path() {
     let gpr = Gpr::paper().without_limit_checks();
     let tilts = three_turns();
-    for (model, rho, twist, moved) in [
+    for (model, rho, gain, moved) in [
         (&Planar as &dyn jointplay::virtualization::Virtualization, RHO, 1.166e-6, 0.0),
         (&Offset, RHO, -6.15e-6, 1.146 * UM),
         (&Polar, RHO, 0.0, 0.0),
@@ -370,7 +370,7 @@ fn a_warm_start_depends_on_the_path() {
         let poses = warm_started(&gpr, model, rho, &tilts);
         for (n, end) in ends().into_iter().enumerate() {
             let turns = f64::from(u32::try_from(n + 1).unwrap());
-            near(twist_about_normal(&poses[end].rotation), turns * twist, 1e-8 * turns);
+            near(torsion(&poses[end].rotation), turns * gain, 1e-8 * turns);
             let off = poses[end].translation.vector - poses[0].translation.vector;
             near(off.norm(), turns * moved, 0.01 * UM * turns);
         }
@@ -391,6 +391,6 @@ fn a_start_at_nominal_does_not() {
         let off = last.base_from_platform.translation.vector
             - first.base_from_platform.translation.vector;
         assert!(off.norm() < 1e-15);
-        near(last.twist_about_normal(), first.twist_about_normal(), 1e-15);
+        near(last.torsion(), first.torsion(), 1e-15);
     }
 }

@@ -67,8 +67,8 @@ fn poses_of_every_model_and_solver() {
         for (k, column) in ["nx", "ny", "nz"].into_iter().enumerate() {
             near(column, pose.normal()[k], row.number(column).unwrap(), 1e-13, row);
         }
-        let twist = row.number("twist_deg").unwrap().to_radians();
-        near("twist", pose.twist_about_normal(), twist, 1e-10_f64.to_radians(), row);
+        let torsion = row.number("torsion_deg").unwrap().to_radians();
+        near("torsion", pose.torsion(), torsion, 1e-10_f64.to_radians(), row);
     }
 }
 

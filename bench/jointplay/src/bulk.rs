@@ -44,7 +44,7 @@ const POSE: [Quantity; 8] = [
     Quantity::Normal(0),
     Quantity::Normal(1),
     Quantity::Normal(2),
-    Quantity::Twist,
+    Quantity::Torsion,
 ];
 
 /// Columns of rods, and columns of what is wanted of them: X, and what else.
@@ -91,12 +91,12 @@ impl<V: Virtualization> Forward<V> {
             polar[k] = socket.norm();
             polar[3 + k] = out.perp(socket).atan2(out.dot(socket));
         }
-        let &[_, ox, oy, oz, nx, ny, nz, twist] = rest else {
+        let &[_, ox, oy, oz, nx, ny, nz, torsion] = rest else {
             return Some(polar.to_vec());
         };
         let normal = Vector3::new(nx, ny, nz);
         let tilt = Rotation3::rotation_between(&Vector3::z(), &normal)?;
-        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), twist);
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), torsion);
         Some(gpr::numbers(&(Pose::from_parts(Translation3::new(ox, oy, oz), tilt * turn), polar)))
     }
 }

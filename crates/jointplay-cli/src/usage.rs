@@ -11,7 +11,7 @@ use crate::commands;
 use crate::console::ConsoleArgs;
 use crate::failure::BAD_INPUT;
 
-/// Models, analyses and simulates robots that move only because their joints have play.
+/// Models, analyses and simulates overconstrained robots, some of whose motions need play in the joints.
 #[derive(Parser)]
 #[command(
     name = "jointplay",

@@ -88,7 +88,7 @@ fn kernels(criterion: &mut Criterion) {
     let shift = [Quantity::Origin(0), Quantity::Origin(1)];
     let pose: Vec<_> = (0..3)
         .map(Quantity::Origin)
-        .chain([Quantity::Yaw, Quantity::Pitch, Quantity::Twist])
+        .chain([Quantity::Yaw, Quantity::Pitch, Quantity::Torsion])
         .collect();
     forward(criterion, "radial closed-form, X", &Radial, Solver::ClosedForm, &three);
     forward(criterion, "planar closed-form, X", &Planar, Solver::ClosedForm, &six);

@@ -45,7 +45,7 @@ fn quantities(joints: usize) -> Vec<Quantity> {
     let three = [Quantity::Side, Quantity::Origin, Quantity::Normal, Quantity::Sensitivity];
     let mut all: Vec<_> = three.iter().flat_map(|of| (0..3).map(of)).collect();
     all.extend((0..joints).map(Quantity::VirtualJoint));
-    all.extend([Quantity::Yaw, Quantity::Pitch, Quantity::Twist, Quantity::AxisHeight]);
+    all.extend([Quantity::Yaw, Quantity::Pitch, Quantity::Torsion, Quantity::AxisHeight]);
     all.extend([Quantity::Displacement, Quantity::Residual, Quantity::Iterations]);
     all
 }
@@ -92,7 +92,7 @@ fn expected(
         // The smaller a tilt, the less accurate its azimuth.
         Quantity::Yaw => (pose.tilt().yaw, angle.max(1e-15 / pose.tilt().pitch)),
         Quantity::Pitch => (pose.tilt().pitch, angle),
-        Quantity::Twist => (pose.twist_about_normal(), angle),
+        Quantity::Torsion => (pose.torsion(), angle),
         Quantity::AxisHeight => (pose.axis_height().0, length),
         Quantity::Displacement => {
             let mut nominal = vec![0.0; model.joints().len()];

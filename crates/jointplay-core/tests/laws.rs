@@ -385,7 +385,7 @@ proptest! {
         all_near("rods", &other.rods, &one.rods, 1e-13);
         let turn = Rotation2::new(angle);
         prop_assert!((turn * one.center_shift() - other.center_shift()).norm() < 1e-12);
-        near("twist", other.twist_about_normal(), one.twist_about_normal(), 1e-11);
+        near("torsion", other.torsion(), one.torsion(), 1e-11);
         let (x, turned_x) = (&one.solution.virtual_joints, &other.solution.virtual_joints);
         if case.model().name() == "planar" {
             for k in 0..3 {
@@ -421,7 +421,7 @@ proptest! {
             near("X", found, one.solution.virtual_joints[m], angle_tolerance(&case, m / 3));
         }
         prop_assert!((one.normal() - other.normal()).norm() < 1e-13);
-        near("twist", other.twist_about_normal(), one.twist_about_normal(), 1e-11);
+        near("torsion", other.torsion(), one.torsion(), 1e-11);
 
         let (system, scaled_system) = (gpr.system(case.model()), scaled_gpr.system(case.model()));
         let (before, after) = (first_order(&system, &one), first_order(&scaled_system, &other));

@@ -233,7 +233,7 @@ fn unusable_meshes_are_refused_with_the_reason() {
     refused("t.stl", ", node = \"door\"", &file, "has nodes: remove `node`");
     let draco = r#", "extensionsRequired": ["KHR_draco_mesh_compression"]"#;
     refused("t.glb", "", &glb(["a", "b"], draco), "export it without compression");
-    refused("t.step", "", b"ISO-10303-21;", "it has no triangles: export it");
+    refused("t.step", "", b"ISO-10303-21;", "files that end in .step are not read");
     refused("t.gltf", "", b"{}", "save it as binary glTF");
     refused("t.ply", "", b"ply", "neither in .stl, .obj nor in .glb");
     refused("t.glb", "", b"{}", "it does not start with `glTF`");

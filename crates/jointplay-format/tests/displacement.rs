@@ -134,14 +134,14 @@ fn bounds_combine_all_contributions() {
     let found = cell.wafer_displacement(&wafer, &all_tolerances(1e-5)).unwrap();
     // The plane of the station is taught, its centre and heading are nominal.
     assert_eq!(found.unknown, [Cause::Station]);
-    let worst = Contribution::worst_sum(&found.contributions);
+    let linear_sum = Contribution::linear_sum(&found.contributions);
     let expanded = Contribution::expanded_sum(&found.contributions, cell.coverage_factor);
-    assert!(expanded.horizontal < worst.horizontal && expanded.vertical < worst.vertical);
+    assert!(expanded.horizontal < linear_sum.horizontal && expanded.vertical < linear_sum.vertical);
     let largest = found.contributions.iter().map(|one| one.expanded(2.0).horizontal);
     assert!(expanded.horizontal >= largest.fold(0.0, f64::max));
     // Droop and sag are compensated.
     let compensation = found.contributions.iter().find(|one| one.cause == Cause::Compensation);
-    assert!(compensation.unwrap().worst.horizontal < 1e-9);
+    assert!(compensation.unwrap().linear_sum.horizontal < 1e-9);
     let station = found.contributions.iter().find(|one| one.cause == Cause::Station).unwrap();
     let known = &cell.stations[3].uncertainty;
     let [_, height] = known.lateral_and_height(&cell.stations[3].slot_position(1));

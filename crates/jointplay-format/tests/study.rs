@@ -47,13 +47,13 @@ fn a_study_defines_samples_and_columns() {
     assert_eq!(names[6..8], ["planar_center_shift_um", "planar_u1_mm"]);
     assert_eq!(names.last(), Some(&"polar_status"));
     let least =
-        "kind = \"study\"\nquantities = [\"twist_mrad\"]\n[pose]\ntilt_x_deg = 1\ntilt_y_deg = 0";
+        "kind = \"study\"\nquantities = [\"torsion_mrad\"]\n[pose]\ntilt_x_deg = 1\ntilt_y_deg = 0";
     let least = study(least);
     assert_eq!(least.plan.samples(), Ok(1));
     let names: Vec<&str> = least.columns.iter().map(|column| column.name.as_str()).collect();
     assert_eq!(
         names,
-        ["sample", "tilt_x_deg", "tilt_y_deg", "height_mm", "planar_twist_mrad", "planar_status"]
+        ["sample", "tilt_x_deg", "tilt_y_deg", "height_mm", "planar_torsion_mrad", "planar_status"]
     );
 }
 

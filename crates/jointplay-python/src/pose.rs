@@ -66,8 +66,8 @@ impl PyForward {
 
     /// Turn about the platform normal beyond the shortest rotation to it (rad).
     #[getter]
-    fn twist_rad(&self) -> f64 {
-        self.pose.twist_about_normal()
+    fn torsion_rad(&self) -> f64 {
+        self.pose.torsion()
     }
 
     /// Height at which the platform plane crosses the base axis (m).

@@ -21,7 +21,7 @@ enum Columns {
 const ALL: [Named; 12] = [
     Named { name: "yaw_rad", columns: Columns::One(Quantity::Yaw) },
     Named { name: "pitch_rad", columns: Columns::One(Quantity::Pitch) },
-    Named { name: "twist_rad", columns: Columns::One(Quantity::Twist) },
+    Named { name: "torsion_rad", columns: Columns::One(Quantity::Torsion) },
     Named { name: "axis_height_m", columns: Columns::One(Quantity::AxisHeight) },
     Named { name: "origin_m", columns: Columns::Three(Quantity::Origin) },
     Named { name: "normal", columns: Columns::Three(Quantity::Normal) },

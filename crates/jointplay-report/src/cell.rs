@@ -106,20 +106,19 @@ pub struct BlendedReport {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct CompensatedReport {
     /// Number of hand-offs.
-    #[serde(rename = "handovers")]
     pub handoffs: usize,
     /// Largest drop of a loaded arm, which is compensated.
-    pub drop_um: f64,
+    pub droop_um: f64,
     /// Largest slope of a loaded arm, which is compensated.
     pub slope_mrad: f64,
     /// Largest distance of a wafer's mean plane from its supports by its own sag, which is compensated.
     pub sag_um: f64,
     /// Largest remaining distance of the mean plane's centre from its target in the slot.
-    pub left_um: f64,
+    pub residual_um: f64,
     /// Largest remaining angle of the mean plane from the plane of the slot.
-    pub left_mrad: f64,
+    pub residual_mrad: f64,
     /// Largest root mean square distance of a wafer from its mean plane, which no platform pose removes.
-    pub bent_um: f64,
+    pub residual_sag_um: f64,
     /// Largest displacement of an effector when its load changes; poses jump by it at the hand-off.
     pub jump_um: f64,
     /// Largest uncertainty of the tilt of these stations, times the coverage factor; none where it is not known.
@@ -375,12 +374,12 @@ fn compensated(
     }
     (!carried.is_empty()).then(|| CompensatedReport {
         handoffs: carried.len(),
-        drop_um: um(most(carried, |one| one.deflection.drop)),
+        droop_um: um(most(carried, |one| one.deflection.drop)),
         slope_mrad: mm(most(carried, |one| one.deflection.slope)),
         sag_um: um(most(carried, |one| one.sag.abs())),
-        left_um: um(most(carried, |one| one.position_residual)),
-        left_mrad: mm(most(carried, |one| one.tilt_residual)),
-        bent_um: um(most(carried, |one| one.rms_flatness)),
+        residual_um: um(most(carried, |one| one.position_residual)),
+        residual_mrad: mm(most(carried, |one| one.tilt_residual)),
+        residual_sag_um: um(most(carried, |one| one.rms_flatness)),
         jump_um: um(most(carried, |one| one.load_displacement)),
         taught_mrad: tilt.map(mm),
         taught_um: height.map(um),

@@ -54,7 +54,7 @@ pub struct WaferDisplacementReport {
     /// Contributions to the uncertainty of the position; relative to the slot if the wafer is in one.
     pub contributions: Vec<ContributionReport>,
     /// Sum of all largest deviations.
-    pub worst: BoundReport,
+    pub linear_sum: BoundReport,
     /// Expanded uncertainty of all contributions.
     pub expanded: BoundReport,
     /// Causes without all data, and the keys of the cell file that are missing.
@@ -86,7 +86,7 @@ pub struct ContributionReport {
     /// Number of parameters.
     pub parameters: usize,
     /// Sum of the largest deviations.
-    pub worst: BoundReport,
+    pub linear_sum: BoundReport,
     /// Coverage factor times the standard deviation.
     pub expanded: BoundReport,
 }
@@ -155,11 +155,11 @@ fn wafer(cell: &Cell, one: &WaferDisplacement) -> WaferDisplacementReport {
                 cause: cause(one.cause),
                 basis: basis(one.cause.basis()),
                 parameters: one.parameters,
-                worst: bound(one.worst),
+                linear_sum: bound(one.linear_sum),
                 expanded: bound(one.expanded(factor)),
             })
             .collect(),
-        worst: bound(Contribution::worst_sum(&one.contributions)),
+        linear_sum: bound(Contribution::linear_sum(&one.contributions)),
         expanded: bound(Contribution::expanded_sum(&one.contributions, factor)),
         unknown: one
             .unknown

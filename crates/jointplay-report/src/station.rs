@@ -59,8 +59,8 @@ pub struct PlaneReport {
     pub distances_um: Vec<f64>,
     /// Share of an error of each point that the plane follows, so that the error does not show.
     pub leverages: Vec<f64>,
-    /// Distance of each point divided by its standard deviation; none where that is not known.
-    pub studentized: Vec<Option<f64>>,
+    /// Distance of each point divided by its standard deviation, studentized where the noise is estimated; none where it is not known.
+    pub standardized: Vec<Option<f64>>,
     /// Root mean square of the distances.
     pub residual_um: f64,
     /// Largest distance.
@@ -130,7 +130,7 @@ pub struct ReferenceReport {
     /// Share of an error of each reference that the fit follows.
     pub leverages: Vec<f64>,
     /// Deviation of each reference divided by its standard deviation; none where that is not known.
-    pub studentized: Vec<Option<f64>>,
+    pub standardized: Vec<Option<f64>>,
     /// Largest deviation.
     pub worst_um: f64,
     /// Allowed deviation.
@@ -234,7 +234,7 @@ fn plane(cell: &Cell, station: &Station, fit: &PlaneFit) -> PlaneReport {
     PlaneReport {
         distances_um: fit.distances.iter().map(|&one| um(one)).collect(),
         leverages: fit.diagnostics.iter().map(|one| one.leverage).collect(),
-        studentized: fit.diagnostics.iter().map(|one| one.studentized).collect(),
+        standardized: fit.diagnostics.iter().map(|one| one.standardized).collect(),
         residual_um: um(fit.residual),
         worst_um: um(fit.worst),
         threshold_um: um(fit.threshold),
@@ -267,7 +267,7 @@ fn references(fit: &ReferenceFit) -> ReferenceReport {
         turn_deg: fit.turn.map(deg),
         deviations_um: fit.deviations.iter().map(|one| um(one.norm())).collect(),
         leverages: fit.diagnostics.iter().map(|one| one.leverage).collect(),
-        studentized: fit.diagnostics.iter().map(|one| one.studentized).collect(),
+        standardized: fit.diagnostics.iter().map(|one| one.standardized).collect(),
         worst_um: um(fit.worst),
         threshold_um: um(fit.threshold),
         freedom: fit.redundancy,

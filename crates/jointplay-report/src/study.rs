@@ -23,8 +23,8 @@ pub struct StudyReport {
     pub series: Vec<SeriesReport>,
     /// Largest distance of O_p from the base axis (µm).
     pub largest_center_shift_um: f64,
-    /// Largest twist about the platform normal (deg).
-    pub largest_twist_deg: f64,
+    /// Largest torsion about the platform normal (deg).
+    pub largest_torsion_deg: f64,
     /// Largest residual of the sides (mm).
     pub largest_residual_mm: f64,
     /// Largest number of iterations of a sample.
@@ -98,7 +98,7 @@ pub fn study(gpr: &Gpr, samples: &Samples, summary: &Summary, bounds: &BoundsChe
         singular_passes: summary.singular_passes,
         series: series.collect(),
         largest_center_shift_um: um(summary.largest_center_shift),
-        largest_twist_deg: deg(summary.largest_twist),
+        largest_torsion_deg: deg(summary.largest_torsion),
         largest_residual_mm: mm(summary.largest_residual),
         most_iterations: summary.iterations.len().saturating_sub(1),
         iteration_counts: summary.iterations.clone(),

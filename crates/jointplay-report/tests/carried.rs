@@ -30,11 +30,11 @@ fn compensated_droop_and_sag_are_reported() {
     let (own, tip, reach, stiffness) = (2.5 * 9.806_65, 0.127_6 * 9.806_65, 0.7_f64, 1500.0);
     let drop = reach.powi(3) * (own * reach / 8.0 + tip / 3.0) / stiffness;
     let slope = reach.powi(2) * (own * reach / 6.0 + tip / 2.0) / stiffness;
-    assert!((all.drop_um * 1e-6 / drop - 1.0).abs() < 0.02, "{all:?} {drop}");
+    assert!((all.droop_um * 1e-6 / drop - 1.0).abs() < 0.02, "{all:?} {drop}");
     assert!((all.slope_mrad * 1e-3 / slope - 1.0).abs() < 0.02, "{all:?} {slope}");
-    assert!(all.left_um < 1e-5 && all.left_mrad < 1e-8, "{all:?}");
+    assert!(all.residual_um < 1e-5 && all.residual_mrad < 1e-8, "{all:?}");
     // The remaining shape of the wafer does not depend on the platform.
-    assert!(all.sag_um > 10.0 && all.bent_um > 5.0, "{all:?}");
+    assert!(all.sag_um > 10.0 && all.residual_sag_um > 5.0, "{all:?}");
     let by_instruction: Vec<usize> = report
         .instructions
         .iter()
@@ -55,7 +55,7 @@ fn deviations_beyond_the_tilt_limit_are_reported_where_the_budget_allows_them() 
     ]);
     let put = report.instructions[1].compensated.as_ref().unwrap();
     let missing = 1.49_f64.to_radians() * 1e3 + put.slope_mrad - 1.5_f64.to_radians() * 1e3;
-    assert!(missing > 0.9 && (put.left_mrad - missing).abs() < 0.01, "{put:?} {missing}");
-    assert!(report.instructions[0].compensated.as_ref().unwrap().left_mrad < 1e-8);
-    assert_eq!(report.compensated.unwrap().left_mrad, put.left_mrad);
+    assert!(missing > 0.9 && (put.residual_mrad - missing).abs() < 0.01, "{put:?} {missing}");
+    assert!(report.instructions[0].compensated.as_ref().unwrap().residual_mrad < 1e-8);
+    assert_eq!(report.compensated.unwrap().residual_mrad, put.residual_mrad);
 }

@@ -34,8 +34,8 @@ pub struct Samples {
     pub virtual_joints: Vec<Vec<f64>>,
     /// Platform origin O_p in the base frame (m).
     pub origin: [Vec<f64>; 3],
-    /// Twist about the platform normal (rad).
-    pub twist_about_normal: Vec<f64>,
+    /// Torsion about the platform normal (rad).
+    pub torsion: Vec<f64>,
     /// Iterations of the solver.
     pub iterations: Vec<usize>,
     /// Largest difference between a side and its virtual length (m).
@@ -149,7 +149,7 @@ pub fn simulate<V: Virtualization + ?Sized>(
         virtual_joints: vec![Vec::with_capacity(count); joints.len()],
         joints,
         origin: columns(),
-        twist_about_normal: Vec::with_capacity(count),
+        torsion: Vec::with_capacity(count),
         iterations: Vec::with_capacity(count),
         residual: Vec::with_capacity(count),
     };
@@ -170,7 +170,7 @@ pub fn simulate<V: Virtualization + ?Sized>(
         {
             column.push(x);
         }
-        samples.twist_about_normal.push(pose.twist_about_normal());
+        samples.torsion.push(pose.torsion());
         samples.iterations.push(pose.solution.iterations);
         samples.residual.push(pose.solution.residual);
         samples.solver = pose.solution.solver;

@@ -37,8 +37,8 @@ pub struct Summary {
     pub series: Vec<SeriesSummary>,
     /// Largest distance of O_p from the base axis (m).
     pub largest_center_shift: f64,
-    /// Largest magnitude of the twist about the platform normal (rad).
-    pub largest_twist: f64,
+    /// Largest magnitude of the torsion about the platform normal (rad).
+    pub largest_torsion: f64,
     /// Largest residual of the sides (m).
     pub largest_residual: f64,
     /// `iterations[n]`: how many samples took n iterations.
@@ -74,7 +74,7 @@ pub fn summarize(gpr: &Gpr, samples: &Samples) -> Summary {
         singular_passes: passes.len(),
         series,
         largest_center_shift: largest(x.iter().zip(y).map(|(x, y)| x.hypot(*y))),
-        largest_twist: largest(samples.twist_about_normal.iter().map(|twist| twist.abs())),
+        largest_torsion: largest(samples.torsion.iter().map(|torsion| torsion.abs())),
         largest_residual: largest(samples.residual.iter().copied()),
         iterations,
         beyond_tilt: broken.clone().filter(BrokenLimits::tilt).count(),

@@ -22,7 +22,7 @@ fn with_threads(threads: usize) -> (Vec<Vec<u64>>, Vec<Status>, StatusCounts) {
     let (yaw, pitch) = tilts();
     let mut rods = [vec![0.0; POSES], vec![0.0; POSES], vec![0.0; POSES]];
     let mut status = vec![Status::Solved; POSES];
-    let (mut x, mut twist) = (vec![0.0; POSES], vec![0.0; POSES]);
+    let (mut x, mut torsion) = (vec![0.0; POSES], vec![0.0; POSES]);
     let tally = pool.install(|| {
         let gpr = Gpr::paper().without_limit_checks();
         let height = Column::constant(&0.5, POSES);
@@ -32,12 +32,13 @@ fn with_threads(threads: usize) -> (Vec<Vec<u64>>, Vec<Status>, StatusCounts) {
         assert_eq!((tally.count(Status::PitchTooLarge), tally.failed()), (9, 9));
         let given = rods.each_ref().map(|column| Column::from(&column[..]));
         let options = SolveOptions { solver: Solver::LeastNorm, ..SolveOptions::default() };
-        let wanted = &mut [(Quantity::VirtualJoint(4), &mut x[..]), (Quantity::Twist, &mut twist)];
+        let wanted =
+            &mut [(Quantity::VirtualJoint(4), &mut x[..]), (Quantity::Torsion, &mut torsion)];
         parallel::forward_many(&gpr, given, &Polar, &options, &mut status, wanted).unwrap()
     });
     let [q_1, q_2, q_3] = rods;
     let bits =
-        [q_1, q_2, q_3, x, twist].map(|column| column.into_iter().map(f64::to_bits).collect());
+        [q_1, q_2, q_3, x, torsion].map(|column| column.into_iter().map(f64::to_bits).collect());
     (bits.to_vec(), status, tally)
 }
 

@@ -1,4 +1,4 @@
-"""Model, analyse and simulate robots that move only because their joints have play.
+"""Model, analyse and simulate overconstrained robots, some of whose motions need play in the joints.
 
 Lengths are in metres and angles in radians; a quantity carries its unit in its name.
 

@@ -208,8 +208,8 @@ class StudySummary(Result):
     """Number of level poses."""
     largest_center_shift_m: float
     """Largest distance of the platform's origin from the base axis [m]."""
-    largest_twist_rad: float
-    """Largest magnitude of the twist about the platform normal [rad]."""
+    largest_torsion_rad: float
+    """Largest magnitude of the torsion about the platform normal [rad]."""
     largest_residual_m: float
     """Largest residual of the sides [m]."""
     iterations: tuple[int, ...]
@@ -248,7 +248,7 @@ class Study(Table):
     """Displacements of the virtual joints, shape (n, M) [m, rad]."""
     origin_m: Floats
     """Platform origin in the base frame, shape (n, 3) [m]."""
-    twist_rad: Floats
+    torsion_rad: Floats
     """Turn about the platform normal, shape (n,) [rad]."""
     iterations: NDArray[np.int64]
     """Iterations of the solver, shape (n,)."""
@@ -261,7 +261,7 @@ class Study(Table):
         """Every number of every pose by name, each of shape (n,)."""
         columns: dict[str, NDArray[Any]] = {}
         for name in ("yaw_rad", "pitch_rad", "rods_m", "sides_m", "virtual_joints", "origin_m",
-                     "twist_rad", "iterations", "residual_m"):  # fmt: skip
+                     "torsion_rad", "iterations", "residual_m"):  # fmt: skip
             axes = self.virtual_joint_names if name == "virtual_joints" else AXES.get(name, ())
             columns.update(spread(name, getattr(self, name), axes))
         return columns

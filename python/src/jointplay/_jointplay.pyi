@@ -48,7 +48,7 @@ _Metric: TypeAlias = Literal["paper", "radius"] | float
 _Quantity: TypeAlias = Literal[
     "yaw_rad",
     "pitch_rad",
-    "twist_rad",
+    "torsion_rad",
     "axis_height_m",
     "origin_m",
     "normal",
@@ -250,7 +250,7 @@ class Forward:
     @property
     def pitch_rad(self) -> float: ...
     @property
-    def twist_rad(self) -> float: ...
+    def torsion_rad(self) -> float: ...
     @property
     def axis_height_m(self) -> float: ...
     @property
@@ -410,6 +410,14 @@ class CellPlan:
     def min_distance_m(self) -> float | None: ...
     def report(self, *, remedies: bool = False) -> dict[str, Any]: ...
     def samples(self, rate_hz: float = 100.0) -> Samples: ...
+    def table(
+        self,
+        columns: Sequence[str] | None = None,
+        *,
+        rate_hz: float = 100.0,
+        from_s: float | None = None,
+        to_s: float | None = None,
+    ) -> dict[str, NDArray[Any]]: ...
     def gltf(self, *, rate_hz: float = 60.0, despite_errors: bool = False) -> bytes: ...
     def controller_text(
         self,

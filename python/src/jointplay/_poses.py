@@ -16,7 +16,7 @@ from ._base import AXES, Floats, Many, Result, spread
 QUANTITIES = (
     "yaw_rad",
     "pitch_rad",
-    "twist_rad",
+    "torsion_rad",
     "axis_height_m",
     "origin_m",
     "normal",
@@ -57,7 +57,7 @@ class ForwardMany(Many):
         """Tilt direction: azimuth of the platform normal, from -π to π, shape (...) [rad]."""
         pitch_rad: Floats
         """Tilt angle, from 0 to π, shape (...) [rad]."""
-        twist_rad: Floats
+        torsion_rad: Floats
         """Turn about the platform normal beyond the shortest rotation to it, shape (...) [rad]."""
         axis_height_m: Floats
         """Height at which the platform plane crosses the base axis, shape (...) [m]."""

@@ -116,7 +116,7 @@ export async function pose(command: ApiCommand, models: ModelChoice[], from_rods
 }
 
 /** Quantities that the page plots or needs to display the robot. */
-const QUANTITIES = ['rods', 'sides', 'virtual_joints', 'origin', 'twist'];
+const QUANTITIES = ['rods', 'sides', 'virtual_joints', 'origin', 'torsion'];
 
 /** Time series of a motion under one model, as an Arrow stream. */
 export async function study(motion: Motion, model: ModelChoice, signal: AbortSignal): Promise<ReadableStream<Uint8Array>> {

@@ -11,7 +11,7 @@ test('columns are identified by their names', () => {
     ['dphi1_rad', 'virtual_angular', 'dφ₁'],
     ['origin_y_m', 'center_shift', 'y'],
     ['origin_z_m', 'other', 'origin_z_m'],
-    ['twist_rad', 'twist', 'τ'],
+    ['torsion_rad', 'torsion', 'τ'],
     ['axis_height_m', 'other', 'axis_height_m'],
     ['status', 'other', 'status'],
   ];

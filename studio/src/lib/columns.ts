@@ -2,7 +2,7 @@
 
 import { symbol } from './joints';
 
-export type Quantity = 'rods' | 'sides' | 'virtual_linear' | 'virtual_angular' | 'center_shift' | 'twist' | 'other';
+export type Quantity = 'rods' | 'sides' | 'virtual_linear' | 'virtual_angular' | 'center_shift' | 'torsion' | 'other';
 
 export interface Column {
   name: string;
@@ -22,7 +22,7 @@ const KINDS: [RegExp, Quantity, (found: string[]) => string][] = [
   [/^([a-z]+)(\d)_m$/, 'virtual_linear', ([, name, limb]) => symbol(name!, Number(limb) - 1)],
   [/^([a-z]+)(\d)_rad$/, 'virtual_angular', ([, name, limb]) => symbol(name!, Number(limb) - 1)],
   [/^origin_([xy])_m$/, 'center_shift', ([, axis]) => axis!],
-  [/^twist_rad$/, 'twist', () => 'τ'],
+  [/^torsion_rad$/, 'torsion', () => 'τ'],
 ];
 
 export function column(name: string, samples: number): Column {

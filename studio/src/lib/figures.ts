@@ -17,7 +17,7 @@ export const PLOTS: PlotKind[] = [
   { id: 'angular', title: 'X, angular', quantity: 'virtual_angular', unit: '°' },
   { id: 'sides', title: 'Sides L', quantity: 'sides', unit: 'mm' },
   { id: 'shift', title: 'Centre shift', quantity: 'center_shift', unit: 'µm' },
-  { id: 'twist', title: 'Twist τ', quantity: 'twist', unit: 'mrad' },
+  { id: 'torsion', title: 'Torsion τ', quantity: 'torsion', unit: 'mrad' },
 ];
 
 export interface PaperFigure {

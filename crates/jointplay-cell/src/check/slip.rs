@@ -173,7 +173,7 @@ impl VariationInputs<'_> {
         let chain = scene.chain(effector);
         let described = &cell.robot.arms[effector.arm].effectors[effector.effector];
         let radius = 0.5 * cell.wafer.diameter;
-        let twist_radius = 0.5 * radius * radius / described.support.lever(&cell.wafer);
+        let torsion_radius = 0.5 * radius * radius / described.support.lever(&cell.wafer);
         let (moving, count) = (sampled.moving_axes().moving(), sampled.times().len());
         let [x, y, _] = cell.robot.arms[effector.arm].mount;
         let mount_radius = x.hypot(y);
@@ -206,7 +206,7 @@ impl VariationInputs<'_> {
                     + (droop.by_reach.drop / reach + 3.0 * droop.second_by_reach.drop) * transport
                     + (cell.gravity + acceleration) * slope_change
                     + cell.gravity * tilt * turn
-                    + twist_radius * heading_acceleration;
+                    + torsion_radius * heading_acceleration;
             }
             if rods_move {
                 let after = rods.at(sample);

@@ -29,7 +29,7 @@ pub(crate) enum InPlaneMotion {
         /// Σ |p_k'| |b_k'| / N_0: largest rotation about the normal per strain of the triangle of ball centres.
         ///
         /// b_k', p_k': base point and socket k from the centroids of their triangles; N_0: largest Σ (U p_k') · b_k' over all rotations U.
-        twist_per_strain: f64,
+        torsion_per_strain: f64,
         /// Distance of the centroid of the base points from the base axis (m).
         base_centroid_offset: f64,
         /// Distance of the centroid of the sockets from the platform's origin (m).
@@ -45,7 +45,7 @@ pub(crate) struct InPlaneRates {
     /// Displacement of the platform's origin, without that of the plane's height on the base axis (m).
     pub(crate) shift: f64,
     /// Rotation about the normal, beyond the shortest rotation (rad).
-    pub(crate) twist: f64,
+    pub(crate) torsion: f64,
 }
 
 impl InPlaneMotion {
@@ -70,7 +70,7 @@ impl InPlaneMotion {
             across += s.perp(&b);
         }
         Self::Planar {
-            twist_per_strain: lengths / f64::hypot(along, across),
+            torsion_per_strain: lengths / f64::hypot(along, across),
             base_centroid_offset: base_centroid.norm(),
             platform_centroid_offset: socket_centroid.norm(),
         }
@@ -78,14 +78,14 @@ impl InPlaneMotion {
 
     fn sampled(robot: &HybridRobot) -> Self {
         let height = AxisHeight(robot.gpr.working_height());
-        // In-plane shift, and twist, at a slope.
+        // In-plane shift, and torsion, at a slope.
         let at = |slope: Vector2<f64>| -> Option<(Vector2<f64>, f64)> {
             let tilt = Tilt::from_normal(&Vector3::new(-slope.x, -slope.y, 1.0));
             let rods = robot.gpr.inverse(tilt, height).ok()?;
             let pose = robot.model.forward(&robot.gpr, rods).ok()?;
             let from_axis = pose.base_from_platform.translation.vector - Vector3::z() * height.0;
             let flat = tilt_rotation(&pose.normal()).inverse() * from_axis;
-            Some((flat.xy(), pose.twist_about_normal()))
+            Some((flat.xy(), pose.torsion()))
         };
         let top = robot.gpr.limits().tilt_max.clamp(MIN_SAMPLED_TILT, 1.1);
         let mut rings = Vec::with_capacity(RINGS);
@@ -97,14 +97,14 @@ impl InPlaneMotion {
                     let angle = std::f64::consts::TAU * direction as f64 / DIRECTIONS as f64;
                     let slope = Vector2::new(angle.cos(), angle.sin()) * slope_of_ring;
                     let (here, _) = at(slope)?;
-                    let (mut shift, mut twist) = (0.0_f64, 0.0_f64);
+                    let (mut shift, mut torsion) = (0.0_f64, 0.0_f64);
                     for axis in [Vector2::x(), Vector2::y()] {
                         let [(before, left), (after, right)] =
                             [at(slope - axis * STEP)?, at(slope + axis * STEP)?];
                         shift = shift.hypot((after - before).norm() / (2.0 * STEP));
-                        twist = twist.hypot((right - left) / (2.0 * STEP));
+                        torsion = torsion.hypot((right - left) / (2.0 * STEP));
                     }
-                    Some(InPlaneRates { shift: shift + here.norm(), twist })
+                    Some(InPlaneRates { shift: shift + here.norm(), torsion })
                 })
                 .collect();
             // Between neighbours the rate exceeds the larger one by at most their difference.
@@ -113,7 +113,7 @@ impl InPlaneMotion {
                 if let (Some(one), Some(other)) = (rate, next) {
                     let over = |one: f64, other: f64| one.max(other) + (one - other).abs();
                     most.shift = most.shift.max(over(one.shift, other.shift));
-                    most.twist = most.twist.max(over(one.twist, other.twist));
+                    most.torsion = most.torsion.max(over(one.torsion, other.torsion));
                 }
             }
             rings.push((slope_of_ring, most));
@@ -124,24 +124,24 @@ impl InPlaneMotion {
     /// Bounds for slopes of at most this magnitude.
     pub(crate) fn rates(&self, slope: f64) -> InPlaneRates {
         match self {
-            Self::Planar { twist_per_strain, base_centroid_offset, platform_centroid_offset } => {
+            Self::Planar { torsion_per_strain, base_centroid_offset, platform_centroid_offset } => {
                 // 1 / cos α
                 let secant = 1.0_f64.hypot(slope);
                 // ‖dA/ds‖, A: stretch of the triangle of base points to that of ball centres.
                 let strain = 2.0 / 3.0_f64.sqrt() * slope / secant;
-                let twist = strain * twist_per_strain;
+                let torsion = strain * torsion_per_strain;
                 let shift = strain * base_centroid_offset
-                    + twist * platform_centroid_offset
+                    + torsion * platform_centroid_offset
                     + secant * base_centroid_offset
                     + platform_centroid_offset;
-                InPlaneRates { shift, twist }
+                InPlaneRates { shift, torsion }
             }
             Self::Sampled(rings) => {
                 let ring = rings.iter().find(|(reached, _)| slope <= *reached).or(rings.last());
                 let Some(&(reached, rates)) = ring else { return InPlaneRates::default() };
                 // Beyond the rings the rates grow in proportion.
                 let more = (slope / reached).max(1.0);
-                InPlaneRates { shift: rates.shift * more, twist: rates.twist * more }
+                InPlaneRates { shift: rates.shift * more, torsion: rates.torsion * more }
             }
         }
     }

@@ -47,7 +47,7 @@ pub(crate) struct AxisTravel {
     /// Rotation of the platform's normal (rad).
     pub(crate) normal_rotation: f64,
     /// Rotation of the platform about its normal, beyond the shortest rotation (rad).
-    twist: f64,
+    torsion: f64,
 }
 
 /// Prefix sums of the travel of all axes and of the platform, by sample.
@@ -128,11 +128,11 @@ impl CumulativeAxisTravel {
             let last = rod_states(k);
             let rotation = bounds.normal_rotation(times[k] - times[k - 1], [&first, &last]);
             let [before, after] = [&first, &last].map(|states| bounds.slope(states));
-            let InPlaneRates { shift, twist } =
+            let InPlaneRates { shift, torsion } =
                 bounds.in_plane.rates(0.5 * (before + after + rotation));
             total[0] += bounds.weight_sum * self.platform[k][0] + rotation * shift;
             total[1] += rotation;
-            total[2] += rotation * twist;
+            total[2] += rotation * torsion;
             self.platform[k] = total;
             first = last;
         }
@@ -149,7 +149,7 @@ impl CumulativeAxisTravel {
             travel.squared_velocity_integrals[axis] = square;
         }
         if let (Some(last), Some(first)) = (self.platform.get(to), self.platform.get(from)) {
-            [travel.origin, travel.normal_rotation, travel.twist] =
+            [travel.origin, travel.normal_rotation, travel.torsion] =
                 std::array::from_fn(|k| last[k] - first[k]);
         }
         travel
@@ -258,7 +258,7 @@ impl MotionBoundModel {
         coefficients: &MotionBoundCoefficients,
         travel: &AxisTravel,
     ) -> DisplacementBound {
-        let rotation = travel.normal_rotation + travel.twist;
+        let rotation = travel.normal_rotation + travel.torsion;
         let by_axes = |coefficients: &[f64; MAX_AXES]| dot(coefficients, &travel.axes);
         let platform_deflection = rotation * coefficients.platform_deflection;
         let platform = travel.origin + rotation * coefficients.rigid_radius + platform_deflection;

@@ -34,14 +34,14 @@ pub struct Contribution {
     /// Covariance of the random part, in the base frame (m²).
     pub covariance: Matrix3<f64>,
     /// Sum of the largest displacements by all parameters, the offset included.
-    pub worst: Bound,
+    pub linear_sum: Bound,
 }
 
 impl Contribution {
     /// Without parameters.
     pub(super) fn new(cause: Cause) -> Self {
         let (offset, covariance) = (Vector3::zeros(), Matrix3::zeros());
-        Self { cause, parameters: 0, offset, covariance, worst: Bound::default() }
+        Self { cause, parameters: 0, offset, covariance, linear_sum: Bound::default() }
     }
 
     /// Adds a parameter that deviates by at most `half_width` to either side, all values equally probable: its variance is a third of the square.
@@ -49,45 +49,45 @@ impl Contribution {
         let largest = effect * half_width;
         self.parameters += 1;
         self.covariance += largest * largest.transpose() / 3.0;
-        self.worst.horizontal += largest.xy().norm();
-        self.worst.vertical += largest.z.abs();
+        self.linear_sum.horizontal += largest.xy().norm();
+        self.linear_sum.vertical += largest.z.abs();
     }
 
-    /// For random deviations without a largest value: the worst case is the expanded uncertainty.
+    /// For random deviations without a largest value: the linear sum contains the expanded uncertainty.
     pub(super) fn set_worst_to_expanded(&mut self, coverage_factor: f64) {
-        self.worst = expanded(&self.offset, &self.covariance, coverage_factor);
+        self.linear_sum = expanded(&self.offset, &self.covariance, coverage_factor);
     }
 
     /// Adds a known displacement.
     pub(super) fn add_offset(&mut self, offset: &Vector3<f64>) {
         self.parameters += 1;
         self.offset += offset;
-        self.worst.horizontal += offset.xy().norm();
-        self.worst.vertical += offset.z.abs();
+        self.linear_sum.horizontal += offset.xy().norm();
+        self.linear_sum.vertical += offset.z.abs();
     }
 
-    /// Coverage factor times the standard deviation, plus the offset; at most the worst case.
+    /// Coverage factor times the standard deviation, plus the offset; at most the linear sum.
     #[must_use]
     pub fn expanded(&self, coverage_factor: f64) -> Bound {
-        expanded(&self.offset, &self.covariance, coverage_factor).at_most(self.worst)
+        expanded(&self.offset, &self.covariance, coverage_factor).at_most(self.linear_sum)
     }
 
-    /// Sum of all contributions in the worst case: all deviations are the largest at once, in one direction.
+    /// Linear sum of all contributions: all deviations are the largest at once, in one direction.
     #[must_use]
-    pub fn worst_sum(all: &[Self]) -> Bound {
+    pub fn linear_sum(all: &[Self]) -> Bound {
         let add = |sum: Bound, one: &Self| Bound {
-            horizontal: sum.horizontal + one.worst.horizontal,
-            vertical: sum.vertical + one.worst.vertical,
+            horizontal: sum.horizontal + one.linear_sum.horizontal,
+            vertical: sum.vertical + one.linear_sum.vertical,
         };
         all.iter().fold(Bound::default(), add)
     }
 
-    /// Expanded uncertainty of all contributions: independent deviations add by their variances, offsets as they are; at most the worst case.
+    /// Expanded uncertainty of all contributions: independent deviations add by their variances, offsets as they are; at most the linear sum.
     #[must_use]
     pub fn expanded_sum(all: &[Self], coverage_factor: f64) -> Bound {
         let offset: Vector3<f64> = all.iter().map(|one| one.offset).sum();
         let covariance: Matrix3<f64> = all.iter().map(|one| one.covariance).sum();
-        expanded(&offset, &covariance, coverage_factor).at_most(Self::worst_sum(all))
+        expanded(&offset, &covariance, coverage_factor).at_most(Self::linear_sum(all))
     }
 }
 

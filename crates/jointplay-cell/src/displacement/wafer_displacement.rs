@@ -294,7 +294,7 @@ impl Cell {
         Ok(contribution)
     }
 
-    /// Uncertainty of the slot; in the worst case, the coverage factor times the standard deviation.
+    /// Uncertainty of the slot; in the linear sum, the coverage factor times the standard deviation.
     fn station_contribution(&self, slot: SlotId) -> Option<Contribution> {
         let station = &self.stations[slot.station];
         let known = &station.uncertainty;

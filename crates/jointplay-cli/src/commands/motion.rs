@@ -162,7 +162,7 @@ impl Move {
         if !report.limits_broken.is_empty() {
             let _ = writeln!(text, "  limits exceeded      {}", report.limits_broken.join(", "));
         }
-        let _ = writeln!(text, "singular configurations: {}", report.singular.len());
+        let _ = writeln!(text, "dead points and crossings: {}", report.singular.len());
         for singular in &report.singular {
             let at: Vec<String> = singular
                 .drives

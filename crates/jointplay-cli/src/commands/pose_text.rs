@@ -25,10 +25,10 @@ pub(super) fn pose(report: &ForwardReport, asked: Solver) -> String {
     let _ = writeln!(text, "  centre shift (µm)    {}", three(&shift_um, 3));
     let _ = writeln!(
         text,
-        "  tilt                 {}° at azimuth {}°, twist {}°",
+        "  tilt                 {}° at azimuth {}°, torsion {}°",
         fixed(platform.pitch_deg, 6),
         fixed(platform.yaw_deg, 6),
-        fixed(platform.twist_deg, 9)
+        fixed(platform.torsion_deg, 9)
     );
     let _ = writeln!(
         text,

@@ -91,7 +91,7 @@ fn text(report: &SensitivityReport) -> String {
     let _ = writeln!(text, "displacement of the virtual joints from level");
     let _ = writeln!(text, "  exact ‖ΔX‖ (µm)      {:>14}", um(report.displacement_mm));
     let _ =
-        writeln!(text, "  bounds (µm), Jacobian at           lower         upper    linear ‖dX‖");
+        writeln!(text, "  estimates (µm), Jacobian at        lower         upper    linear ‖dX‖");
     for bounds in &report.bounds {
         let _ = writeln!(
             text,
@@ -100,20 +100,18 @@ fn text(report: &SensitivityReport) -> String {
             um(bounds.lower_mm),
             um(bounds.upper_mm),
             um(bounds.linear_mm),
-            if bounds.held { "satisfied" } else { "violated" }
+            if bounds.held { "contains ‖ΔX‖" } else { "does not contain ‖ΔX‖" }
         );
     }
     let values: String =
         report.singular_values.iter().map(|&value| format!(" {}", magnitude(value))).collect();
     let _ = writeln!(text, "sensitivity ∂X/∂P at the tilt");
     let _ = writeln!(text, "  singular values     {values}");
-    let _ = writeln!(
-        text,
-        "contributions to ΔX                          1             2             3"
-    );
-    for (source, shares) in
-        [("rods 1, 2, 3", &report.rod_shares), ("sides 12, 23, 31", &report.side_shares)]
-    {
+    let _ = writeln!(text, "shares of ΔX");
+    for (source, shares) in [
+        ("motion of rods 1, 2, 3", &report.rod_shares),
+        ("required by sides 12, 23, 31", &report.side_shares),
+    ] {
         let shares = match shares {
             Some(shares) => {
                 shares.iter().map(|s| format!("{:>13}%", fixed(s * 100.0, 2))).collect()

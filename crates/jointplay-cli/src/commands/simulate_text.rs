@@ -30,7 +30,7 @@ pub(super) fn table(heading: &str, studies: &[&StudyReport]) -> String {
         ("angular X, least (deg)", &|s| least(s, "_deg", 6)),
         ("angular X, greatest (deg)", &|s| greatest(s, "_deg", 6)),
         ("centre shift, largest (µm)", &|s| fixed(s.largest_center_shift_um, 3)),
-        ("twist, largest (deg)", &|s| format!("{:.1e}", s.largest_twist_deg)),
+        ("torsion, largest (deg)", &|s| format!("{:.1e}", s.largest_torsion_deg)),
         ("bounds satisfied, midpoint", &|s| within(s.bounds.held_at_midpoint, s.bounds.poses)),
         ("bounds satisfied, tilted pose", &|s| within(s.bounds.held_at_end, s.bounds.poses)),
     ];

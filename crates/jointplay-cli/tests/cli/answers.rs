@@ -28,7 +28,7 @@ fn forward_has_every_key() {
     let platform = &pose["platform"];
     near(platform["pitch_deg"].as_f64().unwrap(), 2.0, 1e-10);
     near(platform["yaw_deg"].as_f64().unwrap(), 0.0, 1e-10);
-    near(platform["twist_deg"].as_f64().unwrap(), 0.0, 1e-8);
+    near(platform["torsion_deg"].as_f64().unwrap(), 0.0, 1e-8);
     // 28.3951 µm along the platform, seen from above.
     near(three(&platform["origin_mm"])[0], 0.0283951 * 2_f64.to_radians().cos(), 1e-7);
     near(three(&platform["normal"])[2], 2_f64.to_radians().cos(), 1e-12);

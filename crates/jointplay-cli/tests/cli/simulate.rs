@@ -54,7 +54,7 @@ fn the_first_try_writes_everything() {
     assert_eq!(
         csv.lines().next().unwrap(),
         "sample,yaw_deg,pitch_deg,q1_mm,q2_mm,q3_mm,L12_mm,L23_mm,L31_mm,\
-         l1_mm,l2_mm,l3_mm,phi1_deg,phi2_deg,phi3_deg,x_mm,y_mm,z_mm,twist_deg,iterations,residual_mm"
+         l1_mm,l2_mm,l3_mm,phi1_deg,phi2_deg,phi3_deg,x_mm,y_mm,z_mm,torsion_deg,iterations,residual_mm"
     );
     assert!(csv.lines().nth(1).unwrap().starts_with("0,0.0,-2.0,503.25"));
     assert!(names.contains(&"summary.json".to_owned()));

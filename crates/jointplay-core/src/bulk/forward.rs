@@ -222,7 +222,7 @@ struct Needs {
 impl Needs {
     fn of(wanted: &[(Quantity, &mut [f64])]) -> Self {
         let any = |asked: fn(Quantity) -> bool| wanted.iter().any(|(quantity, _)| asked(*quantity));
-        let angles = any(|q| matches!(q, Quantity::Yaw | Quantity::Pitch | Quantity::Twist));
+        let angles = any(|q| matches!(q, Quantity::Yaw | Quantity::Pitch | Quantity::Torsion));
         let axis_height = any(|q| q == Quantity::AxisHeight);
         let pose = any(|q| matches!(q, Quantity::Origin(_) | Quantity::Normal(_)));
         Self {
@@ -251,7 +251,7 @@ fn place(quantity: Quantity) -> usize {
         Quantity::Sensitivity(index) => 15 + index,
         Quantity::Yaw => 18,
         Quantity::Pitch => 19,
-        Quantity::Twist => 20,
+        Quantity::Torsion => 20,
         Quantity::AxisHeight => 21,
         Quantity::Displacement => 22,
         Quantity::Residual => 23,
@@ -298,7 +298,7 @@ fn fill<S: Simd, M: Model>(
         if needs.angles {
             values[place(Quantity::Yaw)] = placed.yaw();
             values[place(Quantity::Pitch)] = placed.pitch();
-            values[place(Quantity::Twist)] = placed.twist();
+            values[place(Quantity::Torsion)] = placed.torsion();
         }
         if needs.axis_height {
             values[place(Quantity::AxisHeight)] = placed.axis_height();
@@ -363,7 +363,7 @@ fn value(
         Quantity::Normal(axis) => pose.normal()[axis],
         Quantity::Yaw => pose.tilt().yaw,
         Quantity::Pitch => pose.tilt().pitch,
-        Quantity::Twist => pose.twist_about_normal(),
+        Quantity::Torsion => pose.torsion(),
         Quantity::AxisHeight => pose.axis_height().0,
         Quantity::Displacement => gpr.displacement(pose, virtualization),
         Quantity::Sensitivity(index) => {
@@ -395,7 +395,7 @@ mod tests {
             [3, 4, 5].map(Quantity::VirtualJoint),
             [0, 1, 2].map(Quantity::Origin),
             [0, 1, 2].map(Quantity::Sensitivity),
-            [Quantity::Yaw, Quantity::Pitch, Quantity::Twist],
+            [Quantity::Yaw, Quantity::Pitch, Quantity::Torsion],
         ];
         let quantities = quantities.as_flattened();
         let mut columns = vec![vec![0.0; POSES]; quantities.len()];
@@ -465,7 +465,7 @@ mod tests {
         let three = [Quantity::Side, Quantity::Origin, Quantity::Normal, Quantity::Sensitivity];
         let mut places: Vec<_> = three.iter().flat_map(|of| (0..3).map(|k| place(of(k)))).collect();
         places.extend((0..6).map(|joint| place(Quantity::VirtualJoint(joint))));
-        places.extend([Quantity::Yaw, Quantity::Pitch, Quantity::Twist].map(place));
+        places.extend([Quantity::Yaw, Quantity::Pitch, Quantity::Torsion].map(place));
         places.extend([Quantity::AxisHeight, Quantity::Displacement].map(place));
         places.extend([Quantity::Residual, Quantity::Iterations].map(place));
         places.sort_unstable();

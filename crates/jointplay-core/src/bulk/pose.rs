@@ -58,7 +58,7 @@ impl<S: Simd> PlatformPoses<S> {
         let both = ((area + z) * area).inverse();
         let (per_area, per_slope) = ((area + z) * both, area * both);
         let normal = [x * per_area, y * per_area, z * per_area];
-        // e_p1 and e_p2 of a platform that tilts without a twist are e_1 − slope_x (n + e_3) and e_2 − slope_y (n + e_3).
+        // e_p1 and e_p2 of a platform that tilts without a torsion are e_1 − slope_x (n + e_3) and e_2 − slope_y (n + e_3).
         let slope = [x * per_slope, y * per_slope];
         let (mut cosine, mut sine) = (x.like(0.0), x.like(0.0));
         for k in 0..3 {
@@ -115,7 +115,7 @@ impl<S: Simd> PlatformPoses<S> {
 
     /// Turn about the normal beyond the shortest rotation to it (rad).
     #[inline(always)]
-    pub(super) fn twist(&self) -> Lanes<S> {
+    pub(super) fn torsion(&self) -> Lanes<S> {
         let [cosine, sine] = self.turn;
         angle_of(sine, cosine)
     }

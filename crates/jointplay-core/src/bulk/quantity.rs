@@ -21,7 +21,7 @@ pub enum Quantity {
     /// Tilt angle, from 0 to π (rad).
     Pitch,
     /// Turn about the platform normal beyond the shortest rotation to it (rad).
-    Twist,
+    Torsion,
     /// Axis height: height at which the platform plane crosses the base axis (m).
     AxisHeight,
     /// Displacement of the virtual joints from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) (m).

@@ -151,13 +151,13 @@ impl PlatformPose {
         Tilt::from_normal(&self.normal())
     }
 
-    /// Twist: rotation of the platform about its own normal, beyond the shortest rotation to it (rad).
+    /// Torsion: rotation of the platform about its own normal, beyond the shortest rotation to it (rad).
     ///
     /// ```text
     ///    R  =  Rz(γ) Ry(α) Rz(−γ) Rz(τ)
     /// ```
     #[must_use]
-    pub fn twist_about_normal(&self) -> f64 {
+    pub fn torsion(&self) -> f64 {
         // R Rz(−τ) is symmetric but for signs: the upper left block of R is the symmetric block of the tilt times a turn.
         let r = self.base_from_platform.rotation.matrix();
         (r[(1, 0)] - r[(0, 1)]).atan2(r[(0, 0)] + r[(1, 1)])
@@ -196,17 +196,17 @@ mod tests {
     }
 
     #[test]
-    fn twist_is_measured_beyond_the_shortest_rotation() {
+    fn torsion_is_measured_beyond_the_shortest_rotation() {
         use nalgebra::{Rotation3, Vector3};
         let mut pose = Gpr::paper()
             .without_limit_checks()
             .forward([0.5; 3], &Planar, &SolveOptions::default())
             .unwrap();
-        for (yaw, pitch, twist) in [(0.3, 0.4, 0.1), (2.0, 1.0, -3.0), (-1.0, 0.02, 1e-9)] {
+        for (yaw, pitch, torsion) in [(0.3, 0.4, 0.1), (2.0, 1.0, -3.0), (-1.0, 0.02, 1e-9)] {
             let tilted = tilted_by(yaw, pitch);
             pose.base_from_platform.rotation =
-                tilted * Rotation3::from_axis_angle(&Vector3::z_axis(), twist);
-            assert!((pose.twist_about_normal() - twist).abs() < 1e-15);
+                tilted * Rotation3::from_axis_angle(&Vector3::z_axis(), torsion);
+            assert!((pose.torsion() - torsion).abs() < 1e-15);
         }
     }
 

@@ -128,7 +128,7 @@ fn report_point(taught: &Table, key: &'static str, index: Option<usize>, message
 /// The message of taught points that do not lie in one plane.
 #[must_use]
 pub fn inconsistent_points(fit: &PlaneFit) -> String {
-    let relative = |index: usize| match fit.diagnostics[index].studentized {
+    let relative = |index: usize| match fit.diagnostics[index].standardized {
         Some(times) => format!(", {:.1} times its standard deviation", times.abs()),
         None => String::new(),
     };

@@ -137,7 +137,7 @@ fn terms(models: &[&'static (dyn Virtualization + Sync)]) -> Vec<Term> {
         add("tilt_x", ANGLES, PlatformQuantity::TiltX);
         add("tilt_y", ANGLES, PlatformQuantity::TiltY);
         add("tilt_error", ANGLES, PlatformQuantity::TiltError);
-        add("twist", ANGLES, quantity(Quantity::Twist));
+        add("torsion", ANGLES, quantity(Quantity::Torsion));
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             add(&format!("normal_{name}"), NUMBERS, quantity(Quantity::Normal(axis)));
         }

@@ -76,7 +76,7 @@ pub fn cell_facts(report: &CellReport, program: &str) -> Vec<Fact> {
 fn deflection(facts: &mut Vec<Fact>, compensated: &CompensatedReport) {
     let text = format!(
         "droop up to {} µm and {} mrad, sag up to {} µm, at {}",
-        fixed(compensated.drop_um, 1),
+        fixed(compensated.droop_um, 1),
         fixed(compensated.slope_mrad, 3),
         fixed(compensated.sag_um, 1),
         counted(compensated.handoffs, "hand-off")
@@ -84,9 +84,9 @@ fn deflection(facts: &mut Vec<Fact>, compensated: &CompensatedReport) {
     facts.push(fact("compensated", text));
     let text = format!(
         "{} µm and {} mrad from the slot planes; residual sag of wafers {} µm",
-        fixed(compensated.left_um, 3),
-        fixed(compensated.left_mrad, 4),
-        fixed(compensated.bent_um, 1)
+        fixed(compensated.residual_um, 3),
+        fixed(compensated.residual_mrad, 4),
+        fixed(compensated.residual_sag_um, 1)
     );
     facts.push(fact("residual", text));
     let jump = fixed(compensated.jump_um, 1);
@@ -145,7 +145,7 @@ fn schedule(facts: &mut Vec<Fact>, schedule: &ScheduleReport) {
             [first, last] => format!("lines {first} to {last}"),
         };
         let text = format!(
-            "{lines}: {} of {} s ({} to {}), {} wafers/h",
+            "{lines}: {}, period {} s ({} to {}), {} wafers/h",
             counted(part.cycles, "cycle"),
             fixed(part.period_s, 3),
             fixed(part.shortest_period_s, 3),

@@ -83,9 +83,8 @@ fn explained(segment: &SegmentReport) -> String {
     let LimitingReport { limit, name, time_share, from_share, to_share } = limiting;
     let name = name.as_ref().map_or(String::new(), |name| format!(" of {name}"));
     let percent = |share: &f64| fixed(100.0 * share, 0);
-    let path = if segment.path == "line" { "line" } else { "move" };
     format!(
-        "{limit}{name} for {} % of the time, from {} to {} % of the {path}",
+        "{limit}{name} for {} % of the time (first at {} %, last at {} % of the path)",
         percent(time_share),
         percent(from_share),
         percent(to_share)

@@ -19,7 +19,7 @@ pub fn column_value(value: f64, kind: SeriesKind) -> f64 {
     if kind == SeriesKind::Angular { deg(value) } else { mm(value) }
 }
 
-/// All columns of a study: sample, tilt, rods, sides, virtual joints, origin, twist, iterations, residual.
+/// All columns of a study: sample, tilt, rods, sides, virtual joints, origin, torsion, iterations, residual.
 #[must_use]
 pub fn columns(samples: &Samples) -> Vec<Column> {
     let real = |name: String, values: &[f64], convert: fn(f64) -> f64| Column {
@@ -44,7 +44,7 @@ pub fn columns(samples: &Samples) -> Vec<Column> {
     for (axis, values) in ["x", "y", "z"].into_iter().zip(&samples.origin) {
         columns.push(real(format!("{axis}_mm"), values, mm));
     }
-    columns.push(real("twist_deg".into(), &samples.twist_about_normal, deg));
+    columns.push(real("torsion_deg".into(), &samples.torsion, deg));
     columns.push(count("iterations", &mut samples.iterations.iter().copied()));
     columns.push(real("residual_mm".into(), &samples.residual, mm));
     columns

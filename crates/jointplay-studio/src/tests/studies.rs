@@ -65,7 +65,7 @@ fn a_raster_equals_the_study_of_the_library() {
     near("l1_m", &samples.virtual_joints[0], 1.0);
     near("phi3_rad", &samples.virtual_joints[5], 1.0);
     near("origin_x_m", &samples.origin[0], 1.0);
-    near("twist_rad", &samples.twist_about_normal, 1.0);
+    near("torsion_rad", &samples.torsion, 1.0);
     let status = found[0].column_by_name("status").unwrap().as_primitive::<UInt8Type>();
     assert!(status.values().iter().all(|&status| status == 0) && status.len() == 777);
 }

@@ -145,8 +145,8 @@ pub(crate) struct AnswerDocument {
     pub(crate) pose: PlacedDocument,
     /// Offset of the platform centre from the base axis, x and y (m).
     pub(crate) center_shift_m: Pair,
-    /// Twist about the platform normal, beyond the shortest rotation to the normal (rad).
-    pub(crate) twist_rad: f64,
+    /// Torsion about the platform normal, beyond the shortest rotation to the normal (rad).
+    pub(crate) torsion_rad: f64,
     /// Displacements X of the virtual joints, in the order of the robot document, in m and rad.
     pub(crate) virtual_joints: Vec<f64>,
     /// The displaced sockets in the platform frame (m).
@@ -326,7 +326,7 @@ impl AnswerDocument {
         Self {
             pose: (&pose.base_from_platform).into(),
             center_shift_m: Pair(pose.center_shift().into()),
-            twist_rad: pose.twist_about_normal(),
+            torsion_rad: pose.torsion(),
             virtual_joints: found.virtual_joints.to_vec(),
             sockets_m: sockets.map(|socket| Pair(socket.into())),
             displacement_m: gpr.displacement(pose, virtualization),

@@ -46,8 +46,8 @@ pub(crate) enum QuantityName {
     VirtualJoints,
     /// `origin_x_m`, `origin_y_m`, `origin_z_m`; the first two are the centre shift.
     Origin,
-    /// `twist_rad`.
-    Twist,
+    /// `torsion_rad`.
+    Torsion,
     /// `displacement_m`: norm of the displacement of the virtual joints, in the metric.
     Displacement,
     /// `sensitivity_1` to `sensitivity_3`: singular values of ∂X/∂P in the metric.
@@ -64,7 +64,7 @@ impl QuantityName {
         Self::Sides,
         Self::VirtualJoints,
         Self::Origin,
-        Self::Twist,
+        Self::Torsion,
         Self::Displacement,
         Self::Residual,
         Self::Iterations,
@@ -353,7 +353,7 @@ pub(crate) fn columns(
                     add_result(name, Quantity::Origin(k));
                 }
             }
-            QuantityName::Twist => add_result("twist_rad", Quantity::Twist),
+            QuantityName::Torsion => add_result("torsion_rad", Quantity::Torsion),
             QuantityName::Displacement => add_result("displacement_m", Quantity::Displacement),
             QuantityName::Sensitivity => {
                 (0..3).for_each(|k| {

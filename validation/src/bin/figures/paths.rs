@@ -1,11 +1,11 @@
-//! Twist gathered over three turns of precession.
+//! Torsion gathered over three turns of precession.
 
 use jointplay::gpr::Gpr;
 use jointplay::plot::{Axis, Colour, Curve, Dash, Figure, Model, Panel, Style, model_style};
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{Metric, Offset, Planar, Solver, Virtualization};
 use jointplay_validation::cases::{HEIGHT, options};
-use jointplay_validation::paths::{least_rotation, turn, twist_about_normal, warm_started};
+use jointplay_validation::paths::{least_rotation, torsion, turn, warm_started};
 
 const SAMPLES: u32 = 120;
 
@@ -21,13 +21,14 @@ pub(crate) fn figure() -> Figure {
         .map(|tilt| {
             let rods = gpr.inverse(*tilt, HEIGHT).expect("a pose of the robot");
             let options = options(Solver::Newton, Metric::Paper);
-            gpr.forward(rods, &Planar, &options).expect("near level").twist_about_normal()
+            gpr.forward(rods, &Planar, &options).expect("near level").torsion()
         })
         .collect();
-    let scaled = |twist: &[f64], scale: f64| twist.iter().map(|t| t * scale).collect::<Vec<_>>();
+    let scaled =
+        |torsion: &[f64], scale: f64| torsion.iter().map(|t| t * scale).collect::<Vec<_>>();
     let nominal_style = Style::line(Colour::BLUE, Dash::Solid).with_width(2.2);
-    let rotation: Vec<f64> = least_rotation(&tilts).iter().map(twist_about_normal).collect();
-    let whole = Panel::new(Axis::linear("turns of precession"), Axis::linear("twist (mrad)"))
+    let rotation: Vec<f64> = least_rotation(&tilts).iter().map(torsion).collect();
+    let whole = Panel::new(Axis::linear("turns of precession"), Axis::linear("torsion (mrad)"))
         .with_title("(a) least rotation of the platform from the last pose")
         .with_curve(Curve::new(
             "least rotation",
@@ -41,7 +42,7 @@ pub(crate) fn figure() -> Figure {
             scaled(&nominal, 1e3),
             nominal_style,
         ));
-    let mut fine = Panel::new(Axis::linear("turns of precession"), Axis::linear("twist (µrad)"))
+    let mut fine = Panel::new(Axis::linear("turns of precession"), Axis::linear("torsion (µrad)"))
         .with_title("(b) the solve started at the last X")
         .with_curve(Curve::new(
             "planar, from nominal",
@@ -57,13 +58,13 @@ pub(crate) fn figure() -> Figure {
         ),
         ("offset, from the last X", &Offset, model_style(Model::Offset)),
     ] {
-        let twist: Vec<f64> = warm_started(&gpr, model, 1e-3, &tilts)
+        let torsion: Vec<f64> = warm_started(&gpr, model, 1e-3, &tilts)
             .iter()
-            .map(|pose| twist_about_normal(&pose.rotation))
+            .map(|pose| torsion(&pose.rotation))
             .collect();
-        fine = fine.with_curve(Curve::new(name, turns.clone(), scaled(&twist, 1e6), style));
+        fine = fine.with_curve(Curve::new(name, turns.clone(), scaled(&torsion, 1e6), style));
     }
-    Figure::new("The same poses three times over, tilt 2°: twist about the normal")
+    Figure::new("The same poses three times over, tilt 2°: torsion about the normal")
         .with_panel(whole)
         .with_panel(fine)
 }

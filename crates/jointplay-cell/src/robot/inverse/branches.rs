@@ -114,7 +114,7 @@ impl HybridRobot {
         if !center.iter().all(|number| number.is_finite()) {
             return Err(not_finite("the point", center.sum()));
         }
-        let turned = heading.map(|heading| heading + platform.twist_about_normal());
+        let turned = heading.map(|heading| heading + platform.torsion());
         let target = WaferTarget { center, normal, heading: turned };
         upward(&target)?;
         let start = Positions::new(seed);
@@ -413,7 +413,7 @@ fn within(
 ) -> (Vector2<f64>, Option<f64>) {
     let center = base_from_platform.rotation.inverse()
         * (target.center - base_from_platform.translation.vector);
-    let heading = target.heading.map(|heading| wrap_angle(heading - platform.twist_about_normal()));
+    let heading = target.heading.map(|heading| wrap_angle(heading - platform.torsion()));
     (center.xy(), heading)
 }
 

@@ -18,7 +18,7 @@ const EQUAL: f64 = 1e-9;
 
 /// Index of the point with the largest deviation relative to its noise, the first of equal ones.
 pub(super) fn largest_deviation(points: &[PointDiagnostic]) -> Option<usize> {
-    let relative = |point: &PointDiagnostic| point.studentized.map_or(0.0, f64::abs);
+    let relative = |point: &PointDiagnostic| point.standardized.map_or(0.0, f64::abs);
     let largest = points.iter().map(relative).fold(0.0, f64::max);
     points.iter().position(|point| relative(point) >= largest * (1.0 - EQUAL))
 }
@@ -29,5 +29,5 @@ pub struct PointDiagnostic {
     /// Share of an error of this point that the fit follows: 0 not at all, 1 wholly, so that the error does not show.
     pub leverage: f64,
     /// Deviation divided by its standard deviation; `None` where the noise is not known, or the point does not show errors.
-    pub studentized: Option<f64>,
+    pub standardized: Option<f64>,
 }

@@ -143,7 +143,7 @@ impl PlaneUncertainty {
 /// # Numerics
 /// Singular values of the centred points, weighted by the inverse of their noise: the last direction is the normal.
 /// The 95 % bound of the tilt is exact for two independent normal slopes where the noise is given; where it is estimated, it is that of the F distribution of 2 and `freedom` for the larger of both slopes, which is conservative.
-/// Points count as inconsistent where the chi-square test of all distances fails, or that of the largest studentized one, each with a false alarm rate of 10⁻³.
+/// Points count as inconsistent where the chi-square test of all distances fails, or that of the largest standardized one, each with a false alarm rate of 10⁻³.
 ///
 /// # Assumptions
 /// The errors of the points are independent, normal and isotropic; errors within the plane have no first-order effect.
@@ -180,7 +180,7 @@ pub fn fit_plane(
     let limit = (freedom > 0).then(|| chi_square(freedom, FALSE_ALARM_QUANTILE));
     let estimated = (freedom > 0).then(|| (squares / freedom as f64).sqrt());
     let leverages = weighted.leverages(points);
-    let studentized = |k: usize| {
+    let standardized = |k: usize| {
         let redundancy = 1.0 - leverages[k];
         if redundancy < NO_REDUNDANCY {
             return None;
@@ -198,9 +198,9 @@ pub fn fit_plane(
         (expected > 0.0).then(|| distances[k] / expected)
     };
     let diagnostics: Vec<PointDiagnostic> = (0..points.len())
-        .map(|k| PointDiagnostic { leverage: leverages[k], studentized: studentized(k) })
+        .map(|k| PointDiagnostic { leverage: leverages[k], standardized: standardized(k) })
         .collect();
-    let largest = diagnostics.iter().filter_map(|point| point.studentized);
+    let largest = diagnostics.iter().filter_map(|point| point.standardized);
     let largest = largest.fold(0.0_f64, |largest, one| largest.max(one.abs()));
     let is_noisier = chi.zip(limit).is_some_and(|(found, limit)| found > limit);
     let has_outlier = noise.is_some()

@@ -165,10 +165,13 @@ pub fn fit_references(
         let shown = parts.iter().filter(|(_, redundancy)| *redundancy > NO_REDUNDANCY);
         let sum: f64 = shown.clone().map(|(d, r)| d * d / (r * sigma * sigma)).sum();
         let is_shown = sigma > 0.0 && shown.count() > 0;
-        PointDiagnostic { leverage: share + 0.5 * lever, studentized: is_shown.then(|| sum.sqrt()) }
+        PointDiagnostic {
+            leverage: share + 0.5 * lever,
+            standardized: is_shown.then(|| sum.sqrt()),
+        }
     };
     let diagnostics: Vec<PointDiagnostic> = (0..count).map(diagnostic).collect();
-    let largest = diagnostics.iter().filter_map(|one| one.studentized).fold(0.0, f64::max);
+    let largest = diagnostics.iter().filter_map(|one| one.standardized).fold(0.0, f64::max);
     // The length of two independent normal errors exceeds R with the probability exp(−R²/2).
     let allowed = (-2.0 * (FALSE_ALARM / count as f64).ln()).sqrt();
     let is_noisier = chi.zip(limit).is_some_and(|(found, limit)| found > limit);

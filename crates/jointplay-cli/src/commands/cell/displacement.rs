@@ -200,7 +200,7 @@ fn text(report: &DisplacementReport, is_program: bool) -> String {
         let _ = writeln!(
             text,
             "  {:<24} {:>8} {:>23} {:>19} {:>19}",
-            "", "", "displacement (mm)", "coverage f. (±µm)", "worst case (±µm)"
+            "", "", "displacement (mm)", "coverage f. (±µm)", "linear sum (±µm)"
         );
         let _ = writeln!(
             text,
@@ -214,7 +214,7 @@ fn text(report: &DisplacementReport, is_program: bool) -> String {
                 }
                 _ => place(wafer),
             };
-            let (expanded, worst) = (&wafer.expanded, &wafer.worst);
+            let (expanded, linear_sum) = (&wafer.expanded, &wafer.linear_sum);
             let _ = writeln!(
                 text,
                 "  {name:<24} {:>8} {:>12} {:>10} {:>10} {:>8} {:>10} {:>8}",
@@ -223,11 +223,11 @@ fn text(report: &DisplacementReport, is_program: bool) -> String {
                 fixed(wafer.total_mm[2], 4),
                 fixed(expanded.horizontal_um, 1),
                 fixed(expanded.vertical_um, 1),
-                fixed(worst.horizontal_um, 1),
-                fixed(worst.vertical_um, 1)
+                fixed(linear_sum.horizontal_um, 1),
+                fixed(linear_sum.vertical_um, 1)
             );
         }
-        let most = |wafer: &&WaferDisplacementReport| wafer.worst.horizontal_um;
+        let most = |wafer: &&WaferDisplacementReport| wafer.linear_sum.horizontal_um;
         if let Some(wafer) = report.wafers.iter().max_by(|a, b| most(a).total_cmp(&most(b))) {
             text.push_str("least certain horizontally\n");
             write_wafer(&mut text, wafer, report.coverage_factor);
@@ -259,7 +259,7 @@ fn largest_by_station(
         match groups.iter_mut().find(is_same) {
             Some((largest, slots)) => {
                 *slots += 1;
-                if wafer.worst.horizontal_um > largest.worst.horizontal_um {
+                if wafer.linear_sum.horizontal_um > largest.linear_sum.horizontal_um {
                     *largest = wafer;
                 }
             }
@@ -303,7 +303,7 @@ fn write_wafer(text: &mut String, wafer: &WaferDisplacementReport, coverage_fact
         "  {:<24} {:>23} {:>23}",
         "",
         format!("coverage factor {}", number(coverage_factor)),
-        "worst case"
+        "linear sum"
     );
     let mut row = |name: &str, values: [f64; 4], basis: &str| {
         let [a, b, c, d] = values.map(|value| fixed(value, 2));
@@ -311,14 +311,22 @@ fn write_wafer(text: &mut String, wafer: &WaferDisplacementReport, coverage_fact
         let _ = writeln!(text, "{}", line.trim_end());
     };
     for one in &wafer.contributions {
-        let (expanded, worst) = (&one.expanded, &one.worst);
-        let values =
-            [expanded.horizontal_um, expanded.vertical_um, worst.horizontal_um, worst.vertical_um];
+        let (expanded, linear_sum) = (&one.expanded, &one.linear_sum);
+        let values = [
+            expanded.horizontal_um,
+            expanded.vertical_um,
+            linear_sum.horizontal_um,
+            linear_sum.vertical_um,
+        ];
         row(one.cause, values, one.basis);
     }
-    let (expanded, worst) = (&wafer.expanded, &wafer.worst);
-    let values =
-        [expanded.horizontal_um, expanded.vertical_um, worst.horizontal_um, worst.vertical_um];
+    let (expanded, linear_sum) = (&wafer.expanded, &wafer.linear_sum);
+    let values = [
+        expanded.horizontal_um,
+        expanded.vertical_um,
+        linear_sum.horizontal_um,
+        linear_sum.vertical_um,
+    ];
     row("all", values, "");
     if !wafer.unknown.is_empty() {
         let _ = writeln!(text, "  not stated in full, and not included");

@@ -82,7 +82,7 @@ struct ProgramDocument {
     /// Name of its file in the folder.
     file: Option<String>,
     /// Number of the order of its hand-offs; 0 is that of the given program.
-    order: usize,
+    order_number: usize,
     /// Speed as a share of the limits.
     speed_percent: f64,
     /// Blend radius.
@@ -246,7 +246,7 @@ impl Optimise {
 fn row(file: Option<String>, candidate: &Candidate, objectives: &Objectives) -> ProgramDocument {
     ProgramDocument {
         file,
-        order: candidate.order,
+        order_number: candidate.order,
         speed_percent: 100.0 * candidate.speed,
         blend_mm: mm(candidate.blend_radius),
         wafers_per_hour: objectives.wafers_per_hour,

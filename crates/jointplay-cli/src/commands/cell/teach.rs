@@ -333,9 +333,12 @@ fn noise_text(noise: &[f64]) -> String {
     }
 }
 
-fn studentized(values: &[Option<f64>]) -> Option<String> {
-    let values: Vec<f64> = values.iter().copied().collect::<Option<_>>()?;
-    Some(values.iter().map(|&one| fixed(one, 2)).collect::<Vec<_>>().join(", "))
+/// The standardized residuals, if all are known; with an estimated noise they are studentized.
+fn write_standardized(text: &mut String, values: &[Option<f64>], is_noise_given: bool) {
+    let Some(values) = values.iter().copied().collect::<Option<Vec<f64>>>() else { return };
+    let name = if is_noise_given { "standardized" } else { "studentized" };
+    let values: Vec<String> = values.iter().map(|&one| fixed(one, 2)).collect();
+    let _ = writeln!(text, "  {name:<20} {}", values.join(", "));
 }
 
 fn chi_square(found: Option<f64>, limit: Option<f64>) -> String {
@@ -356,14 +359,12 @@ fn write_plane(text: &mut String, plane: &PlaneReport, coverage_factor: f64) {
     };
     let _ = writeln!(
         text,
-        "  point distances (µm) {}; largest {}, allowed {}",
+        "  residuals (µm)       {}; largest {}, allowed {}",
         listed(&plane.distances_um),
         fixed(plane.worst_um, 1),
         fixed(plane.threshold_um, 1)
     );
-    if let Some(values) = studentized(&plane.studentized) {
-        let _ = writeln!(text, "  studentized          {values}");
-    }
+    write_standardized(text, &plane.standardized, plane.noise_um.is_some());
     let leverages: Vec<String> = plane.leverages.iter().map(|&one| fixed(one, 2)).collect();
     let _ = writeln!(text, "  leverage             {}", leverages.join(", "));
     let freedom = counted_freedom(plane.freedom);
@@ -379,7 +380,7 @@ fn write_plane(text: &mut String, plane: &PlaneReport, coverage_factor: f64) {
     if let Some(known) = &plane.uncertainty {
         let _ = writeln!(
             text,
-            "  plane tilt           ±{} µrad (coverage factor {}), allowed {}; angle of the normal ±{} µrad (95 %), {} µrad rms",
+            "  tilt uncertainty     ±{} µrad about the least certain axis (coverage factor {}), allowed {}; angle of the normal ±{} µrad (95 %), {} µrad rms",
             fixed(known.tilt_expanded_urad, 1),
             number(coverage_factor),
             fixed(plane.allowed_urad, 1),
@@ -411,9 +412,7 @@ fn write_references(text: &mut String, references: &ReferenceReport) {
         fixed(references.worst_um, 1),
         fixed(references.threshold_um, 1)
     );
-    if let Some(values) = studentized(&references.studentized) {
-        let _ = writeln!(text, "  studentized          {values}");
-    }
+    write_standardized(text, &references.standardized, references.noise_um.is_some());
     let noise = match &references.noise_um {
         Some(noise) => format!("{} µm per coordinate, given", noise_text(noise)),
         None => "not given".to_owned(),
