@@ -98,6 +98,7 @@ def by_transcription(path, limits, guess, center=None):
         return ca.Function(f"q{order}", [s], [value]).map(n)
 
     derivatives = [derivative(path, order) for order in (1, 2, 3)]
+    turns = center is not None and np.ptp(center(np.linspace(0, 1, 50))[:, 3]) > 1e-6
     of_center = [derivative(center, order) for order in (1, 2)] if center else []
     duration = ca.MX.sym("T")
     s, v, a = (ca.MX.sym(name, n + 1) for name in "sva")
@@ -126,7 +127,7 @@ def by_transcription(path, limits, guess, center=None):
             four = [ca.repmat(one.T, 4, 1) for one in (rate, acceleration)]
             x, y, z, turn = ca.vertsplit(c2 * four[0] ** 2 + c1 * four[1])
             available = FRICTION * (z + GRAVITY * duration**2)
-            for sign in (-1.0, 1.0):
+            for sign in (-1.0, 1.0) if turns else (0.0,):
                 moment = sign * WAFER_RADIUS**2 / 2 * turn / PAD_RADIUS
                 add((available - moment).T, 0.0, np.inf)
                 add((x**2 + y**2 - (available - moment) ** 2).T, -np.inf, 0.0)
@@ -154,7 +155,7 @@ def by_transcription(path, limits, guess, center=None):
     for first, ends in ((1, (0.0, 1.0)), (n + 2, (0.0, 0.0)), (2 * n + 3, (0.0, 0.0))):
         for index, value in zip((first, first + n), ends):
             low[index] = high[index] = value
-    options = {"print_time": 0, "ipopt.print_level": 0, "ipopt.sb": "yes", "ipopt.max_iter": 500,
+    options = {"print_time": 0, "ipopt.print_level": 0, "ipopt.sb": "yes", "ipopt.max_iter": 300,
                "ipopt.tol": 1e-6, "ipopt.mu_strategy": "adaptive"}
     problem = {"x": ca.vertcat(duration, s, v, a, j), "f": duration, "g": ca.vertcat(*conditions)}
     solver = ca.nlpsol("solver", "ipopt", problem, options)
