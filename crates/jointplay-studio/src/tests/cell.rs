@@ -140,6 +140,21 @@ fn a_plan_has_report_windows_and_scene() {
     let even = rows(false);
     assert!((even as f64 - duration * 10.0 - 1.0).abs() <= 1.0, "{even} rows of {duration} s");
     assert!(rows(true) > even + 2 * steps.len(), "bends and peaks besides");
+    let chosen = |columns: Value| {
+        let body = json!({ "program": SHORT, "columns": columns, "from_s": 1.0, "to_s": 2.0 });
+        ask(&server, Method::POST, "cell/samples", &body)
+    };
+    let answer = chosen(json!(["A_tilt", "time"]));
+    let mut read = StreamReader::try_new(answer.bytes.as_slice(), None).unwrap();
+    let batch = read.next().unwrap().unwrap();
+    let names: Vec<&str> =
+        batch.schema_ref().fields().iter().map(|one| one.name().as_str()).collect();
+    assert_eq!((names, batch.num_rows()), (vec!["A_tilt_deg", "time_s"], 26));
+    let answer = chosen(json!(["lift"]));
+    assert_eq!(
+        (answer.status, &answer.json()["field"]),
+        (StatusCode::UNPROCESSABLE_ENTITY, &"columns".into())
+    );
 }
 
 #[test]
