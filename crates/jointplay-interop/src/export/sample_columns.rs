@@ -109,11 +109,7 @@ pub fn sample_columns(cell: &Cell) -> Vec<SampleColumn> {
         // The groups of one coordinate concern wafers.
         if coordinate == "tilt" { vec!["platform", "tilt"] } else { vec!["platform"] }
     };
-    columns.extend(frame_columns(
-        ["platform", "platform", "torsion"],
-        of_platform,
-        Quantity::Platform,
-    ));
+    columns.extend(frame_columns(&platform, of_platform, Quantity::Platform));
     for effector in cell.robot.effectors() {
         let name = &cell.robot.arms[effector.arm].effectors[effector.effector].name;
         let what = format!("wafer on {name}");
