@@ -123,8 +123,8 @@ def cell(draw: random.Random, folder: Path) -> dict[str, tuple[coal.CollisionGeo
             at = [draw.uniform(-0.05, 0.25), draw.uniform(-0.06, 0.06), draw.uniform(-0.03, 0.03)]
         name = f"body-{number}"
         text += f'[[body]]\nname = "{name}"\n{place}\nposition_mm = {[1e3 * value for value in at]}\n'
-        text += f"yaw_deg = {draw.uniform(-180, 180)}\n"
-        text += f"tilt = {{ yaw_deg = {draw.uniform(-180, 180)}, pitch_deg = {draw.uniform(0, 60)} }}\n{text_of_shape}\n"
+        text += f"heading_deg = {draw.uniform(-180, 180)}\n"
+        text += f"tilt = {{ azimuth_deg = {draw.uniform(-180, 180)}, angle_deg = {draw.uniform(0, 60)} }}\n{text_of_shape}\n"
         bodies[name] = geometry, pose
     (folder / "cell.toml").write_text(text)
     lines = [f"TILT {draw.uniform(0.2, 1.4)} deg TOWARD {draw.uniform(-180, 180)} deg"]

@@ -50,7 +50,7 @@ name = "S{index}"
 slots = 25
 pitch_mm = 10.0
 position_mm = [{}, {}, 520.0]
-yaw_deg = {}
+heading_deg = {}
 stroke = {{ below_mm = 4.0, above_mm = 3.0, speed_mm_s = 20.0 }}
 retract_mm = {retract_mm}
 approach = "{approach}"

@@ -171,8 +171,8 @@ fn errors_name_their_place_and_the_allowed_values() {
         "is only 700.036 mm from the first joint of the arm",
     );
     refuse(
-        "pitch_deg = 0.8",
-        "pitch_deg = 2.0",
+        "angle_deg = 0.8",
+        "angle_deg = 2.0",
         "tilts 2.000° toward 100.0°, but the robot tilts by at most 1.500°: level the station by at least 0.538°, 0.038° of which",
     );
     refuse("[600.0, 0.0, 619.83]", "[600.0, 0.0, 620.83]", "taught point 3 deviates most: it is");
@@ -267,7 +267,7 @@ fn station_frames_follow_from_taught_points_or_drift() {
             .unwrap();
     let Origin::Drift(drift) = &cell.stations[0].origin else { panic!() };
     assert!((drift.drift - 0.002).abs() < 1e-15);
-    assert!((drift.tilt.pitch.tan() - 0.002 / 0.23999).abs() < 1e-12);
+    assert!((drift.tilt.angle.tan() - 0.002 / 0.23999).abs() < 1e-12);
     let last = cell.stations[0].slot_frame(25).translation.vector;
     assert!((last - Vector3::new(-0.493, 0.495, 0.73999)).norm() < 1e-14, "{last}");
     let refused = |lines: &str| placed(lines).unwrap_err()[0].to_string();
@@ -289,7 +289,7 @@ fn station_frames_follow_from_taught_points_or_drift() {
     let message = taught("[[0, 0, 500], [100, 0, 500], [0, 100, 503]]");
     assert!(message.contains("tilts 1.718° toward -90.0°"), "{message}");
     let message = refused(&format!(
-        "{position}tilt = {{ yaw_deg = 0, pitch_deg = 1 }}\ntaught = {{ points_mm = [] }}"
+        "{position}tilt = {{ azimuth_deg = 0, angle_deg = 1 }}\ntaught = {{ points_mm = [] }}"
     ));
     assert!(message.contains("has both `tilt` and `taught`"), "{message}");
 }
@@ -379,7 +379,7 @@ fn invalid_shapes_are_rejected() {
 fn an_edit_changes_one_station_and_keeps_every_comment() {
     let changes = [
         Change::Position(Vector3::new(-0.4951, -0.495, 0.5)),
-        Change::Tilt(Tilt { yaw: 1.0_f64.to_radians(), pitch: 0.4_f64.to_radians() }),
+        Change::Tilt(Tilt { azimuth: 1.0_f64.to_radians(), angle: 0.4_f64.to_radians() }),
         Change::Retract(0.012),
         Change::ProcessTime(3.0),
     ];
@@ -398,7 +398,7 @@ fn an_edit_changes_one_station_and_keeps_every_comment() {
         added,
         [
             "position_mm = [-495.1, -495.0, 500.0]",
-            "tilt = { yaw_deg = 1.0, pitch_deg = 0.4 }",
+            "tilt = { azimuth_deg = 1.0, angle_deg = 0.4 }",
             "retract_mm = 12.0",
             "process_s = 3.0"
         ]
@@ -438,7 +438,7 @@ fn an_edit_replaces_the_previous_definition_of_the_frame() {
         EXAMPLE,
         "LP1",
         &[
-            Change::Yaw(0.5),
+            Change::Heading(0.5),
             Change::Pitch(0.011),
             Change::Offset(Vector3::new(0.001, 0.0, 0.0)),
             Change::Via(vec![Vector3::new(0.0, -0.3, 0.0)]),
@@ -477,9 +477,9 @@ last_mm = [-494.0, 494.3, 740.1] # by slot 25
 name = \"LP\"
 drift = { first_mm = [100, 0.1, 500], last_mm = [100, 0.1, 740] } # drifted
 ";
-    let tilt = Tilt { yaw: 0.0, pitch: 0.01 };
+    let tilt = Tilt { azimuth: 0.0, angle: 0.01 };
     let turned = set_station(inline, "LP", &[Change::Turned(tilt)]).unwrap();
-    let (sine, cosine) = tilt.pitch.sin_cos();
+    let (sine, cosine) = tilt.angle.sin_cos();
     let place = |value: f64| (value * 1e9).round() / 1e9;
     let last = [100.0 + 240.0 * sine, 0.1, 500.0 + 240.0 * cosine].map(place);
     let expected = inline
@@ -500,8 +500,8 @@ wafer = { diameter_mm = 300, thickness_mm = 0.775, material = \"silicon\" }
 budgets = { play_um = 60, clearance_mm = 1, slot_clearance_mm = 1, plane_urad = 20 }
 station = [
     # The station that is not edited.
-    { name = \"LP1\", position_mm = [-495.0, 495.0, 500.0], yaw_deg = 45.0, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10.0 },
-    { name = \"LP2\", drift = { first_mm = [-495, -495, 500], last_mm = [-494, -495, 740] }, slots = 25, yaw_deg = 135.0, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10.0 }, # drifted
+    { name = \"LP1\", position_mm = [-495.0, 495.0, 500.0], heading_deg = 45.0, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10.0 },
+    { name = \"LP2\", drift = { first_mm = [-495, -495, 500], last_mm = [-494, -495, 740] }, slots = 25, heading_deg = 135.0, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10.0 }, # drifted
 ]
 ";
     let stations = |text: &str| {
@@ -562,6 +562,6 @@ proptest! {
                 let _ = problem.with_excerpt("x.toml");
             }
         }
-        let _ = set_station(&text, "LP1", &[Change::Yaw(0.5)]);
+        let _ = set_station(&text, "LP1", &[Change::Heading(0.5)]);
     }
 }

@@ -37,13 +37,13 @@ like = \"P1\"
 name = \"P3\"
 like = \"port\"
 position_mm = [\"-reach\", 0, 500]
-yaw_deg = 90
+heading_deg = 90
 
 [[part]]
 part = \"load-port\"
 name = \"LP\"
 position_mm = [0, -700, 500]
-yaw_deg = 180
+heading_deg = 180
 retract_mm = 10
 taught = { points_mm = [[0, -800, 500], [100, -700, 500.1], [-100, -700, 499.9], [0, -600, 500]], noise_um = 2 }
 
@@ -58,7 +58,7 @@ part = \"chamber\"
 name = \"CH\"
 repeat = { count = 2 }
 position_mm = [\"-700 + 1400 * (n - 1)\", 0, 700]
-yaw_deg = \"90 - 180 * (n - 1)\"
+heading_deg = \"90 - 180 * (n - 1)\"
 retract_mm = 10
 ";
 
@@ -74,7 +74,7 @@ fn place(text: &str, name: &str) -> Vector3<f64> {
 
 fn tilt(text: &str, name: &str) -> f64 {
     let normal = station(text, name).base_from_station.rotation * Vector3::z();
-    Tilt::from_normal(&normal).pitch
+    Tilt::from_normal(&normal).angle
 }
 
 /// All other stations are as before.
@@ -144,7 +144,7 @@ fn copies_expressions_and_parts_that_are_no_stations_are_refused() {
     refused("SV", moved(), "station \"SV\" is not known");
     refused("port", moved(), "station \"port\" is not known");
     // Another value of the same station can be changed.
-    let turned = set_station(TEXT, "P3", &[Change::Yaw(1.0)]).unwrap();
+    let turned = set_station(TEXT, "P3", &[Change::Heading(1.0)]).unwrap();
     assert!(turned.contains("[\"-reach\", 0, 500]"));
     others_unchanged(&turned, "P3");
 }

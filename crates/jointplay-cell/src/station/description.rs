@@ -65,7 +65,7 @@ impl Station {
         base_from_wafer * inward * station_from_slot.inverse()
     }
 
-    /// Origin of the station if the centre of a wafer in one of its slots were here, the tilt and yaw of the frame unchanged, in the base frame (m).
+    /// Origin of the station if the centre of a wafer in one of its slots were here, the tilt and heading of the frame unchanged, in the base frame (m).
     #[must_use]
     pub fn origin_under(&self, slot: usize, center: &Vector3<f64>) -> Vector3<f64> {
         let offset =

@@ -27,7 +27,7 @@ name = "port"
 slots = 2
 pitch_mm = 10.0
 position_mm = ["distance", 0.0, 600.0]
-yaw_deg = -90.0
+heading_deg = -90.0
 stroke = { below_mm = 4.0, above_mm = 3.0, speed_mm_s = 20.0 }
 retract_mm = 10.0
 wafers = [1]

@@ -29,7 +29,7 @@ pub enum Change {
     /// Centre of the lowest wafer at rest, in the base frame (m); a drift moves as a whole.
     Position(Vector3<f64>),
     /// Rotation about the vertical (rad).
-    Yaw(f64),
+    Heading(f64),
     /// Tilt of the station; replaces taught points and a drift.
     Tilt(Tilt),
     /// Tilt of the station; a drift remains, and its last position rotates about its first.
@@ -334,7 +334,7 @@ fn apply(station: &mut Station<'_>, change: &Change) {
                 station.set("position_mm", point(position));
             }
         }
-        Change::Yaw(yaw) => station.set("yaw_deg", number(deg(*yaw))),
+        Change::Heading(heading) => station.set("heading_deg", number(deg(*heading))),
         Change::Turned(tilt) => {
             let up = tilt.normal();
             let turned = |first: Vector3<f64>, last: Vector3<f64>| {
@@ -347,7 +347,7 @@ fn apply(station: &mut Station<'_>, change: &Change) {
         Change::Tilt(tilt) => {
             station.undrift();
             station.drop_keys(&["taught"]);
-            let values = [("yaw_deg", deg(tilt.yaw)), ("pitch_deg", deg(tilt.pitch))];
+            let values = [("heading_deg", deg(tilt.azimuth)), ("angle_deg", deg(tilt.angle))];
             station.set("tilt", inline(values.map(|(key, value)| (key, number(value)))));
         }
         Change::Taught { points, threshold, noise } => {

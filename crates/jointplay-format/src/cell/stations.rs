@@ -11,7 +11,7 @@ use jointplay_core::spatial::{Pose, Tilt};
 
 use super::effectors::{Effectors, named_effectors};
 use super::explain::{explain_teach, leveling_angle};
-use super::pose::{points, yaw_and_tilt};
+use super::pose::{heading_and_tilt, points};
 use super::problem::Fault;
 use super::taught::{self, Sensors};
 use super::tree::{AllowedRange, Reader, Table};
@@ -29,7 +29,7 @@ pub(super) const STATION_KEYS: [&str; 19] = [
     "pitch_mm",
     "slot_step_mm",
     "position_mm",
-    "yaw_deg",
+    "heading_deg",
     "tilt",
     "taught",
     "drift",
@@ -193,7 +193,7 @@ struct Place {
 
 fn place(table: &Table, slots: usize, pitch: Option<f64>, sensors: &Sensors) -> Option<Place> {
     let reader = table.reader;
-    let (yaw, tilt) = yaw_and_tilt(table);
+    let (heading, tilt) = heading_and_tilt(table);
     let taught = table.table("taught", "taught points");
     let drift = table.table("drift", "a drift");
     let has_plane = taught.as_ref().is_some_and(|it| drift.is_some() || taught::has_plane(it));
@@ -237,14 +237,14 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>, sensors: &Sensors) -> 
                 mm(pitch)
             )));
         }
-        let frame = teach::frame(found.first, &found.tilt.normal(), yaw);
+        let frame = teach::frame(found.first, &found.tilt.normal(), heading);
         let (uncertainty, pitch) = (found.uncertainty(), found.pitch);
         return Some(Place { frame, origin: Origin::Drift(found), uncertainty, pitch });
     }
     let position = table.point("position_mm");
     let nominal = position.map(|origin| NominalFrame {
         origin,
-        yaw,
+        heading,
         normal: tilt.unwrap_or(Tilt::LEVEL).normal(),
     });
     if let Some(taught) = taught {
@@ -267,12 +267,12 @@ fn check_tilt(table: &Table, station: &Station, robot: &HybridRobot, bare: Optio
     let Err(CellError::StationTilt { tilt, max, .. }) = station.check_tilt(robot) else { return };
     let from = ["tilt", "taught", "drift"].into_iter().find_map(|key| table.entry(key));
     let span = from.map_or(table.span.clone(), |entry| entry.span());
-    let (pitch, yaw) = (deg(tilt.pitch), deg(tilt.yaw));
-    let excess = pitch - deg(max);
+    let (angle, azimuth) = (deg(tilt.angle), deg(tilt.azimuth));
+    let excess = angle - deg(max);
     let by = bare.and_then(|cell| cell.leveling(station)).map_or(excess, deg);
     let by = by.max(excess);
     table.reader.report(span, Fault::Unfit(format!(
-        "{} tilts {pitch:.3}° toward {yaw:.1}°, but the robot tilts by at most {:.3}°: level the station by at least {}",
+        "{} tilts {angle:.3}° toward {azimuth:.1}°, but the robot tilts by at most {:.3}°: level the station by at least {}",
         table.whose,
         deg(max),
         leveling_angle(by, by - excess)

@@ -64,12 +64,12 @@ mod tests {
 
     #[test]
     fn drift_of_slots_determines_the_tilt() {
-        let tilt = Tilt { yaw: -1.0, pitch: 0.8_f64.to_radians() };
+        let tilt = Tilt { azimuth: -1.0, angle: 0.8_f64.to_radians() };
         let first = Vector3::new(0.6, 0.1, 0.5);
         let found = drift(first, first + 0.24 * tilt.normal(), 25, None).unwrap();
         assert!((found.pitch - 0.01).abs() < 1e-15);
         assert!((found.tilt.normal() - tilt.normal()).norm() < 1e-14);
-        assert!((found.drift - 0.24 * tilt.pitch.sin()).abs() < 1e-15);
+        assert!((found.drift - 0.24 * tilt.angle.sin()).abs() < 1e-15);
         let refused = |last, slots, noise| drift(first, last, slots, noise).unwrap_err();
         assert_eq!(refused(first, 25, None), TeachError::NotAbove { rise: 0.0 });
         assert_eq!(refused(first + Vector3::z(), 1, None), TeachError::OneSlot { slots: 1 });

@@ -15,7 +15,7 @@ pub struct NominalFrame {
     /// Position of the lowest wafer, in the base frame (m).
     pub origin: Vector3<f64>,
     /// Heading: rotation about the vertical, before the tilt (rad).
-    pub yaw: f64,
+    pub heading: f64,
     /// Unit normal, in the base frame.
     pub normal: Vector3<f64>,
 }
@@ -34,8 +34,8 @@ impl NominalFrame {
     #[must_use]
     pub fn in_plane(&self, plane: Option<&PlaneFit>) -> Pose {
         match plane {
-            Some(plane) => plane.frame(&self.origin, self.yaw),
-            None => frame(self.origin, &self.normal, self.yaw),
+            Some(plane) => plane.frame(&self.origin, self.heading),
+            None => frame(self.origin, &self.normal, self.heading),
         }
     }
 }
@@ -48,7 +48,7 @@ impl TaughtFrame {
         let Some(references) = &self.references else { return in_plane };
         let origin = in_plane * nalgebra::Point3::from(references.shift.push(0.0));
         let normal = in_plane.rotation * Vector3::z();
-        frame(origin.coords, &normal, nominal.yaw + references.turn.unwrap_or(0.0))
+        frame(origin.coords, &normal, nominal.heading + references.turn.unwrap_or(0.0))
     }
 
     /// Uncertainty of the frame.

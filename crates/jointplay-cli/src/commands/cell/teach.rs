@@ -303,8 +303,8 @@ fn write_station(text: &mut String, station: &StationReport, limit: f64) {
     let _ = writeln!(
         text,
         "  tilt                 {}° at azimuth {}°, {} % of the robot's {}°",
-        fixed(station.tilt_pitch_deg, 4),
-        fixed(station.tilt_yaw_deg, 2),
+        fixed(station.tilt_angle_deg, 4),
+        fixed(station.tilt_azimuth_deg, 2),
         fixed(100.0 * station.tilt_share, 0),
         fixed(limit, 3)
     );
