@@ -272,10 +272,10 @@ test('wafers and bodies of a station move with it during a drag and after planni
 });
 
 test('a station defined by its first and last slot keeps its definition when it is moved and tilted', async () => {
-  const drift = 'drift = { first_mm = [-495.0, -495.0, 500.0], last_mm = [-495.5, -492.0, 740.0] } # as measured';
-  const text = EXAMPLE_CELL.replace('position_mm = [-495.0, -495.0, 500.0]', drift).replace('tilt = { azimuth_deg = 100.0, angle_deg = 0.8 }\n', '');
+  const carrier_axis = 'carrier_axis = { first_mm = [-495.0, -495.0, 500.0], last_mm = [-495.5, -492.0, 740.0] } # as measured';
+  const text = EXAMPLE_CELL.replace('position_mm = [-495.0, -495.0, 500.0]', carrier_axis).replace('tilt = { azimuth_deg = 100.0, angle_deg = 0.8 }\n', '');
   await write('cell', text);
-  await until('it is planned so', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'drift' }).count()) > 0);
+  await until('it is planned so', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'carrier axis' }).count()) > 0);
   await checkResult('passed');
   await choose('LP2');
   for (const freedom of ['x', 'y', 'height', 'heading', 'about_x', 'about_y']) await until(`it has ${freedom}`, async () => (await grip(freedom)) !== null);
@@ -284,7 +284,7 @@ test('a station defined by its first and last slot keeps its definition when it 
     await checkResult('passed');
     await page.getByTestId('save').click();
     await until('it is saved', () => page.getByTestId('save').isDisabled());
-    const [, first, last] = /drift = \{ first_mm = \[(.*?)\], last_mm = \[(.*?)\] \} # as measured/.exec(readFileSync(join(fixture.folder, 'mine.toml'), 'utf8'))!;
+    const [, first, last] = /carrier_axis = \{ first_mm = \[(.*?)\], last_mm = \[(.*?)\] \} # as measured/.exec(readFileSync(join(fixture.folder, 'mine.toml'), 'utf8'))!;
     return [first!, last!].map((words) => words.split(',').map(Number));
   };
   await until('it is higher', async () => Number(await page.getByTestId('station-LP2-z').inputValue()) > 500.5);
@@ -300,7 +300,7 @@ test('a station defined by its first and last slot keeps its definition when it 
   const long = (to: number[]) => Math.hypot(...to.map((value, k) => value - first![k]!));
   expect(long(turned!)).toBeCloseTo(long(last!), 6);
   for (let k = 0; k < 3; k += 1) await page.getByRole('button', { name: 'Undo' }).click();
-  await until('it is as drawn', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'drift' }).count()) === 0);
+  await until('it is as drawn', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'carrier axis' }).count()) === 0);
   await checkResult('passed');
   await page.getByTestId('save').click();
 });

@@ -1,8 +1,8 @@
 //! The uncertainty of taught frames against many simulated teachings with random noise.
 
 use jointplay_cell::station::teach::{
-    Drift, FrameUncertainty, NominalFrame, PlaneFit, ReferencePoint, StatedUncertainty,
-    TaughtFrame, drift, fit_plane, fit_references, frame, heading,
+    CarrierAxis, FrameUncertainty, NominalFrame, PlaneFit, ReferencePoint, StatedUncertainty,
+    TaughtFrame, carrier_axis, fit_plane, fit_references, frame, heading,
 };
 use jointplay_core::spatial::{Pose, Tilt, rotation_vector};
 use nalgebra::{Point3, Vector2, Vector3, Vector6};
@@ -201,7 +201,7 @@ fn exact_points_give_the_true_frame() {
 }
 
 #[test]
-fn drift_uncertainty_agrees_with_simulated_teachings() {
+fn carrier_axis_uncertainty_agrees_with_simulated_teachings() {
     let (noise, draws, mut normal) = (30e-6, 4000, normals());
     let truth = Tilt { azimuth: 2.1, angle: 0.01 };
     let first = Vector3::new(0.6, 0.1, 0.5);
@@ -210,7 +210,7 @@ fn drift_uncertainty_agrees_with_simulated_teachings() {
     let mut covered = 0;
     for _ in 0..draws {
         let mut noisy = |point: Vector3<f64>| point + Vector3::from_fn(|_, _| noise * normal());
-        let found: Drift = drift(noisy(first), noisy(last), 25, Some(noise)).unwrap();
+        let found: CarrierAxis = carrier_axis(noisy(first), noisy(last), 25, Some(noise)).unwrap();
         let known: FrameUncertainty = found.uncertainty();
         let taught = frame(found.first, &found.tilt.normal(), 0.3);
         let error = displacement(&taught, &base_from_station);

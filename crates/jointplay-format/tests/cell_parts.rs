@@ -15,7 +15,7 @@ const HEAD: &str = "kind = \"cell\"
 name = \"Test\"
 robot = \"dual-arm\"
 wafer = { diameter_mm = 300, thickness_mm = 0.775, material = \"silicon\" }
-budgets = { play_um = 60, clearance_mm = 1, slot_clearance_mm = 1, plane_urad = 20 }
+budgets = { virtual_joint_norm_um = 60, min_distance_mm = 1, slot_min_distance_mm = 1, plane_urad = 20 }
 ";
 
 const STATION: &str = "

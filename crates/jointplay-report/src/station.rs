@@ -26,7 +26,7 @@ pub struct TeachReport {
 pub struct StationReport {
     /// Name of the station.
     pub name: String,
-    /// `nominal`, `taught` or `drift`.
+    /// `nominal`, `taught` or `carrier axis`.
     pub from: &'static str,
     /// Centre of the lowest wafer at rest, in the base frame.
     pub position_mm: [f64; 3],
@@ -48,7 +48,7 @@ pub struct StationReport {
     pub uncertainty: StationUncertaintyReport,
     /// Horizontal distance of the last slot from the vertical through the first.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub drift_mm: Option<f64>,
+    pub horizontal_offset_mm: Option<f64>,
 }
 
 /// Fit of a plane to taught points.
@@ -199,10 +199,12 @@ fn station(cell: &Cell, station: &Station) -> StationReport {
     let normal = station.base_from_station.rotation * Vector3::z();
     let tilt_angle = normal.x.hypot(normal.y).atan2(normal.z);
     let azimuth = if tilt_angle > 0.0 { normal.y.atan2(normal.x) } else { 0.0 };
-    let (from, taught, drift) = match &station.origin {
+    let (from, taught, carrier_axis) = match &station.origin {
         Origin::Nominal => ("nominal", None, None),
         Origin::Taught(taught) => ("taught", Some(taught), None),
-        Origin::Drift(drift) => ("drift", None, Some(mm(drift.drift))),
+        Origin::CarrierAxis(carrier_axis) => {
+            ("carrier axis", None, Some(mm(carrier_axis.horizontal_offset)))
+        }
     };
     let fit = taught.and_then(|taught| taught.plane.as_ref());
     StationReport {
@@ -216,7 +218,7 @@ fn station(cell: &Cell, station: &Station) -> StationReport {
         plane: fit.map(|fit| plane(cell, station, fit)),
         references: taught.and_then(|taught| taught.references.as_ref()).map(references),
         uncertainty: uncertainty(cell, station),
-        drift_mm: drift,
+        horizontal_offset_mm: carrier_axis,
     }
 }
 

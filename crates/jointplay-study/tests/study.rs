@@ -63,7 +63,9 @@ fn a_study_without_poses_is_refused() {
     };
     assert_eq!(error(&raster(&[], &[1.0])), Error::Empty { azimuths: 0, tilt_angles: 1 });
     assert!(
-        error(&raster(&[0.0], &[])).to_string().contains("azimuth has 1 values and the tilt angle 0")
+        error(&raster(&[0.0], &[]))
+            .to_string()
+            .contains("azimuth has 1 values and the tilt angle 0")
     );
     let options = newton();
     let none = compare(&Gpr::paper(), &built_in(), 0.0, &[], AxisHeight(0.5), &options);

@@ -34,7 +34,7 @@ test('a dragged heading changes only the heading', () => {
 });
 
 test('a tilt preserves the definition of a station by its first and last slot', () => {
-  const { change } = dragged({ ...STATION, from: 'drift' }, 'about_x', 0.1, 0.02);
-  expect(change.keep_drift).toBe(true);
+  const { change } = dragged({ ...STATION, from: 'carrier axis' }, 'about_x', 0.1, 0.02);
+  expect(change.keep_carrier_axis).toBe(true);
   expect(change.tilt_xy?.about_x_rad).toBeCloseTo(0.01 + (0.1 * Math.PI) / 180, 4);
 });

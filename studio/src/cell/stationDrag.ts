@@ -33,11 +33,11 @@ export function dragged(from: StationDocument, freedom: Freedom, by: number, til
   const tilt_azimuth_deg = tilt_angle_deg > 0 ? degrees(Math.atan2(-x, y)) : 0;
   return {
     station: { ...from, about_x_rad: x, about_y_rad: y, tilt_angle_deg, tilt_azimuth_deg, tilt_share: tiltMax > 0 ? Math.hypot(x, y) / tiltMax : 0 },
-    change: { tilt_xy: { about_x_rad: x, about_y_rad: y }, ...driftOption(from) },
+    change: { tilt_xy: { about_x_rad: x, about_y_rad: y }, ...carrierAxisOption(from) },
   };
 }
 
 /** The option that preserves the definition of a station by its first and last slot. */
-export function driftOption({ from }: StationDocument): Pick<StationChange, 'keep_drift'> {
-  return from === 'drift' ? { keep_drift: true } : {};
+export function carrierAxisOption({ from }: StationDocument): Pick<StationChange, 'keep_carrier_axis'> {
+  return from === 'carrier axis' ? { keep_carrier_axis: true } : {};
 }

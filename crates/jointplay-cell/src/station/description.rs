@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector3};
 
-use super::teach::{Drift, FrameUncertainty, TaughtFrame};
+use super::teach::{CarrierAxis, FrameUncertainty, TaughtFrame};
 use crate::robot::EffectorId;
 
 /// Direction in which a wafer enters a station.
@@ -82,7 +82,7 @@ pub enum Origin {
     /// Fitted to taught points; the parts that they do not determine are nominal.
     Taught(Box<TaughtFrame>),
     /// Positions of the first and the last slot.
-    Drift(Drift),
+    CarrierAxis(CarrierAxis),
 }
 
 /// Stroke of a hand-off.

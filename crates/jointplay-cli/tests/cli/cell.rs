@@ -745,10 +745,12 @@ fn stations_are_taught_and_written_back() {
     assert_eq!(no.code, 1, "{}", no.stderr);
     assert_eq!(sandbox.read("example.toml"), after);
 
-    let drift = sandbox.json(
+    let carrier_axis = sandbox.json(
         "cell teach example.toml --station LP2 --first-mm -495,-495,500 --last-mm -494,-495,740",
     );
-    assert!((drift["stations"][0]["drift_mm"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+    assert!(
+        (carrier_axis["stations"][0]["horizontal_offset_mm"].as_f64().unwrap() - 1.0).abs() < 1e-9
+    );
     let refused = sandbox.run(&format!("cell teach --station ALIGN {points} --write"));
     assert_eq!(refused.code, 2);
     assert!(refused.stderr.contains("cell example"), "{}", refused.stderr);

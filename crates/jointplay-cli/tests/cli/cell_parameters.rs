@@ -17,9 +17,9 @@ thickness_mm = 0.775
 material = "silicon"
 
 [budgets]
-play_um = 60.0
-clearance_mm = 1.0
-slot_clearance_mm = 1.0
+virtual_joint_norm_um = 60.0
+min_distance_mm = 1.0
+slot_min_distance_mm = 1.0
 plane_urad = 20.0
 
 [[station]]

@@ -304,7 +304,7 @@ pub(crate) struct StationRequest {
     pub(crate) tilt_xy: Option<TiltXyFields>,
     /// Whether a station defined by its first and last slot keeps this definition when its tilt changes: the last slot is rotated about the first one. Otherwise the tilt replaces the definition.
     #[serde(default)]
-    pub(crate) keep_drift: bool,
+    pub(crate) keep_carrier_axis: bool,
     /// Taught points of its plane, which replace the tilt.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) taught: Option<TaughtFields>,
@@ -404,7 +404,7 @@ impl StationRequest {
     /// The requested changes.
     pub(crate) fn changes(&self) -> Result<Vec<Change>, Problem> {
         let mut changes = Vec::new();
-        let tilt_change = if self.keep_drift { Change::Turned } else { Change::Tilt };
+        let tilt_change = if self.keep_carrier_axis { Change::Turned } else { Change::Tilt };
         if let Some(Triple(position)) = self.position_m {
             for (k, &value) in position.iter().enumerate() {
                 super::length(value, &format!("position_m[{k}]"))?;

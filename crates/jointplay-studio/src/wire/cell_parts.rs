@@ -217,7 +217,7 @@ pub(crate) fn stations(cell: &Cell) -> Vec<StationDocument> {
         let tilt = Tilt::from_normal(&(frame.rotation * Vector3::z()));
         let (about_x_rad, about_y_rad) = tilt.about_x_and_y();
         let (freedoms, points) = match &station.origin {
-            Origin::Nominal | Origin::Drift(_) => {
+            Origin::Nominal | Origin::CarrierAxis(_) => {
                 (vec![X, Y, Height, Heading, AboutX, AboutY], Vec::new())
             }
             Origin::Taught(taught) => {

@@ -1,6 +1,6 @@
 //! Frames of stations from taught points, with their uncertainty.
 
-mod drift;
+mod carrier_axis;
 mod error;
 mod fit_result;
 mod frame;
@@ -11,7 +11,7 @@ mod references;
 mod taught_frame;
 mod uncertainty;
 
-pub use drift::{Drift, drift};
+pub use carrier_axis::{CarrierAxis, carrier_axis};
 pub use error::TeachError;
 pub use fit_result::{FitResult, PointDiagnostic};
 pub use frame::{frame, heading};

@@ -3,7 +3,7 @@
 use jointplay_core::spatial::Pose;
 use nalgebra::{Matrix3, Matrix6, Vector3};
 
-use super::drift::Drift;
+use super::carrier_axis::CarrierAxis;
 use super::frame::frame;
 use super::plane::PlaneFit;
 use super::references::ReferenceFit;
@@ -114,7 +114,7 @@ impl TaughtFrame {
     }
 }
 
-impl Drift {
+impl CarrierAxis {
     /// Uncertainty of a station's frame from its first and last slot.
     #[must_use]
     pub fn uncertainty(&self) -> FrameUncertainty {
