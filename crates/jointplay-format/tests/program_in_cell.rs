@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::program::{
-    Handoff, MAX_CALLS, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
+    Handoff, MAX_CALL_DEPTH, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
 };
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
@@ -402,7 +402,7 @@ fn a_support_larger_than_the_wafer_is_reported_in_mm() {
 
 #[test]
 fn endless_and_too_long_programs_are_rejected() {
-    let deep = MAX_CALLS + 1;
+    let deep = MAX_CALL_DEPTH + 1;
     let chain: String = (0..deep)
         .map(|k| format!("ROUTINE r{k}\n  CALL r{}\nEND\n", k + 1))
         .chain([format!("ROUTINE r{deep}\n  HOME\nEND\nCALL r0\n")])

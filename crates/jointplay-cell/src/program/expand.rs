@@ -253,7 +253,7 @@ impl<'r> ProgramExpander<'r> {
                     self.report_result(place, done);
                 }
             }
-            ResolvedCommand::Unresolved => self.occupancy.invalidate(),
+            ResolvedCommand::Invalid => self.occupancy.invalidate(),
             ResolvedCommand::Call { .. }
             | ResolvedCommand::Repeat { .. }
             | ResolvedCommand::If { .. } => unreachable!("executed by `block`"),
