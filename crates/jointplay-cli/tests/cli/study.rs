@@ -210,7 +210,7 @@ tilt_deg = { normal = [0, 60] }
     sandbox.write("none.toml", &text.replace("normal = [0, 60]", "normal = [0, 1e300]"));
     let wild = sandbox.run("study none.toml");
     assert_eq!(wild.code, 2);
-    let expected = "none.toml:8:28: `tilt_deg` is 1e300, but has to be from -89.999 to 89.999";
+    let expected = "none.toml:8:27: `tilt_deg` is 1e300, but has to be from -89.999 to 89.999";
     assert!(wild.stderr.contains(expected), "{}", wild.stderr);
     sandbox.write("none.toml", &text.replace("normal = [0, 60]", "uniform = [89.95, 89.99]"));
     let none = sandbox.run("study none.toml");
