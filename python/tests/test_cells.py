@@ -44,6 +44,19 @@ def test_samples_are_a_motion_of_all_axes():
     assert len(frame) == samples.time_s.size
 
 
+def test_a_table_has_the_chosen_columns_of_the_window():
+    window = PLAN.table(["time", "heading", "A_tilt"], rate_hz=50.0, from_s=1.0, to_s=2.0)
+    assert list(window) == ["time_s", "A_heading_deg", "B_heading_deg", "A_tilt_deg"]
+    whole = PLAN.table(["all"], rate_hz=50.0)
+    for name, values in window.items():
+        assert len(values) == 51
+        assert (values == whole[name][50:101]).all(), name
+    with pytest.raises(jp.InputError, match="did you mean `heading`"):
+        PLAN.table(["headings"])
+    with pytest.raises(jp.InputError, match="window"):
+        PLAN.table(from_s=2.0, to_s=1.0)
+
+
 def test_a_station_elsewhere_changes_the_plan_and_keeps_the_text():
     # Along the radius of LP1: the arm extends less.
     durations = []

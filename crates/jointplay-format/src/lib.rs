@@ -12,6 +12,7 @@
 //! | read a cell file | [`cell::read`] |
 //! | read, format or write a program of a cell | [`program::parse`], [`program::format`](fn@program::format), [`program::write`] |
 //! | read a study file | [`study::parse`] |
+//! | evaluate an expression of named numbers | [`expression::Formula`] |
 //! | read `FROM:TO:STEP` | [`steps::parse`] |
 //! | convert units without changing decimals | [`units`] |
 //! | state an error of the core in mm and degrees | [`explain::explain`] |
@@ -26,7 +27,7 @@ pub mod catalogue;
 pub mod cell;
 pub mod coordinates;
 pub mod explain;
-mod expression;
+pub mod expression;
 pub mod file_problem;
 pub mod mechanism;
 pub mod number;

@@ -364,7 +364,7 @@ fn invalid_shapes_are_rejected() {
     refuse("t.obj", b"", "it has no triangles");
     refuse("t.obj", b"v 0 0 0\nf 1 2 3\n", "no OBJ file, or a broken one");
     refuse("t.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "not finite");
-    refuse("t.step", b"", "it has no triangles: export it from the CAD program");
+    refuse("t.step", b"", "convert it to .glb, .stl or .obj");
     refuse("../t.stl", b"", "within the cell file's folder");
     let mut many = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n");
     many.push_str(&"f 1 2 3\n".repeat(MAX_TRIANGLES + 1));

@@ -42,7 +42,7 @@ fn a_tilt_measured_about_x_and_y_is_the_rotation_vector_in_the_base_plane() {
         let found = changed(LP2_TILT, &format!("tilt = {{ {keys} }}")).unwrap_err();
         assert!(found.contains(message), "{found}");
     };
-    refused("x_deg = 0.3, angle_deg = 0.6", "either `heading_deg` and `angle_deg`, or `x_deg`");
+    refused("x_deg = 0.3, angle_deg = 0.6", "either `azimuth_deg` and `angle_deg`, or `x_deg`");
     refused("x_deg = 89, y_deg = 89", "amount to a tilt by 125.865");
     refused("x_deg = 0.1, z_deg = 0.1", "unknown key `z_deg`");
     refused("x_deg = 1.2, y_deg = 1.0", "tilts 1.562° toward -50.2°");
@@ -233,7 +233,7 @@ fn unusable_meshes_are_refused_with_the_reason() {
     refused("t.stl", ", node = \"door\"", &file, "has nodes: remove `node`");
     let draco = r#", "extensionsRequired": ["KHR_draco_mesh_compression"]"#;
     refused("t.glb", "", &glb(["a", "b"], draco), "export it without compression");
-    refused("t.step", "", b"ISO-10303-21;", "it has no triangles: export it");
+    refused("t.step", "", b"ISO-10303-21;", "files that end in .step are not read");
     refused("t.gltf", "", b"{}", "save it as binary glTF");
     refused("t.ply", "", b"ply", "neither in .stl, .obj nor in .glb");
     refused("t.glb", "", b"{}", "it does not start with `glTF`");

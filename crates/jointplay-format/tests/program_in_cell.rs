@@ -372,6 +372,22 @@ fn an_unknown_station_has_a_suggestion() {
 }
 
 #[test]
+fn slot_numbers_without_a_value_and_later_parameters_are_reported_as_such() {
+    let divided = refused(&cell(), "REPEAT 2 AS n\n  GET port-1 SLOT 1 / (n - 1) WITH A\nEND\n");
+    assert!(divided.contains("the slot number for station port-1 is infinite"), "{divided}");
+    assert!(divided.contains("divides by zero"), "{divided}");
+    let undefined = refused(&cell(), "GET port-1 SLOT sqrt(-1) WITH A\n");
+    assert!(undefined.contains("is not a number"), "{undefined}");
+    let later =
+        "PARAMETER first = 2 * second\nPARAMETER second = 1\nGET port-1 SLOT first WITH A\n";
+    let later = refused(&cell(), later);
+    assert!(later.contains("1:23: the parameter `second` is declared later, in line 2"), "{later}");
+    // A parameter of itself is not declared later.
+    let itself = refused(&cell(), "PARAMETER own = own\nHOME\n");
+    assert!(itself.contains("`own` is not known"), "{itself}");
+}
+
+#[test]
 fn unreachable_targets_name_the_reason() {
     let mut far = cell();
     far.stations[0].base_from_station.translation.x = 0.9;

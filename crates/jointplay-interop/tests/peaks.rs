@@ -4,7 +4,7 @@
 use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_format::{cell, program};
-use jointplay_interop::export::{MotionExport, samples, samples_with_peaks};
+use jointplay_interop::export::{MotionExport, SampleOptions, samples, samples_with};
 use jointplay_report::table::{Column, Values};
 
 const PROGRAM: &str = "HOME\nBLEND 5 mm\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\nMOVE T 0.5 deg\n";
@@ -30,7 +30,11 @@ fn lines_between_samples_with_peaks_are_the_motion() {
     let motion_export =
         MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
     let even = samples(&motion_export, 25.0).unwrap();
-    let found = samples_with_peaks(&motion_export, 25.0).unwrap();
+    let found = samples_with(
+        &motion_export,
+        &SampleOptions { peaks: true, ..SampleOptions::at_rate(25.0) },
+    )
+    .unwrap();
     let fine = samples(&motion_export, 5000.0).unwrap();
     let (times, fine_times) = (values(&found, "time_s"), values(&fine, "time_s"));
     assert!(times.windows(2).all(|pair| pair[1] - pair[0] > 1e-9));

@@ -7,11 +7,12 @@ use jointplay::cell::robot::AxisKind;
 use jointplay::cell::trajectory::Trajectory;
 use jointplay::cell::workcell::Cell;
 use jointplay::interop::export::dialect::{DIALECTS, Dialect, MAX_BYTES};
-use jointplay::interop::export::{self, MotionExport, ViolationNote};
+use jointplay::interop::export::{self, MotionExport, SampleOptions, ViolationNote};
 use jointplay::report;
+use jointplay::report::table::{Column, Values};
 use numpy::{IntoPyArray as _, PyArray1, PyArrayMethods as _};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyString};
+use pyo3::types::{PyBytes, PyDict, PyString};
 
 use crate::skin::{self, fields};
 use crate::{errors, files};
@@ -60,7 +61,7 @@ impl PyCellPlan {
         let message = format!(
             "the program has {count} violations and is not safe to run; use despite_errors=True to export it anyway"
         );
-        Err(errors::new(py, "NoAnswerError", &message, Ok(pyo3::types::PyDict::new(py))))
+        Err(errors::new(py, "NoAnswerError", &message, Ok(PyDict::new(py))))
     }
 }
 
@@ -135,12 +136,7 @@ impl PyCellPlan {
             let message = format!("rate_hz is {rate_hz}, but has to be from 0.1 to 100000 Hz");
             return Err(errors::input(py, &message));
         }
-        if found > MAX_SAMPLES {
-            let message = format!(
-                "{found:.1e} numbers are more than {MAX_SAMPLES:.0e}: lower rate_hz, or divide the program"
-            );
-            return Err(errors::input(py, &message));
-        }
+        check_size(py, found)?;
         let (mut times, mut steps) = (Vec::new(), Vec::new());
         let mut states: [Vec<f64>; 3] = Default::default();
         py.detach(|| {
@@ -171,6 +167,50 @@ impl PyCellPlan {
             axis_units = pyo3::types::PyTuple::new(py, axis_units(&self.cell))?,
         );
         skin::result(py, "Samples", &fields)
+    }
+
+    /// Chosen columns of the trajectory, as in the table of `jointplay cell export`, with the units that their names carry.
+    ///
+    /// Parameters
+    /// ----------
+    /// columns : list of str, optional
+    ///     Names of columns or groups, such as `time`, `x`, `heading`, `tilt`, `speed`, `all`; an unknown name lists all of them.
+    /// rate_hz : float
+    ///     Number of samples a second.
+    /// from_s, to_s : float, optional
+    ///     First and last time; the whole trajectory by default.
+    ///
+    /// Returns
+    /// -------
+    /// dict of str to numpy.ndarray
+    ///     The columns in the order of the names, such as for `pandas.DataFrame`.
+    #[pyo3(signature = (columns=None, *, rate_hz=100.0, from_s=None, to_s=None))]
+    fn table<'py>(
+        &self,
+        py: Python<'py>,
+        columns: Option<Vec<String>>,
+        rate_hz: f64,
+        from_s: Option<f64>,
+        to_s: Option<f64>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let input = |error: export::Error| errors::input(py, &error.to_string());
+        let columns = columns.map(|names| export::select_columns(&self.cell, &names));
+        let columns = columns.transpose().map_err(input)?;
+        let duration = self.motion.duration();
+        let window = [from_s.unwrap_or(0.0), to_s.unwrap_or(duration)];
+        let width = export::sample_columns(&self.cell).len();
+        let width = columns.as_ref().map_or(width, Vec::len);
+        check_size(py, (window[1].min(duration) - window[0]) * rate_hz * width as f64)?;
+        let options = SampleOptions { rate: rate_hz, peaks: false, window: Some(window), columns };
+        let table = py.detach(|| export::samples_with(&self.motion_export(), &options));
+        let arrays = PyDict::new(py);
+        for Column { name, values } in table.map_err(input)? {
+            match values {
+                Values::Real(values) => arrays.set_item(name, values.into_pyarray(py))?,
+                Values::Count(values) => arrays.set_item(name, values.into_pyarray(py))?,
+            }
+        }
+        Ok(arrays)
     }
 
     /// The animated 3D scene of the cell as a binary glTF file.
@@ -233,6 +273,17 @@ impl PyCellPlan {
         let violations = self.report.violations.len();
         format!("<CellPlan of {:.3} s with {violations} violations>", self.motion.duration())
     }
+}
+
+/// Refuses tables with too many numbers.
+fn check_size(py: Python<'_>, found: f64) -> PyResult<()> {
+    if found > MAX_SAMPLES {
+        let message = format!(
+            "{found:.1e} numbers are more than {MAX_SAMPLES:.0e}: lower rate_hz, or divide the program"
+        );
+        return Err(errors::input(py, &message));
+    }
+    Ok(())
 }
 
 /// Unit of each axis.

@@ -197,7 +197,10 @@ impl<'r> ProgramExpander<'r> {
         if let Some(slot) = slot_number(found).filter(|number| (1..=slots).contains(number)) {
             return Some(SlotId { station, slot });
         }
-        let problem = ProgramProblem::NoSlot { station: name.clone(), found, slots };
+        let problem = match found.is_finite() {
+            true => ProgramProblem::NoSlot { station: name.clone(), found, slots },
+            false => ProgramProblem::SlotNotFinite { station: name.clone(), found, slots },
+        };
         self.report(number.place, problem);
         None
     }

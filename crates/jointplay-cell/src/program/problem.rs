@@ -73,6 +73,16 @@ pub enum ProgramProblem {
         /// All known names.
         known: Vec<String>,
     },
+    /// A parameter that is declared after its use.
+    #[error(
+        "the parameter `{name}` is declared later, in line {line}; move its declaration before this line"
+    )]
+    DeclaredLater {
+        /// The name.
+        name: String,
+        /// Line of the declaration.
+        line: usize,
+    },
     /// A name that is defined twice.
     #[error("{what} `{name}` is already defined in line {line}")]
     Duplicate {
@@ -146,6 +156,16 @@ pub enum ProgramProblem {
         /// Name of the station.
         station: String,
         /// The slot number found.
+        found: f64,
+        /// Number of slots; they are counted from 1.
+        slots: usize,
+    },
+    /// A slot number whose expression has no finite value.
+    #[error("the slot number for station {station} is {}: its expression divides by zero, overflows or is not defined; it has to be a whole number, and the station has {}", value(*.found, None), slots_of(*.slots))]
+    SlotNotFinite {
+        /// Name of the station.
+        station: String,
+        /// The value found.
         found: f64,
         /// Number of slots; they are counted from 1.
         slots: usize,

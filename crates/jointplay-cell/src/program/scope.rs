@@ -113,6 +113,11 @@ impl<'p> Resolver<'p> {
             Some((value, _)) => value.map(Variable::Constant),
             None if name.text == "pi" => Some(Variable::Constant(std::f64::consts::PI)),
             None => {
+                if let Some(line) = self.later_declaration(name) {
+                    let problem = ProgramProblem::DeclaredLater { name: name.text.clone(), line };
+                    self.error(name.place, problem);
+                    return None;
+                }
                 let arguments = scope.routine.map_or(&[][..], |(_, parameters)| parameters);
                 let inner = scope.counters.iter().flatten().copied().chain(arguments);
                 let inner = inner.map(|it| it.text.clone());
@@ -122,6 +127,13 @@ impl<'p> Resolver<'p> {
                 None
             }
         }
+    }
+
+    /// Line of the declaration of a parameter after its use.
+    fn later_declaration(&self, name: &Name) -> Option<usize> {
+        let parameters = self.program.parameters.iter();
+        let mut lines = parameters.filter(|one| one.name.text == name.text);
+        lines.next().map(|one| one.name.place.line).filter(|&line| line > name.place.line)
     }
 
     /// A station, or the argument that is one.

@@ -670,6 +670,84 @@ fn files_that_are_not_there_are_named() {
 }
 
 #[test]
+fn a_window_has_the_rows_of_the_whole_table_in_chosen_columns() {
+    let sandbox = sandbox(&[]);
+    let records = |name: &str| -> Vec<Vec<String>> {
+        let text = sandbox.read(&format!("{name}/example.csv"));
+        text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    sandbox.done("cell export example.toml --to csv --columns all --rate 200 --out whole");
+    let written = sandbox.json("cell export example.toml --columns A_tilt,time,heading,A_tilt --from-s 3.1 --to-s 4 --rate 200 --out part");
+    let names = ["A_tilt_deg", "time_s", "A_heading_deg", "B_heading_deg"];
+    assert_eq!(
+        (&written["columns"], &written["window_s"]),
+        (&names.into(), &vec![3.1, 4.0].into())
+    );
+    // Chosen columns are those of a table alone.
+    assert_eq!(sandbox.names("part"), ["example.csv"]);
+    let (whole, part) = (records("whole"), records("part"));
+    assert_eq!((part.len(), &part[0][..]), (182, &names.map(str::to_owned)[..]));
+    let columns = names.map(|name| whole[0].iter().position(|one| one == name).unwrap());
+    let first = whole.iter().position(|row| row[0] == part[1][1]).unwrap();
+    for (k, row) in part[1..].iter().enumerate() {
+        assert_eq!(row[..], columns.map(|column| whole[first + k][column].clone()));
+    }
+    let listed = sandbox.done("cell export example.toml --columns list");
+    assert!(whole[0].iter().all(|name| listed.contains(name)));
+}
+
+#[test]
+fn windows_and_columns_that_do_not_exist_are_refused_with_what_is_allowed() {
+    let sandbox = sandbox(&[]);
+    for (options, message) in [
+        ("--columns time,tild", "column or group `tild` is not known (did you mean `tilt`?)"),
+        ("--columns time,tild", "A_heading_deg, A_tilt_deg"),
+        ("--from-s 1000", "is not within the motion, which takes"),
+        ("--from-s 3 --to-s 2", "ends after it starts"),
+        ("--from-s -1", "starts at 0 s or later"),
+        ("--from-s 1.001 --to-s 1.002", "no sample at 100 Hz is between 1.001 s and 1.002 s"),
+        ("--to-s 1 --to gltf", "--to gltf always has the whole motion"),
+        ("--columns time --to gltf", "--to names no table"),
+    ] {
+        let run = sandbox.run(&format!("cell export example.toml {options}"));
+        assert_ne!(run.code, 0, "{options}");
+        assert!(run.stderr.contains(message), "{options}: {}", run.stderr);
+        assert!(!sandbox.file("cell-export").exists(), "{options}");
+    }
+}
+
+#[test]
+fn the_how_to_shows_the_controller_text_of_its_dialect() {
+    let page = include_str!("../../../../docs/how-to/export-a-motion.md");
+    let block = |before: &str| {
+        let after = page.split_once(before).unwrap().1;
+        let block = after.split_once("```").unwrap().1.split_once("```").unwrap().0;
+        block.split_once('\n').unwrap().1
+    };
+    let sandbox = Sandbox::new();
+    let dialect = block("Save this as `robot-controller.toml`");
+    sandbox.write("mine.toml", dialect);
+    sandbox.write("cell.program", block("Save this as `cell.program`"));
+    let command = "cell export example cell.program --to text --out c --dialect";
+    sandbox.done(&format!("{command} mine.toml"));
+    assert_eq!(sandbox.read("c/example-robot-controller.cmd"), block("The controller text:"));
+    // What the cell does not have is reported with its place in the dialect.
+    for (from, to, message) in [
+        ("LP1 = \"P1\"\n", "", "mine.toml:21:1: `[station_codes]` has no code for \"LP1\""),
+        (
+            "GET {station_code}",
+            "GET {1 / (slot - 3)}",
+            "mine.toml:18:16: `1 / (slot - 3)` is infinite for slot = 3",
+        ),
+    ] {
+        sandbox.write("mine.toml", &dialect.replace(from, to));
+        let run = sandbox.run(&format!("{command} mine.toml --force"));
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(run.stderr.contains(message), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn every_file_lasts_as_long_as_the_motion() {
     let sandbox = sandbox(&[]);
     let written = sandbox.json("cell export example.toml --rate 50");
@@ -693,7 +771,7 @@ fn every_file_lasts_as_long_as_the_motion() {
     sandbox.write("own.toml", "name = \"own\"\nabout = \"mine\"\nextension = \"x\"\nlength = \"m\"\nangle = \"rad\"\ndecimals = 3\ntime_decimals = 3\naxis = \"{valeu}\"\nbetween = \",\"\ncomment = \"{text}\"\npoint = []\n");
     let refused = sandbox.run("cell export example.toml --to text --dialect own.toml --out own");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("own.toml:8:8: "), "{}", refused.stderr);
+    assert!(refused.stderr.contains("own.toml:8:10: "), "{}", refused.stderr);
     assert!(refused.stderr.contains("did you mean `value`"), "{}", refused.stderr);
 }
 

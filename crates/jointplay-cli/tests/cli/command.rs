@@ -143,6 +143,19 @@ fn every_command_prints_json() {
     let entries = list["entries"].as_array().unwrap();
     let bennett = entries.iter().find(|entry| entry["name"] == "bennett").unwrap();
     assert_eq!((&bennett["finite_mobility"], &bennett["kind"]), (&1.into(), &"mechanism".into()));
+    let parts = list["parts"].as_array().unwrap();
+    assert_eq!(sandbox.json("catalogue parts")["parts"], list["parts"]);
+    for part in parts {
+        let name = part["name"].as_str().unwrap();
+        let shown = sandbox.json(&format!("catalogue show {name}"));
+        assert_eq!(shown["parameters"], part["parameters"]);
+        let parameter = part["parameters"][0]["name"].as_str().unwrap();
+        assert!(sandbox.done(&format!("catalogue parts {name}")).contains(parameter), "{name}");
+        assert!(shown["text"].as_str().unwrap().contains("kind = \"part\""), "{name}");
+        // A name means one file.
+        assert!(entries.iter().all(|entry| entry["name"] != name), "{name}");
+    }
+    assert!(parts.len() > 9);
     let text = sandbox.done("catalogue show bennett");
     assert_eq!(sandbox.json("catalogue show bennett")["text"], text);
     assert_eq!(sandbox.json("catalogue copy bennett")["file"], "./bennett.toml");

@@ -70,7 +70,8 @@ fn a_picture_shows_what_is_asked_for() {
 fn every_mechanism_of_the_catalogue_can_be_drawn() {
     let sandbox = Sandbox::new();
     let list = sandbox.done("catalogue");
-    let names = list.lines().skip(1).filter_map(|line| line.split_whitespace().next());
+    let robots = list.lines().skip(1).take_while(|line| !line.is_empty());
+    let names = robots.filter_map(|line| line.split_whitespace().next());
     let (mechanisms, robots): (Vec<&str>, Vec<&str>) = names.partition(|name| {
         sandbox.done(&format!("catalogue show {name}")).contains("kind = \"mechanism\"")
     });

@@ -85,10 +85,11 @@ fn run(sandbox: &Sandbox, line: &str, page: &str) -> Option<String> {
     Some(run.stdout + &run.stderr)
 }
 
-/// A command as it is run here: exports, figures and searches of the example's lot of 25 wafers take a program of one, all else is the same.
+/// A command as it is run here: exports, figures and searches of the example's lot of 25 wafers take a program of one unless they name a program, all else is the same.
 pub(crate) fn quick(line: &str) -> String {
     let long = ["cell run", "cell export", "cell optimise"];
-    if !long.iter().any(|command| line.starts_with(command)) {
+    let names_a_program = line.split(' ').any(|word| word.ends_with(".program"));
+    if names_a_program || !long.iter().any(|command| line.starts_with(command)) {
         return line.to_owned();
     }
     let names_a_cell = line.split(' ').any(|word| word.ends_with(".toml"));

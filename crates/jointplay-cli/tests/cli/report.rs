@@ -65,6 +65,28 @@ fn the_figures_of_a_report_are_those_of_the_check() {
 }
 
 #[test]
+fn the_earlier_program_can_have_its_own_values_of_parameters() {
+    let sandbox = sandbox();
+    let text = "PARAMETER lot = 1 FROM 1 TO 3\nREPEAT lot AS n\n  TRANSFER LP1 SLOT n TO LP2 SLOT n WITH A\nEND\n";
+    sandbox.write("lot.program", text);
+    let durations = |options: &str| {
+        let options = format!("cell report cell.toml lot.program --force {options}");
+        let report = sandbox.json(&options);
+        ["key_figures", "before"].map(|of| {
+            let figures = report[of].as_array().unwrap();
+            figures.iter().find(|one| one["name"] == "duration").unwrap()["value"].as_f64().unwrap()
+        })
+    };
+    let [after, before] = durations("--set lot=2 --before lot.program --before-set lot=1");
+    assert!(after > 1.5 * before, "{after} {before}");
+    // Without values of its own, the earlier program has those of the other.
+    assert_eq!(durations("--set lot=2 --before lot.program"), [after, after]);
+    let refused = sandbox.run("cell report cell.toml lot.program --before-set lot=1");
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("--before <PROGRAM>"), "{}", refused.stderr);
+}
+
+#[test]
 fn a_report_on_violations_lists_them_and_exits_with_1() {
     let sandbox = sandbox();
     let cell = sandbox.read("cell.toml");

@@ -353,7 +353,7 @@ fn apply(station: &mut Station<'_>, change: &Change) {
         Change::Tilt(tilt) => {
             station.remove_carrier_axis();
             station.drop_keys(&["taught"]);
-            let values = [("heading_deg", deg(tilt.azimuth)), ("angle_deg", deg(tilt.angle))];
+            let values = [("azimuth_deg", deg(tilt.azimuth)), ("angle_deg", deg(tilt.angle))];
             station.set("tilt", inline(values.map(|(key, value)| (key, number(value)))));
         }
         Change::Taught { points, threshold, noise } => {

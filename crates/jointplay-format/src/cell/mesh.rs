@@ -50,6 +50,14 @@ pub(super) fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
         None => None,
     };
     let (is_mm, convex) = (unit? && !is_glb, convex?);
+    if let Some(ending) = ending.as_deref().filter(|ending| CAD_ENDINGS.contains(ending)) {
+        // Also where the file does not exist: another file is needed.
+        let why = format!(
+            "files that end in .{ending} are not read, because they have no triangles: convert it to .glb, .stl or .obj, with FreeCAD (File > Export) or the CAD program, and name that file"
+        );
+        file.report(reader, Fault::File { name: name.to_owned(), why });
+        return None;
+    }
     let mesh = read_named_file(name, files)
         .and_then(|bytes| parse(ending.as_deref().unwrap_or_default(), node, &bytes));
     let mesh =
@@ -80,12 +88,6 @@ fn parse(ending: &str, node: Option<&str>, bytes: &[u8]) -> Result<Mesh, String>
         "obj" => obj(bytes)?,
         "glb" => glb::surface(bytes, node)?,
         "gltf" => return Err("save it as binary glTF, which ends in .glb".to_owned()),
-        ending if CAD_ENDINGS.contains(&ending) => {
-            return Err(
-                "it has no triangles: export it from the CAD program, or convert it with FreeCAD, as .stl, .obj or .glb"
-                    .to_owned(),
-            );
-        }
         _ => return Err("its name ends neither in .stl, .obj nor in .glb".to_owned()),
     };
     if mesh.triangles.is_empty() {

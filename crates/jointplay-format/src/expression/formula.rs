@@ -1,6 +1,7 @@
 //! Expressions in the text of a value: `"a * cos(alpha) / 2"`.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 use jointplay_core::expression::Expression;
 
@@ -18,30 +19,71 @@ pub(crate) struct Scope {
 }
 
 /// An expression in the text of a value.
+///
+/// # Example
+/// ```
+/// use jointplay_format::expression::{AngleUnit, Formula};
+///
+/// let height = Formula::parse("10 * (slot - 1)", AngleUnit::Degree)?;
+/// assert_eq!(height.evaluate_with(&|name| (name == "slot").then_some(3.0))?, 20.0);
+/// # Ok::<(), jointplay_format::expression::ExpressionError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Formula {
+pub struct Formula {
     expression: Expression<VariableName>,
     /// Length of the text (bytes).
     length: usize,
 }
 
+/// A name in an expression.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable<'f> {
+    /// The name.
+    pub name: &'f str,
+    /// Its bytes in the text of the expression.
+    pub span: Range<usize>,
+}
+
 impl Formula {
     /// Parses a text, with the unit of the angles of its functions.
-    pub(crate) fn parse(text: &str, angle: AngleUnit) -> Result<Self, ExpressionError> {
+    ///
+    /// # Errors
+    /// [`ExpressionError`]
+    pub fn parse(text: &str, angle: AngleUnit) -> Result<Self, ExpressionError> {
         let end = (text.trim_end().chars().count() + 1, text.trim_end().len());
         let expression = Parser::new(&tokens(text), end, angle).whole()?;
         Ok(Self { expression, length: text.len() })
     }
 
     /// The names in it, also `pi`, without functions.
-    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
-        self.expression.variables().map(|variable| variable.text.as_str())
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.variables().map(|variable| variable.name)
+    }
+
+    /// The names in it with their places, also `pi`, without functions.
+    pub fn variables(&self) -> impl Iterator<Item = Variable<'_>> {
+        let variables = self.expression.variables();
+        variables.map(|one| Variable { name: &one.text, span: one.span.clone() })
     }
 
     /// Its value: a finite number. [`ExpressionError::among`] adds the known names to an error.
     pub(crate) fn evaluate(&self, scope: &Scope) -> Result<f64, ExpressionError> {
-        let value_of = |variable: &VariableName| match scope.values.get(&variable.text) {
-            Some(value) => Ok(*value),
+        self.evaluate_with(&|name| scope.values.get(name).copied())
+    }
+
+    /// Its value: a finite number.
+    ///
+    /// # Arguments
+    /// * `value_of` – value of a name; `pi` is known without it
+    ///
+    /// # Errors
+    /// [`ExpressionProblem::UnknownName`] and [`ExpressionProblem::NotFinite`]
+    pub fn evaluate_with(
+        &self,
+        value_of: &dyn Fn(&str) -> Option<f64>,
+    ) -> Result<f64, ExpressionError> {
+        let value_of = |variable: &VariableName| match value_of(&variable.text) {
+            Some(value) => Ok(value),
             None if variable.text == "pi" => Ok(std::f64::consts::PI),
             None => {
                 let name = variable.text.clone();
@@ -63,7 +105,6 @@ impl Formula {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::ops::Range;
 
     use proptest::prelude::*;
 

@@ -16,10 +16,10 @@ mod problem;
 mod token;
 mod write;
 
-pub(crate) use formula::{Formula, Scope};
+pub(crate) use formula::Scope;
+pub use formula::{Formula, Variable};
 pub use functions::AngleUnit;
 pub(crate) use parser::{Parsed, Parser, VariableName};
-pub(crate) use problem::ExpressionError;
-pub use problem::ExpressionProblem;
+pub use problem::{ExpressionError, ExpressionProblem};
 pub(crate) use token::{Token, TokenKind, is_free_name, number_length};
 pub(crate) use write::{Rank, text};

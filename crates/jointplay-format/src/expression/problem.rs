@@ -13,11 +13,11 @@ pub(super) const MAX_DEPTH: usize = 100;
 /// An error of an expression with the bytes that it is about.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{problem}")]
-pub(crate) struct ExpressionError {
+pub struct ExpressionError {
     /// Bytes of the expression that the error is about.
-    pub(crate) span: Range<usize>,
+    pub span: Range<usize>,
     /// The error.
-    pub(crate) problem: ExpressionProblem,
+    pub problem: ExpressionProblem,
 }
 
 /// Errors of an expression.

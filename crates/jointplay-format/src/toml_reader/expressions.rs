@@ -35,7 +35,7 @@ impl Entry<'_, '_> {
         angle: AngleUnit,
     ) -> Option<Formula> {
         let report = |error: ExpressionError| {
-            let span = self.expression_span(reader, source, &error);
+            let span = self.part_span(reader, source, error.span.clone());
             reader.report(span, FileProblem::from(error.problem));
         };
         Formula::parse(source, angle).map_err(report).ok()
@@ -51,7 +51,7 @@ impl Entry<'_, '_> {
     ) -> Option<f64> {
         let report = |error: ExpressionError| {
             if !error.is_about(&scope.parameters) {
-                let span = self.expression_span(reader, source, &error);
+                let span = self.part_span(reader, source, error.span.clone());
                 let names = scope.parameters.iter().map(String::as_str);
                 reader.report_with(span, || FileProblem::from(error.among(names).problem).into());
             }
@@ -59,18 +59,17 @@ impl Entry<'_, '_> {
         formula.evaluate(scope).map_err(report).ok()
     }
 
-    /// The bytes of the document that an error of an expression is about.
-    fn expression_span<P: From<FileProblem> + PartialEq>(
+    /// The bytes of the document of a part of a text, which is a range of its bytes; the whole text, where it is written with escapes.
+    pub fn part_span<P: From<FileProblem> + PartialEq>(
         &self,
         reader: &Reader<'_, P>,
-        source: &str,
-        error: &ExpressionError,
+        text: &str,
+        part: Range<usize>,
     ) -> Range<usize> {
         let span = self.span();
         let quoted = reader.slice(span.clone());
-        // Where the string is written without escapes, the invalid part of it can be shown.
-        let is_plain = quoted.get(1..quoted.len().max(2) - 1) == Some(source);
+        let is_plain = quoted.get(1..quoted.len().max(2) - 1) == Some(text);
         let start = span.start + 1;
-        if is_plain { start + error.span.start..start + error.span.end } else { span }
+        if is_plain { start + part.start..start + part.end } else { span }
     }
 }

@@ -1,6 +1,10 @@
 //! Errors of exports.
 
 use jointplay_cell::CellError;
+use jointplay_format::number::number;
+use jointplay_format::place::{Errors, suggestion};
+
+use super::dialect::Problem;
 
 /// Error of an export of a motion.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -22,6 +26,47 @@ pub enum Error {
         /// Number allowed.
         allowed: f64,
     },
+    /// A window of time outside of the motion.
+    #[error(
+        "the window from {} s to {} s is not within the motion, which takes {duration:.3} s: a window starts at 0 s or later, before the motion ends, and ends after it starts",
+        number(*from), number(*to)
+    )]
+    Window {
+        /// Start of the window (s).
+        from: f64,
+        /// End of the window (s).
+        to: f64,
+        /// Duration of the motion (s).
+        duration: f64,
+    },
+    /// A window between two samples.
+    #[error(
+        "no sample at {} Hz is between {} s and {} s; use a higher rate or a longer window",
+        number(*rate), number(*from), number(*to)
+    )]
+    NoSamples {
+        /// The rate (Hz).
+        rate: f64,
+        /// Start of the window (s).
+        from: f64,
+        /// End of the window (s).
+        to: f64,
+    },
+    /// An unknown column of the table of samples.
+    #[error(
+        "column or group `{found}` is not known{}\ngroups: {groups}; the name of an axis, of an effector, and of a column without its unit\ncolumns: {columns}",
+        suggestion(nearest)
+    )]
+    UnknownColumn {
+        /// The name found.
+        found: String,
+        /// The most similar known name.
+        nearest: Option<String>,
+        /// All groups.
+        groups: String,
+        /// All columns.
+        columns: String,
+    },
     /// The pose of the robot is unknown at a sample.
     #[error("the pose of the robot at {time:.3} s cannot be computed: {source}")]
     Placing {
@@ -30,6 +75,9 @@ pub enum Error {
         /// Reason.
         source: Box<CellError>,
     },
+    /// A motion that a dialect cannot express: an expression without a value, or a station without a code.
+    #[error(transparent)]
+    Dialect(Errors<Problem>),
     /// A file that is too large for its format.
     #[error("the file would have {bytes} bytes, more than glTF allows; use a lower rate")]
     TooLarge {

@@ -2,7 +2,7 @@
 //!
 //! | to… | use | units |
 //! | --- | --- | --- |
-//! | a spreadsheet or a data frame | [`samples`](fn@samples), then [`jointplay_report::table::csv`] or [`jointplay_report::table::parquet`] | mm, degrees, in the names of the columns |
+//! | a spreadsheet or a data frame | [`samples`](fn@samples) or [`samples_with`] chosen columns, then [`jointplay_report::table::csv`] or [`jointplay_report::table::parquet`] | mm, degrees, in the names of the columns |
 //! | a viewer that shows a part of a long motion | [`Timeline`]: independent windows of steps | m, rad |
 //! | a 3D viewer | [`gltf`](fn@gltf): one binary file with an animation | m, y up |
 //! | Foxglove, PlotJuggler or ROS 2 | `mcap::write`: JointState, JointTrajectory and transforms | m, rad |
@@ -19,6 +19,7 @@ mod gltf;
 #[cfg(feature = "mcap")]
 pub mod mcap;
 mod motion_export;
+mod sample_columns;
 mod samples;
 mod scene;
 mod segment;
@@ -30,7 +31,10 @@ mod wafer_frames;
 pub use error::Error;
 pub use gltf::gltf;
 pub use motion_export::{MOST_SAMPLES, MotionExport};
-pub use samples::{samples, samples_in_parts, samples_with_peaks, samples_within, tracks};
+pub use sample_columns::{
+    COLUMN_GROUPS, DEFAULT_COLUMNS, SampleColumn, sample_columns, select_columns,
+};
+pub use samples::{SampleOptions, samples, samples_in_parts, samples_with, tracks};
 pub use scene::{Frame, frames};
 pub use solidworks::{MACRO, loader, motor, motors, solidworks, solidworks_names};
 pub use timeline::{Envelope, HeldAt, Timeline, Window, wafers_at_start};

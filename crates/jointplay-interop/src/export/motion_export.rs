@@ -43,9 +43,14 @@ impl MotionExport<'_> {
         &self.cell.robot.arms[id.arm].effectors[id.effector].name
     }
 
-    /// Checks that the sampling rate is positive and the number of samples allowed.
+    /// Checks that the sampling rate is positive and the number of samples of the motion allowed.
     pub(crate) fn check_rate(&self, rate: f64) -> Result<(), Error> {
-        let samples = self.motion.duration() * rate;
+        self.check_samples(rate, self.motion.duration())
+    }
+
+    /// Checks that the sampling rate is positive and the number of samples of a duration (s) allowed.
+    pub(crate) fn check_samples(&self, rate: f64, duration: f64) -> Result<(), Error> {
+        let samples = duration * rate;
         if !(rate.is_finite() && rate > 0.0) {
             return Err(Error::Rate { rate });
         }

@@ -1,157 +1,252 @@
 //! A motion as a table: one row per sample.
 
-use jointplay_cell::robot::{AxisKind, ChainPose, EffectorId};
+use jointplay_cell::robot::{AxesMotion, AxisKind, ChainPose, EffectorId, FrameMotion};
 use jointplay_cell::trajectory::Sample;
+use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 
 use super::error::Error;
 use super::motion_export::MotionExport;
+use super::sample_columns::{
+    DEFAULT_COLUMNS, Derivative, FrameQuantity, Quantity, SampleColumn, sample_columns,
+};
 use jointplay_format::units::{deg, mm};
 use jointplay_report::table::{Column, Values};
 
-/// All columns: time, line of the program, step; position, velocity and acceleration of each axis; the wafer centre of each effector; the number of violations, if there are any.
+/// Rows and columns of a table of samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampleOptions {
+    /// Number of rows per second; the last row of a motion is its end (Hz).
+    pub rate: f64,
+    /// Additional rows, so that lines from row to row represent the motion: at the ends of steps, at peaks of velocities and where accelerations have a corner.
+    pub peaks: bool,
+    /// First and last time; rows outside are omitted (s).
+    pub window: Option<[f64; 2]>,
+    /// Columns in their order; `None` for the default ones. The number of violations follows if there are any.
+    pub columns: Option<Vec<SampleColumn>>,
+}
+
+impl SampleOptions {
+    /// The default columns at a sampling rate (Hz).
+    #[must_use]
+    pub fn at_rate(rate: f64) -> Self {
+        Self { rate, peaks: false, window: None, columns: None }
+    }
+}
+
+/// The table of a motion with the default columns: time, line of the program, step; position, velocity and acceleration of each axis; the wafer centre of each effector; the number of violations, if there are any.
 ///
 /// # Arguments
 /// * `rate` – number of rows per second; the last row is the end of the motion (Hz)
 ///
 /// # Errors
-/// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Placing`]
+/// As [`samples_with`].
 pub fn samples(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<Column>, Error> {
-    motion_export.check_rate(rate)?;
-    table(motion_export, motion_export.motion.samples(rate))
+    samples_with(motion_export, &SampleOptions::at_rate(rate))
+}
+
+/// The table of a motion with chosen rows and columns.
+///
+/// # Errors
+/// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Window`], [`Error::Placing`]
+pub fn samples_with(
+    motion_export: &MotionExport<'_>,
+    options: &SampleOptions,
+) -> Result<Vec<Column>, Error> {
+    let table = Table::new(motion_export, options);
+    table.rows(times(motion_export, options)?)
 }
 
 /// Number of rows that are kept in memory.
 const PART: usize = 1 << 16;
 
-/// The table of [`samples`] in parts of limited size.
+/// The table of [`samples_with`] in parts of limited size; at least one row.
 ///
 /// # Arguments
-/// * `rate` – number of rows per second; the last row is the end of the motion (Hz)
 /// * `take` – receives the next rows, as columns that are the same in all parts
 ///
 /// # Errors
-/// As [`samples`], and those of `take`.
+/// As [`samples_with`], [`Error::NoSamples`], and those of `take`.
 pub fn samples_in_parts<E: From<Error>>(
     motion_export: &MotionExport<'_>,
-    rate: f64,
+    options: &SampleOptions,
     mut take: impl FnMut(&[Column]) -> Result<(), E>,
 ) -> Result<(), E> {
-    motion_export.check_rate(rate)?;
-    let mut samples = motion_export.motion.samples(rate).peekable();
-    while samples.peek().is_some() {
-        take(&table(motion_export, samples.by_ref().take(PART))?)?;
+    let table = Table::new(motion_export, options);
+    let mut times = times(motion_export, options)?.peekable();
+    if let (None, Some([from, to])) = (times.peek(), options.window) {
+        return Err(Error::NoSamples { rate: options.rate, from, to }.into());
+    }
+    while times.peek().is_some() {
+        take(&table.rows(times.by_ref().take(PART))?)?;
     }
     Ok(())
 }
 
-/// The table of [`samples`] with additional rows, so that lines from row to row represent the motion: at the ends of steps, at peaks of velocities and where accelerations have a corner.
-///
-/// # Arguments
-/// * `rate` – least number of rows per second (Hz)
-///
-/// # Errors
-/// As [`samples`].
-pub fn samples_with_peaks(
+/// Times of the rows of a table.
+fn times(
     motion_export: &MotionExport<'_>,
-    rate: f64,
-) -> Result<Vec<Column>, Error> {
-    motion_export.check_rate(rate)?;
-    let times = plot_times(motion_export, rate, [0.0, motion_export.motion.duration()]);
-    table(motion_export, times.into_iter().map(|time| motion_export.motion.sample_at(time)))
-}
-
-/// [`samples`], or [`samples_with_peaks`], of an interval of time.
-///
-/// # Arguments
-/// * `rate` – least number of rows per second (Hz)
-/// * `peaks` – whether to add rows at peaks
-/// * `from`, `to` – first and last time; rows outside are omitted (s)
-///
-/// # Errors
-/// As [`samples`].
-pub fn samples_within(
-    motion_export: &MotionExport<'_>,
-    rate: f64,
-    peaks: bool,
-    [from, to]: [f64; 2],
-) -> Result<Vec<Column>, Error> {
-    motion_export.check_rate(rate)?;
-    let motion = motion_export.motion;
-    if peaks {
-        let times = plot_times(motion_export, rate, [from, to]);
-        return table(motion_export, times.into_iter().map(|time| motion.sample_at(time)));
+    options: &SampleOptions,
+) -> Result<Box<dyn Iterator<Item = f64>>, Error> {
+    let (motion, rate) = (motion_export.motion, options.rate);
+    let duration = motion.duration();
+    let [from, to] = options.window.unwrap_or([0.0, duration]);
+    // Also refuses NaN.
+    if !(from >= 0.0 && from <= to && from <= duration) {
+        return Err(Error::Window { from, to, duration });
     }
-    let times = motion.sample_times(rate).iter().filter(|time| (from..=to).contains(time));
-    table(motion_export, times.map(|time| motion.sample_at(time)))
+    motion_export.check_samples(rate, to.min(duration) - from)?;
+    if options.peaks {
+        // Between these times velocities and accelerations are linear, within a share of the limits without a wafer.
+        let limits = motion_export.cell.robot.axes.iter().map(|axis| &axis.empty);
+        return Ok(Box::new(motion.plot_times(rate, [from, to], limits).into_iter()));
+    }
+    let sampling = motion.sample_times(rate).iter();
+    Ok(Box::new(sampling.skip_while(move |&time| time < from).take_while(move |&time| time <= to)))
 }
 
-/// Sample times between which velocities and accelerations are linear, within a share of the limits without a wafer (s).
-fn plot_times(motion_export: &MotionExport<'_>, rate: f64, interval: [f64; 2]) -> Vec<f64> {
-    let limits = motion_export.cell.robot.axes.iter().map(|axis| &axis.empty);
-    motion_export.motion.plot_times(rate, interval, limits)
+/// The columns of a table, and the motion that they show.
+struct Table<'a> {
+    motion_export: &'a MotionExport<'a>,
+    columns: Vec<SampleColumn>,
+    /// Whether a column needs the poses of the robot.
+    has_poses: bool,
 }
 
-fn table(
-    motion_export: &MotionExport<'_>,
-    samples: impl Iterator<Item = Sample>,
-) -> Result<Vec<Column>, Error> {
-    let MotionExport { cell, motion, violation_notes, .. } = *motion_export;
-    let axes = &cell.robot.axes;
-    let effectors: Vec<_> = cell.robot.effectors().collect();
-    let mut time = Vec::new();
-    let (mut line, mut step) = (Vec::new(), Vec::new());
-    let mut violations = Vec::new();
-    let mut states: Vec<[Vec<f64>; 3]> = vec![Default::default(); axes.len()];
-    let mut centers: Vec<[Vec<f64>; 3]> = vec![Default::default(); effectors.len()];
-    for sample in samples {
-        let pose = placed(
-            motion_export,
-            sample.time,
-            &sample.positions,
-            loaded(motion_export, sample.step),
-        )?;
-        time.push(sample.time);
-        let count = |value: usize| u32::try_from(value).unwrap_or(u32::MAX);
-        line.push(count(motion.steps.get(sample.step).map_or(0, |step| step.place.line)));
-        step.push(count(sample.step + 1));
-        let here = |violation_note: &&super::violation_note::ViolationNote| {
-            violation_note.from <= sample.time && sample.time <= violation_note.to
+/// The state of the cell at one time.
+struct Row<'a> {
+    sample: Sample,
+    loaded: &'a [EffectorId],
+    /// Poses of the robot, where a column needs them.
+    pose: Option<ChainPose>,
+}
+
+impl<'a> Table<'a> {
+    fn new(motion_export: &'a MotionExport<'a>, options: &SampleOptions) -> Self {
+        let mut columns = options.columns.clone().unwrap_or_else(|| {
+            let mut columns = sample_columns(motion_export.cell);
+            columns.retain(|column| column.groups.iter().any(|group| group == DEFAULT_COLUMNS));
+            columns
+        });
+        let counts = |column: &SampleColumn| column.quantity == Quantity::Violations;
+        if !motion_export.violation_notes.is_empty() && !columns.iter().any(counts) {
+            columns.extend(sample_columns(motion_export.cell).into_iter().filter(counts));
+        }
+        let poses = |column: &SampleColumn| {
+            matches!(column.quantity, Quantity::Platform(_) | Quantity::Wafer { .. })
         };
-        violations.push(count(violation_notes.iter().filter(here).count()));
-        let state = [&sample.positions, &sample.velocities, &sample.accelerations];
-        for (axis, columns) in states.iter_mut().enumerate() {
-            let unit: fn(f64) -> f64 = if turns(axes[axis].kind) { deg } else { mm };
-            for (column, values) in columns.iter_mut().zip(state) {
-                column.push(unit(values[axis]));
+        let has_poses = columns.iter().any(poses);
+        Self { motion_export, columns, has_poses }
+    }
+
+    /// The rows at given times.
+    fn rows(&self, times: impl Iterator<Item = f64>) -> Result<Vec<Column>, Error> {
+        let values = |column: &SampleColumn| match column.quantity {
+            Quantity::Line | Quantity::Step | Quantity::Loaded(_) | Quantity::Violations => {
+                Values::Count(Vec::new())
+            }
+            _ => Values::Real(Vec::new()),
+        };
+        let mut all: Vec<Values> = self.columns.iter().map(values).collect();
+        for time in times {
+            let sample = self.motion_export.motion.sample_at(time);
+            let loaded = loaded(self.motion_export, sample.step);
+            let pose = match self.has_poses {
+                true => Some(placed(self.motion_export, time, &sample.positions, loaded)?),
+                false => None,
+            };
+            let row = Row { sample, loaded, pose };
+            for (column, values) in self.columns.iter().zip(&mut all) {
+                match values {
+                    Values::Real(values) => values.push(self.number(&row, column.quantity)?),
+                    Values::Count(values) => {
+                        let count = self.count(&row, column.quantity);
+                        values.push(u32::try_from(count).unwrap_or(u32::MAX));
+                    }
+                }
             }
         }
-        for (columns, id) in centers.iter_mut().zip(&effectors) {
-            let center = pose.base_from_wafer[id.arm][id.effector].translation.vector;
-            for (column, &value) in columns.iter_mut().zip(center.iter()) {
-                column.push(mm(value));
+        let named = |(column, values): (&SampleColumn, Values)| {
+            let name = column.name.clone();
+            Column { name, values }
+        };
+        Ok(self.columns.iter().zip(all).map(named).collect())
+    }
+
+    /// A quantity that is counted.
+    fn count(&self, row: &Row<'_>, quantity: Quantity) -> usize {
+        let (step, time) = (row.sample.step, row.sample.time);
+        match quantity {
+            Quantity::Line => {
+                self.motion_export.motion.steps.get(step).map_or(0, |step| step.place.line)
+            }
+            Quantity::Step => step + 1,
+            Quantity::Loaded(effector) => usize::from(row.loaded.contains(&effector)),
+            _ => {
+                let notes = self.motion_export.violation_notes.iter();
+                notes.filter(|note| note.from <= time && time <= note.to).count()
             }
         }
     }
-    let real = |name: String, values| Column { name, values: Values::Real(values) };
-    let count =
-        |name: &str, values| Column { name: name.to_owned(), values: Values::Count(values) };
-    let mut columns =
-        vec![real("time_s".to_owned(), time), count("line", line), count("step", step)];
-    for (axis, state) in axes.iter().zip(states) {
-        let unit = if turns(axis.kind) { "deg" } else { "mm" };
-        for (end, values) in ["", "_per_s", "_per_s2"].iter().zip(state) {
-            columns.push(real(format!("{}_{unit}{end}", axis.name), values));
+
+    /// A quantity that is a number, in the unit of its column.
+    fn number(&self, row: &Row<'_>, quantity: Quantity) -> Result<f64, Error> {
+        let Row { sample, pose, .. } = row;
+        let in_base = |pose: Option<&Pose>, of| pose.map_or(f64::NAN, |pose| frame_value(pose, of));
+        Ok(match quantity {
+            Quantity::Axis { axis, derivative } => {
+                let values = match derivative {
+                    Derivative::Position => &sample.positions,
+                    Derivative::Velocity => &sample.velocities,
+                    Derivative::Acceleration => &sample.accelerations,
+                    Derivative::Jerk => &sample.jerks,
+                };
+                let turns = turns(self.motion_export.cell.robot.axes[axis].kind);
+                if turns { deg(values[axis]) } else { mm(values[axis]) }
+            }
+            Quantity::Platform(of) => {
+                in_base(pose.as_ref().map(|pose| &pose.platform.base_from_platform), of)
+            }
+            Quantity::Wafer { effector: EffectorId { arm, effector }, quantity } => {
+                let pose = pose.as_ref().map(|pose| &pose.base_from_wafer[arm][effector]);
+                in_base(pose, quantity)
+            }
+            Quantity::Speed(effector) => mm(self.wafer_motion(row, effector)?.velocity.norm()),
+            Quantity::Acceleration(effector) => {
+                mm(self.wafer_motion(row, effector)?.acceleration.norm())
+            }
+            _ => sample.time,
+        })
+    }
+
+    /// Motion of an effector's wafer; where the droop is unknown, as the poses, that of the rigid arm.
+    fn wafer_motion(&self, row: &Row<'_>, effector: EffectorId) -> Result<FrameMotion, Error> {
+        let Sample { time, positions, velocities, accelerations, .. } = &row.sample;
+        let cell = self.motion_export.cell;
+        let motion = AxesMotion { positions, velocities, accelerations };
+        let failed = |source| Error::Placing { time: *time, source: Box::new(source) };
+        match cell.wafer_motion(effector, &motion, row.loaded.contains(&effector)) {
+            Ok(found) => Ok(found),
+            Err(_) => cell.robot.effector_motion(&motion, effector).map_err(failed),
         }
     }
-    for (&id, center) in effectors.iter().zip(centers) {
-        for (axis, values) in ["x", "y", "z"].iter().zip(center) {
-            columns.push(real(format!("{}_{axis}_mm", motion_export.effector_name(id)), values));
+}
+
+/// A number of a frame in the base frame, in mm or degrees.
+fn frame_value(base_from_frame: &Pose, quantity: FrameQuantity) -> f64 {
+    let origin = &base_from_frame.translation.vector;
+    let normal = base_from_frame.rotation.matrix().column(2).into_owned();
+    match quantity {
+        FrameQuantity::X => mm(origin.x),
+        FrameQuantity::Y => mm(origin.y),
+        FrameQuantity::Z => mm(origin.z),
+        // Rotation about the normal, beyond the shortest rotation from level to the normal.
+        FrameQuantity::Heading => {
+            let turned = tilt_rotation(&normal).inverse() * base_from_frame.rotation;
+            deg(turned.matrix()[(1, 0)].atan2(turned.matrix()[(0, 0)]))
         }
+        FrameQuantity::Tilt => deg(Tilt::from_normal(&normal).angle),
+        FrameQuantity::TiltDirection => deg(Tilt::from_normal(&normal).azimuth),
     }
-    if !violation_notes.is_empty() {
-        columns.push(count("violations", violations));
-    }
-    Ok(columns)
 }
 
 /// Tracks of the wafer centres of all effectors: x and y in the base frame at equal intervals of time (m).

@@ -10,7 +10,7 @@ use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use jointplay::cell::StopRequested;
-use jointplay::interop::export;
+use jointplay::interop::export::{self, SampleOptions, select_columns};
 use jointplay::report::table::{Column, Values};
 
 use super::lookup::{interrupted, no_motion};
@@ -26,7 +26,7 @@ const MAX_SAMPLES: f64 = 100_000.0;
 
 /// The motion at a sampling rate, as an Arrow stream
 ///
-/// Columns: time, program line, step; position, velocity and acceleration of each axis, and the wafer centre of each effector, in mm and degrees, as in the output of `jointplay cell run`.
+/// Columns: time, program line, step; position, velocity and acceleration of each axis, and the wafer centre of each effector, in mm and degrees, as in the output of `jointplay cell run`; or those of `columns`.
 /// Request long motions in several time ranges.
 #[utoipa::path(
     post,
@@ -46,6 +46,7 @@ pub(crate) async fn samples(
 ) -> Result<Response, Problem> {
     let (session, rate, peaks) = (state.session()?, request.rate()?, request.peaks);
     let (from, to) = (request.from_s.unwrap_or(0.0), request.to_s.unwrap_or(f64::INFINITY));
+    let names = request.columns;
     let (cell, program) = session.texts(request.cell, request.program);
     let program = with_parameters(program, request.parameters)?;
     let sampled = move |stop: StopRequested<'_>| {
@@ -60,7 +61,10 @@ pub(crate) async fn samples(
             );
             return Err(Problem::field("to_s", detail));
         }
-        let columns = export::samples_within(&motion_export, rate, peaks, range);
+        let columns = names.map(|names| select_columns(motion_export.cell, &names)).transpose();
+        let columns = columns.map_err(|error| Problem::field("columns", error.to_string()))?;
+        let options = SampleOptions { rate, peaks, window: Some(range), columns };
+        let columns = export::samples_with(&motion_export, &options);
         let columns = columns.map_err(|error| refused(error.to_string()))?;
         arrow(columns).map_err(|error| Problem::broken(&error.to_string()))
     };

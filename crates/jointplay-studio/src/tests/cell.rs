@@ -198,7 +198,7 @@ fn all_errors_are_reported_with_their_positions() {
 #[test]
 fn editing_a_station_preserves_comments() {
     let server = server(CellFiles::example());
-    let change = json!({ "station": "LP2", "tilt": { "heading_rad": 0.0, "angle_rad": 0.01 }, "position_m": [-0.5, -0.495, 0.5] });
+    let change = json!({ "station": "LP2", "tilt": { "azimuth_rad": 0.0, "angle_rad": 0.01 }, "position_m": [-0.5, -0.495, 0.5] });
     let answer = ask(&server, Method::POST, "cell/station", &change);
     assert_eq!(answer.status, StatusCode::OK, "{}", String::from_utf8_lossy(&answer.bytes));
     let text = answer.json()["cell"].as_str().unwrap().to_owned();

@@ -35,6 +35,9 @@ pub(crate) struct SamplesRequest {
     /// End of the time range; default: end of the motion (s).
     #[serde(default)]
     pub(crate) to_s: Option<f64>,
+    /// Columns by name or group, as for `jointplay cell export --columns`; default: those of `jointplay cell run`.
+    #[serde(default)]
+    pub(crate) columns: Option<Vec<String>>,
 }
 
 fn default_rate() -> f64 {

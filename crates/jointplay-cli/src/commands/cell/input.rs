@@ -56,7 +56,7 @@ pub(super) struct InputArgs {
     set: Vec<Setting>,
 }
 
-fn setting(text: &str) -> Result<Setting, String> {
+pub(super) fn setting(text: &str) -> Result<Setting, String> {
     let (name, value) = text
         .rsplit_once('=')
         .ok_or_else(|| format!("invalid value {text:?}: expected PARAMETER=VALUE"))?;
@@ -165,10 +165,18 @@ impl CellArgs {
 }
 
 impl InputArgs {
-    /// The same cell with another program, and the same values of its parameters.
-    pub(super) fn with_program(&self, program: &Path) -> Self {
-        let (cell, set) = (self.cell.clone(), self.set.clone());
-        Self { cell, program: Some(program.to_owned()), set }
+    /// The same cell with another program.
+    ///
+    /// # Arguments
+    /// * `set` – values of its parameters in place of those of this program; values of the cell's parameters replace those of the same name
+    pub(super) fn with_program(&self, program: &Path, set: Option<&[Setting]>) -> Self {
+        let replaced = |one: &&Setting| {
+            let of_cell = one.name.starts_with(OF_CELL);
+            set.is_some_and(|set| !of_cell || set.iter().any(|other| other.name == one.name))
+        };
+        let mut all: Vec<Setting> = self.set.iter().filter(|one| !replaced(one)).cloned().collect();
+        all.extend(set.into_iter().flatten().cloned());
+        Self { cell: self.cell.clone(), program: Some(program.to_owned()), set: all }
     }
 
     pub(super) fn format(&self) -> FormatArgs {

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::format::number::fixed;
+use jointplay::format::program::Setting;
 use jointplay::report::{
     CellPage, CellReport, KeyFigure, PagePicture, PageProgram, TableColumn, TextTable, key_figures,
 };
 use serde::Serialize;
 
-use super::input::{InputArgs, Planned};
+use super::input::{InputArgs, Planned, setting};
 use super::pictures;
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
@@ -30,6 +31,7 @@ const MAX_PARTS: f64 = 6.0;
 Examples:
   jointplay cell report
   jointplay cell report cell.toml lot.program --before old.program --out report.pdf
+  jointplay cell report cell.toml lot.program --set lot=25 --before lot.program --before-set lot=13
 
 Exit codes: 0 no violations, 1 violations or unreachable, 2 bad input or usage, 130 interrupted.")]
 pub(super) struct ReportCommand {
@@ -38,6 +40,9 @@ pub(super) struct ReportCommand {
     /// Program before a change, in the same cell, for comparison
     #[arg(long, value_name = "PROGRAM")]
     before: Option<PathBuf>,
+    /// Values of parameters for the program before the change, as for --set [default: those of --set]
+    #[arg(long, value_name = "PARAMETER=VALUE", value_delimiter = ',', value_parser = setting, requires = "before")]
+    before_set: Vec<Setting>,
     /// File of the report; its name ends in .html or .pdf
     #[arg(short, long, value_name = "FILE", default_value = "cell-report.html", value_parser = page_file)]
     out: PageFile,
@@ -89,7 +94,10 @@ impl ReportCommand {
         let planned = self.input.plan()?;
         let document = planned.document();
         let before = match &self.before {
-            Some(program) => Some(self.input.with_program(program).plan()?),
+            Some(program) => {
+                let set = Some(&self.before_set[..]).filter(|set| !set.is_empty());
+                Some(self.input.with_program(program, set).plan()?)
+            }
             None => None,
         };
         let before_document = before.as_ref().map(Planned::document);

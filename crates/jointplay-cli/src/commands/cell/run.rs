@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use jointplay::format::number::counted;
+use jointplay::interop::export::SampleOptions;
 
 use super::export::{Rate, csv, rate};
 use super::input::InputArgs;
@@ -57,7 +58,8 @@ impl Run {
             staged.add(name, |writer| Ok(writer.write_all(bytes)?))?;
         }
         if planned.passed() || self.despite_errors {
-            csv(&mut staged, SAMPLES, &planned.motion_export(), self.rate.0)?;
+            let options = SampleOptions::at_rate(self.rate.0);
+            csv(&mut staged, SAMPLES, &planned.motion_export(), &options)?;
             files.push((SAMPLES.to_owned(), Vec::new()));
         }
         staged.publish()?;

@@ -1,74 +1,355 @@
-//! Text with names in braces.
+//! Text with fields in braces: names and expressions, with formats.
 
-use super::Problem;
-use jointplay_format::place::nearest;
+use std::ops::Range;
 
-// Names that a template may contain, by kind of template.
-pub(super) const ENDS: &[&str] = &["cell", "robot", "axes", "positions", "time"];
-pub(super) const INSTRUCTION: &[&str] = &["number", "line", "text"];
-pub(super) const STEP: &[&str] = &["number", "phase", "time", "duration", "positions", "effector"];
-pub(super) const BLEND: &[&str] = &["overlap"];
-pub(super) const POINT: &[&str] = &["number", "time", "positions", "velocities"];
-pub(super) const WAFER: &[&str] = &["effector", "station", "slot"];
-pub(super) const AXIS: &[&str] = &["name", "value", "number"];
-pub(super) const COMMENT: &[&str] = &["text"];
+use jointplay_format::expression::{AngleUnit, ExpressionProblem, Formula};
+use jointplay_format::file_problem::FileProblem;
+use jointplay_format::number::number;
+use jointplay_format::place::{Error, Place, nearest};
 
-/// Text with known names in braces.
+use super::format_spec::{FormatSpec, Kind, Value};
+use super::problem::Problem;
+
+/// Names that a template may contain.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Names {
+    pub(super) known: Vec<(&'static str, Kind)>,
+    /// Names that a key of the file would define, with the key.
+    pub(super) undefined: Vec<(&'static str, &'static str)>,
+}
+
+impl Names {
+    pub(super) fn new(known: &[(&'static str, Kind)]) -> Self {
+        Self { known: known.to_vec(), undefined: Vec::new() }
+    }
+
+    /// Adds a name that exists where a key of the file defines it.
+    pub(super) fn with(
+        mut self,
+        name: &'static str,
+        key: &'static str,
+        kind: Option<Kind>,
+    ) -> Self {
+        match kind {
+            Some(kind) => self.known.push((name, kind)),
+            None => self.undefined.push((name, key)),
+        }
+        self
+    }
+
+    fn unknown(&self, found: &str) -> Problem {
+        if let Some(&(name, key)) = self.undefined.iter().find(|(name, _)| *name == found) {
+            return Problem::UndefinedName { name, key };
+        }
+        let known = self.known.iter().map(|(name, _)| *name);
+        Problem::Name {
+            found: found.to_owned(),
+            nearest: nearest(found, known.clone()),
+            known: known.collect::<Vec<_>>().join(", "),
+        }
+    }
+}
+
+/// Digits after the point of numbers without a precision.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Decimals {
+    pub(super) values: usize,
+    pub(super) times: usize,
+}
+
+impl Decimals {
+    fn of(self, kind: Kind) -> usize {
+        if kind == Kind::Time { self.times } else { self.values }
+    }
+}
+
+/// Text with fields.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Template {
-    /// Text, and the name that follows it.
-    parts: Vec<(String, &'static str)>,
+    /// Text, and the field that follows it.
+    parts: Vec<(String, Field)>,
     rest: String,
 }
 
+/// A field of a template.
+#[derive(Debug, Clone, PartialEq)]
+struct Field {
+    source: Source,
+    spec: FormatSpec,
+    /// The field without its format, as written.
+    text: String,
+    place: Place,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Source {
+    Name(&'static str),
+    /// An expression, and whether its value has to be whole.
+    Expression {
+        formula: Formula,
+        is_whole: bool,
+    },
+}
+
 impl Template {
-    pub(super) fn parse(text: &str, known: &'static [&'static str]) -> Result<Self, Problem> {
+    /// Parses a template.
+    ///
+    /// # Arguments
+    /// * `place` – place of a part of the text in the file
+    ///
+    /// # Errors
+    /// The first problem, with its part of the text.
+    pub(super) fn parse(
+        text: &str,
+        names: &Names,
+        decimals: Decimals,
+        place: impl Fn(Range<usize>) -> Place,
+    ) -> Result<Self, (Range<usize>, Problem)> {
         let mut parts = Vec::new();
         let mut plain = String::new();
-        let mut letters = text.chars().peekable();
-        while let Some(letter) = letters.next() {
+        let mut letters = text.char_indices().peekable();
+        while let Some((at, letter)) = letters.next() {
             match letter {
-                '{' | '}' if letters.next_if_eq(&letter).is_some() => plain.push(letter),
-                '{' => {
-                    let mut name = String::new();
-                    loop {
-                        match letters.next() {
-                            Some('}') => break,
-                            Some(letter) => name.push(letter),
-                            None => return Err(Problem::Open),
-                        }
-                    }
-                    let Some(&name) = known.iter().find(|&&one| one == name) else {
-                        let nearest = nearest(&name, known.iter().copied());
-                        return Err(Problem::Name {
-                            found: name,
-                            nearest,
-                            known: known.join(", "),
-                        });
-                    };
-                    parts.push((std::mem::take(&mut plain), name));
+                '{' | '}' if letters.next_if(|(_, next)| *next == letter).is_some() => {
+                    plain.push(letter);
                 }
-                '}' => return Err(Problem::Close),
+                '{' => {
+                    let start = at + 1;
+                    let Some((end, _)) = letters.find(|(_, letter)| *letter == '}') else {
+                        return Err((at..text.len(), Problem::Open));
+                    };
+                    let (source, format) = match text[start..end].split_once(':') {
+                        Some((source, format)) => (source, Some(format)),
+                        None => (&text[start..end], None),
+                    };
+                    let field = Field::parse(source, format, names, decimals, place(start..end));
+                    let field = field.map_err(|error| match error {
+                        FieldError::Source(part, problem) => {
+                            (start + part.start..start + part.end, problem)
+                        }
+                        FieldError::Format(problem) => (start + source.len() + 1..end, problem),
+                    })?;
+                    parts.push((std::mem::take(&mut plain), field));
+                }
+                '}' => return Err((at..at + 1, Problem::Close)),
                 letter => plain.push(letter),
             }
         }
         Ok(Self { parts, rest: plain })
     }
 
-    /// The text with the values of its names.
-    pub(super) fn fill(&self, value: impl Fn(&str) -> String) -> String {
-        let parts = self.parts.iter().map(|(text, name)| text.clone() + &value(name));
-        parts.collect::<String>() + &self.rest
+    /// Whether a field contains a name.
+    pub(super) fn uses(&self, name: &str) -> bool {
+        self.parts.iter().any(|(_, field)| match &field.source {
+            Source::Name(own) => *own == name,
+            Source::Expression { formula, .. } => formula.names().any(|own| own == name),
+        })
     }
+
+    /// The text with the values of its fields.
+    ///
+    /// # Errors
+    /// [`Problem::NoValue`] and [`Problem::NotWhole`] of an expression, with its place in the file.
+    pub(super) fn fill(&self, value: impl Fn(&str) -> Value) -> Result<String, Error<Problem>> {
+        let mut filled = String::new();
+        for (text, field) in &self.parts {
+            filled.push_str(text);
+            let value = field.value(&value).map_err(|problem| Error {
+                place: field.place.clone(),
+                problem: Box::new(problem),
+            })?;
+            filled.push_str(&field.spec.apply(&value));
+        }
+        filled.push_str(&self.rest);
+        Ok(filled)
+    }
+}
+
+enum FieldError {
+    /// A part of the name or expression.
+    Source(Range<usize>, Problem),
+    Format(Problem),
+}
+
+impl Field {
+    fn parse(
+        text: &str,
+        format: Option<&str>,
+        names: &Names,
+        decimals: Decimals,
+        place: Place,
+    ) -> Result<Self, FieldError> {
+        let kind_of = |name: &str| names.known.iter().find(|(known, _)| *known == name);
+        let format = format.unwrap_or_default();
+        let (source, kind) = match kind_of(text.trim()) {
+            Some(&(name, kind)) => (Source::Name(name), kind),
+            None => expression(text, format, names)?,
+        };
+        let spec =
+            FormatSpec::parse(format, kind, decimals.of(kind)).map_err(FieldError::Format)?;
+        Ok(Self { source, spec, text: text.trim().to_owned(), place })
+    }
+
+    fn value(&self, value: impl Fn(&str) -> Value) -> Result<Value, Problem> {
+        let (formula, is_whole) = match &self.source {
+            Source::Name(name) => return Ok(value(name)),
+            Source::Expression { formula, is_whole } => (formula, *is_whole),
+        };
+        let number_of = |name: &str| match value(name) {
+            Value::Integer(value) => Some(value as f64),
+            Value::Real(value) => Some(value),
+            Value::Text(_) => None,
+        };
+        let arguments = || {
+            let mut shown: Vec<String> = Vec::new();
+            for name in formula.names() {
+                let one = number_of(name).map(|value| format!("{name} = {}", number(value)));
+                shown.extend(one.filter(|one| !shown.contains(one)));
+            }
+            shown.join(", ")
+        };
+        let found = formula.evaluate_with(&number_of).map_err(|error| match error.problem {
+            ExpressionProblem::NotFinite { value } => {
+                let expression = self.text.clone();
+                Problem::NoValue { expression, value, arguments: arguments() }
+            }
+            other => FileProblem::from(other).into(),
+        })?;
+        if !is_whole {
+            return Ok(Value::Real(found));
+        }
+        // Whole numbers of this size are exact.
+        if found.fract() != 0.0 || found.abs() > 1e15 {
+            let expression = self.text.clone();
+            return Err(Problem::NotWhole { expression, value: found, arguments: arguments() });
+        }
+        Ok(Value::Integer(found as i64))
+    }
+}
+
+/// An expression of names, and the kind of its value.
+fn expression(text: &str, format: &str, names: &Names) -> Result<(Source, Kind), FieldError> {
+    let whole = || 0..text.len();
+    let formula = Formula::parse(text, AngleUnit::Degree).map_err(|error| {
+        // Of a single word, the known names help more.
+        let is_word = text.chars().all(|letter| letter.is_alphanumeric() || letter == '_');
+        match is_word {
+            true => FieldError::Source(whole(), names.unknown(text)),
+            false => FieldError::Source(error.span, FileProblem::from(error.problem).into()),
+        }
+    })?;
+    let (mut are_whole, mut are_times) = (true, true);
+    for variable in formula.variables() {
+        let kind =
+            names.known.iter().find(|(known, _)| *known == variable.name).map(|(_, kind)| *kind);
+        match kind {
+            Some(Kind::Text) => {
+                let name = variable.name.to_owned();
+                return Err(FieldError::Source(variable.span, Problem::TextInExpression { name }));
+            }
+            Some(kind) => {
+                are_whole &= kind == Kind::Integer;
+                are_times &= kind == Kind::Time;
+            }
+            None if variable.name == "pi" => are_whole = false,
+            None => return Err(FieldError::Source(variable.span, names.unknown(variable.name))),
+        }
+    }
+    if formula.names().next().is_none() {
+        // Its value is known here, and so is a division by zero.
+        formula.evaluate_with(&|_| None).map_err(|error| {
+            FieldError::Source(error.span, FileProblem::from(error.problem).into())
+        })?;
+    }
+    let has_decimals = format.contains('.') || format.ends_with(['f', 'e', 'E']);
+    let is_whole = FormatSpec::names_whole_type(format) || (are_whole && !has_decimals);
+    let kind = match (is_whole, are_times) {
+        (true, _) => Kind::Integer,
+        (_, true) => Kind::Time,
+        _ => Kind::Real,
+    };
+    Ok((Source::Expression { formula, is_whole }, kind))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const NAMES: [(&str, Kind); 3] =
+        [("slot", Kind::Integer), ("time", Kind::Time), ("text", Kind::Text)];
+
+    fn parse(text: &str) -> Result<Template, (Range<usize>, Problem)> {
+        let names = Names::new(&NAMES).with("code", "the table `[codes]`", None);
+        Template::parse(text, &names, Decimals { values: 3, times: 1 }, |part| {
+            Place::of(text, part)
+        })
+    }
+
+    fn value(name: &str) -> Value {
+        match name {
+            "slot" => Value::Integer(3),
+            "time" => Value::Real(0.5),
+            _ => Value::Text("abc".to_owned()),
+        }
+    }
+
     #[test]
-    fn names_are_filled_in_and_braces_kept() {
-        let template = Template::parse("{{{text}}} {text}!", COMMENT).unwrap();
-        assert_eq!(template.fill(|name| name.to_uppercase()), "{TEXT} TEXT!");
+    fn fields_are_filled_with_values_of_names_and_expressions() {
+        for (template, filled) in [
+            ("{{{text}}} {text:>5}!", "{abc}   abc!"),
+            ("S{slot:02} {slot - 1:02} {10 * slot + 5:X}", "S03 02 23"),
+            ("{time} {1000 * time:.0f} {time * slot} {slot / 2:.2f}", "0.5 500 1.500 1.50"),
+            ("{round(1000 * time):+06d} {mod(slot, 2)} {-slot}", "+00500 1 -3"),
+            ("µ{ slot }m {2 * pi:.4}", "µ3m 6.2832"),
+        ] {
+            assert_eq!(parse(template).unwrap().fill(value).unwrap(), filled, "{template}");
+        }
+    }
+
+    #[track_caller]
+    fn refuse(template: &str, part: &str, message: &str) {
+        let (span, problem) = parse(template).unwrap_err();
+        assert_eq!(&template[span], part, "{problem}");
+        assert!(problem.to_string().contains(message), "{problem}");
+    }
+
+    #[test]
+    fn invalid_fields_are_rejected_with_their_part_of_the_template() {
+        refuse(
+            "S{slots}",
+            "slots",
+            "`{slots}` is not a name of this template (did you mean `slot`?); known here: slot, time, text",
+        );
+        refuse("µ {slot + sloth}", "sloth", "did you mean `slot`?");
+        refuse("{code:02}", "code", "`{code}` needs the table `[codes]`");
+        refuse("{2 * code}", "code", "needs the table");
+        refuse(
+            "{slot:2.1d}",
+            "2.1d",
+            "`2.1d` is not a format of a whole number; allowed in this order",
+        );
+        refuse("{time:d}", "d", "round(…)");
+        refuse("{text:+}", "+", "is not a format of a text");
+        refuse("{text + 1}", "text", "expressions have numbers only");
+        refuse("{1 / 0}", "1 / 0", "infinite");
+        refuse("{slot *}", "", "expected a number");
+        refuse("{}", "", "is not a name");
+        refuse("a{slot", "{slot", "ends without");
+        refuse("slot}", "}", "}}");
+    }
+
+    #[test]
+    fn expressions_without_a_value_are_rejected_with_the_values_of_their_names() {
+        let message = |template: &str| {
+            let error = parse(template).unwrap().fill(value).unwrap_err();
+            (error.place.column, error.to_string())
+        };
+        let (column, shown) = message("N {1 / (slot - 3):.3f}");
+        assert_eq!(column, 4);
+        assert!(shown.contains("`1 / (slot - 3)` is infinite for slot = 3"), "{shown}");
+        let (_, shown) = message("{slot / 2:02}");
+        assert!(shown.contains("`slot / 2` is 1.5 for slot = 3"), "{shown}");
+        let (_, shown) = message("{sqrt(time - 1)}");
+        assert!(shown.contains("is not a number for time = 0.5"), "{shown}");
     }
 }

@@ -2,10 +2,16 @@
 
 use jointplay_cell::program::{Handoff, Path};
 use jointplay_cell::robot::AxisKind;
+use jointplay_format::number::fixed;
+use jointplay_format::place;
 use jointplay_format::program::phase_name;
 
+use super::codes::Codes;
+use super::format_spec::Value;
+use super::language::{Dialect, Motions};
+use super::output::Output;
+use super::problem::Problem;
 use super::template::Template;
-use super::{Dialect, Motions};
 use crate::export::error::Error;
 use crate::export::motion_export::MotionExport;
 
@@ -21,7 +27,7 @@ impl Dialect {
     /// * `rate` – number of points per second, for dialects with points (Hz)
     ///
     /// # Errors
-    /// [`Error::Rate`], [`Error::TooManySamples`]
+    /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Dialect`]
     pub fn write(&self, motion_export: &MotionExport<'_>, rate: f64) -> Result<String, Error> {
         let mut whole = String::new();
         self.write_in_parts(motion_export, rate, |part| {
@@ -46,46 +52,47 @@ impl Dialect {
         mut take: impl FnMut(&str) -> Result<(), E>,
     ) -> Result<(), E> {
         motion_export.check_rate(rate)?;
-        let mut pass_on = |text: &mut String, least: usize| {
-            if text.len() > least {
-                take(text)?;
-                text.clear();
+        self.check_codes(motion_export)?;
+        let mut output = Output::new(&self.output);
+        let mut pass_on = |output: &mut Output<'_>, least: usize| {
+            if output.text.len() > least {
+                take(&output.text)?;
+                output.text.clear();
             }
             Ok::<_, E>(())
         };
         let MotionExport { cell, motion, .. } = *motion_export;
-        let mut text = String::new();
         if let Some(warning) = motion_export.warning() {
-            self.push_comment(&mut text, &warning);
+            self.push_comment(&mut output, &warning)?;
             for violation_note in motion_export.violation_notes {
-                let when = self.time(violation_note.from);
-                self.push_comment(&mut text, &format!("{when} s: {}", violation_note.message));
+                let when = fixed(violation_note.from, self.time_decimals);
+                self.push_comment(&mut output, &format!("{when} s: {}", violation_note.message))?;
             }
         }
-        let ends = |time: f64, positions: &[f64]| {
+        let ends = |output: &mut Output<'_>, lines: &[Template], time: f64| {
             let axes = cell.robot.axes.iter().map(|axis| axis.name.clone());
             let names = axes.collect::<Vec<_>>().join(&self.between);
-            let (time, positions) = (self.time(time), self.values(motion_export, positions));
-            move |name: &str| match name {
-                "cell" => one_line(&cell.name),
-                "robot" => one_line(&cell.robot.name),
-                "axes" => names.clone(),
-                "positions" => positions.clone(),
-                _ => time.clone(),
-            }
+            let positions = self.values(motion_export, &motion.sample_at(time).positions)?;
+            push(output, lines, |name| match name {
+                "cell" => Value::Text(one_line(&cell.name)),
+                "robot" => Value::Text(one_line(&cell.robot.name)),
+                "axes" => Value::Text(names.clone()),
+                "positions" => Value::Text(positions.clone()),
+                _ => Value::Real(time),
+            })
         };
-        push(&mut text, &self.begin, ends(0.0, &motion.sample_at(0.0).positions));
+        ends(&mut output, &self.begin, 0.0)?;
         let mut points = match self.motion {
             Motions::Points(_) => Some(motion.samples(rate).enumerate().peekable()),
             Motions::Steps { .. } => None,
         };
         for (k, step) in motion.steps.iter().enumerate() {
             if k == 0 || motion.steps[k - 1].instruction != step.instruction {
-                push(&mut text, &self.instruction, |name| match name {
-                    "number" => (step.instruction + 1).to_string(),
-                    "line" => step.place.line.to_string(),
-                    _ => one_line(motion_export.line(k)),
-                });
+                push(&mut output, &self.instruction, |name| match name {
+                    "number" => count(step.instruction + 1),
+                    "line" => count(step.place.line),
+                    _ => Value::Text(one_line(motion_export.line(k))),
+                })?;
             }
             let (start, end) = (motion.times[k], motion.times[k + 1]);
             match &self.motion {
@@ -96,14 +103,16 @@ impl Dialect {
                         Path::Line(id) => (line, motion_export.effector_name(id).to_owned()),
                         Path::Dwell(_) | Path::ProcessDwell { .. } => (still, String::new()),
                     };
-                    push(&mut text, lines, |name| match name {
-                        "number" => (k + 1).to_string(),
-                        "phase" => phase_name(step.phase).to_owned(),
-                        "time" => self.time(start),
-                        "duration" => self.duration(start, end),
-                        "positions" => self.values(motion_export, &step.to),
-                        _ => effector.clone(),
-                    });
+                    let positions = self.values(motion_export, &step.to)?;
+                    push(&mut output, lines, |name| match name {
+                        "number" => count(k + 1),
+                        "phase" => Value::Text(phase_name(step.phase).to_owned()),
+                        "time" => Value::Real(start),
+                        "duration" => Value::Real(self.duration(start, end)),
+                        "positions" => Value::Text(positions.clone()),
+                        _ => Value::Text(effector.clone()),
+                    })?;
+                    pass_on(&mut output, PART)?;
                 }
                 Motions::Points(lines) => {
                     let last = k + 1 == motion.steps.len();
@@ -111,80 +120,114 @@ impl Dialect {
                         .as_mut()
                         .and_then(|points| points.next_if(|(_, at)| at.time < end || last))
                     {
-                        push(&mut text, lines, |name| match name {
-                            "number" => (number + 1).to_string(),
-                            "time" => self.time(point.time),
-                            "positions" => self.values(motion_export, &point.positions),
-                            _ => self.values(motion_export, &point.velocities),
-                        });
-                        pass_on(&mut text, PART)?;
+                        let positions = self.values(motion_export, &point.positions)?;
+                        let velocities = self.values(motion_export, &point.velocities)?;
+                        push(&mut output, lines, |name| match name {
+                            "number" => count(number + 1),
+                            "time" => Value::Real(point.time),
+                            "positions" => Value::Text(positions.clone()),
+                            _ => Value::Text(velocities.clone()),
+                        })?;
+                        pass_on(&mut output, PART)?;
                     }
                 }
             }
             if let Some(blend) = motion.blend(k) {
-                push(&mut text, &self.blend, |_| self.time(blend.overlap));
+                push(&mut output, &self.blend, |_| Value::Real(blend.overlap))?;
             }
             let (lines, id, slot) = match step.handoff {
                 Some(Handoff::Picked(id, slot)) => (&self.taken, id, slot),
                 Some(Handoff::Placed(id, slot)) => (&self.left, id, slot),
                 None => continue,
             };
-            push(&mut text, lines, |name| match name {
-                "effector" => motion_export.effector_name(id).to_owned(),
-                "station" => cell.stations[slot.station].name.clone(),
-                _ => slot.slot.to_string(),
-            });
+            let (effector, station) =
+                (motion_export.effector_name(id), &cell.stations[slot.station].name);
+            let code = |codes: &Option<Codes>, name: &str| {
+                codes.as_ref().map_or(Value::Text(String::new()), |codes| codes.code(name))
+            };
+            push(&mut output, lines, |name| match name {
+                "effector" => Value::Text(effector.to_owned()),
+                "station" => Value::Text(station.clone()),
+                "effector_code" => code(&self.effector_codes, effector),
+                "station_code" => code(&self.station_codes, station),
+                _ => count(slot.slot),
+            })?;
         }
-        let duration = motion.duration();
-        push(&mut text, &self.end, ends(duration, &motion.sample_at(duration).positions));
-        pass_on(&mut text, 0)
+        ends(&mut output, &self.end, motion.duration())?;
+        output.finish().map_err(invalid)?;
+        pass_on(&mut output, 0)
     }
 
-    fn push_comment(&self, text: &mut String, what: &str) {
-        text.push_str(&self.comment.fill(|_| one_line(what)));
-        text.push('\n');
+    /// Checks that every station and effector of a hand-off has the code that a template needs.
+    fn check_codes(&self, motion_export: &MotionExport<'_>) -> Result<(), Error> {
+        let MotionExport { cell, motion, .. } = *motion_export;
+        let needs = |name: &str| self.taken.iter().chain(&self.left).any(|one| one.uses(name));
+        let handoffs = || {
+            motion.steps.iter().filter_map(|step| match step.handoff? {
+                Handoff::Picked(id, slot) | Handoff::Placed(id, slot) => Some((id, slot)),
+            })
+        };
+        let mut errors = Vec::new();
+        if let (Some(codes), true) = (&self.station_codes, needs("station_code")) {
+            let names = handoffs().map(|(_, slot)| cell.stations[slot.station].name.as_str());
+            errors.extend(codes.missing(names));
+        }
+        if let (Some(codes), true) = (&self.effector_codes, needs("effector_code")) {
+            let names = handoffs().map(|(id, _)| motion_export.effector_name(id));
+            errors.extend(codes.missing(names));
+        }
+        if errors.is_empty() { Ok(()) } else { Err(Error::Dialect(errors.into())) }
+    }
+
+    fn push_comment(&self, output: &mut Output<'_>, what: &str) -> Result<(), Error> {
+        let comment = std::slice::from_ref(&self.comment);
+        push(output, comment, |_| Value::Text(one_line(what)))
     }
 
     /// A value for each axis, in the units of the dialect.
-    fn values(&self, motion_export: &MotionExport<'_>, values: &[f64]) -> String {
+    fn values(&self, motion_export: &MotionExport<'_>, values: &[f64]) -> Result<String, Error> {
         let axes = motion_export.cell.robot.axes.iter().zip(values).enumerate();
         let values = axes.map(|(k, (axis, &value))| {
             let value = match axis.kind {
                 AxisKind::Linear => self.length.from_meters(value),
                 AxisKind::Rotary => self.angle.from_radians(value),
             };
-            self.axis.fill(|name| match name {
-                "name" => axis.name.clone(),
-                "value" => fixed(value, self.decimals),
-                _ => (k + 1).to_string(),
-            })
+            let filled = self.axis.fill(|name| match name {
+                "name" => Value::Text(axis.name.clone()),
+                "value" => Value::Real(value),
+                _ => count(k + 1),
+            });
+            filled.map_err(invalid)
         });
-        values.collect::<Vec<_>>().join(&self.between)
-    }
-
-    fn time(&self, time: f64) -> String {
-        fixed(time, self.time_decimals)
+        Ok(values.collect::<Result<Vec<_>, Error>>()?.join(&self.between))
     }
 
     /// The difference of two rounded times.
-    fn duration(&self, start: f64, end: f64) -> String {
+    fn duration(&self, start: f64, end: f64) -> f64 {
         let unit = 10_f64.powi(i32::try_from(self.time_decimals).unwrap_or(0));
-        fixed(((end * unit).round() - (start * unit).round()) / unit, self.time_decimals)
+        ((end * unit).round() - (start * unit).round()) / unit
     }
 }
 
-fn push(text: &mut String, lines: &[Template], value: impl Fn(&str) -> String) {
+fn push(
+    output: &mut Output<'_>,
+    lines: &[Template],
+    value: impl Fn(&str) -> Value,
+) -> Result<(), Error> {
     for line in lines {
-        text.push_str(&line.fill(&value));
-        text.push('\n');
+        let text = line.fill(&value).map_err(invalid)?;
+        output.push(&text).map_err(invalid)?;
     }
+    Ok(())
 }
 
-/// A number with fixed decimals, and no minus sign before zero.
-fn fixed(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
-    if zero { text.replace('-', "") } else { text }
+/// The error of a template that has no text for this motion.
+fn invalid(error: place::Error<Problem>) -> Error {
+    Error::Dialect(vec![error].into())
+}
+
+fn count(value: usize) -> Value {
+    Value::Integer(i64::try_from(value).unwrap_or(i64::MAX))
 }
 
 /// A quoted text in one line.

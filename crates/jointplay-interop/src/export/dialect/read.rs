@@ -1,0 +1,302 @@
+//! Reader of dialect files.
+
+use jointplay_format::mechanism::{AngleUnit, LengthUnit};
+use jointplay_format::place::Errors;
+use jointplay_format::toml_reader::Entry;
+
+use super::checksum::Checksum;
+use super::codes::Codes;
+use super::format_spec::Kind;
+use super::included::DIALECTS;
+use super::language::{Dialect, Motions};
+use super::output::{LINE_ENDS, OutputFormat, covered_names, last_names, line_names};
+use super::problem::Problem;
+use super::template::{Decimals, Names, Template};
+use super::tree::{Reader, Table};
+
+/// Longest accepted dialect file (bytes).
+pub const MAX_BYTES: usize = 100_000;
+
+/// Largest number of decimals.
+const MOST_DECIMALS: usize = 12;
+
+// Names that a template may contain, by kind of template.
+const ENDS: [(&str, Kind); 5] = [
+    ("cell", Kind::Text),
+    ("robot", Kind::Text),
+    ("axes", Kind::Text),
+    ("positions", Kind::Text),
+    ("time", Kind::Time),
+];
+const INSTRUCTION: [(&str, Kind); 3] =
+    [("number", Kind::Integer), ("line", Kind::Integer), ("text", Kind::Text)];
+const STEP: [(&str, Kind); 6] = [
+    ("number", Kind::Integer),
+    ("phase", Kind::Text),
+    ("time", Kind::Time),
+    ("duration", Kind::Time),
+    ("positions", Kind::Text),
+    ("effector", Kind::Text),
+];
+const BLEND: [(&str, Kind); 1] = [("overlap", Kind::Time)];
+const POINT: [(&str, Kind); 4] = [
+    ("number", Kind::Integer),
+    ("time", Kind::Time),
+    ("positions", Kind::Text),
+    ("velocities", Kind::Text),
+];
+const HANDOFF: [(&str, Kind); 3] =
+    [("effector", Kind::Text), ("station", Kind::Text), ("slot", Kind::Integer)];
+const AXIS: [(&str, Kind); 3] =
+    [("name", Kind::Text), ("value", Kind::Real), ("number", Kind::Integer)];
+const COMMENT: [(&str, Kind); 1] = [("text", Kind::Text)];
+
+impl Dialect {
+    /// Reads a dialect file.
+    ///
+    /// # Errors
+    /// All errors in the order of their places, at least one: invalid TOML, missing and unknown keys, unknown names and units, motions described in no manner or in two.
+    pub fn parse(text: &str) -> Result<Self, Errors<Problem>> {
+        let reader = Reader::new(text);
+        if !reader.has_at_most(MAX_BYTES) {
+            return reader.done(None);
+        }
+        let document = reader.parse();
+        let top = Table::new(&reader, "a dialect", document.get_ref(), 0..0);
+        let dialect = read(&top);
+        top.finish();
+        reader.done(dialect)
+    }
+
+    /// The neutral dialect.
+    #[must_use]
+    pub fn neutral() -> Self {
+        Self::parse(DIALECTS[0].text).expect("the included dialect is valid, as a test checks")
+    }
+}
+
+/// A file with what its templates need.
+struct File<'t, 'r, 'a> {
+    top: &'t Table<'r, 'a>,
+    decimals: Decimals,
+}
+
+fn read(top: &Table<'_, '_>) -> Option<Dialect> {
+    let reader = top.reader;
+    let text = |key| top.needed(key)?.text(reader).map(str::to_owned);
+    let (name, about, between) = (text("name"), text("about"), text("between"));
+    let extension = top.needed("extension").and_then(|entry| extension(reader, &entry));
+    let length = unit(top, "length", &LengthUnit::ALL);
+    let angle = unit(top, "angle", &AngleUnit::ALL);
+    let decimals = |key| top.needed(key)?.count(reader, 0, MOST_DECIMALS);
+    let (values, times) = (decimals("decimals"), decimals("time_decimals"));
+    // Templates are also checked where the decimals are invalid.
+    let decimals = Decimals { values: values.unwrap_or(0), times: times.unwrap_or(0) };
+    let file = File { top, decimals };
+    let station_codes = Codes::read(top, "station_codes");
+    let effector_codes = Codes::read(top, "effector_codes");
+    let kind = |codes: &Option<Codes>| codes.as_ref().map(|codes| codes.kind);
+    let handoff = Names::new(&HANDOFF)
+        .with("station_code", "the table `[station_codes]`", kind(&station_codes))
+        .with("effector_code", "the table `[effector_codes]`", kind(&effector_codes));
+    let axis = file.required("axis", &Names::new(&AXIS));
+    let comment = file.required("comment", &Names::new(&COMMENT));
+    let begin = file.list("begin", &Names::new(&ENDS));
+    let instruction = file.list("instruction", &Names::new(&INSTRUCTION));
+    let motion = file.motions();
+    let blend = file.list("blend", &Names::new(&BLEND));
+    let taken = file.list("taken", &handoff);
+    let left = file.list("left", &handoff);
+    let end = file.list("end", &Names::new(&ENDS));
+    let output = match top.table("output", "`[output]`") {
+        Some(table) => {
+            let output = File { top: &table, decimals }.output();
+            table.finish();
+            output
+        }
+        None => Some(OutputFormat::default()),
+    };
+    values?;
+    times?;
+    Some(Dialect {
+        name: name?,
+        about: about?,
+        extension: extension?,
+        length: length?,
+        angle: angle?,
+        time_decimals: decimals.times,
+        axis: axis?,
+        between: between?,
+        comment: comment?,
+        begin: begin?,
+        instruction: instruction?,
+        motion: motion?,
+        blend: blend?,
+        taken: taken?,
+        left: left?,
+        end: end?,
+        station_codes,
+        effector_codes,
+        output: output?,
+    })
+}
+
+impl File<'_, '_, '_> {
+    fn template(&self, entry: &Entry<'_, '_>, names: &Names) -> Option<Template> {
+        let reader = self.top.reader;
+        let text = entry.text(reader)?;
+        let span = |part| entry.part_span(reader, text, part);
+        let read = Template::parse(text, names, self.decimals, |part| reader.place(span(part)));
+        read.map_err(|(part, problem)| reader.report(span(part), problem)).ok()
+    }
+
+    fn required(&self, key: &'static str, names: &Names) -> Option<Template> {
+        self.template(&self.top.needed(key)?, names)
+    }
+
+    fn templates(&self, entry: &Entry<'_, '_>, names: &Names) -> Option<Vec<Template>> {
+        // All templates are read, so that each error is reported.
+        let list = entry.list(self.top.reader)?;
+        let read: Vec<_> = list.iter().map(|one| self.template(one, names)).collect();
+        read.into_iter().collect()
+    }
+
+    /// The templates of a key; none if absent.
+    fn list(&self, key: &'static str, names: &Names) -> Option<Vec<Template>> {
+        match self.top.entry(key) {
+            Some(entry) => self.templates(&entry, names),
+            None => Some(Vec::new()),
+        }
+    }
+
+    fn motions(&self) -> Option<Motions> {
+        let keys = ["axes", "line", "still", "point"];
+        let step = Names::new(&STEP);
+        match keys.map(|key| self.top.entry(key)) {
+            [Some(axes), Some(line), Some(still), None] => {
+                let [axes, line, still] =
+                    [axes, line, still].map(|entry| self.templates(&entry, &step));
+                Some(Motions::Steps { axes: axes?, line: line?, still: still? })
+            }
+            [None, None, None, Some(point)] => {
+                self.templates(&point, &Names::new(&POINT)).map(Motions::Points)
+            }
+            _ => {
+                self.top.report(Problem::Motions);
+                None
+            }
+        }
+    }
+
+    /// The table `[output]`.
+    fn output(&self) -> Option<OutputFormat> {
+        let (top, reader) = (self.top, self.top.reader);
+        let checksum = |key| {
+            let word = |entry: Entry<'_, '_>| entry.word(reader, "checksum", &Checksum::ALL);
+            top.entry(key).and_then(word)
+        };
+        // With another word, the names of the templates are those with a checksum.
+        let (line_sum, file_sum) = (checksum("checksum"), checksum("file_checksum"));
+        let assumed =
+            |sum: Option<Checksum>, key| sum.or_else(|| top.entry(key).map(|_| Checksum::Xor));
+        let one = |key, names| match top.entry(key) {
+            Some(entry) => self.template(&entry, &names).map(Some),
+            None => Some(None),
+        };
+        let covered = one("covered", covered_names());
+        let line = one("line", line_names(assumed(line_sum, "checksum")));
+        let last = self.list("last", &last_names(assumed(file_sum, "file_checksum")));
+        let except = match top.entry("except") {
+            Some(entry) => entry.list(reader).and_then(|list| {
+                list.iter().map(|one| one.line(reader).map(str::to_owned)).collect()
+            }),
+            None => Some(Vec::new()),
+        };
+        let line_end = match top.entry("line_end") {
+            Some(entry) => entry.word(reader, "line end", &LINE_ENDS),
+            None => Some("\n"),
+        };
+        Some(OutputFormat {
+            covered: covered?,
+            line: line?,
+            checksum: line_sum,
+            except: except?,
+            line_end: line_end?,
+            file_checksum: file_sum,
+            last: last?,
+        })
+    }
+}
+
+fn extension(reader: &Reader<'_>, entry: &Entry<'_, '_>) -> Option<String> {
+    let found = entry.text(reader)?.to_owned();
+    let plain = |letter: char| letter.is_ascii_alphanumeric() || letter == '.';
+    if found.is_empty() || !found.chars().all(plain) {
+        entry.report(reader, Problem::Extension { found });
+        return None;
+    }
+    Some(found)
+}
+
+fn unit<U: Copy>(top: &Table<'_, '_>, key: &'static str, all: &[(&str, U)]) -> Option<U> {
+    top.needed(key)?.word(top.reader, &format!("unit of {key}"), all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_included_dialect_is_valid() {
+        for entry in DIALECTS {
+            assert_eq!(Dialect::parse(entry.text).unwrap().name, entry.name);
+        }
+        assert_eq!(Dialect::neutral().name, "neutral");
+    }
+
+    /// Replaces a line of the neutral dialect, and checks an error message.
+    #[track_caller]
+    fn refuse(from: &str, to: &str, message: &str) {
+        let text = DIALECTS[0].text.replace(from, to);
+        assert_ne!(text, DIALECTS[0].text);
+        let errors = Dialect::parse(&text).unwrap_err();
+        let shown: Vec<String> = errors.iter().map(|error| error.with_excerpt("x.toml")).collect();
+        let shown = shown.join("\n");
+        assert!(shown.contains(message), "{shown}");
+        assert!(to.is_empty() || shown.contains(to.lines().next().unwrap()), "{shown}");
+    }
+
+    #[test]
+    fn invalid_dialects_are_rejected_with_the_place_of_each_error() {
+        refuse("length = \"mm\"", "length = \"furlong\"", "known: ");
+        refuse("angle = \"deg\"", "angle = \"turns\"", "known: ");
+        refuse("WAIT {duration}", "WAIT {durations}", "did you mean `duration`");
+        refuse("WAIT {duration}", "WAIT {duration", "ends without");
+        refuse("WAIT {duration}", "WAIT duration}", "}}");
+        refuse("\ndecimals = 6", "\ndecimals = 20", "from 0 to 12");
+        refuse("extension = \"txt\"", "extension = \"../x\"", "letters and digits");
+        refuse("still =", "stil =", "unknown key");
+        refuse("WAIT {duration}", "WAIT {duration:d}", "not a format of a number with decimals");
+        refuse("{station} {slot}", "{station_code} {slot}", "needs the table `[station_codes]`");
+        let output = |table: &str| format!("end = [\"END {{time}}\"]\n{table}");
+        for (table, message) in [
+            ("[output]\nchecksum = \"crc\"", "known: xor, sum, lrc, crc-16/xmodem"),
+            ("[output]\nline = \"{text}*{checksum}\"", "`{checksum}` needs the key `checksum`"),
+            ("[output]\nlast = [\"{checksum}\"]", "needs the key `file_checksum`"),
+            ("[output]\nline_end = \"cr\"", "known: lf, crlf"),
+            ("[output]\ncover = \"x\"", "did you mean `covered`?"),
+            ("[output]\nexcept = [1]", "has to be a text"),
+            ("[station_codes]\nLP1 = 1\nLP2 = \"P2\"", "all texts, or all whole numbers"),
+            ("[station_codes]\nLP1 = 1.5", "a whole number"),
+        ] {
+            let text = DIALECTS[0].text.replace("end = [\"END {time}\"]", &output(table));
+            let errors = Dialect::parse(&text).unwrap_err().with_excerpt("x.toml");
+            assert!(errors.contains(message), "{table}: {errors}");
+        }
+        refuse(
+            "still = [\"WAIT {duration}\"]\n",
+            "",
+            "either `axes`, `line` and `still`, or `point`",
+        );
+    }
+}

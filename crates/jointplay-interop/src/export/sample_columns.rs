@@ -1,0 +1,219 @@
+//! Columns of the table of samples, chosen by name or group.
+
+use jointplay_cell::robot::{AxisKind, EffectorId};
+use jointplay_cell::workcell::Cell;
+use jointplay_format::place::nearest;
+
+use super::error::Error;
+
+/// A column of the table of samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampleColumn {
+    /// Name with its unit, such as `q1_mm`.
+    pub name: String,
+    /// Meaning of the values.
+    pub meaning: String,
+    /// Groups that contain the column.
+    pub groups: Vec<String>,
+    pub(super) quantity: Quantity,
+}
+
+/// Quantity of a column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Quantity {
+    Time,
+    Line,
+    Step,
+    Axis { axis: usize, derivative: Derivative },
+    Platform(FrameQuantity),
+    Wafer { effector: EffectorId, quantity: FrameQuantity },
+    Speed(EffectorId),
+    Acceleration(EffectorId),
+    Loaded(EffectorId),
+    Violations,
+}
+
+/// Derivative of the position of an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Derivative {
+    Position,
+    Velocity,
+    Acceleration,
+    Jerk,
+}
+
+/// Number of a frame in the base frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum FrameQuantity {
+    X,
+    Y,
+    Z,
+    Heading,
+    Tilt,
+    TiltDirection,
+}
+
+/// Group of the columns of a table without a choice.
+pub const DEFAULT_COLUMNS: &str = "default";
+
+/// Groups with their meaning; in addition, the name of each axis, effector and column without its unit is a group.
+pub const COLUMN_GROUPS: [(&str, &str); 17] = [
+    (DEFAULT_COLUMNS, "columns without --columns"),
+    ("all", "all columns"),
+    ("time", "time"),
+    ("program", "line of the program, and number of the step"),
+    ("axes", "all columns of all axes"),
+    ("positions", "position of each axis"),
+    ("velocities", "velocity of each axis"),
+    ("accelerations", "acceleration of each axis"),
+    ("jerks", "jerk of each axis"),
+    ("platform", "origin, heading and tilt of the platform"),
+    ("wafers", "all columns of all effectors"),
+    ("x", "x of each wafer centre"),
+    ("y", "y of each wafer centre"),
+    ("z", "z of each wafer centre"),
+    ("heading", "heading of each effector's wafer"),
+    ("tilt", "tilt angle and tilt direction of the platform and of each effector's wafer"),
+    ("speed", "speed and acceleration of each wafer centre"),
+];
+
+/// All columns that a table of samples of a cell can have, in their order.
+#[must_use]
+pub fn sample_columns(cell: &Cell) -> Vec<SampleColumn> {
+    let mut columns = vec![
+        column("time_s", "time", &[DEFAULT_COLUMNS, "time"], Quantity::Time),
+        column("line", "line of the program", &[DEFAULT_COLUMNS, "program"], Quantity::Line),
+        column("step", "number of the step", &[DEFAULT_COLUMNS, "program"], Quantity::Step),
+    ];
+    for (axis, described) in cell.robot.axes.iter().enumerate() {
+        let name = &described.name;
+        let unit = if described.kind == AxisKind::Rotary { "deg" } else { "mm" };
+        for (derivative, suffix, group, what) in [
+            (Derivative::Position, "", "positions", "position"),
+            (Derivative::Velocity, "_per_s", "velocities", "velocity"),
+            (Derivative::Acceleration, "_per_s2", "accelerations", "acceleration"),
+            (Derivative::Jerk, "_per_s3", "jerks", "jerk"),
+        ] {
+            let mut groups = vec!["axes", group, name];
+            if derivative != Derivative::Jerk {
+                groups.push(DEFAULT_COLUMNS);
+            }
+            let meaning = format!("{what} of the axis {name}");
+            let quantity = Quantity::Axis { axis, derivative };
+            columns.push(column(&format!("{name}_{unit}{suffix}"), &meaning, &groups, quantity));
+        }
+    }
+    let of_platform = |coordinate| {
+        // The groups of one coordinate concern wafers.
+        if coordinate == "tilt" { vec!["platform", "tilt"] } else { vec!["platform"] }
+    };
+    columns.extend(frame_columns("platform", "platform", of_platform, Quantity::Platform));
+    for effector in cell.robot.effectors() {
+        let name = &cell.robot.arms[effector.arm].effectors[effector.effector].name;
+        let what = format!("wafer on {name}");
+        let of_wafer = |coordinate| {
+            let mut groups = vec!["wafers", name, coordinate];
+            if ["x", "y", "z"].contains(&coordinate) {
+                groups.push(DEFAULT_COLUMNS);
+            }
+            groups
+        };
+        let quantity = |quantity| Quantity::Wafer { effector, quantity };
+        columns.extend(frame_columns(name, &what, of_wafer, quantity));
+        for (end, unit, meaning, quantity) in [
+            ("speed", "_mm_per_s", "speed of the centre of the", Quantity::Speed(effector)),
+            (
+                "acceleration",
+                "_mm_per_s2",
+                "magnitude of the acceleration of the centre of the",
+                Quantity::Acceleration(effector),
+            ),
+            ("loaded", "", "1 while there is a", Quantity::Loaded(effector)),
+        ] {
+            let short = format!("{name}_{end}");
+            let mut groups = vec!["wafers", name.as_str(), short.as_str()];
+            if !unit.is_empty() {
+                groups.push("speed");
+            }
+            let meaning = format!("{meaning} {what}");
+            columns.push(column(&format!("{short}{unit}"), &meaning, &groups, quantity));
+        }
+    }
+    columns.push(column(
+        "violations",
+        "number of violations at this time",
+        &[],
+        Quantity::Violations,
+    ));
+    columns
+}
+
+fn column(name: &str, meaning: &str, groups: &[&str], quantity: Quantity) -> SampleColumn {
+    let groups = groups.iter().map(|&group| group.to_owned()).collect();
+    SampleColumn { name: name.to_owned(), meaning: meaning.to_owned(), groups, quantity }
+}
+
+/// The columns of a frame.
+///
+/// # Arguments
+/// * `groups` – groups of a coordinate
+fn frame_columns<'g>(
+    name: &str,
+    what: &str,
+    groups: impl Fn(&'static str) -> Vec<&'g str>,
+    quantity: impl Fn(FrameQuantity) -> Quantity,
+) -> Vec<SampleColumn> {
+    let columns = [
+        ("x", "mm", "x", "x of the centre of the", FrameQuantity::X),
+        ("y", "mm", "y", "y of the centre of the", FrameQuantity::Y),
+        ("z", "mm", "z", "z of the centre of the", FrameQuantity::Z),
+        ("heading", "deg", "heading", "heading of the", FrameQuantity::Heading),
+        ("tilt", "deg", "tilt", "tilt angle of the", FrameQuantity::Tilt),
+        ("tilt_direction", "deg", "tilt", "tilt direction of the", FrameQuantity::TiltDirection),
+    ];
+    let frame_column = |(end, unit, coordinate, meaning, kind)| {
+        let short = format!("{name}_{end}");
+        let meaning = format!("{meaning} {what}");
+        let mut one =
+            column(&format!("{short}_{unit}"), &meaning, &groups(coordinate), quantity(kind));
+        one.groups.push(short);
+        one
+    };
+    columns.into_iter().map(frame_column).collect()
+}
+
+/// The columns of names and groups, in their order, each once.
+///
+/// # Errors
+/// [`Error::UnknownColumn`]
+pub fn select_columns(cell: &Cell, names: &[String]) -> Result<Vec<SampleColumn>, Error> {
+    let all = sample_columns(cell);
+    let mut selected: Vec<SampleColumn> = Vec::new();
+    for name in names {
+        let is_named = |column: &&SampleColumn| {
+            name == "all" || column.name == *name || column.groups.contains(name)
+        };
+        let found: Vec<_> = all.iter().filter(is_named).collect();
+        if found.is_empty() {
+            return Err(unknown_column(name, &all));
+        }
+        for column in found {
+            if !selected.contains(column) {
+                selected.push(column.clone());
+            }
+        }
+    }
+    Ok(selected)
+}
+
+fn unknown_column(name: &str, all: &[SampleColumn]) -> Error {
+    let columns: Vec<&str> = all.iter().map(|column| column.name.as_str()).collect();
+    let groups = COLUMN_GROUPS.map(|(group, _)| group);
+    let known = groups.into_iter().chain(columns.iter().copied());
+    Error::UnknownColumn {
+        found: name.to_owned(),
+        nearest: nearest(name, known),
+        groups: groups.join(", "),
+        columns: columns.join(", "),
+    }
+}

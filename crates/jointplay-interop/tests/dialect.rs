@@ -1,0 +1,140 @@
+//! Controller text by dialects: formats, codes, checksums and line numbers.
+#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
+
+use jointplay_cell::program::expand;
+use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
+use jointplay_cell::workcell::Cell;
+use jointplay_format::{cell, program};
+use jointplay_interop::export::dialect::Dialect;
+use jointplay_interop::export::{Error, MotionExport};
+
+const PROGRAM: &str = "HOME\nTRANSFER LP1 SLOT 3 TO LP2 SLOT 12 WITH B\nHOME\n";
+
+/// The keys that each dialect needs, with hand-offs only.
+const HEAD: &str = r#"
+name = "mine"
+about = "hand-offs"
+extension = "cmd"
+length = "mm"
+angle = "deg"
+decimals = 3
+time_decimals = 3
+axis = "{value:+09.3f}"
+between = ","
+comment = "; {text}"
+axes = []
+line = []
+still = []
+"#;
+
+fn planned() -> (Cell, Trajectory) {
+    let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
+    let steps = expand(&cell, &program::parse(PROGRAM).unwrap()).unwrap();
+    let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
+    (cell, motion)
+}
+
+fn write(rest: &str) -> Result<String, Error> {
+    let (cell, motion) = planned();
+    let dialect = Dialect::parse(&format!("{HEAD}{rest}")).unwrap();
+    let motion_export =
+        MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
+    dialect.write(&motion_export, 10.0)
+}
+
+const CODES: &str = r#"
+[station_codes]
+LP1 = "P1"
+LP2 = "P2"
+[effector_codes]
+A = 1
+B = 2
+"#;
+
+/// XOR of the bytes of a text.
+fn xor(text: &str) -> u8 {
+    text.bytes().fold(0, |value, byte| value ^ byte)
+}
+
+#[test]
+fn hand_offs_have_formatted_slots_and_codes_of_the_controller() {
+    let rest = r#"
+taken = ["GET,{station_code},S{slot:02},{effector_code:03}"]
+left = ["PUT,{station_code},S{slot - 1:02},{effector_code:x}"]
+"#;
+    assert_eq!(write(&format!("{rest}{CODES}")).unwrap(), "GET,P1,S03,002\nPUT,P2,S11,2\n");
+}
+
+#[test]
+fn lines_have_numbers_and_checksums_and_the_file_has_one() {
+    let rest = r##"
+begin = ["; by jointplay", "M1 {positions}"]
+taken = ["GET {station} {slot}"]
+left = ["PUT {station} {slot}"]
+[output]
+covered = "N{10 * number:04} {text}"
+line = "{covered}*{checksum:02X}"
+checksum = "xor"
+except = [";", "#"]
+line_end = "crlf"
+file_checksum = "crc-32"
+last = ["; {lines} lines", "#{checksum:08x}"]
+"##;
+    let text = write(rest).unwrap();
+    assert!(text.ends_with("\r\n"));
+    let lines: Vec<&str> = text.split_terminator("\r\n").collect();
+    assert_eq!((lines.len(), lines[0], lines[4]), (6, "; by jointplay", "; 4 lines"));
+    assert!(lines[1].starts_with("N0010 M1 +0500.000,"), "{text}");
+    assert!(lines[2].starts_with("N0020 GET LP1 3*"), "{text}");
+    for line in &lines[1..4] {
+        let (covered, checksum) = line.rsplit_once('*').unwrap();
+        assert_eq!(u8::from_str_radix(checksum, 16).unwrap(), xor(covered), "{line}");
+    }
+    // All bytes before the last lines; the value of an own bitwise CRC-32.
+    let body = &text[..text.find("; 4 lines").unwrap()];
+    let crc = body.bytes().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| {
+            if crc & 1 == 1 { (crc >> 1) ^ 0xEDB8_8320 } else { crc >> 1 }
+        })
+    });
+    assert_eq!(lines[5], format!("#{:08x}", !crc));
+}
+
+#[test]
+fn a_sentence_has_its_checksum_without_its_frame() {
+    let rest = r#"
+taken = ["GET,{station},{slot}"]
+[output]
+line = "${covered}*{checksum:02X}"
+checksum = "xor"
+"#;
+    assert_eq!(write(rest).unwrap(), format!("$GET,LP1,3*{:02X}\n", xor("GET,LP1,3")));
+}
+
+#[test]
+fn stations_without_a_code_are_all_reported() {
+    let rest =
+        "taken = [\"{station_code}\"]\nleft = [\"{station_code}\"]\n[station_codes]\nLP3 = 1\n";
+    let Err(Error::Dialect(errors)) = write(rest) else { panic!("no error") };
+    let shown = errors.with_excerpt("mine.toml");
+    assert_eq!(errors.len(), 2, "{shown}");
+    for name in ["LP1", "LP2"] {
+        let message = format!("`[station_codes]` has no code for \"{name}\" (did you mean `LP3`?)");
+        assert!(shown.contains(&message), "{shown}");
+    }
+    assert!(shown.contains("mine.toml:17:1: "), "{shown}");
+    // Codes that no template writes are not needed.
+    assert!(write("taken = [\"{station}\"]\n[station_codes]\nLP3 = 1\n").is_ok());
+}
+
+#[test]
+fn divisions_by_zero_are_reported_with_place_and_values() {
+    let Err(Error::Dialect(errors)) = write("taken = [\"GET {1 / (slot - 3)}\"]\n") else {
+        panic!("no error")
+    };
+    let shown = errors.with_excerpt("mine.toml");
+    assert!(
+        shown.starts_with("mine.toml:15:16: `1 / (slot - 3)` is infinite for slot = 3"),
+        "{shown}"
+    );
+}

@@ -1,0 +1,151 @@
+//! Columns of tables: headings, tilts and speeds compared with other formulas, and windows with the whole table.
+#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
+
+use jointplay_cell::program::expand;
+use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
+use jointplay_cell::workcell::Cell;
+use jointplay_format::{cell, program};
+use jointplay_interop::export::{
+    Error, MotionExport, SampleOptions, samples, samples_in_parts, samples_with, select_columns,
+};
+use jointplay_report::table::{Column, Values};
+use nalgebra::UnitQuaternion;
+use proptest::prelude::*;
+
+const PROGRAM: &str = "HOME\nTRANSFER LP1 SLOT 1 TO LP2 SLOT 25 WITH B\nHOME\n";
+
+fn planned() -> (Cell, Trajectory) {
+    let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
+    let steps = expand(&cell, &program::parse(PROGRAM).unwrap()).unwrap();
+    let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
+    (cell, motion)
+}
+
+fn motion_export<'a>(cell: &'a Cell, motion: &'a Trajectory) -> MotionExport<'a> {
+    MotionExport { cell, motion, program: PROGRAM, violation_notes: &[] }
+}
+
+fn options(cell: &Cell, rate: f64, columns: &[&str]) -> SampleOptions {
+    let names: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
+    let columns = Some(select_columns(cell, &names).unwrap());
+    SampleOptions { columns, ..SampleOptions::at_rate(rate) }
+}
+
+fn real<'c>(columns: &'c [Column], name: &str) -> &'c [f64] {
+    let column = columns.iter().find(|column| column.name == name).unwrap();
+    let Values::Real(values) = &column.values else { panic!("{name} is not real") };
+    values
+}
+
+/// Difference of two angles (degrees).
+fn between(a: f64, b: f64) -> f64 {
+    (a - b + 180.0).rem_euclid(360.0) - 180.0
+}
+
+#[test]
+fn heading_and_tilt_agree_with_the_quaternion_and_the_normal() {
+    let (cell, motion) = planned();
+    let motion_export = motion_export(&cell, &motion);
+    let columns = samples_with(&motion_export, &options(&cell, 20.0, &["all"])).unwrap();
+    let (mut largest, mut loaded) = (0.0_f64, 0);
+    for (k, &time) in real(&columns, "time_s").iter().enumerate() {
+        let sample = motion.sample_at(time);
+        let carried = &motion.steps[sample.step].loaded;
+        let pose = cell.forward_with_deflection(&sample.positions, carried).unwrap();
+        for (name, pose) in [
+            ("platform", pose.platform.base_from_platform),
+            ("A", pose.base_from_wafer[0][0]),
+            ("B", pose.base_from_wafer[1][0]),
+        ] {
+            let value = |end: &str| real(&columns, &format!("{name}_{end}"))[k];
+            // The twist of the swing-twist decomposition about z.
+            let turn = UnitQuaternion::from_rotation_matrix(&pose.rotation);
+            let heading = 2.0 * turn.k.atan2(turn.w).to_degrees();
+            assert!(between(value("heading_deg"), heading).abs() < 1e-9, "{name} {time}");
+            let normal = pose.rotation.matrix().column(2);
+            let tilt = normal.xy().norm().asin().to_degrees();
+            assert!((value("tilt_deg") - tilt).abs() < 1e-9, "{name} {time}");
+            if tilt > 1e-3 {
+                let direction = normal.y.atan2(normal.x).to_degrees();
+                assert!(between(value("tilt_direction_deg"), direction).abs() < 1e-9);
+            }
+            assert!((value("z_mm") - 1e3 * pose.translation.z).abs() < 1e-9);
+            largest = largest.max(tilt);
+        }
+        let column = columns.iter().find(|column| column.name == "B_loaded").unwrap();
+        let Values::Count(counts) = &column.values else { panic!("not counted") };
+        assert_eq!(counts[k], u32::from(!carried.is_empty()));
+        loaded += counts[k];
+    }
+    // The second station is tilted by 0.8°.
+    assert!(largest > 0.7 && loaded > 10, "{largest} {loaded}");
+}
+
+#[test]
+fn speeds_of_wafer_centres_are_the_derivatives_of_their_positions() {
+    let (cell, motion) = planned();
+    let motion_export = motion_export(&cell, &motion);
+    // Within the motion to the tilted station, where the arm is loaded.
+    let step = motion.steps.iter().position(|step| !step.loaded.is_empty()).unwrap() + 1;
+    let window = Some([motion.times[step], motion.times[step + 1]]);
+    let table = options(&cell, 1000.0, &["time", "B"]);
+    let columns = samples_with(&motion_export, &SampleOptions { window, ..table }).unwrap();
+    let [x, y, z] = ["x", "y", "z"].map(|axis| real(&columns, &format!("B_{axis}_mm")));
+    let speed = real(&columns, "B_speed_mm_per_s");
+    let fastest = speed.iter().copied().fold(0.0, f64::max);
+    assert!(fastest > 100.0, "{fastest}");
+    for k in 1..speed.len() - 1 {
+        let rate = |values: &[f64]| (values[k + 1] - values[k - 1]) * 500.0;
+        let expected = (rate(x).powi(2) + rate(y).powi(2) + rate(z).powi(2)).sqrt();
+        assert!((speed[k] - expected).abs() < 1e-3 * fastest, "{k}: {} {expected}", speed[k]);
+    }
+}
+
+#[test]
+fn the_default_table_is_the_group_of_that_name() {
+    let (cell, motion) = planned();
+    let motion_export = motion_export(&cell, &motion);
+    let named = samples_with(&motion_export, &options(&cell, 10.0, &["default"])).unwrap();
+    assert_eq!(samples(&motion_export, 10.0).unwrap(), named);
+    let all = samples_with(&motion_export, &options(&cell, 10.0, &["all"])).unwrap();
+    for column in &named {
+        assert!(all.contains(column), "{}", column.name);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn a_window_has_the_bits_of_the_whole_table(
+        rate in 1.0..200.0_f64, ends in (0.0..1.0_f64, 0.0..1.0_f64)
+    ) {
+        static PLANNED: std::sync::LazyLock<(Cell, Trajectory)> = std::sync::LazyLock::new(planned);
+        let (cell, motion) = &*PLANNED;
+        let motion_export = motion_export(cell, motion);
+        let [from, to] = [ends.0.min(ends.1), ends.0.max(ends.1)].map(|part| part * motion.duration());
+        let whole = options(cell, rate, &["time", "tilt", "B_x", "B_speed", "program"]);
+        let window = SampleOptions { window: Some([from, to]), ..whole.clone() };
+        let mut expected = samples_with(&motion_export, &whole).unwrap();
+        let times = real(&expected, "time_s").to_vec();
+        let first = times.partition_point(|&time| time < from);
+        let last = times.partition_point(|&time| time <= to);
+        for column in &mut expected {
+            match &mut column.values {
+                Values::Real(values) => *values = values[first..last].to_vec(),
+                Values::Count(values) => *values = values[first..last].to_vec(),
+            }
+        }
+        prop_assert_eq!(&samples_with(&motion_export, &window).unwrap(), &expected);
+        let mut parts = Vec::new();
+        let found = samples_in_parts(&motion_export, &window, |part| {
+            parts.push(part.to_vec());
+            Ok::<_, Error>(())
+        });
+        if first == last {
+            prop_assert_eq!(found, Err(Error::NoSamples { rate, from, to }));
+        } else {
+            prop_assert_eq!(parts, [expected]);
+        }
+    }
+}
