@@ -172,7 +172,7 @@ def test_rows_without_an_answer(gpr, rods):
         assert np.isnan(getattr(many, name)[[3, 5]]).all()
         assert np.isfinite(np.delete(getattr(many, name), [3, 5], axis=0)).all()
     tilts = gpr.inverse([0, 0, np.nan], [0.01, 2, 0.01])
-    assert tilts.status.tolist() == [0, jp.Status.PITCH_TOO_LARGE, jp.Status.NOT_FINITE]
+    assert tilts.status.tolist() == [0, jp.Status.TILT_TOO_LARGE, jp.Status.NOT_FINITE]
     assert np.isnan(tilts.rods_m[1:]).all() and np.isfinite(tilts.rods_m[0]).all()
 
 

@@ -248,7 +248,7 @@ fn x_and_l_have_their_extremum_at_every_pass() {
 }
 
 #[test]
-fn an_extremum_of_l_is_a_minimum_or_a_maximum_depending_on_the_yaw() {
+fn an_extremum_of_l_is_a_minimum_or_a_maximum_depending_on_the_azimuth() {
     let change = |azimuth| {
         let x = pose(&Radial, Solver::Newton, Metric::Paper, azimuth, 2.0).solution.virtual_joints;
         x[0] - RADIUS

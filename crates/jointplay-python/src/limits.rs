@@ -45,12 +45,12 @@ impl PyGpr {
         tilt_rad: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let tilt_angle = tilt_rad.and_then(number);
-        let one_pitch = tilt_angle.is_some() || tilt_rad.is_none();
-        if let (Some(rods), true) = (three(rods_m), one_pitch) {
+        let one_tilt = tilt_angle.is_some() || tilt_rad.is_none();
+        if let (Some(rods), true) = (three(rods_m), one_tilt) {
             return self.broken_by_one(py, &rods, tilt_angle);
         }
         let rods = Triples::read(rods_m, "rods_m", RODS)?;
-        if rods.shape.is_empty() && one_pitch {
+        if rods.shape.is_empty() && one_tilt {
             let rods = rods.columns()?.map(|column| column.at(0));
             return self.broken_by_one(py, &rods, tilt_angle);
         }

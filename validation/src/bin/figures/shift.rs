@@ -76,7 +76,7 @@ pub(crate) fn against_tilt() -> Result<Figure, Error> {
         Panel::new(Axis::linear("tilt (°)"), Axis::linear("centre shift toward rod 1 (µm)"))
             .with_title("(a) tilt toward rod 1");
     let mut azimuths = Panel::new(
-        Axis::linear("azimuth: azimuth of the tilt (°)"),
+        Axis::linear("azimuth of the tilt (°)"),
         Axis::linear("azimuth of the shift (°)").with_range(-370.0, 190.0),
     )
     .with_title("(b) azimuth of the shift at a tilt of 2°");
