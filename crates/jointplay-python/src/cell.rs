@@ -175,7 +175,7 @@ impl PyCell {
         }
         if let Some(tilt) = tilt_rad {
             let [azimuth, angle] = finite_numbers(tilt, "tilt_rad")?;
-            changes.push(Change::Tilt(Tilt { azimuth: azimuth, angle: angle }));
+            changes.push(Change::Tilt(Tilt { azimuth, angle }));
         }
         let text = set_station(&self.text, name, &changes)
             .map_err(|problem| errors::file(py, &self.label, &[problem]))?;
