@@ -12,7 +12,8 @@ but the comparison. For each path two optima are computed:
 - direct transcription in time: 120 intervals with constant jerk of the path parameter, velocity, acceleration and jerk limits
   at both ends and in the middle of each, solved by IPOPT (casadi on PyPI).
 
-The comparison with TOPP-RA uses a second motion, planned with jerk limits a hundred times as high.
+The comparison with TOPP-RA uses a second motion, planned with jerk limits a hundred times as high. A third motion carries wafers
+on little friction between level stations; the transcription then bounds the acceleration of the wafer's centre too.
 Results: bench/results/trajectories.md and trajectories.json, from which the table of the documentation and the values of the test
 crates/jointplay-format/tests/line_times.rs are copied.
 """
@@ -33,10 +34,14 @@ HERE = pathlib.Path(__file__).resolve().parent
 LINES = HERE / "lines"
 INTERVALS = 120
 JERK_FACTOR = 100.0
+FRICTION = 0.12
+GRAVITY = 9.80665
+WAFER_RADIUS = 0.15
+PAD_RADIUS = 0.12
 
 
-def path_of(positions):
-    """A quintic spline, from 0 to 1, through positions of all axes in the order of a motion."""
+def path_of(positions, values=None):
+    """A quintic spline, from 0 to 1, through positions of all axes in the order of a motion, or through other values there."""
     import numpy as np
     from scipy.interpolate import make_interp_spline
 
@@ -48,7 +53,7 @@ def path_of(positions):
     points = 40
     wanted = np.searchsorted(length, np.arange(1, points) / points)
     keep = np.unique(np.concatenate([[0], wanted, [len(length) - 1]]))
-    return make_interp_spline(length[keep], positions[keep], k=5)
+    return make_interp_spline(length[keep], (positions if values is None else values)[keep], k=5)
 
 
 def by_toppra(path, limits):
@@ -67,11 +72,15 @@ def by_toppra(path, limits):
     ]
     grid = np.linspace(0, 1, 2001)
     instance = algorithm.TOPPRA(constraints, spline, gridpoints=grid, parametrizer="ParametrizeConstAccel")
-    return instance.compute_trajectory(0, 0).duration
+    found = instance.compute_trajectory(0, 0)
+    return found.duration if found else None
 
 
-def by_transcription(path, limits, guess):
-    """Least duration under velocity, acceleration and jerk limits (s).
+def by_transcription(path, limits, guess, center=None):
+    """Least duration under velocity, acceleration and jerk limits (s), and with the friction of a level wafer; None where none is found.
+
+    center: the wafer's centre (m) and its heading (rad) over the path parameter. For the force f = c̈ + g e_z per mass, and the
+    moment that turns a disc about its centre, M = R² / 2 · heading'', |f_t| + |M| / b ≤ µ f_n with the radius b of the pads.
 
     Normalized time from 0 to 1; s, v, a and j are the path parameter and its derivatives by it, T is the duration:
     |q' v| ≤ V T, |q'' v² + q' a| ≤ A T², |q''' v³ + 3 q'' v a + q' j| ≤ J T³.
@@ -81,14 +90,15 @@ def by_transcription(path, limits, guess):
 
     axes, n, h = limits.shape[0], INTERVALS, 1.0 / INTERVALS
 
-    def derivative(order):
-        spline = path.derivative(order)
+    def derivative(of, order):
+        spline = of.derivative(order)
         coefficients = spline.c[: len(spline.t) - spline.k - 1].ravel()
         s = ca.MX.sym("s")
-        value = ca.bspline(s, ca.DM(coefficients), [list(spline.t)], [spline.k], axes, {})
+        value = ca.bspline(s, ca.DM(coefficients), [list(spline.t)], [spline.k], spline.c.shape[1], {})
         return ca.Function(f"q{order}", [s], [value]).map(n)
 
-    derivatives = [derivative(order) for order in (1, 2, 3)]
+    derivatives = [derivative(path, order) for order in (1, 2, 3)]
+    of_center = [derivative(center, order) for order in (1, 2)] if center else []
     duration = ca.MX.sym("T")
     s, v, a = (ca.MX.sym(name, n + 1) for name in "sva")
     j = ca.MX.sym("j", n)
@@ -111,6 +121,15 @@ def by_transcription(path, limits, guess):
     for share in (0.0, 0.5, 1.0):
         position, rate, acceleration = advanced(share * h)
         q1, q2, q3 = (of(position.T) for of in derivatives)
+        if center:
+            c1, c2 = (of(position.T) for of in of_center)
+            four = [ca.repmat(one.T, 4, 1) for one in (rate, acceleration)]
+            x, y, z, turn = ca.vertsplit(c2 * four[0] ** 2 + c1 * four[1])
+            available = FRICTION * (z + GRAVITY * duration**2)
+            for sign in (-1.0, 1.0):
+                moment = sign * WAFER_RADIUS**2 / 2 * turn / PAD_RADIUS
+                add((available - moment).T, 0.0, np.inf)
+                add((x**2 + y**2 - (available - moment) ** 2).T, -np.inf, 0.0)
         rate, acceleration, jerk = (ca.repmat(one.T, axes, 1) for one in (rate, acceleration, j))
         values = (
             q1 * rate,
@@ -135,13 +154,14 @@ def by_transcription(path, limits, guess):
     for first, ends in ((1, (0.0, 1.0)), (n + 2, (0.0, 0.0)), (2 * n + 3, (0.0, 0.0))):
         for index, value in zip((first, first + n), ends):
             low[index] = high[index] = value
-    options = {"print_time": 0, "ipopt.print_level": 0, "ipopt.sb": "yes", "ipopt.max_iter": 1000,
+    options = {"print_time": 0, "ipopt.print_level": 0, "ipopt.sb": "yes", "ipopt.max_iter": 500,
                "ipopt.tol": 1e-6, "ipopt.mu_strategy": "adaptive"}
     problem = {"x": ca.vertcat(duration, s, v, a, j), "f": duration, "g": ca.vertcat(*conditions)}
     solver = ca.nlpsol("solver", "ipopt", problem, options)
     found = solver(x0=start, lbx=low, ubx=high, lbg=np.concatenate(lower), ubg=np.concatenate(upper))
     if not solver.stats()["success"]:
-        raise RuntimeError(f"IPOPT: {solver.stats()['return_status']}")
+        print(f"no optimum found by IPOPT: {solver.stats()['return_status']}", file=sys.stderr)
+        return None
     return float(found["f"])
 
 
@@ -151,7 +171,7 @@ class Robot:
     def __init__(self, file):
         robot = tomllib.loads(file.read_text())
         self.names, self.limits, self.drives = ["q1", "q2", "q3"], {}, {}
-        self.arms = {}
+        self.arms, self.heading = {}, {}
         for name in self.names:
             self.limits[name] = [robot["rods"][load] for load in ("empty", "loaded")]
         for axis in robot["axis"]:
@@ -161,6 +181,8 @@ class Robot:
             axes = {axis for joint in arm["joint"] for axis, ratio in joint.get("drives", {}).items() if ratio}
             for effector in arm["effector"]:
                 self.arms[effector["name"]] = axes
+                self.heading[effector["name"]] = [
+                    sum(joint["drives"].get(axis, 0.0) for joint in arm["joint"] if joint["kind"] == "turn") for axis in self.names]
 
     def limits_of(self, loaded_effector):
         """Velocity, acceleration and jerk limits of all axes, in the units of files."""
@@ -182,24 +204,28 @@ VARIANTS = [
 ]
 
 
-def robot_text(robot, droop, jerk_factor):
-    """Robot file of the catalogue, with other droop and jerk limits, and friction that never slows a line."""
+def robot_text(robot, droop, jerk_factor, friction):
+    """Robot file of the catalogue, with other droop, jerk limits and friction."""
     text = (HERE.parent / "robots" / f"{robot}.toml").read_text()
     if droop == "rigid":
         text = re.sub(r"droop = \{[^\n]*\}", 'droop = { kind = "rigid" }', text)
-    text = re.sub(r"friction = [0-9.]+", "friction = 10.0", text)
+    text = re.sub(r"friction = [0-9.]+", f"friction = {friction}", text)
     return re.sub(r"(jerk_\w+ = )([0-9.]+)", lambda found: f"{found[1]}{float(found[2]) * jerk_factor}", text)
 
 
-def lines_of(command, robot, droop, jerk_factor, work):
-    """Straight lines of the program: phase, duration, limits of the moving axes, and positions of these axes."""
+def lines_of(command, robot, droop, work, jerk_factor=1.0, friction=None):
+    """Straight lines of the program: phase, duration, limits of the moving axes, positions of these axes, and centres of wafers.
+
+    friction: of a wafer carried between level stations; without it no friction slows a line.
+    """
     import numpy as np
 
-    folder = work / f"{robot}-{droop}-{jerk_factor}"
+    folder = work / f"{robot}-{droop}-{jerk_factor}-{friction}"
     folder.mkdir()
-    for name in ("lines.toml", "lines.program"):
-        (folder / name).write_text((LINES / name).read_text())
-    (folder / "robot.toml").write_text(robot_text(robot, droop, jerk_factor))
+    cell = (LINES / "lines.toml").read_text()
+    (folder / "lines.toml").write_text(re.sub(r"tilt = .*", "", cell) if friction else cell)
+    (folder / "lines.program").write_text((LINES / "lines.program").read_text())
+    (folder / "robot.toml").write_text(robot_text(robot, droop, jerk_factor, friction or 10.0))
     described = Robot(folder / "robot.toml")
     files = [folder / "lines.toml", folder / "lines.program"]
     checked = subprocess.run([command, "cell", "check", *files, "--format", "json"], capture_output=True, text=True)
@@ -207,12 +233,13 @@ def lines_of(command, robot, droop, jerk_factor, work):
         sys.exit(checked.stderr)
     out = folder / "export"
     subprocess.run([command, "cell", "export", *files, "--to", "csv", "--rate", "4000", "--despite-errors", "--out", out],
-                   check=True, capture_output=True)
-    with open(out / "lines.csv") as file:
+                   check=True, stdout=subprocess.DEVNULL)
+    with open(next(out.glob("*.csv"))) as file:
         rows = csv.reader(file)
         header = next(rows)
         columns = [next(k for k, name in enumerate(header) if re.fullmatch(f"{axis}_(mm|deg)", name))
                    for axis in described.names]
+        columns += [header.index(f"A_{axis}_mm") for axis in "xyz"]
         samples = np.array([[float(row[k]) for k in (0, *columns)] for row in rows])
     found = []
     for instruction in json.loads(checked.stdout)["instructions"]:
@@ -222,7 +249,9 @@ def lines_of(command, robot, droop, jerk_factor, work):
                 continue
             start, end = segment["start_s"], segment["start_s"] + segment["duration_s"]
             inside = (samples[:, 0] > start - 1e-9) & (samples[:, 0] < end + 1e-9)
-            positions = samples[inside, 1:]
+            positions = samples[inside, 1:-3]
+            heading = np.radians(positions @ described.heading["A"])
+            centers = np.column_stack([samples[inside, -3:] / 1e3, heading])
             is_loaded = (verb == "GET") == (segment["phase"] == "retract")
             limits = np.array(described.limits_of("A" if is_loaded else None))
             moving = np.ptp(positions, axis=0) > 1e-6
@@ -231,6 +260,7 @@ def lines_of(command, robot, droop, jerk_factor, work):
                 "line": f"{verb} {segment['phase']}",
                 "duration_s": segment["duration_s"], "limited_by": segment["limited_by"],
                 "positions": positions[:, moving], "limits": limits[moving],
+                "centers": centers, "is_loaded": is_loaded,
             })
     return found
 
@@ -239,29 +269,45 @@ def compare(command, work):
     """Rows of the table."""
     rows = []
     for robot, droop in VARIANTS:
-        limited = lines_of(command, robot, droop, 1.0, work)
-        free = lines_of(command, robot, droop, JERK_FACTOR, work)
-        for one, other in zip(limited, free):
+        limited = lines_of(command, robot, droop, work)
+        free = lines_of(command, robot, droop, work, jerk_factor=JERK_FACTOR)
+        slippery = lines_of(command, robot, droop, work, friction=FRICTION)
+        for one, other, third in zip(limited, free, slippery):
             path = path_of(one["positions"])
             optimum = by_transcription(path, one["limits"], one["duration_s"])
             without_jerk = by_toppra(path_of(other["positions"]), other["limits"])
             row = {key: one[key] for key in ("robot", "droop", "line", "duration_s", "limited_by")}
             row |= {"transcription_s": optimum, "without_jerk_s": other["duration_s"], "toppra_s": without_jerk}
+            if third["is_loaded"]:
+                path, center = (path_of(third["positions"], values) for values in (None, third["centers"]))
+                row |= {"slippery_s": third["duration_s"],
+                        "slippery_transcription_s": by_transcription(path, third["limits"], third["duration_s"], center)}
             rows.append(row)
-            print(f"{robot:10} {droop:10} {row['line']:12} {row['duration_s']:.4f} {optimum:.4f} "
-                  f"{100 * (row['duration_s'] / optimum - 1):+.2f} %   {other['duration_s']:.4f} {without_jerk:.4f} "
-                  f"{100 * (other['duration_s'] / without_jerk - 1):+.2f} %", flush=True)
+            print(f"{robot:10} {droop:10} {row['line']:12} " + "   ".join(comparisons(row)), flush=True)
     return rows
+
+
+PAIRS = [("duration_s", "transcription_s"), ("without_jerk_s", "toppra_s"), ("slippery_s", "slippery_transcription_s")]
+
+
+def comparisons(row):
+    """Durations by jointplay and by the other program with the excess, for each kind of limits; empty where a line was not compared."""
+    cells = []
+    for own, other in PAIRS:
+        if row.get(other):
+            cells += [f"{row[own]:.4f}", f"{row[other]:.4f}", f"{100 * (row[own] / row[other] - 1):.1f} %"]
+        else:
+            cells += ["", "", ""]
+    return cells
 
 
 def table(rows):
     """The rows as Markdown."""
-    head = ["robot", "droop", "line", "jointplay (s)", "transcription (s)", "excess", "jerk × 100: jointplay (s)", "TOPP-RA (s)", "excess"]
-    text = ["| " + " | ".join(head) + " |", "| --- | --- | --- |" + " ---: |" * 6]
+    head = ["robot", "droop", "line", "jointplay (s)", "transcription (s)", "excess", "jerk × 100: jointplay (s)", "TOPP-RA (s)", "excess",
+            f"friction {FRICTION}: jointplay (s)", "transcription (s)", "excess"]
+    text = ["| " + " | ".join(head) + " |", "| --- | --- | --- |" + " ---: |" * 9]
     for row in rows:
-        excess = [f"{100 * (row[a] / row[b] - 1):.1f} %" for a, b in (("duration_s", "transcription_s"), ("without_jerk_s", "toppra_s"))]
-        cells = [row["robot"], row["droop"], row["line"], f"{row['duration_s']:.4f}", f"{row['transcription_s']:.4f}", excess[0],
-                 f"{row['without_jerk_s']:.4f}", f"{row['toppra_s']:.4f}", excess[1]]
+        cells = [row["robot"], row["droop"], row["line"], *comparisons(row)]
         text.append("| " + " | ".join(cells) + " |")
     return "\n".join(text) + "\n"
 

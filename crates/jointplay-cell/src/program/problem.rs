@@ -41,7 +41,8 @@ impl ProgramError {
     #[must_use]
     pub fn note(&self) -> String {
         let ErrorContext { variables, calls } = &self.context;
-        let variables = variables.iter().map(|(name, number)| format!("{name} = {number}"));
+        let variables =
+            variables.iter().map(|(name, number)| format!("{name} = {}", value(*number, None)));
         let calls = calls.iter().map(|call| format!("called in line {}", call.line));
         let context: Vec<String> = variables.chain(calls).collect();
         let context = match &context[..] {
@@ -399,7 +400,11 @@ fn value(number: f64, unit: Option<Unit>) -> String {
     if number.is_infinite() {
         return "infinite".to_owned();
     }
-    unit.map_or_else(|| number.to_string(), |unit| format!("{number} {}", unit.symbol()))
+    // Twelve digits: enough for every number that is typed, and without round-off.
+    let rounded = format!("{number:.11e}").parse().unwrap_or(number);
+    let is_plain = rounded == 0.0 || (1e-5..1e15).contains(&rounded.abs());
+    let text = if is_plain { rounded.to_string() } else { format!("{rounded:e}") };
+    unit.map_or_else(|| text.clone(), |unit| format!("{text} {}", unit.symbol()))
 }
 
 /// Largest number of names listed in a message.
@@ -423,4 +428,26 @@ fn since_line(line: &Option<usize>) -> String {
 
 fn slots_of(slots: usize) -> String {
     if slots == 1 { "one slot, 1".to_owned() } else { format!("slots 1 to {slots}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_messages_have_twelve_digits_and_large_ones_an_exponent() {
+        for (number, shown) in [
+            (25.0, "25"),
+            (0.5, "0.5"),
+            (0.1 + 0.2, "0.3"),
+            (-3.0, "-3"),
+            (0.0, "0"),
+            (1e300, "1e300"),
+            (-1e300 / 3.0, "-3.33333333333e299"),
+            (1e-300 / 3.0, "3.33333333333e-301"),
+            (f64::NAN, "not a number"),
+        ] {
+            assert_eq!(value(number, None), shown);
+        }
+    }
 }

@@ -65,8 +65,9 @@ impl Trajectory {
 
 /// The limiting constraint of a segment.
 fn limiting_constraint(cell: &Cell, step: &Step, segment: &Segment) -> Option<LimitingConstraint> {
-    let by_axes = most_frequent(segment, |time| axis_limit(cell, step, segment, time));
-    by_axes.or_else(|| most_frequent(segment, |time| friction_limit(cell, step, segment, time)))
+    most_frequent(segment, |time| {
+        axis_limit(cell, step, segment, time).or_else(|| friction_limit(cell, step, segment, time))
+    })
 }
 
 /// The limit that binds at most of the sampled times.

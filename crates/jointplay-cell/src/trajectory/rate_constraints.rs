@@ -1,8 +1,8 @@
-//! Constraints of all axes on the squared rate of a path at collocation points.
+//! Constraints of all axes, and of the friction of wafers, on the squared rate of a path at collocation points.
 
 use super::spline::Spline;
 use super::squared_rate::{Basis, COEFFICIENTS, INTERVALS, RateGrid, product};
-use crate::robot::KinematicLimits;
+use crate::robot::{AxesMotion, KinematicLimits};
 
 /// Fractions of the first and last interval at which the jerk is constrained besides its ends: jerk and acceleration start from rest there, and the constraint is strongly curved.
 const END_FRACTIONS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
@@ -20,7 +20,26 @@ pub(super) enum Bound {
     Acceleration,
     /// 1/√x
     Jerk,
+    /// 1 above, none below.
+    Friction,
 }
+
+impl Bound {
+    /// Largest value and, below zero, largest magnitude, at a squared rate.
+    fn values(self, x: f64) -> [f64; 2] {
+        match self {
+            Self::Acceleration => [1.0; 2],
+            Self::Jerk => [1.0 / x.sqrt(); 2],
+            Self::Friction => [1.0, UNBOUNDED],
+        }
+    }
+}
+
+/// Magnitude that no constraint reaches.
+const UNBOUNDED: f64 = 1e6;
+
+/// Coefficients k₀ and k₁ of the constraints k₀ x + k₁ x' ≤ 1 at a place of a path, from the positions of all axes and their first two derivatives with respect to u; `None` where no squared rate satisfies them.
+pub(crate) type FrictionConstraints<'a> = dyn Fn(&AxesMotion<'_>) -> Option<Vec<[f64; 2]>> + 'a;
 
 /// A collocation point, and its constraints on |k₀ x + k₁ x' + k₂ x''|.
 pub(super) struct CollocationPoint {
@@ -73,13 +92,15 @@ impl<'a> RateConstraints<'a> {
     /// # Arguments
     /// * `limits` – index and limits of each axis that moves
     /// * `max_rate` – largest rate of the path parameter (1/s)
+    /// * `friction` – constraints by the friction of wafers
     pub(super) fn new(
         grid: &'a RateGrid,
         spline: &Spline,
         limits: &[(usize, KinematicLimits)],
         max_rate: f64,
         exceedance: &Exceedance,
-    ) -> Self {
+        friction: Option<&FrictionConstraints<'_>>,
+    ) -> Option<Self> {
         let mut constraints = Self {
             grid,
             points: Vec::new(),
@@ -111,32 +132,63 @@ impl<'a> RateConstraints<'a> {
                 }
             }
         }
+        if let Some(friction) = friction {
+            constraints.add_friction(spline, friction)?;
+        }
         constraints.normalize();
-        constraints
+        Some(constraints)
     }
 
-    /// Adds a collocation point.
+    /// Adds the constraints by friction at the middle and at the inner ends of all intervals.
+    fn add_friction(&mut self, spline: &Spline, friction: &FrictionConstraints<'_>) -> Option<()> {
+        for interval in 0..INTERVALS {
+            for fraction in [0.0, 0.5] {
+                if interval == 0 && fraction == 0.0 {
+                    continue;
+                }
+                let [s, s1, s2, _] = self.grid.path_parameter(interval, fraction);
+                let piece = spline.interval(s);
+                let [mut positions, mut velocities, mut accelerations] = [const { Vec::new() }; 3];
+                for axis in 0..spline.axes() {
+                    let [q, q1, q2, _] = spline.jet(piece, axis, s);
+                    positions.push(q);
+                    velocities.push(q1 * s1);
+                    accelerations.push(q2 * s1 * s1 + q1 * s2);
+                }
+                let [positions, velocities, accelerations] =
+                    [&positions, &velocities, &accelerations].map(Vec::as_slice);
+                let rows = friction(&AxesMotion { positions, velocities, accelerations })?;
+                let most = rows.iter().map(|row| 1.0 / row[0].max(0.0));
+                self.unit = most.fold(self.unit, f64::min);
+                self.points.push(CollocationPoint {
+                    interval,
+                    basis: self.grid.basis(interval, fraction),
+                    bound: Bound::Friction,
+                    rows: rows.len(),
+                });
+                self.rows.extend(rows.iter().map(|&[k0, k1]| [k0, k1, 0.0]));
+            }
+        }
+        Some(())
+    }
+
+    /// Adds a collocation point with the limits of acceleration or jerk of all axes.
     fn add(&mut self, path: &PathAtPoint<'_>, interval: usize, fraction: f64, bound: Bound) {
         let first = self.rows.len();
         for (axis, ([d1, d2, d3], (_, limits))) in
             path.derivatives.iter().zip(path.limits).enumerate()
         {
             let ratios = path.exceedance.ratios[interval * path.limits.len() + axis];
-            let row = match bound {
-                Bound::Acceleration => {
-                    let inverse = ratios[0] / limits.acceleration;
-                    [inverse * d2, 0.5 * inverse * d1, 0.0]
-                }
-                Bound::Jerk => {
-                    let inverse = ratios[1] / limits.jerk;
-                    [inverse * d3, 1.5 * inverse * d2, 0.5 * inverse * d1]
-                }
+            let (row, most) = if bound == Bound::Jerk {
+                let inverse = ratios[1] / limits.jerk;
+                let row = [inverse * d3, 1.5 * inverse * d2, 0.5 * inverse * d1];
+                (row, row[0].abs().powf(-2.0 / 3.0))
+            } else {
+                let inverse = ratios[0] / limits.acceleration;
+                let row = [inverse * d2, 0.5 * inverse * d1, 0.0];
+                (row, 1.0 / row[0].abs())
             };
             self.rows.push(row);
-            let most = match bound {
-                Bound::Acceleration => 1.0 / row[0].abs(),
-                Bound::Jerk => row[0].abs().powf(-2.0 / 3.0),
-            };
             self.unit = self.unit.min(most);
         }
         let mut kept = first;
@@ -193,11 +245,11 @@ impl<'a> RateConstraints<'a> {
         for point in &self.points {
             let own = &coefficients[point.interval..point.interval + 3];
             let [x, x1, x2] = point.basis.map(|weights| product(&weights, own));
-            let bound = if point.bound == Bound::Jerk { 1.0 / x.sqrt() } else { 1.0 };
+            let [above, below] = point.bound.values(x);
             for (row, slack) in rows.by_ref().take(point.rows) {
                 let value = row[0] * x + row[1] * x1 + row[2] * x2;
-                *slack = [bound - value, bound + value];
-                least = least.min(bound - value.abs());
+                *slack = [above - value, below + value];
+                least = least.min(slack[0]).min(slack[1]);
             }
         }
         for knot in 1..INTERVALS {

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use super::blend::Blend;
 use super::blend_planner::{BlendPlanner, SlowedSegments};
-use super::cartesian_path::{CartesianLine, PostureSpline};
+use super::cartesian_path::{CartesianLine, CartesianPath, PostureSpline};
 use super::error::{StepError, StepErrorKind, TrajectoryError};
 use super::limits::{axis_moves_effector, scaled_axis_limits};
 use super::options::TrajectoryOptions;
 use super::segment::Segment;
 use super::segment_key::{moves, segment_key, shared_key};
-use super::slip::slowed_for_slip;
+use super::slip::{friction_constraints, without_slip};
 use super::synchronized::synchronized_profile;
 use super::time_parameterization::TimeParameterization;
 use super::trajectory::Trajectory;
@@ -20,7 +20,7 @@ use crate::incremental::{
     uninterrupted,
 };
 use crate::program::{Path, Step};
-use crate::robot::{ArmChain, AxisKind, EffectorId, KinematicLimits, RODS};
+use crate::robot::{ArmChain, AxesMotion, AxisKind, EffectorId, KinematicLimits, RODS};
 use crate::workcell::Cell;
 
 /// Longest duration of a trajectory: a day (s).
@@ -253,26 +253,45 @@ fn plan_dwell(duration: f64, step: &Step) -> Planned<Segment> {
 
 /// The segment of a step that moves.
 fn plan_segment(cell: &Cell, step: &Step, options: &TrajectoryOptions) -> Planned<Segment> {
-    let segment = match step.path {
-        Path::Line(effector) => plan_line(cell, step, effector, options)?,
+    match step.path {
+        Path::Line(_) if step.from == step.to => Ok(Segment::Dwell { duration: 0.0 }),
+        Path::Line(effector) => {
+            parameterized_line(cell, step, follow_line(cell, step, effector, options)?)
+        }
         _ => {
             let limits = |axis| scaled_axis_limits(&cell.robot, axis, step);
-            Segment::PointToPoint(synchronized_profile(&step.from, &step.to, limits)?)
+            let segment =
+                Segment::PointToPoint(synchronized_profile(&step.from, &step.to, limits)?);
+            Ok(without_slip(cell, step, segment, || None))
         }
-    };
-    Ok(slowed_for_slip(cell, step, segment))
+    }
 }
 
-/// The segment of a Cartesian line: path first, then its parameter over time.
-fn plan_line(
+/// A line as fast as its axes, a prescribed speed and the friction of the wafers allow.
+fn parameterized_line(cell: &Cell, step: &Step, path: CartesianPath) -> Planned<Segment> {
+    let robot = &cell.robot;
+    let limits: Vec<KinematicLimits> =
+        (0..robot.axes.len()).map(|axis| scaled_axis_limits(robot, axis, step)).collect();
+    let max_rate = match step.line_speed {
+        Some(speed) if path.length > 0.0 => speed / path.length,
+        _ => f64::INFINITY,
+    };
+    let path = Arc::new(path);
+    let parameterization = TimeParameterization::new(&path.spline, &limits, max_rate);
+    let line = |parameter| Segment::Line { path: Arc::clone(&path), parameter };
+    Ok(without_slip(cell, step, line(parameterization.plan()?), || {
+        let constraints = |at: &AxesMotion<'_>| friction_constraints(cell, step, at);
+        parameterization.plan_with_friction(&constraints).map(line)
+    }))
+}
+
+/// The path of the axes along a Cartesian line.
+fn follow_line(
     cell: &Cell,
     step: &Step,
     effector: EffectorId,
     options: &TrajectoryOptions,
-) -> Planned<Segment> {
-    if step.from == step.to {
-        return Ok(Segment::Dwell { duration: 0.0 });
-    }
+) -> Planned<CartesianPath> {
     let robot = &cell.robot;
     let loaded = step.loaded.contains(&effector);
     let chain = ArmChain::new(robot, effector);
@@ -301,13 +320,5 @@ fn plan_line(
         max_deviation: options.max_line_deviation,
         postures: postures.as_ref(),
     };
-    let path = line.follow()?;
-    let limits: Vec<KinematicLimits> =
-        (0..robot.axes.len()).map(|axis| scaled_axis_limits(robot, axis, step)).collect();
-    let max_rate = match step.line_speed {
-        Some(speed) if path.length > 0.0 => speed / path.length,
-        _ => f64::INFINITY,
-    };
-    let parameter = TimeParameterization::new(&path.spline, &limits, max_rate).plan()?;
-    Ok(Segment::Line { path: Arc::new(path), parameter })
+    Ok(line.follow()?)
 }

@@ -1,4 +1,4 @@
-//! Slowdown of segments on which a wafer would slip.
+//! Segments on which no wafer slips: slower than the limits of the axes allow.
 
 use super::segment::Segment;
 use crate::program::Step;
@@ -15,36 +15,75 @@ const FINE_INTERVALS: usize = 480;
 const MAX_UTILIZATION: f64 = 0.999;
 /// Utilization of friction for which a slowed segment is planned.
 const TARGET_UTILIZATION: f64 = 0.99;
+/// Utilization of friction at the collocation points of a search: the margin covers the places between them.
+const CONSTRAINED_UTILIZATION: f64 = 0.985;
 /// Largest time scale: a wafer that slips even at this speed slips because its effector is tilted.
 const MAX_TIME_SCALE: f64 = 16.0;
 
-/// The segment, slowed so that no wafer slips; unchanged where no speed prevents slip.
+/// The segment such that no wafer slips; unchanged where no speed prevents slip.
 ///
-/// Accelerations are inversely proportional to the square of the time scale; gravity along a tilted wafer is not, so that two or three iterations are needed.
-pub(super) fn slowed_for_slip(cell: &Cell, step: &Step, segment: Segment) -> Segment {
-    let largest = |segment: &Segment, intervals: usize| -> f64 {
-        let peaks = step.loaded.iter().map(|&id| peak(cell, step, segment, id, intervals));
-        peaks.fold(0.0, f64::max)
-    };
-    if largest(&segment, COARSE_INTERVALS) < FINE_SAMPLING_THRESHOLD {
+/// # Arguments
+/// * `search` – a segment whose parameterization keeps the constraints of friction nearly: it is slow only where they bind, and not everywhere
+pub(super) fn without_slip(
+    cell: &Cell,
+    step: &Step,
+    segment: Segment,
+    search: impl FnOnce() -> Option<Segment>,
+) -> Segment {
+    if peak(cell, step, &segment, uniform(&segment, COARSE_INTERVALS)) < FINE_SAMPLING_THRESHOLD {
         return segment;
     }
+    match slowed(cell, step, &segment) {
+        None => segment,
+        Some(kept) if kept.duration() == segment.duration() => kept,
+        Some(slow) => match search().and_then(|found| slowed(cell, step, &found)) {
+            Some(found) if found.duration() < slow.duration() => found,
+            _ => slow,
+        },
+    }
+}
+
+/// A segment, slowed as a whole until no wafer slips; `None` where no speed prevents slip.
+///
+/// Accelerations are inversely proportional to the square of the time scale; gravity along a tilted wafer is not, so that two or three iterations are needed.
+fn slowed(cell: &Cell, step: &Step, segment: &Segment) -> Option<Segment> {
     let mut time_scale = 1.0;
     while time_scale <= MAX_TIME_SCALE {
         let slowed = if time_scale > 1.0 { segment.slowed(time_scale) } else { segment.clone() };
-        let found = largest(&slowed, FINE_INTERVALS);
+        // Accelerations have their peaks where the jerk is discontinuous.
+        let times = uniform(&slowed, FINE_INTERVALS).chain(slowed.jerk_discontinuities());
+        let found = peak(cell, step, &slowed, times);
         if found <= MAX_UTILIZATION {
-            return slowed;
+            return Some(slowed);
         }
         time_scale *= (found / TARGET_UTILIZATION).sqrt().min(2.0);
     }
-    segment
+    None
 }
 
-/// Largest utilization of friction of a held wafer at uniform samples of a segment.
-fn peak(cell: &Cell, step: &Step, segment: &Segment, id: EffectorId, intervals: usize) -> f64 {
-    let times = (0..=intervals).map(|k| segment.duration() * k as f64 / intervals as f64);
-    times.map(|time| utilization(cell, step, segment, id, time)).fold(0.0, f64::max)
+/// Constraints of the friction of all held wafers at a place of a path; `None` where a wafer slips at rest, or its pose is unknown.
+pub(super) fn friction_constraints(
+    cell: &Cell,
+    step: &Step,
+    path: &AxesMotion<'_>,
+) -> Option<Vec<[f64; 2]>> {
+    let mut all = Vec::new();
+    for &id in &step.loaded {
+        all.extend(cell.friction_constraints(id, path, CONSTRAINED_UTILIZATION).ok()??);
+    }
+    Some(all)
+}
+
+/// Uniform times in a segment, from its start to its end (s).
+fn uniform(segment: &Segment, intervals: usize) -> impl Iterator<Item = f64> + use<> {
+    let duration = segment.duration();
+    (0..=intervals).map(move |k| duration * k as f64 / intervals as f64)
+}
+
+/// Largest utilization of friction of the held wafers at times since the start of a segment (s).
+fn peak(cell: &Cell, step: &Step, segment: &Segment, times: impl Iterator<Item = f64>) -> f64 {
+    let samples = times.flat_map(|time| step.loaded.iter().map(move |&id| (id, time)));
+    samples.map(|(id, time)| utilization(cell, step, segment, id, time)).fold(0.0, f64::max)
 }
 
 /// Utilization of friction of a held wafer at a time since the start of a segment (s); 0 where the motion is unknown, which the check reports.

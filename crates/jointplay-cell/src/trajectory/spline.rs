@@ -73,6 +73,11 @@ impl Spline {
         self.jets.iter().map(Vec::as_slice)
     }
 
+    /// Number of axes.
+    pub(crate) fn axes(&self) -> usize {
+        self.jets[0].len()
+    }
+
     /// Whether an axis moves along the path.
     pub(crate) fn moves(&self, axis: usize) -> bool {
         self.jets.iter().any(|jets| jets[axis][1..] != [0.0; 3])
@@ -81,7 +86,7 @@ impl Spline {
     /// Positions of all axes at `s` (m or rad).
     pub(crate) fn positions(&self, s: f64) -> Vec<f64> {
         let interval = self.interval(s);
-        (0..self.jets[interval].len()).map(|axis| self.jet(interval, axis, s)[0]).collect()
+        (0..self.axes()).map(|axis| self.jet(interval, axis, s)[0]).collect()
     }
 
     /// Largest absolute slope of an axis: it is at a knot, or where the curvature of a piece is zero.

@@ -9,7 +9,7 @@
 //! and the remaining exceedance is removed by a slowdown of the whole.
 
 use super::profile::{AxisState, JerkLimitedProfile};
-use super::rate_constraints::{Exceedance, RateConstraints};
+use super::rate_constraints::{Exceedance, FrictionConstraints, RateConstraints};
 use super::rate_search::RateSearch;
 use super::spline::{self, Jet, Spline};
 use super::squared_rate::{INTERVALS, RateGrid};
@@ -28,6 +28,8 @@ const MARGIN: f64 = 1e-3;
 const ROUND_OFF_TOLERANCE: f64 = 3e-10;
 /// Largest difference of an axis' slopes along a path that counts as constant, relative to the slope.
 const PROPORTIONALITY_TOLERANCE: f64 = 5e-3;
+/// Largest ramp fraction of a search with friction: smaller accelerations are reached sooner.
+const MAX_RAMP_FRACTION_BY_FRICTION: f64 = 0.04;
 /// Number of searches with tightened constraints.
 const REFINEMENTS: usize = 2;
 /// Relative excess of the duration over the least one at which each search ends.
@@ -65,6 +67,16 @@ impl<'a> TimeParameterization<'a> {
         Self { spline, inverse_limits, jets, limits, max_rate }
     }
 
+    /// The path parameter over time as by [`Self::plan`], in addition within constraints of friction at collocation points; between them they may be exceeded slightly.
+    pub(crate) fn plan_with_friction(
+        &self,
+        friction: &FrictionConstraints<'_>,
+    ) -> Option<JerkLimitedProfile> {
+        let single = self.single_axis_profile().ok()?;
+        let ramp_fraction = single.ramp_duration() / single.duration();
+        self.fastest_profile(ramp_fraction.min(MAX_RAMP_FRACTION_BY_FRICTION), Some(friction))
+    }
+
     /// The path parameter over time, from 0 to 1.
     ///
     /// A path on which all axes move in proportion is parameterized like a single axis, any other path by [`RateSearch`].
@@ -77,7 +89,7 @@ impl<'a> TimeParameterization<'a> {
             return Ok(self.slowed_for_curvature(single));
         }
         let ramp_fraction = single.ramp_duration() / single.duration();
-        let Some(fastest) = self.fastest_profile(ramp_fraction) else {
+        let Some(fastest) = self.fastest_profile(ramp_fraction, None) else {
             return Ok(self.slowed_for_curvature(single));
         };
         // The slowdown for curvature never shortens a profile.
@@ -92,20 +104,29 @@ impl<'a> TimeParameterization<'a> {
     ///
     /// # Arguments
     /// * `ramp_fraction` – fraction of its duration in which the acceleration grows from rest, by constant limits
-    fn fastest_profile(&self, ramp_fraction: f64) -> Option<JerkLimitedProfile> {
+    fn fastest_profile(
+        &self,
+        ramp_fraction: f64,
+        friction: Option<&FrictionConstraints<'_>>,
+    ) -> Option<JerkLimitedProfile> {
         let grid = RateGrid::new(ramp_fraction);
         let mut tightened = Exceedance::none(self.limits.len());
         let constraints = |by: &Exceedance| {
-            RateConstraints::new(&grid, self.spline, &self.limits, self.max_rate, by)
+            let (limits, max_rate) = (&self.limits, self.max_rate);
+            RateConstraints::new(&grid, self.spline, limits, max_rate, by, friction)
         };
-        let mut search = RateSearch::new(constraints(&tightened))?;
+        let mut search = RateSearch::new(constraints(&tightened)?)?;
         let mut best: Option<JerkLimitedProfile> = None;
         for (refinement, gap) in GAPS.into_iter().enumerate() {
             search.solve(gap);
             let solution = search.solution();
             let profile = solution.profile();
             let mut found = Exceedance::none(self.limits.len());
-            let scale = self.time_scale(&profile, Some(&mut found));
+            let mut scale = self.time_scale(&profile, Some(&mut found));
+            if friction.is_some() {
+                // Friction keeps the axes below their limits: the profile is not accelerated up to these.
+                scale = scale.max(1.0);
+            }
             let profile = profile.slowed(scale * (1.0 + MARGIN));
             let is_shorter = |best: &JerkLimitedProfile| profile.duration() < best.duration();
             if profile.duration().is_finite() && best.as_ref().is_none_or(is_shorter) {
@@ -116,7 +137,9 @@ impl<'a> TimeParameterization<'a> {
                 break;
             }
             tightened.accumulate(&found);
-            let Some(next) = RateSearch::continued(constraints(&tightened), &solution, gap) else {
+            let next = constraints(&tightened)
+                .and_then(|tighter| RateSearch::continued(tighter, &solution, gap));
+            let Some(next) = next else {
                 break;
             };
             search = next;
@@ -249,6 +272,7 @@ fn grid() -> impl Iterator<Item = f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::AxesMotion;
 
     fn limits(count: usize) -> Vec<KinematicLimits> {
         vec![KinematicLimits { velocity: 2.0, acceleration: 10.0, jerk: 200.0 }; count]
@@ -286,6 +310,28 @@ mod tests {
         assert!((profile.duration() - (1.5 + 0.2 + 0.05)).abs() < 1e-9, "{}", profile.duration());
         let slow = TimeParameterization::new(&spline, &limits, 0.25).plan().unwrap();
         assert!(slow.duration() > 4.0);
+    }
+
+    #[test]
+    fn friction_along_a_straight_path_acts_like_a_limit_of_acceleration() {
+        for friction in [8.0, 4.0, 1.0, 0.2] {
+            let (spline, mut limits) = (spline(|s| vec![3.0 * s, -s]), limits(2));
+            let constraints = |at: &AxesMotion<'_>| {
+                let row = |most: f64| [at.accelerations[0] / most, 0.5 * at.velocities[0] / most];
+                Some(vec![row(friction), row(-friction)])
+            };
+            let found = TimeParameterization::new(&spline, &limits, 1e9)
+                .plan_with_friction(&constraints)
+                .unwrap();
+            limits[0].acceleration = friction;
+            let expected = TimeParameterization::new(&spline, &limits, 1e9).plan().unwrap();
+            let excess = found.duration() / expected.duration() - 1.0;
+            assert!((0.0..0.03).contains(&excess), "{friction}: {excess}");
+        }
+        let never = |_: &AxesMotion<'_>| None;
+        let (spline, limits) = (spline(|s| vec![s]), limits(1));
+        let parameterization = TimeParameterization::new(&spline, &limits, 1e9);
+        assert!(parameterization.plan_with_friction(&never).is_none());
     }
 
     #[test]

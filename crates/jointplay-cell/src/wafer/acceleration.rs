@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::deflection::{apply_deflection, deflection_rotation};
 use super::droop::{DroopError, MIN_REACH};
-use super::friction::FrictionDemand;
+use super::friction::{FrictionDemand, WrenchAlongPath};
 use super::model::Droop;
 use super::unreachable::Unreachable;
 use crate::robot::{ArmChain, AxesMotion, EffectorId, FrameMotion};
@@ -64,6 +64,30 @@ impl Cell {
             described.friction,
             self.gravity,
         )
+    }
+
+    /// Constraints k₀ x + k₁ x' ≤ 1 on the squared rate x = u̇² of the parameter u of a path, by which a carried wafer uses at most a fraction of its friction; `None` where it needs more at rest.
+    ///
+    /// # Arguments
+    /// * `path` – positions at a place of the path, with their first two derivatives with respect to u
+    ///
+    /// # Errors
+    /// As [`Self::wafer_motion`].
+    pub(crate) fn friction_constraints(
+        &self,
+        effector: EffectorId,
+        path: &AxesMotion<'_>,
+        fraction: f64,
+    ) -> Result<Option<Vec<[f64; 2]>>, Unreachable> {
+        let zero = vec![0.0; path.positions.len()];
+        let still = AxesMotion { velocities: &zero, accelerations: &zero, ..*path };
+        let starting = AxesMotion { velocities: &zero, accelerations: path.velocities, ..*path };
+        let wafer = |motion| self.wafer_motion(effector, motion, true);
+        let motions = [&wafer(&still)?, &wafer(path)?, &wafer(&starting)?];
+        let described = &self.robot.arms[effector.arm].effectors[effector.effector];
+        let along = WrenchAlongPath::new(motions, &self.wafer, self.gravity);
+        let friction = fraction * described.friction;
+        Ok(along.constraints(&self.wafer, &described.support, friction))
     }
 
     /// As [`Self::wafer_motion`], the motions of the platform, and of the rigid arm's wafer relative to it, known.

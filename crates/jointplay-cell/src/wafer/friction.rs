@@ -1,5 +1,7 @@
 //! Friction that a wafer needs to stay on its effector.
 
+use std::f64::consts::TAU;
+
 use nalgebra::Vector3;
 
 use super::model::{Support, Wafer};
@@ -58,6 +60,79 @@ impl FrictionDemand {
     pub fn utilization(&self) -> f64 {
         if self.available > 0.0 { self.required / self.available } else { f64::INFINITY }
     }
+}
+
+/// Directions of force in the plane of a wafer for which friction is constrained: the polygon exceeds the circle by 2 % at its corners, and by nothing along the motion.
+const DIRECTIONS: usize = 16;
+/// Moment over the lever arm of friction, relative to the force, below which it is neglected.
+const NEGLIGIBLE_MOMENT: f64 = 1e-3;
+
+/// Wrenches that a wafer needs along a path, for the squared rate x = u̇² of the path parameter u: w = w₀ + w₁ x + w₂ x'.
+pub(super) struct WrenchAlongPath {
+    constant: RequiredWrench,
+    by_rate: RequiredWrench,
+    by_slope: RequiredWrench,
+}
+
+impl WrenchAlongPath {
+    /// # Arguments
+    /// * `[still, along, starting]` – motions at u̇ = 0; at u̇ = 1, ü = 0; and at u̇ = 0, ü = 1
+    pub(super) fn new(motions: [&FrameMotion; 3], wafer: &Wafer, gravity: f64) -> Self {
+        let [constant, along, starting] =
+            motions.map(|motion| required_wrench(motion, wafer, gravity));
+        let change = |of: &RequiredWrench, factor: f64| RequiredWrench {
+            force: (of.force - constant.force) * factor,
+            moment: (of.moment - constant.moment) * factor,
+            normal: constant.normal,
+        };
+        // ü = x' / 2
+        let (by_rate, by_slope) = (change(&along, 1.0), change(&starting, 0.5));
+        Self { constant, by_rate, by_slope }
+    }
+
+    /// Coefficients k₀ and k₁ of constraints k₀ x + k₁ x' ≤ 1 that keep a fraction of the available friction; `None` where the wafer needs more at rest.
+    ///
+    /// The condition of [`FrictionDemand`] for the component of f_t in each of 16 directions and for both signs of M, the offset of the centre of pressure neglected in b − |c|.
+    pub(super) fn constraints(
+        &self,
+        wafer: &Wafer,
+        support: &Support,
+        friction: f64,
+    ) -> Option<Vec<[f64; 2]>> {
+        let wrenches = [&self.constant, &self.by_rate, &self.by_slope];
+        let normal = self.constant.normal;
+        let pressed = wrenches.map(|wrench| wrench.force.dot(&normal));
+        let along = wrenches.map(|wrench| wrench.force - normal * wrench.force.dot(&normal));
+        let turning = wrenches.map(|wrench| wrench.moment.dot(&normal) / support.lever(wafer));
+        // Along the motion, where its force is largest.
+        let main = if along[2].norm() > along[1].norm() { along[2] } else { along[1] };
+        let first = main.try_normalize(0.0).unwrap_or_else(|| perpendicular_to(&normal));
+        let second = normal.cross(&first);
+        let force = along[1].norm() + along[2].norm();
+        let turns = turning[1].abs() + turning[2].abs() > NEGLIGIBLE_MOMENT * force;
+        let signs: &[f64] = if turns { &[1.0, -1.0] } else { &[0.0] };
+        let mut constraints = Vec::with_capacity(signs.len() * DIRECTIONS);
+        for k in 0..DIRECTIONS {
+            let (sin, cos) = (TAU * k as f64 / DIRECTIONS as f64).sin_cos();
+            let direction = first * cos + second * sin;
+            for sign in signs {
+                let excess = [0, 1, 2].map(|term| {
+                    direction.dot(&along[term]) + sign * turning[term] - friction * pressed[term]
+                });
+                if excess[0] >= 0.0 {
+                    return None;
+                }
+                constraints.push([excess[1] / -excess[0], excess[2] / -excess[0]]);
+            }
+        }
+        Some(constraints)
+    }
+}
+
+/// A unit vector perpendicular to another one.
+fn perpendicular_to(normal: &Vector3<f64>) -> Vector3<f64> {
+    let along = if normal.x.abs() < 0.5 { Vector3::x() } else { Vector3::y() };
+    normal.cross(&along).normalize()
 }
 
 impl Support {
@@ -243,7 +318,7 @@ mod tests {
     fn pads(support: &Support, center: Vector2<f64>, mut random: impl FnMut() -> f64) -> Pads {
         let ring =
             |radius: f64, angle: f64| Vector2::new(radius * angle.cos(), radius * angle.sin());
-        let third = std::f64::consts::TAU / 3.0;
+        let third = TAU / 3.0;
         match *support {
             Support::Edge | Support::ThreePoints { .. } => {
                 let radius =
@@ -278,7 +353,7 @@ mod tests {
     fn slides(pads: &Pads, force: Vector2<f64>, moment: f64, friction: f64) -> f64 {
         let mut worst = f64::NEG_INFINITY;
         for k in 0..60 {
-            let direction = f64::from(k) * std::f64::consts::TAU / 60.0;
+            let direction = f64::from(k) * TAU / 60.0;
             let velocity = Vector2::new(direction.cos(), direction.sin());
             for turn in -60..=60 {
                 // Turns per metre, up to those on the spot.
@@ -307,7 +382,7 @@ mod tests {
         for round in 0..240 {
             let support = &SUPPORTS[round % 3];
             let lever = LEVER_ARMS[round % 3];
-            let (direction, mix) = (random() * std::f64::consts::TAU, random());
+            let (direction, mix) = (random() * TAU, random());
             // The same needed by all: what is left over for turning.
             let needed = 0.999 * FRICTION * GRAVITY;
             let force = Vector2::new(direction.cos(), direction.sin()) * mix * needed;
