@@ -1,6 +1,6 @@
 //! Tilt the paper's robot: rods for a tilt, and where its platform then is.
 //!
-//! Prints the rods, the pose and the play that the tilt takes; the pitch equals the commanded one.
+//! Prints the rods, the pose and the play that the tilt takes; the tilt angle equals the commanded one.
 
 #![expect(clippy::print_stdout, reason = "an example prints")]
 
@@ -10,7 +10,7 @@ use jointplay::virtualization::{Planar, SolveOptions};
 
 fn main() -> Result<(), jointplay::Error> {
     let gpr = Gpr::paper();
-    let tilt = Tilt { yaw: 30_f64.to_radians(), pitch: 1.5_f64.to_radians() };
+    let tilt = Tilt { azimuth: 30_f64.to_radians(), angle: 1.5_f64.to_radians() };
 
     // The three ball centres fix the platform's plane, so the rods do not depend on how play is modelled.
     let rods = gpr.inverse(tilt, AxisHeight(0.5))?;
@@ -18,7 +18,7 @@ fn main() -> Result<(), jointplay::Error> {
 
     // Where the platform sits over the three balls does: here by the least displacement of its sockets.
     let platform = gpr.forward(rods, &Planar, &SolveOptions::default())?;
-    println!("pitch     {:.6}°", platform.tilt().pitch.to_degrees());
+    println!("tilt      {:.6}°", platform.tilt().angle.to_degrees());
     println!(
         "origin    {:.6?} mm",
         platform.base_from_platform.translation.vector.map(|x| x * 1e3).as_slice()

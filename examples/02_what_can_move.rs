@@ -12,9 +12,9 @@ use jointplay::virtualization::{Planar, SolveOptions};
 fn main() -> Result<(), jointplay::Error> {
     let gpr = Gpr::paper();
     let system = gpr.system(&Planar);
-    println!("pitch (°)  counted  instantaneous  finite  with virtual joints");
-    for pitch in [0.0_f64, 0.001, 1.5] {
-        let tilt = Tilt { yaw: 0.0, pitch: pitch.to_radians() };
+    println!("tilt (°)   counted  instantaneous  finite  with virtual joints");
+    for tilt_angle in [0.0_f64, 0.001, 1.5] {
+        let tilt = Tilt { azimuth: 0.0, angle: tilt_angle.to_radians() };
         let pose =
             gpr.forward(gpr.inverse(tilt, AxisHeight(0.5))?, &Planar, &SolveOptions::default())?;
         let at = system.configuration(&pose);
@@ -22,7 +22,7 @@ fn main() -> Result<(), jointplay::Error> {
         let rigid = finite_mobility(&system, &at, RANK_THRESHOLD)?;
         let relieved = augmented_mobility(&system, &at, RANK_THRESHOLD)?;
         println!(
-            "{pitch:<9}  {:<7}  {:<13}  {:<6}  {}",
+            "{tilt_angle:<9}  {:<7}  {:<13}  {:<6}  {}",
             gpr.kutzbach_mobility(),
             rigid.instantaneous.mobility,
             // An honest third answer: the bounds need not meet.
@@ -32,12 +32,12 @@ fn main() -> Result<(), jointplay::Error> {
     }
 
     // Play that a tilt requires, and its first-order bounds.
-    let tilt = Tilt { yaw: 0.0, pitch: gpr.limits().tilt_max };
+    let tilt = Tilt { azimuth: 0.0, angle: gpr.limits().tilt_max };
     let play = gpr.tilt_play(tilt, AxisHeight(0.5), &Planar, &SolveOptions::default())?;
     let bounds = play.at_midpoint.bounds;
     println!(
         "\nplay at {:.1}°: {:.3} µm, first-order bounds along the chord {:.3} to {:.3} µm",
-        tilt.pitch.to_degrees(),
+        tilt.angle.to_degrees(),
         play.displacement * 1e6,
         bounds.lower * 1e6,
         bounds.upper * 1e6

@@ -59,7 +59,7 @@ impl Virtualization for Slanted {
 
 fn main() -> Result<(), jointplay::Error> {
     let gpr = Gpr::paper();
-    let tilt = Tilt { yaw: 0.0, pitch: 1.5_f64.to_radians() };
+    let tilt = Tilt { azimuth: 0.0, angle: 1.5_f64.to_radians() };
     let rods = gpr.inverse(tilt, AxisHeight(0.5))?;
     println!("slant (°)  centre shift x, y (µm)  rank  mobility");
     for slant in [0.0, 0.25 * FRAC_PI_3, 0.5 * FRAC_PI_3, 0.75 * FRAC_PI_3, FRAC_PI_3] {

@@ -44,11 +44,11 @@ def main() -> None:
     print(f"  forward, array, planar         {call_ns(lambda: gpr.forward(array)):8.0f}")
     print(f"  forward, tuple, polar          {call_ns(lambda: gpr.forward(rods, 'polar')):8.0f}")
     many = np.random.default_rng(1).uniform(0.498, 0.502, (POSES, 3))
-    tilts = gpr.forward(many, quantities=["yaw_rad", "pitch_rad"])
-    out = {"yaw_rad": np.empty(POSES), "pitch_rad": np.empty(POSES), "origin_m": np.empty((POSES, 3), order="F")}
+    tilts = gpr.forward(many, quantities=["azimuth_rad", "tilt_rad"])
+    out = {"azimuth_rad": np.empty(POSES), "tilt_rad": np.empty(POSES), "origin_m": np.empty((POSES, 3), order="F")}
     rods_out = np.empty((POSES, 3), order="F")
     print(f"{POSES} poses, one thread [ns of processor time for each]")
-    inverse = per_pose_ns(lambda: gpr.inverse(tilts.yaw_rad, tilts.pitch_rad, threads=1, out=rods_out))
+    inverse = per_pose_ns(lambda: gpr.inverse(tilts.azimuth_rad, tilts.tilt_rad, threads=1, out=rods_out))
     print(f"  inverse                        {inverse:8.1f}")
     models: list[Literal["planar", "radial", "polar", "offset"]] = ["planar", "radial", "polar", "offset"]
     for name in models:

@@ -105,7 +105,7 @@ def cell(draw: random.Random, folder: Path) -> dict[str, tuple[coal.CollisionGeo
     carried = [name for name in "AB"[:arms] if draw.random() < 0.5]
     text = f'kind = "cell"\nname = "random"\nrobot = "random.toml"\ncarried = {json.dumps(carried)}\n'
     text += '[wafer]\ndiameter_mm = 300.0\nthickness_mm = 0.775\nmaterial = "silicon"\n'
-    text += "[budgets]\nplay_um = 200.0\nclearance_mm = 1.0\nslot_clearance_mm = 1.0\nplane_urad = 1000.0\n"
+    text += "[budgets]\nvirtual_joint_norm_um = 200.0\nmin_distance_mm = 1.0\nslot_min_distance_mm = 1.0\nplane_urad = 1000.0\n"
     text += '[[station]]\nname = "P"\nposition_mm = [0.0, 600.0, 600.0]\n'
     text += "stroke = { below_mm = 4.0, above_mm = 3.0, speed_mm_s = 20.0 }\nretract_mm = 10.0\n"
     bodies = {}
@@ -123,8 +123,8 @@ def cell(draw: random.Random, folder: Path) -> dict[str, tuple[coal.CollisionGeo
             at = [draw.uniform(-0.05, 0.25), draw.uniform(-0.06, 0.06), draw.uniform(-0.03, 0.03)]
         name = f"body-{number}"
         text += f'[[body]]\nname = "{name}"\n{place}\nposition_mm = {[1e3 * value for value in at]}\n'
-        text += f"yaw_deg = {draw.uniform(-180, 180)}\n"
-        text += f"tilt = {{ yaw_deg = {draw.uniform(-180, 180)}, pitch_deg = {draw.uniform(0, 60)} }}\n{text_of_shape}\n"
+        text += f"heading_deg = {draw.uniform(-180, 180)}\n"
+        text += f"tilt = {{ azimuth_deg = {draw.uniform(-180, 180)}, angle_deg = {draw.uniform(0, 60)} }}\n{text_of_shape}\n"
         bodies[name] = geometry, pose
     (folder / "cell.toml").write_text(text)
     lines = [f"TILT {draw.uniform(0.2, 1.4)} deg TOWARD {draw.uniform(-180, 180)} deg"]

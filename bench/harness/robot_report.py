@@ -50,7 +50,7 @@ def report(out, document):
         *about(document, "python3 bench/run.py --only gpr"),
         *method(document),
         "",
-        f"The robot of the catalogue with the six virtual joints of the polar model, ρ = 1 mm, in {work['poses']} poses: yaw 0° to 359° by 1°, pitch −2° to 2° by 0.1° but for level, height 500 mm.",
+        f"The robot of the catalogue with the six virtual joints of the polar model, ρ = 1 mm, in {work['poses']} poses: azimuth 0° to 359° by 1°, tilt −2° to 2° by 0.1° but for level, height 500 mm.",
         "Rods are given; virtual joints, and the pose where stated, are found, each pose from nominal.",
         "",
         "*Closed*, gaps and distances are computed from each program's answer by one function of the bench with equations of its own: gaps are of sides, and of sockets from balls where there is a pose.",

@@ -51,7 +51,7 @@ def test_mobility(gpr, ask, arguments):
 
 
 def test_tilt_play(gpr, ask):
-    report = ask("sensitivity", "--pitch-deg", "1.5", "--virtualization", "polar", "--metric", "radius")
+    report = ask("sensitivity", "--tilt-deg", "1.5", "--virtualization", "polar", "--metric", "radius")
     play = same(gpr.tilt_play(0, math.radians(1.5), virtualization="polar", metric="radius"))
     assert play.displacement_m * 1e3 == pytest.approx(report["displacement_mm"], rel=1e-12)
     assert play.motion_m * 1e3 == pytest.approx(report["motion_mm"], rel=1e-13)
@@ -71,7 +71,7 @@ def test_tilt_play(gpr, ask):
 
 def test_compare(gpr, ask):
     report = ask("compare")
-    found = same(gpr.compare(np.radians(report["pitch_deg"]), math.radians(report["yaw_deg"])))
+    found = same(gpr.compare(np.radians(report["tilt_deg"]), math.radians(report["azimuth_deg"])))
     assert list(found.models) == [model["virtualization"] for model in report["models"]]
     for model in report["models"]:
         curve = found.models[model["virtualization"]]
@@ -79,7 +79,7 @@ def test_compare(gpr, ask):
         np.testing.assert_allclose(
             curve.largest_displacement_m * 1e6, model["largest_displacement_um"], rtol=1e-9, atol=1e-9
         )
-    assert pyarrow.table(found).column_names[:3] == ["pitch_rad", "approximate_gap_m", "radial_center_shift_x_m"]
+    assert pyarrow.table(found).column_names[:3] == ["tilt_rad", "approximate_gap_m", "radial_center_shift_x_m"]
     some = gpr.compare([0.01, 0.02], virtualizations=["radial", Slides()])
     radial, mine = some.models["radial"], some.models["slides"]
     np.testing.assert_allclose(mine.center_shift_m, radial.center_shift_m, atol=1e-14)
@@ -90,8 +90,8 @@ def test_compare(gpr, ask):
 
 def test_the_paper_s_study(gpr):
     study = same(jp.study.simulate())
-    assert study.virtualization == "polar" and study.yaw_rad.shape == (777,) and study.samples_per_row == 21
-    rows = gpr.inverse(study.yaw_rad, study.pitch_rad, 0.5)
+    assert study.virtualization == "polar" and study.azimuth_rad.shape == (777,) and study.samples_per_row == 21
+    rows = gpr.inverse(study.azimuth_rad, study.tilt_rad, 0.5)
     np.testing.assert_allclose(study.rods_m, rows.rods_m, rtol=1e-14)
     poses = gpr.forward(study.rods_m, "polar", solver="newton")
     np.testing.assert_allclose(study.virtual_joints, poses.virtual_joints, rtol=1e-12, atol=1e-15)
@@ -100,27 +100,27 @@ def test_the_paper_s_study(gpr):
     assert summary.samples == 777 and summary.singular_passes == 37
     assert summary.largest_center_shift_m == pytest.approx(np.hypot(*study.origin_m[:, :2].T).max())
     assert sum(summary.iterations) == 777 and summary.series["q1"].max == study.rods_m[:, 0].max()
-    assert summary.beyond_tilt == np.sum(np.abs(study.pitch_rad) > gpr.tilt_limit_rad * (1 + 1e-9))
+    assert summary.beyond_tilt == np.sum(np.abs(study.tilt_rad) > gpr.tilt_limit_rad * (1 + 1e-9))
     frame = study.to_dataframe()
     assert len(frame) == 777 and frame.phi_2_rad[5] == study.virtual_joints[5, 4]
-    bounds = same(jp.study.check_bounds(yaw_rad=[0.1], pitch_rad=[0, 0.01, 0.02]))
+    bounds = same(jp.study.check_bounds(azimuth_rad=[0.1], tilt_rad=[0, 0.01, 0.02]))
     assert (bounds.poses, bounds.held_at_start, bounds.held_at_midpoint) == (2, 0, 2)
 
 
 def test_rasters_of_one_s_own(gpr):
-    there = jp.study.simulate(gpr, Slides(), yaw_rad=[0, 1], pitch_rad=[0.01, 0.02], order="serpentine")
-    assert there.pitch_rad.tolist() == [0.01, 0.02, 0.02, 0.01] and there.yaw_rad.tolist() == [0, 0, 1, 1]
+    there = jp.study.simulate(gpr, Slides(), azimuth_rad=[0, 1], tilt_rad=[0.01, 0.02], order="serpentine")
+    assert there.tilt_rad.tolist() == [0.01, 0.02, 0.02, 0.01] and there.azimuth_rad.tolist() == [0, 0, 1, 1]
     with pytest.raises(jp.InputError, match="no poses"):
-        jp.study.simulate(gpr, yaw_rad=[])
+        jp.study.simulate(gpr, azimuth_rad=[])
     with pytest.raises(jp.UnknownNameError, match="known: raster, serpentine"):
         jp.study.simulate(gpr, order="spiral")
-    with pytest.raises(jp.PitchTooLargeError, match="sample 1") as caught:
-        jp.study.simulate(gpr, yaw_rad=[0.5], pitch_rad=[0, 2])
-    assert (caught.value.sample, caught.value.yaw_rad, caught.value.pitch_rad) == (1, 0.5, 2)
-    with pytest.raises(jp.ArrayError, match=r"pitch_rad .* \(n,\), not \(1, 1\)"):
-        jp.study.simulate(gpr, pitch_rad=[[0.1]])
+    with pytest.raises(jp.TiltTooLargeError, match="sample 1") as caught:
+        jp.study.simulate(gpr, azimuth_rad=[0.5], tilt_rad=[0, 2])
+    assert (caught.value.sample, caught.value.azimuth_rad, caught.value.tilt_rad) == (1, 0.5, 2)
+    with pytest.raises(jp.ArrayError, match=r"tilt_rad .* \(n,\), not \(1, 1\)"):
+        jp.study.simulate(gpr, tilt_rad=[[0.1]])
     with pytest.raises(jp.InputError, match="at most 5000000"):
-        jp.study.simulate(gpr, yaw_rad=np.zeros(3000), pitch_rad=np.zeros(3000))
+        jp.study.simulate(gpr, azimuth_rad=np.zeros(3000), tilt_rad=np.zeros(3000))
 
 
 @pytest.mark.parametrize(

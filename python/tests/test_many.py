@@ -19,7 +19,7 @@ def gpr() -> jp.Gpr:
     """The paper's robot, which also answers beyond its limits, as the paper's study needs."""
     return jp.Gpr.paper().without_limit_checks()
 
-SCALARS = ("yaw_rad", "pitch_rad", "torsion_rad", "axis_height_m", "residual_m", "iterations")
+SCALARS = ("azimuth_rad", "tilt_rad", "torsion_rad", "axis_height_m", "residual_m", "iterations")
 VECTORS = ("origin_m", "normal", "sides_m", "virtual_joints")
 
 
@@ -42,24 +42,24 @@ def test_each_row_is_what_one_pose_says(gpr, rods, virtualization):
 
 
 def test_only_what_is_asked_for_is_there(gpr, rods):
-    some = gpr.forward(rods, quantities=["sensitivity", "yaw_rad"])
-    assert some.quantities == ("yaw_rad", "sensitivity") and some.sensitivity.shape == (300, 3)
-    np.testing.assert_array_equal(some.yaw_rad, gpr.forward(rods).yaw_rad)
-    np.testing.assert_array_equal(some.yaw_rad, gpr.forward(rods, quantities="yaw_rad").yaw_rad)
-    with pytest.raises(AttributeError, match="pitch_rad was not asked for: quantities are yaw_rad, sensitivity"):
-        some.pitch_rad
-    with pytest.raises(AttributeError, match="no attribute 'yaw'"):
-        some.yaw
+    some = gpr.forward(rods, quantities=["sensitivity", "azimuth_rad"])
+    assert some.quantities == ("azimuth_rad", "sensitivity") and some.sensitivity.shape == (300, 3)
+    np.testing.assert_array_equal(some.azimuth_rad, gpr.forward(rods).azimuth_rad)
+    np.testing.assert_array_equal(some.azimuth_rad, gpr.forward(rods, quantities="azimuth_rad").azimuth_rad)
+    with pytest.raises(AttributeError, match="tilt_rad was not asked for: quantities are azimuth_rad, sensitivity"):
+        some.tilt_rad
+    with pytest.raises(AttributeError, match="no attribute 'azimuth'"):
+        some.azimuth
     assert "sensitivity" not in gpr.forward(rods).quantities
     with pytest.raises(AttributeError, match="do not change"):
-        some.yaw_rad = 3
+        some.azimuth_rad = 3
 
 
 @pytest.mark.parametrize("shape", [(1,), (0,), (7,), (4, 5), (2, 3, 4), (3, 0)])
 def test_shapes(gpr, shape):
     rods = np.random.default_rng(1).uniform(0.499, 0.501, (*shape, 3))
     many = gpr.forward(rods)
-    assert many.yaw_rad.shape == many.status.shape == shape
+    assert many.azimuth_rad.shape == many.status.shape == shape
     assert many.origin_m.shape == (*shape, 3) and many.virtual_joints.shape == (*shape, 6)
     for index in list(np.ndindex(shape))[:5]:
         np.testing.assert_allclose(many.origin_m[index], gpr.forward(rods[index]).origin_m, atol=1e-13)
@@ -87,42 +87,42 @@ def test_any_layout_of_memory_is_read(gpr, rods, arranged):
 
 
 def test_tilts_broadcast(gpr):
-    yaw, pitch = np.linspace(-3, 3, 5)[:, None], np.linspace(0.001, 0.03, 4)
-    many = gpr.inverse(yaw, pitch, 0.51)
+    azimuth, tilt = np.linspace(-3, 3, 5)[:, None], np.linspace(0.001, 0.03, 4)
+    many = gpr.inverse(azimuth, tilt, 0.51)
     assert many.rods_m.shape == (5, 4, 3) and many.failed == 0
     for i in range(5):
         for j in range(4):
             np.testing.assert_allclose(
-                many.rods_m[i, j], gpr.inverse(yaw[i, 0], pitch[j], 0.51).rods_m, rtol=1e-13
+                many.rods_m[i, j], gpr.inverse(azimuth[i, 0], tilt[j], 0.51).rods_m, rtol=1e-13
             )
-    back = gpr.forward(many.rods_m, quantities=("yaw_rad", "pitch_rad", "axis_height_m"))
-    np.testing.assert_allclose(back.yaw_rad, np.broadcast_to(yaw, (5, 4)), rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(back.pitch_rad, np.broadcast_to(pitch, (5, 4)), rtol=1e-9)
+    back = gpr.forward(many.rods_m, quantities=("azimuth_rad", "tilt_rad", "axis_height_m"))
+    np.testing.assert_allclose(back.azimuth_rad, np.broadcast_to(azimuth, (5, 4)), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(back.tilt_rad, np.broadcast_to(tilt, (5, 4)), rtol=1e-9)
     np.testing.assert_allclose(back.axis_height_m, 0.51, rtol=1e-13)
-    with pytest.raises(jp.ArrayError, match=r"yaw_rad \(2,\), pitch_rad \(3,\), height_m \(\)"):
+    with pytest.raises(jp.ArrayError, match=r"azimuth_rad \(2,\), tilt_rad \(3,\), height_m \(\)"):
         gpr.inverse([0, 1], [0, 0.01, 0.02])
     assert gpr.inverse(np.zeros((0, 2)), 0.01).rods_m.shape == (0, 2, 3)
 
 
 def test_results_are_written_in_place(gpr, rods):
     expected = gpr.forward(rods)
-    out = {"yaw_rad": np.empty(300), "origin_m": np.empty((300, 3), order="F")}
+    out = {"azimuth_rad": np.empty(300), "origin_m": np.empty((300, 3), order="F")}
     many = gpr.forward(rods, out=out)
-    assert many.quantities == ("yaw_rad", "origin_m")
-    assert many.origin_m is out["origin_m"] and many.yaw_rad is out["yaw_rad"]
+    assert many.quantities == ("azimuth_rad", "origin_m")
+    assert many.origin_m is out["origin_m"] and many.azimuth_rad is out["azimuth_rad"]
     np.testing.assert_array_equal(out["origin_m"], expected.origin_m)
     wide = np.full((300, 8), 7.0, order="F")
     gpr.forward(rods, out={"normal": wide[:, 2:5]})
     np.testing.assert_array_equal(wide[:, 2:5], expected.normal)
     assert (wide[:, :2] == 7).all() and (wide[:, 5:] == 7).all()
     again = np.empty((300, 3), order="F")
-    back = gpr.inverse(expected.yaw_rad, expected.pitch_rad, expected.axis_height_m, out=again)
+    back = gpr.inverse(expected.azimuth_rad, expected.tilt_rad, expected.axis_height_m, out=again)
     assert back.rods_m is again
     np.testing.assert_allclose(again, rods, rtol=1e-12)
-    both = gpr.forward(rods, quantities=["yaw_rad", "pitch_rad"], out={"yaw_rad": out["yaw_rad"]})
-    assert both.yaw_rad is out["yaw_rad"] and both.quantities == ("yaw_rad", "pitch_rad")
-    one = gpr.forward(rods[0], out={"yaw_rad": np.empty(())})
-    assert one.yaw_rad.shape == () and one.yaw_rad == expected.yaw_rad[0]
+    both = gpr.forward(rods, quantities=["azimuth_rad", "tilt_rad"], out={"azimuth_rad": out["azimuth_rad"]})
+    assert both.azimuth_rad is out["azimuth_rad"] and both.quantities == ("azimuth_rad", "tilt_rad")
+    one = gpr.forward(rods[0], out={"azimuth_rad": np.empty(())})
+    assert one.azimuth_rad.shape == () and one.azimuth_rad == expected.azimuth_rad[0]
 
 
 def read_only(array):
@@ -133,15 +133,15 @@ def read_only(array):
 @pytest.mark.parametrize(
     ("out", "kind", "message"),
     [
-        ({"yaw_rad": np.empty(299)}, jp.ArrayError, r"of shape \(300,\), not \(299,\)"),
+        ({"azimuth_rad": np.empty(299)}, jp.ArrayError, r"of shape \(300,\), not \(299,\)"),
         ({"origin_m": np.empty(300)}, jp.ArrayError, r"of shape \(300, 3\)"),
-        ({"yaw_rad": np.empty(300, dtype=np.float32)}, jp.ArrayTypeError, "dtype float32"),
-        ({"yaw_rad": np.empty(300, dtype=">f8")}, jp.ArrayTypeError, "dtype >f8"),
-        ({"yaw_rad": [0.0] * 300}, jp.ArrayTypeError, "list"),
+        ({"azimuth_rad": np.empty(300, dtype=np.float32)}, jp.ArrayTypeError, "dtype float32"),
+        ({"azimuth_rad": np.empty(300, dtype=">f8")}, jp.ArrayTypeError, "dtype >f8"),
+        ({"azimuth_rad": [0.0] * 300}, jp.ArrayTypeError, "list"),
         ({"origin_m": np.empty((300, 3))}, jp.ArrayError, 'order="F"'),
-        ({"yaw_rad": np.empty(600)[::2]}, jp.ArrayError, "one piece"),
-        ({"yaw_rad": read_only(np.empty(300))}, jp.ArrayError, "read-only"),
-        ({"yaw_deg": np.empty(300)}, jp.UnknownNameError, "did you mean `yaw_rad`"),
+        ({"azimuth_rad": np.empty(600)[::2]}, jp.ArrayError, "one piece"),
+        ({"azimuth_rad": read_only(np.empty(300))}, jp.ArrayError, "read-only"),
+        ({"azimuth_deg": np.empty(300)}, jp.UnknownNameError, "did you mean `azimuth_rad`"),
     ],
 )
 def test_arrays_that_cannot_be_written(gpr, rods, out, kind, message):
@@ -152,12 +152,12 @@ def test_arrays_that_cannot_be_written(gpr, rods, out, kind, message):
 def test_arrays_that_overlap_are_refused(gpr):
     memory = np.full((50, 4), 0.5, order="F")
     with pytest.raises(jp.ArrayError, match="shares memory"):
-        gpr.forward(memory[:, :3].copy(), out={"origin_m": memory[:, :3], "yaw_rad": memory[:, 2]})
+        gpr.forward(memory[:, :3].copy(), out={"origin_m": memory[:, :3], "azimuth_rad": memory[:, 2]})
     with pytest.raises(jp.ArrayError, match="shares memory"):
-        gpr.forward(memory[:, :3], out={"yaw_rad": memory[:, 0]})
+        gpr.forward(memory[:, :3], out={"azimuth_rad": memory[:, 0]})
     assert (memory == 0.5).all()
     # Nothing stays borrowed afterwards.
-    gpr.forward(memory[:, :3], out={"yaw_rad": memory[:, 3]})
+    gpr.forward(memory[:, :3], out={"azimuth_rad": memory[:, 3]})
     assert (memory[:, 3] == 0).all()
 
 
@@ -172,7 +172,7 @@ def test_rows_without_an_answer(gpr, rods):
         assert np.isnan(getattr(many, name)[[3, 5]]).all()
         assert np.isfinite(np.delete(getattr(many, name), [3, 5], axis=0)).all()
     tilts = gpr.inverse([0, 0, np.nan], [0.01, 2, 0.01])
-    assert tilts.status.tolist() == [0, jp.Status.PITCH_TOO_LARGE, jp.Status.NOT_FINITE]
+    assert tilts.status.tolist() == [0, jp.Status.TILT_TOO_LARGE, jp.Status.NOT_FINITE]
     assert np.isnan(tilts.rods_m[1:]).all() and np.isfinite(tilts.rods_m[0]).all()
 
 
@@ -181,8 +181,8 @@ def test_threads_change_no_bit(gpr):
     expected = gpr.forward(rods, "offset", threads=1)
     for threads in (None, 2, 3, 7):
         assert gpr.forward(rods, "offset", threads=threads) == expected
-        assert gpr.inverse(expected.yaw_rad, expected.pitch_rad, threads=threads) == gpr.inverse(
-            expected.yaw_rad, expected.pitch_rad, threads=1
+        assert gpr.inverse(expected.azimuth_rad, expected.tilt_rad, threads=threads) == gpr.inverse(
+            expected.azimuth_rad, expected.tilt_rad, threads=1
         )
     for threads in (0, -1, 5000):
         with pytest.raises(jp.InputError, match="number from 1 to 1024"):
@@ -232,7 +232,7 @@ def test_memory_does_not_grow(gpr):
     def work(times):
         for _ in range(times):
             many = gpr.forward(rods, threads=2)
-            gpr.inverse(many.yaw_rad, many.pitch_rad)
+            gpr.inverse(many.azimuth_rad, many.tilt_rad)
             many.to_dataframe()
             for _ in range(500):
                 gpr.forward((0.5, 0.501, 0.502)).origin_m
@@ -284,12 +284,12 @@ def test_data_frames(gpr, rods):
 def test_interrupt_stops_long_work(gpr):
     poses = 4_000_000
     rods = np.broadcast_to((0.5, 0.501, 0.502), (poses, 3))
-    out = {"yaw_rad": np.full(poses, -7.0)}
+    out = {"azimuth_rad": np.full(poses, -7.0)}
 
     def interrupt():
         # As soon as the first poses are there; a minute for machines that are busy.
         patience = time.monotonic() + 60
-        while out["yaw_rad"][0] == -7.0 and time.monotonic() < patience:
+        while out["azimuth_rad"][0] == -7.0 and time.monotonic() < patience:
             time.sleep(0.001)
         os.kill(os.getpid(), signal.SIGINT)
 
@@ -301,6 +301,6 @@ def test_interrupt_stops_long_work(gpr):
             gpr.forward(rods, "polar", solver="least-norm", out=out, threads=1)
     finally:
         signal.signal(signal.SIGINT, before)
-    assert out["yaw_rad"][0] != -7.0
+    assert out["azimuth_rad"][0] != -7.0
     # It did not go to the end.
-    assert out["yaw_rad"][-1] == -7.0
+    assert out["azimuth_rad"][-1] == -7.0

@@ -24,8 +24,8 @@ def test_the_command_says_the_same(gpr, ask, virtualization, solver):
     report = ask("forward", *arguments)
     pose = gpr.forward((0.5, 0.501, 0.502), virtualization, solver=solver)
     platform = report["platform"]
-    assert pose.yaw_rad == pytest.approx(math.radians(platform["yaw_deg"]), rel=1e-14)
-    assert pose.pitch_rad == pytest.approx(math.radians(platform["pitch_deg"]), rel=1e-14)
+    assert pose.azimuth_rad == pytest.approx(math.radians(platform["azimuth_deg"]), rel=1e-14)
+    assert pose.tilt_rad == pytest.approx(math.radians(platform["tilt_deg"]), rel=1e-14)
     assert pose.torsion_rad == pytest.approx(math.radians(platform["torsion_deg"]), rel=1e-13, abs=1e-18)
     assert pose.axis_height_m * 1e3 == pytest.approx(platform["axis_height_mm"], rel=1e-14)
     np.testing.assert_allclose(pose.origin_m * 1e3, platform["origin_mm"], rtol=1e-14)
@@ -48,19 +48,19 @@ def test_metrics_are_those_of_the_command(gpr, ask):
 
 
 @given(
-    yaw=st.floats(-math.pi, math.pi),
-    pitch=st.floats(1e-6, 0.05),
+    azimuth=st.floats(-math.pi, math.pi),
+    tilt=st.floats(1e-6, 0.05),
     height=st.floats(0.3, 0.7),
     virtualization=st.sampled_from(VIRTUALIZATIONS),
 )
-def test_forward_undoes_inverse(yaw, pitch, height, virtualization):
+def test_forward_undoes_inverse(azimuth, tilt, height, virtualization):
     gpr = jp.Gpr.paper().without_limit_checks()
-    rods = gpr.inverse(yaw, pitch, height)
+    rods = gpr.inverse(azimuth, tilt, height)
     pose = gpr.forward(rods.rods_m, virtualization, solver="newton")
-    assert pose.pitch_rad == pytest.approx(pitch, rel=1e-8)
-    assert math.cos(pose.yaw_rad - yaw) == pytest.approx(1, abs=1e-12)
+    assert pose.tilt_rad == pytest.approx(tilt, rel=1e-8)
+    assert math.cos(pose.azimuth_rad - azimuth) == pytest.approx(1, abs=1e-12)
     assert pose.axis_height_m == pytest.approx(height, rel=1e-12)
-    assert gpr.plane_tilt(rods.rods_m) == pytest.approx((pose.yaw_rad, pose.pitch_rad), rel=1e-9)
+    assert gpr.plane_tilt(rods.rods_m) == pytest.approx((pose.azimuth_rad, pose.tilt_rad), rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -107,15 +107,15 @@ def test_limits(gpr):
     rod, tilt = gpr.broken_limits((0.5, 0.5, 0.8))
     assert (rod.limit, rod.found, rod.max, rod.unit) == ("rod 3", 0.8, 0.754, "m")
     assert (tilt.limit, tilt.unit) == ("tilt", "rad") and tilt.found > tilt.max
-    assert gpr.broken_limits((0.5, 0.5, 0.5), pitch_rad=0.5)[0].limit == "tilt"
+    assert gpr.broken_limits((0.5, 0.5, 0.5), tilt_rad=0.5)[0].limit == "tilt"
     rows = np.array([[(0.5, 0.501, 0.502), (0.5, 0.5, 0.8)], [(0.1, 0.1, 0.1), (0.5, np.nan, 0.5)]])
     many = gpr.broken_limits(rows)
     assert many.rods.tolist() == [[[False] * 3, [False, False, True]], [[True] * 3, [False, True, False]]]
     assert many.tilt.tolist() == [[False, True], [False, True]] and many.any.sum() == 3
-    assert gpr.broken_limits(rows, pitch_rad=0.01).tilt.sum() == 0
-    assert gpr.broken_limits(rows, pitch_rad=[0.01, 0.1]).tilt.tolist() == [[False, True]] * 2
+    assert gpr.broken_limits(rows, tilt_rad=0.01).tilt.sum() == 0
+    assert gpr.broken_limits(rows, tilt_rad=[0.01, 0.1]).tilt.tolist() == [[False, True]] * 2
     with pytest.raises(jp.ArrayError):
-        gpr.broken_limits(rows, pitch_rad=np.zeros(5))
+        gpr.broken_limits(rows, tilt_rad=np.zeros(5))
 
 
 def test_poses_beyond_the_limits_are_refused(gpr):
@@ -168,9 +168,9 @@ def test_no_answer_is_raised_with_its_facts(gpr):
         gpr.forward((0.2, 0.5, 0.9), "polar", solver="newton")
     assert len(caught.value.virtual_joints) == 6
 
-    with pytest.raises(jp.PitchTooLargeError) as caught:
+    with pytest.raises(jp.TiltTooLargeError) as caught:
         gpr.inverse(0, 2)
-    assert caught.value.pitch_rad == 2 and isinstance(caught.value, ValueError)
+    assert caught.value.tilt_rad == 2 and isinstance(caught.value, ValueError)
     with pytest.raises(jp.NotFiniteError) as caught:
         gpr.forward((0.5, math.nan, 0.5))
     assert math.isnan(caught.value.value)
@@ -181,7 +181,7 @@ def test_names_that_are_not_known_meet_those_that_are(gpr):
         (lambda: gpr.forward((0.5, 0.5, 0.5), "plannar"), "planar"),
         (lambda: gpr.forward((0.5, 0.5, 0.5), solver="newtown"), "newton"),
         (lambda: gpr.forward((0.5, 0.5, 0.5), metric="radios"), "radius"),
-        (lambda: gpr.forward([[0.5, 0.5, 0.5]], quantities=["yaw_deg"]), "yaw_rad"),
+        (lambda: gpr.forward([[0.5, 0.5, 0.5]], quantities=["azimuth_deg"]), "azimuth_rad"),
     ):
         with pytest.raises(jp.UnknownNameError, match=f"did you mean `{near}`") as caught:
             call()
@@ -260,4 +260,4 @@ def test_robots_and_poses_are_values(gpr):
     with pytest.raises(AttributeError):
         gpr.name = "other"
     with pytest.raises(AttributeError):
-        pose.yaw_rad = 1
+        pose.azimuth_rad = 1

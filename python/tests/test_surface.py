@@ -38,7 +38,7 @@ FOUR_BAR = jp.Mechanism.from_catalogue("four-bar")
 RODS = jp.Mechanism.from_catalogue("gpr-mechanism")
 
 FORWARD = [
-    *("rods_m", "sides_m", "yaw_rad", "pitch_rad", "torsion_rad", "axis_height_m", "origin_m", "center_shift_m"),
+    *("rods_m", "sides_m", "azimuth_rad", "tilt_rad", "torsion_rad", "axis_height_m", "origin_m", "center_shift_m"),
     *("normal", "base_from_platform", "virtual_joints", "characteristic_length_m", "iterations", "residual_m"),
 ]
 # Fields with NaN for unknown values.
@@ -109,31 +109,31 @@ def test_forward(gpr, rods, virtualization, solver, metric):
 
 @many(400)
 @given(ROBOTS, numbers, numbers, st.one_of(st.none(), numbers))
-def test_inverse(gpr, yaw, pitch, height):
-    one = check(lambda: gpr.inverse(yaw, pitch, height))
-    if isinstance(yaw, float) and isinstance(pitch, float) and isinstance(height, float):
-        several = check(lambda: gpr.inverse([yaw, 0.0], pitch, height))
+def test_inverse(gpr, azimuth, tilt, height):
+    one = check(lambda: gpr.inverse(azimuth, tilt, height))
+    if isinstance(azimuth, float) and isinstance(tilt, float) and isinstance(height, float):
+        several = check(lambda: gpr.inverse([azimuth, 0.0], tilt, height))
         assert several is not None and (several.status[0] == 0) == (one is not None)
-    check(lambda: gpr.approximate(yaw, pitch, height))
+    check(lambda: gpr.approximate(azimuth, tilt, height))
 
 
 @many(300)
 @given(ROBOTS, numbers, numbers, numbers, virtualizations, solvers, metrics)
-def test_poses_for_a_tilt(gpr, yaw, pitch, height, virtualization, solver, metric):
+def test_poses_for_a_tilt(gpr, azimuth, tilt, height, virtualization, solver, metric):
     how = {"solver": solver, "metric": metric}
-    check(lambda: gpr.inverse_for_center(yaw, pitch, height, virtualization, **how))
-    check(lambda: gpr.tilt_play(yaw, pitch, height, virtualization, **how))
-    check(lambda: gpr.compare([0.01, pitch], yaw, height, **how))
+    check(lambda: gpr.inverse_for_center(azimuth, tilt, height, virtualization, **how))
+    check(lambda: gpr.tilt_play(azimuth, tilt, height, virtualization, **how))
+    check(lambda: gpr.compare([0.01, tilt], azimuth, height, **how))
 
 
 @many(200)
 @given(ROBOTS, triples, virtualizations, solvers, metrics, st.one_of(st.none(), numbers))
-def test_analyses_of_rods(gpr, rods, virtualization, solver, metric, pitch):
+def test_analyses_of_rods(gpr, rods, virtualization, solver, metric, tilt):
     check(lambda: gpr.sensitivity(rods, virtualization, solver=solver, metric=metric))
     check(lambda: gpr.plane_tilt(rods))
     check(lambda: gpr.mobility(rods, virtualization))
     try:
-        broken = gpr.broken_limits(rods, pitch)
+        broken = gpr.broken_limits(rods, tilt)
     except jp.JointplayError:
         return
     if isinstance(broken, list):
@@ -154,8 +154,8 @@ def test_dimensions(radius, angles, limits, tilt, height):
 
 @many(60)
 @given(st.lists(numbers, max_size=3), st.lists(numbers, max_size=3), st.one_of(st.none(), numbers), metrics)
-def test_studies(yaws, pitches, height, metric):
-    raster = {"yaw_rad": yaws, "pitch_rad": pitches, "height_m": height, "metric": metric}
+def test_studies(azimuths, tilts, height, metric):
+    raster = {"azimuth_rad": azimuths, "tilt_rad": tilts, "height_m": height, "metric": metric}
     check(lambda: jp.study.simulate(PAPER, **raster))
     check(lambda: jp.study.check_bounds(PAPER, **raster))
 

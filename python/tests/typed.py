@@ -31,16 +31,16 @@ def tilt_angle(gpr: jp.Gpr) -> float:
     rods: jp.Inverse = gpr.inverse(0.3, 0.02)
     pose: jp.Forward = gpr.forward(rods.rods_m, Slides())
     same: jp.Forward = gpr.forward((0.5, 0.501, 0.502), "polar", solver="newton", metric=0.05)
-    yaw: float = same.yaw_rad
-    return pose.pitch_rad + 0 * yaw
+    azimuth: float = same.azimuth_rad
+    return pose.tilt_rad + 0 * azimuth
 
 
 def tilt_angles(gpr: jp.Gpr) -> NDArray[np.float64]:
     tilts: jp.InverseMany = gpr.inverse(np.linspace(0, 1, 5), 0.02)
-    out: dict[str, NDArray[np.float64]] = {"pitch_rad": np.empty(5)}
-    poses: jp.ForwardMany = gpr.forward(np.array(tilts.rods_m), quantities=["pitch_rad"])
+    out: dict[str, NDArray[np.float64]] = {"tilt_rad": np.empty(5)}
+    poses: jp.ForwardMany = gpr.forward(np.array(tilts.rods_m), quantities=["tilt_rad"])
     assert poses.failed == 0 and tilts.failures() and out
-    return poses.pitch_rad
+    return poses.tilt_rad
 
 
 def refused() -> str:

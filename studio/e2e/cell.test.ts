@@ -84,8 +84,8 @@ test('a collision is listed and marked at its time, in its line and in the 3D vi
 
 test('an excessive tilt of a station is fixed, and saving preserves comments', async () => {
   await page.locator('summary', { hasText: 'LP1' }).click();
-  await page.getByTestId('station-LP1-pitch').fill('2');
-  await page.getByTestId('station-LP1-pitch').press('Enter');
+  await page.getByTestId('station-LP1-tilt').fill('2');
+  await page.getByTestId('station-LP1-tilt').press('Enter');
   await checkResult('refused');
   await page.getByTestId('diagnostics').filter({ hasText: 'LP1' }).filter({ hasText: 'tilts 2.000°' }).waitFor();
   await page.getByTestId('diagnostics').getByRole('button').first().click();
@@ -152,7 +152,7 @@ test('jogging in station, world and platform coordinates shows the values of the
   await page.getByTestId('field-jog-z').press('Enter');
   await until('it is above', async () => (await value('z')) === 3);
   await page.locator('#jog-world').click();
-  const { effectors } = await asked({ seen_from: { station: 'LP2', slot: 5 }, to: { kind: 'slot', radial_m: 0, turn_rad: 0, height_m: 0.003, yaw_rad: 0 } });
+  const { effectors } = await asked({ seen_from: { station: 'LP2', slot: 5 }, to: { kind: 'slot', radial_m: 0, turn_rad: 0, height_m: 0.003, heading_rad: 0 } });
   for (const [k, name] of ['x', 'y', 'z'].entries()) expect(await value(name)).toBeCloseTo(effectors[0]!.center_m[k]! * 1000, 3);
   await page.getByTestId('field-jog-x').fill('-900');
   await page.getByTestId('field-jog-x').press('Enter');
@@ -258,9 +258,9 @@ test('wafers and bodies of a station move with it during a drag and after planni
   await until('the server reports the same', async () => (await places()).every((place, k) => place.every((value, i) => Math.abs(value - shown[k]![i]!) < 1e-6)));
   await page.getByRole('button', { name: 'Undo' }).click();
   await until('it is back', async () => off(await places()).every((by) => by.every((value) => Math.abs(value) < 1e-3)));
-  const pitch = await field('pitch');
+  const tilt = await field('tilt');
   await drag('about_y', 20, async () => {
-    await until('it is tilted', async () => Math.abs((await field('pitch')) - pitch) > 0.05);
+    await until('it is tilted', async () => Math.abs((await field('tilt')) - tilt) > 0.05);
     shown = await places();
     // The slot on top moves far as the station tilts about its lowest.
     expect(Math.hypot(...off(shown)[2]!)).toBeGreaterThan(0.2);
@@ -272,19 +272,19 @@ test('wafers and bodies of a station move with it during a drag and after planni
 });
 
 test('a station defined by its first and last slot keeps its definition when it is moved and tilted', async () => {
-  const drift = 'drift = { first_mm = [-495.0, -495.0, 500.0], last_mm = [-495.5, -492.0, 740.0] } # as measured';
-  const text = EXAMPLE_CELL.replace('position_mm = [-495.0, -495.0, 500.0]', drift).replace('tilt = { yaw_deg = 100.0, pitch_deg = 0.8 }\n', '');
+  const carrier_axis = 'carrier_axis = { first_mm = [-495.0, -495.0, 500.0], last_mm = [-495.5, -492.0, 740.0] } # as measured';
+  const text = EXAMPLE_CELL.replace('position_mm = [-495.0, -495.0, 500.0]', carrier_axis).replace('tilt = { azimuth_deg = 100.0, angle_deg = 0.8 }\n', '');
   await write('cell', text);
-  await until('it is planned so', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'drift' }).count()) > 0);
+  await until('it is planned so', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'carrier axis' }).count()) > 0);
   await checkResult('passed');
   await choose('LP2');
-  for (const freedom of ['x', 'y', 'height', 'yaw', 'about_x', 'about_y']) await until(`it has ${freedom}`, async () => (await grip(freedom)) !== null);
+  for (const freedom of ['x', 'y', 'height', 'heading', 'about_x', 'about_y']) await until(`it has ${freedom}`, async () => (await grip(freedom)) !== null);
   await drag('height', 14);
   const kept = async () => {
     await checkResult('passed');
     await page.getByTestId('save').click();
     await until('it is saved', () => page.getByTestId('save').isDisabled());
-    const [, first, last] = /drift = \{ first_mm = \[(.*?)\], last_mm = \[(.*?)\] \} # as measured/.exec(readFileSync(join(fixture.folder, 'mine.toml'), 'utf8'))!;
+    const [, first, last] = /carrier_axis = \{ first_mm = \[(.*?)\], last_mm = \[(.*?)\] \} # as measured/.exec(readFileSync(join(fixture.folder, 'mine.toml'), 'utf8'))!;
     return [first!, last!].map((words) => words.split(',').map(Number));
   };
   await until('it is higher', async () => Number(await page.getByTestId('station-LP2-z').inputValue()) > 500.5);
@@ -293,14 +293,14 @@ test('a station defined by its first and last slot keeps its definition when it 
   expect(last![2]! - first![2]!).toBeCloseTo(240, 9);
   expect(last!.slice(0, 2)).toEqual([-495.5, -492]);
   await drag('about_x', 8);
-  await until('its tilt changes', async () => Math.abs(Number(await page.getByTestId('station-LP2-pitch').inputValue()) - 0.726) > 0.02);
+  await until('its tilt changes', async () => Math.abs(Number(await page.getByTestId('station-LP2-tilt').inputValue()) - 0.726) > 0.02);
   const [still, turned] = await kept();
   expect(still).toEqual(first);
   expect(turned).not.toEqual(last);
   const long = (to: number[]) => Math.hypot(...to.map((value, k) => value - first![k]!));
   expect(long(turned!)).toBeCloseTo(long(last!), 6);
   for (let k = 0; k < 3; k += 1) await page.getByRole('button', { name: 'Undo' }).click();
-  await until('it is as drawn', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'drift' }).count()) === 0);
+  await until('it is as drawn', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'carrier axis' }).count()) === 0);
   await checkResult('passed');
   await page.getByTestId('save').click();
 });
@@ -371,7 +371,7 @@ test('the robot view is available next to the cell view', async () => {
 });
 
 test('an invalid cell is opened, its error is marked, and it is fixed', async () => {
-  writeFileSync(join(fixture.folder, 'steep.toml'), EXAMPLE_CELL.replace('pitch_deg = 0.8', 'pitch_deg = 2.0'));
+  writeFileSync(join(fixture.folder, 'steep.toml'), EXAMPLE_CELL.replace('angle_deg = 0.8', 'angle_deg = 2.0'));
   writeFileSync(join(fixture.folder, 'steep.program'), SHORT_PROGRAM);
   const other = await serve(0, ['--cell', join(fixture.folder, 'steep.toml')]);
   const second = await page.context().newPage();

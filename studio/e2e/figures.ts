@@ -26,7 +26,7 @@ test('the robot and its motion', async () => {
   const [browser, server] = await Promise.all([browse(), serve()]);
   const page = await visit(browser);
   await page.goto(`${server.address}#pose=tilt,0,1.5,500,axis&model=polar,newton,paper&play=500&show=joints,arrows,frames,labels`);
-  await drawn(page, 'Math.abs(pose.tilt.pitch_rad - 1.5 * Math.PI / 180) < 1e-9');
+  await drawn(page, 'Math.abs(pose.tilt.angle_rad - 1.5 * Math.PI / 180) < 1e-9');
   await save(page, 'studio');
   await page.goto('about:blank');
   await page.goto(server.address);

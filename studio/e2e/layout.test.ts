@@ -68,8 +68,8 @@ for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], 
         await page.getByRole('button', { name: 'Close this explanation' }).click();
       }
       // The panels are there, below where there is no room at the side.
-      await page.getByTestId('slider-pitch').scrollIntoViewIfNeeded();
-      const slider = (await page.getByTestId('slider-pitch').boundingBox())!;
+      await page.getByTestId('slider-tilt').scrollIntoViewIfNeeded();
+      const slider = (await page.getByTestId('slider-tilt').boundingBox())!;
       expect(slider.width).toBeGreaterThan(60);
       expect(slider.x + slider.width).toBeLessThanOrEqual(width);
     }));

@@ -42,7 +42,7 @@ test('the robot alone', async () => {
 
   const steps = await page.evaluate(async () => {
     const { probe } = window.jointplay;
-    const slider = document.querySelector<HTMLInputElement>('[data-testid=slider-pitch]')!;
+    const slider = document.querySelector<HTMLInputElement>('[data-testid=slider-tilt]')!;
     const found: { total: number; server: number; page: number }[] = [];
     for (let i = 0; i < 120; i++) {
       performance.clearResourceTimings();
@@ -66,8 +66,8 @@ test('the robot alone', async () => {
   await page.getByTestId('motion').selectOption('raster');
   await until('samples', async () => (await count()) === '777');
   await page.getByRole('button', { name: 'Range' }).click();
-  await page.getByTestId('yaw-step').fill('1');
-  await page.getByTestId('yaw-step').press('Enter');
+  await page.getByTestId('azimuth-step').fill('1');
+  await page.getByTestId('azimuth-step').press('Enter');
   await until('samples', async () => (await count()) === '7581');
   await page.getByLabel('Speed').selectOption('2');
   const play = await page.evaluate(async () => {
@@ -109,8 +109,8 @@ test('the robot alone', async () => {
     tick();
   });
   const large = performance.now();
-  await page.getByTestId('yaw-step').fill('0.0075');
-  await page.getByTestId('yaw-step').press('Enter');
+  await page.getByTestId('azimuth-step').fill('0.0075');
+  await page.getByTestId('azimuth-step').press('Enter');
   await until('samples', async () => (await count()) === '1008021');
   const took = performance.now() - large;
   const { longest, heap } = await page.evaluate(() => {

@@ -39,7 +39,7 @@ test('a figure of the paper is selected, and its values equal those of the comma
   expect(await page.getByTestId('plot-rods').count()).toBe(0);
   await page.getByTestId('all-plots').click();
   await page.getByTestId('scrub').fill('20');
-  await drawn(page, 'Math.abs(pose.tilt.pitch_rad - 2 * Math.PI / 180) < 1e-9');
+  await drawn(page, 'Math.abs(pose.tilt.angle_rad - 2 * Math.PI / 180) < 1e-9');
 
   const folder = mkdtempSync(join(tmpdir(), 'studio-'));
   execFileSync(COMMAND, ['simulate', '--virtualization', 'polar', '--out', join(folder, 'study')], { stdio: 'ignore' });
@@ -119,16 +119,16 @@ test('an invalid motion is reported', async () => {
   await page.getByTestId('motion').selectOption('raster');
   await loaded(777);
   await page.getByRole('button', { name: 'Range' }).click();
-  await page.getByTestId('yaw-step').fill('7');
-  await page.getByTestId('yaw-step').press('Enter');
+  await page.getByTestId('azimuth-step').fill('7');
+  await page.getByTestId('azimuth-step').press('Enter');
   await page.getByRole('alert').filter({ hasText: 'step' }).waitFor();
   // An empty field is no number: what was there comes back.
-  await page.getByTestId('pitch-step').fill('');
-  await page.getByTestId('pitch-step').press('Enter');
-  expect(await page.getByTestId('pitch-step').inputValue()).toBe('0.2');
+  await page.getByTestId('tilt-step').fill('');
+  await page.getByTestId('tilt-step').press('Enter');
+  expect(await page.getByTestId('tilt-step').inputValue()).toBe('0.2');
   expect(await page.getByRole('alert').filter({ hasText: 'null' }).count()).toBe(0);
-  await page.getByTestId('yaw-step').fill('10');
-  await page.getByTestId('yaw-step').press('Enter');
+  await page.getByTestId('azimuth-step').fill('10');
+  await page.getByTestId('azimuth-step').press('Enter');
   await loaded(777);
   await page.getByRole('button', { name: 'Range' }).click();
   // The browser itself logs that the server refused.

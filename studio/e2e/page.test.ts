@@ -67,36 +67,36 @@ test('the introduction is visible, and the values equal those of the command lin
   expect(Number(await shift.getAttribute('data-x')) * 1e3).toBeCloseTo(reported.platform.center_shift_mm[0], 10);
   expect(Number(await shift.getAttribute('data-y')) * 1e3).toBeCloseTo(reported.platform.center_shift_mm[1], 10);
   await page.getByRole('tab', { name: 'Direction, angle' }).click();
-  expect(await value('yaw')).toBeCloseTo(reported.platform.yaw_deg, 3);
-  expect(await value('pitch')).toBeCloseTo(reported.platform.pitch_deg, 3);
+  expect(await value('azimuth')).toBeCloseTo(reported.platform.azimuth_deg, 3);
+  expect(await value('tilt')).toBeCloseTo(reported.platform.tilt_deg, 3);
 });
 
 test('each jog of the robot is one undo step', async () => {
   await open();
   expect(await page.getByTestId('instantaneous').textContent()).toBe('1');
   await page.getByRole('button', { name: 'Level', exact: true }).click();
-  await drawn(page, 'pose.tilt.pitch_rad < 1e-9');
+  await drawn(page, 'pose.tilt.angle_rad < 1e-9');
   expect(await page.getByTestId('instantaneous').textContent()).toBe('3');
   expect(await page.getByTestId('finite').textContent()).toBe('1');
   expect(await page.getByTestId('rank').textContent()).toBe('9');
   await type('height', '400');
   await drawn(page, 'Math.abs(pose.axis_height_m - 0.4) < 1e-9');
   await page.getByRole('button', { name: 'Increase Tilt angle α by 0.05 °' }).click();
-  await drawn(page, 'Math.abs(pose.tilt.pitch_rad - 0.05 * Math.PI / 180) < 1e-9');
+  await drawn(page, 'Math.abs(pose.tilt.angle_rad - 0.05 * Math.PI / 180) < 1e-9');
 
   // A drag of a slider, however many moves it takes, is one step.
-  const slider = (await page.getByTestId('slider-pitch').boundingBox())!;
+  const slider = (await page.getByTestId('slider-tilt').boundingBox())!;
   const middle = slider.y + slider.height / 2;
   await page.mouse.move(slider.x + slider.width / 2, middle);
   await page.mouse.down();
   for (const part of [0.55, 0.65, 0.75, 0.85]) await page.mouse.move(slider.x + slider.width * part, middle);
   await page.mouse.up();
-  await drawn(page, 'pose.tilt.pitch_rad > 0.01');
+  await drawn(page, 'pose.tilt.angle_rad > 0.01');
 
   await page.keyboard.press('Control+z');
-  await drawn(page, 'Math.abs(pose.tilt.pitch_rad - 0.05 * Math.PI / 180) < 1e-9');
+  await drawn(page, 'Math.abs(pose.tilt.angle_rad - 0.05 * Math.PI / 180) < 1e-9');
   await page.keyboard.press('Control+z');
-  await drawn(page, 'pose.tilt.pitch_rad < 1e-9 && Math.abs(pose.axis_height_m - 0.4) < 1e-9');
+  await drawn(page, 'pose.tilt.angle_rad < 1e-9 && Math.abs(pose.axis_height_m - 0.4) < 1e-9');
   await page.keyboard.press('Control+z');
   await drawn(page, 'Math.abs(pose.axis_height_m - 0.5) < 1e-9');
   await page.keyboard.press('Control+Shift+z');
@@ -105,13 +105,13 @@ test('each jog of the robot is one undo step', async () => {
 
 test('the robot stops at limits with a message', async () => {
   await open();
-  await type('pitch', '3');
+  await type('tilt', '3');
   expect(await page.getByText('Tilt angle α ranges from -1.5 to 1.5 °').isVisible()).toBe(true);
   // One rod alone tilts the platform: it moves as far as the limit of tilt allows.
   await open('#pose=rods,500,500,500');
   await type('rod-1', '520');
   await page.getByRole('alert').filter({ hasText: 'Stopped at a limit: the tilt is' }).waitFor();
-  await drawn(page, 'Math.abs(pose.tilt.pitch_rad - 1.5 * Math.PI / 180) < 1e-9 && pose.rods_m[1] === 0.5 && pose.rods_m[2] === 0.5');
+  await drawn(page, 'Math.abs(pose.tilt.angle_rad - 1.5 * Math.PI / 180) < 1e-9 && pose.rods_m[1] === 0.5 && pose.rods_m[2] === 0.5');
   const stopped = await value('rod-1');
   expect(stopped).toBeGreaterThan(503);
   expect(stopped).toBeLessThan(510);
@@ -120,26 +120,26 @@ test('the robot stops at limits with a message', async () => {
   await drawn(page, 'Math.abs(pose.rods_m[0] - 0.502) < 1e-9');
   expect(await page.getByRole('alert').count()).toBe(0);
   await page.keyboard.press('Control+z');
-  await drawn(page, 'Math.abs(pose.tilt.pitch_rad - 1.5 * Math.PI / 180) < 1e-9');
+  await drawn(page, 'Math.abs(pose.tilt.angle_rad - 1.5 * Math.PI / 180) < 1e-9');
   // Two limits together: high up there is no room to tilt.
   await open('#pose=tilt,90,-0.5,740,axis');
   await type('height', '754');
   await page.getByRole('alert').filter({ hasText: 'Stopped at a limit: rod' }).waitFor();
   await drawn(page, 'pose.axis_height_m > 0.745 && Math.max(...pose.rods_m) < 0.754 + 1e-9');
-  expect(await value('yaw')).toBeCloseTo(90, 3);
-  expect(await value('pitch')).toBeCloseTo(-0.5, 3);
+  expect(await value('azimuth')).toBeCloseTo(90, 3);
+  expect(await value('tilt')).toBeCloseTo(-0.5, 3);
 });
 
 test('the initial pose is within the tilt limit, and jogging follows the limit', async () => {
   const fresh = await visit(browser);
   try {
     await fresh.goto(server.address);
-    await drawn(fresh, 'Math.abs(pose.tilt.pitch_rad - Math.PI / 180) < 1e-9');
+    await drawn(fresh, 'Math.abs(pose.tilt.angle_rad - Math.PI / 180) < 1e-9');
     await fresh.goto(`${server.address}#pose=xy,0,1.5,500,axis`);
     await drawn(fresh, 'Math.abs(pose.tilt.about_y_rad - 1.5 * Math.PI / 180) < 1e-9');
     await fresh.keyboard.press('k');
     // Toward x by as much as the circle of the limit allows, and off y.
-    await drawn(fresh, 'pose.tilt.about_x_rad > 1.7e-3 && Math.abs(pose.tilt.pitch_rad - 1.5 * Math.PI / 180) < 1e-7');
+    await drawn(fresh, 'pose.tilt.about_x_rad > 1.7e-3 && Math.abs(pose.tilt.angle_rad - 1.5 * Math.PI / 180) < 1e-7');
     const tilt = await fresh.evaluate(() => window.jointplay.probe.pose!.tilt);
     expect(tilt.about_x_rad / tilt.about_y_rad).toBeCloseTo(0.1 / 1.5, 4);
     await fresh.keyboard.press('i');
@@ -159,7 +159,7 @@ test('button names are unique', async () => {
 
 test('the platform is dragged by its three handles', async () => {
   await open('#pose=xy,0,0,500,axis');
-  await drawn(page, 'pose.tilt.pitch_rad < 1e-9 && Math.abs(pose.axis_height_m - 0.5) < 1e-9');
+  await drawn(page, 'pose.tilt.angle_rad < 1e-9 && Math.abs(pose.axis_height_m - 0.5) < 1e-9');
   const canvas = page.locator('.scene canvas').first();
   // The handles are found as users find them: by the tooltip over them.
   const found = new Map(
@@ -296,7 +296,7 @@ test('a link restores pose, model, play scale and view', async () => {
   expect(link).toContain('&pose=tilt,30,1,480,center&model=radial,newton,paper&play=50&show=joints,arrows&view=o,300,-500,800,0,0,450,2');
   const other = await visit(browser, CLIPBOARD);
   await other.goto(link);
-  await drawn(other, "Math.abs(pose.tilt.pitch_rad - Math.PI / 180) < 1e-9 && pose.models[0].model.virtualization === 'radial'");
+  await drawn(other, "Math.abs(pose.tilt.angle_rad - Math.PI / 180) < 1e-9 && pose.models[0].model.virtualization === 'radial'");
   await other.context().close();
 });
 
@@ -304,14 +304,14 @@ test('settings persist between visits', async () => {
   await open();
   await page.getByLabel('Theme').selectOption('dark');
   await page.getByLabel('Length unit').selectOption('inch');
-  await type('yaw', '77');
+  await type('azimuth', '77');
   await until('the link contains the number', () => page.evaluate(() => window.location.hash.includes('77')));
   await page.goto('about:blank');
   await page.goto(server.address);
   await drawn(page);
   expect(await page.evaluate(() => document.documentElement.dataset.theme)).toBe('dark');
   expect(await page.getByTestId('joints').textContent()).toContain('mil');
-  expect(await value('yaw')).toBe(77);
+  expect(await value('azimuth')).toBe(77);
   await page.getByLabel('Theme').selectOption('light');
   await page.getByLabel('Length unit').selectOption('mm');
 });
@@ -338,7 +338,7 @@ test('keyboard shortcuts work and are listed', async () => {
   expect(await page.getByRole('heading', { name: 'Keyboard shortcuts' }).isVisible()).toBe(true);
   await page.keyboard.press('Escape');
   await page.keyboard.press('0');
-  await drawn(page, 'pose.tilt.pitch_rad < 1e-9');
+  await drawn(page, 'pose.tilt.angle_rad < 1e-9');
   await page.keyboard.press('k');
   await drawn(page, 'Math.abs(pose.tilt.about_x_rad - 0.1 * Math.PI / 180) < 1e-9');
   await page.keyboard.press('PageUp');
@@ -357,7 +357,7 @@ test('the page shows a lost connection and recovers after a restart of the serve
   await page.getByTestId('disconnected').waitFor();
   server = await serve(server.port);
   await page.getByTestId('disconnected').waitFor({ state: 'hidden' });
-  await drawn(page, 'pose.tilt.pitch_rad < 1e-9');
+  await drawn(page, 'pose.tilt.angle_rad < 1e-9');
   // The browser itself notes requests without an answer.
   heard.splice(0, heard.length, ...heard.filter((line) => !line.includes('ERR_CONNECTION_REFUSED')));
 });

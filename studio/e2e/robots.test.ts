@@ -149,13 +149,13 @@ test('a link of another robot is reported, and stored settings are separate for 
     await until('the link names the robot', () => page.evaluate(() => window.location.hash.includes('robot=GPR%20of%20the%20paper,')));
     link = new URL(page.url()).hash;
     await page.reload();
-    await drawn(page, 'Math.abs(pose.tilt.pitch_rad - Math.PI / 180) < 1e-9');
+    await drawn(page, 'Math.abs(pose.tilt.angle_rad - Math.PI / 180) < 1e-9');
     expect(await page.getByTestId('foreign-robot').count()).toBe(0);
   });
   await at(robot({}, other), async (page, address) => {
     await page.goto(address + link);
     await page.getByTestId('foreign-robot').filter({ hasText: 'another robot, “GPR of the paper”' }).waitFor();
-    await drawn(page, 'Math.abs(pose.tilt.pitch_rad - Math.PI / 180) < 1e-9');
+    await drawn(page, 'Math.abs(pose.tilt.angle_rad - Math.PI / 180) < 1e-9');
     await page.getByRole('button', { name: 'Dismiss the note about the link' }).click();
     expect(await page.getByTestId('foreign-robot').count()).toBe(0);
   });

@@ -507,14 +507,14 @@ def write_robots(all_robots):
 
 
 def write_forward(all_robots):
-    columns = ["robot", "model", "rho_mm", "solver", "yaw_deg", "pitch_deg", "axis_height_mm"]
+    columns = ["robot", "model", "rho_mm", "solver", "azimuth_deg", "tilt_deg", "axis_height_mm"]
     columns += ["q1_mm", "q2_mm", "q3_mm", "L12_mm", "L23_mm", "L31_mm"]
     columns += [f"x{i}" for i in range(1, 7)]
     columns += ["x_mm", "y_mm", "z_mm", "nx", "ny", "nz", "torsion_deg"]
     rows = []
     for robot in all_robots:
-        for yaw_deg, pitch_deg, height in POSES:
-            yaw, pitch = mpmath.radians(mpf(yaw_deg)), mpmath.radians(mpf(pitch_deg))
+        for azimuth_deg, tilt_deg, height in POSES:
+            yaw, pitch = mpmath.radians(mpf(azimuth_deg)), mpmath.radians(mpf(tilt_deg))
             q = rods(robot, yaw, pitch, mpf(height))
             points = balls(robot, q)
             sides = side_lengths(points)
@@ -524,7 +524,7 @@ def write_forward(all_robots):
                     x = solve(model, robot, rho, sides)
                     pose = pose_of(model, robot, x, points)
                     assert pose.misfit < mpf(10) ** -44, (robot.name, model, pose.misfit)
-                    row = [robot.name, model, number(rho), solver, yaw_deg, pitch_deg, height]
+                    row = [robot.name, model, number(rho), solver, azimuth_deg, tilt_deg, height]
                     row += q + sides + list(x) + [None] * (6 - len(x))
                     row += list(pose.origin) + pose.normal + [mpmath.degrees(pose.torsion)]
                     rows.append(row)
@@ -596,13 +596,13 @@ def write_mobility(all_robots):
 
 
 def write_sensitivity(all_robots):
-    columns = ["robot", "model", "rho_mm", "solver", "yaw_deg", "pitch_deg", "axis_height_mm"]
+    columns = ["robot", "model", "rho_mm", "solver", "azimuth_deg", "tilt_deg", "axis_height_mm"]
     columns += ["q1_mm", "q2_mm", "q3_mm"] + [f"x{i}" for i in range(1, 7)] + ["s1", "s2", "s3"]
     rows = []
     for robot in all_robots:
         variants = VARIANTS[:4] + [("offset", lambda r: r.mean_radius)] + VARIANTS[4:]
-        for solver, pitch_deg in (("nominal", "0"), ("newton", "2")):
-            q = rods(robot, mpf(0), mpmath.radians(mpf(pitch_deg)), mpf(500))
+        for solver, tilt_deg in (("nominal", "0"), ("newton", "2")):
+            q = rods(robot, mpf(0), mpmath.radians(mpf(tilt_deg)), mpf(500))
             sides = side_lengths(balls(robot, q))
             for model, rho_of in variants:
                 rho = rho_of(robot)
@@ -610,7 +610,7 @@ def write_sensitivity(all_robots):
                     x = mpmath.matrix(nominal(model, robot))
                 else:
                     x = solve_newton(model, robot, rho, sides)
-                row = [robot.name, model, number(rho), solver, "0", pitch_deg, "500"]
+                row = [robot.name, model, number(rho), solver, "0", tilt_deg, "500"]
                 row += q + list(x) + [None] * (6 - len(x))
                 rows.append(row + sensitivity_values(model, robot, rho, x, q))
     write(

@@ -15,10 +15,10 @@ pub const HEIGHT: AxisHeight = AxisHeight(0.5);
 /// The four virtualizations, in the order of a legend.
 pub const MODELS: [&dyn Virtualization; 4] = [&Radial, &Polar, &Offset, &Planar];
 
-/// A tilt from yaw and pitch in degrees.
+/// A tilt from azimuth and tilt angle in degrees.
 #[must_use]
-pub fn tilt(yaw_deg: f64, pitch_deg: f64) -> Tilt {
-    Tilt { yaw: yaw_deg.to_radians(), pitch: pitch_deg.to_radians() }
+pub fn tilt(azimuth_deg: f64, tilt_deg: f64) -> Tilt {
+    Tilt { azimuth: azimuth_deg.to_radians(), angle: tilt_deg.to_radians() }
 }
 
 /// Options with this solver and metric.
@@ -36,15 +36,15 @@ pub fn pose(
     virtualization: &dyn Virtualization,
     solver: Solver,
     metric: Metric,
-    yaw_deg: f64,
-    pitch_deg: f64,
+    azimuth_deg: f64,
+    tilt_deg: f64,
 ) -> PlatformPose {
     let gpr = Gpr::paper().without_limit_checks();
-    let rods = gpr.inverse(tilt(yaw_deg, pitch_deg), HEIGHT).expect("a pitch below 90°");
+    let rods = gpr.inverse(tilt(azimuth_deg, tilt_deg), HEIGHT).expect("a tilt angle below 90°");
     gpr.forward(rods, virtualization, &options(solver, metric)).expect("a pose near level")
 }
 
-/// Yaws every 10° from 0° to 350° (deg).
-pub fn yaws_deg() -> impl Iterator<Item = f64> {
+/// Azimuths every 10° from 0° to 350° (deg).
+pub fn azimuths_deg() -> impl Iterator<Item = f64> {
     (0..36).map(|i| 10.0 * f64::from(i))
 }

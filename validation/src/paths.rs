@@ -9,11 +9,11 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 /// Steps of each warm-started solve; four reach round-off from a neighbouring pose.
 const STEPS: usize = 8;
 
-/// One turn of precession: the same pitch (rad) toward `samples` yaws, from yaw 0 up to and with 2π.
-pub fn turn(pitch: f64, samples: u32) -> impl Iterator<Item = Tilt> {
+/// One turn of precession: the same tilt angle (rad) toward `samples` azimuths, from azimuth 0 up to and with 2π.
+pub fn turn(tilt_angle: f64, samples: u32) -> impl Iterator<Item = Tilt> {
     (0..=samples).map(move |i| Tilt {
-        yaw: std::f64::consts::TAU * f64::from(i) / f64::from(samples),
-        pitch,
+        azimuth: std::f64::consts::TAU * f64::from(i) / f64::from(samples),
+        angle: tilt_angle,
     })
 }
 

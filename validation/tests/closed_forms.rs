@@ -2,13 +2,13 @@
 
 use jointplay::gpr::Gpr;
 use jointplay::virtualization::{Metric, Offset, Planar, Polar, Radial, Solver, Virtualization};
-use jointplay_validation::cases::{HEIGHT, RADIUS, pose, tilt, yaws_deg};
+use jointplay_validation::cases::{HEIGHT, RADIUS, azimuths_deg, pose, tilt};
 use jointplay_validation::centers::{Triangle, centroid, circumcenter, fermat_point};
 use jointplay_validation::elastic::{equilibrium, weighted_fit};
 use nalgebra::{Vector2, Vector3};
 
 const UM: f64 = 1e-6;
-const PITCHES_DEG: [f64; 4] = [0.5, 1.0, 2.0, 5.0];
+const TILTS_DEG: [f64; 4] = [0.5, 1.0, 2.0, 5.0];
 
 #[track_caller]
 fn near(found: f64, expected: f64, tolerance: f64) {
@@ -16,24 +16,24 @@ fn near(found: f64, expected: f64, tolerance: f64) {
     assert!(off <= tolerance, "found {found:e}, expected {expected:e}, off by {off:e}");
 }
 
-fn balls(yaw_deg: f64, pitch_deg: f64) -> Triangle {
+fn balls(azimuth_deg: f64, tilt_deg: f64) -> Triangle {
     let gpr = Gpr::paper().without_limit_checks();
-    gpr.ball_centers(&gpr.inverse(tilt(yaw_deg, pitch_deg), HEIGHT).expect("a pose"))
+    gpr.ball_centers(&gpr.inverse(tilt(azimuth_deg, tilt_deg), HEIGHT).expect("a pose"))
 }
 
 fn origin(
     model: &dyn Virtualization,
     solver: Solver,
-    yaw_deg: f64,
-    pitch_deg: f64,
+    azimuth_deg: f64,
+    tilt_deg: f64,
 ) -> Vector3<f64> {
-    pose(model, solver, Metric::Paper, yaw_deg, pitch_deg).base_from_platform.translation.vector
+    pose(model, solver, Metric::Paper, azimuth_deg, tilt_deg).base_from_platform.translation.vector
 }
 
 #[test]
 fn centres_are_what_they_are_called() {
-    for yaw in yaws_deg() {
-        let corners = balls(yaw, 2.0);
+    for azimuth in azimuths_deg() {
+        let corners = balls(azimuth, 2.0);
         let fermat = fermat_point(&corners);
         for k in 0..3 {
             let (a, b) = (corners[k] - fermat, corners[(k + 1) % 3] - fermat);
@@ -48,10 +48,11 @@ fn centres_are_what_they_are_called() {
 
 #[test]
 fn radial_is_the_fermat_point() {
-    for pitch in PITCHES_DEG {
-        for yaw in yaws_deg() {
+    for tilt_angle in TILTS_DEG {
+        for azimuth in azimuths_deg() {
             for solver in [Solver::Newton, Solver::ClosedForm] {
-                let off = origin(&Radial, solver, yaw, pitch) - fermat_point(&balls(yaw, pitch));
+                let off = origin(&Radial, solver, azimuth, tilt_angle)
+                    - fermat_point(&balls(azimuth, tilt_angle));
                 // Newton ends at 10⁻¹³ of a side, 2·10⁻¹⁴ m.
                 assert!(off.norm() < 1e-13, "{:e}", off.norm());
             }
@@ -61,10 +62,11 @@ fn radial_is_the_fermat_point() {
 
 #[test]
 fn planar_is_the_centroid_without_torsion() {
-    for pitch in PITCHES_DEG {
-        for yaw in yaws_deg() {
-            let found = pose(&Planar, Solver::ClosedForm, Metric::Paper, yaw, pitch);
-            let off = found.base_from_platform.translation.vector - centroid(&balls(yaw, pitch));
+    for tilt_angle in TILTS_DEG {
+        for azimuth in azimuths_deg() {
+            let found = pose(&Planar, Solver::ClosedForm, Metric::Paper, azimuth, tilt_angle);
+            let off =
+                found.base_from_platform.translation.vector - centroid(&balls(azimuth, tilt_angle));
             assert!(off.norm() < 1e-15);
             near(found.torsion(), 0.0, 1e-15);
             // Balls on a circle over the axis: their centroid stays on it.
@@ -99,9 +101,9 @@ fn polar_shift_for_every_characteristic_length() {
 
 #[test]
 fn fermat_point_and_circumcentre_lie_on_opposite_sides_of_the_centroid() {
-    for pitch in PITCHES_DEG {
-        for yaw in yaws_deg() {
-            let corners = balls(yaw, pitch);
+    for tilt_angle in TILTS_DEG {
+        for azimuth in azimuths_deg() {
+            let corners = balls(azimuth, tilt_angle);
             let middle = centroid(&corners);
             let (to_fermat, to_circumcenter) =
                 (fermat_point(&corners) - middle, circumcenter(&corners) - middle);
@@ -115,23 +117,24 @@ fn fermat_point_and_circumcentre_lie_on_opposite_sides_of_the_centroid() {
 
 #[test]
 fn magnitude_and_turn_of_the_centre_shift() {
-    for pitch in [0.5, 1.0, 2.0] {
-        let half = 0.5 * RADIUS * (1.0 - tilt(0.0, pitch).pitch.cos());
-        for yaw in yaws_deg() {
-            // Toward the yaw for rod 1, against it and twice as fast from there on.
+    for tilt_angle in [0.5, 1.0, 2.0] {
+        let half = 0.5 * RADIUS * (1.0 - tilt(0.0, tilt_angle).angle.cos());
+        for azimuth in azimuths_deg() {
+            // Toward the azimuth for rod 1, against it and twice as fast from there on.
             let toward = |azimuth_deg: f64| {
                 let (sin, cos) = azimuth_deg.to_radians().sin_cos();
                 Vector2::new(cos, sin) * half
             };
-            let shift =
-                |model, solver| pose(model, solver, Metric::Paper, yaw, pitch).center_shift();
+            let shift = |model, solver| {
+                pose(model, solver, Metric::Paper, azimuth, tilt_angle).center_shift()
+            };
             // The next term is smaller by the squared tilt, 0.0012 at 2°, with a factor below 4.
-            let tolerance = 4.0 * tilt(0.0, pitch).pitch.powi(2) * half;
-            let radial = shift(&Radial, Solver::ClosedForm) - toward(180.0 - 2.0 * yaw);
+            let tolerance = 4.0 * tilt(0.0, tilt_angle).angle.powi(2) * half;
+            let radial = shift(&Radial, Solver::ClosedForm) - toward(180.0 - 2.0 * azimuth);
             assert!(radial.norm() < tolerance, "{:e} {tolerance:e}", radial.norm());
-            let polar = shift(&Polar, Solver::Newton) - toward(-2.0 * yaw);
+            let polar = shift(&Polar, Solver::Newton) - toward(-2.0 * azimuth);
             assert!(polar.norm() < tolerance, "{:e} {tolerance:e}", polar.norm());
-            let offset = shift(&Offset, Solver::Newton) - toward(180.0 - 2.0 * yaw);
+            let offset = shift(&Offset, Solver::Newton) - toward(180.0 - 2.0 * azimuth);
             assert!(offset.norm() < tolerance, "{:e} {tolerance:e}", offset.norm());
         }
     }
@@ -151,12 +154,12 @@ fn origin_in_plane(model: &dyn Virtualization, solver: Solver) -> f64 {
 
 #[test]
 fn magnitude_of_rods_and_radial_slides() {
-    for pitch in PITCHES_DEG {
-        let angle = tilt(0.0, pitch).pitch;
+    for tilt_angle in TILTS_DEG {
+        let angle = tilt(0.0, tilt_angle).angle;
         let unit = RADIUS * (1.0 - angle.cos());
         let (mut longest, mut least, mut most) = (0.0_f64, f64::MAX, f64::MIN);
-        for yaw in yaws_deg() {
-            let found = pose(&Radial, Solver::ClosedForm, Metric::Paper, yaw, pitch);
+        for azimuth in azimuths_deg() {
+            let found = pose(&Radial, Solver::ClosedForm, Metric::Paper, azimuth, tilt_angle);
             for k in 0..3 {
                 longest = longest.max((found.rods[k] - HEIGHT.0).abs());
                 least = least.min(found.solution.virtual_joints[k] - RADIUS);
@@ -172,13 +175,13 @@ fn magnitude_of_rods_and_radial_slides() {
 
 #[test]
 fn approximate_gaps_are_the_stretch() {
-    for pitch in PITCHES_DEG {
-        let stretch = 1.0 / tilt(0.0, pitch).pitch.cos() - 1.0;
+    for tilt_angle in TILTS_DEG {
+        let stretch = 1.0 / tilt(0.0, tilt_angle).angle.cos() - 1.0;
         let mut widest = 0.0_f64;
-        for yaw in yaws_deg() {
+        for azimuth in azimuths_deg() {
             let found = Gpr::paper()
                 .without_limit_checks()
-                .approximate(tilt(yaw, pitch), HEIGHT)
+                .approximate(tilt(azimuth, tilt_angle), HEIGHT)
                 .expect("a pose");
             widest = found.gaps.iter().map(Vector3::norm).fold(widest, f64::max);
         }
@@ -192,24 +195,24 @@ fn elastic_rods_hold_the_platform_near_the_planar_model() {
     let gpr = Gpr::paper().without_limit_checks();
     let sockets = gpr.platform().sockets();
     let mut farthest = 0.0_f64;
-    for yaw in yaws_deg() {
-        let corners = balls(yaw, 2.0);
-        let fit = weighted_fit(sockets, &corners, &tilt(yaw, 2.0).normal());
+    for azimuth in azimuths_deg() {
+        let corners = balls(azimuth, 2.0);
+        let fit = weighted_fit(sockets, &corners, &tilt(azimuth, 2.0).normal());
         let rest = equilibrium(sockets, &corners);
-        let planar = origin(&Planar, Solver::ClosedForm, yaw, 2.0);
+        let planar = origin(&Planar, Solver::ClosedForm, azimuth, 2.0);
         let off = (rest.origin - planar).xy();
         farthest = farthest.max(off.norm());
         // (3/2)(R²/H) tan α (1/cos α − 1) toward the tilt, to leading order in R α / H, 0.7 %.
         let angle = 2.0_f64.to_radians();
         let length = 1.5 * RADIUS * RADIUS / HEIGHT.0 * angle.tan() * (1.0 / angle.cos() - 1.0);
-        let (sin, cos) = yaw.to_radians().sin_cos();
+        let (sin, cos) = azimuth.to_radians().sin_cos();
         assert!((off - Vector2::new(cos, sin) * length).norm() < 0.02 * length);
         // Bending within the plane or sideways: the difference is of the squared tilt.
         assert!((fit.origin - rest.origin).xy().norm() < 1e-3 * UM);
         near(fit.torsion, rest.torsion, 1e-8);
         // The two others are fifty times as far.
-        let radial = origin(&Radial, Solver::ClosedForm, yaw, 2.0);
-        let polar = origin(&Polar, Solver::Newton, yaw, 2.0);
+        let radial = origin(&Radial, Solver::ClosedForm, azimuth, 2.0);
+        let polar = origin(&Polar, Solver::Newton, azimuth, 2.0);
         assert!((rest.origin - radial).xy().norm() > 27.0 * UM);
         assert!((rest.origin - polar).xy().norm() > 27.0 * UM);
     }

@@ -4,7 +4,7 @@
 
 use jointplay::gpr::{Gpr, ball_sides};
 use jointplay::virtualization::{Metric, Offset, Planar, Polar, Radial, Sides, Solver};
-use jointplay_validation::cases::{HEIGHT, RADIUS, options, pose, tilt, yaws_deg};
+use jointplay_validation::cases::{HEIGHT, RADIUS, azimuths_deg, options, pose, tilt};
 use jointplay_validation::centers::circumcenter;
 use jointplay_validation::paths::{least_rotation, torsion, turn, warm_started};
 use jointplay_validation::printed::{
@@ -241,12 +241,12 @@ fn the_same_robot_in_metres_would_give_another_answer() {
 
 // Remark 4: small angles without information.
 
-/// Largest X over all yaws at 2°, linear and angular ((m), (rad)).
+/// Largest X over all azimuths at 2°, linear and angular ((m), (rad)).
 fn largest(model: &dyn jointplay::virtualization::Virtualization, solver: Solver) -> (f64, f64) {
     let mut nominal = [0.0; 6];
     model.nominal(Gpr::paper().platform(), &mut nominal);
-    yaws_deg().fold((0.0, 0.0), |(linear, angular): (f64, f64), yaw| {
-        let x = pose(model, solver, Metric::Paper, yaw, 2.0).solution.virtual_joints;
+    azimuths_deg().fold((0.0, 0.0), |(linear, angular): (f64, f64), azimuth| {
+        let x = pose(model, solver, Metric::Paper, azimuth, 2.0).solution.virtual_joints;
         let part = |m: usize| (x[m] - nominal[m]).abs();
         ((0..3).map(part).fold(linear, f64::max), (3..6).map(part).fold(angular, f64::max))
     })
@@ -256,10 +256,10 @@ fn largest(model: &dyn jointplay::virtualization::Virtualization, solver: Solver
 fn offset_angles_stay_at_zero_whatever_the_robot_does() {
     let (linear, angular) = largest(&Offset, Solver::Newton);
     assert!(linear > 80.0 * UM);
-    // The largest is between the yaws of the study, at 93°.
+    // The largest is between the azimuths of the study, at 93°.
     assert!(angular < 8.6e-7);
-    let angle = |yaw: f64| {
-        let x = pose(&Offset, Solver::Newton, Metric::Paper, yaw, 2.0).solution.virtual_joints;
+    let angle = |azimuth: f64| {
+        let x = pose(&Offset, Solver::Newton, Metric::Paper, azimuth, 2.0).solution.virtual_joints;
         (3..6).map(|m| x[m].abs()).fold(0.0, f64::max)
     };
     let angular = (0..720).map(|k| angle(0.5 * f64::from(k))).fold(0.0, f64::max);
@@ -269,9 +269,9 @@ fn offset_angles_stay_at_zero_whatever_the_robot_does() {
     )));
     near(angular, 8.632e-7, 0.001e-7);
     // The centre moves as in the radial model, since only dr moves.
-    for yaw in yaws_deg() {
-        let offset = pose(&Offset, Solver::Newton, Metric::Paper, yaw, 2.0).center_shift();
-        let radial = pose(&Radial, Solver::Newton, Metric::Paper, yaw, 2.0).center_shift();
+    for azimuth in azimuths_deg() {
+        let offset = pose(&Offset, Solver::Newton, Metric::Paper, azimuth, 2.0).center_shift();
+        let radial = pose(&Radial, Solver::Newton, Metric::Paper, azimuth, 2.0).center_shift();
         assert!((offset - radial).norm() < 1e-3 * UM, "{}", (offset - radial).norm());
     }
 }
@@ -286,8 +286,8 @@ fn offset_angles_are_used_where_the_norm_is_really_least() {
 #[test]
 fn planar_sees_the_sideways_play_that_offset_hides() {
     let mut sideways = 0.0_f64;
-    for yaw in yaws_deg() {
-        let found = pose(&Planar, Solver::ClosedForm, Metric::Paper, yaw, 2.0);
+    for azimuth in azimuths_deg() {
+        let found = pose(&Planar, Solver::ClosedForm, Metric::Paper, azimuth, 2.0);
         let x = found.solution.virtual_joints;
         for k in 0..3 {
             let out = Gpr::paper().platform().directions()[k];
@@ -315,8 +315,8 @@ fn polar_angles_carry_more_play_than_the_lengths() {
 
 #[test]
 fn newton_is_not_the_least_norm() {
-    let gap = |pitch| {
-        let end = |solver| pose(&Polar, solver, Metric::Paper, 0.0, pitch);
+    let gap = |tilt_angle| {
+        let end = |solver| pose(&Polar, solver, Metric::Paper, 0.0, tilt_angle);
         let (newton, least) = (end(Solver::Newton), end(Solver::LeastNorm));
         let x = (newton.solution.virtual_joints, least.solution.virtual_joints);
         let norm = |x: &[f64]| {
@@ -387,7 +387,7 @@ fn a_start_at_nominal_does_not() {
         };
         let tilts = three_turns();
         let (first, last) = (solve(tilts[0]), solve(tilts[ends()[2]]));
-        // The yaws 0 and 2π differ by round-off only.
+        // The azimuths 0 and 2π differ by round-off only.
         let off = last.base_from_platform.translation.vector
             - first.base_from_platform.translation.vector;
         assert!(off.norm() < 1e-15);

@@ -18,14 +18,14 @@ fn near(what: &str, found: f64, expected: f64, tolerance: f64, row: &Row) {
         row.text("robot"),
         row.text("model"),
         row.text("solver"),
-        row.text("yaw_deg"),
-        row.text("pitch_deg"),
+        row.text("azimuth_deg"),
+        row.text("tilt_deg"),
     );
 }
 
 fn tilt(row: &Row) -> Tilt {
     let angle = |column| row.number(column).expect("an angle in every row").to_radians();
-    Tilt { yaw: angle("yaw_deg"), pitch: angle("pitch_deg") }
+    Tilt { azimuth: angle("azimuth_deg"), angle: angle("tilt_deg") }
 }
 
 fn options(row: &Row) -> SolveOptions {

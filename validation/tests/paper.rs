@@ -12,11 +12,11 @@ use jointplay::sensitivity::sensitivity;
 use jointplay::virtualization::{
     Metric, Offset, Planar, Polar, Radial, Solver, VirtualJointKind, Virtualization,
 };
-use jointplay_validation::cases::{HEIGHT, MODELS, RADIUS, options, pose, tilt, yaws_deg};
+use jointplay_validation::cases::{HEIGHT, MODELS, RADIUS, azimuths_deg, options, pose, tilt};
 
 const MM: f64 = 1e-3;
-/// Pitches of the study, −2° to 2° by 0.2°, level among them.
-fn pitches_deg() -> impl Iterator<Item = f64> {
+/// Tilt angles of the study, −2° to 2° by 0.2°, level among them.
+fn tilts_deg() -> impl Iterator<Item = f64> {
     (-10..=10).map(|i| 0.2 * f64::from(i))
 }
 
@@ -35,14 +35,14 @@ fn close(a: f64, b: f64) -> bool {
 #[test]
 fn level_has_rank_9_and_mobility_3_all_other_poses_11_and_1() {
     let gpr = Gpr::paper().without_limit_checks();
-    for yaw in yaws_deg() {
-        for pitch in [0.0, 1e-6, 0.01, 0.2, 2.0] {
-            let found = pose(&Planar, Solver::ClosedForm, Metric::Paper, yaw, pitch);
+    for azimuth in azimuths_deg() {
+        for tilt_angle in [0.0, 1e-6, 0.01, 0.2, 2.0] {
+            let found = pose(&Planar, Solver::ClosedForm, Metric::Paper, azimuth, tilt_angle);
             let system = gpr.system(&Planar);
             let at = system.configuration(&found);
             let first = instantaneous_mobility(&system, &at, RANK_THRESHOLD).unwrap();
-            let expected = if pitch == 0.0 { (9, 3) } else { (11, 1) };
-            assert_eq!((first.rank, first.mobility), expected, "{yaw}° {pitch}°");
+            let expected = if tilt_angle == 0.0 { (9, 3) } else { (11, 1) };
+            assert_eq!((first.rank, first.mobility), expected, "{azimuth}° {tilt_angle}°");
         }
     }
 }
@@ -76,8 +76,8 @@ fn the_three_freedoms_at_level_are_instantaneous_one_is_finite() {
 fn with_virtual_joints_rank_is_12_and_mobility_m_everywhere() {
     let gpr = Gpr::paper().without_limit_checks();
     for model in MODELS {
-        for pitch in [0.0, 1e-6, 0.2, 2.0] {
-            let found = pose(model, Solver::Newton, Metric::Paper, 30.0, pitch);
+        for tilt_angle in [0.0, 1e-6, 0.2, 2.0] {
+            let found = pose(model, Solver::Newton, Metric::Paper, 30.0, tilt_angle);
             let system = gpr.system(model);
             let at = system.configuration(&found);
             let all = augmented_mobility(&system, &at, RANK_THRESHOLD).unwrap();
@@ -89,9 +89,13 @@ fn with_virtual_joints_rank_is_12_and_mobility_m_everywhere() {
 // IV.A: sensitivity.
 
 /// Non-zero singular values of ∂Φ/∂X in mm and rad, as the paper would have computed them (mm²/mm, mm²/rad).
-fn singular_values_of_phi_by_x(model: &dyn Virtualization, yaw: f64, pitch: f64) -> [f64; 3] {
+fn singular_values_of_phi_by_x(
+    model: &dyn Virtualization,
+    azimuth: f64,
+    tilt_angle: f64,
+) -> [f64; 3] {
     let gpr = Gpr::paper().without_limit_checks();
-    let found = pose(model, Solver::Newton, Metric::Paper, yaw, pitch);
+    let found = pose(model, Solver::Newton, Metric::Paper, azimuth, tilt_angle);
     let system = gpr.system(model);
     let mut matrix = system.virtual_jacobian(&system.configuration(&found));
     for (mut column, joint) in matrix.column_iter_mut().zip(model.joints()) {
@@ -109,9 +113,9 @@ fn singular_values_of_phi_by_x_vary_slightly_and_never_vanish() {
     for model in MODELS {
         let level = singular_values_of_phi_by_x(model, 0.0, 0.0);
         assert!(level[2] > 100.0, "{} {level:?}", model.name());
-        for yaw in yaws_deg() {
-            for pitch in [0.2, 1.0, 2.0] {
-                let here = singular_values_of_phi_by_x(model, yaw, pitch);
+        for azimuth in azimuths_deg() {
+            for tilt_angle in [0.2, 1.0, 2.0] {
+                let here = singular_values_of_phi_by_x(model, azimuth, tilt_angle);
                 for k in 0..3 {
                     // Slightly indeed: found are 0.03 % (radial, planar), 0.09 % (polar), 0.27 % (offset).
                     near(here[k] / level[k], 1.0, 2.8e-3);
@@ -144,9 +148,9 @@ fn sensitivity_has_rank_3_and_known_singular_values_at_level() {
 fn bounds_4_and_5_agree_and_hold_for_the_chord() {
     let gpr = Gpr::paper().without_limit_checks();
     for model in MODELS {
-        for yaw in yaws_deg() {
+        for azimuth in azimuths_deg() {
             let options = options(Solver::Newton, Metric::Paper);
-            let play = gpr.tilt_play(tilt(yaw, 2.0), HEIGHT, model, &options).unwrap();
+            let play = gpr.tilt_play(tilt(azimuth, 2.0), HEIGHT, model, &options).unwrap();
             for bounded in [&play.at_start, &play.at_midpoint, &play.at_end] {
                 let bounds = &bounded.bounds;
                 // Eigenvalues are squares of singular values: half the digits of the smallest.
@@ -154,7 +158,7 @@ fn bounds_4_and_5_agree_and_hold_for_the_chord() {
                 near(bounds.eigenvalue_upper, bounds.upper, 1e-9 * bounds.coarse_upper);
                 assert!(bounds.upper <= bounds.coarse_upper);
             }
-            assert!(play.at_midpoint.held, "{} {yaw}°", model.name());
+            assert!(play.at_midpoint.held, "{} {azimuth}°", model.name());
         }
     }
 }
@@ -186,10 +190,11 @@ fn bounds_at_the_end_are_twice_those_of_the_chord_and_zero_at_the_start() {
 #[test]
 fn two_or_three_iterations_solve_every_sample_of_the_study() {
     for model in MODELS {
-        for yaw in yaws_deg() {
-            for pitch in pitches_deg() {
-                let found = pose(model, Solver::Newton, Metric::Paper, yaw, pitch).solution;
-                assert!(found.iterations <= 3, "{} {yaw}° {pitch}°", model.name());
+        for azimuth in azimuths_deg() {
+            for tilt_angle in tilts_deg() {
+                let found =
+                    pose(model, Solver::Newton, Metric::Paper, azimuth, tilt_angle).solution;
+                assert!(found.iterations <= 3, "{} {azimuth}° {tilt_angle}°", model.name());
                 assert!(found.residual <= 1e-13 * RADIUS * 3.0_f64.sqrt() * 1.01);
             }
         }
@@ -203,8 +208,8 @@ fn every_pass_through_level_finds_the_nominal_robot() {
     for model in MODELS {
         let mut nominal = vec![0.0; model.joints().len()];
         model.nominal(Gpr::paper().platform(), &mut nominal);
-        for yaw in yaws_deg() {
-            let found = pose(model, Solver::Newton, Metric::Paper, yaw, 0.0);
+        for azimuth in azimuths_deg() {
+            let found = pose(model, Solver::Newton, Metric::Paper, azimuth, 0.0);
             assert_eq!(found.rods, [0.5; 3]);
             for (x, expected) in found.solution.virtual_joints.iter().zip(&nominal) {
                 near(*x, *expected, 1e-16);
@@ -218,19 +223,19 @@ fn every_pass_through_level_finds_the_nominal_robot() {
 
 #[test]
 fn x_and_l_have_their_extremum_at_every_pass() {
-    // Each series is even in the pitch, so that its slope is zero at level; and it turns back there.
+    // Each series is even in the tilt angle, so that its slope is zero at level; and it turns back there.
     for model in MODELS {
-        for yaw in yaws_deg() {
-            let series = |pitch| {
-                let found = pose(model, Solver::Newton, Metric::Paper, yaw, pitch);
+        for azimuth in azimuths_deg() {
+            let series = |tilt_angle| {
+                let found = pose(model, Solver::Newton, Metric::Paper, azimuth, tilt_angle);
                 let joints = found.solution.virtual_joints;
                 (joints.to_vec(), found.sides)
             };
             let level = series(0.0);
-            for pitch in pitches_deg().filter(|pitch| *pitch > 0.1) {
-                let (up, down) = (series(pitch), series(-pitch));
+            for tilt_angle in tilts_deg().filter(|tilt_angle| *tilt_angle > 0.1) {
+                let (up, down) = (series(tilt_angle), series(-tilt_angle));
                 for m in 0..level.0.len() {
-                    assert!(close(up.0[m], down.0[m]), "{} {yaw}° {pitch}°", model.name());
+                    assert!(close(up.0[m], down.0[m]), "{} {azimuth}° {tilt_angle}°", model.name());
                 }
                 for k in 0..3 {
                     assert!(close(up.1[k], down.1[k]));
@@ -243,9 +248,9 @@ fn x_and_l_have_their_extremum_at_every_pass() {
 }
 
 #[test]
-fn an_extremum_of_l_is_a_minimum_or_a_maximum_depending_on_the_yaw() {
-    let change = |yaw| {
-        let x = pose(&Radial, Solver::Newton, Metric::Paper, yaw, 2.0).solution.virtual_joints;
+fn an_extremum_of_l_is_a_minimum_or_a_maximum_depending_on_the_azimuth() {
+    let change = |azimuth| {
+        let x = pose(&Radial, Solver::Newton, Metric::Paper, azimuth, 2.0).solution.virtual_joints;
         x[0] - RADIUS
     };
     // +3/2 R(1 − cos α) toward the rod, −1/2 R(1 − cos α) across.
@@ -256,9 +261,10 @@ fn an_extremum_of_l_is_a_minimum_or_a_maximum_depending_on_the_yaw() {
 #[test]
 fn q_has_no_extremum_at_a_pass() {
     // The rods go straight through; only the six series above turn back.
-    for yaw in yaws_deg() {
-        let rods =
-            |pitch| Gpr::paper().without_limit_checks().inverse(tilt(yaw, pitch), HEIGHT).unwrap();
+    for azimuth in azimuths_deg() {
+        let rods = |tilt_angle| {
+            Gpr::paper().without_limit_checks().inverse(tilt(azimuth, tilt_angle), HEIGHT).unwrap()
+        };
         let (before, after) = (rods(-0.2), rods(0.2));
         for k in 0..3 {
             near(before[k] - 0.5, 0.5 - after[k], 1e-15);
@@ -271,8 +277,8 @@ fn q_has_no_extremum_at_a_pass() {
 fn play_of_the_study_is_some_tens_of_micrometres() {
     // "Very small and within the range of the inherent imperfections"; the paper prints no number.
     let mut most = 0.0_f64;
-    for yaw in yaws_deg() {
-        let x = pose(&Radial, Solver::Newton, Metric::Paper, yaw, 2.0).solution.virtual_joints;
+    for azimuth in azimuths_deg() {
+        let x = pose(&Radial, Solver::Newton, Metric::Paper, azimuth, 2.0).solution.virtual_joints;
         most = x.iter().map(|l| (l - RADIUS).abs()).fold(most, f64::max);
     }
     near(most, 85.2e-6, 0.1e-6);

@@ -143,7 +143,8 @@ struct Inverse {
 
 impl Inverse {
     fn new(copies: usize, shared: bool) -> Self {
-        let tilts: Vec<[f64; 2]> = gpr::tilts().map(|Tilt { yaw, pitch }| [yaw, pitch]).collect();
+        let tilts: Vec<[f64; 2]> =
+            gpr::tilts().map(|Tilt { azimuth, angle: tilt_angle }| [azimuth, tilt_angle]).collect();
         let tilts = columns(&tilts, copies);
         let poses = tilts[0].len();
         Self {
@@ -158,13 +159,18 @@ impl Inverse {
     /// The rods of the first so many poses; how many were found.
     fn first(&mut self, poses: usize) -> usize {
         let height = Column::constant(&gpr::HEIGHT, poses);
-        let [yaw, pitch] = [0, 1].map(|k| Column::from(&self.tilts[k][..poses]));
+        let [azimuth, tilt_angle] = [0, 1].map(|k| Column::from(&self.tilts[k][..poses]));
         let rods = self.rods.each_mut().map(|column| &mut column[..poses]);
         let status = &mut self.status[..poses];
         let done = if self.shared {
-            parallel::inverse_many(&self.gpr, PoseColumns { yaw, pitch, height }, status, rods)
+            parallel::inverse_many(
+                &self.gpr,
+                PoseColumns { azimuth, tilt_angle, height },
+                status,
+                rods,
+            )
         } else {
-            self.gpr.inverse_many(yaw, pitch, height, status, rods)
+            self.gpr.inverse_many(azimuth, tilt_angle, height, status, rods)
         };
         done.map_or(0, |tally| tally.poses() - tally.failed())
     }

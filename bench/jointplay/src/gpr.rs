@@ -31,13 +31,14 @@ pub(crate) fn robot() -> Gpr {
     robot::parse(entry.text).expect("catalogue files can be read").gpr.without_limit_checks()
 }
 
-/// Every tilt: 360 azimuths, 20 pitches either side of level, none at it.
+/// Every tilt: 360 azimuths, 20 tilt angles either side of level, none at it.
 pub(crate) fn tilts() -> impl Iterator<Item = Tilt> {
-    let pitches = (-20..=20).filter(|&step| step != 0);
-    let steps = (0..360).flat_map(move |yaw| pitches.clone().map(move |pitch| (yaw, pitch)));
-    steps.map(|(yaw, pitch)| Tilt {
-        yaw: f64::from(yaw).to_radians(),
-        pitch: (f64::from(pitch) / 10.0).to_radians(),
+    let tilt_angles = (-20..=20).filter(|&step| step != 0);
+    let steps = (0..360)
+        .flat_map(move |azimuth| tilt_angles.clone().map(move |tilt_angle| (azimuth, tilt_angle)));
+    steps.map(|(azimuth, tilt_angle)| Tilt {
+        azimuth: f64::from(azimuth).to_radians(),
+        angle: (f64::from(tilt_angle) / 10.0).to_radians(),
     })
 }
 

@@ -19,7 +19,7 @@ use crate::tree::Tree;
 const MECHANISMS: [&str; 7] =
     ["four-bar", "bennett", "bricard-orthogonal", "sarrus", "3-rps", "3-upu-tsai", "3-upu-snu"];
 /// Commanded tilt of the platform.
-const TILT: Tilt = Tilt { yaw: 0.0, pitch: 2.0 * std::f64::consts::PI / 180.0 };
+const TILT: Tilt = Tilt { azimuth: 0.0, angle: 2.0 * std::f64::consts::PI / 180.0 };
 
 /// Commanded rise of the platform (m).
 const RISE: f64 = 0.01;

@@ -40,7 +40,8 @@ fn cases(robot: &HybridRobot, with_heading: bool) -> Vec<(Vec<f64>, WaferTarget)
     (1..=POSES)
         .map(|i| {
             let fraction = |stride: f64| (f64::from(i) * stride).fract();
-            let tilt = Tilt { yaw: TAU * fraction(0.618), pitch: 0.026 * fraction(0.414_213_562) };
+            let tilt =
+                Tilt { azimuth: TAU * fraction(0.618), angle: 0.026 * fraction(0.414_213_562) };
             let mut positions = robot.gpr.inverse(tilt, AxisHeight(0.5)).unwrap().to_vec();
             for (k, axis) in robot.axes[3..].iter().enumerate() {
                 let fraction = 0.1 + 0.8 * fraction(strides[k % 3] + 0.1 * k as f64);

@@ -164,7 +164,7 @@ pub enum CellError {
         reach: f64,
     },
     /// A station that tilts further than the platform.
-    #[error("station {station} tilts by {} rad, but the robot tilts by at most {max} rad; level the station", tilt.pitch)]
+    #[error("station {station} tilts by {} rad, but the robot tilts by at most {max} rad; level the station", tilt.angle)]
     StationTilt {
         /// Name of the station.
         station: String,

@@ -47,7 +47,7 @@ pub struct SlotRelativePose {
     /// Height of its centre above the resting plane of the slot (m).
     pub height: f64,
     /// Heading relative to the slot's inward direction (rad).
-    pub yaw: f64,
+    pub heading: f64,
 }
 
 /// Frame of a slot and the axis of the cylindrical coordinates.
@@ -72,17 +72,17 @@ impl SlotFrame {
             radial: within.norm() - out.norm(),
             turn: normal.dot(&out.cross(&within)).atan2(out.dot(&within)),
             height,
-            yaw: ahead.dot(&across).atan2(ahead.dot(&inward)),
+            heading: ahead.dot(&across).atan2(ahead.dot(&inward)),
         }
     }
 
     fn target(&self, from_slot: &SlotRelativePose, normal: Vector3<f64>) -> WaferTarget {
-        let SlotRelativePose { radial, turn, height, yaw } = *from_slot;
+        let SlotRelativePose { radial, turn, height, heading } = *from_slot;
         let about = |angle| Rotation3::from_axis_angle(&Unit::new_unchecked(self.normal), angle);
         let out = self.out.try_normalize(f64::MIN_POSITIVE);
         let out = out.unwrap_or_else(|| self.frame.rotation * Vector3::y());
         let within = about(turn) * out * (self.out.norm() + radial);
-        let ahead = about(yaw) * (self.frame.rotation * Vector3::y());
+        let ahead = about(heading) * (self.frame.rotation * Vector3::y());
         let level = tilt_rotation(&normal).inverse() * ahead;
         WaferTarget {
             center: self.axis + within + self.normal * height,
@@ -191,7 +191,7 @@ impl Cell {
                 radial: between(start.radial, to.radial, fraction),
                 turn: turned(start.turn, to.turn, fraction),
                 height: between(start.height, to.height, fraction),
-                yaw: turned(start.yaw, to.yaw, fraction),
+                heading: turned(start.heading, to.heading, fraction),
             };
             let mut target = view.target(&part, normal.lerp(&view.normal, fraction).normalize());
             target.heading = target.heading.filter(|_| free);

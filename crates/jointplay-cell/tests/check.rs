@@ -142,7 +142,8 @@ fn every_limit_of_an_axis_has_its_message() {
 #[test]
 fn tilt_play_and_droop_have_their_messages() {
     let tilted_program = |cell: &mut Cell| {
-        let rods = cell.robot.gpr.inverse(Tilt { yaw: 0.4, pitch: 0.02 }, AxisHeight(0.5)).unwrap();
+        let rods =
+            cell.robot.gpr.inverse(Tilt { azimuth: 0.4, angle: 0.02 }, AxisHeight(0.5)).unwrap();
         let mut from = rods.to_vec();
         from.extend([0.0, 0.9]);
         let mut to = from.clone();
@@ -221,7 +222,7 @@ fn a_wafer_slips_as_computed_by_hand() {
     cell.robot.arms[0].effectors[0].friction = 1.01 * worst / GRAVITY;
     assert_eq!(check(&cell, &motion, &CheckOptions::default()).result, CheckResult::Passed);
     // Tilted at rest: g sin α against µ g cos α.
-    let rods = cell.robot.gpr.inverse(Tilt { yaw: 0.4, pitch: 0.02 }, AxisHeight(0.5)).unwrap();
+    let rods = cell.robot.gpr.inverse(Tilt { azimuth: 0.4, angle: 0.02 }, AxisHeight(0.5)).unwrap();
     let mut still = rods.to_vec();
     still.extend([0.0, 0.9]);
     let mut wait = step(0, &still, &still);

@@ -74,7 +74,7 @@ proptest! {
     fn compensated_wafer_lies_at_the_target(
         kind in 0..common::KINDS,
         droop in droops(),
-        (fraction, yaw, pitch) in (prop::array::uniform8(0.1..0.9), -PI..PI, 0.0_f64..1.3),
+        (fraction, azimuth, tilt_angle) in (prop::array::uniform8(0.1..0.9), -PI..PI, 0.0_f64..1.3),
         loaded: bool,
     ) {
         let cell = cell(kind, droop);
@@ -84,7 +84,7 @@ proptest! {
         let rod = near[0];
         near[..3].fill(rod.clamp(0.3, 0.7));
         let before = cell.robot.effector_pose(&near, A).unwrap();
-        let normal = Tilt { yaw, pitch: pitch.to_radians() }.normal();
+        let normal = Tilt { azimuth, angle: tilt_angle.to_radians() }.normal();
         let target = WaferTarget { center: before.translation.vector, normal, heading: None };
         match cell.compensated_inverse(A, &target, loaded, &near) {
             Ok(reached) => {
@@ -107,7 +107,7 @@ fn compensation_keeps_a_free_heading() {
     let cell = cell(5, cantilever());
     let near = [0.5, 0.5, 0.5, 0.3, -0.9, 0.4];
     let pose = cell.robot.effector_pose(&near, A).unwrap();
-    let normal = Tilt { yaw: 0.7, pitch: 0.01 }.normal();
+    let normal = Tilt { azimuth: 0.7, angle: 0.01 }.normal();
     let along = tilt_rotation(&normal).inverse() * (pose.rotation * Vector3::x());
     let heading = along.y.atan2(along.x);
     let target = WaferTarget { center: pose.translation.vector, normal, heading: Some(heading) };
@@ -126,10 +126,10 @@ fn tilt_beyond_the_platform_limit_is_reported() {
     let limit = cell.robot.gpr.limits().tilt_max;
     // Outward, so that the droop adds its slope to the tilt.
     let out = pose.translation.vector;
-    let yaw = out.y.atan2(out.x) + PI;
-    let target = |pitch| WaferTarget {
+    let azimuth = out.y.atan2(out.x) + PI;
+    let target = |tilt_angle| WaferTarget {
         center: pose.translation.vector,
-        normal: Tilt { yaw, pitch }.normal(),
+        normal: Tilt { azimuth, angle: tilt_angle }.normal(),
         heading: None,
     };
     let error = cell.compensated_inverse(A, &target(limit + 0.009), true, &near).unwrap_err();

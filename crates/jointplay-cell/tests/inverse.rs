@@ -45,7 +45,8 @@ fn fractions() -> impl Strategy<Value = [f64; 5]> {
 }
 
 fn tilt() -> impl Strategy<Value = Tilt> {
-    (-3.0..3.0_f64, 0.0..0.026_f64).prop_map(|(yaw, pitch)| Tilt { yaw, pitch })
+    (-3.0..3.0_f64, 0.0..0.026_f64)
+        .prop_map(|(azimuth, tilt_angle)| Tilt { azimuth, angle: tilt_angle })
 }
 
 fn model(number: usize) -> PlatformModel {
@@ -230,7 +231,7 @@ proptest! {
         by in prop::array::uniform3(-1e-4..1e-4_f64),
     ) {
         let robot = kind(number, lengths);
-        let at = positions(&robot, Tilt { yaw: 0.4, pitch: 0.01 }, 0.5, fractions);
+        let at = positions(&robot, Tilt { azimuth: 0.4, angle: 0.01 }, 0.5, fractions);
         let mut target = target_of(&robot.effector_pose(&at, A).unwrap(), true);
         prop_assume!(bend_cost(&robot, number, &at) < 400.0);
         let start = robot.inverse(A, &target, &at).unwrap().chosen().unwrap().clone();
@@ -337,12 +338,12 @@ fn branch_selection_names_the_reason() {
     let out = robot.inverse(A, &far, &at).unwrap();
     let reach = out.out_of_reach.unwrap();
     assert!(out.branches.is_empty() && reach.missing() > 1.0 && reach.distance > reach.max);
-    let steep = WaferTarget { normal: Tilt { yaw: 1.0, pitch: 0.04 }.normal(), ..target };
+    let steep = WaferTarget { normal: Tilt { azimuth: 1.0, angle: 0.04 }.normal(), ..target };
     let out = robot.inverse(A, &steep, &at).unwrap();
-    let limit = LimitViolation::Tilt { pitch: 0.04, max: 1.5_f64.to_radians() };
+    let limit = LimitViolation::Tilt { angle: 0.04, max: 1.5_f64.to_radians() };
     assert!(out.chosen.is_none() && !out.branches.is_empty());
-    let LimitViolation::Tilt { pitch, max } = out.plane_violations[0] else { panic!("{limit:?}") };
-    assert!((pitch - 0.04).abs() < 1e-15 && max == 1.5_f64.to_radians());
+    let LimitViolation::Tilt { angle, max } = out.plane_violations[0] else { panic!("{limit:?}") };
+    assert!((angle - 0.04).abs() < 1e-15 && max == 1.5_f64.to_radians());
     let mut high = target;
     high.center.z += 0.5;
     let out = robot.inverse(A, &high, &at).unwrap();
@@ -402,7 +403,7 @@ fn displacements_of_other_effectors_are_returned() {
     let robot = kind(2, [0.2, 0.22, 0.3]);
     let at = positions(&robot, Tilt::LEVEL, 0.5, [0.5, 0.7, 0.6, 0.0, 0.0]);
     let mut target = target_of(&robot.effector_pose(&at, A).unwrap(), false);
-    target.normal = Tilt { yaw: 0.7, pitch: 0.014 }.normal();
+    target.normal = Tilt { azimuth: 0.7, angle: 0.014 }.normal();
     let to = robot.inverse(A, &target, &at).unwrap().chosen().unwrap().positions;
     let effects = robot.effects_on_others(A, &at, &to).unwrap();
     let [effect] = effects.as_slice() else { panic!("{effects:?}") };

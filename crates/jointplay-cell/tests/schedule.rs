@@ -278,7 +278,7 @@ fn the_critical_path_adds_up_and_names_the_bottleneck() {
         let station = &found.stations[1];
         assert_eq!(station.visits, 12);
         assert!(
-            (station.processing - 12.0 * process.min(station.longest_stay.unwrap())).abs() < 1e-6
+            (station.processing - 12.0 * process.min(station.longest_dwell.unwrap())).abs() < 1e-6
         );
         let all = found.robot.moving + found.robot.waiting();
         assert!((all - trajectory.duration()).abs() < 1e-9);

@@ -1,8 +1,8 @@
 //! The uncertainty of taught frames against many simulated teachings with random noise.
 
 use jointplay_cell::station::teach::{
-    Drift, FrameUncertainty, NominalFrame, PlaneFit, ReferencePoint, StatedUncertainty,
-    TaughtFrame, drift, fit_plane, fit_references, frame, yaw,
+    CarrierAxis, FrameUncertainty, NominalFrame, PlaneFit, ReferencePoint, StatedUncertainty,
+    TaughtFrame, carrier_axis, fit_plane, fit_references, frame, heading,
 };
 use jointplay_core::spatial::{Pose, Tilt, rotation_vector};
 use nalgebra::{Point3, Vector2, Vector3, Vector6};
@@ -31,7 +31,7 @@ fn plane_uncertainty_agrees_with_simulated_teachings() {
     let cross = [(0.12, 0.0), (0.0, 0.12), (-0.12, 0.0), (0.0, -0.12)];
     let long = [(0.2, 0.02), (0.1, -0.02), (0.0, 0.02), (0.0, -0.02), (-0.1, 0.02), (-0.2, -0.02)];
     let (noise, draws) = (20e-6, 4000_u32);
-    let tilt = Tilt { yaw: 0.7, pitch: 0.01 };
+    let tilt = Tilt { azimuth: 0.7, angle: 0.01 };
     let mut normal = normals();
     for (places, expected_rms) in [(&cross[..], 166.7e-6), (&long[..], 427.6e-6)] {
         let exact = plane(tilt, places);
@@ -93,13 +93,13 @@ struct Teaching {
 
 impl Teaching {
     fn new() -> Self {
-        let normal = Tilt { yaw: 0.7, pitch: 0.012 }.normal();
+        let normal = Tilt { azimuth: 0.7, angle: 0.012 }.normal();
         let truth = frame(Vector3::new(0.7, -0.2, 0.9), &normal, 0.4);
         Self {
             truth,
             nominal: NominalFrame {
                 origin: Vector3::new(0.7012, -0.2007, 0.901),
-                yaw: 0.402,
+                heading: 0.402,
                 normal: Vector3::z(),
             },
             places: vec![(0.12, 0.01), (0.03, 0.11), (-0.1, 0.05), (-0.06, -0.1), (0.09, -0.08)],
@@ -191,7 +191,7 @@ fn exact_points_give_the_true_frame() {
     teaching.reference_noise.truncate(1);
     let taught = teaching.teach(&mut || 0.0, true);
     let found = taught.frame(&teaching.nominal);
-    assert!((yaw(&found) - 0.402).abs() < 1e-14);
+    assert!((heading(&found) - 0.402).abs() < 1e-14);
     assert!((found.translation.vector - teaching.truth.translation.vector).norm() < 1e-14);
     let known = taught.uncertainty(&found);
     assert_eq!(known.known, [true, true, true, true, true, false]);
@@ -201,16 +201,16 @@ fn exact_points_give_the_true_frame() {
 }
 
 #[test]
-fn drift_uncertainty_agrees_with_simulated_teachings() {
+fn carrier_axis_uncertainty_agrees_with_simulated_teachings() {
     let (noise, draws, mut normal) = (30e-6, 4000, normals());
-    let truth = Tilt { yaw: 2.1, pitch: 0.01 };
+    let truth = Tilt { azimuth: 2.1, angle: 0.01 };
     let first = Vector3::new(0.6, 0.1, 0.5);
     let last = first + truth.normal() * 0.24;
     let base_from_station = frame(first, &truth.normal(), 0.3);
     let mut covered = 0;
     for _ in 0..draws {
         let mut noisy = |point: Vector3<f64>| point + Vector3::from_fn(|_, _| noise * normal());
-        let found: Drift = drift(noisy(first), noisy(last), 25, Some(noise)).unwrap();
+        let found: CarrierAxis = carrier_axis(noisy(first), noisy(last), 25, Some(noise)).unwrap();
         let known: FrameUncertainty = found.uncertainty();
         let taught = frame(found.first, &found.tilt.normal(), 0.3);
         let error = displacement(&taught, &base_from_station);

@@ -119,7 +119,7 @@ fn fractions() -> impl Strategy<Value = [f64; 5]> {
 }
 
 fn tilt() -> impl Strategy<Value = Tilt> {
-    (-3.0..3.0, 0.0..0.02).prop_map(|(yaw, pitch)| Tilt { yaw, pitch })
+    (-3.0..3.0, 0.0..0.02).prop_map(|(azimuth, tilt_angle)| Tilt { azimuth, angle: tilt_angle })
 }
 
 proptest! {
@@ -247,7 +247,7 @@ fn blended_wafer_stays_within_the_blend_radius() {
     let mut cell = cell(0, Droop::Rigid);
     // Slow enough that no segment has to be slowed for the wafer.
     cell.robot.arms[0].effectors[0].friction = 10.0;
-    let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.45, [0.5; 5]);
+    let from = positions(&cell, Tilt { azimuth: 0.0, angle: 0.0 }, 0.45, [0.5; 5]);
     let mut turned = from.clone();
     turned[3] += 1.0;
     let mut up = turned.clone();
@@ -308,7 +308,7 @@ fn blended_wafer_stays_within_the_blend_radius() {
 #[test]
 fn line_speed_is_limited_separately() {
     let cell = cell(0, Droop::Rigid);
-    let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
+    let from = positions(&cell, Tilt { azimuth: 0.0, angle: 0.0 }, 0.5, [0.5; 5]);
     let to: Vec<f64> =
         from.iter().enumerate().map(|(k, q)| if k < RODS { q + 0.02 } else { *q }).collect();
     let mut lift = step(&from, &to, Path::Line(A), 1.0, false);
@@ -323,7 +323,7 @@ fn line_speed_is_limited_separately() {
 #[test]
 fn process_dwell_counts_from_the_placing_of_the_wafer() {
     let cell = cell(0, Droop::Rigid);
-    let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
+    let from = positions(&cell, Tilt { azimuth: 0.0, angle: 0.0 }, 0.5, [0.5; 5]);
     let mut to = from.clone();
     to[3] += 0.5;
     let wait = |placed_at_step, seconds| {
@@ -345,7 +345,7 @@ fn process_dwell_counts_from_the_placing_of_the_wafer() {
 #[test]
 fn trajectory_error_lists_all_invalid_steps() {
     let cell = cell(0, Droop::Rigid);
-    let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
+    let from = positions(&cell, Tilt { azimuth: 0.0, angle: 0.0 }, 0.5, [0.5; 5]);
     let mut to = from.clone();
     to[3] += 0.5;
     let steps = vec![
@@ -374,7 +374,7 @@ fn line_with_a_branch_jump_is_rejected() {
     let cell = cell(9, Droop::Rigid);
     let fractions =
         [0.6986754123647267, 0.38714119678890774, 0.5765603575934801, 0.6386828982446656, 0.15];
-    let level = Tilt { yaw: 0.0, pitch: 0.0 };
+    let level = Tilt { azimuth: 0.0, angle: 0.0 };
     let from = positions(&cell, level, 0.5, fractions);
     let start = cell.wafer_pose(A, &from, false).unwrap();
     let displacement = Vector3::new(0.01986070640874278, -0.05178173816321386, 0.0);

@@ -51,7 +51,7 @@ proptest! {
         number in 0..KINDS,
         lengths in prop::array::uniform3(0.15..0.3),
         (droop, polar, loaded) in (0..3, any::<bool>(), any::<bool>()),
-        (yaw, pitch) in (-3.0..3.0, 0.001..0.02),
+        (azimuth, tilt_angle) in (-3.0..3.0, 0.001..0.02),
         fractions in prop::collection::vec(0.2..0.8, 12),
         rates in prop::collection::vec(-1.0..1.0, 24),
         even in any::<bool>(),
@@ -70,7 +70,7 @@ proptest! {
         let axes = &cell.robot.axes;
         let mut positions: Vec<f64> =
             axes.iter().zip(&fractions).map(|(axis, by)| axis.min + by * (axis.max - axis.min)).collect();
-        let rods = cell.robot.gpr.inverse(Tilt { yaw, pitch }, AxisHeight(0.5)).unwrap();
+        let rods = cell.robot.gpr.inverse(Tilt { azimuth, angle: tilt_angle }, AxisHeight(0.5)).unwrap();
         positions[..RODS].copy_from_slice(&rods);
         let rate = |k: usize, most: f64| {
             let k = if even && k % 12 < RODS { k - k % 12 } else { k };

@@ -188,10 +188,10 @@ impl AnswerArgs {
 pub(crate) struct TiltArgs {
     /// Tilt direction γ: azimuth of the platform normal, from x toward y
     #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite)]
-    yaw_deg: f64,
+    azimuth_deg: f64,
     /// Tilt angle α between the platform normal and the vertical
-    #[arg(long, value_name = "DEG", value_parser = pitch)]
-    pitch_deg: Option<f64>,
+    #[arg(long, value_name = "DEG", value_parser = tilt_angle)]
+    tilt_deg: Option<f64>,
     /// Height of the platform [default: the robot's working height]
     #[arg(long, value_name = "MM", value_parser = length)]
     height_mm: Option<f64>,
@@ -201,10 +201,10 @@ impl TiltArgs {
     /// The commanded tilt.
     ///
     /// # Arguments
-    /// * `default_pitch` – pitch if none is given (rad)
-    pub(crate) fn tilt(&self, default_pitch: f64) -> Tilt {
-        let pitch = self.pitch_deg.map_or(default_pitch, f64::to_radians);
-        Tilt { yaw: yaw(self.yaw_deg), pitch }
+    /// * `default_angle` – tilt angle if none is given (rad)
+    pub(crate) fn tilt(&self, default_angle: f64) -> Tilt {
+        let tilt_angle = self.tilt_deg.map_or(default_angle, f64::to_radians);
+        Tilt { azimuth: azimuth(self.azimuth_deg), angle: tilt_angle }
     }
 
     /// The commanded height (m).
@@ -256,8 +256,8 @@ pub(crate) fn whole<N: TryFrom<u64>>(text: &str, least: u64, most: u64) -> Resul
     })
 }
 
-/// A yaw in radians; full turns are removed before the conversion, where they are exact.
-pub(crate) fn yaw(degrees: f64) -> f64 {
+/// An azimuth in radians; full turns are removed before the conversion, where they are exact.
+pub(crate) fn azimuth(degrees: f64) -> f64 {
     (degrees % 360.0).to_radians()
 }
 
@@ -275,21 +275,21 @@ pub(crate) fn length(text: &str) -> Result<f64, String> {
     }
 }
 
-fn pitch(text: &str) -> Result<f64, String> {
+fn tilt_angle(text: &str) -> Result<f64, String> {
     let value = finite(text)?;
     within_right_angle(value).map(|()| value)
 }
 
-fn within_right_angle(pitch: f64) -> Result<(), String> {
-    if pitch.abs() < 90.0 {
+fn within_right_angle(tilt_angle: f64) -> Result<(), String> {
+    if tilt_angle.abs() < 90.0 {
         Ok(())
     } else {
-        let pitch = number(pitch);
-        Err(format!("pitch must be between -90° and 90°, got {pitch}°"))
+        let tilt_angle = number(tilt_angle);
+        Err(format!("the tilt angle must be between -90° and 90°, got {tilt_angle}°"))
     }
 }
 
-pub(crate) fn pitches(text: &str) -> Result<Steps, String> {
+pub(crate) fn tilt_angles(text: &str) -> Result<Steps, String> {
     let values = steps::parse(text).map_err(|error| error.to_string())?;
     values.iter().try_for_each(|&value| within_right_angle(value))?;
     Ok(Steps(values))

@@ -53,8 +53,8 @@ pub(crate) enum Failure {
     Marker { path: PathBuf, why: String },
     #[error(transparent)]
     Coordinate(#[from] coordinates::Error),
-    #[error("--yaw-step-deg {}: {source}", number(*.step))]
-    YawStep { step: f64, source: jointplay::format::steps::Error },
+    #[error("--azimuth-step-deg {}: {source}", number(*.step))]
+    AzimuthStep { step: f64, source: jointplay::format::steps::Error },
     #[error("the study has {found} poses, but at most {allowed} are allowed: use larger steps")]
     TooManyPoses { found: usize, allowed: usize },
     #[error("cannot read {}: {source}", path.display())]
@@ -207,10 +207,10 @@ fn explain_core(error: &jointplay::Error) -> String {
 
 fn explain_study(error: &study::Error) -> String {
     match error {
-        study::Error::Pose { sample, yaw, pitch, source } => format!(
-            "sample {sample} (yaw {:.6}°, pitch {:.6}°): {}",
-            yaw.to_degrees(),
-            pitch.to_degrees(),
+        study::Error::Pose { sample, azimuth, tilt_angle, source } => format!(
+            "sample {sample} (azimuth {:.6}°, tilt angle {:.6}°): {}",
+            azimuth.to_degrees(),
+            tilt_angle.to_degrees(),
             explain_core(source)
         ),
         study::Error::Core(error) => explain_core(error),

@@ -9,7 +9,7 @@ use jointplay::plot::{Error, Figure, MechanismPicture};
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 
-/// Points of a figure's curves in place of each given pitch, so that the curves look smooth.
+/// Points of a figure's curves in place of each given tilt angle, so that the curves look smooth.
 pub(crate) const FIGURE_REFINEMENT: u32 = 10;
 /// Width of PNG figures [px]: 180 mm at 250 dots per inch.
 const PNG_WIDTH: u32 = 1800;

@@ -25,7 +25,7 @@ Examples:
   jointplay simulate                          data and figures of the paper's studies
   jointplay study --out shifts.csv            a table over many poses or robots
   jointplay forward --q-mm 500,501,502        platform pose for given rod lengths
-  jointplay inverse --yaw-deg 17 --pitch-deg 1.5 --height-mm 500
+  jointplay inverse --azimuth-deg 17 --tilt-deg 1.5 --height-mm 500
   jointplay compare                           compare the models over a range of tilts
   jointplay catalogue                         list the included robots and mechanisms
   jointplay mobility bennett                  mobility and redundant constraints
@@ -73,7 +73,7 @@ pub(crate) fn parse() -> Result<Cli, ExitCode> {
     parsed.map_err(|error| report(&error, wants_json(&arguments)))
 }
 
-/// Joins negative numbers to the option before them: `--yaw-deg -1e-5` becomes `--yaw-deg=-1e-5`.
+/// Joins negative numbers to the option before them: `--azimuth-deg -1e-5` becomes `--azimuth-deg=-1e-5`.
 ///
 /// No option begins with a digit, so a negative number is never an option itself.
 pub(crate) fn with_negative_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
@@ -229,7 +229,7 @@ mod tests {
                 .collect::<Vec<_>>()
                 .join(" ")
         };
-        assert_eq!(joined("inverse --yaw-deg -1.5e-05"), "inverse --yaw-deg=-1.5e-05");
+        assert_eq!(joined("inverse --azimuth-deg -1.5e-05"), "inverse --azimuth-deg=-1.5e-05");
         assert_eq!(joined("draw --view=-30,20 -q"), "draw --view=-30,20 -q");
         assert_eq!(joined("draw -- --at -3"), "draw -- --at -3");
         assert_eq!(joined("study --force -v"), "study --force -v");

@@ -17,8 +17,8 @@ const POSES: usize = 4096;
 
 struct Poses {
     gpr: Gpr,
-    yaw: Vec<f64>,
-    pitch: Vec<f64>,
+    azimuth: Vec<f64>,
+    tilt_angle: Vec<f64>,
     rods: [Vec<f64>; 3],
 }
 
@@ -26,15 +26,16 @@ impl Poses {
     /// Tilts spread evenly over all azimuths and up to ±2°, by two irrational strides.
     fn new() -> Self {
         let numbers = 1..=POSES as u32;
-        let yaw: Vec<f64> = numbers
+        let azimuth: Vec<f64> = numbers
             .clone()
             .map(|i| (f64::from(i) * 2.399_963_229_728_653).rem_euclid(std::f64::consts::TAU))
             .collect();
-        let pitch: Vec<f64> = numbers
+        let tilt_angle: Vec<f64> = numbers
             .map(|i| (4.0 * (f64::from(i) * 0.754_877_666_246_692_8).fract() - 2.0).to_radians())
             .collect();
         let rods = [0, 1, 2].map(|_| vec![0.0; POSES]);
-        let mut poses = Self { gpr: Gpr::paper().without_limit_checks(), yaw, pitch, rods };
+        let mut poses =
+            Self { gpr: Gpr::paper().without_limit_checks(), azimuth, tilt_angle, rods };
         poses.inverse();
         poses
     }
@@ -42,9 +43,9 @@ impl Poses {
     fn inverse(&mut self) {
         let [q_1, q_2, q_3] = &mut self.rods;
         let status = &mut [Status::Solved; POSES];
-        let (yaw, pitch) = (self.yaw[..].into(), self.pitch[..].into());
+        let (azimuth, tilt_angle) = (self.azimuth[..].into(), self.tilt_angle[..].into());
         let height = Column::constant(&0.5, POSES);
-        self.gpr.inverse_many(yaw, pitch, height, status, [q_1, q_2, q_3]).unwrap();
+        self.gpr.inverse_many(azimuth, tilt_angle, height, status, [q_1, q_2, q_3]).unwrap();
     }
 }
 
@@ -88,7 +89,7 @@ fn kernels(criterion: &mut Criterion) {
     let shift = [Quantity::Origin(0), Quantity::Origin(1)];
     let pose: Vec<_> = (0..3)
         .map(Quantity::Origin)
-        .chain([Quantity::Yaw, Quantity::Pitch, Quantity::Torsion])
+        .chain([Quantity::Azimuth, Quantity::TiltAngle, Quantity::Torsion])
         .collect();
     forward(criterion, "radial closed-form, X", &Radial, Solver::ClosedForm, &three);
     forward(criterion, "planar closed-form, X", &Planar, Solver::ClosedForm, &six);

@@ -25,8 +25,8 @@ const POSES: u64 = 1000;
 fn tilts() -> Vec<Tilt> {
     (1..=POSES as u32)
         .map(|i| Tilt {
-            yaw: (f64::from(i) * 2.399_963_229_728_653).rem_euclid(std::f64::consts::TAU),
-            pitch: (4.0 * (f64::from(i) * 0.754_877_666_246_692_8).fract() - 2.0).to_radians(),
+            azimuth: (f64::from(i) * 2.399_963_229_728_653).rem_euclid(std::f64::consts::TAU),
+            angle: (4.0 * (f64::from(i) * 0.754_877_666_246_692_8).fract() - 2.0).to_radians(),
         })
         .collect()
 }

@@ -81,10 +81,10 @@ pub enum Error {
     #[error("the pose is beyond the robot's limits: {0}; lengths are in m and angles in rad")]
     BeyondLimits(BrokenLimits),
     /// A tilt at which the rods no longer meet the platform plane.
-    #[error("the pitch is {pitch} rad, but has to stay within ±π/2")]
-    PitchTooLarge {
-        /// Pitch asked for (rad).
-        pitch: f64,
+    #[error("the tilt angle is {tilt_angle} rad, but has to stay within ±π/2")]
+    TiltTooLarge {
+        /// Tilt angle asked for (rad).
+        tilt_angle: f64,
     },
     /// A vector with too many or too few entries.
     #[error("{what} has {found} entries, but {expected} are needed")]

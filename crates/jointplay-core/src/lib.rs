@@ -22,10 +22,10 @@
 //! use jointplay_core::virtualization::{Planar, SolveOptions};
 //!
 //! let gpr = Gpr::paper();
-//! let tilt = Tilt { yaw: 0.3, pitch: 0.02 };
+//! let tilt = Tilt { azimuth: 0.3, angle: 0.02 };
 //! let rods = gpr.inverse(tilt, AxisHeight(0.5))?;
 //! let platform = gpr.forward(rods, &Planar, &SolveOptions::default())?;
-//! assert!((platform.tilt().pitch - 0.02).abs() < 1e-12);
+//! assert!((platform.tilt().angle - 0.02).abs() < 1e-12);
 //! # Ok::<(), jointplay_core::Error>(())
 //! ```
 

@@ -53,7 +53,7 @@ fn kernels_do_not_allocate() {
         "allocations are counted"
     );
     let gpr = Gpr::paper().without_limit_checks();
-    let tilt = Tilt { yaw: 0.4, pitch: 0.03 };
+    let tilt = Tilt { azimuth: 0.4, angle: 0.03 };
     let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
     let inverse = allocations(|| {
         gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
@@ -77,7 +77,7 @@ fn kernels_do_not_allocate() {
 fn poses_beyond_the_limits_do_not_allocate() {
     let (gpr, options) = (Gpr::paper(), SolveOptions::default());
     let count = allocations(|| {
-        let tilt = Tilt { yaw: 30.0, pitch: 1.5 };
+        let tilt = Tilt { azimuth: 30.0, angle: 1.5 };
         gpr.inverse(tilt, AxisHeight(0.5)).unwrap_err();
         for model in built_in() {
             gpr.forward([120.0, 121.0, 122.0], model, &options).unwrap_err();
@@ -94,13 +94,13 @@ fn poses_beyond_the_limits_do_not_allocate() {
 fn many_poses_do_not_allocate() {
     const POSES: usize = 13;
     let gpr = Gpr::paper().without_limit_checks();
-    let pitch: [f64; POSES] = std::array::from_fn(|i| 0.01 * i as f64);
+    let tilt_angle: [f64; POSES] = std::array::from_fn(|i| 0.01 * i as f64);
     let mut rods = [[0.0; POSES]; 3];
     let mut status = [Status::Solved; POSES];
     let inverse = allocations(|| {
-        let [yaw, height] = [0.4, 0.5].each_ref().map(|value| Column::constant(value, POSES));
+        let [azimuth, height] = [0.4, 0.5].each_ref().map(|value| Column::constant(value, POSES));
         let rods = rods.each_mut().map(|column| &mut column[..]);
-        gpr.inverse_many(yaw, pitch[..].into(), height, &mut status, rods).unwrap();
+        gpr.inverse_many(azimuth, tilt_angle[..].into(), height, &mut status, rods).unwrap();
     });
     assert_eq!(inverse, 0);
     let rods = rods.each_ref().map(|column| Column::from(&column[..]));
@@ -109,10 +109,10 @@ fn many_poses_do_not_allocate() {
         for solver in [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm] {
             let options = SolveOptions { solver, ..SolveOptions::default() };
             let forward = allocations(|| {
-                let [x, yaw, sensitivity] = columns.each_mut().map(|column| &mut column[..]);
+                let [x, azimuth, sensitivity] = columns.each_mut().map(|column| &mut column[..]);
                 let wanted = &mut [
                     (Quantity::VirtualJoint(2), x),
-                    (Quantity::Yaw, yaw),
+                    (Quantity::Azimuth, azimuth),
                     (Quantity::Sensitivity(1), sensitivity),
                 ];
                 let tally = gpr.forward_many(rods, model, &options, &mut status, wanted).unwrap();
@@ -127,7 +127,7 @@ fn many_poses_do_not_allocate() {
 fn positions_of_a_mechanism_do_not_allocate() {
     let mechanism = robot::gpr(robot::polar);
     let gpr = Gpr::paper().without_limit_checks();
-    let rods = gpr.inverse(Tilt { yaw: 0.4, pitch: 0.03 }, AxisHeight(0.5)).unwrap();
+    let rods = gpr.inverse(Tilt { azimuth: 0.4, angle: 0.03 }, AxisHeight(0.5)).unwrap();
     let mut start = robot::home(&mechanism);
     (0..3).for_each(|k| start[4 * k] = rods[k]);
     let system = MechanismSystem::new(&mechanism, start.clone()).unwrap();

@@ -45,7 +45,7 @@ fn quantities(joints: usize) -> Vec<Quantity> {
     let three = [Quantity::Side, Quantity::Origin, Quantity::Normal, Quantity::Sensitivity];
     let mut all: Vec<_> = three.iter().flat_map(|of| (0..3).map(of)).collect();
     all.extend((0..joints).map(Quantity::VirtualJoint));
-    all.extend([Quantity::Yaw, Quantity::Pitch, Quantity::Torsion, Quantity::AxisHeight]);
+    all.extend([Quantity::Azimuth, Quantity::TiltAngle, Quantity::Torsion, Quantity::AxisHeight]);
     all.extend([Quantity::Displacement, Quantity::Residual, Quantity::Iterations]);
     all
 }
@@ -90,8 +90,8 @@ fn expected(
         Quantity::Origin(axis) => (pose.base_from_platform.translation.vector[axis], length),
         Quantity::Normal(axis) => (pose.normal()[axis], angle),
         // The smaller a tilt, the less accurate its azimuth.
-        Quantity::Yaw => (pose.tilt().yaw, angle.max(1e-15 / pose.tilt().pitch)),
-        Quantity::Pitch => (pose.tilt().pitch, angle),
+        Quantity::Azimuth => (pose.tilt().azimuth, angle.max(1e-15 / pose.tilt().angle)),
+        Quantity::TiltAngle => (pose.tilt().angle, angle),
         Quantity::Torsion => (pose.torsion(), angle),
         Quantity::AxisHeight => (pose.axis_height().0, length),
         Quantity::Displacement => {
@@ -146,7 +146,7 @@ fn check(gpr: &Gpr, rods: &[[f64; 3]], model: &dyn Virtualization, options: &Sol
                 assert_eq!(status[i], Status::Solved);
                 for (quantity, column) in &columns {
                     let (expected, within) = expected(gpr, &pose, model, *quantity);
-                    let turn = if *quantity == Quantity::Yaw { TAU } else { 0.0 };
+                    let turn = if *quantity == Quantity::Azimuth { TAU } else { 0.0 };
                     assert!(
                         [0.0, turn, -turn].iter().any(|t| same(column[i] + t, expected, within)),
                         "{} {:?} {quantity:?}: {:e} for {expected:e} within {within:e}, {pose:?}",
@@ -194,8 +194,9 @@ fn robots() -> impl Strategy<Value = Gpr> {
 
 /// Tilts of every size, level among them.
 fn tilts() -> impl Strategy<Value = Vec<Tilt>> {
-    let pitch = prop_oneof![Just(0.0), -0.04..0.04_f64, -0.3..0.3_f64, -1e-6..1e-6_f64];
-    let tilt = (-7.0..7.0_f64, pitch).prop_map(|(yaw, pitch)| Tilt { yaw, pitch });
+    let tilt_angle = prop_oneof![Just(0.0), -0.04..0.04_f64, -0.3..0.3_f64, -1e-6..1e-6_f64];
+    let tilt = (-7.0..7.0_f64, tilt_angle)
+        .prop_map(|(azimuth, tilt_angle)| Tilt { azimuth, angle: tilt_angle });
     proptest::collection::vec(tilt, 1..37)
 }
 
@@ -222,27 +223,27 @@ proptest! {
 
     #[test]
     fn inverse_agrees_with_one_pose_at_a_time(gpr in robots(), tilts in tilts(), height in 0.1..1.0_f64) {
-        let yaw: Vec<_> = tilts.iter().map(|tilt| tilt.yaw * 30.0).collect();
-        let mut pitch: Vec<_> = tilts.iter().map(|tilt| tilt.pitch * 6.0).collect();
+        let azimuth: Vec<_> = tilts.iter().map(|tilt| tilt.azimuth * 30.0).collect();
+        let mut tilt_angle: Vec<_> = tilts.iter().map(|tilt| tilt.angle * 6.0).collect();
         let spoilt = tilts.len() / 2;
-        pitch[spoilt] = f64::NAN;
-        let mut rods = [vec![0.0; yaw.len()], vec![0.0; yaw.len()], vec![0.0; yaw.len()]];
-        let mut status = vec![Status::Solved; yaw.len()];
+        tilt_angle[spoilt] = f64::NAN;
+        let mut rods = [vec![0.0; azimuth.len()], vec![0.0; azimuth.len()], vec![0.0; azimuth.len()]];
+        let mut status = vec![Status::Solved; azimuth.len()];
         let [q_1, q_2, q_3] = &mut rods;
-        let height_column = Column::constant(&height, yaw.len());
-        gpr.inverse_many(yaw[..].into(), pitch[..].into(), height_column, &mut status, [q_1, q_2, q_3]).unwrap();
-        for i in 0..yaw.len() {
+        let height_column = Column::constant(&height, azimuth.len());
+        gpr.inverse_many(azimuth[..].into(), tilt_angle[..].into(), height_column, &mut status, [q_1, q_2, q_3]).unwrap();
+        for i in 0..azimuth.len() {
             let found = [0, 1, 2].map(|k| rods[k][i]);
-            match gpr.inverse(Tilt { yaw: yaw[i], pitch: pitch[i] }, AxisHeight(height)) {
+            match gpr.inverse(Tilt { azimuth: azimuth[i], angle: tilt_angle[i] }, AxisHeight(height)) {
                 Ok(expected) => {
                     prop_assert_eq!(status[i], Status::Solved);
                     for k in 0..3 {
-                        // A steep plane magnifies the last bit of the pitch.
+                        // A steep plane magnifies the last bit of the tilt angle.
                         let within = 1e-12 * (1.0 + expected[k].abs());
                         prop_assert!(same(found[k], expected[k], within), "{} {}", found[k], expected[k]);
                     }
                 }
-                Err(Error::PitchTooLarge { .. }) => prop_assert_eq!(status[i], Status::PitchTooLarge),
+                Err(Error::TiltTooLarge { .. }) => prop_assert_eq!(status[i], Status::TiltTooLarge),
                 Err(_) => prop_assert_eq!(status[i], Status::NotFinite),
             }
             prop_assert_eq!(status[i] == Status::Solved, found.iter().all(|q| q.is_finite()));
@@ -301,7 +302,7 @@ fn a_matrix_on_which_the_iteration_gets_stuck() {
     let limbs = [0.0, 1.0, 2.0].map(|k| Limb::under_socket(radius, angle + k * TAU / 3.0));
     let limits = Limits { rod_min: 0.2, rod_max: 0.8, tilt_max: 0.1 };
     let gpr = Gpr::new(limbs, limits, 0.5).unwrap().without_limit_checks();
-    let tilt = Tilt { yaw: 1.678_717_274_536_944_5, pitch: 4.631_782_060_479_133e-7 };
+    let tilt = Tilt { azimuth: 1.678_717_274_536_944_5, angle: 4.631_782_060_479_133e-7 };
     let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
     for model in built_in() {
         check(&gpr, &[rods], model, &SolveOptions::default());
@@ -360,11 +361,11 @@ fn what_is_asked_for_wrongly() {
         found.unwrap_err().to_string()
     };
     assert_eq!(
-        message(given(3), 4, Quantity::Pitch, 4, &options),
+        message(given(3), 4, Quantity::TiltAngle, 4, &options),
         "a column of rods has 3 entries, but 4 are needed"
     );
     assert_eq!(
-        message(given(4), 4, Quantity::Pitch, 5, &options),
+        message(given(4), 4, Quantity::TiltAngle, 5, &options),
         "a column of results has 5 entries, but 4 are needed"
     );
     assert_eq!(
@@ -377,5 +378,7 @@ fn what_is_asked_for_wrongly() {
     );
     let metric = Metric::Length(-1.0);
     let invalid = SolveOptions { metric, ..options };
-    assert!(message(given(4), 4, Quantity::Pitch, 4, &invalid).contains("characteristic length"));
+    assert!(
+        message(given(4), 4, Quantity::TiltAngle, 4, &invalid).contains("characteristic length")
+    );
 }

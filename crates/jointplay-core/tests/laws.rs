@@ -117,7 +117,8 @@ fn symmetric_robots() -> impl Strategy<Value = Robot> {
 }
 
 fn tilts() -> impl Strategy<Value = Tilt> {
-    (-7.0..7.0, -5.0..5.0_f64).prop_map(|(yaw, pitch)| Tilt { yaw, pitch: pitch.to_radians() })
+    (-7.0..7.0, -5.0..5.0_f64)
+        .prop_map(|(azimuth, tilt_angle)| Tilt { azimuth, angle: tilt_angle.to_radians() })
 }
 
 fn options() -> impl Strategy<Value = SolveOptions> {
@@ -379,7 +380,7 @@ proptest! {
     #[test]
     fn turning_the_robot_turns_the_answer(case in cases(), angle in -3.0..3.0) {
         let gpr = case.robot.gpr();
-        let tilt = Tilt { yaw: case.tilt.yaw + angle, ..case.tilt };
+        let tilt = Tilt { azimuth: case.tilt.azimuth + angle, ..case.tilt };
         let turned = Case { robot: case.robot.turned(angle), tilt, ..case };
         let (one, other) = (case.pose(&gpr), turned.pose(&turned.robot.gpr()));
         all_near("rods", &other.rods, &one.rods, 1e-13);
@@ -493,7 +494,7 @@ proptest! {
         let system = gpr.system(case.model());
         let pose = case.pose(&gpr);
         let at = system.configuration(&pose);
-        prop_assume!(pose.tilt().pitch > 1e-6, "a level pose is another law");
+        prop_assume!(pose.tilt().angle > 1e-6, "a level pose is another law");
         let found = finite_mobility(&system, &at, RANK_THRESHOLD).unwrap();
         prop_assert_eq!(found.mobility, Some(1), "{:#?}", found);
         let first = found.instantaneous;
@@ -553,10 +554,10 @@ fn kept(system: &dyn System, at: &Configuration, found: &InstantaneousMobility) 
 fn newton_takes_three_steps_within_two_degrees() {
     let gpr = Gpr::paper().without_limit_checks();
     for model in built_in() {
-        for yaw_deg in 0..360 {
+        for azimuth_deg in 0..360 {
             for tenth in -20..=20 {
-                let pitch = (f64::from(tenth) / 10.0).to_radians();
-                let tilt = Tilt { yaw: f64::from(yaw_deg).to_radians(), pitch };
+                let tilt_angle = (f64::from(tenth) / 10.0).to_radians();
+                let tilt = Tilt { azimuth: f64::from(azimuth_deg).to_radians(), angle: tilt_angle };
                 let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
                 for metric in [Metric::Paper, Metric::PlatformRadius] {
                     let options =
@@ -579,7 +580,7 @@ fn level_poses_need_no_play() {
             let options = SolveOptions { solver, ..SolveOptions::default() };
             let pose = gpr.forward([0.5; 3], model, &options).unwrap();
             assert!(displacement(&gpr, model, &pose) < 1e-15, "{} {solver}", model.name());
-            assert!(pose.center_shift().norm() < 1e-15 && pose.tilt().pitch < 1e-15);
+            assert!(pose.center_shift().norm() < 1e-15 && pose.tilt().angle < 1e-15);
         }
     }
 }

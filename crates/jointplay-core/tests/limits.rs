@@ -20,21 +20,21 @@ fn degrees_for_radians_and_millimetres_for_metres_are_refused() {
     let (gpr, options) = (Gpr::paper(), SolveOptions::default());
     let level = AxisHeight(0.5);
     // 1.5° and 30° given as though they were radians: 85.9°, with rods below zero.
-    let degrees = broken(gpr.inverse(Tilt { yaw: 30.0, pitch: 1.5 }, level));
+    let degrees = broken(gpr.inverse(Tilt { azimuth: 30.0, angle: 1.5 }, level));
     assert_eq!(degrees.len(), 3);
-    assert!(matches!(degrees[2], BrokenLimit::Tilt { pitch: 1.5, .. }));
+    assert!(matches!(degrees[2], BrokenLimit::Tilt { angle: 1.5, .. }));
     let millimetres = broken(gpr.forward([120.0, 121.0, 122.0], &Planar, &options));
     assert!(matches!(millimetres[0], BrokenLimit::Rod { limb: 1, length: 120.0, .. }));
     assert_eq!(broken(gpr.forward([-0.1; 3], &Planar, &options)).len(), 3);
     // Each rod is within its limits, but the plane tilts by 67°.
     let steep = broken(gpr.forward([0.3, 0.7, 0.3], &Planar, &options));
     assert!(matches!(steep[..], [BrokenLimit::Tilt { .. }]));
-    let tilt = Tilt { yaw: 0.0, pitch: 0.349 };
+    let tilt = Tilt { azimuth: 0.0, angle: 0.349 };
     let center = gpr.inverse_for_center(tilt, CenterHeight(0.5), &Planar, &options);
     assert!(!broken(center).is_empty());
     assert!(!broken(gpr.approximate(tilt, level)).is_empty());
     assert!(!broken(gpr.tilt_play(tilt, level, &Planar, &options)).is_empty());
-    let message = gpr.inverse(Tilt { yaw: 0.0, pitch: 0.1 }, level).unwrap_err().to_string();
+    let message = gpr.inverse(Tilt { azimuth: 0.0, angle: 0.1 }, level).unwrap_err().to_string();
     let expected = "the pose is beyond the robot's limits: the tilt is 0.1 rad, up to 0.026179938779914945 rad is allowed; lengths are in m and angles in rad";
     assert_eq!(message, expected);
 }
@@ -45,12 +45,12 @@ fn the_same_robot_without_limit_checks_answers() {
     let free = gpr.without_limit_checks();
     assert_eq!((gpr.checks_limits(), free.checks_limits()), (true, false));
     assert_eq!(free.limits(), gpr.limits());
-    let tilt = Tilt { yaw: 0.4, pitch: 0.3 };
+    let tilt = Tilt { azimuth: 0.4, angle: 0.3 };
     let rods = free.inverse(tilt, AxisHeight(0.5)).unwrap();
     assert!(gpr.inverse(tilt, AxisHeight(0.5)).is_err());
-    assert!((free.forward(rods, &Polar, &options).unwrap().tilt().pitch - 0.3).abs() < 1e-12);
+    assert!((free.forward(rods, &Polar, &options).unwrap().tilt().angle - 0.3).abs() < 1e-12);
     // Within the limits both results are equal to the bit.
-    let tilt = Tilt { yaw: 0.4, pitch: 0.02 };
+    let tilt = Tilt { azimuth: 0.4, angle: 0.02 };
     let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
     assert_eq!(free.inverse(tilt, AxisHeight(0.5)), Ok(rods));
     assert_eq!(free.forward(rods, &Polar, &options), gpr.forward(rods, &Polar, &options));
@@ -83,10 +83,10 @@ fn many_poses_have_the_status_that_one_pose_has() {
             .collect()
     });
     let mut status = vec![Status::Solved; POSES];
-    let mut pitch = vec![0.0; POSES];
+    let mut tilt_angle = vec![0.0; POSES];
     let columns = rods.each_ref().map(|column| Column::from(&column[..]));
     let options = SolveOptions::default();
-    let wanted = &mut [(Quantity::Pitch, &mut pitch[..])];
+    let wanted = &mut [(Quantity::TiltAngle, &mut tilt_angle[..])];
     let tally = gpr.forward_many(columns, &Planar, &options, &mut status, wanted).unwrap();
     let mut flags = [(); 4].map(|()| vec![false; POSES]);
     let written = flags.each_mut().map(|column| &mut column[..]);
@@ -96,7 +96,7 @@ fn many_poses_have_the_status_that_one_pose_has() {
         let rods_within = one.iter().all(|q| (limits.rod_min..=limits.rod_max).contains(q));
         let expected = rods_within && steepness(&gpr, &one) <= limits.tilt_max;
         assert_eq!(status[i] == Status::Solved, expected, "{one:?}");
-        assert_eq!(pitch[i].is_nan(), !expected);
+        assert_eq!(tilt_angle[i].is_nan(), !expected);
         assert_eq!(gpr.forward(one, &Planar, &options).is_ok(), expected);
         assert_eq!(flags.iter().any(|column| column[i]), !expected);
         for (column, rod) in flags.iter().zip(&one) {
@@ -107,22 +107,22 @@ fn many_poses_have_the_status_that_one_pose_has() {
     assert_eq!(beyond, tally.failed());
     assert!((POSES / 4..3 * POSES / 4).contains(&beyond), "{beyond}");
 
-    let (yaw, pitch): (Vec<f64>, Vec<f64>) = (0..POSES)
+    let (azimuth, tilt_angle): (Vec<f64>, Vec<f64>) = (0..POSES)
         .map(|i| (spread(i, 0.754_877_666, -3.0, 3.0), spread(i, 0.569_840_291, -0.04, 0.04)))
         .unzip();
     let height: Vec<f64> = (0..POSES).map(|i| spread(i, 0.618_033_989, 0.24, 0.76)).collect();
     let mut found = [(); 3].map(|()| vec![0.0; POSES]);
     let written = found.each_mut().map(|column| &mut column[..]);
-    let columns = [&yaw, &pitch, &height].map(|column| Column::from(&column[..]));
-    let [yaws, pitches, heights] = columns;
-    let tally = gpr.inverse_many(yaws, pitches, heights, &mut status, written).unwrap();
+    let columns = [&azimuth, &tilt_angle, &height].map(|column| Column::from(&column[..]));
+    let [azimuths, tilt_angles, heights] = columns;
+    let tally = gpr.inverse_many(azimuths, tilt_angles, heights, &mut status, written).unwrap();
     for i in 0..POSES {
-        let tilt = Tilt { yaw: yaw[i], pitch: pitch[i] };
+        let tilt = Tilt { azimuth: azimuth[i], angle: tilt_angle[i] };
         let one = gpr.inverse(tilt, AxisHeight(height[i]));
         assert_eq!(status[i] == Status::Solved, one.is_ok());
         // q_k = z − (n · B_k)/n_z, computed independently.
         let normal = tilt.normal();
-        let mut within = pitch[i].abs() <= limits.tilt_max;
+        let mut within = tilt_angle[i].abs() <= limits.tilt_max;
         for (k, base) in gpr.base_points().iter().enumerate() {
             let q = height[i] - (normal.x * base.x + normal.y * base.y) / normal.z;
             within &= (limits.rod_min..=limits.rod_max).contains(&q);
@@ -138,16 +138,16 @@ fn many_poses_have_the_status_that_one_pose_has() {
 fn a_pose_on_its_limits_is_within_them() {
     let (gpr, options) = (Gpr::paper(), SolveOptions::default());
     let limits = *gpr.limits();
-    for yaw in (0..72).map(|k| f64::from(k) * 5.0) {
-        let tilt = Tilt { yaw: yaw.to_radians(), pitch: limits.tilt_max };
+    for azimuth in (0..72).map(|k| f64::from(k) * 5.0) {
+        let tilt = Tilt { azimuth: azimuth.to_radians(), angle: limits.tilt_max };
         let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
         gpr.forward(rods, &Planar, &options).unwrap();
-        let (mut status, mut pitch) = ([Status::TurnedOver], [0.0]);
+        let (mut status, mut tilt_angle) = ([Status::TurnedOver], [0.0]);
         let columns = rods.each_ref().map(|rod| Column::constant(rod, 1));
-        let wanted = &mut [(Quantity::Pitch, &mut pitch[..])];
+        let wanted = &mut [(Quantity::TiltAngle, &mut tilt_angle[..])];
         gpr.forward_many(columns, &Planar, &options, &mut status, wanted).unwrap();
-        assert_eq!(status, [Status::Solved], "{yaw}");
-        assert!((pitch[0] - limits.tilt_max).abs() < 1e-12);
+        assert_eq!(status, [Status::Solved], "{azimuth}");
+        assert!((tilt_angle[0] - limits.tilt_max).abs() < 1e-12);
     }
     for height in [limits.rod_min, limits.rod_max] {
         let rods = gpr.inverse(Tilt::LEVEL, AxisHeight(height)).unwrap();
@@ -169,7 +169,7 @@ fn no_length_gives_a_number_that_is_none() {
                 let wanted = &mut [
                     (Quantity::Origin(2), a),
                     (Quantity::AxisHeight, b),
-                    (Quantity::Yaw, c),
+                    (Quantity::Azimuth, c),
                     (Quantity::Residual, d),
                     (Quantity::Displacement, e),
                 ];
@@ -182,7 +182,7 @@ fn no_length_gives_a_number_that_is_none() {
                 }
             }
         }
-        if let Ok(rods) = free.inverse(Tilt { yaw: 1.0, pitch: 1.57 }, AxisHeight(length)) {
+        if let Ok(rods) = free.inverse(Tilt { azimuth: 1.0, angle: 1.57 }, AxisHeight(length)) {
             assert!(rods.iter().all(|rod| rod.is_finite()));
         }
     }

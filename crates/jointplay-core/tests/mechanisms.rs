@@ -363,8 +363,9 @@ fn closed_form_and_general_mechanism_agree_on_the_robot() {
     ];
     for (model, mechanism, length) in models {
         let mechanism = mechanism.with_characteristic_length(length).unwrap();
-        for (yaw, pitch) in [(0.0, 0.0), (0.0, 0.035), (1.1, 0.02), (-2.5, 0.03)] {
-            let rods = closed_form.inverse(Tilt { yaw, pitch }, AxisHeight(0.5)).unwrap();
+        for (azimuth, tilt_angle) in [(0.0, 0.0), (0.0, 0.035), (1.1, 0.02), (-2.5, 0.03)] {
+            let rods =
+                closed_form.inverse(Tilt { azimuth, angle: tilt_angle }, AxisHeight(0.5)).unwrap();
             let options = SolveOptions {
                 metric: Metric::Length(length),
                 solver: Solver::LeastNorm,
@@ -377,7 +378,7 @@ fn closed_form_and_general_mechanism_agree_on_the_robot() {
             let at_home = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
             let commanded = CommandedJoints::new(&at_home, &[0, 4, 8]).unwrap();
             let found = relieve(&system, &commanded, ReliefSolver::LeastNorm).unwrap();
-            let context = format!("{} {length} {yaw} {pitch}", model.name());
+            let context = format!("{} {length} {azimuth} {tilt_angle}", model.name());
             // The fast solver, which opens the loops elsewhere, finds the same.
             let mut solver = PositionSolver::new(&system, &[0, 4, 8]).unwrap();
             let mut by_solver = system.home().clone();
@@ -436,8 +437,8 @@ fn tilts(robot: &jointplay_core::gpr::Gpr) -> Vec<DVector<f64>> {
     use jointplay_core::gpr::AxisHeight;
     use jointplay_core::spatial::Tilt;
     [0.0, 0.7, 1.9, 4.0]
-        .map(|yaw| {
-            let tilt = Tilt { yaw, pitch: 2.0_f64.to_radians() };
+        .map(|azimuth| {
+            let tilt = Tilt { azimuth, angle: 2.0_f64.to_radians() };
             DVector::from_row_slice(&robot.inverse(tilt, AxisHeight(0.5)).unwrap())
         })
         .to_vec()

@@ -7,10 +7,10 @@ use jointplay_core::spatial::Tilt;
 use jointplay_core::virtualization::{Offset, Planar, Polar, Radial, SolveOptions, Virtualization};
 
 #[track_caller]
-fn check(pitch_deg: f64, rank: usize, instantaneous: usize, finite: usize) {
+fn check(tilt_deg: f64, rank: usize, instantaneous: usize, finite: usize) {
     let gpr = Gpr::paper().without_limit_checks();
     assert_eq!(gpr.kutzbach_mobility(), 0);
-    let tilt = Tilt { yaw: 0.7, pitch: pitch_deg.to_radians() };
+    let tilt = Tilt { azimuth: 0.7, angle: tilt_deg.to_radians() };
     let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
     let all: [&dyn Virtualization; 4] = [&Radial, &Polar, &Offset, &Planar];
     for virtualization in all {

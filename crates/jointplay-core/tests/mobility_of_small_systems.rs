@@ -339,7 +339,7 @@ fn a_self_stress_that_persists_along_the_free_motion_isolates_it() {
     let parabola: Polynomial = &[sum[0], sum[1], (-2.0, &[1, 0, 2]), (1.0, &[0, 0, 4])];
     for polynomial in [axis, scaled, parabola] {
         let found = polynomials(3, &[polynomial], 3, 1, true);
-        assert_eq!(found.free_motions, FreeMotions::Isolated);
+        assert_eq!(found.free_motions, FreeMotions::FiniteWithPersistentSelfStress);
         assert_eq!(found.upper_bound_origin, BoundOrigin::PersistentSelfStress);
         assert!(!found.is_proved(), "numerical evidence is no proof");
         branches(3, &[polynomial], &[1]);

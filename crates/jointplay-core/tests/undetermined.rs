@@ -30,8 +30,8 @@ fn a_tilt_commanded_by_a_ball_joint_takes_the_least_motion() {
     let mechanism = gpr(radial);
     for degrees in [1e-3, 0.1, 0.5, 1.0, 2.0, 5.0] {
         for (x, y) in [(0.0, 1.0), (1.0, 0.0), (-0.6, 0.8)] {
-            let pitch = f64::to_radians(degrees);
-            let found = relieved(&mechanism, &[1, 2], &[x * pitch, y * pitch]);
+            let tilt_angle = f64::to_radians(degrees);
+            let found = relieved(&mechanism, &[1, 2], &[x * tilt_angle, y * tilt_angle]);
             let context = format!("{degrees} {x} {y}: {}", found.coordinates);
             let rods = RODS.map(|k| found.coordinates[k]);
             // The ball's turn against a rod that does not turn is the platform's.
@@ -84,19 +84,19 @@ fn nothing_nearer_home_closes_the_loops() {
 #[test]
 fn suggestions_for_a_ball_joint_are_those_for_its_tilt() {
     let bare = gpr(|_, _| Vec::new());
-    let pitch = 1.0_f64.to_radians();
+    let tilt_angle = 1.0_f64.to_radians();
     let by_ball =
-        suggest(&bare, &home(&bare), &[1, 2], &[DVector::from_vec(vec![0.0, pitch])]).unwrap();
+        suggest(&bare, &home(&bare), &[1, 2], &[DVector::from_vec(vec![0.0, tilt_angle])]).unwrap();
     let held =
-        suggest(&bare, &home(&bare), &[1, 2, 0], &[DVector::from_vec(vec![0.0, pitch, 0.0])])
+        suggest(&bare, &home(&bare), &[1, 2, 0], &[DVector::from_vec(vec![0.0, tilt_angle, 0.0])])
             .unwrap();
     // The play of the textbook: one ball has to go by 3/2 R (1 − cos α), about.
-    let expected = 1.5 * RADIUS * (1.0 - pitch.cos());
+    let expected = 1.5 * RADIUS * (1.0 - tilt_angle.cos());
     for found in [&by_ball, &held] {
         let best = &found.sets[0];
         assert!((best.size / expected - 1.0).abs() < 0.01, "{} {expected}", best.size);
         for configuration in best.configurations.iter() {
-            assert!(RODS.iter().all(|&k| configuration[k].abs() < 2.1 * RADIUS * pitch));
+            assert!(RODS.iter().all(|&k| configuration[k].abs() < 2.1 * RADIUS * tilt_angle));
         }
     }
     assert!((by_ball.sets[0].size / held.sets[0].size - 1.0).abs() < 1e-3);
@@ -107,13 +107,13 @@ fn suggestions_for_a_ball_joint_are_those_for_its_tilt() {
 fn driving_a_ball_joint_stays_near_home() {
     let mechanism = gpr(radial);
     let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
-    let pitch = 1.0_f64.to_radians();
+    let tilt_angle = 1.0_f64.to_radians();
     let free: Vec<usize> = (0..12).filter(|&k| k != 2).collect();
-    let drives = [Drive { coordinate: 2, to: pitch }];
+    let drives = [Drive { coordinate: 2, to: tilt_angle }];
     let motion = drive_relieved(&system, &system, &drives, &free, 5, &mut |_| ()).unwrap();
     assert_eq!((motion.stopped, motion.waypoints.len()), (None, 6));
     for point in &motion.waypoints {
-        assert!(RODS.iter().all(|&k| point.coordinates[k].abs() < 1.1 * RADIUS * pitch));
+        assert!(RODS.iter().all(|&k| point.coordinates[k].abs() < 1.1 * RADIUS * tilt_angle));
     }
 }
 

@@ -47,8 +47,8 @@ pub fn explain(error: &Error) -> String {
             let limits: Vec<String> = broken.iter().map(|limit| explain_limit(&limit)).collect();
             format!("the pose is beyond the robot's limits: {}", limits.join("; "))
         }
-        Error::PitchTooLarge { pitch } => {
-            format!("the pitch is {}°, but has to lie between -90° and 90°", deg(*pitch))
+        Error::TiltTooLarge { tilt_angle } => {
+            format!("the tilt angle is {}°, but has to lie between -90° and 90°", deg(*tilt_angle))
         }
         Error::NotConverged(unconverged) => format!(
             "the {} iteration for the virtual joints did not converge in {} steps: the best sides deviate by {} mm, at most {} mm are allowed\n  best virtual joints (m, rad): {}",
@@ -92,10 +92,10 @@ pub fn explain_limit(limit: &BrokenLimit) -> String {
             let (min, max) = (number(min), number(max));
             format!("rod {limb} is {length} mm long, its limits are {min} to {max} mm")
         }
-        BrokenLimit::Tilt { pitch, max } => {
+        BrokenLimit::Tilt { angle: tilt_angle, max } => {
             let max = units::deg(*max);
-            let pitch = beyond(units::deg(*pitch), 0.0, max);
-            format!("the tilt is {pitch}°, its limit is {}°", number(max))
+            let tilt_angle = beyond(units::deg(*tilt_angle), 0.0, max);
+            format!("the tilt is {tilt_angle}°, its limit is {}°", number(max))
         }
     }
 }

@@ -34,9 +34,9 @@ diameter_mm = 300.0
 thickness_mm = 0.775
 material = "silicon"
 [budgets]
-play_um = 60.0
-clearance_mm = 1.0
-slot_clearance_mm = 1.0
+virtual_joint_norm_um = 60.0
+min_distance_mm = 1.0
+slot_min_distance_mm = 1.0
 plane_urad = 20.0
 "#
     );
@@ -50,7 +50,7 @@ name = "S{index}"
 slots = 25
 pitch_mm = 10.0
 position_mm = [{}, {}, 520.0]
-yaw_deg = {}
+heading_deg = {}
 stroke = {{ below_mm = 4.0, above_mm = 3.0, speed_mm_s = 20.0 }}
 retract_mm = {retract_mm}
 approach = "{approach}"

@@ -171,8 +171,8 @@ fn errors_name_their_place_and_the_allowed_values() {
         "is only 700.036 mm from the first joint of the arm",
     );
     refuse(
-        "pitch_deg = 0.8",
-        "pitch_deg = 2.0",
+        "angle_deg = 0.8",
+        "angle_deg = 2.0",
         "tilts 2.000° toward 100.0°, but the robot tilts by at most 1.500°: level the station by at least 0.538°, 0.038° of which",
     );
     refuse("[600.0, 0.0, 619.83]", "[600.0, 0.0, 620.83]", "taught point 3 deviates most: it is");
@@ -188,8 +188,8 @@ fn errors_name_their_place_and_the_allowed_values() {
     refuse("{ station = \"LP2\" }", "{ station = \"LP2\", link = 1 }", "{ arm = …, link = … }");
     refuse("[\"base\", \"platform\"]", "[\"base\", \"platfrom\"]", "did you mean `platform`?");
     refuse("[\"base\", \"platform\"]", "[\"base\"]", "needs 2 bodies");
-    refuse("play_um = 60.0", "play_mm = 0.06", "unknown key `play_mm`");
-    refuse("play_um = 60.0", "play_um = 0.0", "has to be positive");
+    refuse("virtual_joint_norm_um = 60.0", "play_mm = 0.06", "unknown key `play_mm`");
+    refuse("virtual_joint_norm_um = 60.0", "virtual_joint_norm_um = 0.0", "has to be positive");
     refuse("[[zone]]", "[[zones]]", "unknown key `zones` (did you mean `zone`?)");
     refuse("tilt = {", "tilt = = {", "");
 }
@@ -216,9 +216,9 @@ fn rules_are_read_and_contradictory_ones_refused() {
     let circle = "[[rule]]\nname = \"s\"\nvisit = [\"ALIGN\"]\nbefore = [\"PM1\"]\n[[rule]]\nname = \"t\"\nvisit = [\"PM1\"]\nbefore = [\"ALIGN\"]";
     refuse(budgets, &with(circle), "requires a visit before itself");
     let short = "process_s = 8.0\nmax_dwell_s = 7.5";
-    refuse("process_s = 8.0", short, "`process_s` requires a stay of 8 s: increase");
-    let reversed = "process_s = 2.0\nmin_process_s = 5.0\nmax_dwell_s = 4.0";
-    refuse("process_s = 2.0", reversed, "`min_process_s` requires a stay of 5 s");
+    refuse("process_s = 8.0", short, "`process_s` requires a dwell of 8 s: increase");
+    let reversed = "process_s = 2.0\nmin_dwell_s = 5.0\nmax_dwell_s = 4.0";
+    refuse("process_s = 2.0", reversed, "`min_dwell_s` requires a dwell of 5 s");
 }
 
 #[test]
@@ -261,24 +261,28 @@ fn placed(lines: &str) -> Result<Cell, Errors> {
 }
 
 #[test]
-fn station_frames_follow_from_taught_points_or_drift() {
-    let cell =
-        placed("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-493.0, 495.0, 739.99] }")
-            .unwrap();
-    let Origin::Drift(drift) = &cell.stations[0].origin else { panic!() };
-    assert!((drift.drift - 0.002).abs() < 1e-15);
-    assert!((drift.tilt.pitch.tan() - 0.002 / 0.23999).abs() < 1e-12);
+fn station_frames_follow_from_taught_points_or_carrier_axis() {
+    let cell = placed(
+        "carrier_axis = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-493.0, 495.0, 739.99] }",
+    )
+    .unwrap();
+    let Origin::CarrierAxis(carrier_axis) = &cell.stations[0].origin else { panic!() };
+    assert!((carrier_axis.horizontal_offset - 0.002).abs() < 1e-15);
+    assert!((carrier_axis.tilt.angle.tan() - 0.002 / 0.23999).abs() < 1e-12);
     let last = cell.stations[0].slot_frame(25).translation.vector;
     assert!((last - Vector3::new(-0.493, 0.495, 0.73999)).norm() < 1e-14, "{last}");
     let refused = |lines: &str| placed(lines).unwrap_err()[0].to_string();
-    let message =
-        refused("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-495.0, 495.0, 750.0] }");
+    let message = refused(
+        "carrier_axis = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-495.0, 495.0, 750.0] }",
+    );
     assert!(message.contains("but `pitch_mm` is 10"), "{message}");
-    let message =
-        refused("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-495.0, 495.0, 400.0] }");
+    let message = refused(
+        "carrier_axis = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-495.0, 495.0, 400.0] }",
+    );
     assert!(message.contains("it must be above it"), "{message}");
-    let message =
-        refused("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-485.0, 495.0, 739.8] }");
+    let message = refused(
+        "carrier_axis = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-485.0, 495.0, 739.8] }",
+    );
     assert!(message.contains("but the robot tilts by at most 1.500°"), "{message}");
     let position = "position_mm = [-495.0, 495.0, 500.0]\n";
     let taught = |points: &str| refused(&format!("{position}taught = {{ points_mm = {points} }}"));
@@ -289,7 +293,7 @@ fn station_frames_follow_from_taught_points_or_drift() {
     let message = taught("[[0, 0, 500], [100, 0, 500], [0, 100, 503]]");
     assert!(message.contains("tilts 1.718° toward -90.0°"), "{message}");
     let message = refused(&format!(
-        "{position}tilt = {{ yaw_deg = 0, pitch_deg = 1 }}\ntaught = {{ points_mm = [] }}"
+        "{position}tilt = {{ azimuth_deg = 0, angle_deg = 1 }}\ntaught = {{ points_mm = [] }}"
     ));
     assert!(message.contains("has both `tilt` and `taught`"), "{message}");
 }
@@ -379,7 +383,7 @@ fn invalid_shapes_are_rejected() {
 fn an_edit_changes_one_station_and_keeps_every_comment() {
     let changes = [
         Change::Position(Vector3::new(-0.4951, -0.495, 0.5)),
-        Change::Tilt(Tilt { yaw: 1.0_f64.to_radians(), pitch: 0.4_f64.to_radians() }),
+        Change::Tilt(Tilt { azimuth: 1.0_f64.to_radians(), angle: 0.4_f64.to_radians() }),
         Change::Retract(0.012),
         Change::ProcessTime(3.0),
     ];
@@ -398,7 +402,7 @@ fn an_edit_changes_one_station_and_keeps_every_comment() {
         added,
         [
             "position_mm = [-495.1, -495.0, 500.0]",
-            "tilt = { yaw_deg = 1.0, pitch_deg = 0.4 }",
+            "tilt = { azimuth_deg = 1.0, angle_deg = 0.4 }",
             "retract_mm = 12.0",
             "process_s = 3.0"
         ]
@@ -421,16 +425,19 @@ fn an_edit_replaces_the_previous_definition_of_the_frame() {
         threshold: 5e-5,
         noise: None,
     };
-    let drift = Change::Drift {
+    let carrier_axis = Change::CarrierAxis {
         first: Vector3::new(-0.495, 0.495, 0.5),
         last: Vector3::new(-0.494, 0.495, 0.74),
     };
     assert!(matches!(of(&[Change::Tilt(Tilt::LEVEL)]).origin, Origin::Nominal));
     let Origin::Taught(found) = of(&[taught(0.621)]).origin else { panic!() };
     assert_eq!(found.plane.unwrap().threshold, 5e-5);
-    let text = set_station(EXAMPLE, "LP1", &[drift]).unwrap();
-    assert!(matches!(read(&text, &mut no_files).unwrap().stations[0].origin, Origin::Drift(_)));
-    // The tilt replaces the drift, and the position of the first slot remains.
+    let text = set_station(EXAMPLE, "LP1", &[carrier_axis]).unwrap();
+    assert!(matches!(
+        read(&text, &mut no_files).unwrap().stations[0].origin,
+        Origin::CarrierAxis(_)
+    ));
+    // The tilt replaces the carrier axis, and the position of the first slot remains.
     let text = set_station(&text, "LP1", &[Change::Tilt(Tilt::LEVEL)]).unwrap();
     let station = &read(&text, &mut no_files).unwrap().stations[0];
     assert_eq!(station.base_from_station.translation.vector, Vector3::new(-0.495, 0.495, 0.5));
@@ -438,7 +445,7 @@ fn an_edit_replaces_the_previous_definition_of_the_frame() {
         EXAMPLE,
         "LP1",
         &[
-            Change::Yaw(0.5),
+            Change::Heading(0.5),
             Change::Pitch(0.011),
             Change::Offset(Vector3::new(0.001, 0.0, 0.0)),
             Change::Via(vec![Vector3::new(0.0, -0.3, 0.0)]),
@@ -459,10 +466,10 @@ fn an_edit_replaces_the_previous_definition_of_the_frame() {
 }
 
 #[test]
-fn a_drifted_station_is_moved_and_rotated_by_both_its_positions() {
+fn a_station_with_a_carrier_axis_is_moved_and_rotated_by_both_its_positions() {
     let table = "[[station]]
 name = \"LP\"
-[station.drift] # measured
+[station.carrier_axis] # measured
 first_mm = [-495.0, 495.0, 500.1] # by slot 1
 last_mm = [-494.0, 494.3, 740.1] # by slot 25
 ";
@@ -475,18 +482,18 @@ last_mm = [-494.0, 494.3, 740.1] # by slot 25
     );
     let inline = "[[station]]
 name = \"LP\"
-drift = { first_mm = [100, 0.1, 500], last_mm = [100, 0.1, 740] } # drifted
+carrier_axis = { first_mm = [100, 0.1, 500], last_mm = [100, 0.1, 740] } # drifted
 ";
-    let tilt = Tilt { yaw: 0.0, pitch: 0.01 };
+    let tilt = Tilt { azimuth: 0.0, angle: 0.01 };
     let turned = set_station(inline, "LP", &[Change::Turned(tilt)]).unwrap();
-    let (sine, cosine) = tilt.pitch.sin_cos();
+    let (sine, cosine) = tilt.angle.sin_cos();
     let place = |value: f64| (value * 1e9).round() / 1e9;
     let last = [100.0 + 240.0 * sine, 0.1, 500.0 + 240.0 * cosine].map(place);
     let expected = inline
         .replace("[100, 0.1, 500]", "[100.0, 0.1, 500.0]")
         .replace("[100, 0.1, 740]", &format!("{last:?}"));
     assert_eq!(turned, expected);
-    // Without a drift, `Turned` equals `Tilt`.
+    // Without a carrier axis, `Turned` equals `Tilt`.
     let of = |change| set_station(EXAMPLE, "LP2", &[change]).unwrap();
     assert_eq!(of(Change::Turned(tilt)), of(Change::Tilt(tilt)));
 }
@@ -497,11 +504,11 @@ fn stations_in_an_inline_list_are_edited_in_place() {
 name = \"Two in a list\"
 robot = \"dual-arm\"
 wafer = { diameter_mm = 300, thickness_mm = 0.775, material = \"silicon\" }
-budgets = { play_um = 60, clearance_mm = 1, slot_clearance_mm = 1, plane_urad = 20 }
+budgets = { virtual_joint_norm_um = 60, min_distance_mm = 1, slot_min_distance_mm = 1, plane_urad = 20 }
 station = [
     # The station that is not edited.
-    { name = \"LP1\", position_mm = [-495.0, 495.0, 500.0], yaw_deg = 45.0, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10.0 },
-    { name = \"LP2\", drift = { first_mm = [-495, -495, 500], last_mm = [-494, -495, 740] }, slots = 25, yaw_deg = 135.0, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10.0 }, # drifted
+    { name = \"LP1\", position_mm = [-495.0, 495.0, 500.0], heading_deg = 45.0, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10.0 },
+    { name = \"LP2\", carrier_axis = { first_mm = [-495, -495, 500], last_mm = [-494, -495, 740] }, slots = 25, heading_deg = 135.0, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10.0 }, # drifted
 ]
 ";
     let stations = |text: &str| {
@@ -509,7 +516,7 @@ station = [
         let fail = |problems: Errors| panic!("{}", problems[0].with_excerpt("x.toml"));
         found.unwrap_or_else(fail).stations
     };
-    assert!(matches!(stations(text)[1].origin, Origin::Drift(_)));
+    assert!(matches!(stations(text)[1].origin, Origin::CarrierAxis(_)));
     let changes = [Change::Position(Vector3::new(-0.49, 0.495, 0.5)), Change::ProcessTime(3.0)];
     let edited = set_station(text, "LP1", &changes).unwrap();
     let found = &stations(&edited)[0];
@@ -522,9 +529,9 @@ station = [
     assert!(added[0].ends_with(" retract_mm = 10.0, process_s = 3.0 },"), "{}", added[0]);
     let level = set_station(text, "LP2", &[Change::Tilt(Tilt::LEVEL)]).unwrap();
     let found = &stations(&level)[1];
-    // The pitch remains that of the drift.
+    // The pitch remains that of the carrier axis.
     assert!(matches!(found.origin, Origin::Nominal) && (found.pitch - 0.01).abs() < 1e-6);
-    assert!(level.contains(" # drifted\n]") && !level.contains("drift = "), "{level}");
+    assert!(level.contains(" # drifted\n]") && !level.contains("carrier_axis = "), "{level}");
     let message = set_station(text, "LP3", &[]).unwrap_err().to_string();
     assert!(message.contains("did you mean `LP2`?); known: LP1, LP2"), "{message}");
 }
@@ -562,6 +569,6 @@ proptest! {
                 let _ = problem.with_excerpt("x.toml");
             }
         }
-        let _ = set_station(&text, "LP1", &[Change::Yaw(0.5)]);
+        let _ = set_station(&text, "LP1", &[Change::Heading(0.5)]);
     }
 }

@@ -15,14 +15,14 @@ const HEAD: &str = "kind = \"cell\"
 name = \"Test\"
 robot = \"dual-arm\"
 wafer = { diameter_mm = 300, thickness_mm = 0.775, material = \"silicon\" }
-budgets = { play_um = 60, clearance_mm = 1, slot_clearance_mm = 1, plane_urad = 20 }
+budgets = { virtual_joint_norm_um = 60, min_distance_mm = 1, slot_min_distance_mm = 1, plane_urad = 20 }
 ";
 
 const STATION: &str = "
 [[station]]
 name = \"S\"
 position_mm = [700, 0, 500]
-yaw_deg = -90
+heading_deg = -90
 stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }
 retract_mm = 10
 ";
@@ -95,7 +95,7 @@ fn a_station_takes_keys_from_a_template_or_another_station_and_changes_some() {
 name = \"T\"
 like = \"S\"
 position_mm = [0, 700, 500]
-yaw_deg = 0
+heading_deg = 0
 
 [[station]]
 name = \"U\"
@@ -163,7 +163,7 @@ fn patterns_number_names_and_move_positions() {
 name = \"post\"
 repeat = {{ count = 4 }}
 position_mm = [\"900 * cos(90 * n)\", \"900 * sin(90 * n)\", 0]
-yaw_deg = \"90 * n\"
+heading_deg = \"90 * n\"
 box = {{ size_mm = [\"n\", 10, 10] }}
 ",
         STATION
@@ -209,7 +209,7 @@ fn a_part_is_a_station_with_its_bodies_placed_in_one_table() {
 part = \"foup\"
 name = \"LP1\"
 position_mm = [-700, 0, 500]
-yaw_deg = 90
+heading_deg = 90
 retract_mm = 10
 wafers = [1, 3]
 wall_mm = 5
@@ -275,9 +275,9 @@ name = \"robot\"
     assert_eq!(body("robot-hub").parent, ParentFrame::Link { arm: 0, link: 0 });
     refused(&text.replace("effector = \"A\"", "effector = \"C\""), "\"C\"", "known: A, B");
     refused(
-        &text.replace("name = \"robot\"", "name = \"robot\"\nyaw_deg = 3"),
-        "yaw_deg",
-        "unknown key `yaw_deg`",
+        &text.replace("name = \"robot\"", "name = \"robot\"\nheading_deg = 3"),
+        "heading_deg",
+        "unknown key `heading_deg`",
     );
     refused(
         &text.replace("name = \"SV\"", "name = \"blade-A\""),
@@ -344,7 +344,7 @@ fn parts_can_be_files_and_their_errors_have_the_line_in_them() {
 fn all_parts_of_the_library_are_valid_with_their_defaults_and_described() {
     for part in cell::parts() {
         let place = if part.is_station {
-            "position_mm = [700, 0, 500]\nyaw_deg = -90\nretract_mm = 10"
+            "position_mm = [700, 0, 500]\nheading_deg = -90\nretract_mm = 10"
         } else {
             ""
         };
@@ -404,7 +404,7 @@ name = \"LP\"
 like = \"served\"
 repeat = {{ count = {count} }}
 position_mm = [\"reach * cos(30 * n)\", \"reach * sin(30 * n)\", 500]
-yaw_deg = \"30 * n - 90\"
+heading_deg = \"30 * n - 90\"
 wall_mm = \"wall\"
 [[part]]
 part = \"support-pads\"

@@ -23,7 +23,7 @@ fn changed(from: &str, to: &str) -> Result<Cell, String> {
     read(&EXAMPLE.replacen(from, to, 1), &mut no_files).map_err(|errors| errors.to_string())
 }
 
-const LP2_TILT: &str = "tilt = { yaw_deg = 100.0, pitch_deg = 0.8 }";
+const LP2_TILT: &str = "tilt = { azimuth_deg = 100.0, angle_deg = 0.8 }";
 
 #[test]
 fn a_tilt_measured_about_x_and_y_is_the_rotation_vector_in_the_base_plane() {
@@ -33,16 +33,16 @@ fn a_tilt_measured_about_x_and_y_is_the_rotation_vector_in_the_base_plane() {
     };
     // 0.6° about y and 0.3° about x: √(0.6² + 0.3²) toward atan2(−0.3, 0.6).
     let measured = tilt("x_deg = 0.3, y_deg = 0.6");
-    assert!((measured.pitch.to_degrees() - 0.670_820_393_249_937).abs() < 1e-12, "{measured:?}");
-    assert!((measured.yaw.to_degrees() + 26.565_051_177_077_99).abs() < 1e-9, "{measured:?}");
+    assert!((measured.angle.to_degrees() - 0.670_820_393_249_937).abs() < 1e-12, "{measured:?}");
+    assert!((measured.azimuth.to_degrees() + 26.565_051_177_077_99).abs() < 1e-9, "{measured:?}");
     // A rotation about +y tilts the normal toward +x.
     let about_y = tilt("y_deg = 0.6");
-    assert!(about_y.yaw.abs() < 1e-12 && (about_y.pitch.to_degrees() - 0.6).abs() < 1e-12);
+    assert!(about_y.azimuth.abs() < 1e-12 && (about_y.angle.to_degrees() - 0.6).abs() < 1e-12);
     let refused = |keys: &str, message: &str| {
         let found = changed(LP2_TILT, &format!("tilt = {{ {keys} }}")).unwrap_err();
         assert!(found.contains(message), "{found}");
     };
-    refused("x_deg = 0.3, pitch_deg = 0.6", "either `yaw_deg` and `pitch_deg`, or `x_deg`");
+    refused("x_deg = 0.3, angle_deg = 0.6", "either `azimuth_deg` and `angle_deg`, or `x_deg`");
     refused("x_deg = 89, y_deg = 89", "amount to a tilt by 125.865");
     refused("x_deg = 0.1, z_deg = 0.1", "unknown key `z_deg`");
     refused("x_deg = 1.2, y_deg = 1.0", "tilts 1.562° toward -50.2°");

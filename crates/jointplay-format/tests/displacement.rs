@@ -35,19 +35,19 @@ fn all_tolerances(size: f64) -> Tolerances {
 #[test]
 fn shifts_add_up_and_the_lever_has_its_closed_form() {
     let cell = example();
-    for pitch in [0.0, 0.6_f64, 1.2] {
-        for yaw in [0.0, 1.0, 4.0] {
-            let tilt = Tilt { yaw, pitch: pitch.to_radians() };
+    for tilt_angle in [0.0, 0.6_f64, 1.2] {
+        for azimuth in [0.0, 1.0, 4.0] {
+            let tilt = Tilt { azimuth, angle: tilt_angle.to_radians() };
             let wafer = cell.wafer_over_tilt(A, tilt, Some([0.0, 0.65])).unwrap();
             let found = cell.wafer_displacement(&wafer, &Tolerances::default()).unwrap();
             let sum: Vector3<f64> = found.shifts.iter().map(|one| one.shift).sum();
             assert!((sum - found.total).norm() < 1e-15);
-            assert!((found.tilt.pitch - tilt.pitch).abs() < 1e-12);
+            assert!((found.tilt.angle - tilt.angle).abs() < 1e-12);
             let lever = found.shifts.iter().find(|one| one.cause == Cause::Lever).unwrap();
             // About the horizontal axis across the tilt: h sin α along it, less what the cosine shortens of the reach.
-            let along = Vector3::new(yaw.cos(), yaw.sin(), 0.0);
+            let along = Vector3::new(azimuth.cos(), azimuth.sin(), 0.0);
             let radius = Vector3::new(0.0, 0.65, 0.0).dot(&along);
-            let (sin, cos) = tilt.pitch.sin_cos();
+            let (sin, cos) = tilt.angle.sin_cos();
             let expected = found.lever * sin - radius * (1.0 - cos);
             assert!((lever.shift.dot(&along) - expected).abs() < 1e-12, "{expected}");
             let down = -radius * sin - found.lever * (1.0 - cos);

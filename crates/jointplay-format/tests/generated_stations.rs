@@ -11,7 +11,7 @@ const TEXT: &str = "kind = \"cell\"
 name = \"Test\"
 robot = \"dual-arm\"
 wafer = { diameter_mm = 300, thickness_mm = 0.775, material = \"silicon\" }
-budgets = { play_um = 60, clearance_mm = 1, slot_clearance_mm = 1, plane_urad = 20 }
+budgets = { virtual_joint_norm_um = 60, min_distance_mm = 1, slot_min_distance_mm = 1, plane_urad = 20 }
 
 [parameters]
 reach = 700
@@ -27,7 +27,7 @@ retract_mm = 10
 [[station]]
 name = \"P1\"
 like = \"port\"
-drift = { first_mm = [0, 700, 500], last_mm = [0.1, 700, 540] } # measured
+carrier_axis = { first_mm = [0, 700, 500], last_mm = [0.1, 700, 540] } # measured
 
 [[station]]
 name = \"P2\"
@@ -37,13 +37,13 @@ like = \"P1\"
 name = \"P3\"
 like = \"port\"
 position_mm = [\"-reach\", 0, 500]
-yaw_deg = 90
+heading_deg = 90
 
 [[part]]
 part = \"load-port\"
 name = \"LP\"
 position_mm = [0, -700, 500]
-yaw_deg = 180
+heading_deg = 180
 retract_mm = 10
 taught = { points_mm = [[0, -800, 500], [100, -700, 500.1], [-100, -700, 499.9], [0, -600, 500]], noise_um = 2 }
 
@@ -58,7 +58,7 @@ part = \"chamber\"
 name = \"CH\"
 repeat = { count = 2 }
 position_mm = [\"-700 + 1400 * (n - 1)\", 0, 700]
-yaw_deg = \"90 - 180 * (n - 1)\"
+heading_deg = \"90 - 180 * (n - 1)\"
 retract_mm = 10
 ";
 
@@ -74,7 +74,7 @@ fn place(text: &str, name: &str) -> Vector3<f64> {
 
 fn tilt(text: &str, name: &str) -> f64 {
     let normal = station(text, name).base_from_station.rotation * Vector3::z();
-    Tilt::from_normal(&normal).pitch
+    Tilt::from_normal(&normal).angle
 }
 
 /// All other stations are as before.
@@ -103,11 +103,11 @@ fn an_edit_of_a_part_changes_the_table_of_the_part() {
 
 #[test]
 fn an_edit_of_inherited_values_changes_the_station_and_not_its_template() {
-    // P2 takes the drift of P1; it moves as a whole.
+    // P2 takes the carrier axis of P1; it moves as a whole.
     let to = Vector3::new(0.01, 0.71, 0.5);
     let moved = set_station(TEXT, "P2", &[Change::Position(to)]).unwrap();
     assert!((place(&moved, "P2") - to).norm() < 1e-12);
-    assert!(matches!(station(&moved, "P2").origin, Origin::Drift(_)));
+    assert!(matches!(station(&moved, "P2").origin, Origin::CarrierAxis(_)));
     assert!((tilt(&moved, "P2") - tilt(TEXT, "P2")).abs() < 1e-9);
     others_unchanged(&moved, "P2");
     let level = set_station(TEXT, "P2", &[Change::Tilt(Tilt::LEVEL)]).unwrap();
@@ -144,7 +144,7 @@ fn copies_expressions_and_parts_that_are_no_stations_are_refused() {
     refused("SV", moved(), "station \"SV\" is not known");
     refused("port", moved(), "station \"port\" is not known");
     // Another value of the same station can be changed.
-    let turned = set_station(TEXT, "P3", &[Change::Yaw(1.0)]).unwrap();
+    let turned = set_station(TEXT, "P3", &[Change::Heading(1.0)]).unwrap();
     assert!(turned.contains("[\"-reach\", 0, 500]"));
     others_unchanged(&turned, "P3");
 }

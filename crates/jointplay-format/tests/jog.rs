@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 
 const A: EffectorId = EffectorId { arm: 0, effector: 0 };
 const LP2: SlotId = SlotId { station: 1, slot: 7 };
-const IN: SlotRelativePose = SlotRelativePose { radial: 0.0, turn: 0.0, height: 0.0, yaw: 0.0 };
+const IN: SlotRelativePose = SlotRelativePose { radial: 0.0, turn: 0.0, height: 0.0, heading: 0.0 };
 
 fn example() -> Cell {
     read(EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap()
@@ -64,7 +64,7 @@ fn motors_stop_at_their_limits_and_rods_at_the_tilt_limit() {
     to[0] += 0.05;
     let jogged = cell.jog_axes(&from, &to).unwrap();
     let tilt = cell.robot.gpr.plane_tilt(&[jogged.positions[0], from[1], from[2]]);
-    near(tilt.pitch, cell.robot.gpr.limits().tilt_max, 1e-9);
+    near(tilt.angle, cell.robot.gpr.limits().tilt_max, 1e-9);
     assert!(explain_stopped(&cell, &jogged.stopped.unwrap())[0].starts_with("tilt of "));
     assert_eq!(cell.jog_axes(&from, &from).unwrap().stopped, None);
     assert!(cell.jog_axes(&from, &from[1..]).is_err());
@@ -77,10 +77,10 @@ fn the_platform_tilts_up_to_its_limit() {
     let asked = Tilt::from_about_x_and_y(0.004, -0.006);
     let jogged = cell.jog_platform(&from, asked, AxisHeight(0.51)).unwrap();
     let rods = [jogged.positions[0], jogged.positions[1], jogged.positions[2]];
-    near(cell.robot.gpr.plane_tilt(&rods).pitch, asked.pitch, 1e-14);
+    near(cell.robot.gpr.plane_tilt(&rods).angle, asked.angle, 1e-14);
     near(cell.robot.gpr.plane_height(&rods).0, 0.51, 1e-14);
     assert_eq!((jogged.stopped, &jogged.positions[RODS..]), (None, &from[RODS..]));
-    let far = cell.jog_platform(&from, Tilt { yaw: 1.0, pitch: 0.1 }, AxisHeight(0.5)).unwrap();
+    let far = cell.jog_platform(&from, Tilt { azimuth: 1.0, angle: 0.1 }, AxisHeight(0.5)).unwrap();
     assert!(matches!(far.stopped, Some(StopReason::Limits(_))));
     assert!(cell.robot.limit_violations(&far.positions).unwrap().is_empty());
 }
@@ -94,7 +94,7 @@ fn slot_relative_jogging_reaches_the_commanded_pose() {
             for to in [
                 SlotRelativePose { radial: -0.3, ..IN },
                 IN,
-                SlotRelativePose { radial: -0.05, turn: 0.02, height: 0.004, yaw: 0.1 },
+                SlotRelativePose { radial: -0.05, turn: 0.02, height: 0.004, heading: 0.1 },
             ] {
                 let jogged = cell.jog_slot_relative(&positions, A, loaded, LP2, &to).unwrap();
                 assert_eq!(jogged.stopped, None, "{to:?}");
@@ -105,7 +105,7 @@ fn slot_relative_jogging_reaches_the_commanded_pose() {
                 near(seen.turn, to.turn, 1e-10);
                 near(seen.height, to.height, 1e-11);
                 if free {
-                    near(seen.yaw, to.yaw, 1e-10);
+                    near(seen.heading, to.heading, 1e-10);
                 }
             }
         }
@@ -127,7 +127,7 @@ fn a_wafer_jogged_into_a_slot_teaches_the_station_frame() {
         0.0,
         1e-6,
     );
-    let (found, is) = (teach::yaw(&taught), teach::yaw(&station.base_from_station));
+    let (found, is) = (teach::heading(&taught), teach::heading(&station.base_from_station));
     // The heading follows the arm's tilted axis, which is millimetres away from the robot's.
     near((found - is + PI).rem_euclid(2.0 * PI) - PI, 0.0, 3e-3);
 }

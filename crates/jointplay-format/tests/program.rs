@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "tests may")]
 
 use jointplay_cell::program::{
-    AxisTarget, Branch, Command, Condition, Instruction, MAX_CALLS, Name, Number, Parameter,
+    AxisTarget, Branch, Command, Condition, Instruction, MAX_CALL_DEPTH, Name, Number, Parameter,
     Program, Quantity, Relation, Routine, SlotName, SourceLocation, TiltTarget, Unit,
 };
 use jointplay_core::expression::{BinaryOperator, Expression, Function, Operation};
@@ -428,7 +428,7 @@ fn examples_of_the_reference_are_formatted_programs() {
         assert!(page.contains(&format!("\"{}\"", command.split(' ').next().unwrap())));
     }
     assert_eq!(page.matches("\n### ").count(), 16);
-    for limit in [MAX_DEPTH, MAX_CALLS] {
+    for limit in [MAX_DEPTH, MAX_CALL_DEPTH] {
         assert!(page.contains(&format!("| {limit} |")));
     }
 }

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::program::{
-    Handoff, MAX_CALLS, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
+    Handoff, MAX_CALL_DEPTH, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
 };
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
@@ -97,7 +97,7 @@ fn cell() -> Cell {
         arms: vec![arm("A", 4, 0.14), arm("B", 5, 0.17)],
         assumed: Vec::new(),
     };
-    let tilted = Tilt { yaw: 2.0, pitch: 0.8_f64.to_radians() };
+    let tilted = Tilt { azimuth: 2.0, angle: 0.8_f64.to_radians() };
     let aligner = Station { effectors: vec![A], ..station("aligner", PI, Tilt::LEVEL, 1) };
     let process = Station {
         process_time: 30.0,
@@ -320,7 +320,7 @@ fn a_tilt_keeps_the_height_on_the_axis() {
     assert_eq!(phases(&all), [Move, Move, Wait, Wait]);
     let rods = [all[0].to[0], all[0].to[1], all[0].to[2]];
     let gpr = &cell.robot.gpr;
-    assert!((gpr.plane_tilt(&rods).pitch - 0.5_f64.to_radians()).abs() < 1e-14);
+    assert!((gpr.plane_tilt(&rods).angle - 0.5_f64.to_radians()).abs() < 1e-14);
     assert!((gpr.plane_height(&rods).0 - 0.5).abs() < 1e-14);
     assert_eq!(all[2].path, Path::Dwell(2.0));
 }
@@ -392,7 +392,7 @@ fn unreachable_targets_name_the_reason() {
     let mut far = cell();
     far.stations[0].base_from_station.translation.x = 0.9;
     far.stations[1].base_from_station.translation.z = 1.1;
-    let steep = Tilt { yaw: 0.0, pitch: 5_f64.to_radians() };
+    let steep = Tilt { azimuth: 0.0, angle: 5_f64.to_radians() };
     far.stations[2].base_from_station.rotation = tilt_rotation(&steep.normal());
     far.occupied.push(SlotId { station: 2, slot: 1 });
     let text =
@@ -418,7 +418,7 @@ fn a_support_larger_than_the_wafer_is_reported_in_mm() {
 
 #[test]
 fn endless_and_too_long_programs_are_rejected() {
-    let deep = MAX_CALLS + 1;
+    let deep = MAX_CALL_DEPTH + 1;
     let chain: String = (0..deep)
         .map(|k| format!("ROUTINE r{k}\n  CALL r{}\nEND\n", k + 1))
         .chain([format!("ROUTINE r{deep}\n  HOME\nEND\nCALL r0\n")])

@@ -13,8 +13,8 @@ seed = 9
 quantities = ["q1_mm", "center_shift_um", "virtual_joints"]
 
 [pose]
-yaw_deg = { uniform = [0, 360] }
-pitch_deg = "-1:1:0.5"
+azimuth_deg = { uniform = [0, 360] }
+tilt_deg = "-1:1:0.5"
 height_mm = [480.1, 500]
 
 [tolerances]
@@ -43,7 +43,7 @@ fn a_study_defines_samples_and_columns() {
     assert_eq!((file.name.as_str(), file.robot.as_str()), ("a study", "GPR of the paper"));
     assert_eq!((file.plan.grid(), file.plan.samples()), (Ok(10), Ok(1000)));
     let names: Vec<&str> = file.columns.iter().map(|column| column.name.as_str()).collect();
-    assert_eq!(names[..6], ["sample", "draw", "yaw_deg", "pitch_deg", "height_mm", "q1_mm"]);
+    assert_eq!(names[..6], ["sample", "draw", "azimuth_deg", "tilt_deg", "height_mm", "q1_mm"]);
     assert_eq!(names[6..8], ["planar_center_shift_um", "planar_u1_mm"]);
     assert_eq!(names.last(), Some(&"polar_status"));
     let least =
@@ -71,7 +71,7 @@ fn the_example_of_the_reference_is_a_valid_study() {
         for name in cell.split('`').skip(1).step_by(2) {
             let models = "[\"radial\", \"polar\", \"offset\", \"planar\"]";
             study(&format!(
-                "kind = \"study\"\nvirtualizations = {models}\nquantities = [\"{name}\"]\n[pose]\nyaw_deg = 0\npitch_deg = 0"
+                "kind = \"study\"\nvirtualizations = {models}\nquantities = [\"{name}\"]\n[pose]\nazimuth_deg = 0\ntilt_deg = 0"
             ));
             count += 1;
         }
@@ -109,16 +109,16 @@ fn invalid_studies_are_rejected_with_the_place_of_the_error() {
     refuse("center_shift_um", "u1_mm", 9, "`quantities` has \"virtual_joints\" twice");
     refuse("[0, 360]", "[360, 0]", 12, "uniform from 360 to 0 is no range");
     refuse("[0, 360]", "[0, 360, 1]", 12, "has to be a number, a range");
-    refuse("[0, 360]", "[0, nan]", 12, "`yaw_deg` is not a number");
+    refuse("[0, 360]", "[0, nan]", 12, "`azimuth_deg` is not a number");
     refuse("uniform", "unifrom", 12, "did you mean `uniform`?");
     refuse("{ uniform = [0, 360] }", "true", 12, "has to be a number, a range");
-    refuse("{ uniform = [0, 360] }", "[]", 12, "`yaw_deg` is empty");
+    refuse("{ uniform = [0, 360] }", "[]", 12, "`azimuth_deg` is empty");
     refuse("{ uniform = [0, 360] }", "[1, \"2\"]", 12, "has to be a number, a range");
     refuse("[0, 360] }", "[0, 1], normal = [0, 1] }", 12, "has to be a number, a range");
-    refuse("\"-1:1:0.5\"", "\"-1:1:0.3\"", 13, "`pitch_deg`: steps of 0.3 from -1 miss 1");
-    refuse("\"-1:1:0.5\"", "90", 13, "`pitch_deg` is 90, but has to be from -89.999");
-    refuse("pitch_deg = \"-1:1:0.5\"\n", "", 11, "found: yaw_deg");
-    refuse("pitch_deg", "tilt_x_deg", 11, "found: yaw_deg, tilt_x_deg");
+    refuse("\"-1:1:0.5\"", "\"-1:1:0.3\"", 13, "`tilt_deg`: steps of 0.3 from -1 miss 1");
+    refuse("\"-1:1:0.5\"", "90", 13, "`tilt_deg` is 90, but has to be from -89.999");
+    refuse("tilt_deg = \"-1:1:0.5\"\n", "", 11, "found: azimuth_deg");
+    refuse("tilt_deg", "tilt_x_deg", 11, "found: azimuth_deg, tilt_x_deg");
     refuse("[480.1, 500]", "1e9", 14, "`height_mm` is 1000000000, but has to be from");
     refuse("[0, 0.01]", "[0, 0]", 17, "a standard deviation of 0 is not positive");
     refuse("{ normal = [0, 0.01] }", "0.1", 17, "`base_x_mm` has to be drawn");
@@ -168,8 +168,8 @@ const WORDS: [&str; 36] = [
     "\"q1_mm\"",
     "virtualizations",
     "[pose]",
-    "yaw_deg",
-    "pitch_deg",
+    "azimuth_deg",
+    "tilt_deg",
     "height_mm",
     "0",
     "1e300",

@@ -126,7 +126,8 @@ fn uncertain_planes_violate_the_plane_budget() {
     let found = of(&report);
     assert_eq!(found.len(), 2, "placed and picked: {:?}", report.violations);
     assert!(found.iter().all(|worst| (worst - expanded).abs() < 1e-9), "{found:?}");
-    let accepted = noisy.replacen("play_um", "coverage_factor = 1\nplay_um", 1);
+    let accepted =
+        noisy.replacen("virtual_joint_norm_um", "coverage_factor = 1\nvirtual_joint_norm_um", 1);
     assert!(of(&checked(&accepted).1).is_empty());
 }
 
@@ -150,13 +151,16 @@ fn uncertain_carriers_need_more_slot_clearance_at_the_far_slot() {
     // A clearance that is just kept by the exact station is not by the uncertain one; the remaining budgets hold.
     let wide = |text: &str| text.replacen("plane_urad = 20.0", "plane_urad = 2000.0", 1);
     // The distances in the slots, from the violations of a clearance that no slot has.
-    let (_, report) =
-        checked(&wide(EXAMPLE).replacen("slot_clearance_mm = 1.0", "slot_clearance_mm = 9.0", 1));
+    let (_, report) = checked(&wide(EXAMPLE).replacen(
+        "slot_min_distance_mm = 1.0",
+        "slot_min_distance_mm = 9.0",
+        1,
+    ));
     let in_slots = report.violations.iter().filter(|one| one.kind == ViolationKind::SlotClearance);
     let distance = in_slots.map(|one| one.worst).fold(f64::INFINITY, f64::min);
     let close = |text: &str| {
-        let budget = format!("slot_clearance_mm = {}", distance * 1e3 - 0.02);
-        wide(text).replacen("slot_clearance_mm = 1.0", &budget, 1)
+        let budget = format!("slot_min_distance_mm = {}", distance * 1e3 - 0.02);
+        wide(text).replacen("slot_min_distance_mm = 1.0", &budget, 1)
     };
     let slot_violations = |report: &Report| {
         report.violations.iter().filter(|one| one.kind == ViolationKind::SlotClearance).count()

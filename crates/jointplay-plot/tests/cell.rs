@@ -67,11 +67,11 @@ fn cell() -> Cell {
     let (model, assumed) = (PlatformModel::default(), vec![]);
     let robot =
         HybridRobot { name: "one arm".to_owned(), gpr, model, axes, arms: vec![arm], assumed };
-    let station = |name: &str, x: f64, y: f64, slots: usize, pitch: f64| Station {
+    let station = |name: &str, x: f64, y: f64, slots: usize, angle: f64| Station {
         name: name.to_owned(),
         base_from_station: Pose::from_parts(
             nalgebra::Translation3::new(x, y, 0.62),
-            tilt_rotation(&Tilt { yaw: 0.4, pitch }.normal()),
+            tilt_rotation(&Tilt { azimuth: 0.4, angle }.normal()),
         ),
         origin: Origin::Nominal,
         uncertainty: FrameUncertainty::UNKNOWN,

@@ -124,7 +124,7 @@ fn whole(values: impl Iterator<Item = f64>, len: usize) -> Vec<f64> {
 }
 
 pub(crate) fn comparison<'py>(py: Python<'py>, found: &Comparison) -> PyResult<Bound<'py, PyAny>> {
-    let len = found.pitches.len();
+    let len = found.tilt_angles.len();
     let models = PyDict::new(py);
     for model in &found.models {
         let [x, y] =
@@ -140,9 +140,9 @@ pub(crate) fn comparison<'py>(py: Python<'py>, found: &Comparison) -> PyResult<B
         models.set_item(&model.name, skin::result(py, "ModelCurve", &fields)?)?;
     }
     let fields = fields!(py;
-        yaw_rad = found.yaw,
+        azimuth_rad = found.azimuth,
         height_m = found.height.0,
-        pitch_rad = PyArray1::from_slice(py, &found.pitches),
+        tilt_rad = PyArray1::from_slice(py, &found.tilt_angles),
         approximate_gap_m = PyArray1::from_slice(py, &found.approximate_gap),
         models = models,
     );
@@ -169,8 +169,8 @@ pub(crate) fn study<'py>(
         solver = samples.solver.to_string(),
         characteristic_length_m = samples.characteristic_length,
         samples_per_row = samples.samples_per_row,
-        yaw_rad = PyArray1::from_slice(py, &samples.yaw),
-        pitch_rad = PyArray1::from_slice(py, &samples.pitch),
+        azimuth_rad = PyArray1::from_slice(py, &samples.azimuth),
+        tilt_rad = PyArray1::from_slice(py, &samples.tilt_angle),
         rods_m = table(py, &samples.rods)?,
         sides_m = table(py, &samples.sides)?,
         virtual_joints = table(py, &samples.virtual_joints)?,

@@ -175,7 +175,7 @@ pub(crate) struct Spread<'py> {
 
 impl<'py> Spread<'py> {
     /// # Arguments
-    /// * `given` – each with what it is, such as `yaw_rad`
+    /// * `given` – each with what it is, such as `azimuth_rad`
     pub(crate) fn read(py: Python<'py>, given: &[(&str, &Bound<'py, PyAny>)]) -> PyResult<Self> {
         let mut arrays = Vec::with_capacity(given.len());
         for (what, given) in given {

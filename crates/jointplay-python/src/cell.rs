@@ -171,11 +171,11 @@ impl PyCell {
             changes.push(Change::Position(Vector3::from(finite_numbers(position, "position_m")?)));
         }
         if let Some(heading) = heading_rad {
-            changes.push(Change::Yaw(finite(heading, "heading_rad")?));
+            changes.push(Change::Heading(finite(heading, "heading_rad")?));
         }
         if let Some(tilt) = tilt_rad {
             let [azimuth, angle] = finite_numbers(tilt, "tilt_rad")?;
-            changes.push(Change::Tilt(Tilt { yaw: azimuth, pitch: angle }));
+            changes.push(Change::Tilt(Tilt { azimuth, angle }));
         }
         let text = set_station(&self.text, name, &changes)
             .map_err(|problem| errors::file(py, &self.label, &[problem]))?;

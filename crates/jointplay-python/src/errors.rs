@@ -92,7 +92,9 @@ fn class_and_facts<'py>(
             let limits = PyTuple::new(py, limits.collect::<PyResult<Vec<_>>>()?)?;
             ("RobotLimitsError", fields!(py; limits_broken = limits))
         }
-        E::PitchTooLarge { pitch } => ("PitchTooLargeError", fields!(py; pitch_rad = *pitch)),
+        E::TiltTooLarge { tilt_angle } => {
+            ("TiltTooLargeError", fields!(py; tilt_rad = *tilt_angle))
+        }
         E::NotPositive { .. }
         | E::Collinear { .. }
         | E::OppositeSenses
@@ -151,8 +153,8 @@ pub(crate) fn broken_limit(py: Python<'_>, broken: BrokenLimit) -> PyResult<Boun
         BrokenLimit::Rod { limb, length, min, max } => fields!(py;
             limit = format!("rod {limb}"), found = length, min = min, max = max, unit = "m",
         ),
-        BrokenLimit::Tilt { pitch, max } => {
-            fields!(py; limit = "tilt", found = pitch, min = 0.0, max = max, unit = "rad")
+        BrokenLimit::Tilt { angle: tilt_angle, max } => {
+            fields!(py; limit = "tilt", found = tilt_angle, min = 0.0, max = max, unit = "rad")
         }
     };
     skin::result(py, "BrokenLimit", &fields)
@@ -167,17 +169,19 @@ pub(crate) fn not_finite(py: Python<'_>, what: &str, value: f64) -> PyErr {
 
 /// An error of a study: the error of its pose, with the index of the pose.
 pub(crate) fn study(py: Python<'_>, error: &study::Error) -> PyErr {
-    let study::Error::Pose { sample, yaw, pitch, source } = error else {
+    let study::Error::Pose { sample, azimuth, tilt_angle, source } = error else {
         return input(py, &error.to_string());
     };
     let made = class_and_facts(py, source).map(|(class, facts)| {
         let fields_of_pose = || {
             facts.set_item("sample", *sample)?;
-            facts.set_item("yaw_rad", *yaw)?;
-            facts.set_item("pitch_rad", *pitch)?;
+            facts.set_item("azimuth_rad", *azimuth)?;
+            facts.set_item("tilt_rad", *tilt_angle)?;
             Ok(facts)
         };
-        let message = format!("sample {sample} (yaw {yaw} rad, pitch {pitch} rad): {source}");
+        let message = format!(
+            "sample {sample} (azimuth {azimuth} rad, tilt angle {tilt_angle} rad): {source}"
+        );
         new(py, class, &message, fields_of_pose())
     });
     made.unwrap_or_else(|failed| failed)

@@ -287,7 +287,7 @@ impl PyGpr {
     ///
     /// Parameters
     /// ----------
-    /// yaw_rad, pitch_rad : float or array
+    /// azimuth_rad, tilt_rad : float or array
     ///     Tilt direction and tilt angle (rad).
     /// height_m : float or array, optional
     ///     Where the platform plane crosses the base axis (m); default: the working height.
@@ -304,14 +304,14 @@ impl PyGpr {
     ///
     /// Raises
     /// ------
-    /// RobotLimitsError, PitchTooLargeError, NotFiniteError
+    /// RobotLimitsError, TiltTooLargeError, NotFiniteError
     ///     For one tilt; of many, such tilts are NaN and have their status.
-    #[pyo3(signature = (yaw_rad, pitch_rad, height_m=None, *, out=None, threads=None))]
+    #[pyo3(signature = (azimuth_rad, tilt_rad, height_m=None, *, out=None, threads=None))]
     fn inverse<'py>(
         &self,
         py: Python<'py>,
-        yaw_rad: &Bound<'py, PyAny>,
-        pitch_rad: &Bound<'py, PyAny>,
+        azimuth_rad: &Bound<'py, PyAny>,
+        tilt_rad: &Bound<'py, PyAny>,
         height_m: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
         threads: Option<&Bound<'py, PyAny>>,
@@ -320,22 +320,22 @@ impl PyGpr {
             None => Some(self.gpr.working_height()),
             Some(height) => number(height),
         };
-        if let (None, Some(yaw), Some(pitch), Some(height)) =
-            (out, number(yaw_rad), number(pitch_rad), height)
+        if let (None, Some(azimuth), Some(tilt_angle), Some(height)) =
+            (out, number(azimuth_rad), number(tilt_rad), height)
         {
             let rods = self
                 .gpr
-                .inverse(Tilt { yaw, pitch }, AxisHeight(height))
+                .inverse(Tilt { azimuth, angle: tilt_angle }, AxisHeight(height))
                 .map_err(|error| errors::core(py, &error))?;
             return Ok(Bound::new(py, PyInverse { rods })?.into_any());
         }
         let working = PyFloat::new(py, self.gpr.working_height()).into_any();
         let height_m = height_m.unwrap_or(&working);
-        let given = [("yaw_rad", yaw_rad), ("pitch_rad", pitch_rad), ("height_m", height_m)];
+        let given = [("azimuth_rad", azimuth_rad), ("tilt_rad", tilt_rad), ("height_m", height_m)];
         let given = Spread::read(py, &given)?;
         if given.shape.is_empty() && out.is_none() {
             let columns = given.columns()?;
-            let tilt = Tilt { yaw: columns[0].at(0), pitch: columns[1].at(0) };
+            let tilt = Tilt { azimuth: columns[0].at(0), angle: columns[1].at(0) };
             let rods = self
                 .gpr
                 .inverse(tilt, AxisHeight(columns[2].at(0)))
@@ -349,13 +349,13 @@ impl PyGpr {
     ///
     /// The height of the origin differs from the axis height by the centre shift times the slope, and so depends on the virtualization.
     /// Other parameters are those of `forward`.
-    #[pyo3(signature = (yaw_rad, pitch_rad, center_height_m, virtualization=None, *, solver=None, metric=None))]
+    #[pyo3(signature = (azimuth_rad, tilt_rad, center_height_m, virtualization=None, *, solver=None, metric=None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn inverse_for_center(
         &self,
         py: Python<'_>,
-        #[pyo3(from_py_with = real)] yaw_rad: f64,
-        #[pyo3(from_py_with = real)] pitch_rad: f64,
+        #[pyo3(from_py_with = real)] azimuth_rad: f64,
+        #[pyo3(from_py_with = real)] tilt_rad: f64,
         #[pyo3(from_py_with = real)] center_height_m: f64,
         virtualization: Option<&Bound<'_, PyAny>>,
         solver: Option<&str>,
@@ -363,7 +363,7 @@ impl PyGpr {
     ) -> PyResult<PyForward> {
         let model = Model::of(virtualization, &self.gpr)?;
         let options = model::options(py, solver, metric)?;
-        let tilt = Tilt { yaw: yaw_rad, pitch: pitch_rad };
+        let tilt = Tilt { azimuth: azimuth_rad, angle: tilt_rad };
         let height = CenterHeight(center_height_m);
         let found =
             with_model!(&model, v => self.gpr.inverse_for_center(tilt, height, v, &options));
@@ -373,15 +373,15 @@ impl PyGpr {
     /// The approximate model of the paper's Fig. 2: the platform turns about its centre as though no rods held it.
     ///
     /// Parameters are those of `inverse` for one tilt (rad, m).
-    #[pyo3(signature = (yaw_rad, pitch_rad, height_m=None))]
+    #[pyo3(signature = (azimuth_rad, tilt_rad, height_m=None))]
     fn approximate<'py>(
         &self,
         py: Python<'py>,
-        #[pyo3(from_py_with = real)] yaw_rad: f64,
-        #[pyo3(from_py_with = real)] pitch_rad: f64,
+        #[pyo3(from_py_with = real)] azimuth_rad: f64,
+        #[pyo3(from_py_with = real)] tilt_rad: f64,
         #[pyo3(from_py_with = optional_real)] height_m: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let tilt = Tilt { yaw: yaw_rad, pitch: pitch_rad };
+        let tilt = Tilt { azimuth: azimuth_rad, angle: tilt_rad };
         let found = self
             .gpr
             .approximate(tilt, axis_height(height_m, &self.gpr))
@@ -396,16 +396,16 @@ impl PyGpr {
         skin::result(py, "Approximate", &fields)
     }
 
-    /// Yaw and pitch of the plane through the ball centres for rods of shape (3,) (m), in radians.
+    /// Azimuth and tilt angle of the plane through the ball centres for rods of shape (3,) (m), in radians.
     ///
     /// Geometry alone, the same for every virtualization.
     fn plane_tilt(&self, rods_m: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {
         let rods = one_triple(rods_m)?;
         let tilt = self.gpr.plane_tilt(&rods);
-        let lost = [tilt.yaw, tilt.pitch].into_iter().find(|angle| !angle.is_finite());
+        let lost = [tilt.azimuth, tilt.angle].into_iter().find(|angle| !angle.is_finite());
         match lost {
             Some(value) => Err(errors::not_finite(rods_m.py(), "the tilt of these rods", value)),
-            None => Ok((tilt.yaw, tilt.pitch)),
+            None => Ok((tilt.azimuth, tilt.angle)),
         }
     }
 

@@ -96,19 +96,19 @@ impl PyGpr {
     ///
     /// Parameters
     /// ----------
-    /// yaw_rad, pitch_rad : float
+    /// azimuth_rad, tilt_rad : float
     ///     The tilt (rad).
     /// height_m : float, optional
     ///     Axis height (m); default: the working height.
     /// virtualization, solver, metric
     ///     Those of `forward`.
-    #[pyo3(signature = (yaw_rad, pitch_rad, height_m=None, virtualization=None, *, solver=None, metric=None))]
+    #[pyo3(signature = (azimuth_rad, tilt_rad, height_m=None, virtualization=None, *, solver=None, metric=None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn tilt_play<'py>(
         &self,
         py: Python<'py>,
-        #[pyo3(from_py_with = real)] yaw_rad: f64,
-        #[pyo3(from_py_with = real)] pitch_rad: f64,
+        #[pyo3(from_py_with = real)] azimuth_rad: f64,
+        #[pyo3(from_py_with = real)] tilt_rad: f64,
         #[pyo3(from_py_with = optional_real)] height_m: Option<f64>,
         virtualization: Option<&Bound<'py, PyAny>>,
         solver: Option<&str>,
@@ -117,7 +117,7 @@ impl PyGpr {
         let gpr = &self.gpr;
         let model = Model::of(virtualization, gpr)?;
         let options = model::options(py, solver, metric)?;
-        let tilt = Tilt { yaw: yaw_rad, pitch: pitch_rad };
+        let tilt = Tilt { azimuth: azimuth_rad, angle: tilt_rad };
         let height = axis_height(height_m, gpr);
         let found = with_model!(&model, v => gpr.tilt_play(tilt, height, v, &options));
         let found = model.checked(py, found)?;
@@ -128,9 +128,9 @@ impl PyGpr {
     ///
     /// Parameters
     /// ----------
-    /// pitch_rad : array of shape (n,)
-    ///     Pitch angles (rad).
-    /// yaw_rad : float, optional
+    /// tilt_rad : array of shape (n,)
+    ///     Tilt angles (rad).
+    /// azimuth_rad : float, optional
     ///     Azimuth of all tilts (rad).
     /// height_m : float, optional
     ///     Axis height (m); default: the working height.
@@ -138,13 +138,13 @@ impl PyGpr {
     ///     Which; default: all of the library.
     /// solver, metric
     ///     Those of `forward`.
-    #[pyo3(signature = (pitch_rad, yaw_rad=0.0, height_m=None, *, virtualizations=None, solver=None, metric=None))]
+    #[pyo3(signature = (tilt_rad, azimuth_rad=0.0, height_m=None, *, virtualizations=None, solver=None, metric=None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn compare<'py>(
         &self,
         py: Python<'py>,
-        pitch_rad: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = real)] yaw_rad: f64,
+        tilt_rad: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = real)] azimuth_rad: f64,
         #[pyo3(from_py_with = optional_real)] height_m: Option<f64>,
         virtualizations: Option<Vec<Bound<'py, PyAny>>>,
         solver: Option<&str>,
@@ -152,7 +152,7 @@ impl PyGpr {
     ) -> PyResult<Bound<'py, PyAny>> {
         let gpr = &self.gpr;
         let options = model::options(py, solver, metric)?;
-        let pitches = arrays::row(pitch_rad, "pitch_rad")?;
+        let tilt_angles = arrays::row(tilt_rad, "tilt_rad")?;
         let models = match virtualizations {
             Some(given) => given
                 .iter()
@@ -166,7 +166,7 @@ impl PyGpr {
             models.iter().map(|model| model.virtualization() as &dyn Virtualization).collect()
         };
         let height = axis_height(height_m, gpr);
-        let found = compare(gpr, &chosen, yaw_rad, &pitches, height, &options);
+        let found = compare(gpr, &chosen, azimuth_rad, &tilt_angles, height, &options);
         if let Some(raised) = models.iter().find_map(Model::raised) {
             return Err(raised);
         }
@@ -174,14 +174,14 @@ impl PyGpr {
     }
 
     /// A raster of tilts under one virtualization, every pose from the nominal virtual joints; see `jointplay.study`.
-    #[pyo3(signature = (virtualization, yaw_rad, pitch_rad, height_m, serpentine, solver, metric))]
+    #[pyo3(signature = (virtualization, azimuth_rad, tilt_rad, height_m, serpentine, solver, metric))]
     #[expect(clippy::too_many_arguments, reason = "called by the package alone")]
     fn _simulate<'py>(
         &self,
         py: Python<'py>,
         virtualization: Option<&Bound<'py, PyAny>>,
-        yaw_rad: Option<&Bound<'py, PyAny>>,
-        pitch_rad: Option<&Bound<'py, PyAny>>,
+        azimuth_rad: Option<&Bound<'py, PyAny>>,
+        tilt_rad: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = optional_real)] height_m: Option<f64>,
         serpentine: bool,
         solver: Option<&str>,
@@ -189,7 +189,7 @@ impl PyGpr {
     ) -> PyResult<Bound<'py, PyAny>> {
         let model = Model::of(virtualization, &self.gpr)?;
         let options = model::options(py, solver, metric)?;
-        let raster = self.raster(py, yaw_rad, pitch_rad, height_m, serpentine)?;
+        let raster = self.raster(py, azimuth_rad, tilt_rad, height_m, serpentine)?;
         let found = py.detach(
             || with_model!(&model, v => simulate(&self.gpr, &raster, v, &options, &mut |_| ())),
         );
@@ -202,21 +202,21 @@ impl PyGpr {
     }
 
     /// The first-order bounds over a raster; see `jointplay.study`.
-    #[pyo3(signature = (virtualization, yaw_rad, pitch_rad, height_m, solver, metric))]
+    #[pyo3(signature = (virtualization, azimuth_rad, tilt_rad, height_m, solver, metric))]
     #[expect(clippy::too_many_arguments, reason = "called by the package alone")]
     fn _check_bounds<'py>(
         &self,
         py: Python<'py>,
         virtualization: Option<&Bound<'py, PyAny>>,
-        yaw_rad: Option<&Bound<'py, PyAny>>,
-        pitch_rad: Option<&Bound<'py, PyAny>>,
+        azimuth_rad: Option<&Bound<'py, PyAny>>,
+        tilt_rad: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = optional_real)] height_m: Option<f64>,
         solver: Option<&str>,
         metric: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let model = Model::of(virtualization, &self.gpr)?;
         let options = model::options(py, solver, metric)?;
-        let raster = self.raster(py, yaw_rad, pitch_rad, height_m, false)?;
+        let raster = self.raster(py, azimuth_rad, tilt_rad, height_m, false)?;
         let found = py.detach(
             || with_model!(&model, v => check_bounds(&self.gpr, &raster, v, &options, &mut |_| ())),
         );
@@ -239,17 +239,17 @@ impl PyGpr {
     fn raster(
         &self,
         py: Python<'_>,
-        yaw_rad: Option<&Bound<'_, PyAny>>,
-        pitch_rad: Option<&Bound<'_, PyAny>>,
+        azimuth_rad: Option<&Bound<'_, PyAny>>,
+        tilt_rad: Option<&Bound<'_, PyAny>>,
         height_m: Option<f64>,
         serpentine: bool,
     ) -> PyResult<Raster> {
         let paper = Raster::paper();
-        let yaws = yaw_rad.map(|given| arrays::row(given, "yaw_rad")).transpose()?;
-        let pitches = pitch_rad.map(|given| arrays::row(given, "pitch_rad")).transpose()?;
+        let azimuths = azimuth_rad.map(|given| arrays::row(given, "azimuth_rad")).transpose()?;
+        let tilt_angles = tilt_rad.map(|given| arrays::row(given, "tilt_rad")).transpose()?;
         let raster = Raster {
-            yaws: yaws.unwrap_or(paper.yaws),
-            pitches: pitches.unwrap_or(paper.pitches),
+            azimuths: azimuths.unwrap_or(paper.azimuths),
+            tilt_angles: tilt_angles.unwrap_or(paper.tilt_angles),
             height: height_m.map_or_else(|| AxisHeight(self.gpr.working_height()), AxisHeight),
             order: if serpentine { Order::Serpentine } else { Order::Raster },
         };

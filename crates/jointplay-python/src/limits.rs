@@ -30,44 +30,44 @@ impl PyGpr {
     /// ----------
     /// rods_m : three numbers, or array of shape (..., 3)
     ///     Rod lengths (m).
-    /// pitch_rad : float or array of shape (...), optional
+    /// tilt_rad : float or array of shape (...), optional
     ///     Tilt angle of the platform (rad); default: the tilt of the plane through the ball centres.
     ///
     /// Returns
     /// -------
     /// list of BrokenLimit, or BrokenLimits
     ///     For three numbers, or for an array of several rows.
-    #[pyo3(signature = (rods_m, pitch_rad=None))]
+    #[pyo3(signature = (rods_m, tilt_rad=None))]
     fn broken_limits<'py>(
         &self,
         py: Python<'py>,
         rods_m: &Bound<'py, PyAny>,
-        pitch_rad: Option<&Bound<'py, PyAny>>,
+        tilt_rad: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let pitch = pitch_rad.and_then(number);
-        let one_pitch = pitch.is_some() || pitch_rad.is_none();
-        if let (Some(rods), true) = (three(rods_m), one_pitch) {
-            return self.broken_by_one(py, &rods, pitch);
+        let tilt_angle = tilt_rad.and_then(number);
+        let one_tilt = tilt_angle.is_some() || tilt_rad.is_none();
+        if let (Some(rods), true) = (three(rods_m), one_tilt) {
+            return self.broken_by_one(py, &rods, tilt_angle);
         }
         let rods = Triples::read(rods_m, "rods_m", RODS)?;
-        if rods.shape.is_empty() && one_pitch {
+        if rods.shape.is_empty() && one_tilt {
             let rods = rods.columns()?.map(|column| column.at(0));
-            return self.broken_by_one(py, &rods, pitch);
+            return self.broken_by_one(py, &rods, tilt_angle);
         }
-        let pitch = match pitch_rad {
-            Some(pitch) => {
+        let tilt_angle = match tilt_rad {
+            Some(tilt_angle) => {
                 let zeros =
                     py.import("numpy")?.call_method1("zeros", (PyTuple::new(py, &rods.shape)?,))?;
-                let pitch = Spread::read(py, &[("pitch_rad", pitch), ("rods_m", &zeros)])?;
-                if pitch.shape != rods.shape {
-                    let message = "pitch_rad has to be a number, or one for each pose of rods_m";
+                let tilt_angle = Spread::read(py, &[("tilt_rad", tilt_angle), ("rods_m", &zeros)])?;
+                if tilt_angle.shape != rods.shape {
+                    let message = "tilt_rad has to be a number, or one for each pose of rods_m";
                     return Err(errors::new(py, "ArrayError", message, Ok(PyDict::new(py))));
                 }
-                Some(pitch)
+                Some(tilt_angle)
             }
             None => None,
         };
-        many::broken_limits(py, &self.gpr, &rods, pitch.as_ref())
+        many::broken_limits(py, &self.gpr, &rods, tilt_angle.as_ref())
     }
 }
 
@@ -77,10 +77,10 @@ impl PyGpr {
         &self,
         py: Python<'py>,
         rods: &[f64; 3],
-        pitch: Option<f64>,
+        tilt_angle: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let tilt = match pitch {
-            Some(pitch) => Tilt { yaw: 0.0, pitch },
+        let tilt = match tilt_angle {
+            Some(tilt_angle) => Tilt { azimuth: 0.0, angle: tilt_angle },
             None => self.gpr.plane_tilt(rods),
         };
         let broken = self.gpr.limits().broken(rods, tilt);

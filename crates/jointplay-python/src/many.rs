@@ -172,13 +172,17 @@ pub(crate) fn broken_limits<'py>(
     py: Python<'py>,
     gpr: &Gpr,
     rods: &Triples<'py>,
-    pitch: Option<&Spread<'py>>,
+    tilt_angle: Option<&Spread<'py>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let mut broken = [(); 4].map(|()| vec![false; rods.poses()]);
-    let pitch =
-        pitch.map(Spread::columns).transpose()?.and_then(|columns| columns.first().copied());
-    gpr.broken_limits_many(rods.columns()?, pitch, broken.each_mut().map(|column| &mut column[..]))
-        .map_err(|error| errors::core(py, &error))?;
+    let tilt_angle =
+        tilt_angle.map(Spread::columns).transpose()?.and_then(|columns| columns.first().copied());
+    gpr.broken_limits_many(
+        rods.columns()?,
+        tilt_angle,
+        broken.each_mut().map(|column| &mut column[..]),
+    )
+    .map_err(|error| errors::core(py, &error))?;
     let array = |column: Vec<bool>| {
         let column = numpy::ndarray::ArrayD::from_shape_vec(&rods.shape[..], column)
             .map_err(|error| errors::internal(&error.to_string()))?;
@@ -213,11 +217,16 @@ pub(crate) fn inverse<'py>(
         let Ok(rods) = <[&mut [f64]; 3]>::try_from(rods) else {
             unreachable!("an output of width three has three columns")
         };
-        let [yaw, pitch, height] = columns;
+        let [azimuth, tilt_angle, height] = columns;
         match &threads {
-            Threads::Here => gpr.inverse_many(yaw, pitch, height, status, rods),
+            Threads::Here => gpr.inverse_many(azimuth, tilt_angle, height, status, rods),
             Threads::Pool(pool) => pool.install(|| {
-                parallel::inverse_many(gpr, PoseColumns { yaw, pitch, height }, status, rods)
+                parallel::inverse_many(
+                    gpr,
+                    PoseColumns { azimuth, tilt_angle, height },
+                    status,
+                    rods,
+                )
             }),
         }
     })?;

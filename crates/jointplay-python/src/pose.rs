@@ -54,14 +54,14 @@ impl PyForward {
 
     /// Tilt direction: azimuth of the platform normal, from -π to π (rad).
     #[getter]
-    fn yaw_rad(&self) -> f64 {
-        self.pose.tilt().yaw
+    fn azimuth_rad(&self) -> f64 {
+        self.pose.tilt().azimuth
     }
 
     /// Tilt angle, from 0 to π (rad).
     #[getter]
-    fn pitch_rad(&self) -> f64 {
-        self.pose.tilt().pitch
+    fn tilt_rad(&self) -> f64 {
+        self.pose.tilt().angle
     }
 
     /// Turn about the platform normal beyond the shortest rotation to it (rad).
@@ -146,9 +146,9 @@ impl PyForward {
     fn __repr__(&self) -> String {
         let origin = self.pose.base_from_platform.translation.vector;
         format!(
-            "Forward(yaw_rad={:?}, pitch_rad={:?}, origin_m=[{:?}, {:?}, {:?}], virtualization={:?})",
-            self.yaw_rad(),
-            self.pitch_rad(),
+            "Forward(azimuth_rad={:?}, tilt_rad={:?}, origin_m=[{:?}, {:?}, {:?}], virtualization={:?})",
+            self.azimuth_rad(),
+            self.tilt_rad(),
             origin.x,
             origin.y,
             origin.z,

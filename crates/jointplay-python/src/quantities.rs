@@ -19,8 +19,8 @@ enum Columns {
 
 /// All of them, in the order in which results list them.
 const ALL: [Named; 12] = [
-    Named { name: "yaw_rad", columns: Columns::One(Quantity::Yaw) },
-    Named { name: "pitch_rad", columns: Columns::One(Quantity::Pitch) },
+    Named { name: "azimuth_rad", columns: Columns::One(Quantity::Azimuth) },
+    Named { name: "tilt_rad", columns: Columns::One(Quantity::TiltAngle) },
     Named { name: "torsion_rad", columns: Columns::One(Quantity::Torsion) },
     Named { name: "axis_height_m", columns: Columns::One(Quantity::AxisHeight) },
     Named { name: "origin_m", columns: Columns::Three(Quantity::Origin) },

@@ -14,12 +14,12 @@ use jointplay_format::units::{deg, mm, um};
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct CompareReport {
     /// Azimuth of all tilts (deg).
-    pub yaw_deg: f64,
+    pub azimuth_deg: f64,
     /// Axis height of all tilts (mm).
     pub height_mm: f64,
     /// The tilts (deg).
-    pub pitch_deg: Vec<f64>,
-    /// One entry per virtualization, each in the order of `pitch_deg`.
+    pub tilt_deg: Vec<f64>,
+    /// One entry per virtualization, each in the order of `tilt_deg`.
     pub models: Vec<ModelReport>,
     /// Largest distance between a socket of the approximate model and its ball (µm); its centre never shifts.
     pub approximate_gap_um: Vec<f64>,
@@ -38,7 +38,7 @@ pub struct LeverReport {
     pub effector: String,
     /// Height of the wafer over the platform plane (mm).
     pub height_mm: f64,
-    /// Displacement along x, in the order of `pitch_deg` (µm).
+    /// Displacement along x, in the order of `tilt_deg` (µm).
     pub lever_x_um: Vec<f64>,
     /// Displacement along y (µm).
     pub lever_y_um: Vec<f64>,
@@ -65,7 +65,7 @@ pub struct ModelReport {
     pub center_shift_y_um: Vec<f64>,
     /// Largest displacement of a socket within the platform (µm).
     pub largest_displacement_um: Vec<f64>,
-    /// Reason why the columns end before the last pitch; `null` if they are complete.
+    /// Reason why the columns end before the last tilt angle; `null` if they are complete.
     pub failure: Option<String>,
 }
 
@@ -80,8 +80,10 @@ pub fn compare(
     wafers: &[WaferOverPlatform],
 ) -> CompareReport {
     let lever = |wafer: &WaferOverPlatform| {
-        let shift = |&pitch: &f64| lever_shift(wafer.height, Tilt { yaw: comparison.yaw, pitch });
-        let shifts: Vec<_> = comparison.pitches.iter().map(shift).collect();
+        let shift = |&tilt_angle: &f64| {
+            lever_shift(wafer.height, Tilt { azimuth: comparison.azimuth, angle: tilt_angle })
+        };
+        let shifts: Vec<_> = comparison.tilt_angles.iter().map(shift).collect();
         LeverReport {
             effector: wafer.effector.clone(),
             height_mm: mm(wafer.height),
@@ -97,9 +99,9 @@ pub fn compare(
         failure: curve.failure.as_ref().map(|error| explain(error)),
     };
     CompareReport {
-        yaw_deg: deg(comparison.yaw),
+        azimuth_deg: deg(comparison.azimuth),
         height_mm: mm(comparison.height.0),
-        pitch_deg: comparison.pitches.iter().copied().map(deg).collect(),
+        tilt_deg: comparison.tilt_angles.iter().copied().map(deg).collect(),
         models: comparison.models.iter().map(model).collect(),
         approximate_gap_um: comparison.approximate_gap.iter().copied().map(um).collect(),
         wafers: wafers.iter().map(lever).collect(),

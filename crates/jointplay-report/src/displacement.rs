@@ -36,9 +36,9 @@ pub struct WaferDisplacementReport {
     /// The slot, from 1.
     pub slot: Option<usize>,
     /// Tilt direction of the platform.
-    pub tilt_yaw_deg: f64,
+    pub tilt_azimuth_deg: f64,
     /// Tilt angle of the platform.
-    pub tilt_pitch_deg: f64,
+    pub tilt_angle_deg: f64,
     /// Distance of the wafer from the robot's axis over the level platform.
     pub reach_mm: f64,
     /// Height of the wafer over the platform plane, the lever of the tilt.
@@ -131,8 +131,8 @@ fn wafer(cell: &Cell, one: &WaferDisplacement) -> WaferDisplacementReport {
         effector: cell.robot.arms[arm].effectors[effector].name.clone(),
         station: one.wafer.slot.map(|slot| cell.stations[slot.station].name.clone()),
         slot: one.wafer.slot.map(|slot| slot.slot),
-        tilt_yaw_deg: if one.tilt.pitch > 0.0 { deg(one.tilt.yaw) } else { 0.0 },
-        tilt_pitch_deg: deg(one.tilt.pitch),
+        tilt_azimuth_deg: if one.tilt.angle > 0.0 { deg(one.tilt.azimuth) } else { 0.0 },
+        tilt_angle_deg: deg(one.tilt.angle),
         reach_mm: mm(one.reach),
         lever_mm: mm(one.lever),
         platform_center_um: <[f64; 3]>::from(one.platform_shift).map(um),

@@ -38,9 +38,9 @@ pub fn limits(broken: &[BrokenLimit]) -> Vec<LimitReport> {
                     unit: "mm",
                     message,
                 },
-                BrokenLimit::Tilt { pitch, max } => LimitReport {
+                BrokenLimit::Tilt { angle: tilt_angle, max } => LimitReport {
                     limit: "tilt".to_owned(),
-                    found: deg(pitch),
+                    found: deg(tilt_angle),
                     min: 0.0,
                     max: deg(max),
                     unit: "deg",

@@ -72,13 +72,13 @@ pub struct StationUseReport {
     pub busy_share: f64,
     /// Time in which the robot waits for the process.
     pub robot_waits_s: f64,
-    /// Shortest stay of a wafer that is placed and picked.
-    pub shortest_stay_s: Option<f64>,
-    /// Longest stay of a wafer that is placed or picked.
-    pub longest_stay_s: Option<f64>,
-    /// Shortest allowed stay.
-    pub min_process_s: Option<f64>,
-    /// Longest allowed stay.
+    /// Shortest dwell of a wafer that is placed and picked.
+    pub shortest_dwell_s: Option<f64>,
+    /// Longest dwell of a wafer that is placed or picked.
+    pub longest_dwell_s: Option<f64>,
+    /// Shortest allowed dwell.
+    pub min_dwell_s: Option<f64>,
+    /// Longest allowed dwell.
     pub max_dwell_s: Option<f64>,
 }
 
@@ -185,9 +185,9 @@ pub fn schedule_report(cell: &Cell, motion: &Trajectory, schedule: &Schedule) ->
             processing_s: used.processing,
             busy_share: share(used.processing),
             robot_waits_s: used.robot_waits,
-            shortest_stay_s: used.shortest_stay,
-            longest_stay_s: used.longest_stay,
-            min_process_s: limits.map(|limits| limits.min).filter(|&min| min > 0.0),
+            shortest_dwell_s: used.shortest_dwell,
+            longest_dwell_s: used.longest_dwell,
+            min_dwell_s: limits.map(|limits| limits.min).filter(|&min| min > 0.0),
             max_dwell_s: limits.and_then(|limits| limits.max),
         }
     });

@@ -14,9 +14,9 @@ pub struct SensitivityReport {
     /// Rods of the configuration (mm).
     pub q_mm: [f64; 3],
     /// Azimuth of its tilt (deg).
-    pub yaw_deg: f64,
+    pub azimuth_deg: f64,
     /// Its tilt (deg).
-    pub pitch_deg: f64,
+    pub tilt_deg: f64,
     /// Name of the virtualization.
     pub virtualization: String,
     /// Solver used.
@@ -79,8 +79,8 @@ pub fn sensitivity<V: Virtualization + ?Sized>(
     let vectors = there.right_vectors();
     SensitivityReport {
         q_mm: end.rods.map(mm),
-        yaw_deg: deg(tilt.yaw),
-        pitch_deg: deg(tilt.pitch),
+        azimuth_deg: deg(tilt.azimuth),
+        tilt_deg: deg(tilt.angle),
         virtualization: virtualization.name().to_owned(),
         solver: end.solution.solver.to_string(),
         characteristic_length_mm: mm(end.solution.characteristic_length),

@@ -26,16 +26,16 @@ pub struct TeachReport {
 pub struct StationReport {
     /// Name of the station.
     pub name: String,
-    /// `nominal`, `taught` or `drift`.
+    /// `nominal`, `taught` or `carrier axis`.
     pub from: &'static str,
     /// Centre of the lowest wafer at rest, in the base frame.
     pub position_mm: [f64; 3],
     /// Distance between neighbouring slots, if there are several.
     pub pitch_mm: Option<f64>,
     /// Tilt direction.
-    pub tilt_yaw_deg: f64,
+    pub tilt_azimuth_deg: f64,
     /// Tilt angle.
-    pub tilt_pitch_deg: f64,
+    pub tilt_angle_deg: f64,
     /// Tilt angle as a share of the robot's limit.
     pub tilt_share: f64,
     /// The plane through taught points.
@@ -48,7 +48,7 @@ pub struct StationReport {
     pub uncertainty: StationUncertaintyReport,
     /// Horizontal distance of the last slot from the vertical through the first.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub drift_mm: Option<f64>,
+    pub horizontal_offset_mm: Option<f64>,
 }
 
 /// Fit of a plane to taught points.
@@ -197,12 +197,14 @@ pub fn teach(cell: &Cell, name: Option<&str>) -> TeachReport {
 fn station(cell: &Cell, station: &Station) -> StationReport {
     let limit = cell.robot.gpr.limits().tilt_max;
     let normal = station.base_from_station.rotation * Vector3::z();
-    let pitch = normal.x.hypot(normal.y).atan2(normal.z);
-    let yaw = if pitch > 0.0 { normal.y.atan2(normal.x) } else { 0.0 };
-    let (from, taught, drift) = match &station.origin {
+    let tilt_angle = normal.x.hypot(normal.y).atan2(normal.z);
+    let azimuth = if tilt_angle > 0.0 { normal.y.atan2(normal.x) } else { 0.0 };
+    let (from, taught, carrier_axis) = match &station.origin {
         Origin::Nominal => ("nominal", None, None),
         Origin::Taught(taught) => ("taught", Some(taught), None),
-        Origin::Drift(drift) => ("drift", None, Some(mm(drift.drift))),
+        Origin::CarrierAxis(carrier_axis) => {
+            ("carrier axis", None, Some(mm(carrier_axis.horizontal_offset)))
+        }
     };
     let fit = taught.and_then(|taught| taught.plane.as_ref());
     StationReport {
@@ -210,13 +212,13 @@ fn station(cell: &Cell, station: &Station) -> StationReport {
         from,
         position_mm: <[f64; 3]>::from(station.base_from_station.translation.vector).map(mm),
         pitch_mm: (station.slots > 1).then(|| mm(station.pitch)),
-        tilt_yaw_deg: deg(yaw),
-        tilt_pitch_deg: deg(pitch),
-        tilt_share: pitch / limit,
+        tilt_azimuth_deg: deg(azimuth),
+        tilt_angle_deg: deg(tilt_angle),
+        tilt_share: tilt_angle / limit,
         plane: fit.map(|fit| plane(cell, station, fit)),
         references: taught.and_then(|taught| taught.references.as_ref()).map(references),
         uncertainty: uncertainty(cell, station),
-        drift_mm: drift,
+        horizontal_offset_mm: carrier_axis,
     }
 }
 

@@ -105,7 +105,7 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
         }
         ViolationKind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
         ViolationKind::LongDwell => format!(
-            "{} stays in {} for {worst}, allowed are {limit}: pick it {} earlier",
+            "{} dwells in {} for {worst}, allowed are {limit}: pick it {} earlier",
             name(0),
             name(1),
             number(one.excess())
@@ -117,7 +117,7 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
             number(one.excess())
         ),
         ViolationKind::LeftInStation => format!(
-            "{} is left in {} at the end of the program, where a wafer may stay for {limit}: pick it before the program ends",
+            "{} is left in {} at the end of the program, where a wafer may dwell for {limit}: pick it before the program ends",
             name(0),
             name(1)
         ),

@@ -48,8 +48,8 @@ fn deviations_beyond_the_tilt_limit_are_reported_where_the_budget_allows_them() 
     // The port tilts inward nearly as far as the platform can; the slope of the arm would have to be added.
     let report = report(&[
         (
-            "tilt = { yaw_deg = 100.0, pitch_deg = 0.8 }",
-            "tilt = { yaw_deg = 45.0, pitch_deg = 1.49 }",
+            "tilt = { azimuth_deg = 100.0, angle_deg = 0.8 }",
+            "tilt = { azimuth_deg = 45.0, angle_deg = 1.49 }",
         ),
         ("plane_urad = 20.0", "plane_urad = 2000.0"),
     ]);

@@ -15,8 +15,8 @@ seed = 9
 quantities = ["q1_mm", "center_shift_um", "virtual_joints"]
 
 [pose]
-yaw_deg = { uniform = [0, 360] }
-pitch_deg = "-1:1:0.5"
+azimuth_deg = { uniform = [0, 360] }
+tilt_deg = "-1:1:0.5"
 height_mm = [480.1, 500]
 
 [tolerances]

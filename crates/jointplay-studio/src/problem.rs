@@ -23,7 +23,7 @@ pub(crate) struct Problem {
     detail: String,
     /// Kind of the problem.
     kind: Kind,
-    /// The invalid field of the request, such as `command.pitch_rad` or `models[1].solver`.
+    /// The invalid field of the request, such as `command.angle_rad` or `models[1].solver`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     field: Option<String>,
@@ -111,7 +111,7 @@ impl From<jointplay::Error> for Problem {
     fn from(error: jointplay::Error) -> Self {
         use jointplay::Error as E;
         let is_invalid_input =
-            matches!(error, E::NotFinite { .. } | E::PitchTooLarge { .. } | E::OutOfRange { .. });
+            matches!(error, E::NotFinite { .. } | E::TiltTooLarge { .. } | E::OutOfRange { .. });
         if is_invalid_input {
             Self::new(StatusCode::UNPROCESSABLE_ENTITY, Kind::Input, explain(&error))
         } else {

@@ -24,7 +24,7 @@ use crate::state::AppState;
 #[openapi(
     info(
         title = "jointplay studio",
-        description = "The three-rod robot of this server: poses, models, mobility, sensitivity, studies.\n\nUnits are SI and part of the field names, such as `rods_m` and `yaw_rad`; documents of the command line are in mm and degrees. Every error is a problem document (RFC 9457) with the name of the field.",
+        description = "The three-rod robot of this server: poses, models, mobility, sensitivity, studies.\n\nUnits are SI and part of the field names, such as `rods_m` and `heading_rad`; documents of the command line are in mm and degrees. Every error is a problem document (RFC 9457) with the name of the field.",
         license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
     ),
     tags((name = "studio"))

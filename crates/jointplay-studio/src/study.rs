@@ -78,15 +78,16 @@ impl Study {
     fn batch(&self, poses: &[Commanded]) -> Result<Batch, jointplay::Error> {
         let gpr = &self.robot.gpr;
         let column = |value: fn(&Commanded) -> f64| poses.iter().map(value).collect::<Vec<f64>>();
-        let (yaw, pitch) = (column(|pose| pose.tilt.yaw), column(|pose| pose.tilt.pitch));
+        let (azimuth, tilt_angle) =
+            (column(|pose| pose.tilt.azimuth), column(|pose| pose.tilt.angle));
         let height = column(|pose| pose.height.0);
         let mut status = vec![Status::Solved; poses.len()];
         let mut rods = [(); 3].map(|()| vec![f64::NAN; poses.len()]);
-        let [yaws, pitches, heights] =
-            [&yaw, &pitch, &height].map(|column| Column::from(&**column));
+        let [azimuths, tilt_angles, heights] =
+            [&azimuth, &tilt_angle, &height].map(|column| Column::from(&**column));
         gpr.inverse_many(
-            yaws,
-            pitches,
+            azimuths,
+            tilt_angles,
             heights,
             &mut status,
             rods.each_mut().map(|rod| &mut **rod),
@@ -103,8 +104,8 @@ impl Study {
         let mut results = results.into_iter().map(|(_, column)| column);
         let values = self.columns.iter().map(|column| match column.source {
             Source::Time => poses.iter().map(|pose| pose.time).collect(),
-            Source::Yaw => yaw.clone(),
-            Source::Pitch => pitch.clone(),
+            Source::Azimuth => azimuth.clone(),
+            Source::TiltAngle => tilt_angle.clone(),
             Source::Height => height.clone(),
             Source::Rod(k) => rods[k].clone(),
             Source::Model(_) => results.next().expect("there is a column for each quantity wanted"),

@@ -47,7 +47,7 @@ pub fn check_bounds<V: Virtualization + ?Sized>(
     };
     let level = pose(Tilt::LEVEL, 0)?;
     for (sample, tilt) in raster.tilts().enumerate() {
-        if tilt.pitch != 0.0 {
+        if tilt.angle != 0.0 {
             let play = gpr
                 .play_between(level, pose(tilt, sample)?, virtualization)
                 .map_err(|source| Error::pose(sample, tilt, source))?;

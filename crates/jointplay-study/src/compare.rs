@@ -16,7 +16,7 @@ pub struct ModelCurve {
     pub center_shift: Vec<Vector2<f64>>,
     /// The farthest that a socket is moved from its nominal place in the platform (m).
     pub largest_displacement: Vec<f64>,
-    /// Why the columns end before the last pitch, where the model has no answer there.
+    /// Why the columns end before the last tilt angle, where the model has no answer there.
     pub failure: Option<Box<jointplay_core::Error>>,
 }
 
@@ -24,47 +24,48 @@ pub struct ModelCurve {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// Azimuth of all tilts (rad).
-    pub yaw: f64,
+    pub azimuth: f64,
     /// Axis height of all tilts.
     pub height: AxisHeight,
-    /// The pitch angles (rad).
-    pub pitches: Vec<f64>,
+    /// The tilt angles (rad).
+    pub tilt_angles: Vec<f64>,
     /// One curve for each virtualization; their displacements are distances in the platform, the same measure for all.
     pub models: Vec<ModelCurve>,
     /// The farthest that a socket of the approximate model is off its ball (m); its centre never shifts.
     pub approximate_gap: Vec<f64>,
 }
 
-/// Computes every model at every pitch.
+/// Computes every model at every tilt angle.
 ///
-/// A model that cannot be solved at some pitch ends there with its error; the others continue.
+/// A model that cannot be solved at some tilt angle ends there with its error; the others continue.
 ///
 /// # Errors
 /// [`Error::Empty`]; [`Error::Pose`] with the first pose that cannot be computed.
 pub fn compare(
     gpr: &Gpr,
     virtualizations: &[&dyn Virtualization],
-    yaw: f64,
-    pitches: &[f64],
+    azimuth: f64,
+    tilt_angles: &[f64],
     height: AxisHeight,
     options: &SolveOptions,
 ) -> Result<Comparison, Error> {
-    if pitches.is_empty() {
-        return Err(Error::Empty { yaws: 1, pitches: 0 });
+    if tilt_angles.is_empty() {
+        return Err(Error::Empty { azimuths: 1, tilt_angles: 0 });
     }
     let failed = |sample: usize| {
-        move |source| Error::pose(sample, Tilt { yaw, pitch: pitches[sample] }, source)
+        move |source| Error::pose(sample, Tilt { azimuth, angle: tilt_angles[sample] }, source)
     };
     let mut models = Vec::with_capacity(virtualizations.len());
     for virtualization in virtualizations {
         let mut curve = ModelCurve {
             name: virtualization.name().to_owned(),
-            center_shift: Vec::with_capacity(pitches.len()),
-            largest_displacement: Vec::with_capacity(pitches.len()),
+            center_shift: Vec::with_capacity(tilt_angles.len()),
+            largest_displacement: Vec::with_capacity(tilt_angles.len()),
             failure: None,
         };
-        for (sample, &pitch) in pitches.iter().enumerate() {
-            let rods = gpr.inverse(Tilt { yaw, pitch }, height).map_err(failed(sample))?;
+        for (sample, &tilt_angle) in tilt_angles.iter().enumerate() {
+            let rods =
+                gpr.inverse(Tilt { azimuth, angle: tilt_angle }, height).map_err(failed(sample))?;
             let pose = match gpr.forward(rods, *virtualization, options) {
                 Ok(pose) => pose,
                 Err(
@@ -85,14 +86,15 @@ pub fn compare(
         }
         models.push(curve);
     }
-    let approximate_gap = pitches
+    let approximate_gap = tilt_angles
         .iter()
         .enumerate()
-        .map(|(sample, &pitch)| {
-            let approximate =
-                gpr.approximate(Tilt { yaw, pitch }, height).map_err(failed(sample))?;
+        .map(|(sample, &tilt_angle)| {
+            let approximate = gpr
+                .approximate(Tilt { azimuth, angle: tilt_angle }, height)
+                .map_err(failed(sample))?;
             Ok(approximate.gaps.iter().map(|gap| gap.norm()).fold(0.0, f64::max))
         })
         .collect::<Result<_, Error>>()?;
-    Ok(Comparison { yaw, height, pitches: pitches.to_vec(), models, approximate_gap })
+    Ok(Comparison { azimuth, height, tilt_angles: tilt_angles.to_vec(), models, approximate_gap })
 }

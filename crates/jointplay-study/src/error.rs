@@ -8,13 +8,13 @@ use jointplay_core::spatial::Tilt;
 pub enum Error {
     /// A study without poses.
     #[error(
-        "the study has no poses: yaw has {yaws} values and pitch {pitches}, each needs at least one"
+        "the study has no poses: azimuth has {azimuths} values and the tilt angle {tilt_angles}, each needs at least one"
     )]
     Empty {
-        /// Number of yaw values.
-        yaws: usize,
-        /// Number of pitch values.
-        pitches: usize,
+        /// Number of azimuth values.
+        azimuths: usize,
+        /// Number of tilt angle values.
+        tilt_angles: usize,
     },
     /// A motion with fewer than two key poses.
     #[error("the motion has {found} key poses, it needs at least two")]
@@ -31,14 +31,14 @@ pub enum Error {
         value: f64,
     },
     /// One pose cannot be computed.
-    #[error("sample {sample} (yaw {}°, pitch {}°): {source}", yaw.to_degrees(), pitch.to_degrees())]
+    #[error("sample {sample} (azimuth {}°, tilt angle {}°): {source}", azimuth.to_degrees(), tilt_angle.to_degrees())]
     Pose {
         /// Which sample, counted from 0.
         sample: usize,
-        /// Its yaw (rad).
-        yaw: f64,
-        /// Its pitch (rad).
-        pitch: f64,
+        /// Its azimuth (rad).
+        azimuth: f64,
+        /// Its tilt angle (rad).
+        tilt_angle: f64,
         /// Why.
         source: Box<jointplay_core::Error>,
     },
@@ -82,6 +82,11 @@ pub enum Error {
 
 impl Error {
     pub(crate) fn pose(sample: usize, tilt: Tilt, source: jointplay_core::Error) -> Self {
-        Self::Pose { sample, yaw: tilt.yaw, pitch: tilt.pitch, source: Box::new(source) }
+        Self::Pose {
+            sample,
+            azimuth: tilt.azimuth,
+            tilt_angle: tilt.angle,
+            source: Box::new(source),
+        }
     }
 }

@@ -93,8 +93,8 @@ impl KeyMotion {
 mod tests {
     use super::*;
 
-    fn key(yaw: f64, pitch: f64, height: f64, duration: f64) -> KeyPose {
-        KeyPose { tilt: Tilt { yaw, pitch }, height: AxisHeight(height), duration }
+    fn key(azimuth: f64, tilt_angle: f64, height: f64, duration: f64) -> KeyPose {
+        KeyPose { tilt: Tilt { azimuth, angle: tilt_angle }, height: AxisHeight(height), duration }
     }
 
     #[test]

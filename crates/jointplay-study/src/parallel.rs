@@ -15,10 +15,10 @@ const PART: usize = 4096;
 /// Poses of the platform as columns of equal length.
 #[derive(Debug, Clone, Copy)]
 pub struct PoseColumns<'a> {
-    /// Yaw of the tilt (rad).
-    pub yaw: Column<'a>,
-    /// Pitch of the tilt (rad).
-    pub pitch: Column<'a>,
+    /// Azimuth of the tilt (rad).
+    pub azimuth: Column<'a>,
+    /// Angle of the tilt (rad).
+    pub tilt_angle: Column<'a>,
     /// Height on the axis (m).
     pub height: Column<'a>,
 }
@@ -35,15 +35,20 @@ pub fn inverse_many(
     status: &mut [Status],
     rods: [&mut [f64]; 3],
 ) -> Result<StatusCounts, Error> {
-    let PoseColumns { yaw, pitch, height } = poses;
+    let PoseColumns { azimuth, tilt_angle, height } = poses;
     let [q_1, q_2, q_3] = rods;
     let columns = vec![q_1, q_2, q_3];
-    in_parts([yaw, pitch, height], status, columns, |[yaw, pitch, height], status, columns| {
-        let Ok(rods) = <[&mut [f64]; 3]>::try_from(columns) else {
-            unreachable!("parts have as many columns as the whole")
-        };
-        gpr.inverse_many(yaw, pitch, height, status, rods)
-    })
+    in_parts(
+        [azimuth, tilt_angle, height],
+        status,
+        columns,
+        |[azimuth, tilt_angle, height], status, columns| {
+            let Ok(rods) = <[&mut [f64]; 3]>::try_from(columns) else {
+                unreachable!("parts have as many columns as the whole")
+            };
+            gpr.inverse_many(azimuth, tilt_angle, height, status, rods)
+        },
+    )
 }
 
 /// [`Gpr::forward_many`] over the cores of the current thread pool.

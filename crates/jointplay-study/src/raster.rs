@@ -1,4 +1,4 @@
-//! The poses of a study: a raster over yaw and pitch.
+//! The poses of a study: a raster over azimuth and tilt angle.
 
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::Tilt;
@@ -6,10 +6,10 @@ use jointplay_core::spatial::Tilt;
 /// In which order the poses of a raster follow each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Order {
-    /// Every yaw runs through the pitches from first to last, as in the paper; jumps back at the end of each.
+    /// Every azimuth runs through the tilt angles from first to last, as in the paper; jumps back at the end of each.
     #[default]
     Raster,
-    /// Every other yaw runs through the pitches backwards: continuous in time, for motion.
+    /// Every other azimuth runs through the tilt angles backwards: continuous in time, for motion.
     Serpentine,
 }
 
@@ -27,10 +27,10 @@ pub fn refine(values: &[f64], intervals: u32) -> Vec<f64> {
 /// A raster of tilts at one axis height.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raster {
-    /// Yaw angles γ, the slow direction (rad).
-    pub yaws: Vec<f64>,
-    /// Pitch angles α, the fast direction (rad).
-    pub pitches: Vec<f64>,
+    /// Azimuth angles γ, the slow direction (rad).
+    pub azimuths: Vec<f64>,
+    /// Tilt angles α, the fast direction (rad).
+    pub tilt_angles: Vec<f64>,
     /// Height at which the platform plane crosses the base axis.
     pub height: AxisHeight,
     /// Order of the poses.
@@ -38,30 +38,30 @@ pub struct Raster {
 }
 
 impl Raster {
-    /// The paper's raster: pitch −2° to 2° by 0.2° for each yaw from 0° to 360°, at 500 mm.
+    /// The paper's raster: tilt angle −2° to 2° by 0.2° for each azimuth from 0° to 360°, at 500 mm.
     ///
-    /// The yaw step is not printed; 10° is our choice, both ends included: 37 × 21 = 777 poses.
+    /// The azimuth step is not printed; 10° is our choice, both ends included: 37 × 21 = 777 poses.
     ///
     /// # Source
     /// \[Virtualization\], VI.A
     #[must_use]
     pub fn paper() -> Self {
         Self {
-            yaws: (0..=36).map(|i| (f64::from(i) * 10.0).to_radians()).collect(),
-            pitches: (-10..=10).map(|i| (f64::from(i) / 5.0).to_radians()).collect(),
+            azimuths: (0..=36).map(|i| (f64::from(i) * 10.0).to_radians()).collect(),
+            tilt_angles: (-10..=10).map(|i| (f64::from(i) / 5.0).to_radians()).collect(),
             height: AxisHeight(0.5),
             order: Order::Raster,
         }
     }
 
-    /// The raster reduced to one yaw, with `intervals` pitches in place of each: the curves of one tilt direction.
+    /// The raster reduced to one azimuth, with `intervals` tilt angles in place of each: the curves of one tilt direction.
     ///
-    /// The yaw is the one at a ninth of the raster (40° for the paper's), where no rod stays at rest.
+    /// The azimuth is the one at a ninth of the raster (40° for the paper's), where no rod stays at rest.
     #[must_use]
     pub fn one_direction(&self, intervals: u32) -> Self {
         Self {
-            yaws: self.yaws.get(self.yaws.len() / 9).copied().into_iter().collect(),
-            pitches: refine(&self.pitches, intervals),
+            azimuths: self.azimuths.get(self.azimuths.len() / 9).copied().into_iter().collect(),
+            tilt_angles: refine(&self.tilt_angles, intervals),
             height: self.height,
             order: self.order,
         }
@@ -70,7 +70,7 @@ impl Raster {
     /// Number of poses.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.yaws.len() * self.pitches.len()
+        self.azimuths.len() * self.tilt_angles.len()
     }
 
     /// Whether there is no pose at all.
@@ -81,12 +81,12 @@ impl Raster {
 
     /// The poses, in order.
     pub fn tilts(&self) -> impl Iterator<Item = Tilt> + '_ {
-        self.yaws.iter().enumerate().flat_map(move |(row, &yaw)| {
+        self.azimuths.iter().enumerate().flat_map(move |(row, &azimuth)| {
             let backwards = self.order == Order::Serpentine && row % 2 == 1;
-            let count = self.pitches.len();
+            let count = self.tilt_angles.len();
             (0..count).map(move |i| {
-                let pitch = self.pitches[if backwards { count - 1 - i } else { i }];
-                Tilt { yaw, pitch }
+                let tilt_angle = self.tilt_angles[if backwards { count - 1 - i } else { i }];
+                Tilt { azimuth, angle: tilt_angle }
             })
         })
     }
@@ -104,10 +104,10 @@ mod tests {
     }
 
     #[test]
-    fn one_direction_of_the_papers_raster_is_a_yaw_of_40_deg() {
+    fn one_direction_of_the_papers_raster_is_an_azimuth_of_40_deg() {
         let one = Raster::paper().one_direction(10);
-        assert_eq!((one.yaws.len(), one.pitches.len()), (1, 201));
-        assert!((one.yaws[0].to_degrees() - 40.0).abs() < 1e-12);
-        assert_eq!(one.pitches.last(), Raster::paper().pitches.last());
+        assert_eq!((one.azimuths.len(), one.tilt_angles.len()), (1, 201));
+        assert!((one.azimuths[0].to_degrees() - 40.0).abs() < 1e-12);
+        assert_eq!(one.tilt_angles.last(), Raster::paper().tilt_angles.last());
     }
 }

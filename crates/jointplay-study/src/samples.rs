@@ -18,14 +18,14 @@ pub struct Samples {
     pub solver: Solver,
     /// ρ of the metric (m).
     pub characteristic_length: f64,
-    /// Samples in one run over the pitches.
+    /// Samples in one run over the tilt angles.
     pub samples_per_row: usize,
     /// Order of the samples.
     pub order: Order,
-    /// Yaw γ (rad).
-    pub yaw: Vec<f64>,
-    /// Pitch α as commanded, either sign (rad).
-    pub pitch: Vec<f64>,
+    /// Azimuth γ (rad).
+    pub azimuth: Vec<f64>,
+    /// Tilt angle α as commanded, either sign (rad).
+    pub tilt_angle: Vec<f64>,
     /// Rods q_1, q_2, q_3 (m).
     pub rods: [Vec<f64>; 3],
     /// Sides L_12, L_23, L_31 (m).
@@ -73,13 +73,13 @@ impl Samples {
     /// Number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.yaw.len()
+        self.azimuth.len()
     }
 
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.yaw.is_empty()
+        self.azimuth.is_empty()
     }
 
     /// The series that the paper plots: rods, sides, virtual joints.
@@ -108,7 +108,7 @@ impl Samples {
 
     /// Samples that pass through the singular configuration: level, all rods equal.
     pub fn singular_passes(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.len()).filter(|&i| self.pitch[i] == 0.0)
+        (0..self.len()).filter(|&i| self.tilt_angle[i] == 0.0)
     }
 }
 
@@ -130,7 +130,10 @@ pub fn simulate<V: Virtualization + ?Sized>(
     progress: &mut dyn FnMut(usize),
 ) -> Result<Samples, Error> {
     if raster.is_empty() {
-        return Err(Error::Empty { yaws: raster.yaws.len(), pitches: raster.pitches.len() });
+        return Err(Error::Empty {
+            azimuths: raster.azimuths.len(),
+            tilt_angles: raster.tilt_angles.len(),
+        });
     }
     let gpr = &gpr.without_limit_checks();
     let count = raster.len();
@@ -140,10 +143,10 @@ pub fn simulate<V: Virtualization + ?Sized>(
         virtualization: virtualization.name().to_owned(),
         solver: options.solver,
         characteristic_length: f64::NAN,
-        samples_per_row: raster.pitches.len(),
+        samples_per_row: raster.tilt_angles.len(),
         order: raster.order,
-        yaw: Vec::with_capacity(count),
-        pitch: Vec::with_capacity(count),
+        azimuth: Vec::with_capacity(count),
+        tilt_angle: Vec::with_capacity(count),
         rods: columns(),
         sides: columns(),
         virtual_joints: vec![Vec::with_capacity(count); joints.len()],
@@ -158,8 +161,8 @@ pub fn simulate<V: Virtualization + ?Sized>(
             .inverse(tilt, raster.height)
             .and_then(|rods| gpr.forward(rods, virtualization, options))
             .map_err(|source| Error::pose(sample, tilt, source))?;
-        samples.yaw.push(tilt.yaw);
-        samples.pitch.push(tilt.pitch);
+        samples.azimuth.push(tilt.azimuth);
+        samples.tilt_angle.push(tilt.angle);
         for k in 0..3 {
             samples.rods[k].push(pose.rods[k]);
             samples.sides[k].push(pose.sides[k]);

@@ -66,7 +66,8 @@ pub fn summarize(gpr: &Gpr, samples: &Samples) -> Summary {
     }
     let broken = (0..samples.len()).map(|i| {
         let rods = [0, 1, 2].map(|k| samples.rods[k][i]);
-        gpr.limits().broken(&rods, Tilt { yaw: samples.yaw[i], pitch: samples.pitch[i] })
+        gpr.limits()
+            .broken(&rods, Tilt { azimuth: samples.azimuth[i], angle: samples.tilt_angle[i] })
     });
     let [x, y, _] = &samples.origin;
     Summary {

@@ -11,25 +11,26 @@ use jointplay_study::parallel::{self, PoseColumns};
 const POSES: usize = 9_001;
 
 fn tilts() -> (Vec<f64>, Vec<f64>) {
-    let yaw = (0..POSES).map(|i| i as f64 * 0.7).collect();
-    let pitch = |i: usize| if i % 1000 == 17 { 2.0 } else { 0.03 * (i as f64 * 0.37).sin() };
-    (yaw, (0..POSES).map(pitch).collect())
+    let azimuth = (0..POSES).map(|i| i as f64 * 0.7).collect();
+    let tilt_angle = |i: usize| if i % 1000 == 17 { 2.0 } else { 0.03 * (i as f64 * 0.37).sin() };
+    (azimuth, (0..POSES).map(tilt_angle).collect())
 }
 
 /// Rods, two quantities and the statuses, with a pool of so many threads.
 fn with_threads(threads: usize) -> (Vec<Vec<u64>>, Vec<Status>, StatusCounts) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let (yaw, pitch) = tilts();
+    let (azimuth, tilt_angle) = tilts();
     let mut rods = [vec![0.0; POSES], vec![0.0; POSES], vec![0.0; POSES]];
     let mut status = vec![Status::Solved; POSES];
     let (mut x, mut torsion) = (vec![0.0; POSES], vec![0.0; POSES]);
     let tally = pool.install(|| {
         let gpr = Gpr::paper().without_limit_checks();
         let height = Column::constant(&0.5, POSES);
-        let given = PoseColumns { yaw: yaw[..].into(), pitch: pitch[..].into(), height };
+        let given =
+            PoseColumns { azimuth: azimuth[..].into(), tilt_angle: tilt_angle[..].into(), height };
         let columns = rods.each_mut().map(|column| &mut column[..]);
         let tally = parallel::inverse_many(&gpr, given, &mut status, columns).unwrap();
-        assert_eq!((tally.count(Status::PitchTooLarge), tally.failed()), (9, 9));
+        assert_eq!((tally.count(Status::TiltTooLarge), tally.failed()), (9, 9));
         let given = rods.each_ref().map(|column| Column::from(&column[..]));
         let options = SolveOptions { solver: Solver::LeastNorm, ..SolveOptions::default() };
         let wanted =

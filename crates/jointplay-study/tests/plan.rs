@@ -26,7 +26,7 @@ fn plan() -> Plan {
         gpr: Gpr::paper(),
         height: Variation::Values(vec![0.4, 0.5, 0.6]),
         tilt: Tilts {
-            form: TiltForm::YawPitch,
+            form: TiltForm::AzimuthAngle,
             first: uniform(0.0, 6.0),
             second: Variation::Normal { mean: 0.0, deviation: ANGLE },
         },
@@ -72,7 +72,7 @@ fn a_sample_is_what_one_pose_is() {
         let at = |column: usize| block.columns[column][i];
         assert_eq!(at(0), [0.4, 0.5, 0.6][i % 3], "the height runs within a draw");
         assert_eq!(block.draws[i], i as u64 / 3);
-        let tilt = Tilt { yaw: at(1), pitch: at(2) };
+        let tilt = Tilt { azimuth: at(1), angle: at(2) };
         let gpr = plan.gpr.without_limit_checks();
         let rods = gpr.inverse(tilt, AxisHeight(at(0))).unwrap();
         let planar = gpr.forward(rods, &Planar, &plan.options).unwrap();
@@ -126,7 +126,7 @@ fn a_robot_as_built_is_a_robot() {
             OutputQuantity::Rod(0),
             OutputQuantity::Rod(1),
             OutputQuantity::Rod(2),
-            quantity(0, Quantity::Pitch),
+            quantity(0, Quantity::TiltAngle),
         ])
         .chain([OutputQuantity::Model { model: 0, measure: PlatformQuantity::TiltError }])
         .collect();
@@ -151,7 +151,7 @@ fn a_robot_as_built_is_a_robot() {
             }
             let robot = Gpr::new(limbs, *plan.gpr.limits(), 0.5).unwrap().without_limit_checks();
             let pose = robot.forward([at(12), at(13), at(14)], &Planar, &plan.options).unwrap();
-            assert!((pose.tilt().pitch - at(15)).abs() < 1e-12);
+            assert!((pose.tilt().angle - at(15)).abs() < 1e-12);
             errors = errors.max(at(16));
         }
         // A measured robot reaches the commanded pose; one that was not measured deviates from it.
@@ -197,7 +197,7 @@ fn samples_without_an_answer_say_why() {
         tilt,
         options,
         models: vec![&Radial, &Planar],
-        wanted: vec![OutputQuantity::Rod(0), quantity(1, Quantity::Pitch)],
+        wanted: vec![OutputQuantity::Rod(0), quantity(1, Quantity::TiltAngle)],
         ..plan()
     };
     let samples: Vec<u64> = (0..3000).collect();
@@ -205,7 +205,7 @@ fn samples_without_an_answer_say_why() {
     let mut totals = Totals::new(2, 2);
     totals.add(&block);
     let tally = totals.outcomes[1];
-    assert!(tally.no_robot > 0 && tally.poses[Status::PitchTooLarge as usize] > 0);
+    assert!(tally.no_robot > 0 && tally.poses[Status::TiltTooLarge as usize] > 0);
     assert_eq!(tally.solved() + tally.failed(), 3000);
     assert_eq!(tally.reasons().map(|(_, count)| count).sum::<u64>(), tally.failed());
     assert_eq!(totals.columns[1].count, tally.solved());
@@ -310,7 +310,7 @@ fn quantiles_are_exact_for_few_and_near_for_many() {
         assert!((found.unwrap() / 6.0 - share).abs() < 4.0 * error, "{share}: {found:?}");
     }
     let steep = Tilts { second: Variation::Values(vec![3.0]), ..plan().tilt };
-    let none = Plan { tilt: steep, wanted: vec![quantity(0, Quantity::Pitch)], ..plan() };
+    let none = Plan { tilt: steep, wanted: vec![quantity(0, Quantity::TiltAngle)], ..plan() };
     assert_eq!(quantiles(&none, &shares).unwrap(), [[None; 5]]);
 }
 
@@ -324,7 +324,7 @@ fn plans_that_cannot_be_are_refused() {
     refused(Plan { draws: u64::MAX, ..plan() }, "more samples than can be counted");
     refused(Plan { draws: 1 << 62, ..plan() }, "more samples than can be counted");
     refused(Plan { draws: 0, ..plan() }, "there is no sample 0");
-    refused(Plan { wanted: vec![quantity(2, Quantity::Yaw)], ..plan() }, "no virtualization 2");
+    refused(Plan { wanted: vec![quantity(2, Quantity::Azimuth)], ..plan() }, "no virtualization 2");
     refused(
         Plan { wanted: vec![quantity(0, Quantity::VirtualJoint(6))], ..plan() },
         "virtual joint",

@@ -17,9 +17,9 @@ fn run(raster: &Raster) -> Samples {
 }
 
 /// A raster of these angles in degrees.
-fn raster(yaws: &[f64], pitches: &[f64]) -> Raster {
+fn raster(azimuths: &[f64], tilt_angles: &[f64]) -> Raster {
     let radians = |degrees: &[f64]| degrees.iter().map(|angle| angle.to_radians()).collect();
-    Raster { yaws: radians(yaws), pitches: radians(pitches), ..Raster::paper() }
+    Raster { azimuths: radians(azimuths), tilt_angles: radians(tilt_angles), ..Raster::paper() }
 }
 
 #[test]
@@ -27,9 +27,9 @@ fn the_paper_s_raster_runs_through_level_in_each_row() {
     let raster = Raster::paper();
     let tilts: Vec<Tilt> = raster.tilts().collect();
     assert_eq!((raster.len(), tilts.len()), (777, 777));
-    assert_eq!(tilts[0], Tilt { yaw: 0.0, pitch: (-2_f64).to_radians() });
-    assert_eq!(tilts[20], Tilt { yaw: 0.0, pitch: 2_f64.to_radians() });
-    assert_eq!(tilts[776], Tilt { yaw: 360_f64.to_radians(), pitch: 2_f64.to_radians() });
+    assert_eq!(tilts[0], Tilt { azimuth: 0.0, angle: (-2_f64).to_radians() });
+    assert_eq!(tilts[20], Tilt { azimuth: 0.0, angle: 2_f64.to_radians() });
+    assert_eq!(tilts[776], Tilt { azimuth: 360_f64.to_radians(), angle: 2_f64.to_radians() });
     let passes: Vec<usize> = run(&raster).singular_passes().collect();
     assert_eq!(passes, (0..37).map(|row| 21 * row + 10).collect::<Vec<usize>>());
 }
@@ -41,15 +41,18 @@ fn a_serpentine_is_the_raster_with_every_other_row_reversed() {
     for i in 0..there.len() {
         let (row, column) = (i / 21, i % 21);
         let j = 21 * row + if row % 2 == 1 { 20 - column } else { column };
-        assert_eq!((there.yaw[i], there.pitch[i]), (back.yaw[j], back.pitch[j]));
+        assert_eq!((there.azimuth[i], there.tilt_angle[i]), (back.azimuth[j], back.tilt_angle[j]));
         for (a, b) in there.series().iter().zip(back.series()) {
             assert_eq!(a.values[i].to_bits(), b.values[j].to_bits(), "{}", a.name);
         }
     }
-    // Continuous in time: neighbours differ in yaw or in pitch, by one step.
+    // Continuous in time: neighbours differ in azimuth or in tilt angle, by one step.
     for i in 1..back.len() {
-        let (yaw, pitch) = (back.yaw[i] - back.yaw[i - 1], back.pitch[i] - back.pitch[i - 1]);
-        assert!((yaw == 0.0) != (pitch == 0.0) && pitch.abs() < 0.21_f64.to_radians());
+        let (azimuth, tilt_angle) =
+            (back.azimuth[i] - back.azimuth[i - 1], back.tilt_angle[i] - back.tilt_angle[i - 1]);
+        assert!(
+            (azimuth == 0.0) != (tilt_angle == 0.0) && tilt_angle.abs() < 0.21_f64.to_radians()
+        );
     }
 }
 
@@ -58,21 +61,28 @@ fn a_study_without_poses_is_refused() {
     let error = |raster: &Raster| {
         simulate(&Gpr::paper(), raster, &Polar, &newton(), &mut |_| ()).unwrap_err()
     };
-    assert_eq!(error(&raster(&[], &[1.0])), Error::Empty { yaws: 0, pitches: 1 });
-    assert!(error(&raster(&[0.0], &[])).to_string().contains("yaw has 1 values and pitch 0"));
+    assert_eq!(error(&raster(&[], &[1.0])), Error::Empty { azimuths: 0, tilt_angles: 1 });
+    assert!(
+        error(&raster(&[0.0], &[]))
+            .to_string()
+            .contains("azimuth has 1 values and the tilt angle 0")
+    );
     let options = newton();
     let none = compare(&Gpr::paper(), &built_in(), 0.0, &[], AxisHeight(0.5), &options);
-    assert_eq!(none.unwrap_err(), Error::Empty { yaws: 1, pitches: 0 });
+    assert_eq!(none.unwrap_err(), Error::Empty { azimuths: 1, tilt_angles: 0 });
 }
 
 #[test]
 fn the_first_pose_that_fails_is_named() {
     let steep = raster(&[0.0, 20.0], &[1.0, 95.0]);
     let error = simulate(&Gpr::paper(), &steep, &Polar, &newton(), &mut |_| ()).unwrap_err();
-    let Error::Pose { sample, pitch, ref source, .. } = error else { panic!("{error}") };
-    assert_eq!((sample, pitch), (1, 95_f64.to_radians()));
-    assert_eq!(**source, jointplay_core::Error::PitchTooLarge { pitch });
-    assert!(error.to_string().starts_with("sample 1 (yaw 0°, pitch 95°): the pitch is"), "{error}");
+    let Error::Pose { sample, tilt_angle, ref source, .. } = error else { panic!("{error}") };
+    assert_eq!((sample, tilt_angle), (1, 95_f64.to_radians()));
+    assert_eq!(**source, jointplay_core::Error::TiltTooLarge { tilt_angle });
+    assert!(
+        error.to_string().starts_with("sample 1 (azimuth 0°, tilt angle 95°): the tilt angle is"),
+        "{error}"
+    );
 
     let impatient = SolveOptions { max_iterations: 1, ..newton() };
     let error =
@@ -112,7 +122,7 @@ fn a_summary_adds_up() {
         assert_eq!(extrema, at_passes, "{}", summed.name);
     }
     // Without a sample at level there is no pass to speak of.
-    let tilted = summarize(&gpr, &run(&Raster { pitches: vec![0.01, 0.02], ..raster }));
+    let tilted = summarize(&gpr, &run(&Raster { tilt_angles: vec![0.01, 0.02], ..raster }));
     assert_eq!((tilted.singular_passes, tilted.series[0].pass_min), (0, None));
 }
 
@@ -128,14 +138,15 @@ fn bounds_hold_along_the_chord_only() {
 
 #[test]
 fn a_comparison_is_its_poses() {
-    let (gpr, options, yaw) = (Gpr::paper().without_limit_checks(), newton(), 0.3);
-    let pitches = [0.0, 0.01, 0.02];
-    let found = compare(&gpr, &built_in(), yaw, &pitches, AxisHeight(0.5), &options).unwrap();
+    let (gpr, options, azimuth) = (Gpr::paper().without_limit_checks(), newton(), 0.3);
+    let tilt_angles = [0.0, 0.01, 0.02];
+    let found =
+        compare(&gpr, &built_in(), azimuth, &tilt_angles, AxisHeight(0.5), &options).unwrap();
     assert_eq!(found.models.len(), 4);
     for (curve, virtualization) in found.models.iter().zip(built_in()) {
         assert_eq!(curve.name, virtualization.name());
-        for (i, &pitch) in pitches.iter().enumerate() {
-            let rods = gpr.inverse(Tilt { yaw, pitch }, AxisHeight(0.5)).unwrap();
+        for (i, &tilt_angle) in tilt_angles.iter().enumerate() {
+            let rods = gpr.inverse(Tilt { azimuth, angle: tilt_angle }, AxisHeight(0.5)).unwrap();
             let pose = gpr.forward(rods, virtualization, &options).unwrap();
             assert_eq!(curve.center_shift[i], pose.center_shift());
         }

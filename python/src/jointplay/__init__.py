@@ -4,9 +4,9 @@ Lengths are in metres and angles in radians; a quantity carries its unit in its 
 
 >>> import jointplay as jp
 >>> gpr = jp.Gpr.paper()
->>> rods = gpr.inverse(yaw_rad=0.3, pitch_rad=0.02)
+>>> rods = gpr.inverse(azimuth_rad=0.3, tilt_rad=0.02)
 >>> pose = gpr.forward(rods.rods_m, "planar")
->>> round(pose.pitch_rad, 12)
+>>> round(pose.tilt_rad, 12)
 0.02
 """
 
@@ -46,7 +46,7 @@ from ._errors import (
     NotReachedError,
     NotRelievedError,
     OutOfRangeError,
-    PitchTooLargeError,
+    TiltTooLargeError,
     PlanningError,
     RobotLimitsError,
     StoppedError,
@@ -132,7 +132,7 @@ __all__ = [
     "NotReachedError",
     "NotRelievedError",
     "OutOfRangeError",
-    "PitchTooLargeError",
+    "TiltTooLargeError",
     "PlanningError",
     "Platform",
     "Positions",

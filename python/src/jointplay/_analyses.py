@@ -145,28 +145,28 @@ class ModelCurve(Result):
     largest_displacement_m: Floats
     """The farthest that a socket is moved from its nominal place in the platform, shape (n,) [m]."""
     failure: str | None
-    """Why the numbers are NaN from some pitch on, if they are."""
+    """Why the numbers are NaN from some tilt angle on, if they are."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison(Table):
     """All models over the same tilts."""
 
-    yaw_rad: float
+    azimuth_rad: float
     """Azimuth of all tilts [rad]."""
     height_m: float
     """Axis height of all tilts [m]."""
-    pitch_rad: Floats
-    """The pitch angles, shape (n,) [rad]."""
+    tilt_rad: Floats
+    """The tilt angles, shape (n,) [rad]."""
     approximate_gap_m: Floats
     """The farthest that a socket of the approximate model is off its ball, shape (n,) [m]."""
     models: Mapping[str, ModelCurve]
     """The models by name."""
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Pitch, the approximate model's gap, and three columns of each model, such as ``planar_center_shift_x_m``."""
+        """Tilt angle, the approximate model's gap, and three columns of each model, such as ``planar_center_shift_x_m``."""
         columns: dict[str, NDArray[Any]] = {
-            "pitch_rad": self.pitch_rad,
+            "tilt_rad": self.tilt_rad,
             "approximate_gap_m": self.approximate_gap_m,
         }
         for name, model in self.models.items():
@@ -224,7 +224,7 @@ class StudySummary(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Study(Table):
-    """All n poses of a raster under one virtualization, yaw by yaw."""
+    """All n poses of a raster under one virtualization, azimuth by azimuth."""
 
     virtualization: str
     """Name of the virtualization."""
@@ -235,11 +235,11 @@ class Study(Table):
     characteristic_length_m: float
     """Length by which angles were multiplied to weigh them against lengths [m]."""
     samples_per_row: int
-    """Number of pitches for each yaw."""
-    yaw_rad: Floats
-    """Yaw, shape (n,) [rad]."""
-    pitch_rad: Floats
-    """Pitch as commanded, either sign, shape (n,) [rad]."""
+    """Number of tilt angles for each azimuth."""
+    azimuth_rad: Floats
+    """Azimuth, shape (n,) [rad]."""
+    tilt_rad: Floats
+    """Tilt angle as commanded, either sign, shape (n,) [rad]."""
     rods_m: Floats
     """Rod lengths, shape (n, 3) [m]."""
     sides_m: Floats
@@ -260,7 +260,7 @@ class Study(Table):
     def columns(self) -> dict[str, NDArray[Any]]:
         """Every number of every pose by name, each of shape (n,)."""
         columns: dict[str, NDArray[Any]] = {}
-        for name in ("yaw_rad", "pitch_rad", "rods_m", "sides_m", "virtual_joints", "origin_m",
+        for name in ("azimuth_rad", "tilt_rad", "rods_m", "sides_m", "virtual_joints", "origin_m",
                      "torsion_rad", "iterations", "residual_m"):  # fmt: skip
             axes = self.virtual_joint_names if name == "virtual_joints" else AXES.get(name, ())
             columns.update(spread(name, getattr(self, name), axes))

@@ -100,11 +100,11 @@ class OutOfRangeError(InputError):
     """``'m'``, ``'rad'``, or ``'1'`` for a plain number."""
 
 
-class PitchTooLargeError(InputError):
+class TiltTooLargeError(InputError):
     """A tilt at which the rods no longer meet the platform plane."""
 
-    pitch_rad: float
-    """Commanded pitch [rad]."""
+    tilt_rad: float
+    """Commanded tilt angle [rad]."""
 
 
 class GeometryError(InputError):

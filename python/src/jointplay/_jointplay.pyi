@@ -46,8 +46,8 @@ _Model: TypeAlias = Literal["planar", "radial", "polar", "offset"] | Virtualizat
 _Solver: TypeAlias = Literal["closed-form", "least-norm", "newton"]
 _Metric: TypeAlias = Literal["paper", "radius"] | float
 _Quantity: TypeAlias = Literal[
-    "yaw_rad",
-    "pitch_rad",
+    "azimuth_rad",
+    "tilt_rad",
     "torsion_rad",
     "axis_height_m",
     "origin_m",
@@ -140,8 +140,8 @@ class Gpr:
     @overload
     def inverse(  # type: ignore[overload-overlap]
         self,
-        yaw_rad: _Number,
-        pitch_rad: _Number,
+        azimuth_rad: _Number,
+        tilt_rad: _Number,
         height_m: _Number | None = None,
         *,
         out: None = None,
@@ -150,8 +150,8 @@ class Gpr:
     @overload
     def inverse(
         self,
-        yaw_rad: ArrayLike,
-        pitch_rad: ArrayLike,
+        azimuth_rad: ArrayLike,
+        tilt_rad: ArrayLike,
         height_m: ArrayLike | None = None,
         *,
         out: _Floats | None = None,
@@ -159,8 +159,8 @@ class Gpr:
     ) -> InverseMany: ...
     def inverse_for_center(
         self,
-        yaw_rad: float,
-        pitch_rad: float,
+        azimuth_rad: float,
+        tilt_rad: float,
         center_height_m: float,
         virtualization: _Model | None = None,
         *,
@@ -168,21 +168,21 @@ class Gpr:
         metric: _Metric | None = None,
     ) -> Forward: ...
     def approximate(
-        self, yaw_rad: float, pitch_rad: float, height_m: float | None = None
+        self, azimuth_rad: float, tilt_rad: float, height_m: float | None = None
     ) -> Approximate: ...
     def plane_tilt(self, rods_m: ArrayLike) -> tuple[float, float]: ...
     @overload
     def broken_limits(
         self,
         rods_m: tuple[_Number, _Number, _Number] | list[float] | _Vector,
-        pitch_rad: _Number | None = None,
+        tilt_rad: _Number | None = None,
     ) -> list[BrokenLimit]: ...
     @overload
     def broken_limits(
-        self, rods_m: _Matrix | list[list[float]], pitch_rad: ArrayLike | None = None
+        self, rods_m: _Matrix | list[list[float]], tilt_rad: ArrayLike | None = None
     ) -> BrokenLimits: ...
     @overload
-    def broken_limits(self, rods_m: ArrayLike, pitch_rad: ArrayLike | None = None) -> Any: ...
+    def broken_limits(self, rods_m: ArrayLike, tilt_rad: ArrayLike | None = None) -> Any: ...
     def mobility(
         self, rods_m: ArrayLike | None = None, virtualization: _Model | None = None
     ) -> Mobility: ...
@@ -196,8 +196,8 @@ class Gpr:
     ) -> Sensitivity: ...
     def tilt_play(
         self,
-        yaw_rad: float,
-        pitch_rad: float,
+        azimuth_rad: float,
+        tilt_rad: float,
         height_m: float | None = None,
         virtualization: _Model | None = None,
         *,
@@ -206,8 +206,8 @@ class Gpr:
     ) -> TiltPlay: ...
     def compare(
         self,
-        pitch_rad: ArrayLike,
-        yaw_rad: float = 0.0,
+        tilt_rad: ArrayLike,
+        azimuth_rad: float = 0.0,
         height_m: float | None = None,
         *,
         virtualizations: Sequence[_Model] | None = None,
@@ -217,8 +217,8 @@ class Gpr:
     def _simulate(
         self,
         virtualization: _Model | None,
-        yaw_rad: ArrayLike | None,
-        pitch_rad: ArrayLike | None,
+        azimuth_rad: ArrayLike | None,
+        tilt_rad: ArrayLike | None,
         height_m: float | None,
         serpentine: bool,
         solver: _Solver | None,
@@ -227,8 +227,8 @@ class Gpr:
     def _check_bounds(
         self,
         virtualization: _Model | None,
-        yaw_rad: ArrayLike | None,
-        pitch_rad: ArrayLike | None,
+        azimuth_rad: ArrayLike | None,
+        tilt_rad: ArrayLike | None,
         height_m: float | None,
         solver: _Solver | None,
         metric: _Metric | None,
@@ -246,9 +246,9 @@ class Forward:
     @property
     def sides_m(self) -> _Vector: ...
     @property
-    def yaw_rad(self) -> float: ...
+    def azimuth_rad(self) -> float: ...
     @property
-    def pitch_rad(self) -> float: ...
+    def tilt_rad(self) -> float: ...
     @property
     def torsion_rad(self) -> float: ...
     @property

@@ -14,8 +14,8 @@ from ._base import AXES, Floats, Many, Result, spread
 
 
 QUANTITIES = (
-    "yaw_rad",
-    "pitch_rad",
+    "azimuth_rad",
+    "tilt_rad",
     "torsion_rad",
     "axis_height_m",
     "origin_m",
@@ -53,9 +53,9 @@ class ForwardMany(Many):
     """How many have none for which reason."""
 
     if TYPE_CHECKING:
-        yaw_rad: Floats
+        azimuth_rad: Floats
         """Tilt direction: azimuth of the platform normal, from -π to π, shape (...) [rad]."""
-        pitch_rad: Floats
+        tilt_rad: Floats
         """Tilt angle, from 0 to π, shape (...) [rad]."""
         torsion_rad: Floats
         """Turn about the platform normal beyond the shortest rotation to it, shape (...) [rad]."""

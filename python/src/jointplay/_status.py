@@ -10,8 +10,8 @@ class Status(IntEnum):
     """It has."""
     NOT_FINITE = 1
     """A number given is NaN or infinite."""
-    PITCH_TOO_LARGE = 2
-    """The pitch is ±90° or beyond."""
+    TILT_TOO_LARGE = 2
+    """The tilt angle is ±90° or beyond."""
     NOT_CONVERGED = 3
     """The iteration for the virtual joints, or that closes the loops of a mechanism, did not converge."""
     DEPENDENT_SIDES = 4

@@ -19,8 +19,8 @@ def simulate(
     gpr: Gpr | None = None,
     virtualization: Literal["planar", "radial", "polar", "offset"] | Virtualization = "polar",
     *,
-    yaw_rad: ArrayLike | None = None,
-    pitch_rad: ArrayLike | None = None,
+    azimuth_rad: ArrayLike | None = None,
+    tilt_rad: ArrayLike | None = None,
     height_m: float | None = None,
     order: Literal["raster", "serpentine"] = "raster",
     solver: Literal["closed-form", "least-norm", "newton"] = "newton",
@@ -28,7 +28,7 @@ def simulate(
 ) -> Study:
     """All poses of a raster, every one from the nominal virtual joints.
 
-    Defaults are the paper's: its robot, pitch from -2° to 2° by 0.2° for each yaw from 0° to 360°, here by 10°.
+    Defaults are the paper's: its robot, tilt angle from -2° to 2° by 0.2° for each azimuth from 0° to 360°, here by 10°.
 
     Parameters
     ----------
@@ -36,12 +36,12 @@ def simulate(
         The robot.
     virtualization
         The virtual joints that model the play.
-    yaw_rad, pitch_rad
+    azimuth_rad, tilt_rad
         Arrays of shape (n,): the slow and the fast direction of the raster [rad].
     height_m
         Axis height [m]; default: the robot's working height.
     order
-        ``'raster'``: every yaw from the first pitch to the last; ``'serpentine'``: every other yaw backwards.
+        ``'raster'``: every azimuth from the first tilt angle to the last; ``'serpentine'``: every other azimuth backwards.
     solver, metric
         Those of ``Gpr.forward``; default: the paper's iteration.
     """
@@ -53,7 +53,7 @@ def simulate(
         raise UnknownNameError(message, what="order", name=order, known=known)
     robot = Gpr.paper() if gpr is None else gpr
     return robot._simulate(
-        virtualization, yaw_rad, pitch_rad, height_m, order == "serpentine", solver, metric
+        virtualization, azimuth_rad, tilt_rad, height_m, order == "serpentine", solver, metric
     )
 
 
@@ -61,8 +61,8 @@ def check_bounds(
     gpr: Gpr | None = None,
     virtualization: Literal["planar", "radial", "polar", "offset"] | Virtualization = "polar",
     *,
-    yaw_rad: ArrayLike | None = None,
-    pitch_rad: ArrayLike | None = None,
+    azimuth_rad: ArrayLike | None = None,
+    tilt_rad: ArrayLike | None = None,
     height_m: float | None = None,
     solver: Literal["closed-form", "least-norm", "newton"] = "newton",
     metric: Literal["paper", "radius"] | float = "paper",
@@ -72,4 +72,4 @@ def check_bounds(
     Parameters are those of ``simulate``.
     """
     robot = Gpr.paper() if gpr is None else gpr
-    return robot._check_bounds(virtualization, yaw_rad, pitch_rad, height_m, solver, metric)
+    return robot._check_bounds(virtualization, azimuth_rad, tilt_rad, height_m, solver, metric)

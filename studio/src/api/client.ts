@@ -102,7 +102,7 @@ export function toApiCommand(command: Command): ApiCommand {
   if (command.kind === 'rods') return { kind: 'rods', rods_m: command.rods_mm.map(metres) };
   const height = { kind: command.height_kind, value_m: metres(command.height_mm) };
   return command.kind === 'tilt'
-    ? { kind: 'tilt', yaw_rad: radians(command.yaw_deg), pitch_rad: radians(command.pitch_deg), height }
+    ? { kind: 'tilt', azimuth_rad: radians(command.azimuth_deg), tilt_rad: radians(command.tilt_deg), height }
     : { kind: 'tilt_xy', about_x_rad: radians(command.about_x_deg), about_y_rad: radians(command.about_y_deg), height };
 }
 
@@ -152,8 +152,8 @@ function apiMotion(motion: Motion): Schemas['StudyRequest']['motion'] {
     };
   return {
     kind: motion.kind,
-    yaw_deg: { from: 0, to: 360, step: motion.yaw_step_deg },
-    pitch_deg: { from: motion.pitch_from_deg, to: motion.pitch_to_deg, step: motion.pitch_step_deg },
+    azimuth_deg: { from: 0, to: 360, step: motion.azimuth_step_deg },
+    tilt_deg: { from: motion.tilt_from_deg, to: motion.tilt_to_deg, step: motion.tilt_step_deg },
     axis_height_m: metres(motion.height_mm),
   };
 }

@@ -334,10 +334,10 @@ function nameOf(part: Object3D): string {
   return '';
 }
 
-/** The frame of a station in the base frame [m]: rotated by its yaw, then tilted. */
-function frameOf({ position_mm, yaw_rad, about_x_rad, about_y_rad }: StationDocument): Matrix4 {
+/** The frame of a station in the base frame [m]: rotated by its heading, then tilted. */
+function frameOf({ position_mm, heading_rad, about_x_rad, about_y_rad }: StationDocument): Matrix4 {
   const tilt = new Vector3(about_x_rad, about_y_rad, 0);
   const tilted = new Quaternion().setFromAxisAngle(tilt.clone().normalize(), tilt.length());
-  const rotated = new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), yaw_rad);
+  const rotated = new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), heading_rad);
   return new Matrix4().compose(new Vector3().fromArray(position_mm).divideScalar(1000), tilted.multiply(rotated), new Vector3(1, 1, 1));
 }

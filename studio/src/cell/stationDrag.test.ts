@@ -5,11 +5,11 @@ import { dragged } from './stationDrag';
 const STATION = {
   name: 'LP',
   position_mm: [100, 200, 500],
-  yaw_rad: 0.5,
+  heading_rad: 0.5,
   about_x_rad: 0.01,
   about_y_rad: 0,
-  tilt_pitch_deg: 0.57,
-  tilt_yaw_deg: -90,
+  tilt_angle_deg: 0.57,
+  tilt_azimuth_deg: -90,
 } as unknown as StationDocument;
 
 test('a drag along an axis changes one coordinate in steps of 0.01 mm', () => {
@@ -22,19 +22,19 @@ test('a dragged tilt is limited to that of the robot', () => {
   const { station, change } = dragged(STATION, 'about_y', 5, 0.02);
   expect(Math.hypot(station.about_x_rad, station.about_y_rad)).toBeCloseTo(0.02, 12);
   expect(Object.keys(change)).toEqual(['tilt_xy']);
-  expect(station.tilt_pitch_deg).toBeCloseTo((0.02 * 180) / Math.PI, 9);
+  expect(station.tilt_angle_deg).toBeCloseTo((0.02 * 180) / Math.PI, 9);
 });
 
-test('a dragged yaw changes only the yaw', () => {
-  const { station, change } = dragged(STATION, 'yaw', 10, 0.02);
+test('a dragged heading changes only the heading', () => {
+  const { station, change } = dragged(STATION, 'heading', 10, 0.02);
   expect(station.position_mm).toEqual(STATION.position_mm);
-  expect(station.yaw_rad - STATION.yaw_rad).toBeCloseTo((10 * Math.PI) / 180, 4);
-  expect(change.yaw_rad).toBe(station.yaw_rad);
-  expect(Object.keys(change)).toEqual(['yaw_rad']);
+  expect(station.heading_rad - STATION.heading_rad).toBeCloseTo((10 * Math.PI) / 180, 4);
+  expect(change.heading_rad).toBe(station.heading_rad);
+  expect(Object.keys(change)).toEqual(['heading_rad']);
 });
 
 test('a tilt preserves the definition of a station by its first and last slot', () => {
-  const { change } = dragged({ ...STATION, from: 'drift' }, 'about_x', 0.1, 0.02);
-  expect(change.keep_drift).toBe(true);
+  const { change } = dragged({ ...STATION, from: 'carrier axis' }, 'about_x', 0.1, 0.02);
+  expect(change.keep_carrier_axis).toBe(true);
   expect(change.tilt_xy?.about_x_rad).toBeCloseTo(0.01 + (0.1 * Math.PI) / 180, 4);
 });

@@ -20,24 +20,24 @@ export function dragged(from: StationDocument, freedom: Freedom, by: number, til
     const position_mm = from.position_mm.map((value, i) => (i === k ? mm : value));
     return { station: { ...from, position_mm }, change: { position_m: position_mm.map(metres) } };
   }
-  if (freedom === 'yaw') {
-    const yaw_rad = radians(Number((degrees(from.yaw_rad) + by).toFixed(3)));
-    return { station: { ...from, yaw_rad }, change: { yaw_rad } };
+  if (freedom === 'heading') {
+    const heading_rad = radians(Number((degrees(from.heading_rad) + by).toFixed(3)));
+    return { station: { ...from, heading_rad }, change: { heading_rad } };
   }
   let [x, y] = [from.about_x_rad, from.about_y_rad];
   if (freedom === 'about_x') x = radians(Number((degrees(x) + by).toFixed(3)));
   else y = radians(Number((degrees(y) + by).toFixed(3)));
   const tilt = Math.hypot(x, y);
   if (tilt > tiltMax) [x, y] = [(x * tiltMax) / tilt, (y * tiltMax) / tilt];
-  const tilt_pitch_deg = degrees(Math.hypot(x, y));
-  const tilt_yaw_deg = tilt_pitch_deg > 0 ? degrees(Math.atan2(-x, y)) : 0;
+  const tilt_angle_deg = degrees(Math.hypot(x, y));
+  const tilt_azimuth_deg = tilt_angle_deg > 0 ? degrees(Math.atan2(-x, y)) : 0;
   return {
-    station: { ...from, about_x_rad: x, about_y_rad: y, tilt_pitch_deg, tilt_yaw_deg, tilt_share: tiltMax > 0 ? Math.hypot(x, y) / tiltMax : 0 },
-    change: { tilt_xy: { about_x_rad: x, about_y_rad: y }, ...driftOption(from) },
+    station: { ...from, about_x_rad: x, about_y_rad: y, tilt_angle_deg, tilt_azimuth_deg, tilt_share: tiltMax > 0 ? Math.hypot(x, y) / tiltMax : 0 },
+    change: { tilt_xy: { about_x_rad: x, about_y_rad: y }, ...carrierAxisOption(from) },
   };
 }
 
 /** The option that preserves the definition of a station by its first and last slot. */
-export function driftOption({ from }: StationDocument): Pick<StationChange, 'keep_drift'> {
-  return from === 'drift' ? { keep_drift: true } : {};
+export function carrierAxisOption({ from }: StationDocument): Pick<StationChange, 'keep_carrier_axis'> {
+  return from === 'carrier axis' ? { keep_carrier_axis: true } : {};
 }

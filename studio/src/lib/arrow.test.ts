@@ -17,14 +17,14 @@ function inPieces(bytes: Uint8Array, size: number, seen?: { cancelled: boolean }
 }
 
 const table = tableFromArrays(
-  { q_1: Float64Array.from({ length: 10 }, (_, i) => i / 3), yaw: Float64Array.from({ length: 10 }, (_, i) => -i) },
+  { q_1: Float64Array.from({ length: 10 }, (_, i) => i / 3), azimuth: Float64Array.from({ length: 10 }, (_, i) => -i) },
 );
 const bytes = tableToIPC(table, { format: 'stream' }) as Uint8Array;
 
 for (const size of [1, 7, 64, 1 << 20])
   test(`columns arrive in pieces of ${size} bytes`, async () => {
     const { fields, batches } = await readArrow(inPieces(bytes, size));
-    expect(fields).toEqual(['q_1', 'yaw']);
+    expect(fields).toEqual(['q_1', 'azimuth']);
     const rows: number[] = [];
     for await (const batch of batches) rows.push(...(batch.getChild('q_1')!.toArray() as Float64Array));
     expect(rows).toEqual(Array.from({ length: 10 }, (_, i) => i / 3));

@@ -13,7 +13,7 @@ export type Metric = 'paper' | 'radius' | number;
 export type HeightKind = 'axis' | 'center';
 
 export type Command =
-  | { kind: 'tilt'; yaw_deg: number; pitch_deg: number; height_mm: number; height_kind: HeightKind }
+  | { kind: 'tilt'; azimuth_deg: number; tilt_deg: number; height_mm: number; height_kind: HeightKind }
   | { kind: 'tilt_xy'; about_x_deg: number; about_y_deg: number; height_mm: number; height_kind: HeightKind }
   | { kind: 'rods'; rods_mm: [number, number, number] };
 
@@ -28,10 +28,10 @@ export interface KeyPose {
 export type Motion =
   | {
       kind: 'raster' | 'serpentine';
-      yaw_step_deg: number;
-      pitch_from_deg: number;
-      pitch_to_deg: number;
-      pitch_step_deg: number;
+      azimuth_step_deg: number;
+      tilt_from_deg: number;
+      tilt_to_deg: number;
+      tilt_step_deg: number;
       height_mm: number;
     }
   | { kind: 'key-poses'; poses: KeyPose[] };
@@ -57,15 +57,15 @@ export interface Document {
 
 export const EXAGGERATION = { min: 1, max: 2000 } as const;
 
-/** The study of section VI of the paper; the paper does not state its yaw step. */
+/** The study of section VI of the paper; the paper does not state its azimuth step. */
 export function paperStudy(height_mm: number): Motion {
-  return { kind: 'raster', yaw_step_deg: 10, pitch_from_deg: -2, pitch_to_deg: 2, pitch_step_deg: 0.2, height_mm };
+  return { kind: 'raster', azimuth_step_deg: 10, tilt_from_deg: -2, tilt_to_deg: 2, tilt_step_deg: 0.2, height_mm };
 }
 
 /** The initial document: a tilt of two thirds of the limit, so that it can be increased. */
 export function initialDocument(height_mm: number, tilt_max_deg = 1.5): Document {
   return {
-    command: { kind: 'tilt', yaw_deg: 0, pitch_deg: Number(((2 / 3) * tilt_max_deg).toFixed(2)), height_mm, height_kind: 'axis' },
+    command: { kind: 'tilt', azimuth_deg: 0, tilt_deg: Number(((2 / 3) * tilt_max_deg).toFixed(2)), height_mm, height_kind: 'axis' },
     model: 'polar',
     solver: 'newton',
     metric: 'paper',

@@ -5,7 +5,7 @@ import { fingerprint, fromHash, toHash, type Linked } from './link';
 const usual = initialDocument(500);
 
 const commands: Command[] = [
-  { kind: 'tilt', yaw_deg: -17.25, pitch_deg: 1.5, height_mm: 500, height_kind: 'center' },
+  { kind: 'tilt', azimuth_deg: -17.25, tilt_deg: 1.5, height_mm: 500, height_kind: 'center' },
   { kind: 'tilt_xy', about_x_deg: 0.1, about_y_deg: -1e-7, height_mm: 321.123456789, height_kind: 'axis' },
   { kind: 'rods', rods_mm: [500, 501.0625, 502] },
 ];

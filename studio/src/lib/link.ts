@@ -119,7 +119,7 @@ function numbers(words: string[], count: number): number[] | null {
 function poseText(command: Command): string {
   switch (command.kind) {
     case 'tilt':
-      return ['tilt', command.yaw_deg, command.pitch_deg, command.height_mm, command.height_kind].join(',');
+      return ['tilt', command.azimuth_deg, command.tilt_deg, command.height_mm, command.height_kind].join(',');
     case 'tilt_xy':
       return ['xy', command.about_x_deg, command.about_y_deg, command.height_mm, command.height_kind].join(',');
     case 'rods':
@@ -136,7 +136,7 @@ function parsePose([kind, ...rest]: string[]): Command | null {
   const height_kind: HeightKind | null = rest[3] === 'axis' || rest[3] === 'center' ? rest[3] : null;
   if (!values || !height_kind) return null;
   const [first, second, height_mm] = values as [number, number, number];
-  if (kind === 'tilt') return { kind, yaw_deg: first, pitch_deg: second, height_mm, height_kind };
+  if (kind === 'tilt') return { kind, azimuth_deg: first, tilt_deg: second, height_mm, height_kind };
   if (kind === 'xy') return { kind: 'tilt_xy', about_x_deg: first, about_y_deg: second, height_mm, height_kind };
   return null;
 }
@@ -152,8 +152,8 @@ function motionText(motion: Motion): string {
     const poses = motion.poses.map((pose) => [pose.about_x_deg, pose.about_y_deg, pose.height_mm, pose.seconds].join(','));
     return ['key-poses', ...poses].join(';');
   }
-  const { kind, yaw_step_deg, pitch_from_deg, pitch_to_deg, pitch_step_deg, height_mm } = motion;
-  return [kind, yaw_step_deg, pitch_from_deg, pitch_to_deg, pitch_step_deg, height_mm].join(',');
+  const { kind, azimuth_step_deg, tilt_from_deg, tilt_to_deg, tilt_step_deg, height_mm } = motion;
+  return [kind, azimuth_step_deg, tilt_from_deg, tilt_to_deg, tilt_step_deg, height_mm].join(',');
 }
 
 function parseMotion(text: string | undefined): Motion | null {
@@ -171,14 +171,14 @@ function parseMotion(text: string | undefined): Motion | null {
   const [kind, ...rest] = text.split(',');
   const values = numbers(rest, 5);
   if ((kind !== 'raster' && kind !== 'serpentine') || !values) return null;
-  const [yaw_step_deg, pitch_from_deg, pitch_to_deg, pitch_step_deg, height_mm] = values as [
+  const [azimuth_step_deg, tilt_from_deg, tilt_to_deg, tilt_step_deg, height_mm] = values as [
     number,
     number,
     number,
     number,
     number,
   ];
-  return { kind, yaw_step_deg, pitch_from_deg, pitch_to_deg, pitch_step_deg, height_mm };
+  return { kind, azimuth_step_deg, tilt_from_deg, tilt_to_deg, tilt_step_deg, height_mm };
 }
 
 function viewText(view: View): string {

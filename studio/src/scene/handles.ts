@@ -15,14 +15,14 @@ import {
 } from 'three';
 import { disposeGeometries } from './dispose';
 
-export type Freedom = 'x' | 'y' | 'height' | 'yaw' | 'about_x' | 'about_y';
+export type Freedom = 'x' | 'y' | 'height' | 'heading' | 'about_x' | 'about_y';
 
 /** Descriptions of the handles for tooltips. */
 export const DESCRIPTIONS: Record<Freedom, string> = {
   x: 'along x',
   y: 'along y',
   height: 'along z',
-  yaw: 'rotate about z',
+  heading: 'rotate about z',
   about_x: 'tilt about x',
   about_y: 'tilt about y',
 };
@@ -63,7 +63,7 @@ export class Handles {
         case 'about_y':
           this.#add(freedom, x.clone().multiplyScalar(reach), z.clone().negate(), arc(reach, 'y'));
           break;
-        case 'yaw':
+        case 'heading':
           this.#add(freedom, new Vector3(-Math.SQRT1_2, -Math.SQRT1_2, 0).multiplyScalar(reach), new Vector3(Math.SQRT1_2, -Math.SQRT1_2, 0), arc(reach, 'z'));
           break;
         case 'height':
@@ -116,7 +116,7 @@ export class Handles {
   }
 
   /**
-   * Displacement of a degree of freedom for a pointer movement [px]: in mm or degrees; tilts are scaled down, yaw follows the pointer.
+   * Displacement of a degree of freedom for a pointer movement [px]: in mm or degrees; tilts are scaled down, heading follows the pointer.
    * `unit_mm` is the length of a unit of the scene [mm].
    */
   displacement(freedom: Freedom, moved: Vector2, camera: Camera, size: { width: number; height: number }, unit_mm: number): number {
@@ -129,7 +129,7 @@ export class Handles {
     const along = moved.dot(projected.normalize());
     if (freedom === 'about_x' || freedom === 'about_y') return along / PIXELS_PER_DEGREE;
     const displacement = along / pixels;
-    return freedom === 'yaw' ? ((displacement / this.#reach) * 180) / Math.PI : displacement * this.group.scale.x * unit_mm;
+    return freedom === 'heading' ? ((displacement / this.#reach) * 180) / Math.PI : displacement * this.group.scale.x * unit_mm;
   }
 
   #add(freedom: Freedom, position: Vector3, direction: Vector3, group: Group): void {

@@ -40,9 +40,9 @@ function asCommand(kind: Command['kind'], height_kind: HeightKind, pose: PoseDoc
   const center = pose.models[0]?.answer?.pose.origin_m[2];
   const height_m = height_kind === 'center' && center !== undefined ? center : pose.axis_height_m;
   const height_mm = round(millimetres(height_m));
-  const { yaw_rad, pitch_rad, about_x_rad, about_y_rad } = pose.tilt;
+  const { azimuth_rad, angle_rad, about_x_rad, about_y_rad } = pose.tilt;
   return kind === 'tilt'
-    ? { kind, yaw_deg: round(degrees(yaw_rad)), pitch_deg: round(degrees(pitch_rad)), height_mm, height_kind }
+    ? { kind, azimuth_deg: round(degrees(azimuth_rad)), tilt_deg: round(degrees(angle_rad)), height_mm, height_kind }
     : { kind, about_x_deg: round(degrees(about_x_rad)), about_y_deg: round(degrees(about_y_rad)), height_mm, height_kind };
 }
 
@@ -51,9 +51,9 @@ function asCommandLike(original: Command, pose: PoseDocument, decimals: number):
   const command = asCommand(original.kind, original.kind === 'rods' ? 'axis' : original.height_kind, pose, decimals);
   if (original.kind !== 'tilt' || command.kind !== 'tilt') return command;
   // A level pose has no tilt direction; a negative tilt angle is a tilt in the opposite direction.
-  if (command.pitch_deg === 0) return { ...command, yaw_deg: original.yaw_deg };
-  if (original.pitch_deg >= 0) return command;
-  return { ...command, pitch_deg: -command.pitch_deg, yaw_deg: command.yaw_deg + (command.yaw_deg > 0 ? -180 : 180) };
+  if (command.tilt_deg === 0) return { ...command, azimuth_deg: original.azimuth_deg };
+  if (original.tilt_deg >= 0) return command;
+  return { ...command, tilt_deg: -command.tilt_deg, azimuth_deg: command.azimuth_deg + (command.azimuth_deg > 0 ? -180 : 180) };
 }
 
 export class Studio {

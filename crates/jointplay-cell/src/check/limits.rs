@@ -259,7 +259,7 @@ impl<'a> PlatformStates<'a> {
         let (mut tilts, mut plays) = (vec![0.0; count], vec![0.0; count]);
         let mut status = vec![Status::Solved; count];
         let mut quantities =
-            [(Quantity::Pitch, &mut tilts[..]), (Quantity::Displacement, &mut plays[..])];
+            [(Quantity::TiltAngle, &mut tilts[..]), (Quantity::Displacement, &mut plays[..])];
         if robot.model.forward_many(&robot.gpr, rods, &mut status, &mut quantities).is_err() {
             // An error of the whole computation is reported at each sample.
             status.fill(Status::NotFinite);
@@ -279,7 +279,7 @@ impl<'a> PlatformStates<'a> {
         }
         let platform = self.robot.platform(&positions())?;
         let play = self.robot.model.displacement(&self.robot.gpr, &platform);
-        Ok(PlatformState { tilt: platform.tilt().pitch, play })
+        Ok(PlatformState { tilt: platform.tilt().angle, play })
     }
 }
 

@@ -159,7 +159,7 @@ impl VariationInputs<'_> {
     ///    heave               |Δz̈|
     ///    platform            |Δα̈| ρ + |α̈| (|Δr| + ρ |Δϑ|) + 2 |Δα̇| |ṙ| + 2 |α̇| (|Δṙ| + |ṙ| |Δϑ|)
     ///    gravity             2 g |Δα| + g α |Δϑ|
-    ///    yaw acceleration    R² |Δϑ̈| / 2b
+    ///    heading acceleration    R² |Δϑ̈| / 2b
     ///    deflection          d' |Δr̈| + (d' / l + 3 d'') (|r̈| |Δr| + 4 |ṙ| |Δṙ| + ṙ² |Δr| / l) + (g + |r̈|) ((s' + s / l) |Δr| + s |Δϑ|)
     /// ```
     /// Δ: change from one sample to the next.

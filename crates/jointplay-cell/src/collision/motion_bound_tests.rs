@@ -112,7 +112,7 @@ fn positions(random: &mut Random, cell: &Cell, tilt_max: f64) -> Vec<f64> {
     let axes = &cell.robot.axes;
     let mut all: Vec<f64> =
         axes.iter().map(|axis| random.within(0.9 * axis.min, 0.9 * axis.max)).collect();
-    let tilt = Tilt { yaw: random.within(-3.0, 3.0), pitch: random.within(0.0, tilt_max) };
+    let tilt = Tilt { azimuth: random.within(-3.0, 3.0), angle: random.within(0.0, tilt_max) };
     let height = AxisHeight(random.within(0.45, 0.55));
     all[..RODS].copy_from_slice(&cell.robot.gpr.inverse(tilt, height).unwrap());
     all

@@ -123,8 +123,8 @@ impl Cell {
     ) -> Result<PlacedWafer, Unreachable> {
         self.robot.check_effector(effector)?;
         let allowed = self.robot.gpr.limits().tilt_max;
-        if tilt.pitch.abs() > allowed * (1.0 + TILT_TOLERANCE) {
-            let (needed, threshold) = (tilt.pitch.abs(), self.plane_threshold);
+        if tilt.angle.abs() > allowed * (1.0 + TILT_TOLERANCE) {
+            let (needed, threshold) = (tilt.angle.abs(), self.plane_threshold);
             return Err(Unreachable::Tilt {
                 needed,
                 allowed,

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::flow::{Move, WaferFlow};
+use super::flow::{RoutedHandoff, WaferFlow};
 use super::timing_model::{Signature, TimingModel};
 use crate::program::Handoff;
 use crate::robot::EffectorId;
@@ -30,7 +30,7 @@ struct State {
 /// Hand-off with the one before it.
 struct HistoryNode {
     before: Option<usize>,
-    made: Move,
+    made: RoutedHandoff,
 }
 
 /// What states are compared by: those with equal keys continue alike.
@@ -55,7 +55,7 @@ impl<'a> BeamSearch<'a> {
     }
 
     /// Orders of all hand-offs, the shortest first; different ones, at most as many as the beam is wide.
-    pub(super) fn orders(mut self, width: usize) -> Vec<Vec<Move>> {
+    pub(super) fn orders(mut self, width: usize) -> Vec<Vec<RoutedHandoff>> {
         let routes = self.flow.routes.len();
         let mut beam = vec![State {
             time: 0.0,
@@ -69,7 +69,7 @@ impl<'a> BeamSearch<'a> {
         let handoffs: usize =
             self.flow.routes.iter().map(|route| 2 * (route.slots.len() - 1)).sum();
         for done in 1..=handoffs {
-            let mut next: BTreeMap<Key, (State, Move)> = BTreeMap::new();
+            let mut next: BTreeMap<Key, (State, RoutedHandoff)> = BTreeMap::new();
             for state in &beam {
                 for made in self.moves(state) {
                     let Some(reached) = self.after(state, made, handoffs - done) else { continue };
@@ -80,7 +80,7 @@ impl<'a> BeamSearch<'a> {
                     }
                 }
             }
-            let mut reached: Vec<(State, Move)> = next.into_values().collect();
+            let mut reached: Vec<(State, RoutedHandoff)> = next.into_values().collect();
             // A stable sort of an ordered map: the result does not depend on anything else.
             reached.sort_by(|(one, _), (other, _)| one.estimate.total_cmp(&other.estimate));
             reached.truncate(width);
@@ -94,7 +94,7 @@ impl<'a> BeamSearch<'a> {
         beam.iter().map(|state| self.order_of(state)).collect()
     }
 
-    fn order_of(&self, state: &State) -> Vec<Move> {
+    fn order_of(&self, state: &State) -> Vec<RoutedHandoff> {
         let mut order = Vec::new();
         let mut at = state.history;
         while let Some(index) = at {
@@ -106,7 +106,7 @@ impl<'a> BeamSearch<'a> {
     }
 
     /// Possible next hand-offs: of each station the wafer that the program picks first, with each free effector; and each held wafer into its next slot.
-    fn moves(&self, state: &State) -> Vec<Move> {
+    fn moves(&self, state: &State) -> Vec<RoutedHandoff> {
         let routes = &self.flow.routes;
         let mut first: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
         let mut occupied: BTreeSet<SlotId> = self.flow.blocked.clone();
@@ -132,7 +132,7 @@ impl<'a> BeamSearch<'a> {
                     .iter()
                     .all(|slot| self.cell.stations[slot.station].effectors.contains(&id));
                 if may && state.holds[index].is_none() {
-                    moves.push(Move { route, handoff: Handoff::Picked(id, from) });
+                    moves.push(RoutedHandoff { route, handoff: Handoff::Picked(id, from) });
                 }
             }
         }
@@ -140,15 +140,15 @@ impl<'a> BeamSearch<'a> {
             let Some(route) = state.holds[index] else { continue };
             let to = routes[route].slots[usize::from(state.progress[route]).div_ceil(2)];
             if !occupied.contains(&to) {
-                moves.push(Move { route, handoff: Handoff::Placed(id, to) });
+                moves.push(RoutedHandoff { route, handoff: Handoff::Placed(id, to) });
             }
         }
         moves
     }
 
     /// State after a hand-off; `None` where the stay of the wafer is out of its limits.
-    fn after(&self, state: &State, made: Move, left: usize) -> Option<State> {
-        let Move { route, handoff } = made;
+    fn after(&self, state: &State, made: RoutedHandoff, left: usize) -> Option<State> {
+        let RoutedHandoff { route, handoff } = made;
         let signature = Signature::of(handoff);
         let [travel, in_station] = self.model.times(state.last, signature);
         let in_front = state.time + (travel - in_station);

@@ -15,7 +15,7 @@ pub struct WaferFlow {
     /// Slots of wafers that it does not move.
     pub(super) blocked: BTreeSet<SlotId>,
     /// Hand-offs of the program: route, and hand-off.
-    pub(super) order: Vec<Move>,
+    pub(super) order: Vec<RoutedHandoff>,
 }
 
 /// Slots that a wafer visits.
@@ -28,7 +28,7 @@ pub(super) struct Route {
 
 /// Hand-off of the wafer of a route.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Move {
+pub(super) struct RoutedHandoff {
     /// Index of the route.
     pub(super) route: usize,
     /// The hand-off.
@@ -90,9 +90,9 @@ impl WaferFlow {
         let index_of = |wafer: usize| routes.iter().position(|(known, _)| *known == wafer);
         let changes = locations.location_changes().iter().filter_map(|change| {
             let handoff = trajectory.steps[change.step].handoff?;
-            Some(Move { route: index_of(change.wafer)?, handoff })
+            Some(RoutedHandoff { route: index_of(change.wafer)?, handoff })
         });
-        let order: Vec<Move> = changes.collect();
+        let order: Vec<RoutedHandoff> = changes.collect();
         if order.is_empty() {
             return Err(FlowError::NoWafer);
         }

@@ -1,6 +1,6 @@
 //! The program of an order of hand-offs.
 
-use super::flow::Move;
+use super::flow::RoutedHandoff;
 use crate::program::{
     Command, Handoff, Instruction, Name, Number, Program, Quantity, SlotName, SourceLocation, Unit,
 };
@@ -12,7 +12,12 @@ use crate::workcell::Cell;
 /// # Arguments
 /// * `speed` – share of the limits, above 0 and at most 1
 /// * `blend_radius` – 0 for none (m)
-pub(super) fn order_program(cell: &Cell, order: &[Move], speed: f64, blend_radius: f64) -> Program {
+pub(super) fn order_program(
+    cell: &Cell,
+    order: &[RoutedHandoff],
+    speed: f64,
+    blend_radius: f64,
+) -> Program {
     let place = SourceLocation::default();
     let mut body = Vec::new();
     let mut add = |command| body.push(Instruction { place, command });

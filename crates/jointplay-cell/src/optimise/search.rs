@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::beam_search::BeamSearch;
-use super::flow::{Move, WaferFlow};
+use super::flow::{RoutedHandoff, WaferFlow};
 use super::order_program::order_program;
 use super::pareto::{Objectives, pareto_front};
 use super::timing_model::{TimingModel, TimingSample};
@@ -79,7 +79,7 @@ pub struct Search<'c> {
     flow: &'c WaferFlow,
     options: OptimiseOptions,
     model: TimingModel,
-    orders: Vec<Vec<Move>>,
+    orders: Vec<Vec<RoutedHandoff>>,
     pending: VecDeque<Candidate>,
     evaluated: Vec<(Candidate, Evaluation)>,
     stage: Stage,

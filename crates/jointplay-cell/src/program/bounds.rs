@@ -10,7 +10,7 @@ use super::{Program, ProgramProblem, SourceLocation};
 pub const MAX_INSTRUCTIONS: u64 = 20_000;
 
 /// Largest nesting depth of CALL, REPEAT and IF.
-pub const MAX_CALLS: usize = 64;
+pub const MAX_CALL_DEPTH: usize = 64;
 
 /// Name of the whole program in messages, for a program that is too long without any instruction that is.
 pub(super) const WHOLE: &str = "the program";
@@ -18,7 +18,7 @@ pub(super) const WHOLE: &str = "the program";
 /// Location of a construct that exceeds a bound, and the problem.
 type ProgramBoundsError = (SourceLocation, Box<ProgramProblem>);
 
-/// Checks that a program expands to at most [`MAX_INSTRUCTIONS`], nested to at most [`MAX_CALLS`]; parts whose size depends on counters, arguments or wafers count with their least size.
+/// Checks that a program expands to at most [`MAX_INSTRUCTIONS`], nested to at most [`MAX_CALL_DEPTH`]; parts whose size depends on counters, arguments or wafers count with their least size.
 ///
 /// # Errors
 /// The first construct that exceeds a bound.
@@ -115,10 +115,10 @@ impl BlockCounter<'_> {
     }
 
     fn enter(&self, place: SourceLocation, depth: usize) -> Result<(), ProgramBoundsError> {
-        if depth <= MAX_CALLS {
+        if depth <= MAX_CALL_DEPTH {
             return Ok(());
         }
-        Err((place, Box::new(ProgramProblem::TooDeep { allowed: MAX_CALLS })))
+        Err((place, Box::new(ProgramProblem::TooDeep { allowed: MAX_CALL_DEPTH })))
     }
 
     fn routine(

@@ -244,8 +244,8 @@ impl<'r> ProgramExpander<'r> {
                 let tilt = match target {
                     None => Some(Tilt::LEVEL),
                     Some(ResolvedTilt { angle, azimuth }) => {
-                        let (pitch, yaw) = (self.si(angle), self.si(azimuth));
-                        pitch.zip(yaw).map(|(pitch, yaw)| Tilt { yaw, pitch })
+                        let (angle, azimuth) = (self.si(angle), self.si(azimuth));
+                        angle.zip(azimuth).map(|(angle, azimuth)| Tilt { azimuth, angle })
                     }
                 };
                 if let Some(tilt) = tilt {
@@ -253,7 +253,7 @@ impl<'r> ProgramExpander<'r> {
                     self.report_result(place, done);
                 }
             }
-            ResolvedCommand::Unresolved => self.occupancy.invalidate(),
+            ResolvedCommand::Invalid => self.occupancy.invalidate(),
             ResolvedCommand::Call { .. }
             | ResolvedCommand::Repeat { .. }
             | ResolvedCommand::If { .. } => unreachable!("executed by `block`"),

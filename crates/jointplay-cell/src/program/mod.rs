@@ -52,7 +52,7 @@ mod step;
 mod syntax;
 mod wafer_locations;
 
-pub use bounds::{MAX_CALLS, MAX_INSTRUCTIONS};
+pub use bounds::{MAX_CALL_DEPTH, MAX_INSTRUCTIONS};
 pub use expand::expand;
 pub(crate) use expand::expand_by;
 pub use handoff_deflection::{HandoffDeflection, handoff_deflections};

@@ -100,7 +100,7 @@ impl<'p> Resolver<'p> {
     ) -> Vec<ResolvedInstruction> {
         let mut lines = Vec::with_capacity(body.len());
         for instruction in body {
-            let command = self.command(instruction, scope).unwrap_or(ResolvedCommand::Unresolved);
+            let command = self.command(instruction, scope).unwrap_or(ResolvedCommand::Invalid);
             lines.push(ResolvedInstruction { place: instruction.place, command });
         }
         lines

@@ -75,7 +75,7 @@ pub(super) enum ResolvedCommand {
         otherwise: Vec<ResolvedInstruction>,
     },
     /// A command with an unknown name: the positions of wafers are unknown after it.
-    Unresolved,
+    Invalid,
 }
 
 /// A variable of an expression.
@@ -203,7 +203,7 @@ fn mark_unresolved(body: &mut [ResolvedInstruction], place: SourceLocation) -> b
         command @ (ResolvedCommand::Repeat { .. } | ResolvedCommand::Call { .. })
             if instruction.place == place =>
         {
-            *command = ResolvedCommand::Unresolved;
+            *command = ResolvedCommand::Invalid;
             true
         }
         ResolvedCommand::Repeat { body, .. } => mark_unresolved(body, place),

@@ -325,7 +325,7 @@ impl<'c> MotionSequencer<'c> {
 
     fn level(&mut self) {
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
-        if self.cell.robot.gpr.plane_tilt(&rods).pitch > LEVEL_TOLERANCE {
+        if self.cell.robot.gpr.plane_tilt(&rods).angle > LEVEL_TOLERANCE {
             let to = self.positions_at_tilt(Tilt::LEVEL);
             self.push(Phase::Level, to, Path::PointToPoint);
         }

@@ -29,11 +29,11 @@ pub enum Path {
 pub enum Phase {
     /// Axes to given positions.
     Move,
-    /// Retract arms that are extended; `tuck in` in text formats.
+    /// Retract arms that are extended.
     RetractArms,
     /// Turn toward the station, retracted and level.
     Turn,
-    /// Move the rods to the height and tilt in front of the slot; `enter` in text formats.
+    /// Move the rods to the height and tilt in front of the slot.
     Align,
     /// Extend into the station.
     Extend,

@@ -111,9 +111,9 @@ impl HybridRobot {
             self.check_axis_of(index, axis).map_err(RobotPart::Axis(index).at_fault())?;
         }
         let home = [0, 1, 2].map(|rod| self.axes[rod].home);
-        let pitch = self.gpr.plane_tilt(&home).pitch;
+        let angle = self.gpr.plane_tilt(&home).angle;
         let what = "the tilt of the home position".to_owned();
-        in_range(what, pitch, 0.0, self.gpr.limits().tilt_max, "rad").map_err(&whole)?;
+        in_range(what, angle, 0.0, self.gpr.limits().tilt_max, "rad").map_err(&whole)?;
         for (index, arm) in self.arms.iter().enumerate() {
             self.check_arm(index, arm)?;
         }

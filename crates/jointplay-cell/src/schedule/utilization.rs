@@ -28,10 +28,10 @@ pub struct StationUtilization {
     pub processing: f64,
     /// Time in which the robot waits for the process (s).
     pub robot_waits: f64,
-    /// Shortest stay of a wafer that is placed and picked (s).
-    pub shortest_stay: Option<f64>,
-    /// Longest stay of a wafer that is placed or picked (s).
-    pub longest_stay: Option<f64>,
+    /// Shortest dwell of a wafer that is placed and picked (s).
+    pub shortest_dwell: Option<f64>,
+    /// Longest dwell of a wafer that is placed or picked (s).
+    pub longest_dwell: Option<f64>,
 }
 
 impl RobotUtilization {
@@ -77,10 +77,11 @@ pub(super) fn station_utilizations(
         }
         let (use_of, duration) = (&mut found[station], stay.duration());
         use_of.visits += 1;
-        use_of.longest_stay = Some(use_of.longest_stay.map_or(duration, |most| most.max(duration)));
+        use_of.longest_dwell =
+            Some(use_of.longest_dwell.map_or(duration, |most| most.max(duration)));
         if stay.stay.arrival_step.is_some() && stay.stay.departure_step.is_some() {
-            let shortest = use_of.shortest_stay.map_or(duration, |least| least.min(duration));
-            use_of.shortest_stay = Some(shortest);
+            let shortest = use_of.shortest_dwell.map_or(duration, |least| least.min(duration));
+            use_of.shortest_dwell = Some(shortest);
         }
     }
     for (station, use_of) in found.iter_mut().enumerate() {

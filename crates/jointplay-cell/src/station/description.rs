@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector3};
 
-use super::teach::{Drift, FrameUncertainty, TaughtFrame};
+use super::teach::{CarrierAxis, FrameUncertainty, TaughtFrame};
 use crate::robot::EffectorId;
 
 /// Direction in which a wafer enters a station.
@@ -65,7 +65,7 @@ impl Station {
         base_from_wafer * inward * station_from_slot.inverse()
     }
 
-    /// Origin of the station if the centre of a wafer in one of its slots were here, the tilt and yaw of the frame unchanged, in the base frame (m).
+    /// Origin of the station if the centre of a wafer in one of its slots were here, the tilt and heading of the frame unchanged, in the base frame (m).
     #[must_use]
     pub fn origin_under(&self, slot: usize, center: &Vector3<f64>) -> Vector3<f64> {
         let offset =
@@ -82,7 +82,7 @@ pub enum Origin {
     /// Fitted to taught points; the parts that they do not determine are nominal.
     Taught(Box<TaughtFrame>),
     /// Positions of the first and the last slot.
-    Drift(Drift),
+    CarrierAxis(CarrierAxis),
 }
 
 /// Stroke of a hand-off.

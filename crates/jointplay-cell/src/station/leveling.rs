@@ -17,7 +17,7 @@ impl Station {
     #[must_use]
     pub fn excess_tilt(&self, robot: &HybridRobot) -> f64 {
         let tilt = Tilt::from_normal(&(self.base_from_station.rotation * Vector3::z()));
-        (tilt.pitch - robot.gpr.limits().tilt_max).max(0.0)
+        (tilt.angle - robot.gpr.limits().tilt_max).max(0.0)
     }
 }
 
@@ -35,21 +35,21 @@ impl Cell {
         if self.can_follow(station) {
             return None;
         }
-        let leveled = |pitch: f64| {
+        let leveled = |angle: f64| {
             let origin = station.base_from_station.translation.vector;
-            let normal = Tilt { pitch, ..tilt }.normal();
-            let yaw = teach::yaw(&station.base_from_station);
-            Station { base_from_station: teach::frame(origin, &normal, yaw), ..station.clone() }
+            let normal = Tilt { angle, ..tilt }.normal();
+            let heading = teach::heading(&station.base_from_station);
+            Station { base_from_station: teach::frame(origin, &normal, heading), ..station.clone() }
         };
         if !self.can_follow(&leveled(0.0)) {
             return None;
         }
-        let (mut low, mut high) = (0.0, tilt.pitch);
+        let (mut low, mut high) = (0.0, tilt.angle);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
             if self.can_follow(&leveled(middle)) { low = middle } else { high = middle }
         }
-        Some(tilt.pitch - low)
+        Some(tilt.angle - low)
     }
 
     /// Whether the platform can tilt as far as the targets of a station need.

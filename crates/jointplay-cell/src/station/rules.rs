@@ -22,9 +22,9 @@ pub struct WaferRules {
 pub struct DwellLimits {
     /// Index of the station.
     pub station: usize,
-    /// Shortest stay of a wafer that the program places (s).
+    /// Shortest dwell of a wafer that the program places (s).
     pub min: f64,
-    /// Longest stay; no wafer may be left there at the end of the program. `None` for any stay (s).
+    /// Longest dwell; no wafer may be left there at the end of the program. `None` for any stay (s).
     pub max: Option<f64>,
 }
 
@@ -58,9 +58,9 @@ impl WaferRules {
         let mut limited = BTreeSet::new();
         for &DwellLimits { station, min, max } in &self.dwell {
             index("a dwell limit", "station", station, stations)?;
-            in_range("the shortest stay".to_owned(), min, 0.0, MAX_TIME, "s")?;
+            in_range("the shortest dwell".to_owned(), min, 0.0, MAX_TIME, "s")?;
             if let Some(max) = max {
-                in_range("the longest stay".to_owned(), max, 0.0, MAX_TIME, "s")?;
+                in_range("the longest dwell".to_owned(), max, 0.0, MAX_TIME, "s")?;
                 if min > max {
                     let what = "a stay at a station".to_owned();
                     return Err(CellError::LimitsReversed { what, min, max, unit: "s" });

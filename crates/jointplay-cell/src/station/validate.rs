@@ -92,7 +92,7 @@ impl Station {
     pub fn check_tilt(&self, robot: &HybridRobot) -> Result<(), CellError> {
         let tilt = Tilt::from_normal(&(self.base_from_station.rotation * Vector3::z()));
         let max = robot.gpr.limits().tilt_max;
-        if tilt.pitch <= max * (1.0 + TILT_TOLERANCE) {
+        if tilt.angle <= max * (1.0 + TILT_TOLERANCE) {
             return Ok(());
         }
         Err(CellError::StationTilt { station: self.name.clone(), tilt, max })

@@ -209,7 +209,7 @@ mod tests {
     use jointplay_core::spatial::Tilt;
 
     fn station(approach: Approach, retract_reach: f64) -> Station {
-        let normal = Tilt { yaw: 1.0, pitch: 0.0139 }.normal();
+        let normal = Tilt { azimuth: 1.0, angle: 0.0139 }.normal();
         Station {
             name: "LP".into(),
             base_from_station: teach::frame(Vector3::new(0.3, 0.6, 0.5), &normal, -0.2),

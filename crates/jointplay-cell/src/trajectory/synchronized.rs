@@ -58,7 +58,7 @@ pub(crate) fn synchronized_profile(
         });
     }
     let limits = moving.iter().map(|&axis| limits(axis)).collect();
-    let request = Move { moving, from, to, limits };
+    let request = SynchronizedMove { moving, from, to, limits };
     let mut attempts = LOWERED_JERK_SHARES.iter();
     let found =
         attempts.find_map(|&fraction| Some((Units::SI, request.plan(Units::SI, fraction)?)));
@@ -72,7 +72,7 @@ pub(crate) fn synchronized_profile(
 }
 
 /// A move to plan.
-struct Move<'a> {
+struct SynchronizedMove<'a> {
     /// Indices of the axes that move.
     moving: Vec<usize>,
     /// Start positions of all axes (m or rad).
@@ -100,7 +100,7 @@ impl Units {
     }
 }
 
-impl Move<'_> {
+impl SynchronizedMove<'_> {
     /// Absolute displacement of each moving axis (m or rad).
     fn displacements(&self) -> impl Iterator<Item = f64> + '_ {
         self.moving.iter().map(|&axis| (self.to[axis] - self.from[axis]).abs())
@@ -183,7 +183,7 @@ pub struct NoProfile {
 }
 
 impl NoProfile {
-    fn new(request: &Move<'_>) -> Self {
+    fn new(request: &SynchronizedMove<'_>) -> Self {
         let largest =
             |of: fn(&KinematicLimits) -> f64| request.limits.iter().map(of).fold(0.0, f64::max);
         Self {

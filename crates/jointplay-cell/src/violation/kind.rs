@@ -102,8 +102,8 @@ impl fmt::Display for ViolationKind {
             Self::PlaneBudget => "plane budget",
             Self::KeepOut => "keep-out zone",
             Self::SafeZone => "safe zone",
-            Self::LongDwell => "long stay",
-            Self::ShortDwell => "short stay",
+            Self::LongDwell => "long dwell",
+            Self::ShortDwell => "short dwell",
             Self::LeftInStation => "wafer left in station",
             Self::VisitRule => "visit rule",
         })

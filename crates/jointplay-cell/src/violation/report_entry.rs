@@ -147,12 +147,12 @@ impl Violation {
             }
             ViolationKind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
             ViolationKind::LongDwell => format!(
-                "{} stays in {} for {worst:.3} s, allowed are {limit:.3} s",
+                "{} dwells in {} for {worst:.3} s, allowed are {limit:.3} s",
                 name(0),
                 name(1)
             ),
             ViolationKind::ShortDwell => format!(
-                "{} stays in {} for {worst:.3} s, required are {limit:.3} s",
+                "{} dwells in {} for {worst:.3} s, required are {limit:.3} s",
                 name(0),
                 name(1)
             ),

@@ -113,7 +113,7 @@ impl Cell {
         let target_normal = target.normal.normalize();
         let max_tilt = self.robot.gpr.limits().tilt_max;
         let mut aim = WaferTarget { normal: target_normal, ..*target };
-        let mut needed = Tilt::from_normal(&target_normal).pitch;
+        let mut needed = Tilt::from_normal(&target_normal).angle;
         let mut iterations = 0;
         let mut last_residual = f64::INFINITY;
         loop {
@@ -151,7 +151,7 @@ impl Cell {
                 .inverse();
             aim.center = target.center + Vector3::z() * deflection.drop;
             aim.normal = back * target_normal;
-            needed = Tilt::from_normal(&aim.normal).pitch;
+            needed = Tilt::from_normal(&aim.normal).angle;
             // A heading is an angle about the normal: the new normal needs another angle for the same direction.
             aim.heading = target.heading.map(|heading| {
                 let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), heading);
@@ -197,8 +197,8 @@ fn angle_to(base_from_wafer: &Pose, normal: &Vector3<f64>) -> f64 {
 /// A normal tilted by at most a limit, toward the same side.
 fn clamped_tilt(normal: &Vector3<f64>, limit: f64) -> Vector3<f64> {
     let tilt = Tilt::from_normal(normal);
-    if tilt.pitch <= limit {
+    if tilt.angle <= limit {
         return *normal;
     }
-    Tilt { yaw: tilt.yaw, pitch: limit * (1.0 - CLAMP_MARGIN) }.normal()
+    Tilt { azimuth: tilt.azimuth, angle: limit * (1.0 - CLAMP_MARGIN) }.normal()
 }

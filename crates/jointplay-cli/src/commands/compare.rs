@@ -14,7 +14,9 @@ use jointplay::spatial::Tilt;
 use jointplay::study::{compare, refine};
 use jointplay::virtualization::built_in;
 
-use crate::arguments::{AnswerArgs, MetricArgs, SolverName, Steps, finite, length, pitches, yaw};
+use crate::arguments::{
+    AnswerArgs, MetricArgs, SolverName, Steps, azimuth, finite, length, tilt_angles,
+};
 use crate::failure::Failure;
 use crate::figure::{FIGURE_REFINEMENT, FigureArgs};
 use crate::output::{self, limits};
@@ -30,14 +32,14 @@ use jointplay::format::number::fixed;
 Examples:
   jointplay compare
   jointplay compare --robot dual-arm
-  jointplay compare --pitch-deg 0:2:0.1 --ignore-limits --figure shifts.svg")]
+  jointplay compare --tilt-deg 0:2:0.1 --ignore-limits --figure shifts.svg")]
 pub(crate) struct Compare {
     /// Tilt direction γ
     #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite)]
-    yaw_deg: f64,
+    azimuth_deg: f64,
     /// Tilt angles α
-    #[arg(long, value_name = "FROM:TO:STEP", default_value = "0:1.5:0.25", value_parser = pitches)]
-    pitch_deg: Steps,
+    #[arg(long, value_name = "FROM:TO:STEP", default_value = "0:1.5:0.25", value_parser = tilt_angles)]
+    tilt_deg: Steps,
     /// Axis height [default: the robot's working height]
     #[arg(long, value_name = "MM", value_parser = length)]
     height_mm: Option<f64>,
@@ -57,14 +59,17 @@ impl Compare {
         self.figure.target()?;
         let (gpr, wafers) = self.robot()?;
         let height = AxisHeight(self.height_mm.map_or(gpr.working_height(), m_from_mm));
-        let yaw = yaw(self.yaw_deg);
-        let pitches: Vec<f64> = self.pitch_deg.0.iter().map(|pitch| pitch.to_radians()).collect();
+        let azimuth = azimuth(self.azimuth_deg);
+        let tilt_angles: Vec<f64> =
+            self.tilt_deg.0.iter().map(|tilt_angle| tilt_angle.to_radians()).collect();
         let mut broken = Vec::new();
         // At one azimuth and height, the ends of the range exceed every limit that any tilt of it exceeds.
-        let ends =
-            [pitches.iter().copied().reduce(f64::min), pitches.iter().copied().reduce(f64::max)];
-        for pitch in ends.into_iter().flatten() {
-            let tilt = Tilt { yaw, pitch };
+        let ends = [
+            tilt_angles.iter().copied().reduce(f64::min),
+            tilt_angles.iter().copied().reduce(f64::max),
+        ];
+        for tilt_angle in ends.into_iter().flatten() {
+            let tilt = Tilt { azimuth, angle: tilt_angle };
             for limit in self.answer.limits.check(&gpr, &gpr.inverse(tilt, height)?, tilt)? {
                 if !broken.contains(&limit) {
                     broken.push(limit);
@@ -72,14 +77,15 @@ impl Compare {
             }
         }
         let options = self.metric.options(self.solver);
-        let comparison = compare(&gpr, &built_in(), yaw, &pitches, height, &options)?;
+        let comparison = compare(&gpr, &built_in(), azimuth, &tilt_angles, height, &options)?;
         let report = report::compare(&comparison, &broken, &wafers);
         self.answer.format.print(&report, table)?;
         if self.figure.target()?.is_none() {
             return Ok(());
         }
-        let fine = refine(&pitches, FIGURE_REFINEMENT);
-        let figure = comparison_figure(&compare(&gpr, &built_in(), yaw, &fine, height, &options)?);
+        let fine = refine(&tilt_angles, FIGURE_REFINEMENT);
+        let figure =
+            comparison_figure(&compare(&gpr, &built_in(), azimuth, &fine, height, &options)?);
         let written = self.figure.write(&figure)?;
         match written {
             Some(path) if !self.answer.format.json() => {
@@ -119,12 +125,12 @@ fn table(report: &CompareReport) -> String {
     let _ = writeln!(
         text,
         "centre shift x, y (µm), tilt direction {}°, axis height {} mm",
-        number(report.yaw_deg),
+        number(report.azimuth_deg),
         number(report.height_mm)
     );
-    let _ = writeln!(text, "  pitch (deg){names}{:>20}", "approximate");
-    for (i, pitch) in report.pitch_deg.iter().enumerate() {
-        let _ = write!(text, "  {:>11}", fixed(*pitch, 4));
+    let _ = writeln!(text, "   tilt (deg){names}{:>20}", "approximate");
+    for (i, tilt_angle) in report.tilt_deg.iter().enumerate() {
+        let _ = write!(text, "  {:>11}", fixed(*tilt_angle, 4));
         for model in &report.models {
             let (x, y) = (model.center_shift_x_um.get(i), model.center_shift_y_um.get(i));
             let _ = write!(text, "{:>10}{:>10}", entry(x), entry(y));
@@ -135,9 +141,9 @@ fn table(report: &CompareReport) -> String {
         text,
         "largest socket displacement in the platform; approximate: largest gap between socket and ball (µm)"
     );
-    let _ = writeln!(text, "  pitch (deg){names}{:>20}", "approximate");
-    for (i, pitch) in report.pitch_deg.iter().enumerate() {
-        let _ = write!(text, "  {:>11}", fixed(*pitch, 4));
+    let _ = writeln!(text, "   tilt (deg){names}{:>20}", "approximate");
+    for (i, tilt_angle) in report.tilt_deg.iter().enumerate() {
+        let _ = write!(text, "  {:>11}", fixed(*tilt_angle, 4));
         for model in &report.models {
             let _ = write!(text, "{:>20}", entry(model.largest_displacement_um.get(i)));
         }
@@ -149,7 +155,7 @@ fn table(report: &CompareReport) -> String {
                 text,
                 "{}: no solution from {}° on",
                 model.virtualization,
-                number(report.pitch_deg[model.center_shift_x_um.len()])
+                number(report.tilt_deg[model.center_shift_x_um.len()])
             );
             let _ = writeln!(text, "  {failure}");
         }
@@ -174,9 +180,9 @@ fn table(report: &CompareReport) -> String {
                 )
             })
             .collect();
-        let _ = writeln!(text, "lever x, y (µm)\n  pitch (deg){names}");
-        for (i, pitch) in report.pitch_deg.iter().enumerate() {
-            let _ = write!(text, "  {:>11}", fixed(*pitch, 4));
+        let _ = writeln!(text, "lever x, y (µm)\n   tilt (deg){names}");
+        for (i, tilt_angle) in report.tilt_deg.iter().enumerate() {
+            let _ = write!(text, "  {:>11}", fixed(*tilt_angle, 4));
             for wafer in &report.wafers {
                 let [x, y] = [wafer.lever_x_um[i], wafer.lever_y_um[i]].map(|um| fixed(um, 1));
                 let _ = write!(text, "{x:>15}{y:>15}");

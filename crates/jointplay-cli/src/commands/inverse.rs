@@ -14,8 +14,8 @@ use crate::failure::Failure;
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
-  jointplay inverse --yaw-deg 17 --pitch-deg 1.5 --height-mm 500
-  jointplay inverse --yaw-deg 17 --pitch-deg 1.5 --height-of center --virtualization radial")]
+  jointplay inverse --azimuth-deg 17 --tilt-deg 1.5 --height-mm 500
+  jointplay inverse --azimuth-deg 17 --tilt-deg 1.5 --height-of center --virtualization radial")]
 pub(crate) struct Inverse {
     #[command(flatten)]
     tilt: TiltArgs,

@@ -26,8 +26,8 @@ pub(super) fn pose(report: &ForwardReport, asked: Solver) -> String {
     let _ = writeln!(
         text,
         "  tilt                 {}° at azimuth {}°, torsion {}°",
-        fixed(platform.pitch_deg, 6),
-        fixed(platform.yaw_deg, 6),
+        fixed(platform.tilt_deg, 6),
+        fixed(platform.azimuth_deg, 6),
         fixed(platform.torsion_deg, 9)
     );
     let _ = writeln!(

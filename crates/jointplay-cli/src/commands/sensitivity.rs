@@ -21,14 +21,14 @@ use jointplay::format::number::fixed;
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
-  jointplay sensitivity --pitch-deg 1.5
+  jointplay sensitivity --tilt-deg 1.5
   jointplay sensitivity --q-mm 500,501,502 --virtualization polar --metric radius
   jointplay sensitivity gpr-mechanism --command S1[1]=0.1
 
 Exit codes: 0 done, 1 no such pose, or a limit or clearance is exceeded, 2 bad input or usage.")]
 pub(crate) struct SensitivityCommand {
     /// Mechanism file (TOML) with virtual joints, or a name from `jointplay catalogue` [default: the paper's robot]
-    #[arg(value_name = "FILE", conflicts_with_all = ["robot", "q_mm", "yaw_deg", "pitch_deg", "height_mm", "ignore_limits", "virtualization", "solver", "metric"])]
+    #[arg(value_name = "FILE", conflicts_with_all = ["robot", "q_mm", "azimuth_deg", "tilt_deg", "height_mm", "ignore_limits", "virtualization", "solver", "metric"])]
     file: Option<PathBuf>,
     /// Commanded joint coordinates of a mechanism, in the units of the file
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment, requires = "file")]
@@ -36,7 +36,7 @@ pub(crate) struct SensitivityCommand {
     #[command(flatten)]
     set: SetArgs,
     /// Rod lengths at the end of the motion, instead of a tilt
-    #[arg(long, value_name = "Q1,Q2,Q3", value_parser = crate::arguments::rods, conflicts_with_all = ["yaw_deg", "pitch_deg", "height_mm"])]
+    #[arg(long, value_name = "Q1,Q2,Q3", value_parser = crate::arguments::rods, conflicts_with_all = ["azimuth_deg", "tilt_deg", "height_mm"])]
     q_mm: Option<Rods>,
     #[command(flatten)]
     tilt: TiltArgs,
@@ -78,8 +78,8 @@ fn text(report: &SensitivityReport) -> String {
     let _ = writeln!(
         text,
         "tilt {}° at azimuth {}°, {} virtual joints{}",
-        fixed(report.pitch_deg, 6),
-        fixed(report.yaw_deg, 6),
+        fixed(report.tilt_deg, 6),
+        fixed(report.azimuth_deg, 6),
         report.virtualization,
         characteristic_length(&report.virtual_joints, report.characteristic_length_mm)
     );

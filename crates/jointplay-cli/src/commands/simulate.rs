@@ -16,7 +16,7 @@ use jointplay::study::{Order, Raster, Samples, SeriesKind, check_bounds, simulat
 
 use super::simulate_text;
 use crate::arguments::{
-    MetricArgs, RobotArgs, SolverName, Steps, VirtualizationName, finite, length, pitches,
+    MetricArgs, RobotArgs, SolverName, Steps, VirtualizationName, finite, length, tilt_angles,
 };
 use crate::failure::Failure;
 use crate::figure::{FIGURE_REFINEMENT, svg_and_png};
@@ -26,15 +26,15 @@ use crate::progress::Progress;
 
 /// Run the paper's studies and write data and figures
 ///
-/// Computes a raster over tilt direction (yaw) and tilt angle (pitch) under each virtualization; every pose is solved from the nominal virtual joints.
+/// Computes a raster over azimuth and angle of the tilt (yaw and pitch in the paper) under each virtualization; every pose is solved from the nominal virtual joints.
 /// By default these are the paper's studies VI.A (polar) and VI.B (offset), and the same for radial and planar.
 /// As in the paper, the raster exceeds the robot's tilt limit.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   jointplay simulate
-  jointplay simulate --yaw-step-deg 1 --virtualization polar,planar --out fine-study
-  jointplay simulate --pitch-deg -1.5:1.5:0.1 --order serpentine --metric radius")]
+  jointplay simulate --azimuth-step-deg 1 --virtualization polar,planar --out fine-study
+  jointplay simulate --tilt-deg -1.5:1.5:0.1 --order serpentine --metric radius")]
 pub(crate) struct Simulate {
     /// Virtualizations, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "all")]
@@ -44,12 +44,12 @@ pub(crate) struct Simulate {
     solver: SolverName,
     #[command(flatten)]
     metric: MetricArgs,
-    /// Step of the yaw from 0° to 360°, both ends included
+    /// Step of the azimuth from 0° to 360°, both ends included
     #[arg(long, value_name = "DEG", default_value = "10", value_parser = finite)]
-    yaw_step_deg: f64,
-    /// Pitch range of each yaw
-    #[arg(long, value_name = "FROM:TO:STEP", default_value = "-2:2:0.2", value_parser = pitches)]
-    pitch_deg: Steps,
+    azimuth_step_deg: f64,
+    /// Range of the tilt angle of each azimuth
+    #[arg(long, value_name = "FROM:TO:STEP", default_value = "-2:2:0.2", value_parser = tilt_angles)]
+    tilt_deg: Steps,
     /// Axis height [default: the robot's working height]
     #[arg(long, value_name = "MM", value_parser = length)]
     height_mm: Option<f64>,
@@ -86,9 +86,9 @@ enum VirtualizationChoice {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum OrderName {
-    /// every yaw from the first pitch to the last, as in the paper
+    /// every azimuth from the first tilt angle to the last, as in the paper
     Raster,
-    /// every other yaw from the last pitch to the first, continuous in time
+    /// every other azimuth from the last tilt angle to the first, continuous in time
     Serpentine,
 }
 
@@ -157,12 +157,12 @@ impl Simulate {
         }
         let reports: Vec<&StudyReport> = studies.iter().map(|study| &study.report).collect();
         let heading = format!(
-            "{}: {} poses, yaw 0° to 360° by {}°, pitch {}° to {}°, axis height {} mm",
+            "{}: {} poses, azimuth 0° to 360° by {}°, tilt angle {}° to {}°, axis height {} mm",
             robot.name,
             raster.len(),
-            number(self.yaw_step_deg),
-            number(self.pitch_deg.0.first().copied().unwrap_or_default()),
-            number(self.pitch_deg.0.last().copied().unwrap_or_default()),
+            number(self.azimuth_step_deg),
+            number(self.tilt_deg.0.first().copied().unwrap_or_default()),
+            number(self.tilt_deg.0.last().copied().unwrap_or_default()),
             number(mm(raster.height.0)),
         );
         let mut text = simulate_text::table(&heading, &reports);
@@ -171,7 +171,7 @@ impl Simulate {
     }
 
     fn raster(&self, robot: &robot::Robot) -> Result<Raster, Failure> {
-        let step = self.yaw_step_deg;
+        let step = self.azimuth_step_deg;
         if step > 360.0 {
             let source = steps::Error::Misses {
                 from: 0.0,
@@ -180,13 +180,13 @@ impl Simulate {
                 intervals: 360.0 / step,
                 nearest: 360.0,
             };
-            return Err(Failure::YawStep { step, source });
+            return Err(Failure::AzimuthStep { step, source });
         }
-        let yaws =
-            steps::spread(0.0, 360.0, step).map_err(|source| Failure::YawStep { step, source })?;
+        let azimuths = steps::spread(0.0, 360.0, step)
+            .map_err(|source| Failure::AzimuthStep { step, source })?;
         Ok(Raster {
-            yaws: yaws.into_iter().map(f64::to_radians).collect(),
-            pitches: self.pitch_deg.0.iter().map(|pitch| pitch.to_radians()).collect(),
+            azimuths: azimuths.into_iter().map(f64::to_radians).collect(),
+            tilt_angles: self.tilt_deg.0.iter().map(|tilt_angle| tilt_angle.to_radians()).collect(),
             height: AxisHeight(self.height_mm.map_or(robot.gpr.working_height(), m_from_mm)),
             order: match self.order {
                 OrderName::Raster => Order::Raster,
@@ -250,17 +250,17 @@ impl Simulate {
         studies: &[Study],
         files: &[String],
     ) -> String {
-        let pitches = &self.pitch_deg.0;
+        let tilt_angles = &self.tilt_deg.0;
         let document = serde_json::json!({
             "command": COMMAND,
             "robot": robot.name,
             "poses": raster.len(),
-            "yaw_step_deg": self.yaw_step_deg,
-            "pitch_deg": { "from": pitches.first(), "to": pitches.last(), "values": pitches.len() },
+            "azimuth_step_deg": self.azimuth_step_deg,
+            "tilt_deg": { "from": tilt_angles.first(), "to": tilt_angles.last(), "values": tilt_angles.len() },
             "axis_height_mm": mm(raster.height.0),
             "order": match raster.order { Order::Raster => "raster", Order::Serpentine => "serpentine" },
             "beyond_limits_on_purpose": deg(robot.gpr.limits().tilt_max)
-                < pitches.iter().fold(0.0, |most: f64, pitch| most.max(pitch.abs())),
+                < tilt_angles.iter().fold(0.0, |most: f64, tilt_angle| most.max(tilt_angle.abs())),
             "studies": studies.iter().map(|study| &study.report).collect::<Vec<_>>(),
             "files": files,
         });

@@ -8,7 +8,7 @@ fn near(found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance, "{found}, expected {expected}");
 }
 
-/// The reference tilt: rods of yaw 0°, pitch 2° at 500 mm.
+/// The reference tilt: rods of azimuth 0°, tilt angle 2° at 500 mm.
 const TILTED: &str =
     "--q-mm 496.74475570951826,501.62762214524087,501.62762214524087 --ignore-limits";
 
@@ -26,8 +26,8 @@ fn forward_has_every_key() {
     assert!(pose["iterations"].as_u64().unwrap() <= 3);
     assert!(pose["residual_mm"].as_f64().unwrap() < 1e-9);
     let platform = &pose["platform"];
-    near(platform["pitch_deg"].as_f64().unwrap(), 2.0, 1e-10);
-    near(platform["yaw_deg"].as_f64().unwrap(), 0.0, 1e-10);
+    near(platform["tilt_deg"].as_f64().unwrap(), 2.0, 1e-10);
+    near(platform["azimuth_deg"].as_f64().unwrap(), 0.0, 1e-10);
     near(platform["torsion_deg"].as_f64().unwrap(), 0.0, 1e-8);
     // 28.3951 µm along the platform, seen from above.
     near(three(&platform["origin_mm"])[0], 0.0283951 * 2_f64.to_radians().cos(), 1e-7);
@@ -39,16 +39,16 @@ fn forward_has_every_key() {
 #[test]
 fn figures_of_coarse_comparisons_have_smooth_curves() {
     let sandbox = Sandbox::new();
-    let points = |pitch: &str| {
-        sandbox.done(&format!("compare --pitch-deg {pitch} --figure f.svg --force"));
+    let points = |tilt_angle: &str| {
+        sandbox.done(&format!("compare --tilt-deg {tilt_angle} --figure f.svg --force"));
         let svg = sandbox.read("f.svg");
         let paths = svg.split("<path d=\"M").skip(1).map(|path| path.split('"').next().unwrap());
         paths.map(|path| path.split(['L', ' ']).count()).max().unwrap()
     };
-    // Four pitches in the answer, but 31 in the figure.
+    // Four tilt angles in the answer, but 31 in the figure.
     assert!(points("0:1.5:0.5") > 30, "{}", points("0:1.5:0.5"));
-    let answer = sandbox.json("compare --pitch-deg 0:1.5:0.5");
-    assert_eq!(answer["pitch_deg"].as_array().unwrap().len(), 4);
+    let answer = sandbox.json("compare --tilt-deg 0:1.5:0.5");
+    assert_eq!(answer["tilt_deg"].as_array().unwrap().len(), 4);
 }
 
 #[test]
@@ -71,15 +71,15 @@ fn inverse_and_forward_agree() {
         for height_of in ["axis", "center"] {
             let model = format!("--virtualization {model} --solver newton --metric radius");
             let found = sandbox.json(&format!(
-                "inverse --yaw-deg 17 --pitch-deg -1.5 --height-mm 510.25 --height-of {height_of} {model}"
+                "inverse --azimuth-deg 17 --tilt-deg -1.5 --height-mm 510.25 --height-of {height_of} {model}"
             ));
             let q = three(&found["q_mm"]).map(|q| q.to_string()).join(",");
             let again = sandbox.json(&format!("forward --q-mm {q} {model}"));
             assert_eq!(found, again, "every number reads back as itself");
             let height = &found["platform"][format!("{height_of}_height_mm")];
             near(height.as_f64().unwrap(), 510.25, 1e-10);
-            near(found["platform"]["pitch_deg"].as_f64().unwrap(), 1.5, 1e-10);
-            near(found["platform"]["yaw_deg"].as_f64().unwrap(), -163.0, 1e-9);
+            near(found["platform"]["tilt_deg"].as_f64().unwrap(), 1.5, 1e-10);
+            near(found["platform"]["azimuth_deg"].as_f64().unwrap(), -163.0, 1e-9);
         }
     }
 }
@@ -151,7 +151,7 @@ fn sensitivity_of_the_level_robot() {
 
 #[test]
 fn sensitivity_reports_the_exact_displacement_with_its_bounds() {
-    let found = Sandbox::new().json("sensitivity --pitch-deg 1.5 --yaw-deg 40");
+    let found = Sandbox::new().json("sensitivity --tilt-deg 1.5 --azimuth-deg 40");
     let truth = found["displacement_mm"].as_f64().unwrap();
     let bounds: Vec<(&str, f64, f64, bool)> = found["bounds"]
         .as_array()
@@ -177,7 +177,7 @@ fn sensitivity_reports_the_exact_displacement_with_its_bounds() {
 #[test]
 fn compare_shows_shifts_of_opposite_sign() {
     let sandbox = Sandbox::new();
-    let found = sandbox.json("compare --pitch-deg 0:2:0.5 --ignore-limits");
+    let found = sandbox.json("compare --tilt-deg 0:2:0.5 --ignore-limits");
     let last = |model: &Value| model["center_shift_x_um"][4].as_f64().unwrap();
     let models = found["models"].as_array().unwrap();
     let names: Vec<&str> = models.iter().map(|m| m["virtualization"].as_str().unwrap()).collect();
@@ -212,11 +212,11 @@ fn texts() {
         for line in [
             "forward --q-mm 500,501,502",
             "forward --q-mm 500,501,502 --virtualization polar",
-            "inverse --yaw-deg 17 --pitch-deg 2 --ignore-limits --virtualization radial --height-of center",
+            "inverse --azimuth-deg 17 --tilt-deg 2 --ignore-limits --virtualization radial --height-of center",
             "mobility",
             "mobility --q-mm 500,501,502 --virtualization offset",
             "sensitivity",
-            "compare --yaw-deg 30",
+            "compare --azimuth-deg 30",
             "--help",
             "simulate --help",
             "forward --help",

@@ -177,7 +177,7 @@ fn a_collision_is_reported_with_line_and_time() {
 
 #[test]
 fn a_station_tilted_beyond_the_limit_is_refused_with_the_numbers() {
-    let sandbox = sandbox(&[("pitch_deg = 0.8", "pitch_deg = 2.0")]);
+    let sandbox = sandbox(&[("angle_deg = 0.8", "angle_deg = 2.0")]);
     let run = sandbox.run("cell check example.toml");
     assert_eq!(run.code, 2, "{}", run.stdout);
     assert!(run.stderr.contains("example.toml:"), "{}", run.stderr);
@@ -224,8 +224,8 @@ fn taught_points_determine_the_uncertainty_of_their_plane() {
 
 #[test]
 fn leveling_a_station_by_the_advised_angle_is_enough_and_less_is_not() {
-    let checked = |pitch: f64| {
-        let sandbox = sandbox(&[("pitch_deg = 0.8", &format!("pitch_deg = {pitch}"))]);
+    let checked = |tilt: f64| {
+        let sandbox = sandbox(&[("angle_deg = 0.8", &format!("angle_deg = {tilt}"))]);
         sandbox.write("example.program", "HOME\nTRANSFER LP1 SLOT 1 TO LP2 SLOT 1 WITH A\nTRANSFER LP1 SLOT 25 TO LP2 SLOT 25 WITH B\n");
         sandbox.run("cell check example.toml")
     };
@@ -234,15 +234,15 @@ fn leveling_a_station_by_the_advised_angle_is_enough_and_less_is_not() {
         after.split('°').next().unwrap().parse().unwrap()
     };
     // By the reader, beyond the platform's own limit, and by the planner, within it.
-    for (pitch, code) in [(2.0, 2), (1.49, 1)] {
-        let run = checked(pitch);
+    for (tilt, code) in [(2.0, 2), (1.49, 1)] {
+        let run = checked(tilt);
         assert_eq!(run.code, code, "{}", run.stderr);
         let by = advised(&run.stderr);
-        assert!(by > pitch - 1.5 + 0.02, "{by}: {}", run.stderr);
+        assert!(by > tilt - 1.5 + 0.02, "{by}: {}", run.stderr);
         // It is leveled enough: what may be left is collisions, not the tilt.
-        let leveled = checked(pitch - by);
+        let leveled = checked(tilt - by);
         assert!(!leveled.stderr.contains("would have to tilt"), "{by}: {}", leveled.stderr);
-        let short = checked(pitch - 0.98 * by);
+        let short = checked(tilt - 0.98 * by);
         assert!(short.stderr.contains("by at least"), "{by}: {}", short.stderr);
     }
 }
@@ -504,10 +504,10 @@ fn two_faults_of_the_example_are_found_and_fixed() {
     };
 
     // A station is tilted by 2°.
-    broken("pitch_deg = 0.8", "pitch_deg = 2.0");
+    broken("angle_deg = 0.8", "angle_deg = 2.0");
     let run = sandbox.run("cell check example.toml");
     assert_eq!((run.code, run.stdout.as_str()), (2, ""));
-    let (line, _) = place_of(&sound, "tilt = { yaw_deg = 100.0");
+    let (line, _) = place_of(&sound, "tilt = { azimuth_deg = 100.0");
     let at = format!("example.toml:{line}:8: ");
     assert!(run.stderr.contains(&at), "{at} {}", run.stderr);
     assert!(run.stderr.contains("2.000°") && run.stderr.contains("1.500°"), "{}", run.stderr);
@@ -782,7 +782,7 @@ fn stations_are_taught_and_written_back() {
     let points = "--point-mm 400,600,600 --point-mm 300,600,599 --point-mm 350,700,599.5 --point-mm 350,500,599.5 --point-mm 350,600,599.5 --noise-um 0.5";
     let taught = sandbox.json(&format!("cell teach example.toml --station ALIGN {points}"));
     let station = &taught["stations"][0];
-    let tilt = station["tilt_pitch_deg"].as_f64().unwrap();
+    let tilt = station["tilt_angle_deg"].as_f64().unwrap();
     assert!((tilt - 0.01_f64.atan().to_degrees()).abs() < 1e-9, "{tilt}");
     assert_eq!(station["plane"]["result"], "fits");
     assert!(sandbox.read("example.toml").contains("# An example cell"));
@@ -823,10 +823,12 @@ fn stations_are_taught_and_written_back() {
     assert_eq!(no.code, 1, "{}", no.stderr);
     assert_eq!(sandbox.read("example.toml"), after);
 
-    let drift = sandbox.json(
+    let carrier_axis = sandbox.json(
         "cell teach example.toml --station LP2 --first-mm -495,-495,500 --last-mm -494,-495,740",
     );
-    assert!((drift["stations"][0]["drift_mm"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+    assert!(
+        (carrier_axis["stations"][0]["horizontal_offset_mm"].as_f64().unwrap() - 1.0).abs() < 1e-9
+    );
     let refused = sandbox.run(&format!("cell teach --station ALIGN {points} --write"));
     assert_eq!(refused.code, 2);
     assert!(refused.stderr.contains("cell example"), "{}", refused.stderr);

@@ -17,9 +17,9 @@ thickness_mm = 0.775
 material = "silicon"
 
 [budgets]
-play_um = 60.0
-clearance_mm = 1.0
-slot_clearance_mm = 1.0
+virtual_joint_norm_um = 60.0
+min_distance_mm = 1.0
+slot_min_distance_mm = 1.0
 plane_urad = 20.0
 
 [[station]]
@@ -27,7 +27,7 @@ name = "port"
 slots = 2
 pitch_mm = 10.0
 position_mm = ["distance", 0.0, 600.0]
-yaw_deg = -90.0
+heading_deg = -90.0
 stroke = { below_mm = 4.0, above_mm = 3.0, speed_mm_s = 20.0 }
 retract_mm = 10.0
 wafers = [1]

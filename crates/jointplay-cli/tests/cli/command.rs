@@ -104,7 +104,7 @@ fn no_command_replaces_a_file_unasked() {
         assert_eq!(sandbox.run(&format!("{line} --force")).code, 0, "{line}");
         assert_ne!(sandbox.read(file), "mine", "{line}");
     }
-    for line in ["simulate --yaw-step-deg 360", "move four-bar"] {
+    for line in ["simulate --azimuth-step-deg 360", "move four-bar"] {
         std::fs::create_dir_all(sandbox.file("results")).unwrap();
         sandbox.write("results/notes.txt", "mine");
         refused(&sandbox, &format!("{line} --out results"), &["notes.txt", "--force"]);
@@ -167,7 +167,7 @@ fn every_command_prints_json() {
     assert_eq!(sandbox.json("import robot.urdf --output robot.toml")["file"], "robot.toml");
     assert_eq!(sandbox.json("cell example --out c")["program"], "c/example.program");
     assert_eq!(sandbox.json("cell format one.program")["changed"], false);
-    let summary = sandbox.json("simulate --yaw-step-deg 360 --virtualization planar");
+    let summary = sandbox.json("simulate --azimuth-step-deg 360 --virtualization planar");
     assert_eq!(summary["poses"], 42);
     for line in
         ["catalogue show benett", "draw benett", "import nothing.urdf", "simulate --robot benett"]
@@ -182,8 +182,8 @@ fn every_command_prints_json() {
 fn negative_numbers_with_an_exponent_are_values() {
     let sandbox = Sandbox::new();
     let same = |one: &str, other: &str| assert_eq!(sandbox.done(one), sandbox.done(other), "{one}");
-    same("inverse --pitch-deg -1.5e-05", "inverse --pitch-deg=-0.000015");
-    same("compare --pitch-deg -1e0:1e0:5e-1", "compare --pitch-deg=-1:1:0.5");
+    same("inverse --tilt-deg -1.5e-05", "inverse --tilt-deg=-0.000015");
+    same("compare --tilt-deg -1e0:1e0:5e-1", "compare --tilt-deg=-1:1:0.5");
     same("draw bennett --view -3e1,20", "draw bennett --view=-30,20");
 }
 

@@ -20,9 +20,9 @@ fn flags_that_make_no_sense() {
     refuse("forward --q-mm 500,inf,502", 2, "inf is not a finite number");
     refuse("forward --q-mm 500,,502", 2, "invalid number");
     refuse("forward --q-mm 1e300,1,1", 2, "got 1e300 mm");
-    refuse("inverse --pitch-deg 1e308", 2, "got 1e308°");
+    refuse("inverse --tilt-deg 1e308", 2, "got 1e308°");
     refuse("draw bennett --view 20,1e308", 2, "got 1e308°");
-    refuse("simulate --yaw-step-deg 1e308", 2, "miss 360");
+    refuse("simulate --azimuth-step-deg 1e308", 2, "miss 360");
     refuse("draw four-bar --ghost A=1e308", 2, "A = 1e308 deg is too large");
     refuse("move four-bar --drive A=0:1e308", 2, "A = 1e308 deg is too large");
     refuse("assemble four-bar --at A=1e308", 2, "values must be within ±3600000 deg");
@@ -33,26 +33,26 @@ fn flags_that_make_no_sense() {
     refuse("forward --metric -3", 2, "must be positive");
     refuse("forward --metric nan", 2, "paper, radius, or a length in mm");
     refuse("forward --virtualization cubic", 2, "possible values: radial, polar, offset, planar");
-    refuse("inverse --pitch-deg 90", 2, "must be between -90° and 90°");
-    refuse("inverse --pitch-deg -95", 2, "--pitch-deg");
-    refuse("inverse --yaw-deg NaN", 2, "--yaw-deg");
+    refuse("inverse --tilt-deg 90", 2, "must be between -90° and 90°");
+    refuse("inverse --tilt-deg -95", 2, "--tilt-deg");
+    refuse("inverse --azimuth-deg NaN", 2, "--azimuth-deg");
     refuse("inverse --height-mm inf", 2, "--height-mm");
-    refuse("sensitivity --q-mm 1,2,3 --pitch-deg 1", 2, "cannot be used with");
-    refuse("simulate --pitch-deg 2:-2:0.2", 2, "does not lead from 2 to -2");
-    refuse("simulate --pitch-deg -2:2:0", 2, "a step of 0");
-    refuse("simulate --pitch-deg -2:2:0.3", 2, "fits");
-    refuse("simulate --pitch-deg -2:2", 2, "write FROM:TO:STEP");
-    refuse("simulate --pitch-deg 0:100:10", 2, "got 90°");
-    refuse("simulate --yaw-step-deg 0", 2, "--yaw-step-deg 0");
-    refuse("simulate --yaw-step-deg 7", 2, "miss 360");
-    refuse("simulate --yaw-step-deg -10", 2, "does not lead");
+    refuse("sensitivity --q-mm 1,2,3 --tilt-deg 1", 2, "cannot be used with");
+    refuse("simulate --tilt-deg 2:-2:0.2", 2, "does not lead from 2 to -2");
+    refuse("simulate --tilt-deg -2:2:0", 2, "a step of 0");
+    refuse("simulate --tilt-deg -2:2:0.3", 2, "fits");
+    refuse("simulate --tilt-deg -2:2", 2, "write FROM:TO:STEP");
+    refuse("simulate --tilt-deg 0:100:10", 2, "got 90°");
+    refuse("simulate --azimuth-step-deg 0", 2, "--azimuth-step-deg 0");
+    refuse("simulate --azimuth-step-deg 7", 2, "miss 360");
+    refuse("simulate --azimuth-step-deg -10", 2, "does not lead");
     refuse(
-        "simulate --yaw-step-deg 0.001 --pitch-deg -2:2:0.00001",
+        "simulate --azimuth-step-deg 0.001 --tilt-deg -2:2:0.00001",
         2,
         "at most 500000 are allowed",
     );
     refuse("forward --metric 1e-99", 2, "'--metric");
-    refuse("simulate --yaw-step-deg 1e-9", 2, "at most 1000000");
+    refuse("simulate --azimuth-step-deg 1e-9", 2, "at most 1000000");
     refuse("simulate --out /dev/null/study", 2, "cannot write /dev/null/study: a file exists at");
     refuse("compare --figure shift.pdf", 2, "must end in .svg or .png");
     refuse("completions tcl", 2, "possible values: bash");
@@ -72,27 +72,27 @@ fn poses_beyond_the_limits() {
     refuse("mobility --q-mm 500,501,800", 1, rod);
     refuse("sensitivity --q-mm 500,501,800", 1, rod);
     refuse("inverse --height-mm 800", 1, "use --ignore-limits to compute it anyway");
-    refuse("inverse --pitch-deg 1.6", 1, "the tilt is 1.600000°, its limit is 1.5°");
-    refuse("inverse --pitch-deg -1.6 --height-of center", 1, "the tilt is 1.600000°");
-    refuse("sensitivity --pitch-deg 1.6", 1, "the tilt");
-    refuse("compare --pitch-deg -2:0:1", 1, "the tilt is 2.000000°");
+    refuse("inverse --tilt-deg 1.6", 1, "the tilt is 1.600000°, its limit is 1.5°");
+    refuse("inverse --tilt-deg -1.6 --height-of center", 1, "the tilt is 1.600000°");
+    refuse("sensitivity --tilt-deg 1.6", 1, "the tilt");
+    refuse("compare --tilt-deg -2:0:1", 1, "the tilt is 2.000000°");
     // However little beyond, and whether the pose could be solved or not.
     refuse("forward --q-mm 754.0000001,754,754", 1, "rod 1 is 754.0000001 mm long");
     refuse("forward --q-mm 100,500,2000 --virtualization polar", 1, "rod 3 is 2000");
-    refuse("inverse --pitch-deg 60 --height-of center --virtualization polar", 1, "the tilt is 60");
-    refuse("sensitivity --pitch-deg 60 --virtualization polar", 1, "the tilt is 60");
+    refuse("inverse --tilt-deg 60 --height-of center --virtualization polar", 1, "the tilt is 60");
+    refuse("sensitivity --tilt-deg 60 --virtualization polar", 1, "the tilt is 60");
 }
 
 #[test]
 fn limits_can_be_ignored_aloud() {
     let sandbox = Sandbox::new();
     for line in
-        ["inverse --pitch-deg 1.6", "forward --q-mm 500,501,520", "mobility --q-mm 800,800,800"]
+        ["inverse --tilt-deg 1.6", "forward --q-mm 500,501,520", "mobility --q-mm 800,800,800"]
     {
         let text = sandbox.done(&format!("{line} --ignore-limits"));
         assert!(text.contains("limits exceeded (ignored)"), "{text}");
     }
-    assert_eq!(sandbox.run("inverse --pitch-deg 1.5").code, 0, "a pose on its limit is allowed");
+    assert_eq!(sandbox.run("inverse --tilt-deg 1.5").code, 0, "a pose on its limit is allowed");
 }
 
 #[test]
@@ -136,10 +136,10 @@ fn robot_files_are_read_strictly() {
 }
 
 #[test]
-fn turns_of_the_yaw_change_nothing() {
+fn turns_of_the_azimuth_change_nothing() {
     let sandbox = Sandbox::new();
-    let once = sandbox.done("inverse --yaw-deg 17 --pitch-deg 1");
-    assert_eq!(sandbox.done("inverse --yaw-deg 36000000017 --pitch-deg 1"), once);
+    let once = sandbox.done("inverse --azimuth-deg 17 --tilt-deg 1");
+    assert_eq!(sandbox.done("inverse --azimuth-deg 36000000017 --tilt-deg 1"), once);
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn the_first_try_writes_everything() {
     assert_eq!(csv.lines().count(), 778);
     assert_eq!(
         csv.lines().next().unwrap(),
-        "sample,yaw_deg,pitch_deg,q1_mm,q2_mm,q3_mm,L12_mm,L23_mm,L31_mm,\
+        "sample,azimuth_deg,tilt_deg,q1_mm,q2_mm,q3_mm,L12_mm,L23_mm,L31_mm,\
          l1_mm,l2_mm,l3_mm,phi1_deg,phi2_deg,phi3_deg,x_mm,y_mm,z_mm,torsion_deg,iterations,residual_mm"
     );
     assert!(csv.lines().nth(1).unwrap().starts_with("0,0.0,-2.0,503.25"));
@@ -135,9 +135,9 @@ fn the_summary_confirms_the_paper() {
 #[test]
 fn same_flags_same_bytes() {
     let (first, second) = (Sandbox::new(), Sandbox::new());
-    first.done("simulate --yaw-step-deg 30");
-    second.done("simulate --yaw-step-deg 30");
-    second.done("simulate --yaw-step-deg 30 --force");
+    first.done("simulate --azimuth-step-deg 30");
+    second.done("simulate --azimuth-step-deg 30");
+    second.done("simulate --azimuth-step-deg 30 --force");
     assert_eq!(first.names("paper-study"), second.names("paper-study"));
     for name in &first.names("paper-study") {
         let read = |sandbox: &Sandbox| {
@@ -150,8 +150,8 @@ fn same_flags_same_bytes() {
 #[test]
 fn the_order_of_the_samples_changes_no_sample() {
     let sandbox = Sandbox::new();
-    sandbox.done("simulate --yaw-step-deg 30 --out a");
-    sandbox.done("simulate --yaw-step-deg 30 --out b --order serpentine");
+    sandbox.done("simulate --azimuth-step-deg 30 --out a");
+    sandbox.done("simulate --azimuth-step-deg 30 --out b --order serpentine");
     for model in ["radial", "polar", "offset", "planar"] {
         let (a, b) = (
             sandbox.read(&format!("a/samples-{model}.csv")),
@@ -165,7 +165,7 @@ fn the_order_of_the_samples_changes_no_sample() {
 #[test]
 fn a_second_run_replaces_its_own_files_on_request_only() {
     let sandbox = Sandbox::new();
-    let fast = "simulate --yaw-step-deg 180 --pitch-deg -1:1:1";
+    let fast = "simulate --azimuth-step-deg 180 --tilt-deg -1:1:1";
     sandbox.done(fast);
     let all = sandbox.names("paper-study").len();
     sandbox.write("paper-study/.jointplay-partial-killed", "half");
@@ -179,13 +179,13 @@ fn a_second_run_replaces_its_own_files_on_request_only() {
     sandbox.write("paper-study/notes.txt", "mine");
     sandbox.write("paper-study/samples-mine.csv", "mine");
     let before = sandbox.read("paper-study/samples-radial.csv");
-    let refused = sandbox.run("simulate --yaw-step-deg 90");
+    let refused = sandbox.run("simulate --azimuth-step-deg 90");
     assert_eq!(refused.code, 2);
     assert!(refused.stderr.contains("contains files"), "{}", refused.stderr);
     assert!(refused.stderr.contains("--force"), "{}", refused.stderr);
     assert_eq!(sandbox.read("paper-study/samples-radial.csv"), before);
 
-    sandbox.done("simulate --yaw-step-deg 90 --force");
+    sandbox.done("simulate --azimuth-step-deg 90 --force");
     assert!(sandbox.names("paper-study").contains(&"notes.txt".to_owned()));
     assert_eq!(sandbox.read("paper-study/notes.txt"), "mine");
     assert_eq!(sandbox.read("paper-study/samples-mine.csv"), "mine");
@@ -214,7 +214,7 @@ fn a_folder_is_ours_only_by_its_own_summary() {
 #[test]
 fn a_table_as_short_as_one_pose() {
     let sandbox = Sandbox::new();
-    sandbox.done("simulate --yaw-step-deg 360 --pitch-deg 1 --out one");
+    sandbox.done("simulate --azimuth-step-deg 360 --tilt-deg 1 --out one");
     assert_eq!(sandbox.read("one/samples-planar.csv").lines().count(), 3);
 }
 
@@ -232,7 +232,7 @@ fn the_table_reads_well() {
 fn a_closed_pipe_is_no_error() {
     let sandbox = Sandbox::new();
     for line in
-        ["--help", "mobility", "completions bash", "simulate --yaw-step-deg 180 --pitch-deg 1"]
+        ["--help", "mobility", "completions bash", "simulate --azimuth-step-deg 180 --tilt-deg 1"]
     {
         let mut child =
             sandbox.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -254,14 +254,14 @@ fn the_manual_has_a_page_for_each_command() {
         pages.contains(&"jointplay.1".to_owned())
             && pages.contains(&"jointplay-simulate.1".to_owned())
     );
-    assert!(sandbox.read("man/jointplay-simulate.1").contains("yaw"));
+    assert!(sandbox.read("man/jointplay-simulate.1").contains("azimuth"));
 }
 
 #[cfg(feature = "parquet")]
 #[test]
 fn parquet_instead_of_csv() {
     let sandbox = Sandbox::new();
-    sandbox.done("simulate --yaw-step-deg 90 --table parquet");
+    sandbox.done("simulate --azimuth-step-deg 90 --table parquet");
     let bytes = std::fs::read(sandbox.file("paper-study/samples-polar.parquet")).unwrap();
     assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
     assert!(!sandbox.names("paper-study").iter().any(|name| name.ends_with(".csv")));

@@ -152,29 +152,31 @@ fn the_server_answers_what_the_command_line_answers() {
         "forward",
         r#"{"rods_m": [0.5, 0.501, 0.502], "model": {"virtualization": "polar", "solver": "newton", "metric": "radius"}}"#,
     );
-    let (yaw, pitch) = (17.0_f64.to_radians(), 1.5_f64.to_radians());
+    let (azimuth, tilt_angle) = (17.0_f64.to_radians(), 1.5_f64.to_radians());
     let tilt = |height: &str| {
         format!(
-            r#"{{"command": {{"kind": "tilt", "yaw_rad": {yaw}, "pitch_rad": {pitch}, "height": {{"kind": "{height}", "value_m": 0.5}}}}}}"#
+            r#"{{"command": {{"kind": "tilt", "azimuth_rad": {azimuth}, "tilt_rad": {tilt_angle}, "height": {{"kind": "{height}", "value_m": 0.5}}}}}}"#
         )
     };
-    same("inverse --yaw-deg 17 --pitch-deg 1.5", "inverse", &tilt("axis"));
-    same("inverse --yaw-deg 17 --pitch-deg 1.5 --height-of center", "inverse", &tilt("center"));
-    same("sensitivity --yaw-deg 17 --pitch-deg 1.5", "sensitivity", &tilt("axis"));
+    same("inverse --azimuth-deg 17 --tilt-deg 1.5", "inverse", &tilt("axis"));
+    same("inverse --azimuth-deg 17 --tilt-deg 1.5 --height-of center", "inverse", &tilt("center"));
+    same("sensitivity --azimuth-deg 17 --tilt-deg 1.5", "sensitivity", &tilt("axis"));
     same("mobility", "mobility", "{}");
     same(
         "mobility --q-mm 500,501,502 --virtualization polar",
         "mobility",
         r#"{"rods_m": [0.5, 0.501, 0.502], "virtualization": "polar"}"#,
     );
-    let pitches: Vec<String> =
-        [0.0_f64, 0.5, 1.0, 1.5].iter().map(|pitch| pitch.to_radians().to_string()).collect();
+    let tilt_angles: Vec<String> = [0.0_f64, 0.5, 1.0, 1.5]
+        .iter()
+        .map(|tilt_angle| tilt_angle.to_radians().to_string())
+        .collect();
     same(
-        "compare --pitch-deg 0:1.5:0.5 --metric 2",
+        "compare --tilt-deg 0:1.5:0.5 --metric 2",
         "compare",
         &format!(
-            r#"{{"pitches_rad": [{}], "characteristic_length_m": 0.002}}"#,
-            pitches.join(", ")
+            r#"{{"tilts_rad": [{}], "characteristic_length_m": 0.002}}"#,
+            tilt_angles.join(", ")
         ),
     );
     assert_eq!(studio.interrupt().0, Some(0));

@@ -8,11 +8,11 @@ use serde_json::Value;
 /// A grid of six poses under two virtualizations.
 pub(crate) const SMALL: &str = r#"kind = "study"
 virtualizations = ["planar", "polar"]
-quantities = ["q1_mm", "origin_x_um", "pitch_deg", "virtual_joints"]
+quantities = ["q1_mm", "origin_x_um", "tilt_deg", "virtual_joints"]
 
 [pose]
-yaw_deg = [20, 50.5]
-pitch_deg = "-1:1:1"
+azimuth_deg = [20, 50.5]
+tilt_deg = "-1:1:1"
 height_mm = 480.1
 "#;
 
@@ -96,22 +96,22 @@ fn a_row_equals_the_inverse_kinematics() {
     let header = csv.lines().next().unwrap();
     assert_eq!(
         header,
-        "sample,yaw_deg,pitch_deg,height_mm,q1_mm,\
-         planar_origin_x_um,planar_pitch_deg,planar_u1_mm,planar_u2_mm,planar_u3_mm,\
+        "sample,azimuth_deg,tilt_deg,height_mm,q1_mm,\
+         planar_origin_x_um,planar_tilt_deg,planar_u1_mm,planar_u2_mm,planar_u3_mm,\
          planar_v1_mm,planar_v2_mm,planar_v3_mm,planar_status,\
-         polar_origin_x_um,polar_pitch_deg,polar_l1_mm,polar_l2_mm,polar_l3_mm,\
+         polar_origin_x_um,polar_tilt_deg,polar_l1_mm,polar_l2_mm,polar_l3_mm,\
          polar_phi1_deg,polar_phi2_deg,polar_phi3_deg,polar_status"
     );
     let table = columns(&csv);
     assert_eq!(table["sample"], ["0", "1", "2", "3", "4", "5"]);
-    assert_eq!(table["yaw_deg"][3], "50.5");
+    assert_eq!(table["azimuth_deg"][3], "50.5");
     assert_eq!(table["height_mm"][0], "480.1");
     for model in ["planar", "polar"] {
         for (row, sample) in table["sample"].iter().enumerate() {
             let at = |name: &str| -> &str { &table[name][row] };
-            let (yaw, pitch) = (at("yaw_deg"), at("pitch_deg"));
+            let (azimuth, tilt_angle) = (at("azimuth_deg"), at("tilt_deg"));
             let pose = sandbox.json(&format!(
-                "inverse --yaw-deg {yaw} --pitch-deg {pitch} --height-mm 480.1 --virtualization {model}"
+                "inverse --azimuth-deg {azimuth} --tilt-deg {tilt_angle} --height-mm 480.1 --virtualization {model}"
             ));
             let near = |cell: &str, expected: &Value, scale: f64| {
                 let (found, expected) = (cell.parse::<f64>().unwrap(), expected.as_f64().unwrap());
@@ -190,8 +190,8 @@ virtualizations = ["polar"]
 solver = "newton"
 quantities = ["origin_x_um"]
 [pose]
-yaw_deg = 0
-pitch_deg = { normal = [0, 60] }
+azimuth_deg = 0
+tilt_deg = { normal = [0, 60] }
 "#;
     let (summary, csv) = studied(&sandbox, text, "");
     let table = columns(&csv);
@@ -202,14 +202,15 @@ pitch_deg = { normal = [0, 60] }
     }
     let model = &summary["virtualizations"][0];
     assert_eq!(model["failed"], failed);
-    let steep = table["polar_status"].iter().filter(|status| *status == "pitch of 90° or more");
-    assert_eq!(model["reasons"]["pitch of 90° or more"], steep.count());
+    let steep =
+        table["polar_status"].iter().filter(|status| *status == "tilt angle of 90° or more");
+    assert_eq!(model["reasons"]["tilt angle of 90° or more"], steep.count());
 
     // None at all: the table is written, and the answer is no.
     sandbox.write("none.toml", &text.replace("normal = [0, 60]", "normal = [0, 1e300]"));
     let wild = sandbox.run("study none.toml");
     assert_eq!(wild.code, 2);
-    let expected = "none.toml:8:28: `pitch_deg` is 1e300, but has to be from -89.999 to 89.999";
+    let expected = "none.toml:8:27: `tilt_deg` is 1e300, but has to be from -89.999 to 89.999";
     assert!(wild.stderr.contains(expected), "{}", wild.stderr);
     sandbox.write("none.toml", &text.replace("normal = [0, 60]", "uniform = [89.95, 89.99]"));
     let none = sandbox.run("study none.toml");
@@ -290,7 +291,7 @@ fn usage_errors_are_reported() {
     assert_eq!(refused.code, 2);
     let expected = "error: s.toml:3:24: `origin_x` needs a unit: origin_x_mm, origin_x_um, origin_x_nm, origin_x_m
   |
-3 | quantities = [\"q1_mm\", \"origin_x_deg\", \"pitch_deg\", \"virtual_joints\"]
+3 | quantities = [\"q1_mm\", \"origin_x_deg\", \"tilt_deg\", \"virtual_joints\"]
   |                        ^^^^^^^^^^^^^^\n";
     assert_eq!(refused.stderr, expected);
     sandbox.write("s.toml", SMALL);
@@ -315,7 +316,7 @@ fn usage_errors_are_reported() {
 #[test]
 fn a_study_larger_than_the_disk_is_refused_before_it_starts() {
     let sandbox = Sandbox::new();
-    let text = SMALL.replace("yaw_deg = [20, 50.5]", "yaw_deg = { uniform = [0, 360] }");
+    let text = SMALL.replace("azimuth_deg = [20, 50.5]", "azimuth_deg = { uniform = [0, 360] }");
     // More than any disk holds.
     sandbox.write(
         "s.toml",

@@ -12,8 +12,8 @@ seed = 5
 quantities = ["origin_x_um", "tilt_error_urad", "socket_radius_1_mm"]
 virtualizations = ["radial", "planar"]
 [pose]
-yaw_deg = { uniform = [0, 360] }
-pitch_deg = { uniform = [0, 1.5] }
+azimuth_deg = { uniform = [0, 360] }
+tilt_deg = { uniform = [0, 1.5] }
 [tolerances]
 socket_radius_mm = { normal = [0, 0.01] }
 "#;

@@ -222,7 +222,8 @@ struct Needs {
 impl Needs {
     fn of(wanted: &[(Quantity, &mut [f64])]) -> Self {
         let any = |asked: fn(Quantity) -> bool| wanted.iter().any(|(quantity, _)| asked(*quantity));
-        let angles = any(|q| matches!(q, Quantity::Yaw | Quantity::Pitch | Quantity::Torsion));
+        let angles =
+            any(|q| matches!(q, Quantity::Azimuth | Quantity::TiltAngle | Quantity::Torsion));
         let axis_height = any(|q| q == Quantity::AxisHeight);
         let pose = any(|q| matches!(q, Quantity::Origin(_) | Quantity::Normal(_)));
         Self {
@@ -249,8 +250,8 @@ fn place(quantity: Quantity) -> usize {
         Quantity::Origin(axis) => 9 + axis,
         Quantity::Normal(axis) => 12 + axis,
         Quantity::Sensitivity(index) => 15 + index,
-        Quantity::Yaw => 18,
-        Quantity::Pitch => 19,
+        Quantity::Azimuth => 18,
+        Quantity::TiltAngle => 19,
         Quantity::Torsion => 20,
         Quantity::AxisHeight => 21,
         Quantity::Displacement => 22,
@@ -296,8 +297,8 @@ fn fill<S: Simd, M: Model>(
             values[place(Quantity::Normal(axis))] = placed.normal[axis];
         }
         if needs.angles {
-            values[place(Quantity::Yaw)] = placed.yaw();
-            values[place(Quantity::Pitch)] = placed.pitch();
+            values[place(Quantity::Azimuth)] = placed.azimuth();
+            values[place(Quantity::TiltAngle)] = placed.tilt_angle();
             values[place(Quantity::Torsion)] = placed.torsion();
         }
         if needs.axis_height {
@@ -361,8 +362,8 @@ fn value(
         Quantity::VirtualJoint(joint) => pose.solution.virtual_joints[joint],
         Quantity::Origin(axis) => pose.base_from_platform.translation.vector[axis],
         Quantity::Normal(axis) => pose.normal()[axis],
-        Quantity::Yaw => pose.tilt().yaw,
-        Quantity::Pitch => pose.tilt().pitch,
+        Quantity::Azimuth => pose.tilt().azimuth,
+        Quantity::TiltAngle => pose.tilt().angle,
         Quantity::Torsion => pose.torsion(),
         Quantity::AxisHeight => pose.axis_height().0,
         Quantity::Displacement => gpr.displacement(pose, virtualization),
@@ -395,7 +396,7 @@ mod tests {
             [3, 4, 5].map(Quantity::VirtualJoint),
             [0, 1, 2].map(Quantity::Origin),
             [0, 1, 2].map(Quantity::Sensitivity),
-            [Quantity::Yaw, Quantity::Pitch, Quantity::Torsion],
+            [Quantity::Azimuth, Quantity::TiltAngle, Quantity::Torsion],
         ];
         let quantities = quantities.as_flattened();
         let mut columns = vec![vec![0.0; POSES]; quantities.len()];
@@ -424,7 +425,7 @@ mod tests {
     fn rods() -> [Vec<f64>; 3] {
         let mut rods = [const { Vec::new() }; 3];
         for i in 0..POSES {
-            let tilt = Tilt { yaw: i as f64 * 0.7, pitch: i as f64 * 0.01 };
+            let tilt = Tilt { azimuth: i as f64 * 0.7, angle: i as f64 * 0.01 };
             let found = Gpr::paper().without_limit_checks().inverse(tilt, AxisHeight(0.5)).unwrap();
             rods.iter_mut().zip(found).for_each(|(column, rod)| column.push(rod));
         }
@@ -465,7 +466,7 @@ mod tests {
         let three = [Quantity::Side, Quantity::Origin, Quantity::Normal, Quantity::Sensitivity];
         let mut places: Vec<_> = three.iter().flat_map(|of| (0..3).map(|k| place(of(k)))).collect();
         places.extend((0..6).map(|joint| place(Quantity::VirtualJoint(joint))));
-        places.extend([Quantity::Yaw, Quantity::Pitch, Quantity::Torsion].map(place));
+        places.extend([Quantity::Azimuth, Quantity::TiltAngle, Quantity::Torsion].map(place));
         places.extend([Quantity::AxisHeight, Quantity::Displacement].map(place));
         places.extend([Quantity::Residual, Quantity::Iterations].map(place));
         places.sort_unstable();

@@ -16,7 +16,7 @@ impl Gpr {
     /// Rods that put the platform plane at each of many tilts; see [`Self::inverse`].
     ///
     /// # Arguments
-    /// * `yaw`, `pitch` – (n) tilts (rad)
+    /// * `azimuth`, `tilt_angle` – (n) tilts (rad)
     /// * `height` – (n) where the platform plane crosses the base axis (m)
     /// * `status` – (n) written: what became of each pose
     /// * `rods` – three columns of n, written: q_1, q_2, q_3 (m)
@@ -28,29 +28,29 @@ impl Gpr {
     /// Does not allocate. Equal to [`Self::inverse`] to 10⁻¹² of the rod and the base.
     pub fn inverse_many(
         &self,
-        yaw: Column<'_>,
-        pitch: Column<'_>,
+        azimuth: Column<'_>,
+        tilt_angle: Column<'_>,
         height: Column<'_>,
         status: &mut [Status],
         rods: [&mut [f64]; 3],
     ) -> Result<StatusCounts, Error> {
         let lengths = [
-            ("the column of yaws", yaw.len()),
-            ("the column of pitches", pitch.len()),
+            ("the column of azimuths", azimuth.len()),
+            ("the column of tilt angles", tilt_angle.len()),
             ("the column of heights", height.len()),
             ("a column of rods", rods[0].len()),
             ("a column of rods", rods[1].len()),
             ("a column of rods", rods[2].len()),
         ];
         super::column::same_lengths(status.len(), lengths)?;
-        let (shortest, longest, pitch_max) = if self.checks_limits() {
+        let (shortest, longest, tilt_max) = if self.checks_limits() {
             let limits = self.limits();
             (limits.rod_min, limits.rod_max, limits.tilt_max)
         } else {
             (-LARGEST_LENGTH, LARGEST_LENGTH, FRAC_PI_2.next_down())
         };
-        let given = [yaw, pitch, height];
-        let blocks = Blocks { gpr: self, given, shortest, longest, pitch_max, status, rods };
+        let given = [azimuth, tilt_angle, height];
+        let blocks = Blocks { gpr: self, given, shortest, longest, tilt_max, status, rods };
         Arch::new().dispatch(blocks)?;
         Ok(StatusCounts::of(status))
     }
@@ -60,10 +60,10 @@ impl Gpr {
 struct Blocks<'a> {
     gpr: &'a Gpr,
     given: [Column<'a>; 3],
-    /// Rods and pitches within these have an answer; of others the scalar kernel decides (m, m, rad).
+    /// Rods and tilt angles within these have an answer; of others the scalar kernel decides (m, m, rad).
     shortest: f64,
     longest: f64,
-    pitch_max: f64,
+    tilt_max: f64,
     status: &'a mut [Status],
     rods: [&'a mut [f64]; 3],
 }
@@ -75,15 +75,16 @@ impl WithSimd for Blocks<'_> {
     fn with_simd<S: Simd>(mut self, simd: S) -> Result<(), Error> {
         let tilts = self.status.len();
         for first in (0..tilts).step_by(Lanes::<S>::COUNT) {
-            let yaw = Lanes::load(simd, &self.given[0], first);
-            let pitch = Lanes::load(simd, &self.given[1], first);
+            let azimuth = Lanes::load(simd, &self.given[0], first);
+            let tilt_angle = Lanes::load(simd, &self.given[1], first);
             let height = Lanes::load(simd, &self.given[2], first);
-            let ((sin, cos), (rise, run)) = (sin_cos(yaw), sin_cos(pitch));
+            let ((sin, cos), (rise, run)) = (sin_cos(azimuth), sin_cos(tilt_angle));
             let slope = rise / run;
             let (slope_x, slope_y) = (slope * cos, slope * sin);
             // Written so that what is not a number is no tilt.
-            let mut reached = pitch.abs().at_most(pitch.like(self.pitch_max));
-            let (shortest, longest) = (pitch.like(self.shortest), pitch.like(self.longest));
+            let mut reached = tilt_angle.abs().at_most(tilt_angle.like(self.tilt_max));
+            let (shortest, longest) =
+                (tilt_angle.like(self.shortest), tilt_angle.like(self.longest));
             for (rods, point) in self.rods.iter_mut().zip(self.gpr.base_points()) {
                 let lower = slope_x.times_plus(slope.like(point.x), slope_y * point.y);
                 let rod = height - lower;
@@ -110,11 +111,12 @@ impl WithSimd for Blocks<'_> {
 impl Blocks<'_> {
     /// One tilt by the scalar kernel, which also finds the reason where there is no answer.
     fn one(&mut self, i: usize) -> Result<(), Error> {
-        let [yaw, pitch, height] = self.given.map(|column| column.at(i));
-        let (status, found) = match self.gpr.inverse(Tilt { yaw, pitch }, AxisHeight(height)) {
-            Ok(rods) => (Status::Solved, rods),
-            Err(error) => (Status::of(&error).ok_or(error)?, [f64::NAN; 3]),
-        };
+        let [azimuth, tilt_angle, height] = self.given.map(|column| column.at(i));
+        let (status, found) =
+            match self.gpr.inverse(Tilt { azimuth, angle: tilt_angle }, AxisHeight(height)) {
+                Ok(rods) => (Status::Solved, rods),
+                Err(error) => (Status::of(&error).ok_or(error)?, [f64::NAN; 3]),
+            };
         self.status[i] = status;
         for (rods, rod) in self.rods.iter_mut().zip(found) {
             rods[i] = rod;

@@ -10,7 +10,7 @@ impl Gpr {
     ///
     /// # Arguments
     /// * `rods` – three columns of n: q_1, q_2, q_3 (m)
-    /// * `pitch` – (n) tilt angles (rad); `None` for those of the planes through the balls
+    /// * `tilt_angle` – (n) tilt angles (rad); `None` for those of the planes through the balls
     /// * `broken` – four columns of n, written: whether rod 1, rod 2, rod 3 and the tilt are beyond their limits
     ///
     /// # Errors
@@ -21,7 +21,7 @@ impl Gpr {
     pub fn broken_limits_many(
         &self,
         rods: [Column<'_>; 3],
-        pitch: Option<Column<'_>>,
+        tilt_angle: Option<Column<'_>>,
         broken: [&mut [bool]; 4],
     ) -> Result<(), Error> {
         let expected = rods[0].len();
@@ -31,7 +31,7 @@ impl Gpr {
         )?;
         super::column::same_lengths(
             expected,
-            pitch.map(|column| ("the column of pitches", column.len())),
+            tilt_angle.map(|column| ("the column of tilt angles", column.len())),
         )?;
         let written = broken.each_ref().map(|column| ("a column of results", column.len()));
         super::column::same_lengths(expected, written)?;
@@ -39,8 +39,8 @@ impl Gpr {
         let written = first.iter_mut().zip(second).zip(third).zip(tilted).enumerate();
         for (i, (((first, second), third), tilted)) in written {
             let rods = rods.map(|column| column.at(i));
-            let tilt = match &pitch {
-                Some(pitch) => Tilt { yaw: 0.0, pitch: pitch.at(i) },
+            let tilt = match &tilt_angle {
+                Some(tilt_angle) => Tilt { azimuth: 0.0, angle: tilt_angle.at(i) },
                 None => self.plane_tilt(&rods),
             };
             let found = self.limits().broken(&rods, tilt);

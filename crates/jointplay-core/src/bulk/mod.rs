@@ -20,11 +20,11 @@
 //!
 //! let (gpr, q_1, rest) = (Gpr::paper(), [0.499, 0.5, f64::NAN], 0.5);
 //! let rods = [Column::from(&q_1[..]), Column::constant(&rest, 3), Column::constant(&rest, 3)];
-//! let (mut pitch, mut status) = ([0.0; 3], [Status::Solved; 3]);
-//! let wanted = &mut [(Quantity::Pitch, &mut pitch[..])];
+//! let (mut tilt_angle, mut status) = ([0.0; 3], [Status::Solved; 3]);
+//! let wanted = &mut [(Quantity::TiltAngle, &mut tilt_angle[..])];
 //! let tally = gpr.forward_many(rods, &Planar, &SolveOptions::default(), &mut status, wanted)?;
 //! assert_eq!((tally.failed(), status[2]), (1, Status::NotFinite));
-//! assert!(pitch[0] > 0.0 && pitch[1] == 0.0 && pitch[2].is_nan());
+//! assert!(tilt_angle[0] > 0.0 && tilt_angle[1] == 0.0 && tilt_angle[2].is_nan());
 //! # Ok::<(), jointplay_core::Error>(())
 //! ```
 

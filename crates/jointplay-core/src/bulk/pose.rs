@@ -99,7 +99,7 @@ impl<S: Simd> PlatformPoses<S> {
 
     /// Azimuth toward which the platform tilts (rad).
     #[inline(always)]
-    pub(super) fn yaw(&self) -> Lanes<S> {
+    pub(super) fn azimuth(&self) -> Lanes<S> {
         let [x, y, _] = self.normal;
         // A level platform has no azimuth, and no sign of a zero.
         let level = (x.abs() + y.abs()).at_most(x.like(0.0));
@@ -108,7 +108,7 @@ impl<S: Simd> PlatformPoses<S> {
 
     /// Tilt angle (rad).
     #[inline(always)]
-    pub(super) fn pitch(&self) -> Lanes<S> {
+    pub(super) fn tilt_angle(&self) -> Lanes<S> {
         let [x, y, z] = self.normal;
         angle_of(x.times_plus(x, y * y).sqrt(), z)
     }

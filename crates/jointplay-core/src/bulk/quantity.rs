@@ -17,9 +17,9 @@ pub enum Quantity {
     /// e_b1, e_b2 or e_b3 coordinate of the platform normal.
     Normal(usize),
     /// Azimuth toward which the platform tilts, from −π to π (rad).
-    Yaw,
+    Azimuth,
     /// Tilt angle, from 0 to π (rad).
-    Pitch,
+    TiltAngle,
     /// Turn about the platform normal beyond the shortest rotation to it (rad).
     Torsion,
     /// Axis height: height at which the platform plane crosses the base axis (m).

@@ -12,8 +12,8 @@ pub enum Status {
     Solved = 0,
     /// A number given is NaN or infinite.
     NotFinite = 1,
-    /// The pitch is ±90° or beyond.
-    PitchTooLarge = 2,
+    /// The tilt angle is ±90° or beyond.
+    TiltTooLarge = 2,
     /// The iteration for the virtual joints did not converge.
     NotConverged = 3,
     /// The virtual joints cannot change the three sides independently there.
@@ -31,7 +31,7 @@ impl Status {
     pub const ALL: [Self; 8] = [
         Self::Solved,
         Self::NotFinite,
-        Self::PitchTooLarge,
+        Self::TiltTooLarge,
         Self::NotConverged,
         Self::DependentSides,
         Self::TurnedOver,
@@ -45,7 +45,7 @@ impl Status {
         match self {
             Self::Solved => "solved",
             Self::NotFinite => "not a finite number",
-            Self::PitchTooLarge => "pitch of 90° or more",
+            Self::TiltTooLarge => "tilt angle of 90° or more",
             Self::NotConverged => "not converged",
             Self::DependentSides => "sides not independent",
             Self::TurnedOver => "turned over",
@@ -62,7 +62,7 @@ impl Status {
                 Self::NotFinite
             }
             Error::TooLong { .. } | Error::BeyondLimits(_) => Self::BeyondLimits,
-            Error::PitchTooLarge { .. } => Self::PitchTooLarge,
+            Error::TiltTooLarge { .. } => Self::TiltTooLarge,
             Error::NotConverged(_)
             | Error::NotReached { .. }
             | Error::NotRelieved { .. }

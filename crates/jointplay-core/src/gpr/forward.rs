@@ -145,7 +145,7 @@ impl PlatformPose {
         self.base_from_platform.rotation.matrix().column(2).into_owned()
     }
 
-    /// Tilt of the platform, with pitch ≥ 0.
+    /// Tilt of the platform, with tilt angle ≥ 0.
     #[must_use]
     pub fn tilt(&self) -> Tilt {
         Tilt::from_normal(&self.normal())
@@ -202,8 +202,10 @@ mod tests {
             .without_limit_checks()
             .forward([0.5; 3], &Planar, &SolveOptions::default())
             .unwrap();
-        for (yaw, pitch, torsion) in [(0.3, 0.4, 0.1), (2.0, 1.0, -3.0), (-1.0, 0.02, 1e-9)] {
-            let tilted = tilted_by(yaw, pitch);
+        for (azimuth, tilt_angle, torsion) in
+            [(0.3, 0.4, 0.1), (2.0, 1.0, -3.0), (-1.0, 0.02, 1e-9)]
+        {
+            let tilted = tilted_by(azimuth, tilt_angle);
             pose.base_from_platform.rotation =
                 tilted * Rotation3::from_axis_angle(&Vector3::z_axis(), torsion);
             assert!((pose.torsion() - torsion).abs() < 1e-15);
@@ -213,8 +215,8 @@ mod tests {
     #[test]
     fn the_plane_of_the_rods_is_the_platform_s() {
         let gpr = Gpr::paper().without_limit_checks();
-        for (yaw, pitch, height) in [(0.0, 0.0, 0.5), (0.3, 0.02, 0.4), (-2.0, 1.0, 0.3)] {
-            let tilt = Tilt { yaw, pitch };
+        for (azimuth, tilt_angle, height) in [(0.0, 0.0, 0.5), (0.3, 0.02, 0.4), (-2.0, 1.0, 0.3)] {
+            let tilt = Tilt { azimuth, angle: tilt_angle };
             let rods = gpr.inverse(tilt, AxisHeight(height)).unwrap();
             let pose = gpr.forward(rods, &Planar, &SolveOptions::default()).unwrap();
             assert!((gpr.plane_height(&rods).0 - height).abs() < 1e-15);
@@ -223,7 +225,7 @@ mod tests {
         }
     }
 
-    fn tilted_by(yaw: f64, pitch: f64) -> nalgebra::Rotation3<f64> {
-        crate::spatial::tilt_rotation(&Tilt { yaw, pitch }.normal())
+    fn tilted_by(azimuth: f64, tilt_angle: f64) -> nalgebra::Rotation3<f64> {
+        crate::spatial::tilt_rotation(&Tilt { azimuth, angle: tilt_angle }.normal())
     }
 }

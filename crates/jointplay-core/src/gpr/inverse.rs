@@ -17,7 +17,7 @@ impl Gpr {
     /// Exact, and the same for every virtualization: three ball centres fix the plane, whatever moves within it.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::TooLong`] for a height beyond 10⁵⁰ m, [`Error::PitchTooLarge`] at ±90° and beyond.
+    /// [`Error::NotFinite`], [`Error::TooLong`] for a height beyond 10⁵⁰ m, [`Error::TiltTooLarge`] at ±90° and beyond.
     /// [`Error::BeyondLimits`], unless the robot is one [without limit checks](Self::without_limit_checks).
     ///
     /// # Numerics
@@ -41,12 +41,12 @@ impl Gpr {
     #[inline]
     fn rods(&self, tilt: Tilt, height: AxisHeight) -> Result<[f64; 3], Error> {
         // Written so that what is not a number is refused.
-        let usable = tilt.pitch.abs() < FRAC_PI_2 && height.0.abs() <= LARGEST_LENGTH;
-        if !usable || !tilt.yaw.is_finite() {
+        let usable = tilt.angle.abs() < FRAC_PI_2 && height.0.abs() <= LARGEST_LENGTH;
+        if !usable || !tilt.azimuth.is_finite() {
             return Err(unreached(tilt, height));
         }
-        let slope = tilt.pitch.tan();
-        let (sin, cos) = tilt.yaw.sin_cos();
+        let slope = tilt.angle.tan();
+        let (sin, cos) = tilt.azimuth.sin_cos();
         let (slope_x, slope_y) = (slope * cos, slope * sin);
         Ok(self.base_points().map(|point| height.0 - (slope_x * point.x + slope_y * point.y)))
     }
@@ -80,10 +80,10 @@ impl Gpr {
 /// Why there are no rods for a tilt and a height.
 #[cold]
 fn unreached(tilt: Tilt, height: AxisHeight) -> Error {
-    let checked = finite("the yaw", tilt.yaw)
-        .and_then(|_| finite("the pitch", tilt.pitch))
+    let checked = finite("the azimuth", tilt.azimuth)
+        .and_then(|_| finite("the tilt angle", tilt.angle))
         .and_then(|_| length("the axis height", height.0));
-    checked.err().unwrap_or(Error::PitchTooLarge { pitch: tilt.pitch })
+    checked.err().unwrap_or(Error::TiltTooLarge { tilt_angle: tilt.angle })
 }
 
 #[cfg(test)]
@@ -92,8 +92,9 @@ mod tests {
     use crate::virtualization::Planar;
 
     #[track_caller]
-    fn check(yaw: f64, pitch: f64, height: f64, message: &str) {
-        let (gpr, tilt) = (Gpr::paper().without_limit_checks(), Tilt { yaw, pitch });
+    fn check(azimuth: f64, tilt_angle: f64, height: f64, message: &str) {
+        let (gpr, tilt) =
+            (Gpr::paper().without_limit_checks(), Tilt { azimuth, angle: tilt_angle });
         assert_eq!(gpr.inverse(tilt, AxisHeight(height)).unwrap_err().to_string(), message);
         let options = SolveOptions::default();
         let center = gpr.inverse_for_center(tilt, CenterHeight(height), &Planar, &options);
@@ -102,15 +103,15 @@ mod tests {
 
     #[test]
     fn what_no_rods_reach() {
-        check(f64::NAN, 0.1, 0.5, "the yaw is NaN, but has to be a finite number");
-        check(0.1, f64::INFINITY, 0.5, "the pitch is inf, but has to be a finite number");
+        check(f64::NAN, 0.1, 0.5, "the azimuth is NaN, but has to be a finite number");
+        check(0.1, f64::INFINITY, 0.5, "the tilt angle is inf, but has to be a finite number");
         check(0.1, 0.1, f64::NAN, "the axis height is NaN, but has to be a finite number");
-        for pitch in [FRAC_PI_2, -2.0] {
+        for tilt_angle in [FRAC_PI_2, -2.0] {
             check(
                 0.1,
-                pitch,
+                tilt_angle,
                 0.5,
-                &format!("the pitch is {pitch} rad, but has to stay within ±π/2"),
+                &format!("the tilt angle is {tilt_angle} rad, but has to stay within ±π/2"),
             );
         }
     }

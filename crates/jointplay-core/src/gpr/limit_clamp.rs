@@ -88,7 +88,9 @@ mod tests {
         check(level, [0.1; 3], &[1, 2, 3], false);
         check([0.753, 0.752, 0.752], [0.756, 0.754, 0.754], &[1], false);
         let most = gpr.limits().tilt_max;
-        let at = |yaw, pitch| gpr.inverse(Tilt { yaw, pitch }, AxisHeight(0.5)).unwrap();
+        let at = |azimuth, tilt_angle| {
+            gpr.inverse(Tilt { azimuth, angle: tilt_angle }, AxisHeight(0.5)).unwrap()
+        };
         // From the limit outward nothing moves; along it only up to the end of a chord.
         let (start, end) = (at(0.3, most), at(0.3, 2.0 * most));
         let last = gpr.clamp_to_limits(&start, &end);

@@ -30,7 +30,7 @@ pub enum BrokenLimit {
     /// The tilt is too large.
     Tilt {
         /// Tilt found (rad).
-        pitch: f64,
+        angle: f64,
         /// Largest tilt allowed (rad).
         max: f64,
     },
@@ -41,7 +41,7 @@ pub enum BrokenLimit {
 pub struct BrokenLimits {
     limits: Limits,
     rods: [f64; 3],
-    pitch: f64,
+    tilt_angle: f64,
     /// Of each rod, then of the tilt.
     broken: [bool; 4],
 }
@@ -75,7 +75,7 @@ impl BrokenLimits {
             min,
             max,
         });
-        let tilt = BrokenLimit::Tilt { pitch: self.pitch, max: tilt_max };
+        let tilt = BrokenLimit::Tilt { angle: self.tilt_angle, max: tilt_max };
         rods.chain(self.tilt().then_some(tilt))
     }
 }
@@ -92,8 +92,8 @@ impl std::fmt::Display for BrokenLimits {
                         "rod {limb} is {length} m, from {min} to {max} m is allowed"
                     )?;
                 }
-                BrokenLimit::Tilt { pitch, max } => {
-                    write!(formatter, "the tilt is {pitch} rad, up to {max} rad is allowed")?;
+                BrokenLimit::Tilt { angle: tilt_angle, max } => {
+                    write!(formatter, "the tilt is {tilt_angle} rad, up to {max} rad is allowed")?;
                 }
             }
         }
@@ -111,9 +111,10 @@ impl Limits {
         let (min, max) = (self.rod_min, self.rod_max);
         let slack = Self::SLACK * max.abs().max(min.abs());
         let [q_1, q_2, q_3] = rods.map(|length| !(length >= min - slack && length <= max + slack));
-        let pitch = tilt.pitch.abs();
-        let tilted = pitch.is_nan() || pitch > self.tilt_max * (1.0 + Self::SLACK) + Self::SLACK;
-        BrokenLimits { limits: *self, rods: *rods, pitch, broken: [q_1, q_2, q_3, tilted] }
+        let tilt_angle = tilt.angle.abs();
+        let tilted =
+            tilt_angle.is_nan() || tilt_angle > self.tilt_max * (1.0 + Self::SLACK) + Self::SLACK;
+        BrokenLimits { limits: *self, rods: *rods, tilt_angle, broken: [q_1, q_2, q_3, tilted] }
     }
 }
 
@@ -124,8 +125,8 @@ mod tests {
     const LIMITS: Limits = Limits { rod_min: 0.246, rod_max: 0.754, tilt_max: 0.03 };
 
     #[track_caller]
-    fn check(rods: [f64; 3], pitch: f64, limbs: &[usize], tilt: bool) {
-        let broken = LIMITS.broken(&rods, Tilt { yaw: 1.0, pitch });
+    fn check(rods: [f64; 3], tilt_angle: f64, limbs: &[usize], tilt: bool) {
+        let broken = LIMITS.broken(&rods, Tilt { azimuth: 1.0, angle: tilt_angle });
         let mut found = Vec::new();
         let mut tilted = false;
         for limit in broken.iter() {
@@ -136,8 +137,8 @@ mod tests {
                     assert_eq!(length.to_bits(), rods[limb - 1].to_bits());
                     found.push(limb);
                 }
-                BrokenLimit::Tilt { pitch: found, max } => {
-                    assert_eq!((found.to_bits(), max), (pitch.abs().to_bits(), 0.03));
+                BrokenLimit::Tilt { angle: found, max } => {
+                    assert_eq!((found.to_bits(), max), (tilt_angle.abs().to_bits(), 0.03));
                     tilted = true;
                 }
             }

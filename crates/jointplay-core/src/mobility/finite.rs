@@ -156,7 +156,7 @@ pub fn finite_mobility<S: System + ?Sized>(
     if obstructed {
         reduce(mobility - 1, BoundOrigin::Residual);
     }
-    if free_motions == FreeMotions::Isolated {
+    if free_motions == FreeMotions::FiniteWithPersistentSelfStress {
         reduce(second_order.free, BoundOrigin::PersistentSelfStress);
     }
     if free_motions != FreeMotions::NotFinite {

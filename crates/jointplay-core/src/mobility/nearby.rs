@@ -65,7 +65,7 @@ pub enum FreeMotions {
     /// Random directions of them can be continued; the rank was not compared, as the second-order bound equals their number, or it is larger at the ends.
     Finite,
     /// Random directions of them can be continued, and all self-stresses persist along these motions, so that there are no other configurations nearby.
-    Isolated,
+    FiniteWithPersistentSelfStress,
 }
 
 /// Continues the motions that the quadrics leave free, and compares the rank at the ends.
@@ -104,7 +104,7 @@ pub(super) fn free_motions<S: System + ?Sized>(
             return Ok(FreeMotions::Finite);
         }
     }
-    Ok(FreeMotions::Isolated)
+    Ok(FreeMotions::FiniteWithPersistentSelfStress)
 }
 
 /// Dimension of the configurations, if it is that of the motions that second order leaves free: they are finite, and there are no others.
@@ -112,7 +112,7 @@ fn decided_by_free_motions(second: &SecondOrder, free_motions: FreeMotions) -> O
     let are_all = match free_motions {
         FreeMotions::NotFinite => false,
         FreeMotions::Finite => second.upper_bound == second.free,
-        FreeMotions::Isolated => true,
+        FreeMotions::FiniteWithPersistentSelfStress => true,
     };
     are_all.then_some(second.free)
 }

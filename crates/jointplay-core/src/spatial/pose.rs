@@ -104,15 +104,15 @@ mod tests {
 
     #[test]
     fn tilt_rotation_is_the_shortest_rotation_to_the_normal() {
-        for (yaw, pitch) in DIRECTIONS {
-            let normal = Tilt { yaw, pitch }.normal();
+        for (azimuth, tilt_angle) in DIRECTIONS {
+            let normal = Tilt { azimuth, angle: tilt_angle }.normal();
             let found = tilt_rotation(&normal);
             let about_z = |angle| Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
-            let about_y = Rotation3::from_axis_angle(&Vector3::y_axis(), pitch);
-            let expected = about_z(yaw) * about_y * about_z(-yaw);
-            assert!((found.matrix() - expected.matrix()).amax() < 1e-13, "{yaw} {pitch}");
+            let about_y = Rotation3::from_axis_angle(&Vector3::y_axis(), tilt_angle);
+            let expected = about_z(azimuth) * about_y * about_z(-azimuth);
+            assert!((found.matrix() - expected.matrix()).amax() < 1e-13, "{azimuth} {tilt_angle}");
             assert!((found * Vector3::z() - normal).norm() < 1e-15);
-            assert!((found.angle() - pitch).abs() < 1e-7, "no turn beyond the tilt");
+            assert!((found.angle() - tilt_angle).abs() < 1e-7, "no turn beyond the tilt");
         }
     }
 
@@ -122,9 +122,9 @@ mod tests {
             [Vector2::new(1.0, 0.0), Vector2::new(-0.5, 0.9), Vector2::new(-0.4, -0.8)],
             [Vector2::new(0.1, 0.2), Vector2::new(0.3, -5.0), Vector2::new(0.2, 0.4)],
         ] {
-            for (yaw, pitch) in DIRECTIONS {
-                let normal = Tilt { yaw, pitch }.normal();
-                let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 7.0 * yaw + 2.0);
+            for (azimuth, tilt_angle) in DIRECTIONS {
+                let normal = Tilt { azimuth, angle: tilt_angle }.normal();
+                let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 7.0 * azimuth + 2.0);
                 let placed = Pose::from_parts(
                     Translation3::new(4.0, -5.0, 6.0),
                     tilt_rotation(&normal) * turn,
@@ -133,7 +133,7 @@ mod tests {
                     .map(|point| placed.rotation * point.push(0.0) + placed.translation.vector);
                 let found = fit_in_plane(&points, &targets, &normal);
                 let off = found.to_homogeneous() - placed.to_homogeneous();
-                assert!(off.amax() < 1e-13, "{yaw} {pitch} {off}");
+                assert!(off.amax() < 1e-13, "{azimuth} {tilt_angle} {off}");
             }
         }
     }

@@ -5,41 +5,41 @@ use nalgebra::Vector3;
 /// A tilt: azimuth of the direction toward which the platform tilts, and angle.
 ///
 /// ```text
-///    n = (sin α cos γ, sin α sin γ, cos α)      γ: yaw, α: pitch, n: platform normal in the base frame
+///    n = (sin α cos γ, sin α sin γ, cos α)      γ: azimuth, α: tilt angle, n: platform normal in the base frame
 /// ```
-/// A negative pitch tilts in the opposite direction: `(γ, −α)` and `(γ + π, α)` are one tilt.
+/// A negative tilt angle tilts in the opposite direction: `(γ, −α)` and `(γ + π, α)` are one tilt.
 ///
 /// # Source
 /// \[Virtualization\], VI.A
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tilt {
     /// Azimuth γ toward which the platform tilts, from e_b1 toward e_b2 (rad).
-    pub yaw: f64,
+    pub azimuth: f64,
     /// Angle α between the platform normal and e_b3 (rad).
-    pub pitch: f64,
+    pub angle: f64,
 }
 
 impl Tilt {
     /// No tilt at all.
-    pub const LEVEL: Self = Self { yaw: 0.0, pitch: 0.0 };
+    pub const LEVEL: Self = Self { azimuth: 0.0, angle: 0.0 };
 
     /// Platform normal in the base frame, a unit vector.
     #[must_use]
     pub fn normal(self) -> Vector3<f64> {
-        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
-        let (sin_pitch, cos_pitch) = self.pitch.sin_cos();
-        Vector3::new(sin_pitch * cos_yaw, sin_pitch * sin_yaw, cos_pitch)
+        let (sin_azimuth, cos_azimuth) = self.azimuth.sin_cos();
+        let (sin_angle, cos_angle) = self.angle.sin_cos();
+        Vector3::new(sin_angle * cos_azimuth, sin_angle * sin_azimuth, cos_angle)
     }
 
-    /// The tilt of a normal in the base frame, of any length; pitch ≥ 0, yaw 0 where level.
+    /// The tilt of a normal in the base frame, of any length; tilt angle ≥ 0, azimuth 0 where level.
     ///
     /// # Numerics
     /// Full precision for small tilts, where an arc cosine would lose half the digits.
     #[must_use]
     pub fn from_normal(normal: &Vector3<f64>) -> Self {
         let horizontal = normal.x.hypot(normal.y);
-        let yaw = if horizontal == 0.0 { 0.0 } else { normal.y.atan2(normal.x) };
-        Self { yaw, pitch: horizontal.atan2(normal.z) }
+        let azimuth = if horizontal == 0.0 { 0.0 } else { normal.y.atan2(normal.x) };
+        Self { azimuth, angle: horizontal.atan2(normal.z) }
     }
 
     /// The same tilt as one rotation vector in the base plane: angles about e_b1 and about e_b2 (rad).
@@ -50,16 +50,16 @@ impl Tilt {
     /// Machine controllers describe tilt like this; to leading order the two are independent turns.
     #[must_use]
     pub fn about_x_and_y(self) -> (f64, f64) {
-        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
-        (-self.pitch * sin_yaw, self.pitch * cos_yaw)
+        let (sin_azimuth, cos_azimuth) = self.azimuth.sin_cos();
+        (-self.angle * sin_azimuth, self.angle * cos_azimuth)
     }
 
     /// The tilt of a rotation vector in the base plane, see [`Self::about_x_and_y`] (rad).
     #[must_use]
     pub fn from_about_x_and_y(about_x: f64, about_y: f64) -> Self {
-        let pitch = about_x.hypot(about_y);
-        let yaw = if pitch == 0.0 { 0.0 } else { (-about_x).atan2(about_y) };
-        Self { yaw, pitch }
+        let tilt_angle = about_x.hypot(about_y);
+        let azimuth = if tilt_angle == 0.0 { 0.0 } else { (-about_x).atan2(about_y) };
+        Self { azimuth, angle: tilt_angle }
     }
 }
 
@@ -68,20 +68,20 @@ mod tests {
     use super::*;
     use std::f64::consts::{FRAC_PI_2, PI};
 
-    /// A tilt, and the same tilt with pitch ≥ 0 as a normal gives it back.
+    /// A tilt, and the same tilt with tilt angle ≥ 0 as a normal gives it back.
     #[track_caller]
-    fn check(yaw: f64, pitch: f64, same_yaw: f64, same_pitch: f64) {
-        let tilt = Tilt { yaw, pitch };
+    fn check(azimuth: f64, tilt_angle: f64, same_azimuth: f64, same_angle: f64) {
+        let tilt = Tilt { azimuth, angle: tilt_angle };
         let normal = tilt.normal();
         assert!((normal.norm() - 1.0).abs() < 1e-15);
         let back = Tilt::from_normal(&(normal * 3.0));
-        assert!((back.yaw - same_yaw).abs() < 1e-15, "{back:?}");
-        assert!((back.pitch - same_pitch).abs() < 1e-15 * same_pitch.max(1e-6), "{back:?}");
+        assert!((back.azimuth - same_azimuth).abs() < 1e-15, "{back:?}");
+        assert!((back.angle - same_angle).abs() < 1e-15 * same_angle.max(1e-6), "{back:?}");
 
         let (about_x, about_y) = tilt.about_x_and_y();
         let again = Tilt::from_about_x_and_y(about_x, about_y);
         assert!((again.normal() - normal).norm() < 1e-15);
-        assert!((again.pitch - same_pitch).abs() < 1e-15);
+        assert!((again.angle - same_angle).abs() < 1e-15);
     }
 
     #[test]
@@ -102,10 +102,10 @@ mod tests {
         assert_eq!(Tilt::LEVEL.normal(), Vector3::z());
         assert_eq!(Tilt::from_normal(&Vector3::z()), Tilt::LEVEL);
         // A tilt toward e_b1 is a rotation about e_b2; a tilt toward e_b2 one about −e_b1.
-        let toward_x = Tilt { yaw: 0.0, pitch: 0.1 };
+        let toward_x = Tilt { azimuth: 0.0, angle: 0.1 };
         assert!(toward_x.normal().x > 0.0 && toward_x.normal().y == 0.0);
         assert_eq!(toward_x.about_x_and_y(), (0.0, 0.1));
-        let toward_y = Tilt { yaw: FRAC_PI_2, pitch: 0.1 };
+        let toward_y = Tilt { azimuth: FRAC_PI_2, angle: 0.1 };
         let (about_x, about_y) = toward_y.about_x_and_y();
         assert!((about_x + 0.1).abs() < 1e-16 && about_y.abs() < 1e-16);
     }

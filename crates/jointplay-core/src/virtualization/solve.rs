@@ -258,9 +258,9 @@ mod tests {
 
     const SOLVERS: [Solver; 3] = [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm];
 
-    fn sides_at(pitch: f64) -> Sides {
+    fn sides_at(tilt_angle: f64) -> Sides {
         let gpr = Gpr::paper().without_limit_checks();
-        let tilt = crate::spatial::Tilt { yaw: 0.4, pitch };
+        let tilt = crate::spatial::Tilt { azimuth: 0.4, angle: tilt_angle };
         let rods = gpr.inverse(tilt, crate::gpr::AxisHeight(0.5)).unwrap();
         crate::gpr::ball_sides(&gpr.ball_centers(&rods))
     }

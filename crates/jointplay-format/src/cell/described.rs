@@ -95,7 +95,7 @@ pub(super) fn table<'d>(document: &'d mut DocumentMut, name: &str) -> Result<Des
     Err(problem.into())
 }
 
-/// Values of keys that a station takes from others by `like`; with a drift, also those that belong to it.
+/// Values of keys that a station takes from others by `like`; with a carrier axis, also those that belong to it.
 pub(super) fn inherited(
     document: &DocumentMut,
     name: &str,
@@ -116,7 +116,7 @@ pub(super) fn inherited(
             let has =
                 |key: &str| own.contains_key(key) || found.iter().any(|(known, _)| known == key);
             let is_wanted = keys.contains(&key)
-                || (matches!(key, "slots" | "pitch_mm") && keys.contains(&"drift"));
+                || (matches!(key, "slots" | "pitch_mm") && keys.contains(&"carrier_axis"));
             let plane = [has_plane(*own), has_plane(*original)];
             if is_wanted && !is_replaced(key, &has, plane) {
                 found.push((key.to_owned(), item.clone()));
@@ -124,8 +124,8 @@ pub(super) fn inherited(
         }
         last = *original;
     }
-    // The number of slots and the pitch are needed for a drift only.
-    if !found.iter().any(|(key, _)| key == "drift") {
+    // The number of slots and the pitch are needed for a carrier axis only.
+    if !found.iter().any(|(key, _)| key == "carrier_axis") {
         found.retain(|(key, _)| keys.contains(&key.as_str()));
     }
     found

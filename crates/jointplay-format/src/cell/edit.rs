@@ -26,15 +26,15 @@ pub enum TaughtNoise {
 /// A new value of a station.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Change {
-    /// Centre of the lowest wafer at rest, in the base frame (m); a drift moves as a whole.
+    /// Centre of the lowest wafer at rest, in the base frame (m); a carrier axis moves as a whole.
     Position(Vector3<f64>),
     /// Rotation about the vertical (rad).
-    Yaw(f64),
-    /// Tilt of the station; replaces taught points and a drift.
+    Heading(f64),
+    /// Tilt of the station; replaces taught points and a carrier axis.
     Tilt(Tilt),
-    /// Tilt of the station; a drift remains, and its last position rotates about its first.
+    /// Tilt of the station; a carrier axis remains, and its last position rotates about its first.
     Turned(Tilt),
-    /// Taught points in the base frame, with the largest distance from their plane (m); replace a tilt and a drift.
+    /// Taught points in the base frame, with the largest distance from their plane (m); replace a tilt and a carrier axis.
     Taught {
         /// The points (m).
         points: Vec<Vector3<f64>>,
@@ -43,7 +43,7 @@ pub enum Change {
         /// Noise of the points; `None` leaves that of the file.
         noise: Option<TaughtNoise>,
     },
-    /// Reference points, which determine centre and heading; replace those of the file and a drift.
+    /// Reference points, which determine centre and heading; replace those of the file and a carrier axis.
     References {
         /// The reference points.
         references: Vec<ReferencePoint>,
@@ -51,7 +51,7 @@ pub enum Change {
         noise: Option<TaughtNoise>,
     },
     /// Wafer centres at rest in the first and the last slot (m); replace position, tilt and taught points.
-    Drift {
+    CarrierAxis {
         /// In the first slot (m).
         first: Vector3<f64>,
         /// In the last slot (m).
@@ -101,7 +101,7 @@ pub fn set_station(text: &str, name: &str, changes: &[Change]) -> Result<String,
 
 /// Keys whose present values the changes need, also where the station takes them from another table.
 fn inherited_keys(changes: &[Change]) -> Vec<&'static str> {
-    let needs_drift = |change: &Change| {
+    let needs_carrier_axis = |change: &Change| {
         matches!(
             change,
             Change::Position(_)
@@ -114,8 +114,8 @@ fn inherited_keys(changes: &[Change]) -> Vec<&'static str> {
     let needs_taught =
         |change: &Change| matches!(change, Change::Taught { .. } | Change::References { .. });
     let mut keys = Vec::new();
-    if changes.iter().any(needs_drift) {
-        keys.push("drift");
+    if changes.iter().any(needs_carrier_axis) {
+        keys.push("carrier_axis");
     }
     if changes.iter().any(needs_taught) {
         keys.push("taught");
@@ -262,36 +262,42 @@ impl Station<'_> {
         };
     }
 
-    /// Replaces a drift by the position of its first slot.
-    fn undrift(&mut self) {
-        let drift = self.table.get("drift").and_then(Item::as_table_like);
-        let place = |key| drift.and_then(|drift| drift.get(key)).cloned();
+    /// Replaces a carrier axis by the position of its first slot.
+    fn remove_carrier_axis(&mut self) {
+        let carrier_axis = self.table.get("carrier_axis").and_then(Item::as_table_like);
+        let place = |key| carrier_axis.and_then(|carrier_axis| carrier_axis.get(key)).cloned();
         let (first, last) = (place("first_mm"), place("last_mm"));
         let Some(Item::Value(first)) = first else { return };
-        if let Some(pitch) = self.drifted_pitch(&first, last.as_ref().and_then(Item::as_value)) {
+        if let Some(pitch) = self.carrier_axis_pitch(&first, last.as_ref().and_then(Item::as_value))
+        {
             self.set("pitch_mm", number(pitch));
         }
-        self.drop_keys(&["drift"]);
+        self.drop_keys(&["carrier_axis"]);
         self.set("position_mm", first);
     }
 
-    /// Moves the positions of the first and last slot of a station with a drift; false without a drift.
-    fn redrift(&mut self, to: impl Fn(Vector3<f64>, Vector3<f64>) -> [Vector3<f64>; 2]) -> bool {
-        let Some(drift) = self.table.get_mut("drift").and_then(Item::as_table_like_mut) else {
+    /// Moves the positions of the first and last slot of a station with a carrier axis; false without a carrier axis.
+    fn move_carrier_axis(
+        &mut self,
+        to: impl Fn(Vector3<f64>, Vector3<f64>) -> [Vector3<f64>; 2],
+    ) -> bool {
+        let Some(carrier_axis) =
+            self.table.get_mut("carrier_axis").and_then(Item::as_table_like_mut)
+        else {
             return false;
         };
-        let place = |key| drift.get(key).and_then(Item::as_value).and_then(coordinates);
+        let place = |key| carrier_axis.get(key).and_then(Item::as_value).and_then(coordinates);
         let (Some(first), Some(last)) = (place("first_mm"), place("last_mm")) else { return false };
         for (key, place) in ["first_mm", "last_mm"].into_iter().zip(to(first, last)) {
-            if let Some(old) = drift.get_mut(key).and_then(Item::as_value_mut) {
+            if let Some(old) = carrier_axis.get_mut(key).and_then(Item::as_value_mut) {
                 replace(old, Value::Array(place.iter().map(|&mm| tidy(mm)).collect()));
             }
         }
         true
     }
 
-    /// The pitch that follows from a drift, if the station has several slots and no `pitch_mm` (mm).
-    fn drifted_pitch(&self, first: &Value, last: Option<&Value>) -> Option<f64> {
+    /// The pitch that follows from a carrier axis, if the station has several slots and no `pitch_mm` (mm).
+    fn carrier_axis_pitch(&self, first: &Value, last: Option<&Value>) -> Option<f64> {
         let slots = self.table.get("slots").and_then(Item::as_integer)?;
         if slots < 2 || self.table.contains_key("pitch_mm") {
             return None;
@@ -330,28 +336,28 @@ fn apply(station: &mut Station<'_>, change: &Change) {
     match change {
         Change::Position(position) => {
             let to = position.map(mm);
-            if !station.redrift(|first, last| [to, last + (to - first)]) {
+            if !station.move_carrier_axis(|first, last| [to, last + (to - first)]) {
                 station.set("position_mm", point(position));
             }
         }
-        Change::Yaw(yaw) => station.set("yaw_deg", number(deg(*yaw))),
+        Change::Heading(heading) => station.set("heading_deg", number(deg(*heading))),
         Change::Turned(tilt) => {
             let up = tilt.normal();
             let turned = |first: Vector3<f64>, last: Vector3<f64>| {
                 [first, first + up * (last - first).norm()]
             };
-            if !station.redrift(turned) {
+            if !station.move_carrier_axis(turned) {
                 apply(station, &Change::Tilt(*tilt));
             }
         }
         Change::Tilt(tilt) => {
-            station.undrift();
+            station.remove_carrier_axis();
             station.drop_keys(&["taught"]);
-            let values = [("yaw_deg", deg(tilt.yaw)), ("pitch_deg", deg(tilt.pitch))];
+            let values = [("azimuth_deg", deg(tilt.azimuth)), ("angle_deg", deg(tilt.angle))];
             station.set("tilt", inline(values.map(|(key, value)| (key, number(value)))));
         }
         Change::Taught { points, threshold, noise } => {
-            station.undrift();
+            station.remove_carrier_axis();
             station.drop_keys(&["tilt"]);
             let count = points.len();
             let points: Array = points.iter().map(point).collect();
@@ -365,7 +371,7 @@ fn apply(station: &mut Station<'_>, change: &Change) {
             station.set("taught", Value::InlineTable(taught));
         }
         Change::References { references, noise } => {
-            station.undrift();
+            station.remove_carrier_axis();
             let mut taught = InlineTable::new();
             for key in ["points_mm", "threshold_um", NOISE_KEYS[0], NOISE_KEYS[1]] {
                 taught.extend(station.taught(key).map(|value| (key, value)));
@@ -382,10 +388,10 @@ fn apply(station: &mut Station<'_>, change: &Change) {
             station.set_noise(&mut taught, keys, noise.as_ref(), references.len());
             station.set("taught", Value::InlineTable(taught));
         }
-        Change::Drift { first, last } => {
+        Change::CarrierAxis { first, last } => {
             station.drop_keys(&["position_mm", "tilt", "taught"]);
             let values = [("first_mm", point(first)), ("last_mm", point(last))];
-            station.set("drift", inline(values));
+            station.set("carrier_axis", inline(values));
         }
         Change::Pitch(pitch) => station.set("pitch_mm", number(mm(*pitch))),
         Change::Offset(offset) => station.set("offset_mm", point(offset)),

@@ -43,7 +43,7 @@ pub fn explain(error: &CellError) -> String {
         ),
         CellError::StationTilt { station, tilt, max } => format!(
             "station {station} tilts by {:.3}°, but the robot tilts by at most {:.3}°; level the station",
-            deg(tilt.pitch),
+            deg(tilt.angle),
             deg(*max)
         ),
         CellError::Platform(error) => crate::explain::explain(error),
@@ -85,8 +85,8 @@ pub fn explain_limit(robot: &HybridRobot, limit: &LimitViolation) -> String {
                 position(axis, max)
             )
         }
-        LimitViolation::Tilt { pitch, max } => {
-            format!("tilt of {:.4}°, limit {:.4}°", deg(pitch), deg(max))
+        LimitViolation::Tilt { angle, max } => {
+            format!("tilt of {:.4}°, limit {:.4}°", deg(angle), deg(max))
         }
     }
 }

@@ -7,7 +7,7 @@ use super::explain::{explain_unreachable_pose, position};
 use crate::units::{deg, mm};
 
 /// Remedy for a Cartesian line that the robot cannot follow.
-const REMEDY: &str = "change the radius of the station, `retract_mm`, the heading (`yaw_deg`, `approach`) or the posture at the start of the line, or move the axes instead";
+const REMEDY: &str = "change the radius of the station, `retract_mm`, the heading (`heading_deg`, `approach`) or the posture at the start of the line, or move the axes instead";
 
 /// The message of a step without a trajectory, with a remedy.
 #[must_use]

@@ -353,9 +353,9 @@ struct Budgets {
 
 fn budgets(table: &Table) -> Option<Budgets> {
     let micro = |key, span| table.number(key, span).map(|value| crate::units::shift(value, -6));
-    let play = micro("play_um", AllowedRange::Positive);
-    let clearance = table.length("clearance_mm", AllowedRange::NotNegative);
-    let slot_clearance = table.length("slot_clearance_mm", AllowedRange::NotNegative);
+    let play = micro("virtual_joint_norm_um", AllowedRange::Positive);
+    let clearance = table.length("min_distance_mm", AllowedRange::NotNegative);
+    let slot_clearance = table.length("slot_min_distance_mm", AllowedRange::NotNegative);
     let plane = micro("plane_urad", AllowedRange::Positive);
     let gravity = table.number_or("gravity_m_s2", AllowedRange::NotNegative, GRAVITY);
     let range = AllowedRange::Within(0.0, MAX_COVERAGE_FACTOR);

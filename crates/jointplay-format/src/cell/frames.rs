@@ -10,7 +10,7 @@ use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::{Rotation3, Vector3};
 
 use super::effectors::Effectors;
-use super::pose::yaw_and_tilt;
+use super::pose::heading_and_tilt;
 use super::tree::{Entry, Table};
 use super::unique::unique;
 
@@ -76,16 +76,16 @@ impl<'c> Parents<'c> {
         parents
     }
 
-    /// The frame of a table with `on`, `position_mm`, `yaw_deg` and `tilt`.
+    /// The frame of a table with `on`, `position_mm`, `heading_deg` and `tilt`.
     pub(super) fn placement(&self, table: &Table) -> Option<Placement> {
         let position = table.entry("position_mm").map(|entry| entry.point(table.reader));
-        let (yaw, tilt) = yaw_and_tilt(table);
+        let (heading, tilt) = heading_and_tilt(table);
         let parent = match table.entry("on") {
             Some(on) => self.parent(table, &on)?,
             None => Placement::new(ParentFrame::World),
         };
         let normal = tilt.unwrap_or(Tilt::LEVEL).normal();
-        let pose = frame(position.unwrap_or_default().unwrap_or_default(), &normal, yaw);
+        let pose = frame(position.unwrap_or_default().unwrap_or_default(), &normal, heading);
         Some(Placement { parent_from_frame: parent.parent_from_frame * pose, ..parent })
     }
 

@@ -11,7 +11,7 @@ use jointplay_core::spatial::{Pose, Tilt};
 
 use super::effectors::{Effectors, named_effectors};
 use super::explain::{explain_teach, leveling_angle};
-use super::pose::{points, yaw_and_tilt};
+use super::pose::{heading_and_tilt, points};
 use super::problem::Fault;
 use super::taught::{self, Sensors};
 use super::tree::{AllowedRange, Reader, Table};
@@ -29,10 +29,10 @@ pub(super) const STATION_KEYS: [&str; 19] = [
     "pitch_mm",
     "slot_step_mm",
     "position_mm",
-    "yaw_deg",
+    "heading_deg",
     "tilt",
     "taught",
-    "drift",
+    "carrier_axis",
     "uncertainty",
     "offset_mm",
     "retract_mm",
@@ -41,7 +41,7 @@ pub(super) const STATION_KEYS: [&str; 19] = [
     "effectors",
     "stroke",
     "process_s",
-    "min_process_s",
+    "min_dwell_s",
     "max_dwell_s",
     "wafers",
 ];
@@ -155,15 +155,15 @@ fn dwell(table: &Table, process_time: f64) -> Option<Dwell> {
         let entry = table.entry(key)?;
         entry.number(table.reader, AllowedRange::NotNegative)
     };
-    let (min, max) = (seconds("min_process_s"), seconds("max_dwell_s"));
-    let longest_need = [("min_process_s", min), ("process_s", Some(process_time))];
+    let (min, max) = (seconds("min_dwell_s"), seconds("max_dwell_s"));
+    let longest_need = [("min_dwell_s", min), ("process_s", Some(process_time))];
     for (key, need) in longest_need {
         if let (Some(need), Some(max)) = (need, max)
             && need > max
         {
             let (need, max) = (number(need), number(max));
             table.report_at("max_dwell_s", Fault::Unfit(format!(
-                "`max_dwell_s` of {} is {max}, but `{key}` requires a stay of {need} s: increase `max_dwell_s` to {need} or more",
+                "`max_dwell_s` of {} is {max}, but `{key}` requires a dwell of {need} s: increase `max_dwell_s` to {need} or more",
                 table.whose
             )));
         }
@@ -193,12 +193,13 @@ struct Place {
 
 fn place(table: &Table, slots: usize, pitch: Option<f64>, sensors: &Sensors) -> Option<Place> {
     let reader = table.reader;
-    let (yaw, tilt) = yaw_and_tilt(table);
+    let (heading, tilt) = heading_and_tilt(table);
     let taught = table.table("taught", "taught points");
-    let drift = table.table("drift", "a drift");
-    let has_plane = taught.as_ref().is_some_and(|it| drift.is_some() || taught::has_plane(it));
+    let carrier_axis = table.table("carrier_axis", "a carrier axis");
+    let has_plane =
+        taught.as_ref().is_some_and(|it| carrier_axis.is_some() || taught::has_plane(it));
     let sources: Vec<&str> =
-        [("tilt", tilt.is_some()), ("taught", has_plane), ("drift", drift.is_some())]
+        [("tilt", tilt.is_some()), ("taught", has_plane), ("carrier_axis", carrier_axis.is_some())]
             .into_iter()
             .filter_map(|(key, is_there)| is_there.then_some(key))
             .collect();
@@ -216,35 +217,35 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>, sensors: &Sensors) -> 
         }
         pitch => Some(pitch.unwrap_or(0.0)),
     };
-    if let Some(drift) = drift {
-        let (first, last) = (drift.point("first_mm"), drift.point("last_mm"));
+    if let Some(carrier_axis) = carrier_axis {
+        let (first, last) = (carrier_axis.point("first_mm"), carrier_axis.point("last_mm"));
         let noise =
-            drift.entry("noise_um").and_then(|it| it.number(reader, AllowedRange::Positive));
+            carrier_axis.entry("noise_um").and_then(|it| it.number(reader, AllowedRange::Positive));
         let noise = noise.map(|noise| shift(noise, -6));
-        drift.finish();
+        carrier_axis.finish();
         if let Some(entry) = table.entry("position_mm") {
-            let why = "`position_mm` cannot be combined with `drift`, whose `first_mm` is the position of the station";
+            let why = "`position_mm` cannot be combined with `carrier_axis`, whose `first_mm` is the position of the station";
             entry.report(reader, Fault::Unfit(why.to_owned()));
         }
-        let found = teach::drift(first?, last?, slots, noise)
-            .map_err(|error| drift.report(Fault::Unfit(explain_teach(&error))))
+        let found = teach::carrier_axis(first?, last?, slots, noise)
+            .map_err(|error| carrier_axis.report(Fault::Unfit(explain_teach(&error))))
             .ok()?;
         if let Some(pitch) = pitch.filter(|pitch| (found.pitch / pitch - 1.0).abs() > PITCH_SHARE) {
-            drift.report(Fault::Unfit(format!(
+            carrier_axis.report(Fault::Unfit(format!(
                 "the first and the last slot were taught {} mm apart, which is a pitch of {:.4} mm, but `pitch_mm` is {}",
                 mm((found.pitch * (slots as f64 - 1.0) * 1e9).round() / 1e9),
                 found.pitch * 1e3,
                 mm(pitch)
             )));
         }
-        let frame = teach::frame(found.first, &found.tilt.normal(), yaw);
+        let frame = teach::frame(found.first, &found.tilt.normal(), heading);
         let (uncertainty, pitch) = (found.uncertainty(), found.pitch);
-        return Some(Place { frame, origin: Origin::Drift(found), uncertainty, pitch });
+        return Some(Place { frame, origin: Origin::CarrierAxis(found), uncertainty, pitch });
     }
     let position = table.point("position_mm");
     let nominal = position.map(|origin| NominalFrame {
         origin,
-        yaw,
+        heading,
         normal: tilt.unwrap_or(Tilt::LEVEL).normal(),
     });
     if let Some(taught) = taught {
@@ -265,14 +266,14 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>, sensors: &Sensors) -> 
 /// * `bare` – the cell with robot, wafer and budgets, for the tilt that compensates the deflection of the arms
 fn check_tilt(table: &Table, station: &Station, robot: &HybridRobot, bare: Option<&Cell>) {
     let Err(CellError::StationTilt { tilt, max, .. }) = station.check_tilt(robot) else { return };
-    let from = ["tilt", "taught", "drift"].into_iter().find_map(|key| table.entry(key));
+    let from = ["tilt", "taught", "carrier_axis"].into_iter().find_map(|key| table.entry(key));
     let span = from.map_or(table.span.clone(), |entry| entry.span());
-    let (pitch, yaw) = (deg(tilt.pitch), deg(tilt.yaw));
-    let excess = pitch - deg(max);
+    let (angle, azimuth) = (deg(tilt.angle), deg(tilt.azimuth));
+    let excess = angle - deg(max);
     let by = bare.and_then(|cell| cell.leveling(station)).map_or(excess, deg);
     let by = by.max(excess);
     table.reader.report(span, Fault::Unfit(format!(
-        "{} tilts {pitch:.3}° toward {yaw:.1}°, but the robot tilts by at most {:.3}°: level the station by at least {}",
+        "{} tilts {angle:.3}° toward {azimuth:.1}°, but the robot tilts by at most {:.3}°: level the station by at least {}",
         table.whose,
         deg(max),
         leveling_angle(by, by - excess)

@@ -7,9 +7,9 @@ use jointplay_cell::program::Phase;
 pub fn phase_name(phase: Phase) -> &'static str {
     match phase {
         Phase::Move => "move",
-        Phase::RetractArms => "tuck in",
+        Phase::RetractArms => "retract arms",
         Phase::Turn => "turn",
-        Phase::Align => "enter",
+        Phase::Align => "align",
         Phase::Extend => "extend",
         Phase::Lift => "lift",
         Phase::Lower => "lower",

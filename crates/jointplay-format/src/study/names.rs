@@ -132,8 +132,8 @@ fn terms(models: &[&'static (dyn Virtualization + Sync)]) -> Vec<Term> {
         }
         add("center_shift", LENGTHS, PlatformQuantity::CenterShift);
         add("axis_height", LENGTHS, quantity(Quantity::AxisHeight));
-        add("yaw", ANGLES, quantity(Quantity::Yaw));
-        add("pitch", ANGLES, quantity(Quantity::Pitch));
+        add("azimuth", ANGLES, quantity(Quantity::Azimuth));
+        add("tilt", ANGLES, quantity(Quantity::TiltAngle));
         add("tilt_x", ANGLES, PlatformQuantity::TiltX);
         add("tilt_y", ANGLES, PlatformQuantity::TiltY);
         add("tilt_error", ANGLES, PlatformQuantity::TiltError);
@@ -225,7 +225,7 @@ pub(super) fn resolve(
 /// Columns of what is commanded, with what is wanted for them.
 pub(super) fn commanded(plan: &Plan) -> Vec<(String, Asked, bool)> {
     let (first, second) = match plan.tilt.form {
-        TiltForm::YawPitch => ("yaw", "pitch"),
+        TiltForm::AzimuthAngle => ("azimuth", "tilt"),
         TiltForm::AboutXAndY => ("tilt_x", "tilt_y"),
     };
     let column = |stem: &str, wanted, unit: Unit, spread: &jointplay_study::plan::Variation| {

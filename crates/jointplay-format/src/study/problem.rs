@@ -90,7 +90,7 @@ pub enum Problem {
     },
     /// Angles other than two that describe a tilt.
     #[error(
-        "a pose has either `yaw_deg` and `pitch_deg`, or `tilt_x_deg` and `tilt_y_deg`; found: {}",
+        "a pose has either `azimuth_deg` and `tilt_deg`, or `tilt_x_deg` and `tilt_y_deg`; found: {}",
         listed(found)
     )]
     Tilt {

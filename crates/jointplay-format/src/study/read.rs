@@ -21,8 +21,8 @@ pub const MAX_BYTES: usize = 1_000_000;
 const LONGEST_MM: f64 = 1e6;
 /// The steepest angle that may be asked for (deg); at a right angle there are no rods.
 const STEEPEST_DEG: f64 = 89.999;
-/// The most turns that a yaw may count (deg).
-const YAWS_DEG: f64 = 1e6;
+/// The most turns that an azimuth may count (deg).
+const AZIMUTHS_DEG: f64 = 1e6;
 
 /// A virtualization of the library.
 type Model = &'static (dyn Virtualization + Sync);
@@ -244,8 +244,8 @@ fn pose(table: &Table) -> Option<(Tilts, Option<Variation>)> {
     let reader = table.reader;
     let angle = |name, most: f64| Key { name, bounds: (-most, most), to_si: f64::to_radians };
     let keys = [
-        angle("yaw_deg", YAWS_DEG),
-        angle("pitch_deg", STEEPEST_DEG),
+        angle("azimuth_deg", AZIMUTHS_DEG),
+        angle("tilt_deg", STEEPEST_DEG),
         angle("tilt_x_deg", STEEPEST_DEG),
         angle("tilt_y_deg", STEEPEST_DEG),
     ];
@@ -256,8 +256,8 @@ fn pose(table: &Table) -> Option<(Tilts, Option<Variation>)> {
     let height = table.entry(key.name).map(|entry| spread::read(reader, &key, &entry));
     table.finish();
     let tilt = match read {
-        [Some(yaw), Some(pitch), None, None] => {
-            Tilts { form: TiltForm::YawPitch, first: yaw?, second: pitch? }
+        [Some(azimuth), Some(tilt_angle), None, None] => {
+            Tilts { form: TiltForm::AzimuthAngle, first: azimuth?, second: tilt_angle? }
         }
         [None, None, Some(x), Some(y)] => {
             Tilts { form: TiltForm::AboutXAndY, first: x?, second: y? }
@@ -357,8 +357,8 @@ fn quantities(top: &Table, models: &[Model]) -> Option<Vec<Asked>> {
 fn first_random(top: &Table, pose: &Table, plan: &Plan) -> std::ops::Range<usize> {
     let span = |table: &Table, key| table.entry(key).map(|entry| entry.span());
     let spreads = [
-        (&plan.tilt.first, span(pose, "yaw_deg").or(span(pose, "tilt_x_deg"))),
-        (&plan.tilt.second, span(pose, "pitch_deg").or(span(pose, "tilt_y_deg"))),
+        (&plan.tilt.first, span(pose, "azimuth_deg").or(span(pose, "tilt_x_deg"))),
+        (&plan.tilt.second, span(pose, "tilt_deg").or(span(pose, "tilt_y_deg"))),
         (&plan.height, span(pose, "height_mm")),
     ];
     let random = spreads.into_iter().find(|(spread, _)| spread.is_random());

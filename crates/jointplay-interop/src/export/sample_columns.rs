@@ -48,6 +48,7 @@ pub(super) enum FrameQuantity {
     X,
     Y,
     Z,
+    /// Rotation about the normal: heading of a wafer, torsion of the platform.
     Heading,
     Tilt,
     TiltDirection,
@@ -67,7 +68,7 @@ pub const COLUMN_GROUPS: [(&str, &str); 17] = [
     ("velocities", "velocity of each axis"),
     ("accelerations", "acceleration of each axis"),
     ("jerks", "jerk of each axis"),
-    ("platform", "origin, heading and tilt of the platform"),
+    ("platform", "origin, torsion and tilt of the platform"),
     ("wafers", "all columns of all effectors"),
     ("x", "x of each wafer centre"),
     ("y", "y of each wafer centre"),
@@ -103,14 +104,16 @@ pub fn sample_columns(cell: &Cell) -> Vec<SampleColumn> {
             columns.push(column(&format!("{name}_{unit}{suffix}"), &meaning, &groups, quantity));
         }
     }
+    let platform = FrameTerms { name: "platform", what: "platform", rotation: "torsion" };
     let of_platform = |coordinate| {
         // The groups of one coordinate concern wafers.
         if coordinate == "tilt" { vec!["platform", "tilt"] } else { vec!["platform"] }
     };
-    columns.extend(frame_columns("platform", "platform", of_platform, Quantity::Platform));
+    columns.extend(frame_columns(&platform, of_platform, Quantity::Platform));
     for effector in cell.robot.effectors() {
         let name = &cell.robot.arms[effector.arm].effectors[effector.effector].name;
         let what = format!("wafer on {name}");
+        let wafer = FrameTerms { name, what: &what, rotation: "heading" };
         let of_wafer = |coordinate| {
             let mut groups = vec!["wafers", name, coordinate];
             if ["x", "y", "z"].contains(&coordinate) {
@@ -119,7 +122,7 @@ pub fn sample_columns(cell: &Cell) -> Vec<SampleColumn> {
             groups
         };
         let quantity = |quantity| Quantity::Wafer { effector, quantity };
-        columns.extend(frame_columns(name, &what, of_wafer, quantity));
+        columns.extend(frame_columns(&wafer, of_wafer, quantity));
         for (end, unit, meaning, quantity) in [
             ("speed", "_mm_per_s", "speed of the centre of the", Quantity::Speed(effector)),
             (
@@ -153,27 +156,36 @@ fn column(name: &str, meaning: &str, groups: &[&str], quantity: Quantity) -> Sam
     SampleColumn { name: name.to_owned(), meaning: meaning.to_owned(), groups, quantity }
 }
 
+/// Names of a frame.
+struct FrameTerms<'n> {
+    /// Name in columns.
+    name: &'n str,
+    /// Name in meanings.
+    what: &'n str,
+    /// Term for its rotation about its normal.
+    rotation: &'static str,
+}
+
 /// The columns of a frame.
 ///
 /// # Arguments
 /// * `groups` – groups of a coordinate
 fn frame_columns<'g>(
-    name: &str,
-    what: &str,
+    &FrameTerms { name, what, rotation }: &FrameTerms<'_>,
     groups: impl Fn(&'static str) -> Vec<&'g str>,
     quantity: impl Fn(FrameQuantity) -> Quantity,
 ) -> Vec<SampleColumn> {
     let columns = [
-        ("x", "mm", "x", "x of the centre of the", FrameQuantity::X),
-        ("y", "mm", "y", "y of the centre of the", FrameQuantity::Y),
-        ("z", "mm", "z", "z of the centre of the", FrameQuantity::Z),
-        ("heading", "deg", "heading", "heading of the", FrameQuantity::Heading),
-        ("tilt", "deg", "tilt", "tilt angle of the", FrameQuantity::Tilt),
-        ("tilt_direction", "deg", "tilt", "tilt direction of the", FrameQuantity::TiltDirection),
+        ("x", "mm", "x", "x of the centre", FrameQuantity::X),
+        ("y", "mm", "y", "y of the centre", FrameQuantity::Y),
+        ("z", "mm", "z", "z of the centre", FrameQuantity::Z),
+        (rotation, "deg", "heading", rotation, FrameQuantity::Heading),
+        ("tilt", "deg", "tilt", "tilt angle", FrameQuantity::Tilt),
+        ("tilt_direction", "deg", "tilt", "tilt direction", FrameQuantity::TiltDirection),
     ];
     let frame_column = |(end, unit, coordinate, meaning, kind)| {
         let short = format!("{name}_{end}");
-        let meaning = format!("{meaning} {what}");
+        let meaning = format!("{meaning} of the {what}");
         let mut one =
             column(&format!("{short}_{unit}"), &meaning, &groups(coordinate), quantity(kind));
         one.groups.push(short);

@@ -244,8 +244,8 @@ fn frame_value(base_from_frame: &Pose, quantity: FrameQuantity) -> f64 {
             let turned = tilt_rotation(&normal).inverse() * base_from_frame.rotation;
             deg(turned.matrix()[(1, 0)].atan2(turned.matrix()[(0, 0)]))
         }
-        FrameQuantity::Tilt => deg(Tilt::from_normal(&normal).pitch),
-        FrameQuantity::TiltDirection => deg(Tilt::from_normal(&normal).yaw),
+        FrameQuantity::Tilt => deg(Tilt::from_normal(&normal).angle),
+        FrameQuantity::TiltDirection => deg(Tilt::from_normal(&normal).azimuth),
     }
 }
 

@@ -289,8 +289,10 @@ fn description(cell: &Cell, station: &Station, normal: &Vector3<f64>) -> Vec<Str
     let mut lines = vec![station.name.clone(), orientation];
     match &station.origin {
         Origin::Nominal => lines.push("nominal, not taught".to_owned()),
-        Origin::Drift(drift) => lines
-            .push(format!("drift: the last slot is {:.3} mm off the vertical", drift.drift * 1e3)),
+        Origin::CarrierAxis(carrier_axis) => lines.push(format!(
+            "carrier axis: the last slot is {:.3} mm off the vertical",
+            carrier_axis.horizontal_offset * 1e3
+        )),
         Origin::Taught(taught) => {
             if let Some(references) = &taught.references {
                 lines.push(format!(

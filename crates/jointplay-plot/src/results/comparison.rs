@@ -5,13 +5,14 @@ use jointplay_study::Comparison;
 use super::coincident;
 use crate::{Axis, Curve, Figure, Model, Panel, Style, model_style, rod_style};
 
-/// Centre shift and largest displacement of every model against the pitch.
+/// Centre shift and largest displacement of every model against the tilt angle.
 ///
 /// The shift across e_b1 gets a panel of its own only where there is one.
 #[must_use]
 pub fn comparison(comparison: &Comparison) -> Figure {
-    let pitch: Vec<f64> = comparison.pitches.iter().map(|pitch| pitch.to_degrees()).collect();
-    let none = vec![0.0; pitch.len()];
+    let tilt_angle: Vec<f64> =
+        comparison.tilt_angles.iter().map(|tilt_angle| tilt_angle.to_degrees()).collect();
+    let none = vec![0.0; tilt_angle.len()];
     let panel = |label: &str| Panel::new(Axis::linear("tilt angle (deg)"), Axis::linear(label));
     let approximate = model_style(Model::Approximate);
     let mut figure = Figure::new("Models compared over the tilt angle");
@@ -29,13 +30,17 @@ pub fn comparison(comparison: &Comparison) -> Figure {
                 model.center_shift.iter().map(|shift| shift[axis] * 1e6).collect();
             shift = shift.with_curve(Curve::new(
                 &model.name,
-                pitch[..values.len()].to_vec(),
+                tilt_angle[..values.len()].to_vec(),
                 values,
                 style(&model.name, index),
             ));
         }
-        shift =
-            shift.with_curve(Curve::new("approximate", pitch.clone(), none.clone(), approximate));
+        shift = shift.with_curve(Curve::new(
+            "approximate",
+            tilt_angle.clone(),
+            none.clone(),
+            approximate,
+        ));
         shift.curves = coincident::merged(shift.curves, "µm", shift.height);
         figure = figure.with_panel(shift);
     }
@@ -44,7 +49,7 @@ pub fn comparison(comparison: &Comparison) -> Figure {
         let values: Vec<f64> = model.largest_displacement.iter().map(|moved| moved * 1e6).collect();
         let curve = Curve::new(
             &model.name,
-            pitch[..values.len()].to_vec(),
+            tilt_angle[..values.len()].to_vec(),
             values,
             style(&model.name, index),
         );
@@ -52,7 +57,7 @@ pub fn comparison(comparison: &Comparison) -> Figure {
     }
     let gaps = comparison.approximate_gap.iter().map(|gap| gap * 1e6).collect();
     displacement =
-        displacement.with_curve(Curve::new("approximate", pitch.clone(), gaps, approximate));
+        displacement.with_curve(Curve::new("approximate", tilt_angle.clone(), gaps, approximate));
     displacement.curves = coincident::merged(displacement.curves, "µm", displacement.height);
     figure.with_panel(displacement)
 }

@@ -42,7 +42,7 @@ fn figure(samples: &Samples, title: &str, label: &str, kind: SeriesKind) -> Figu
         samples.series().into_iter().filter(|series| series.kind == kind).collect();
     let families = series.chunk_by(|a, b| family(&a.name) == family(&b.name));
     if samples.len() == samples.samples_per_row {
-        let direction = samples.yaw.first().map_or(0.0, |yaw| yaw.to_degrees());
+        let direction = samples.azimuth.first().map_or(0.0, |azimuth| azimuth.to_degrees());
         let title = format!("{title}, tilt direction {:.4}°", direction);
         let title = title.replace(".0000°", "°");
         families.fold(Figure::new(title), |figure, limbs| {
@@ -55,7 +55,8 @@ fn figure(samples: &Samples, title: &str, label: &str, kind: SeriesKind) -> Figu
 
 /// A panel over the tilt angle, with its singular configuration.
 fn one_direction(samples: &Samples, limbs: &[Series<'_>], label: &str) -> Panel {
-    let angles: Vec<f64> = samples.pitch.iter().map(|pitch| pitch.to_degrees()).collect();
+    let angles: Vec<f64> =
+        samples.tilt_angle.iter().map(|tilt_angle| tilt_angle.to_degrees()).collect();
     let curves = limbs.iter().enumerate().map(|(limb, series)| {
         Curve::new(symbol(&series.name), angles.clone(), values(series), rod_style(limb))
     });
@@ -86,9 +87,9 @@ fn raster(samples: &Samples, limbs: &[Series<'_>], label: &str, mut figure: Figu
 
 /// What the horizontal axis of a raster holds: one interval a tilt direction, with all tilt angles in it.
 fn axis_label(samples: &Samples) -> String {
-    let ends = [samples.pitch.first(), samples.pitch.get(samples.samples_per_row - 1)];
-    let [from, to] = ends.map(|pitch| {
-        let text = format!("{:.3}", pitch.copied().unwrap_or_default().to_degrees());
+    let ends = [samples.tilt_angle.first(), samples.tilt_angle.get(samples.samples_per_row - 1)];
+    let [from, to] = ends.map(|tilt_angle| {
+        let text = format!("{:.3}", tilt_angle.copied().unwrap_or_default().to_degrees());
         text.trim_end_matches('0').trim_end_matches('.').replace('-', "−")
     });
     let back = if samples.order == Order::Serpentine { " or back" } else { "" };
@@ -99,7 +100,7 @@ fn axis_label(samples: &Samples) -> String {
 #[expect(clippy::cast_precision_loss, reason = "a sample number, far below 2⁵³")]
 fn positions(samples: &Samples) -> Vec<f64> {
     let count = samples.samples_per_row;
-    let direction = |row: usize| samples.yaw[row * count].to_degrees();
+    let direction = |row: usize| samples.azimuth[row * count].to_degrees();
     let last_row = samples.len() / count - 1;
     (0..samples.len())
         .map(|sample| {

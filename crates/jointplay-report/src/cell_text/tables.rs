@@ -30,8 +30,8 @@ fn stations(schedule: &ScheduleReport) -> TextTable {
             percent(station.occupied_share),
             percent(station.busy_share),
             fixed(station.robot_waits_s, 1),
-            seconds(station.shortest_stay_s),
-            seconds(station.longest_stay_s),
+            seconds(station.shortest_dwell_s),
+            seconds(station.longest_dwell_s),
             seconds(station.max_dwell_s),
         ]
     };
@@ -43,8 +43,8 @@ fn stations(schedule: &ScheduleReport) -> TextTable {
             TableColumn::number("occupied"),
             TableColumn::number("processing"),
             TableColumn::number("robot waits s"),
-            TableColumn::number("shortest stay s"),
-            TableColumn::number("longest stay s"),
+            TableColumn::number("shortest dwell s"),
+            TableColumn::number("longest dwell s"),
             TableColumn::number("allowed s"),
         ],
         rows: schedule.stations.iter().filter(|one| one.visits > 0).map(row).collect(),

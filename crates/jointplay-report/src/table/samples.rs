@@ -34,8 +34,8 @@ pub fn columns(samples: &Samples) -> Vec<Column> {
     };
     let mut columns = vec![
         count("sample", &mut (0..samples.len())),
-        real("yaw_deg".into(), &samples.yaw, deg),
-        real("pitch_deg".into(), &samples.pitch, deg),
+        real("azimuth_deg".into(), &samples.azimuth, deg),
+        real("tilt_deg".into(), &samples.tilt_angle, deg),
     ];
     for series in samples.series() {
         let convert = if series.kind == SeriesKind::Angular { deg } else { mm };

@@ -19,7 +19,10 @@ fn a_csv_table_reads_back_exactly() {
     let text = csv(&columns);
     let mut reader = ::csv::Reader::from_reader(text.as_bytes());
     let names: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
-    assert_eq!(names[..7], ["sample", "yaw_deg", "pitch_deg", "q1_mm", "q2_mm", "q3_mm", "L12_mm"]);
+    assert_eq!(
+        names[..7],
+        ["sample", "azimuth_deg", "tilt_deg", "q1_mm", "q2_mm", "q3_mm", "L12_mm"]
+    );
     assert!(names.contains(&"phi2_deg".to_owned()) && names.ends_with(&["residual_mm".to_owned()]));
     let rows: Vec<::csv::StringRecord> = reader.records().map(Result::unwrap).collect();
     assert_eq!(rows.len(), 777);

@@ -11,8 +11,8 @@ use super::check_limits;
 use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
-use crate::wire::question::{CompareRequest, MAX_PITCHES};
-use crate::wire::{angle, length, pitch};
+use crate::wire::question::{CompareRequest, MAX_TILTS};
+use crate::wire::{angle, length, tilt_angle};
 
 /// The results of all models over a range of tilts
 ///
@@ -39,28 +39,33 @@ pub(crate) async fn compare(
 
 fn compute(gpr: &Gpr, request: CompareRequest) -> Result<CompareReport, Problem> {
     let options = request.choice().options("")?;
-    let yaw = angle(request.yaw_rad, "yaw_rad")?;
+    let azimuth = angle(request.azimuth_rad, "azimuth_rad")?;
     let height = request.axis_height_m.unwrap_or(gpr.working_height());
     let height = AxisHeight(length(height, "axis_height_m")?);
-    let pitches = request.pitches_rad;
-    if !(1..=MAX_PITCHES).contains(&pitches.len()) {
-        let detail = format!("{} pitches are given, 1 to {MAX_PITCHES} are allowed", pitches.len());
-        return Err(Problem::field("pitches_rad", detail));
+    let tilt_angles = request.tilts_rad;
+    if !(1..=MAX_TILTS).contains(&tilt_angles.len()) {
+        let detail =
+            format!("{} tilt angles are given, 1 to {MAX_TILTS} are allowed", tilt_angles.len());
+        return Err(Problem::field("tilts_rad", detail));
     }
-    for (k, &found) in pitches.iter().enumerate() {
-        pitch(found, &format!("pitches_rad[{k}]"))?;
+    for (k, &found) in tilt_angles.iter().enumerate() {
+        tilt_angle(found, &format!("tilts_rad[{k}]"))?;
     }
     let mut broken = Vec::new();
     // The ends of the range violate all limits that any tilt of the range violates.
-    let ends = [pitches.iter().copied().reduce(f64::min), pitches.iter().copied().reduce(f64::max)];
-    for pitch in ends.into_iter().flatten() {
-        let tilt = Tilt { yaw, pitch };
+    let ends = [
+        tilt_angles.iter().copied().reduce(f64::min),
+        tilt_angles.iter().copied().reduce(f64::max),
+    ];
+    for tilt_angle in ends.into_iter().flatten() {
+        let tilt = Tilt { azimuth, angle: tilt_angle };
         for limit in check_limits(gpr, &gpr.inverse(tilt, height)?, tilt, request.ignore_limits)? {
             if !broken.contains(&limit) {
                 broken.push(limit);
             }
         }
     }
-    let compared = jointplay::study::compare(gpr, &built_in(), yaw, &pitches, height, &options)?;
+    let compared =
+        jointplay::study::compare(gpr, &built_in(), azimuth, &tilt_angles, height, &options)?;
     Ok(report::compare(&compared, &broken, &[]))
 }

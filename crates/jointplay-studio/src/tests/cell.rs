@@ -120,7 +120,7 @@ fn a_plan_has_report_windows_and_scene() {
     assert!((end - report["duration_s"].as_f64().unwrap()).abs() < 1e-9, "{end}");
     assert!(steps.iter().any(|step| step["phase"] == "lift" && step["loaded"] == json!([0])));
     assert_eq!(
-        found["stations"][1]["tilt_pitch_deg"].as_f64().map(|tilt| (tilt * 1e9).round() / 1e9),
+        found["stations"][1]["tilt_angle_deg"].as_f64().map(|tilt| (tilt * 1e9).round() / 1e9),
         Some(0.8)
     );
     let shown = fetch(&server, &format!("cell/scenes/{}", found["scene"].as_str().unwrap()));
@@ -140,6 +140,21 @@ fn a_plan_has_report_windows_and_scene() {
     let even = rows(false);
     assert!((even as f64 - duration * 10.0 - 1.0).abs() <= 1.0, "{even} rows of {duration} s");
     assert!(rows(true) > even + 2 * steps.len(), "bends and peaks besides");
+    let chosen = |columns: Value| {
+        let body = json!({ "program": SHORT, "columns": columns, "from_s": 1.0, "to_s": 2.0 });
+        ask(&server, Method::POST, "cell/samples", &body)
+    };
+    let answer = chosen(json!(["A_tilt", "time"]));
+    let mut read = StreamReader::try_new(answer.bytes.as_slice(), None).unwrap();
+    let batch = read.next().unwrap().unwrap();
+    let names: Vec<&str> =
+        batch.schema_ref().fields().iter().map(|one| one.name().as_str()).collect();
+    assert_eq!((names, batch.num_rows()), (vec!["A_tilt_deg", "time_s"], 26));
+    let answer = chosen(json!(["lift"]));
+    assert_eq!(
+        (answer.status, &answer.json()["field"]),
+        (StatusCode::UNPROCESSABLE_ENTITY, &"columns".into())
+    );
 }
 
 #[test]
@@ -198,7 +213,7 @@ fn all_errors_are_reported_with_their_positions() {
 #[test]
 fn editing_a_station_preserves_comments() {
     let server = server(CellFiles::example());
-    let change = json!({ "station": "LP2", "tilt": { "yaw_rad": 0.0, "pitch_rad": 0.01 }, "position_m": [-0.5, -0.495, 0.5] });
+    let change = json!({ "station": "LP2", "tilt": { "azimuth_rad": 0.0, "angle_rad": 0.01 }, "position_m": [-0.5, -0.495, 0.5] });
     let answer = ask(&server, Method::POST, "cell/station", &change);
     assert_eq!(answer.status, StatusCode::OK, "{}", String::from_utf8_lossy(&answer.bytes));
     let text = answer.json()["cell"].as_str().unwrap().to_owned();
@@ -206,9 +221,9 @@ fn editing_a_station_preserves_comments() {
     let found = plan(&server, &json!({ "cell": text, "program": "HOME\n" }));
     let station = &found["stations"][1];
     assert!((station["position_mm"][0].as_f64().unwrap() + 500.0).abs() < 1e-9, "{station}");
-    assert!((station["tilt_pitch_deg"].as_f64().unwrap() - 0.01_f64.to_degrees()).abs() < 1e-9);
+    assert!((station["tilt_angle_deg"].as_f64().unwrap() - 0.01_f64.to_degrees()).abs() < 1e-9);
     let unknown =
-        ask(&server, Method::POST, "cell/station", &json!({ "station": "LP9", "yaw_rad": 0 }));
+        ask(&server, Method::POST, "cell/station", &json!({ "station": "LP9", "heading_rad": 0 }));
     assert_eq!(
         (unknown.status, &unknown.json()["field"]),
         (StatusCode::UNPROCESSABLE_ENTITY, &"station".into())
@@ -318,7 +333,7 @@ fn a_station_is_taught_by_points_and_tilted_by_rotation_vector() {
         (&"taught".into(), &"untested".into())
     );
     assert_eq!(station["taught_m"], json!(points));
-    assert_eq!(station["freedoms"], json!(["x", "y", "yaw"]));
+    assert_eq!(station["freedoms"], json!(["x", "y", "heading"]));
     assert!((station["about_y_rad"].as_f64().unwrap() + 0.01).abs() < 1e-5, "{station}");
     let tilted = json!({ "cell": text, "station": "LP2", "tilt_xy": { "about_x_rad": 0.003, "about_y_rad": -0.004 } });
     let text = ask(&server, Method::POST, "cell/station", &tilted).json()["cell"].clone();

@@ -74,7 +74,7 @@ fn limits_stop_a_jog_with_reasons() {
         (platform["tilt_rad"].as_f64().unwrap(), platform["tilt_max_rad"].as_f64().unwrap());
     assert!((tilt - most).abs() < 1e-9, "{platform}");
     assert_eq!(found["stopped"]["kind"], "tilt_limit");
-    let far = json!({ "kind": "slot", "radial_m": 1.0, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
+    let far = json!({ "kind": "slot", "radial_m": 1.0, "turn_rad": 0.0, "height_m": 0.0, "heading_rad": 0.0 });
     let found = jog(&server, json!({ "seen_from": { "station": "LP1", "slot": 3 }, "to": far }));
     assert_eq!(found["stopped"]["kind"], "out_of_reach", "{}", found["stopped"]);
     assert!(found["from_slot"]["radial_m"].as_f64().unwrap() < 1.0);
@@ -83,7 +83,7 @@ fn limits_stop_a_jog_with_reasons() {
 #[test]
 fn a_wafer_in_the_slot_teaches_the_station() {
     let server = server(CellFiles::example());
-    let into = json!({ "kind": "slot", "radial_m": 0.0, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
+    let into = json!({ "kind": "slot", "radial_m": 0.0, "turn_rad": 0.0, "height_m": 0.0, "heading_rad": 0.0 });
     let found = jog(
         &server,
         json!({ "seen_from": { "station": "LP2", "slot": 4 }, "effector": "B", "to": into }),
@@ -97,7 +97,7 @@ fn a_wafer_in_the_slot_teaches_the_station() {
     for (found, wanted) in here.iter().zip([-0.495, -0.495, 0.5]) {
         assert!((found.as_f64().unwrap() - wanted).abs() < 1e-10, "{seen}");
     }
-    let tilt = seen["station_if_here"]["tilt_pitch_rad"].as_f64().unwrap().to_degrees();
+    let tilt = seen["station_if_here"]["tilt_angle_rad"].as_f64().unwrap().to_degrees();
     assert!((tilt - 0.8).abs() < 1e-9, "{seen}");
     assert!(
         found["branches"].as_array().unwrap().iter().any(|branch| branch["selection"] == "chosen")
@@ -131,7 +131,7 @@ fn invalid_requests_name_their_field() {
             "to.about_x_rad",
         ),
         (
-            json!({ "to": { "kind": "slot", "radial_m": 0, "turn_rad": 0, "height_m": 0, "yaw_rad": 0 } }),
+            json!({ "to": { "kind": "slot", "radial_m": 0, "turn_rad": 0, "height_m": 0, "heading_rad": 0 } }),
             "seen_from",
         ),
         (
@@ -175,13 +175,13 @@ fn an_arm_of_unknown_droop_is_rigid_and_can_be_jogged() {
     assert!(home["from_slot"]["radial_m"].as_f64().unwrap() < -0.5, "{}", home["from_slot"]);
     assert!(!home["frames"].as_array().unwrap().is_empty());
     // Into the slot, where the droop is known.
-    let into = json!({ "kind": "slot", "radial_m": 0.0, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
+    let into = json!({ "kind": "slot", "radial_m": 0.0, "turn_rad": 0.0, "height_m": 0.0, "heading_rad": 0.0 });
     let there = jog(&server, json!({ "seen_from": { "station": "LP1", "slot": 1 }, "to": into }));
     assert_eq!(there["stopped"], Value::Null);
     assert_eq!(there["effectors"][0]["droop_unknown"], Value::Null);
     assert!(there["from_slot"]["height_m"].as_f64().unwrap().abs() < 1e-10);
     // Toward a position of unknown droop, the robot stops with a reason.
-    let back = json!({ "kind": "slot", "radial_m": -0.6, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
+    let back = json!({ "kind": "slot", "radial_m": -0.6, "turn_rad": 0.0, "height_m": 0.0, "heading_rad": 0.0 });
     let stopped = jog(
         &server,
         json!({ "from": positions(&there), "seen_from": { "station": "LP1", "slot": 1 }, "to": back }),

@@ -18,15 +18,15 @@ fn numbers(value: &Value) -> Vec<f64> {
 #[test]
 fn a_pose_equals_that_of_the_library() {
     let gpr = robot::paper().gpr.without_limit_checks();
-    let tilt = Tilt { yaw: 0.3, pitch: 0.026 };
+    let tilt = Tilt { azimuth: 0.3, angle: 0.026 };
     let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
     let document = answered(
         POSE,
-        r#"{"command": {"kind": "tilt", "yaw_rad": 0.3, "pitch_rad": 0.026},
+        r#"{"command": {"kind": "tilt", "azimuth_rad": 0.3, "tilt_rad": 0.026},
             "models": [{"virtualization": "polar", "solver": "newton", "metric": "radius"}, {}]}"#,
     );
     assert_eq!(numbers(&document["rods_m"]), rods);
-    assert!((document["tilt"]["pitch_rad"].as_f64().unwrap() - 0.026).abs() < 1e-15);
+    assert!((document["tilt"]["angle_rad"].as_f64().unwrap() - 0.026).abs() < 1e-15);
     assert!((document["axis_height_m"].as_f64().unwrap() - 0.5).abs() < 1e-15);
     assert_eq!(document["limits_broken"], Value::Array(vec![]));
 
@@ -54,11 +54,11 @@ fn a_pose_equals_that_of_the_library() {
 
 #[test]
 fn three_kinds_of_commands_give_the_same_pose() {
-    let tilt = Tilt { yaw: -2.0, pitch: 0.02 };
+    let tilt = Tilt { azimuth: -2.0, angle: 0.02 };
     let (about_x, about_y) = tilt.about_x_and_y();
     let first = answered(
         POSE,
-        r#"{"command": {"kind": "tilt", "yaw_rad": -2, "pitch_rad": 0.02, "height": {"kind": "axis", "value_m": 0.4}}}"#,
+        r#"{"command": {"kind": "tilt", "azimuth_rad": -2, "tilt_rad": 0.02, "height": {"kind": "axis", "value_m": 0.4}}}"#,
     );
     let by_turns = format!(
         r#"{{"command": {{"kind": "tilt_xy", "about_x_rad": {about_x}, "about_y_rad": {about_y}, "height": {{"kind": "axis", "value_m": 0.4}}}}}}"#
@@ -76,12 +76,12 @@ fn three_kinds_of_commands_give_the_same_pose() {
 #[test]
 fn a_centre_height_refers_to_the_first_model() {
     let gpr = robot::paper().gpr.without_limit_checks();
-    let tilt = Tilt { yaw: 0.0, pitch: 0.026 };
+    let tilt = Tilt { azimuth: 0.0, angle: 0.026 };
     let options = SolveOptions { solver: Solver::Newton, ..SolveOptions::default() };
     let pose = gpr.inverse_for_center(tilt, CenterHeight(0.5), &Offset, &options).unwrap();
     let document = answered(
         POSE,
-        r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 0.026, "height": {"kind": "center", "value_m": 0.5}},
+        r#"{"command": {"kind": "tilt", "azimuth_rad": 0, "tilt_rad": 0.026, "height": {"kind": "center", "value_m": 0.5}},
             "models": [{"virtualization": "offset", "solver": "newton"}, {}]}"#,
     );
     assert_eq!(numbers(&document["rods_m"]), pose.rods);
@@ -104,7 +104,7 @@ fn only_requested_parts_are_computed() {
 #[test]
 fn a_pose_beyond_the_limits_lists_them() {
     let document =
-        answered(POSE, r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 0.03}}"#);
+        answered(POSE, r#"{"command": {"kind": "tilt", "azimuth_rad": 0, "tilt_rad": 0.03}}"#);
     let broken = &document["limits_broken"][0];
     assert_eq!(broken["limb"], Value::Null);
     assert_eq!(broken["found"], 0.03);
@@ -120,8 +120,8 @@ fn a_motion_stops_at_the_limits() {
         r#"{"command": {"kind": "rods", "rods_m": [0.52, 0.5, 0.5]}, "from_rods_m": [0.5, 0.5, 0.5]}"#,
     );
     assert_eq!(document["limits_broken"], Value::Array(vec![]));
-    let pitch = document["tilt"]["pitch_rad"].as_f64().unwrap();
-    assert!((pitch - 1.5_f64.to_radians()).abs() < 1e-12, "{pitch}");
+    let tilt_angle = document["tilt"]["angle_rad"].as_f64().unwrap();
+    assert!((tilt_angle - 1.5_f64.to_radians()).abs() < 1e-12, "{tilt_angle}");
     let rods: Vec<f64> = serde_json::from_value(document["rods_m"].clone()).unwrap();
     assert!(rods[0] > 0.503 && rods[0] < 0.51 && rods[1..] == [0.5, 0.5], "{rods:?}");
     let why = document["stopped_by"][0]["message"].as_str().unwrap();
@@ -160,7 +160,7 @@ fn a_motion_from_beyond_the_limits_is_not_stopped() {
 fn a_model_without_a_solution_has_a_reason() {
     let document = answered(
         POSE,
-        r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 1.2},
+        r#"{"command": {"kind": "tilt", "azimuth_rad": 0, "tilt_rad": 1.2},
             "models": [{"virtualization": "polar"}, {}]}"#,
     );
     assert_eq!(document["models"][0]["answer"], Value::Null);
@@ -179,17 +179,21 @@ fn invalid_requests_name_their_field() {
     bad(r#"{"command": {}}"#, Some("command"), r#"known: "tilt", "tilt_xy", "rods""#);
     bad(r#"{"command": {"kind": "tolt"}}"#, Some("command.kind"), r#"unknown kind "tolt""#);
     let tilt = |fields: &str| format!(r#"{{"command": {{"kind": "tilt", {fields}}}}}"#);
-    bad(&tilt(r#""yaw_rad": 1"#), Some("command"), "missing field `pitch_rad`");
-    bad(&tilt(r#""yaw_rad": "a", "pitch_rad": 0"#), Some("command.yaw_rad"), "expected f64");
-    bad(&tilt(r#""yaw_rad": 1e9, "pitch_rad": 0"#), Some("command.yaw_rad"), "within ±1000 rad");
+    bad(&tilt(r#""azimuth_rad": 1"#), Some("command"), "missing field `tilt_rad`");
+    bad(&tilt(r#""azimuth_rad": "a", "tilt_rad": 0"#), Some("command.azimuth_rad"), "expected f64");
     bad(
-        &tilt(r#""yaw_rad": 0, "pitch_rad": 1.6"#),
-        Some("command.pitch_rad"),
+        &tilt(r#""azimuth_rad": 1e9, "tilt_rad": 0"#),
+        Some("command.azimuth_rad"),
+        "within ±1000 rad",
+    );
+    bad(
+        &tilt(r#""azimuth_rad": 0, "tilt_rad": 1.6"#),
+        Some("command.tilt_rad"),
         "must be between -π/2 and π/2",
     );
-    let high = r#""yaw_rad": 0, "pitch_rad": 0, "height": {"kind": "axis", "value_m": 1e4}"#;
+    let high = r#""azimuth_rad": 0, "tilt_rad": 0, "height": {"kind": "axis", "value_m": 1e4}"#;
     bad(&tilt(high), Some("command.height.value_m"), "within ±1000 m");
-    let array = r#""yaw_rad": 0, "pitch_rad": 0, "height": ["axis", 0.5]"#;
+    let array = r#""azimuth_rad": 0, "tilt_rad": 0, "height": ["axis", 0.5]"#;
     bad(&tilt(array), Some("command.height"), "expected an object");
     let turns = r#"{"command": {"kind": "tilt_xy", "about_x_rad": 1.5, "about_y_rad": 1.5}}"#;
     bad(turns, Some("command"), "must be between -π/2 and π/2");

@@ -8,14 +8,14 @@ const FORWARD: &str = "/api/v1/forward";
 fn a_pose_beyond_a_limit_is_rejected() {
     let rods = r#"{"rods_m": [0.5, 0.501, 0.8]}"#;
     refused(FORWARD, rods, 409, None, "rod 3 is 800.000000 mm long, its limits are 246 to 754 mm");
-    let tilt = r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 0.03}}"#;
+    let tilt = r#"{"command": {"kind": "tilt", "azimuth_rad": 0, "tilt_rad": 0.03}}"#;
     refused("/api/v1/inverse", tilt, 409, None, "\"ignore_limits\": true to ignore them");
     refused("/api/v1/sensitivity", tilt, 409, None, "the tilt is 1.718873°");
     let rods = r#"{"rods_m": [0.5, 0.51, 0.5]}"#;
     refused("/api/v1/mobility", rods, 409, None, "the tilt is");
-    let tilts = r#"{"pitches_rad": [0, -0.03, 0.01]}"#;
+    let tilts = r#"{"tilts_rad": [0, -0.03, 0.01]}"#;
     refused("/api/v1/compare", tilts, 409, None, "the tilt is 1.718873°");
-    let tilts = r#"{"pitches_rad": [0, -0.03, 0.01], "ignore_limits": true}"#;
+    let tilts = r#"{"tilts_rad": [0, -0.03, 0.01], "ignore_limits": true}"#;
     let document = answered("/api/v1/compare", tilts);
     assert_eq!(document["limits_broken"].as_array().unwrap().len(), 1);
     assert_eq!(document["models"].as_array().unwrap().len(), 4);
@@ -32,7 +32,7 @@ fn a_problem_lists_violated_limits() {
 
 #[test]
 fn a_request_without_a_solution_is_rejected() {
-    let body = r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 1.2}, "ignore_limits": true, "model": {"virtualization": "polar"}}"#;
+    let body = r#"{"command": {"kind": "tilt", "azimuth_rad": 0, "tilt_rad": 1.2}, "ignore_limits": true, "model": {"virtualization": "polar"}}"#;
     let answer = super::post("/api/v1/inverse", body);
     assert_eq!(answer.status.as_u16(), 409);
     assert_eq!(answer.json()["kind"], "unsolved");
@@ -56,15 +56,15 @@ fn invalid_requests_name_their_field() {
     bad("inverse", r#"{"command": {"kind": "level"}}"#, "command.kind", "unknown kind \"level\"");
     bad("mobility", r#"{"virtualization": "cubic"}"#, "virtualization", "`radial`");
     bad("mobility", r#"{"rods_m": [1, 1]}"#, "rods_m", "length 3");
-    bad("compare", r#"{"pitches_rad": []}"#, "pitches_rad", "1 to 10000 are allowed");
-    bad("compare", r#"{"pitches_rad": [0, 2]}"#, "pitches_rad[1]", "must be between -π/2 and π/2");
+    bad("compare", r#"{"tilts_rad": []}"#, "tilts_rad", "1 to 10000 are allowed");
+    bad("compare", r#"{"tilts_rad": [0, 2]}"#, "tilts_rad[1]", "must be between -π/2 and π/2");
     bad(
         "compare",
-        r#"{"pitches_rad": [0], "axis_height_m": 1e9}"#,
+        r#"{"tilts_rad": [0], "axis_height_m": 1e9}"#,
         "axis_height_m",
         "within ±1000 m",
     );
-    let length = r#"{"pitches_rad": [0], "characteristic_length_m": 0}"#;
+    let length = r#"{"tilts_rad": [0], "characteristic_length_m": 0}"#;
     bad("compare", length, "characteristic_length_m", "must be within 1e-12 to 1e6 m");
     refused("/api/v1/sensitivity", "{}", 422, None, "missing field `command`");
 }

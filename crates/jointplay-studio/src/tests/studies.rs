@@ -51,8 +51,8 @@ fn a_raster_equals_the_study_of_the_library() {
     let schema = found[0].schema();
     assert_eq!(schema.metadata()["samples"], "777");
     assert_eq!(schema.metadata()["solver"], "newton");
-    assert_eq!(column(&found, "yaw_rad"), samples.yaw);
-    assert_eq!(column(&found, "pitch_rad"), samples.pitch);
+    assert_eq!(column(&found, "azimuth_rad"), samples.azimuth);
+    assert_eq!(column(&found, "tilt_rad"), samples.tilt_angle);
     let near = |name: &str, expected: &[f64], size: f64| {
         let column = column(&found, name);
         assert_eq!(column.len(), expected.len());
@@ -72,13 +72,13 @@ fn a_raster_equals_the_study_of_the_library() {
 
 #[test]
 fn long_studies_are_streamed_in_batches_and_as_csv() {
-    let body = r#"{"motion": {"kind": "serpentine", "yaw_deg": {"from": 0, "to": 360, "step": 1},
-        "pitch_deg": {"from": -2, "to": 2, "step": 0.2}}, "quantities": ["rods", "origin"]}"#;
+    let body = r#"{"motion": {"kind": "serpentine", "azimuth_deg": {"from": 0, "to": 360, "step": 1},
+        "tilt_deg": {"from": -2, "to": 2, "step": 0.2}}, "quantities": ["rods", "origin"]}"#;
     let found = batches(body);
     let rows: Vec<usize> = found.iter().map(RecordBatch::num_rows).collect();
     assert_eq!(rows, [4096, 7581 - 4096]);
-    let pitch = column(&found, "pitch_rad");
-    assert_eq!(pitch[20], pitch[21], "a serpentine does not jump");
+    let tilt_angle = column(&found, "tilt_rad");
+    assert_eq!(tilt_angle[20], tilt_angle[21], "a serpentine does not jump");
     let answer = post("/api/v1/study.csv", body);
     assert_eq!(answer.header("content-type"), "text/csv; charset=utf-8");
     let text = String::from_utf8(answer.bytes).unwrap();
@@ -99,8 +99,7 @@ fn parquet_is_returned_or_the_missing_support_reported() {
     if cfg!(feature = "parquet") {
         assert_eq!(answer.status, StatusCode::OK);
         assert!(answer.bytes.starts_with(b"PAR1") && answer.bytes.ends_with(b"PAR1"));
-        let long =
-            r#"{"motion": {"kind": "raster", "yaw_deg": {"from": 0, "to": 360, "step": 0.01}}}"#;
+        let long = r#"{"motion": {"kind": "raster", "azimuth_deg": {"from": 0, "to": 360, "step": 0.01}}}"#;
         refused("/api/v1/study.parquet", long, 422, Some("motion"), "at most 500000");
     } else {
         assert_eq!(answer.status, StatusCode::NOT_IMPLEMENTED);
@@ -123,8 +122,8 @@ fn key_poses_have_their_durations() {
 
 #[test]
 fn samples_without_a_solution_are_marked() {
-    let body = r#"{"motion": {"kind": "raster", "yaw_deg": {"from": 0, "to": 0, "step": 1},
-        "pitch_deg": {"from": 0, "to": 80, "step": 10}}, "model": {"virtualization": "polar"}, "quantities": ["origin"]}"#;
+    let body = r#"{"motion": {"kind": "raster", "azimuth_deg": {"from": 0, "to": 0, "step": 1},
+        "tilt_deg": {"from": 0, "to": 80, "step": 10}}, "model": {"virtualization": "polar"}, "quantities": ["origin"]}"#;
     let found = batches(body);
     let status = found[0].column_by_name("status").unwrap().as_primitive::<UInt8Type>();
     let words: Vec<String> =
@@ -145,11 +144,11 @@ fn invalid_studies_name_their_field() {
     let steps = |name: &str, from: f64, to: f64, step: f64| {
         format!(r#"{{"kind": "raster", "{name}": {{"from": {from}, "to": {to}, "step": {step}}}}}"#)
     };
-    bad(&steps("yaw_deg", 0.0, 360.0, 7.0), "motion.yaw_deg", "miss 360");
-    bad(&steps("pitch_deg", 2.0, -2.0, 0.1), "motion.pitch_deg", "does not lead");
-    bad(&steps("pitch_deg", 0.0, 90.0, 10.0), "motion.pitch_deg", "must be between -π/2 and π/2");
-    bad(&steps("yaw_deg", 0.0, 360.0, 1e-9), "motion.yaw_deg", "at most 1000000");
-    let long = r#"{"kind": "raster", "yaw_deg": {"from": 0, "to": 360, "step": 0.001}}"#;
+    bad(&steps("azimuth_deg", 0.0, 360.0, 7.0), "motion.azimuth_deg", "miss 360");
+    bad(&steps("tilt_deg", 2.0, -2.0, 0.1), "motion.tilt_deg", "does not lead");
+    bad(&steps("tilt_deg", 0.0, 90.0, 10.0), "motion.tilt_deg", "must be between -π/2 and π/2");
+    bad(&steps("azimuth_deg", 0.0, 360.0, 1e-9), "motion.azimuth_deg", "at most 1000000");
+    let long = r#"{"kind": "raster", "azimuth_deg": {"from": 0, "to": 360, "step": 0.001}}"#;
     bad(long, "motion", "at most 5000000 are allowed");
     let keys = |keys: &str| format!(r#"{{"kind": "keys", "rate_hz": 10, "keys": {keys}}}"#);
     let key = r#"{"about_x_rad": 0, "about_y_rad": 0, "duration_s": 0}"#;
@@ -178,8 +177,8 @@ fn invalid_studies_name_their_field() {
 
 /// A study of two million samples.
 fn long_study() -> Request<Body> {
-    let body = r#"{"motion": {"kind": "raster", "yaw_deg": {"from": 0, "to": 360, "step": 0.01},
-        "pitch_deg": {"from": -2, "to": 2, "step": 0.1}}}"#;
+    let body = r#"{"motion": {"kind": "raster", "azimuth_deg": {"from": 0, "to": 360, "step": 0.01},
+        "tilt_deg": {"from": -2, "to": 2, "step": 0.1}}}"#;
     Request::post(STUDY)
         .header(header::HOST, HOST)
         .header(header::CONTENT_TYPE, "application/json")

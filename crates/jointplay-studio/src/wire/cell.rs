@@ -292,10 +292,10 @@ pub(crate) struct StationRequest {
     /// Centre of the lowest wafer in the base frame (m); a station defined by its first and last slot is translated.
     #[serde(default)]
     pub(crate) position_m: Option<Triple>,
-    /// Yaw (rad).
+    /// Heading (rad).
     #[serde(default)]
     #[schema(minimum = -1000, maximum = 1000)]
-    pub(crate) yaw_rad: Option<f64>,
+    pub(crate) heading_rad: Option<f64>,
     /// Tilt.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) tilt: Option<TiltFields>,
@@ -304,7 +304,7 @@ pub(crate) struct StationRequest {
     pub(crate) tilt_xy: Option<TiltXyFields>,
     /// Whether a station defined by its first and last slot keeps this definition when its tilt changes: the last slot is rotated about the first one. Otherwise the tilt replaces the definition.
     #[serde(default)]
-    pub(crate) keep_drift: bool,
+    pub(crate) keep_carrier_axis: bool,
     /// Taught points of its plane, which replace the tilt.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) taught: Option<TaughtFields>,
@@ -394,36 +394,36 @@ impl TaughtFields {
 pub(crate) struct TiltFields {
     /// Azimuth of the tilt (rad).
     #[schema(minimum = -1000, maximum = 1000)]
-    pub(crate) yaw_rad: f64,
+    pub(crate) azimuth_rad: f64,
     /// Angle of the tilt (rad).
     #[schema(exclusive_minimum = -1.5707963267948966, exclusive_maximum = 1.5707963267948966)]
-    pub(crate) pitch_rad: f64,
+    pub(crate) angle_rad: f64,
 }
 
 impl StationRequest {
     /// The requested changes.
     pub(crate) fn changes(&self) -> Result<Vec<Change>, Problem> {
         let mut changes = Vec::new();
-        let tilt_change = if self.keep_drift { Change::Turned } else { Change::Tilt };
+        let tilt_change = if self.keep_carrier_axis { Change::Turned } else { Change::Tilt };
         if let Some(Triple(position)) = self.position_m {
             for (k, &value) in position.iter().enumerate() {
                 super::length(value, &format!("position_m[{k}]"))?;
             }
             changes.push(Change::Position(Vector3::from(position)));
         }
-        if let Some(yaw) = self.yaw_rad {
-            changes.push(Change::Yaw(super::angle(yaw, "yaw_rad")?));
+        if let Some(heading) = self.heading_rad {
+            changes.push(Change::Heading(super::angle(heading, "heading_rad")?));
         }
-        if let Some(TiltFields { yaw_rad, pitch_rad }) = self.tilt {
-            let yaw = super::angle(yaw_rad, "tilt.yaw_rad")?;
-            let pitch = super::pitch(pitch_rad, "tilt.pitch_rad")?;
-            changes.push(tilt_change(Tilt { yaw, pitch }));
+        if let Some(TiltFields { azimuth_rad, angle_rad }) = self.tilt {
+            let azimuth = super::angle(azimuth_rad, "tilt.azimuth_rad")?;
+            let angle = super::tilt_angle(angle_rad, "tilt.angle_rad")?;
+            changes.push(tilt_change(Tilt { azimuth, angle }));
         }
         if let Some(TiltXyFields { about_x_rad, about_y_rad }) = self.tilt_xy {
-            let about_x = super::pitch(about_x_rad, "tilt_xy.about_x_rad")?;
-            let about_y = super::pitch(about_y_rad, "tilt_xy.about_y_rad")?;
+            let about_x = super::tilt_angle(about_x_rad, "tilt_xy.about_x_rad")?;
+            let about_y = super::tilt_angle(about_y_rad, "tilt_xy.about_y_rad")?;
             let tilt = Tilt::from_about_x_and_y(about_x, about_y);
-            super::pitch(tilt.pitch, "tilt_xy")?;
+            super::tilt_angle(tilt.angle, "tilt_xy")?;
             changes.push(tilt_change(tilt));
         }
         if let Some(taught) = self.taught.clone() {

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use utoipa::ToSchema;
 
-use super::{Triple, angle, length, pitch};
+use super::{Triple, angle, length, tilt_angle};
 use crate::body;
 use crate::problem::Problem;
 use crate::strict;
@@ -174,7 +174,7 @@ pub(crate) struct SlotJog {
     pub(crate) height_m: f64,
     /// Heading relative to the inward direction of the slot (rad); ignored if the arm determines it.
     #[schema(minimum = -1000, maximum = 1000)]
-    pub(crate) yaw_rad: f64,
+    pub(crate) heading_rad: f64,
 }
 
 /// Target of a jog, checked.
@@ -217,7 +217,7 @@ impl JogFields {
                 radial: length(found.radial_m, "to.radial_m")?,
                 turn: angle(found.turn_rad, "to.turn_rad")?,
                 height: length(found.height_m, "to.height_m")?,
-                yaw: angle(found.yaw_rad, "to.yaw_rad")?,
+                heading: angle(found.heading_rad, "to.heading_rad")?,
             })),
         }
     }
@@ -225,10 +225,10 @@ impl JogFields {
 
 fn tilt(about_x: f64, about_y: f64) -> Result<Tilt, Problem> {
     let tilt = Tilt::from_about_x_and_y(
-        pitch(about_x, "to.about_x_rad")?,
-        pitch(about_y, "to.about_y_rad")?,
+        tilt_angle(about_x, "to.about_x_rad")?,
+        tilt_angle(about_y, "to.about_y_rad")?,
     );
-    pitch(tilt.pitch, "to")?;
+    tilt_angle(tilt.angle, "to")?;
     Ok(tilt)
 }
 

@@ -118,7 +118,7 @@ pub(crate) struct FromSlotDocument {
     /// Z: height above the support plane of the slot (m).
     pub(crate) height_m: f64,
     /// Heading relative to the inward direction of the slot (rad).
-    pub(crate) yaw_rad: f64,
+    pub(crate) heading_rad: f64,
     /// Pose of the station for which the wafer would rest in the slot.
     pub(crate) station_if_here: StationPose,
 }
@@ -130,12 +130,12 @@ pub(crate) struct StationPose {
     pub(crate) point_m: Triple,
     /// Centre of the lowest wafer, for the tilt of the wafer (m).
     pub(crate) position_m: Triple,
-    /// Yaw (rad).
-    pub(crate) yaw_rad: f64,
+    /// Heading (rad).
+    pub(crate) heading_rad: f64,
     /// Azimuth of the tilt (rad).
-    pub(crate) tilt_yaw_rad: f64,
+    pub(crate) tilt_azimuth_rad: f64,
     /// Tilt angle (rad).
-    pub(crate) tilt_pitch_rad: f64,
+    pub(crate) tilt_angle_rad: f64,
 }
 
 /// A branch of the inverse kinematics.
@@ -296,7 +296,7 @@ pub(crate) fn platform(cell: &Cell, positions: &[f64]) -> PlatformDocument {
         height_m: gpr.plane_height(&rods).0,
         about_x_rad,
         about_y_rad,
-        tilt_rad: tilt.pitch,
+        tilt_rad: tilt.angle,
         tilt_max_rad: gpr.limits().tilt_max,
     }
 }
@@ -340,13 +340,13 @@ pub(crate) fn from_slot(
         radial_m: seen.radial,
         turn_rad: seen.turn,
         height_m: seen.height,
-        yaw_rad: seen.yaw,
+        heading_rad: seen.heading,
         station_if_here: StationPose {
             point_m: Triple(origin.into()),
             position_m: Triple(taught.translation.vector.into()),
-            yaw_rad: teach::yaw(&taught),
-            tilt_yaw_rad: tilt.yaw,
-            tilt_pitch_rad: tilt.pitch,
+            heading_rad: teach::heading(&taught),
+            tilt_azimuth_rad: tilt.azimuth,
+            tilt_angle_rad: tilt.angle,
         },
     }
 }

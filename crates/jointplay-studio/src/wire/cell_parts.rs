@@ -49,8 +49,8 @@ pub(crate) struct StationDocument {
     pub(crate) slots: usize,
     /// Names of the effectors that may use it.
     pub(crate) effectors: Vec<String>,
-    /// Yaw (rad).
-    pub(crate) yaw_rad: f64,
+    /// Heading (rad).
+    pub(crate) heading_rad: f64,
     /// Tilt: component about x (rad).
     pub(crate) about_x_rad: f64,
     /// Tilt: component about y (rad).
@@ -71,8 +71,8 @@ pub(crate) enum FreedomName {
     Y,
     /// Along z.
     Height,
-    /// Yaw.
-    Yaw,
+    /// Heading.
+    Heading,
     /// Tilt about x.
     AboutX,
     /// Tilt about y.
@@ -212,20 +212,20 @@ fn effector_name(cell: &Cell, id: &EffectorId) -> String {
 pub(crate) fn stations(cell: &Cell) -> Vec<StationDocument> {
     let reports = report::teach(cell, None).stations;
     let of = |(station, report): (&Station, StationReport)| {
-        use FreedomName::{AboutX, AboutY, Height, X, Y, Yaw};
+        use FreedomName::{AboutX, AboutY, Heading, Height, X, Y};
         let frame = &station.base_from_station;
         let tilt = Tilt::from_normal(&(frame.rotation * Vector3::z()));
         let (about_x_rad, about_y_rad) = tilt.about_x_and_y();
         let (freedoms, points) = match &station.origin {
-            Origin::Nominal | Origin::Drift(_) => {
-                (vec![X, Y, Height, Yaw, AboutX, AboutY], Vec::new())
+            Origin::Nominal | Origin::CarrierAxis(_) => {
+                (vec![X, Y, Height, Heading, AboutX, AboutY], Vec::new())
             }
             Origin::Taught(taught) => {
                 let plane = taught.plane.as_ref();
                 let turn = taught.references.as_ref().map(|references| references.turn);
                 let mut freedoms = match turn {
-                    None => vec![X, Y, Yaw],
-                    Some(None) => vec![Yaw],
+                    None => vec![X, Y, Heading],
+                    Some(None) => vec![Heading],
                     Some(Some(_)) => Vec::new(),
                 };
                 if plane.is_none() {
@@ -237,7 +237,7 @@ pub(crate) fn stations(cell: &Cell) -> Vec<StationDocument> {
         StationDocument {
             slots: station.slots,
             effectors: station.effectors.iter().map(|id| effector_name(cell, id)).collect(),
-            yaw_rad: teach::yaw(frame),
+            heading_rad: teach::heading(frame),
             about_x_rad,
             about_y_rad,
             taught_m: points.into_iter().map(|point| Triple(point.into())).collect(),

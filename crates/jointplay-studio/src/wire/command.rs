@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use utoipa::ToSchema;
 
-use super::{Rods, angle, length, pitch};
+use super::{Rods, angle, length, tilt_angle};
 use crate::body;
 use crate::problem::Problem;
 use crate::strict;
@@ -44,10 +44,10 @@ pub(crate) struct TiltCommand {
     kind: TiltKind,
     /// Azimuth of the tilt, from x toward y (rad).
     #[schema(minimum = -1000, maximum = 1000)]
-    pub(crate) yaw_rad: f64,
+    pub(crate) azimuth_rad: f64,
     /// Angle of the tilt (rad).
     #[schema(exclusive_minimum = -1.5707963267948966, exclusive_maximum = 1.5707963267948966)]
-    pub(crate) pitch_rad: f64,
+    pub(crate) tilt_rad: f64,
     /// Height of the platform; default: the working height of the robot.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) height: Option<Height>,
@@ -136,15 +136,15 @@ impl CommandFields {
         };
         match command {
             Command::Tilt(found) => {
-                let yaw = angle(found.yaw_rad, &at("yaw_rad"))?;
-                let tilt = Tilt { yaw, pitch: pitch(found.pitch_rad, &at("pitch_rad"))? };
+                let azimuth = angle(found.azimuth_rad, &at("azimuth_rad"))?;
+                let tilt = Tilt { azimuth, angle: tilt_angle(found.tilt_rad, &at("tilt_rad"))? };
                 Ok(Target::Tilt { tilt, height: height(found.height, gpr, field)? })
             }
             Command::TiltXy(found) => {
-                let about_x = pitch(found.about_x_rad, &at("about_x_rad"))?;
-                let about_y = pitch(found.about_y_rad, &at("about_y_rad"))?;
+                let about_x = tilt_angle(found.about_x_rad, &at("about_x_rad"))?;
+                let about_y = tilt_angle(found.about_y_rad, &at("about_y_rad"))?;
                 let tilt = Tilt::from_about_x_and_y(about_x, about_y);
-                pitch(tilt.pitch, field)?;
+                tilt_angle(tilt.angle, field)?;
                 Ok(Target::Tilt { tilt, height: height(found.height, gpr, field)? })
             }
             Command::Rods(found) => rods(found.rods_m.0, &at("rods_m")).map(Target::Rods),

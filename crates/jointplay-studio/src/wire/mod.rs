@@ -52,17 +52,17 @@ pub(crate) struct Rods(pub(crate) [f64; 3]);
 #[expect(dead_code, reason = "used by the OpenAPI description only")]
 struct RodLength(f64);
 
-/// A pitch (rad).
+/// A tilt angle (rad).
 #[derive(ToSchema)]
 #[schema(exclusive_minimum = -1.5707963267948966, exclusive_maximum = 1.5707963267948966)]
 #[expect(dead_code, reason = "used by the OpenAPI description only")]
-pub(crate) struct Pitch(f64);
+pub(crate) struct TiltAngle(f64);
 
 /// Largest magnitude of a length in a request (m).
 pub(crate) const MAX_LENGTH: f64 = 1000.0;
-/// Largest magnitude of an angle in a request, except for pitches (rad).
+/// Largest magnitude of an angle in a request, except for tilt angles (rad).
 pub(crate) const MAX_ANGLE: f64 = 1000.0;
-/// Exclusive upper limit of the magnitude of a pitch (rad).
+/// Exclusive upper limit of the magnitude of a tilt angle (rad).
 pub(crate) const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
 
 /// Checks a length (m).
@@ -83,11 +83,11 @@ pub(crate) fn angle(value: f64, field: &str) -> Result<f64, Problem> {
     Err(Problem::field(field, detail))
 }
 
-/// Checks a pitch (rad).
-pub(crate) fn pitch(value: f64, field: &str) -> Result<f64, Problem> {
+/// Checks a tilt angle (rad).
+pub(crate) fn tilt_angle(value: f64, field: &str) -> Result<f64, Problem> {
     if value.abs() < RIGHT_ANGLE {
         return Ok(value);
     }
-    let detail = format!("the pitch must be between -π/2 and π/2, got {value} rad");
+    let detail = format!("the tilt angle must be between -π/2 and π/2, got {value} rad");
     Err(Problem::field(field, detail))
 }

@@ -80,9 +80,9 @@ pub(crate) struct PoseDocument {
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct TiltDocument {
     /// Azimuth of the tilt (rad).
-    pub(crate) yaw_rad: f64,
+    pub(crate) azimuth_rad: f64,
     /// Angle of the tilt, not negative (rad).
-    pub(crate) pitch_rad: f64,
+    pub(crate) angle_rad: f64,
     /// Component about x (rad).
     pub(crate) about_x_rad: f64,
     /// Component about y (rad).
@@ -251,7 +251,7 @@ pub(crate) struct MobilityDocument {
 impl TiltDocument {
     pub(crate) fn new(tilt: Tilt) -> Self {
         let (about_x_rad, about_y_rad) = tilt.about_x_and_y();
-        Self { yaw_rad: tilt.yaw, pitch_rad: tilt.pitch, about_x_rad, about_y_rad }
+        Self { azimuth_rad: tilt.azimuth, angle_rad: tilt.angle, about_x_rad, about_y_rad }
     }
 }
 
@@ -262,8 +262,8 @@ impl From<&BrokenLimit> for BrokenLimitDocument {
             BrokenLimit::Rod { limb, length, min, max } => {
                 Self { limb: Some(limb - 1), found: length, min, max, message }
             }
-            BrokenLimit::Tilt { pitch, max } => {
-                Self { limb: None, found: pitch, min: 0.0, max, message }
+            BrokenLimit::Tilt { angle: tilt_angle, max } => {
+                Self { limb: None, found: tilt_angle, min: 0.0, max, message }
             }
         }
     }

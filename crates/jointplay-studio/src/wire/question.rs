@@ -4,11 +4,11 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::model::{MetricName, SolverName};
-use super::{CommandFields, ModelChoice, Pitch, Rods, VirtualizationName};
+use super::{CommandFields, ModelChoice, Rods, TiltAngle, VirtualizationName};
 use crate::strict;
 
-/// Maximum number of pitches of a comparison.
-pub(crate) const MAX_PITCHES: usize = 10_000;
+/// Maximum number of tilt angles of a comparison.
+pub(crate) const MAX_TILTS: usize = 10_000;
 
 /// Request of the pose for given rod lengths.
 #[derive(Deserialize, ToSchema)]
@@ -60,10 +60,10 @@ pub(crate) struct CompareRequest {
     /// Azimuth of all tilts (rad).
     #[serde(default)]
     #[schema(minimum = -1000, maximum = 1000)]
-    pub(crate) yaw_rad: f64,
+    pub(crate) azimuth_rad: f64,
     /// The tilts (rad).
-    #[schema(value_type = Vec<Pitch>, min_items = 1, max_items = 10000)]
-    pub(crate) pitches_rad: Vec<f64>,
+    #[schema(value_type = Vec<TiltAngle>, min_items = 1, max_items = 10000)]
+    pub(crate) tilts_rad: Vec<f64>,
     /// Axis height of all tilts; default: the working height of the robot (m).
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) axis_height_m: Option<f64>,

@@ -10,7 +10,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use utoipa::ToSchema;
 
-use super::{ModelChoice, length, pitch};
+use super::{ModelChoice, length, tilt_angle};
 use crate::body;
 use crate::problem::Problem;
 use crate::strict;
@@ -75,7 +75,7 @@ impl QuantityName {
 #[derive(ToSchema)]
 #[serde(untagged)]
 pub(crate) enum MotionChoice {
-    /// A raster over yaw and pitch.
+    /// A raster over azimuth and tilt angle.
     Raster(RasterMotion),
     /// A motion through key poses.
     Keys(KeysMotion),
@@ -90,24 +90,24 @@ pub(crate) struct MotionFields(Value);
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 enum RasterKind {
-    /// For each yaw, all pitches from first to last, as in the paper.
+    /// For each azimuth, all tilt angles from first to last, as in the paper.
     Raster,
-    /// Every other yaw in reverse order, continuous in time.
+    /// Every other azimuth in reverse order, continuous in time.
     Serpentine,
 }
 
-/// A raster over yaw and pitch; defaults are those of the paper.
+/// A raster over azimuth and tilt angle; defaults are those of the paper.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RasterMotion {
     /// Order of the poses.
     kind: RasterKind,
-    /// Yaw angles, in degrees so that steps are exact decimals; default: 0 to 360 by 10 (deg).
+    /// Azimuth angles, in degrees so that steps are exact decimals; default: 0 to 360 by 10 (deg).
     #[serde(default, deserialize_with = "strict::maybe")]
-    yaw_deg: Option<Steps>,
-    /// Pitch angles; default: -2 to 2 by 0.2 (deg).
+    azimuth_deg: Option<Steps>,
+    /// Tilt angles; default: -2 to 2 by 0.2 (deg).
     #[serde(default, deserialize_with = "strict::maybe")]
-    pitch_deg: Option<Steps>,
+    tilt_deg: Option<Steps>,
     /// Height at which the platform plane crosses the base axis; default: the working height of the robot (m).
     #[schema(minimum = -1000, maximum = 1000)]
     axis_height_m: Option<f64>,
@@ -214,14 +214,14 @@ fn raster(found: RasterMotion, gpr: &Gpr, field: &str) -> Result<Raster, Problem
             .map_err(|error| Problem::field(format!("{field}.{name}"), error.to_string()))
     };
     let radians = |degrees: Vec<f64>| degrees.into_iter().map(f64::to_radians).collect();
-    let yaws: Vec<f64> = radians(spread(found.yaw_deg, [0.0, 360.0, 10.0], "yaw_deg")?);
-    let pitches: Vec<f64> = radians(spread(found.pitch_deg, [-2.0, 2.0, 0.2], "pitch_deg")?);
-    for &end in [pitches.first(), pitches.last()].into_iter().flatten() {
-        pitch(end, &format!("{field}.pitch_deg"))?;
+    let azimuths: Vec<f64> = radians(spread(found.azimuth_deg, [0.0, 360.0, 10.0], "azimuth_deg")?);
+    let tilt_angles: Vec<f64> = radians(spread(found.tilt_deg, [-2.0, 2.0, 0.2], "tilt_deg")?);
+    for &end in [tilt_angles.first(), tilt_angles.last()].into_iter().flatten() {
+        tilt_angle(end, &format!("{field}.tilt_deg"))?;
     }
     Ok(Raster {
-        yaws,
-        pitches,
+        azimuths,
+        tilt_angles,
         height: height(found.axis_height_m, gpr, &format!("{field}.axis_height_m"))?,
         order: match found.kind {
             RasterKind::Raster => Order::Raster,
@@ -238,10 +238,10 @@ fn keys(found: KeysMotion, gpr: &Gpr, field: &str) -> Result<KeyMotion, Problem>
     }
     let keys = found.keys.iter().enumerate().map(|(k, key)| {
         let at = |name: &str| format!("{field}.keys[{k}].{name}");
-        let about_x = pitch(key.about_x_rad, &at("about_x_rad"))?;
-        let about_y = pitch(key.about_y_rad, &at("about_y_rad"))?;
+        let about_x = tilt_angle(key.about_x_rad, &at("about_x_rad"))?;
+        let about_y = tilt_angle(key.about_y_rad, &at("about_y_rad"))?;
         let tilt = Tilt::from_about_x_and_y(about_x, about_y);
-        pitch(tilt.pitch, &format!("{field}.keys[{k}]"))?;
+        tilt_angle(tilt.angle, &format!("{field}.keys[{k}]"))?;
         let height = height(key.axis_height_m, gpr, &at("axis_height_m"))?;
         Ok(KeyPose { tilt, height, duration: key.duration_s })
     });
@@ -257,7 +257,7 @@ impl Samples {
     /// Number of samples.
     pub(crate) fn len(&self) -> usize {
         match self {
-            Self::Raster(raster) => raster.yaws.len().saturating_mul(raster.pitches.len()),
+            Self::Raster(raster) => raster.azimuths.len().saturating_mul(raster.tilt_angles.len()),
             Self::Keys(motion) => motion.samples(),
         }
     }
@@ -298,10 +298,10 @@ pub(crate) struct ColumnName {
 pub(crate) enum Source {
     /// Time (s).
     Time,
-    /// Commanded yaw (rad).
-    Yaw,
-    /// Commanded pitch (rad).
-    Pitch,
+    /// Commanded azimuth (rad).
+    Azimuth,
+    /// Commanded tilt angle (rad).
+    TiltAngle,
     /// Commanded height (m).
     Height,
     /// A rod (m).
@@ -321,8 +321,8 @@ pub(crate) fn columns(
     if samples.timed() {
         add("time_s".to_owned(), Source::Time);
     }
-    add("yaw_rad".to_owned(), Source::Yaw);
-    add("pitch_rad".to_owned(), Source::Pitch);
+    add("azimuth_rad".to_owned(), Source::Azimuth);
+    add("tilt_rad".to_owned(), Source::TiltAngle);
     add("axis_height_m".to_owned(), Source::Height);
     let wanted = wanted.unwrap_or(&QuantityName::USUAL);
     let all = QuantityName::USUAL.into_iter().chain([QuantityName::Sensitivity]);

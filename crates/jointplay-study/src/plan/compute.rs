@@ -146,12 +146,12 @@ struct Work<'a> {
 impl Work<'_> {
     /// The rods of some samples.
     fn inverse(&mut self, robot: &Gpr, part: Range<usize>) -> Result<(), Error> {
-        let Inputs { yaw, pitch, height, .. } = self.inputs;
-        let [yaw, pitch, height] =
-            [yaw, pitch, height].map(|column| Column::from(&column[part.clone()]));
+        let Inputs { azimuth, tilt_angle, height, .. } = self.inputs;
+        let [azimuth, tilt_angle, height] =
+            [azimuth, tilt_angle, height].map(|column| Column::from(&column[part.clone()]));
         robot.inverse_many(
-            yaw,
-            pitch,
+            azimuth,
+            tilt_angle,
             height,
             &mut self.unreached[part.clone()],
             self.rods.each_mut().map(|rods| &mut rods[part.clone()]),

@@ -12,8 +12,8 @@ use crate::Error;
 /// Two angles that define a tilt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TiltForm {
-    /// Yaw γ, then pitch α.
-    YawPitch,
+    /// Azimuth γ, then tilt angle α.
+    AzimuthAngle,
     /// Angles about e_b1 and about e_b2, as machine controllers have them.
     AboutXAndY,
 }
@@ -23,9 +23,9 @@ pub enum TiltForm {
 pub struct Tilts {
     /// Meaning of the two angles.
     pub form: TiltForm,
-    /// Yaw, or the angle about e_b1.
+    /// Azimuth, or the angle about e_b1.
     pub first: Variation,
-    /// Pitch, or the angle about e_b2.
+    /// Tilt angle, or the angle about e_b2.
     pub second: Variation,
 }
 

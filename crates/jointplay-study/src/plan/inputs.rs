@@ -15,9 +15,9 @@ pub(super) struct Inputs {
     /// As the plan has them (rad).
     pub(super) angles: [Vec<f64>; 2],
     /// (rad).
-    pub(super) yaw: Vec<f64>,
+    pub(super) azimuth: Vec<f64>,
     /// (rad).
-    pub(super) pitch: Vec<f64>,
+    pub(super) tilt_angle: Vec<f64>,
 }
 
 impl Inputs {
@@ -32,8 +32,8 @@ impl Inputs {
             draw: Vec::with_capacity(samples.len()),
             height: column(),
             angles: [column(), column()],
-            yaw: column(),
-            pitch: column(),
+            azimuth: column(),
+            tilt_angle: column(),
         };
         for &sample in samples {
             let (draw, place) = (sample / grid, sample % grid);
@@ -41,21 +41,21 @@ impl Inputs {
             let first = plan.tilt.first.at(&mut of_first, place / seconds % firsts, draw);
             let second = plan.tilt.second.at(&mut of_second, place % seconds, draw);
             let tilt = match plan.tilt.form {
-                TiltForm::YawPitch => Tilt { yaw: first, pitch: second },
+                TiltForm::AzimuthAngle => Tilt { azimuth: first, angle: second },
                 TiltForm::AboutXAndY => Tilt::from_about_x_and_y(first, second),
             };
             inputs.draw.push(draw);
             inputs.height.push(height);
             inputs.angles[0].push(first);
             inputs.angles[1].push(second);
-            inputs.yaw.push(tilt.yaw);
-            inputs.pitch.push(tilt.pitch);
+            inputs.azimuth.push(tilt.azimuth);
+            inputs.tilt_angle.push(tilt.angle);
         }
         Ok(inputs)
     }
 
     /// The tilt of a sample, counted from 0 in these inputs.
     pub(super) fn tilt(&self, i: usize) -> Tilt {
-        Tilt { yaw: self.yaw[i], pitch: self.pitch[i] }
+        Tilt { azimuth: self.azimuth[i], angle: self.tilt_angle[i] }
     }
 }

@@ -17,7 +17,7 @@
 //! let plan = Plan {
 //!     gpr: Gpr::paper(),
 //!     height: Variation::Values(vec![0.5]),
-//!     tilt: Tilts { form: TiltForm::YawPitch, first: Variation::Uniform { from: 0.0, to: 6.28 }, second: Variation::Values(vec![0.01, 0.02]) },
+//!     tilt: Tilts { form: TiltForm::AzimuthAngle, first: Variation::Uniform { from: 0.0, to: 6.28 }, second: Variation::Values(vec![0.01, 0.02]) },
 //!     tolerances: Tolerances::default(),
 //!     rods_from: RodsFrom::Nominal,
 //!     draws: 1000,

@@ -61,7 +61,7 @@ impl PlatformQuantity {
         match self {
             Self::Quantity(quantity) => vec![quantity],
             Self::CenterShift => vec![Quantity::Origin(0), Quantity::Origin(1)],
-            Self::TiltX | Self::TiltY => vec![Quantity::Yaw, Quantity::Pitch],
+            Self::TiltX | Self::TiltY => vec![Quantity::Azimuth, Quantity::TiltAngle],
             Self::TiltError => [0, 1, 2].map(Quantity::Normal).to_vec(),
         }
     }
@@ -79,7 +79,7 @@ impl PlatformQuantity {
         let parts: Vec<&[f64]> =
             self.made_of().into_iter().map(|quantity| column(columns, quantity)).collect();
         let each = |value: &dyn Fn(usize) -> f64| (0..parts[0].len()).map(value).collect();
-        let about = |i: usize| Tilt { yaw: parts[0][i], pitch: parts[1][i] }.about_x_and_y();
+        let about = |i: usize| Tilt { azimuth: parts[0][i], angle: parts[1][i] }.about_x_and_y();
         match self {
             Self::Quantity(_) => parts[0].to_vec(),
             Self::CenterShift => each(&|i| parts[0][i].hypot(parts[1][i])),

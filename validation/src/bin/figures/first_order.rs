@@ -53,18 +53,18 @@ pub(crate) fn singular_values() -> Result<Figure, Error> {
 /// ‖ΔX‖ of the radial model and its bounds, for derivatives at three places.
 pub(crate) fn bounds() -> Result<Figure, Error> {
     let gpr = Gpr::paper().without_limit_checks();
-    let pitches = evenly(0.0, 2.0, 41);
+    let tilt_angles = evenly(0.0, 2.0, 41);
     let options = options(Solver::Newton, Metric::Paper);
-    let plays = pitches
+    let plays = tilt_angles
         .iter()
-        .map(|pitch| gpr.tilt_play(tilt(15.0, *pitch), HEIGHT, &Radial, &options))
+        .map(|tilt_angle| gpr.tilt_play(tilt(15.0, *tilt_angle), HEIGHT, &Radial, &options))
         .collect::<Result<Vec<_>, _>>()?;
     let mut panel =
-        Panel::new(Axis::linear("tilt toward a yaw of 15° (°)"), Axis::linear("‖ΔX‖ (µm)"))
+        Panel::new(Axis::linear("tilt toward an azimuth of 15° (°)"), Axis::linear("‖ΔX‖ (µm)"))
             .with_height(280.0)
             .with_curve(Curve::new(
                 "true ‖ΔX‖",
-                pitches.clone(),
+                tilt_angles.clone(),
                 plays.iter().map(|play| play.displacement * 1e6).collect(),
                 Style::line(Colour::BLACK, Dash::Solid).with_width(2.4),
             ));
@@ -79,13 +79,13 @@ pub(crate) fn bounds() -> Result<Figure, Error> {
         panel = panel
             .with_curve(Curve::new(
                 format!("lower, {place}"),
-                pitches.clone(),
+                tilt_angles.clone(),
                 lower,
                 Style::line(colour, Dash::Dotted),
             ))
             .with_curve(Curve::new(
                 format!("upper, {place}"),
-                pitches.clone(),
+                tilt_angles.clone(),
                 upper,
                 Style::line(colour, Dash::Dashed),
             ));

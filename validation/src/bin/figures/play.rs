@@ -12,16 +12,23 @@ const UM: f64 = 1e-6;
 
 /// Polar: lengths and arcs; offset and planar: sideways displacement.
 pub(crate) fn angular_parts() -> Figure {
-    let yaws = evenly(0.0, 360.0, 181);
-    let polar = |yaw| pose(&Polar, Solver::Newton, Metric::Paper, yaw, 2.0).solution.virtual_joints;
-    let lengths = yaws.iter().map(|yaw| (polar(*yaw)[0] - RADIUS) / UM).collect();
-    let arcs = yaws.iter().map(|yaw| polar(*yaw)[0] * polar(*yaw)[3] / UM).collect();
-    let parts = Panel::new(Axis::linear("yaw (°)"), Axis::linear("displacement (µm)"))
+    let azimuths = evenly(0.0, 360.0, 181);
+    let polar =
+        |azimuth| pose(&Polar, Solver::Newton, Metric::Paper, azimuth, 2.0).solution.virtual_joints;
+    let lengths = azimuths.iter().map(|azimuth| (polar(*azimuth)[0] - RADIUS) / UM).collect();
+    let arcs =
+        azimuths.iter().map(|azimuth| polar(*azimuth)[0] * polar(*azimuth)[3] / UM).collect();
+    let parts = Panel::new(Axis::linear("azimuth (°)"), Axis::linear("displacement (µm)"))
         .with_title("(a) polar, ρ = 1 mm, socket 1: the “negligible” angle is the larger part")
-        .with_curve(Curve::new("length, l₁ − R", yaws.clone(), lengths, model_style(Model::Radial)))
-        .with_curve(Curve::new("arc, l₁ φ₁", yaws.clone(), arcs, model_style(Model::Polar)));
+        .with_curve(Curve::new(
+            "length, l₁ − R",
+            azimuths.clone(),
+            lengths,
+            model_style(Model::Radial),
+        ))
+        .with_curve(Curve::new("arc, l₁ φ₁", azimuths.clone(), arcs, model_style(Model::Polar)));
     let mut sideways = Panel::new(
-        Axis::linear("yaw (°)"),
+        Axis::linear("azimuth (°)"),
         Axis::log10("sideways displacement (µm)").with_range(1e-7, 1e3),
     )
     .with_title("(b) socket 1 at right angles to its radius: offset hides what planar shows");
@@ -35,16 +42,16 @@ pub(crate) fn angular_parts() -> Figure {
         ("offset, least norm", &Offset, Solver::LeastNorm, Style::line(Colour::BLUE, Dash::Dashed)),
         ("offset, the paper's iteration", &Offset, Solver::Newton, model_style(Model::Offset)),
     ] {
-        let y = yaws.iter().map(|yaw| across(model, solver, *yaw)).collect();
-        sideways = sideways.with_curve(Curve::new(name, yaws.clone(), y, style));
+        let y = azimuths.iter().map(|azimuth| across(model, solver, *azimuth)).collect();
+        sideways = sideways.with_curve(Curve::new(name, azimuths.clone(), y, style));
     }
     Figure::new("Angular parts at a tilt of 2°").with_panel(parts).with_panel(sideways)
 }
 
 /// Displacement of socket 1 at right angles to its radius, not a number where it vanishes (µm).
-fn across(model: &dyn Virtualization, solver: Solver, yaw: f64) -> f64 {
+fn across(model: &dyn Virtualization, solver: Solver, azimuth: f64) -> f64 {
     let gpr = Gpr::paper().without_limit_checks();
-    let x = pose(model, solver, Metric::Paper, yaw, 2.0).solution.virtual_joints;
+    let x = pose(model, solver, Metric::Paper, azimuth, 2.0).solution.virtual_joints;
     let moved: Vector2<f64> = model.sockets(gpr.platform(), &x)[0] - gpr.platform().sockets()[0];
     let across = gpr.platform().directions()[0].perp(&moved).abs();
     if across < 1e-13 { f64::NAN } else { across / UM }
@@ -52,9 +59,10 @@ fn across(model: &dyn Virtualization, solver: Solver, yaw: f64) -> f64 {
 
 /// Largest difference of a length between the iteration's end and the least norm.
 pub(crate) fn newton_least_norm() -> Figure {
-    let pitches = by_decades(0.3, 5.0, 50);
-    let gap = |metric, pitch| {
-        let lengths = |solver| pose(&Polar, solver, metric, 0.0, pitch).solution.virtual_joints;
+    let tilt_angles = by_decades(0.3, 5.0, 50);
+    let gap = |metric, tilt_angle| {
+        let lengths =
+            |solver| pose(&Polar, solver, metric, 0.0, tilt_angle).solution.virtual_joints;
         let (newton, least) = (lengths(Solver::Newton), lengths(Solver::LeastNorm));
         (0..3).map(|k| (newton[k] - least[k]).abs()).fold(0.0, f64::max) * 1e9
     };
@@ -65,14 +73,14 @@ pub(crate) fn newton_least_norm() -> Figure {
         ("polar, ρ = 1 mm", Metric::Paper, model_style(Model::Polar)),
         ("polar, ρ = R", Metric::PlatformRadius, Style::line(Colour::BLUE, Dash::Solid)),
     ] {
-        let y = pitches.iter().map(|pitch| gap(metric, *pitch)).collect();
-        panel = panel.with_curve(Curve::new(name, pitches.clone(), y, style));
+        let y = tilt_angles.iter().map(|tilt_angle| gap(metric, *tilt_angle)).collect();
+        panel = panel.with_curve(Curve::new(name, tilt_angles.clone(), y, style));
     }
     let scale = gap(Metric::Paper, 2.0) / 16.0 * 3.0;
-    let fourth = pitches.iter().map(|pitch| scale * pitch.powi(4)).collect();
+    let fourth = tilt_angles.iter().map(|tilt_angle| scale * tilt_angle.powi(4)).collect();
     let panel = panel.with_curve(Curve::new(
         "fourth power of the tilt",
-        pitches,
+        tilt_angles,
         fourth,
         Style::line(Colour::GREY, Dash::Dotted),
     ));

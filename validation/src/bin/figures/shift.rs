@@ -67,43 +67,49 @@ const fn thin(colour: Colour, dash: Dash) -> Style {
     Style::line(colour, dash).with_width(1.2)
 }
 
-/// Shift of every model against the tilt, and its azimuth over a full turn of the yaw.
+/// Shift of every model against the tilt, and its azimuth over a full turn of the azimuth.
 pub(crate) fn against_tilt() -> Result<Figure, Error> {
     let gpr = Gpr::paper().without_limit_checks();
-    let pitches = evenly(0.0, 2.0, 41);
-    let yaws = evenly(0.0, 180.0, 181);
+    let tilt_angles = evenly(0.0, 2.0, 41);
+    let directions = evenly(0.0, 180.0, 181);
     let mut shifts =
         Panel::new(Axis::linear("tilt (°)"), Axis::linear("centre shift toward rod 1 (µm)"))
             .with_title("(a) tilt toward rod 1");
     let mut azimuths = Panel::new(
-        Axis::linear("yaw: azimuth of the tilt (°)"),
+        Axis::linear("azimuth of the tilt (°)"),
         Axis::linear("azimuth of the shift (°)").with_range(-370.0, 190.0),
     )
     .with_title("(b) azimuth of the shift at a tilt of 2°");
     for (name, model, solver, style) in models() {
-        let at = |yaw, pitch| pose(model, solver, Metric::Paper, yaw, pitch).center_shift() / UM;
-        let y = pitches.iter().map(|pitch| at(0.0, *pitch).x).collect();
-        shifts = shifts.with_curve(Curve::new(name, pitches.clone(), y, style));
+        let at = |azimuth, tilt_angle| {
+            pose(model, solver, Metric::Paper, azimuth, tilt_angle).center_shift() / UM
+        };
+        let y = tilt_angles.iter().map(|tilt_angle| at(0.0, *tilt_angle).x).collect();
+        shifts = shifts.with_curve(Curve::new(name, tilt_angles.clone(), y, style));
         // The planar centre stays, so that its shift has no azimuth.
         if name != "planar" {
-            let y = azimuths_deg(yaws.iter().map(|yaw| at(*yaw, 2.0)));
-            azimuths = azimuths.with_curve(Curve::new(name, yaws.clone(), y, style));
+            let y = azimuths_deg(directions.iter().map(|azimuth| at(*azimuth, 2.0)));
+            azimuths = azimuths.with_curve(Curve::new(name, directions.clone(), y, style));
         }
     }
-    let rest = |yaw: f64, pitch: f64| -> Result<Vector2<f64>, Error> {
-        let balls = gpr.ball_centers(&gpr.inverse(tilt(yaw, pitch), HEIGHT)?);
+    let rest = |azimuth: f64, tilt_angle: f64| -> Result<Vector2<f64>, Error> {
+        let balls = gpr.ball_centers(&gpr.inverse(tilt(azimuth, tilt_angle), HEIGHT)?);
         Ok(equilibrium(gpr.platform().sockets(), &balls).origin.xy() / UM)
     };
     let name = "elastic rods";
-    let along = pitches.iter().map(|pitch| rest(0.0, *pitch)).collect::<Result<Vec<_>, _>>()?;
+    let along = tilt_angles
+        .iter()
+        .map(|tilt_angle| rest(0.0, *tilt_angle))
+        .collect::<Result<Vec<_>, _>>()?;
     let y = along.iter().map(|at| at.x).collect();
-    shifts = shifts.with_curve(Curve::new(name, pitches.clone(), y, elastic_style()));
-    let around = yaws.iter().map(|yaw| rest(*yaw, 2.0)).collect::<Result<Vec<_>, _>>()?;
+    shifts = shifts.with_curve(Curve::new(name, tilt_angles.clone(), y, elastic_style()));
+    let around =
+        directions.iter().map(|azimuth| rest(*azimuth, 2.0)).collect::<Result<Vec<_>, _>>()?;
     let y = azimuths_deg(around.into_iter());
-    azimuths = azimuths.with_curve(Curve::new(name, yaws, y, elastic_style()));
+    azimuths = azimuths.with_curve(Curve::new(name, directions, y, elastic_style()));
     let approximate = model_style(Model::Approximate);
-    let zero = vec![0.0; pitches.len()];
-    shifts = shifts.with_curve(Curve::new("approximate", pitches, zero, approximate));
+    let zero = vec![0.0; tilt_angles.len()];
+    shifts = shifts.with_curve(Curve::new("approximate", tilt_angles, zero, approximate));
     Ok(Figure::new("Shift of the centre of the platform").with_panel(shifts).with_panel(azimuths))
 }
 
@@ -124,11 +130,11 @@ fn azimuths_deg(shifts: impl Iterator<Item = Vector2<f64>>) -> Vec<f64> {
 
 /// The triangle of the ball centres in its own plane, for a tilt far beyond the robot's.
 pub(crate) fn triangle() -> Figure {
-    let pitch = 45.0_f64.to_radians();
+    let tilt_angle = 45.0_f64.to_radians();
     // Toward rod 1 the triangle is drawn out along the slope, by 1/cos α.
     let corners = [0.0_f64, 120.0, 240.0].map(|angle| {
         let (sin, cos) = angle.to_radians().sin_cos();
-        Vector3::new(cos / pitch.cos(), sin, 0.0) * RADIUS * 1e3
+        Vector3::new(cos / tilt_angle.cos(), sin, 0.0) * RADIUS * 1e3
     });
     let outline = |corners: &[Vector3<f64>; 3]| -> (Vec<f64>, Vec<f64>) {
         [0, 1, 2, 0].iter().map(|k: &usize| (corners[*k].x, corners[*k].y)).unzip()

@@ -277,9 +277,9 @@ impl HybridRobot {
 
     fn check_tilt(&self, tilt: Tilt, violations: &mut Vec<LimitViolation>) {
         let max = self.gpr.limits().tilt_max;
-        let pitch = tilt.pitch.abs();
-        if pitch > max * (1.0 + LIMIT_TOLERANCE) + LIMIT_TOLERANCE {
-            violations.push(LimitViolation::Tilt { pitch, max });
+        let angle = tilt.angle.abs();
+        if angle > max * (1.0 + LIMIT_TOLERANCE) + LIMIT_TOLERANCE {
+            violations.push(LimitViolation::Tilt { angle, max });
         }
     }
 

@@ -106,7 +106,7 @@ pub enum LimitViolation {
     /// The platform tilts too far.
     Tilt {
         /// Tilt of the platform (rad).
-        pitch: f64,
+        angle: f64,
         /// Largest tilt of the platform (rad).
         max: f64,
     },
@@ -201,7 +201,9 @@ impl fmt::Display for LimitViolation {
             Self::Axis { axis, position, min, max } => {
                 write!(formatter, "axis {axis} at {position}, limits {min} to {max} (m or rad)")
             }
-            Self::Tilt { pitch, max } => write!(formatter, "tilt {pitch} rad, limit {max} rad"),
+            Self::Tilt { angle, max } => {
+                write!(formatter, "tilt {angle} rad, limit {max} rad")
+            }
         }
     }
 }

@@ -67,8 +67,8 @@ pub enum TeachError {
         /// Height of the last slot above the first (m).
         rise: f64,
     },
-    /// A drift of a station with one slot.
-    #[error("a drift needs several slots, but there are {slots}")]
+    /// A carrier axis of a station with one slot.
+    #[error("a carrier axis needs several slots, but there are {slots}")]
     OneSlot {
         /// Number of slots.
         slots: usize,

@@ -1,18 +1,18 @@
-//! Frames from an origin, a normal and a yaw.
+//! Frames from an origin, a normal and a heading.
 
 use jointplay_core::spatial::{Pose, tilt_rotation};
 use nalgebra::{Rotation3, Vector3};
 
-/// The frame at an origin with a given normal: a yaw about the vertical, then the tilt.
+/// The frame at an origin with a given normal: a heading about the vertical, then the tilt.
 #[must_use]
-pub fn frame(origin: Vector3<f64>, normal: &Vector3<f64>, yaw: f64) -> Pose {
-    let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
+pub fn frame(origin: Vector3<f64>, normal: &Vector3<f64>, heading: f64) -> Pose {
+    let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), heading);
     Pose::from_parts(origin.into(), tilt_rotation(normal) * turned)
 }
 
-/// Yaw about the vertical of a frame before its tilt: the argument of [`frame`] (rad).
+/// Heading about the vertical of a frame before its tilt: the argument of [`frame`] (rad).
 #[must_use]
-pub fn yaw(frame: &Pose) -> f64 {
+pub fn heading(frame: &Pose) -> f64 {
     let normal = frame.rotation * Vector3::z();
     let along = tilt_rotation(&normal).inverse() * (frame.rotation * Vector3::x());
     along.y.atan2(along.x)

@@ -1,6 +1,6 @@
 //! Frames of stations from taught points, with their uncertainty.
 
-mod drift;
+mod carrier_axis;
 mod error;
 mod fit_result;
 mod frame;
@@ -11,10 +11,10 @@ mod references;
 mod taught_frame;
 mod uncertainty;
 
-pub use drift::{Drift, drift};
+pub use carrier_axis::{CarrierAxis, carrier_axis};
 pub use error::TeachError;
 pub use fit_result::{FitResult, PointDiagnostic};
-pub use frame::{frame, yaw};
+pub use frame::{frame, heading};
 pub use next_points::{MAX_NEXT_POINTS, NextPoints};
 pub use plane::{MIN_POINTS_OF_UNKNOWN_NOISE, PlaneFit, PlaneUncertainty, fit_plane};
 pub use references::{ReferenceFit, ReferencePoint, ReferenceUncertainty, fit_references};

@@ -169,7 +169,7 @@ pub fn fit_plane(
     let normal = if direction.z < 0.0 { -direction } else { direction };
     let tilt = Tilt::from_normal(&normal);
     if normal.z < 0.1 {
-        return Err(TeachError::Upright { tilt: tilt.pitch });
+        return Err(TeachError::Upright { tilt: tilt.angle });
     }
     let distances: Vec<f64> = points.iter().map(|point| (point - center).dot(&normal)).collect();
     let worst = distances.iter().fold(0.0_f64, |worst, distance| worst.max(distance.abs()));
@@ -356,20 +356,20 @@ impl PlaneFit {
         largest_deviation(&self.diagnostics)
     }
 
-    /// The nominal frame laid into the plane: its origin moved vertically, its yaw unchanged.
+    /// The nominal frame laid into the plane: its origin moved vertically, its heading unchanged.
     #[must_use]
-    pub fn frame(&self, origin: &Vector3<f64>, yaw: f64) -> Pose {
+    pub fn frame(&self, origin: &Vector3<f64>, heading: f64) -> Pose {
         let offset = origin - self.center;
         let rise = -(self.normal.x * offset.x + self.normal.y * offset.y) / self.normal.z;
         let in_plane = Vector3::new(origin.x, origin.y, self.center.z + rise);
-        frame(in_plane, &self.normal, yaw)
+        frame(in_plane, &self.normal, heading)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::station::teach::yaw;
+    use crate::station::teach::heading;
 
     fn plane(tilt: Tilt, places: &[(f64, f64)]) -> Vec<Vector3<f64>> {
         let frame = frame(Vector3::new(0.7, -0.2, 0.9), &tilt.normal(), 0.4);
@@ -393,12 +393,12 @@ mod tests {
 
     #[test]
     fn plane_fit_reproduces_a_plane() {
-        let tilt = Tilt { yaw: 2.0, pitch: 0.0139 };
+        let tilt = Tilt { azimuth: 2.0, angle: 0.0139 };
         let fit = fit_plane(&plane(tilt, &SEVEN), 1e-4, Some(&[1e-6; 7])).unwrap();
         assert_eq!(fit.result, FitResult::Fits);
         assert!((fit.normal - tilt.normal()).norm() < 1e-14 && fit.worst < 1e-15, "{fit:?}");
         let frame = fit.frame(&Vector3::new(0.7, -0.2, 0.0), 0.4);
-        assert!((yaw(&frame) - 0.4).abs() < 1e-14);
+        assert!((heading(&frame) - 0.4).abs() < 1e-14);
         assert!((frame.translation.vector.z - 0.9).abs() < 1e-14);
         assert!((frame.rotation * Vector3::z() - tilt.normal()).norm() < 1e-14);
         for (count, noise) in [(3, None), (3, Some(1e-6)), (4, None), (4, Some(1e-6)), (5, None)] {
@@ -429,7 +429,7 @@ mod tests {
     #[test]
     fn point_with_the_error_is_named() {
         for deviating in 0..7 {
-            let mut points = plane(Tilt { yaw: 0.2, pitch: 0.01 }, &SEVEN);
+            let mut points = plane(Tilt { azimuth: 0.2, angle: 0.01 }, &SEVEN);
             points[deviating].z += 3e-4;
             for noise in [None, Some([1e-5; 7])] {
                 let fit = fit_plane(&points, 5e-5, noise.as_ref().map(<[f64; 7]>::as_slice));
@@ -446,7 +446,7 @@ mod tests {
     #[test]
     fn leverages_add_up_to_the_three_parameters() {
         let noise = [1e-6, 2e-6, 5e-6, 1e-6, 4e-6, 1e-6, 3e-6];
-        let points = plane(Tilt { yaw: 0.2, pitch: 0.01 }, &SEVEN);
+        let points = plane(Tilt { azimuth: 0.2, angle: 0.01 }, &SEVEN);
         let fit = fit_plane(&points, 1e-4, Some(&noise)).unwrap();
         let sum: f64 = fit.diagnostics.iter().map(|point| point.leverage).sum();
         assert!((sum - 3.0).abs() < 1e-12, "{sum}");
@@ -454,7 +454,7 @@ mod tests {
 
     #[test]
     fn degenerate_points_are_rejected() {
-        let tilt = Tilt { yaw: 0.3, pitch: 0.01 };
+        let tilt = Tilt { azimuth: 0.3, angle: 0.01 };
         let refused =
             |places: &[(f64, f64)]| fit_plane(&plane(tilt, places), 1e-4, None).unwrap_err();
         assert_eq!(refused(&SQUARE[..2]), TeachError::TooFew { found: 2 });

@@ -3,7 +3,7 @@
 use jointplay_core::spatial::Pose;
 use nalgebra::{Matrix3, Matrix6, Vector3};
 
-use super::drift::Drift;
+use super::carrier_axis::CarrierAxis;
 use super::frame::frame;
 use super::plane::PlaneFit;
 use super::references::ReferenceFit;
@@ -15,7 +15,7 @@ pub struct NominalFrame {
     /// Position of the lowest wafer, in the base frame (m).
     pub origin: Vector3<f64>,
     /// Heading: rotation about the vertical, before the tilt (rad).
-    pub yaw: f64,
+    pub heading: f64,
     /// Unit normal, in the base frame.
     pub normal: Vector3<f64>,
 }
@@ -34,8 +34,8 @@ impl NominalFrame {
     #[must_use]
     pub fn in_plane(&self, plane: Option<&PlaneFit>) -> Pose {
         match plane {
-            Some(plane) => plane.frame(&self.origin, self.yaw),
-            None => frame(self.origin, &self.normal, self.yaw),
+            Some(plane) => plane.frame(&self.origin, self.heading),
+            None => frame(self.origin, &self.normal, self.heading),
         }
     }
 }
@@ -48,7 +48,7 @@ impl TaughtFrame {
         let Some(references) = &self.references else { return in_plane };
         let origin = in_plane * nalgebra::Point3::from(references.shift.push(0.0));
         let normal = in_plane.rotation * Vector3::z();
-        frame(origin.coords, &normal, nominal.yaw + references.turn.unwrap_or(0.0))
+        frame(origin.coords, &normal, nominal.heading + references.turn.unwrap_or(0.0))
     }
 
     /// Uncertainty of the frame.
@@ -114,7 +114,7 @@ impl TaughtFrame {
     }
 }
 
-impl Drift {
+impl CarrierAxis {
     /// Uncertainty of a station's frame from its first and last slot.
     #[must_use]
     pub fn uncertainty(&self) -> FrameUncertainty {

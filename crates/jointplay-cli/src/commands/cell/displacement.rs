@@ -46,7 +46,7 @@ pub(super) struct Displacement {
     #[arg(long, value_name = "N", requires = "station")]
     slot: Option<usize>,
     /// Tilt of the platform: direction and angle
-    #[arg(long, value_name = "YAW,PITCH", value_parser = tilt)]
+    #[arg(long, value_name = "AZIMUTH,ANGLE", value_parser = tilt)]
     tilt_deg: Option<Tilt>,
     /// Horizontal position of the wafer over the level platform [default: that of the home positions]
     #[arg(long, value_name = "X,Y", value_parser = position, requires = "tilt_deg", allow_hyphen_values = true)]
@@ -68,8 +68,8 @@ fn two(text: &str, read: impl Fn(&str) -> Result<f64, String>) -> Result<[f64; 2
 }
 
 fn tilt(text: &str) -> Result<Tilt, String> {
-    let [yaw, pitch] = two(text, finite)?.map(f64::to_radians);
-    Ok(Tilt { yaw, pitch })
+    let [azimuth, tilt_angle] = two(text, finite)?.map(f64::to_radians);
+    Ok(Tilt { azimuth, angle: tilt_angle })
 }
 
 fn position(text: &str) -> Result<Position, String> {
@@ -218,7 +218,7 @@ fn text(report: &DisplacementReport, is_program: bool) -> String {
             let _ = writeln!(
                 text,
                 "  {name:<24} {:>8} {:>12} {:>10} {:>10} {:>8} {:>10} {:>8}",
-                fixed(wafer.tilt_pitch_deg, 4),
+                fixed(wafer.tilt_angle_deg, 4),
                 fixed(wafer.total_horizontal_mm, 4),
                 fixed(wafer.total_mm[2], 4),
                 fixed(expanded.horizontal_um, 1),
@@ -274,8 +274,8 @@ fn write_wafer(text: &mut String, wafer: &WaferDisplacementReport, coverage_fact
         text,
         "{}: tilt {}° toward {}°, reach {} mm, {} mm over the platform",
         place(wafer),
-        fixed(wafer.tilt_pitch_deg, 4),
-        fixed(wafer.tilt_yaw_deg, 2),
+        fixed(wafer.tilt_angle_deg, 4),
+        fixed(wafer.tilt_azimuth_deg, 2),
         fixed(wafer.reach_mm, 3),
         fixed(wafer.lever_mm, 3)
     );

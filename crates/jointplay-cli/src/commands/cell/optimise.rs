@@ -90,7 +90,7 @@ struct ProgramDocument {
     /// Wafers per hour of the repeated program.
     wafers_per_hour: f64,
     /// Minimum distance of all pairs.
-    clearance_mm: f64,
+    min_distance_mm: f64,
     /// Share of the friction that remains.
     slip_margin_percent: f64,
 }
@@ -231,7 +231,7 @@ impl Optimise {
                 text,
                 "  {:>8} {:>17} {:>14} {:>8} {:>9}  {name}",
                 fixed(one.wafers_per_hour, 1),
-                fixed(one.clearance_mm, 3),
+                fixed(one.min_distance_mm, 3),
                 fixed(one.slip_margin_percent, 1),
                 fixed(one.speed_percent, 0),
                 fixed(one.blend_mm, 1)
@@ -250,7 +250,7 @@ fn row(file: Option<String>, candidate: &Candidate, objectives: &Objectives) -> 
         speed_percent: 100.0 * candidate.speed,
         blend_mm: mm(candidate.blend_radius),
         wafers_per_hour: objectives.wafers_per_hour,
-        clearance_mm: mm(objectives.clearance),
+        min_distance_mm: mm(objectives.clearance),
         slip_margin_percent: 100.0 * objectives.slip_margin,
     }
 }

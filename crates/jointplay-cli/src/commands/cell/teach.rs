@@ -27,7 +27,7 @@ use jointplay::format::number::fixed;
 ///
 /// Three or more points on the resting plane determine its tilt and height; five or more of known noise also test it.
 /// Reference points, such as the centre of a wafer and pins, determine the centre and the heading.
-/// The positions of the first and the last wafer determine the tilt by the drift between them.
+/// The positions of the first and the last wafer determine the tilt by the carrier axis through them.
 /// Each result has its uncertainty, and the point to be measured again or next.
 /// Without points, the poses in the cell file are listed.
 #[derive(Args)]
@@ -176,7 +176,7 @@ impl Teach {
 
     fn changes(&self) -> Vec<Change> {
         if let (Some(first), Some(last)) = (&self.first_mm, &self.last_mm) {
-            return vec![Change::Drift { first: first.0, last: last.0 }];
+            return vec![Change::CarrierAxis { first: first.0, last: last.0 }];
         }
         let mut changes = Vec::new();
         if !self.point_mm.is_empty() {
@@ -293,7 +293,7 @@ fn write_station(text: &mut String, station: &StationReport, limit: f64) {
     let [x, y, z] = station.position_mm.map(|value| fixed(value, 3));
     let origin = match station.from {
         "taught" => "plane of taught points",
-        "drift" => "positions of first and last wafer",
+        "carrier axis" => "positions of first and last wafer",
         _ => "nominal, not taught",
     };
     let _ = writeln!(text, "  position (mm)        {x}, {y}, {z}; {origin}");
@@ -303,13 +303,13 @@ fn write_station(text: &mut String, station: &StationReport, limit: f64) {
     let _ = writeln!(
         text,
         "  tilt                 {}° at azimuth {}°, {} % of the robot's {}°",
-        fixed(station.tilt_pitch_deg, 4),
-        fixed(station.tilt_yaw_deg, 2),
+        fixed(station.tilt_angle_deg, 4),
+        fixed(station.tilt_azimuth_deg, 2),
         fixed(100.0 * station.tilt_share, 0),
         fixed(limit, 3)
     );
-    if let Some(drift) = station.drift_mm {
-        let _ = writeln!(text, "  drift (mm)           {}", fixed(drift, 3));
+    if let Some(carrier_axis) = station.horizontal_offset_mm {
+        let _ = writeln!(text, "  axis offset (mm)     {}", fixed(carrier_axis, 3));
     }
     if let Some(plane) = &station.plane {
         write_plane(text, plane, station.uncertainty.coverage_factor);

@@ -102,10 +102,10 @@ pub(in super::super) fn is_replaced(
     has(key)
         || OWN_KEYS.contains(&key)
         || match key {
-            "tilt" => (has("taught") && own_plane) || has("drift"),
-            "taught" => (has("tilt") && original_plane) || has("drift"),
-            "drift" => ["position_mm", "tilt", "taught"].into_iter().any(has),
-            "position_mm" => has("drift"),
+            "tilt" => (has("taught") && own_plane) || has("carrier_axis"),
+            "taught" => (has("tilt") && original_plane) || has("carrier_axis"),
+            "carrier_axis" => ["position_mm", "tilt", "taught"].into_iter().any(has),
+            "position_mm" => has("carrier_axis"),
             _ => SHAPES.contains(&key) && SHAPES.into_iter().any(has),
         }
 }

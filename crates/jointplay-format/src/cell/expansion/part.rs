@@ -20,7 +20,7 @@ use crate::place::{Form, malformed, nearest};
 use crate::toml_reader::{Inclusion, parameters};
 
 /// Keys of the frame of a part without a station.
-const FRAME_KEYS: [&str; 4] = ["on", "position_mm", "yaw_deg", "tilt"];
+const FRAME_KEYS: [&str; 4] = ["on", "position_mm", "heading_deg", "tilt"];
 
 /// The parts of a document, and what they add to it.
 pub(super) struct Parts<'e, 'a> {

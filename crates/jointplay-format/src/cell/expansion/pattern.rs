@@ -51,7 +51,8 @@ fn copies<'a>(reader: &Reader<'a>, mut node: Node<'a>, groups: &mut Groups) -> V
         return vec![node];
     }
     if step.is_some()
-        && let Some(key) = ["taught", "drift"].into_iter().find(|key| node.table.contains_key(*key))
+        && let Some(key) =
+            ["taught", "carrier_axis"].into_iter().find(|key| node.table.contains_key(*key))
     {
         let why = format!(
             "`step_mm` moves `position_mm`, but the position follows from `{key}`: describe each station by a table of its own"

@@ -7,13 +7,13 @@ use super::error::TeachError;
 
 /// Frame of a station from its first and last slot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drift {
+pub struct CarrierAxis {
     /// Resting position of the wafer in the first slot, in the base frame (m).
     pub first: Vector3<f64>,
     /// Distance between slots along the line from first to last (m).
     pub pitch: f64,
     /// Horizontal distance of the last slot from the vertical through the first (m).
-    pub drift: f64,
+    pub horizontal_offset: f64,
     /// Tilt of the station.
     pub tilt: Tilt,
     /// Distance of the last slot from the first (m).
@@ -32,12 +32,12 @@ pub struct Drift {
 ///
 /// # Assumptions
 /// The slots are perpendicular to the line through them.
-pub fn drift(
+pub fn carrier_axis(
     first: Vector3<f64>,
     last: Vector3<f64>,
     slots: usize,
     noise: Option<f64>,
-) -> Result<Drift, TeachError> {
+) -> Result<CarrierAxis, TeachError> {
     if let Some(found) = noise.filter(|noise| !(*noise > 0.0 && noise.is_finite())) {
         return Err(TeachError::Noise { found });
     }
@@ -48,10 +48,10 @@ pub fn drift(
     if up.z.is_nan() || up.z <= 0.1 * up.norm() {
         return Err(TeachError::NotAbove { rise: up.z });
     }
-    Ok(Drift {
+    Ok(CarrierAxis {
         first,
         pitch: up.norm() / (slots as f64 - 1.0),
-        drift: up.x.hypot(up.y),
+        horizontal_offset: up.x.hypot(up.y),
         tilt: Tilt::from_normal(&up),
         length: up.norm(),
         noise,
@@ -63,14 +63,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn drift_of_slots_determines_the_tilt() {
-        let tilt = Tilt { yaw: -1.0, pitch: 0.8_f64.to_radians() };
+    fn carrier_axis_determines_the_tilt() {
+        let tilt = Tilt { azimuth: -1.0, angle: 0.8_f64.to_radians() };
         let first = Vector3::new(0.6, 0.1, 0.5);
-        let found = drift(first, first + 0.24 * tilt.normal(), 25, None).unwrap();
+        let found = carrier_axis(first, first + 0.24 * tilt.normal(), 25, None).unwrap();
         assert!((found.pitch - 0.01).abs() < 1e-15);
         assert!((found.tilt.normal() - tilt.normal()).norm() < 1e-14);
-        assert!((found.drift - 0.24 * tilt.pitch.sin()).abs() < 1e-15);
-        let refused = |last, slots, noise| drift(first, last, slots, noise).unwrap_err();
+        assert!((found.horizontal_offset - 0.24 * tilt.angle.sin()).abs() < 1e-15);
+        let refused = |last, slots, noise| carrier_axis(first, last, slots, noise).unwrap_err();
         assert_eq!(refused(first, 25, None), TeachError::NotAbove { rise: 0.0 });
         assert_eq!(refused(first + Vector3::z(), 1, None), TeachError::OneSlot { slots: 1 });
         let noise = TeachError::Noise { found: 0.0 };
