@@ -2,9 +2,9 @@
 
 use jointplay_cell::station::teach::{
     CarrierAxis, FrameUncertainty, NominalFrame, PlaneFit, ReferencePoint, StatedUncertainty,
-    TaughtFrame, carrier_axis, fit_plane, fit_references, frame, heading,
+    TaughtFrame, carrier_axis, fit_plane, fit_references, frame,
 };
-use jointplay_core::spatial::{Pose, Tilt, rotation_vector};
+use jointplay_core::spatial::{Pose, Tilt, heading, rotation_vector};
 use nalgebra::{Point3, Vector2, Vector3, Vector6};
 
 fn plane(tilt: Tilt, places: &[(f64, f64)]) -> Vec<Vector3<f64>> {

@@ -6,11 +6,11 @@ use std::f64::consts::PI;
 
 use jointplay_cell::jog::{SlotRelativePose, StopReason};
 use jointplay_cell::robot::{EffectorId, LimitViolation, RODS, WaferTarget};
-use jointplay_cell::station::{SlotId, teach};
+use jointplay_cell::station::SlotId;
 use jointplay_cell::wafer::Unreachable;
 use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::AxisHeight;
-use jointplay_core::spatial::Tilt;
+use jointplay_core::spatial::{Tilt, heading};
 use jointplay_format::cell::explain::explain_stopped;
 use jointplay_format::cell::{EXAMPLE, read};
 use nalgebra::Vector3;
@@ -127,7 +127,7 @@ fn a_wafer_jogged_into_a_slot_teaches_the_station_frame() {
         0.0,
         1e-6,
     );
-    let (found, is) = (teach::heading(&taught), teach::heading(&station.base_from_station));
+    let (found, is) = (heading(&taught), heading(&station.base_from_station));
     // The heading follows the arm's tilted axis, which is millimetres away from the robot's.
     near((found - is + PI).rem_euclid(2.0 * PI) - PI, 0.0, 3e-3);
 }

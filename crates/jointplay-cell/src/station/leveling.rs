@@ -1,6 +1,6 @@
 //! Correction of stations that tilt too far for the platform.
 
-use jointplay_core::spatial::Tilt;
+use jointplay_core::spatial::{Tilt, heading};
 use nalgebra::Vector3;
 
 use super::description::Station;
@@ -38,7 +38,7 @@ impl Cell {
         let leveled = |angle: f64| {
             let origin = station.base_from_station.translation.vector;
             let normal = Tilt { angle, ..tilt }.normal();
-            let heading = teach::heading(&station.base_from_station);
+            let heading = heading(&station.base_from_station);
             Station { base_from_station: teach::frame(origin, &normal, heading), ..station.clone() }
         };
         if !self.can_follow(&leveled(0.0)) {

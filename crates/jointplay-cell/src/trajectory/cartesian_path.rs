@@ -1,6 +1,6 @@
 //! Paths of all axes on which a wafer's centre moves along a straight line and its plane rotates uniformly.
 
-use jointplay_core::spatial::{Pose, tilt_rotation};
+use jointplay_core::spatial::{Pose, heading};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::quintic_interpolation::resampled_spline;
@@ -472,10 +472,4 @@ impl LineTarget {
 /// Normal of a wafer in the base frame.
 fn normal(pose: &Pose) -> Vector3<f64> {
     pose.rotation.matrix().column(2).into_owned()
-}
-
-/// Rotation of a wafer about its normal, beyond the shortest rotation from level to the normal (rad).
-fn heading(pose: &Pose) -> f64 {
-    let turned = tilt_rotation(&normal(pose)).inverse() * pose.rotation;
-    turned.matrix()[(1, 0)].atan2(turned.matrix()[(0, 0)])
 }

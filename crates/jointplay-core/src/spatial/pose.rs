@@ -94,6 +94,14 @@ pub fn fit_in_plane(
     Pose::from_parts(Translation3::from(origin), Rotation3::from_matrix_unchecked(rotation))
 }
 
+/// Heading about the vertical of a frame before its tilt (rad): its rotation about its normal, beyond the [`tilt_rotation`] to the normal.
+#[must_use]
+pub fn heading(frame: &Pose) -> f64 {
+    let normal = frame.rotation * Vector3::z();
+    let along = tilt_rotation(&normal).inverse() * (frame.rotation * Vector3::x());
+    along.y.atan2(along.x)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -101,6 +109,18 @@ mod tests {
 
     const DIRECTIONS: [(f64, f64); 6] =
         [(0.0, 0.0), (0.4, 0.02), (-2.0, 1e-9), (3.0, 0.5), (1.0, 1.5), (2.0, 3.0)];
+
+    #[test]
+    fn heading_of_a_tilted_frame_is_that_before_the_tilt() {
+        for (azimuth, angle) in DIRECTIONS {
+            for heading_before in [-3.0, -0.5, 0.0, 1.7, 3.1] {
+                let about = Rotation3::from_axis_angle(&Vector3::z_axis(), heading_before);
+                let rotation = tilt_rotation(&Tilt { azimuth, angle }.normal()) * about;
+                let found = heading(&Pose::from_parts(Translation3::identity(), rotation));
+                assert!((found - heading_before).abs() < 1e-13, "{azimuth} {angle} {found}");
+            }
+        }
+    }
 
     #[test]
     fn tilt_rotation_is_the_shortest_rotation_to_the_normal() {

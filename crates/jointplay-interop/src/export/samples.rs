@@ -2,7 +2,7 @@
 
 use jointplay_cell::robot::{AxesMotion, AxisKind, ChainPose, EffectorId, FrameMotion};
 use jointplay_cell::trajectory::Sample;
-use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
+use jointplay_core::spatial::{Pose, Tilt, heading};
 
 use super::error::Error;
 use super::motion_export::MotionExport;
@@ -239,11 +239,11 @@ fn frame_value(base_from_frame: &Pose, quantity: FrameQuantity) -> f64 {
         FrameQuantity::X => mm(origin.x),
         FrameQuantity::Y => mm(origin.y),
         FrameQuantity::Z => mm(origin.z),
-        // Rotation about the normal, beyond the shortest rotation from level to the normal.
-        FrameQuantity::Heading => {
-            let turned = tilt_rotation(&normal).inverse() * base_from_frame.rotation;
-            deg(turned.matrix()[(1, 0)].atan2(turned.matrix()[(0, 0)]))
-        }
+        FrameQuantity::Heading => match deg(heading(base_from_frame)) {
+            // Round-off decides between −180° and 180°.
+            degrees if degrees < -180.0 + 1e-9 => 180.0,
+            degrees => degrees,
+        },
         FrameQuantity::Tilt => deg(Tilt::from_normal(&normal).angle),
         FrameQuantity::TiltDirection => deg(Tilt::from_normal(&normal).azimuth),
     }

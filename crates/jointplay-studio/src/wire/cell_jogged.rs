@@ -4,13 +4,13 @@ use jointplay::cell::jog::{SlotRelativePose, StopReason};
 use jointplay::cell::robot::{
     self, Branch, BranchSelection, EffectorId, LimitViolation, WaferTarget,
 };
-use jointplay::cell::station::{SlotId, teach};
+use jointplay::cell::station::SlotId;
 use jointplay::cell::wafer::{DroopError, Unreachable};
 use jointplay::cell::workcell::Cell;
 use jointplay::format::cell::explain::{explain_branch, explain_droop, explain_stopped};
 use jointplay::interop::export::Frame;
 use jointplay::nalgebra::Vector3;
-use jointplay::spatial::{Pose, Tilt};
+use jointplay::spatial::{Pose, Tilt, heading};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -344,7 +344,7 @@ pub(crate) fn from_slot(
         station_if_here: StationPose {
             point_m: Triple(origin.into()),
             position_m: Triple(taught.translation.vector.into()),
-            heading_rad: teach::heading(&taught),
+            heading_rad: heading(&taught),
             tilt_azimuth_rad: tilt.azimuth,
             tilt_angle_rad: tilt.angle,
         },

@@ -3,12 +3,12 @@
 use jointplay::cell::EntityId;
 use jointplay::cell::geometry::Shape;
 use jointplay::cell::robot::EffectorId;
-use jointplay::cell::station::{Origin, Station, teach};
+use jointplay::cell::station::{Origin, Station};
 use jointplay::cell::workcell::{Body, Cell, ParentFrame, Zone, ZoneRule};
 use jointplay::interop::export::wafers_at_start;
 use jointplay::nalgebra::Vector3;
 use jointplay::report::{self, StationReport};
-use jointplay::spatial::{Pose, Tilt};
+use jointplay::spatial::{Pose, Tilt, heading};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -237,7 +237,7 @@ pub(crate) fn stations(cell: &Cell) -> Vec<StationDocument> {
         StationDocument {
             slots: station.slots,
             effectors: station.effectors.iter().map(|id| effector_name(cell, id)).collect(),
-            heading_rad: teach::heading(frame),
+            heading_rad: heading(frame),
             about_x_rad,
             about_y_rad,
             taught_m: points.into_iter().map(|point| Triple(point.into())).collect(),

@@ -9,11 +9,3 @@ pub fn frame(origin: Vector3<f64>, normal: &Vector3<f64>, heading: f64) -> Pose 
     let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), heading);
     Pose::from_parts(origin.into(), tilt_rotation(normal) * turned)
 }
-
-/// Heading about the vertical of a frame before its tilt: the argument of [`frame`] (rad).
-#[must_use]
-pub fn heading(frame: &Pose) -> f64 {
-    let normal = frame.rotation * Vector3::z();
-    let along = tilt_rotation(&normal).inverse() * (frame.rotation * Vector3::x());
-    along.y.atan2(along.x)
-}

@@ -369,7 +369,7 @@ impl PlaneFit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::station::teach::heading;
+    use jointplay_core::spatial::heading;
 
     fn plane(tilt: Tilt, places: &[(f64, f64)]) -> Vec<Vector3<f64>> {
         let frame = frame(Vector3::new(0.7, -0.2, 0.9), &tilt.normal(), 0.4);
