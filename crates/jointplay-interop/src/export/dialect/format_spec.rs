@@ -14,7 +14,7 @@ use super::problem::Problem;
 
 /// Largest width of a field.
 const MOST_WIDTH: usize = 200;
-/// Largest precision: a double has no more digits.
+/// Largest precision of a number: a double has no more digits.
 const MOST_PRECISION: usize = 17;
 
 /// Kind of a value in a template.
@@ -173,7 +173,8 @@ impl FormatSpec {
             Kind::Integer => type_ != Type::Text && (precision.is_none() || is_decimal),
             Kind::Real | Kind::Time => is_decimal,
         };
-        if !fits || width > Some(MOST_WIDTH) || precision > Some(MOST_PRECISION) {
+        let most_precision = if kind == Kind::Text { MOST_WIDTH } else { MOST_PRECISION };
+        if !fits || width > Some(MOST_WIDTH) || precision > Some(most_precision) {
             return Err(invalid());
         }
         let by_default = match kind {
@@ -315,6 +316,8 @@ mod tests {
             ("5.f", [false; 3]),
             ("201", [false; 3]),
             (".18f", [false; 3]),
+            ("<40.40", [true, false, false]),
+            (".201", [false; 3]),
             ("99999999999999999999999", [false; 3]),
         ] {
             let found = kinds.map(|kind| FormatSpec::parse(format, kind, 6).is_ok());
