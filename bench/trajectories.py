@@ -163,6 +163,10 @@ def by_transcription(path, limits, guess, center=None):
     if not solver.stats()["success"]:
         print(f"no optimum found by IPOPT: {solver.stats()['return_status']}", file=sys.stderr)
         return None
+    if found["f"] > 1.01 * guess:
+        # Slower than a motion that is known.
+        print("no optimum found by IPOPT: a local one", file=sys.stderr)
+        return None
     return float(found["f"])
 
 

@@ -81,8 +81,8 @@ struct Optima {
     with_jerk: [f64; 4],
     /// `None` for an arm whose lines are not within three percent at very high jerk limits.
     without_jerk: Option<[f64; 4]>,
-    /// Of the two loaded lines, between level stations and on a friction of 0.12; `None` where the other method finds no optimum.
-    with_friction: Option<[f64; 2]>,
+    /// Of the two loaded lines, between level stations and on a friction of 0.12.
+    with_friction: [f64; 2],
 }
 
 /// Optima of the lines of `bench/lines/`: GET extend and retract, PUT extend and retract.
@@ -95,28 +95,28 @@ const OPTIMA: [Optima; 4] = [
         is_rigid: false,
         with_jerk: [0.6841, 1.1375, 0.9654, 0.6051],
         without_jerk: Some([0.5811, 1.0373, 0.8651, 0.4950]),
-        with_friction: Some([1.5929, 1.4137]),
+        with_friction: [1.5929, 1.4137],
     },
     Optima {
         robot: include_str!("../../../robots/dual-arm.toml"),
         is_rigid: true,
         with_jerk: [0.6840, 1.1374, 0.9652, 0.6050],
         without_jerk: Some([0.5810, 1.0370, 0.8650, 0.4950]),
-        with_friction: Some([1.5928, 1.4137]),
+        with_friction: [1.5928, 1.4137],
     },
     Optima {
         robot: include_str!("../../../robots/radial-arm.toml"),
         is_rigid: false,
         with_jerk: [0.6843, 1.1378, 0.9652, 0.6051],
         without_jerk: Some([0.5813, 1.0376, 0.8651, 0.4950]),
-        with_friction: Some([1.5929, 1.4137]),
+        with_friction: [1.5929, 1.4137],
     },
     Optima {
         robot: include_str!("../../../robots/scara-3r.toml"),
         is_rigid: false,
         with_jerk: [0.7458, 1.0825, 0.9277, 0.6461],
         without_jerk: None,
-        with_friction: None,
+        with_friction: [1.7464, 1.5583],
     },
 ];
 
@@ -160,7 +160,6 @@ fn loaded_lines_on_little_friction_exceed_those_of_another_method_by_at_most_thr
     let level: String = text.lines().filter(is_level).map(|line| format!("{line}\n")).collect();
     let program = include_str!("../../../bench/lines/lines.program");
     for optima in &OPTIMA {
-        let Some(with_friction) = optima.with_friction else { continue };
         let mut cell = cell_of(&level, optima.robot);
         for arm in &mut cell.robot.arms {
             arm.effectors.iter_mut().for_each(|effector| effector.friction = 0.12);
@@ -171,7 +170,7 @@ fn loaded_lines_on_little_friction_exceed_those_of_another_method_by_at_most_thr
 
         let durations = line_durations(&cell, program);
 
-        for (found, optimum) in durations[1..3].iter().zip(with_friction) {
+        for (found, optimum) in durations[1..3].iter().zip(optima.with_friction) {
             let excess = found / optimum - 1.0;
             assert!((-5e-3..0.03).contains(&excess), "{}: {found} {optimum}", cell.robot.name);
         }
