@@ -68,7 +68,7 @@ fn heading_and_tilt_agree_with_the_quaternion_and_the_normal() {
             assert!((value("tilt_deg") - tilt).abs() < 1e-9, "{name} {time}");
             if tilt > 1e-3 {
                 let direction = normal.y.atan2(normal.x).to_degrees();
-                assert!(between(value("tilt_direction_deg"), direction).abs() < 1e-9);
+                assert!(between(value("tilt_azimuth_deg"), direction).abs() < 1e-9);
             }
             assert!((value("z_mm") - 1e3 * pose.translation.z).abs() < 1e-9);
             largest = largest.max(tilt);

@@ -51,7 +51,7 @@ pub(super) enum FrameQuantity {
     /// Rotation about the normal: heading of a wafer, torsion of the platform.
     Heading,
     Tilt,
-    TiltDirection,
+    TiltAzimuth,
 }
 
 /// Group of the columns of a table without a choice.
@@ -74,7 +74,7 @@ pub const COLUMN_GROUPS: [(&str, &str); 17] = [
     ("y", "y of each wafer centre"),
     ("z", "z of each wafer centre"),
     ("heading", "heading of each effector's wafer"),
-    ("tilt", "tilt angle and tilt direction of the platform and of each effector's wafer"),
+    ("tilt", "tilt angle and azimuth of the platform and of each effector's wafer"),
     ("speed", "speed and acceleration of each wafer centre"),
 ];
 
@@ -181,7 +181,7 @@ fn frame_columns<'g>(
         ("z", "mm", "z", "z of the centre", FrameQuantity::Z),
         (rotation, "deg", "heading", rotation, FrameQuantity::Heading),
         ("tilt", "deg", "tilt", "tilt angle", FrameQuantity::Tilt),
-        ("tilt_direction", "deg", "tilt", "tilt direction", FrameQuantity::TiltDirection),
+        ("tilt_azimuth", "deg", "tilt", "tilt azimuth", FrameQuantity::TiltAzimuth),
     ];
     let frame_column = |(end, unit, coordinate, meaning, kind)| {
         let short = format!("{name}_{end}");

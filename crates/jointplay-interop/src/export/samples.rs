@@ -245,7 +245,7 @@ fn frame_value(base_from_frame: &Pose, quantity: FrameQuantity) -> f64 {
             degrees => degrees,
         },
         FrameQuantity::Tilt => deg(Tilt::from_normal(&normal).angle),
-        FrameQuantity::TiltDirection => deg(Tilt::from_normal(&normal).azimuth),
+        FrameQuantity::TiltAzimuth => deg(Tilt::from_normal(&normal).azimuth),
     }
 }
 
