@@ -58,7 +58,7 @@ pub struct Zone {
 pub enum ZoneRule {
     /// No body of the robot and no held wafer may enter.
     KeepOut,
-    /// The centre of the resting plane of each effector's wafer, empty or loaded, must stay inside during steps of the phase [`Turn`](crate::program::Phase::Turn), in which the robot turns with retracted arms.
+    /// The centre of the resting plane of each effector's wafer, empty or loaded, must stay inside during steps of the phases [`Turn`](crate::program::Phase::Turn) and [`PostureChange`](crate::program::Phase::PostureChange), in which the robot turns or changes its posture with retracted arms.
     /// Each safe zone is a condition of its own: with several, the centres must stay inside all of them.
     Safe,
 }

@@ -7,7 +7,7 @@ use super::slip::HeldWafer;
 use super::step_findings::{StepFindings, update_peak};
 use crate::CellError;
 use crate::collision::{MotionBoundModel, PoseError, SampledStep, Scene, UnknownPose};
-use crate::program::{Phase, Step};
+use crate::program::Step;
 use crate::robot::{Axis, AxisKind, EffectorId, HybridRobot, Positions};
 use crate::trajectory::{AxisState, axis_limits};
 use crate::violation::{
@@ -83,7 +83,7 @@ impl StepFindings {
             }
         }
         findings.check_platform(scene, sampled, &mut violations);
-        let in_safe_zones = step.phase == Phase::Turn && !scene.safe_zones.is_empty();
+        let in_safe_zones = step.phase.is_in_safe_zones() && !scene.safe_zones.is_empty();
         for (index, id) in robot.effectors().enumerate() {
             if scene.held_wafer(id).is_some() {
                 findings.check_slip(scene, sampled, bounds, index, id, &mut violations);

@@ -11,7 +11,7 @@ use crate::collision::{
 };
 use crate::geometry::ColliderCache;
 use crate::incremental::{CacheKey, Interrupted, JobContext, parallel_map};
-use crate::program::{LocationChange, Phase};
+use crate::program::LocationChange;
 use crate::trajectory::Trajectory;
 
 /// Successive steps of a trajectory, with their scenes.
@@ -70,7 +70,7 @@ impl<'a> StepChecks<'a> {
             let (step, scene) = (steps.start + index, scene_of[index]);
             let mut cache_key = trajectory.step_motion_key(step);
             let step = &trajectory.steps[step];
-            cache_key.add(&(step.phase == Phase::Turn)).add(&step.loaded);
+            cache_key.add(&step.phase.is_in_safe_zones()).add(&step.loaded);
             cache_key.add(&broad_phases[scene].cache_key);
             StepKey { scene, cache_key }
         };

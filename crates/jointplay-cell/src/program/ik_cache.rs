@@ -3,14 +3,15 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
+use super::posture_choice::Visit;
 use crate::incremental::{CacheKey, CacheStats, GenerationalCache};
-use crate::robot::{EffectorId, Redundancy, WaferTarget};
-use crate::station::{InfeasibleLine, SlotId, Station, StationPostures, Waypoints};
+use crate::robot::{EffectorId, HybridRobot, PostureChange, Redundancy, WaferTarget};
+use crate::station::{InfeasibleLine, PostureOptions, SlotId, Station, StationPostures, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
-/// Postures along the line into a station, or the line that is blocked.
-type FoundPostures = Result<Option<StationPostures>, InfeasibleLine>;
+/// Postures along the line into a station to choose from, or the line that is blocked.
+type FoundOptions = Result<Option<PostureOptions>, InfeasibleLine>;
 
 /// Inverse kinematics of the last program, by cache key.
 #[derive(Default)]
@@ -22,7 +23,10 @@ pub(crate) struct IkCache {
     /// Identities of the stations of this program.
     station_ids: Vec<u64>,
     waypoints: GenerationalCache<Waypoints>,
-    postures: GenerationalCache<FoundPostures>,
+    posture_options: GenerationalCache<FoundOptions>,
+    postures: GenerationalCache<StationPostures>,
+    /// Positions between the moves of a change of posture.
+    posture_changes: GenerationalCache<Vec<Vec<f64>>>,
     ik_solutions: GenerationalCache<Vec<f64>>,
 }
 
@@ -32,7 +36,9 @@ impl IkCache {
         shared.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(&cell.plane_threshold);
         self.stations.begin(&CacheKey::default());
         self.waypoints.begin(&shared);
+        self.posture_options.begin(&shared);
         self.postures.begin(&shared);
+        self.posture_changes.begin(&shared);
         self.ik_solutions.begin(&shared);
         let id = |station: &Station| {
             let inputs = CacheKey::default().with(station);
@@ -48,7 +54,9 @@ impl IkCache {
     pub(super) fn end(&mut self) {
         self.stations.end();
         self.waypoints.end();
+        self.posture_options.end();
         self.postures.end();
+        self.posture_changes.end();
         self.ik_solutions.end();
     }
 
@@ -65,15 +73,44 @@ impl IkCache {
         self.waypoints.get_or_compute(inputs, || cell.waypoints(effector, slot, seed))
     }
 
-    /// As [`Cell::station_postures`].
-    pub(super) fn postures(
+    /// As [`Cell::posture_options`].
+    pub(super) fn posture_options(
         &mut self,
         cell: &Cell,
         effector: EffectorId,
         station: usize,
-    ) -> Result<Arc<FoundPostures>, Unreachable> {
+    ) -> Result<Arc<FoundOptions>, Unreachable> {
         let inputs = CacheKey::default().with(&effector).with(&self.station_ids[station]);
-        self.postures.get_or_compute(inputs, || cell.station_postures(effector, station))
+        self.posture_options.get_or_compute(inputs, || cell.posture_options(effector, station))
+    }
+
+    /// As [`PostureOptions::postures`], for the options of a station.
+    pub(super) fn postures(
+        &mut self,
+        cell: &Cell,
+        Visit { effector, station }: Visit,
+        options: &PostureOptions,
+        candidate: usize,
+    ) -> Arc<StationPostures> {
+        let mut inputs = CacheKey::default().with(&effector);
+        inputs.add(&self.station_ids[station]).add(&candidate);
+        let Ok(postures) = self.postures.get_or_compute::<Infallible>(inputs, || {
+            Ok(options.postures(&cell.robot, effector, candidate))
+        });
+        postures
+    }
+
+    /// As [`PostureChange::waypoints`].
+    pub(super) fn posture_change(
+        &mut self,
+        robot: &HybridRobot,
+        change: &PostureChange,
+    ) -> Arc<Vec<Vec<f64>>> {
+        let inputs = CacheKey::default().with(change);
+        let Ok(waypoints) = self
+            .posture_changes
+            .get_or_compute::<Infallible>(inputs, || Ok(change.waypoints(robot)));
+        waypoints
     }
 
     /// As [`Cell::compensated_inverse_by`], the positions alone.

@@ -20,7 +20,9 @@
 //! | `ik_cache` | inverse kinematics of the last program |
 //! | `limits` | limits of commanded positions |
 //! | `retracted_pose` | positions of arms that are retracted for a station |
+//! | `posture_choice` | choice of the postures for a visit of a station |
 //! | `sequence` | motion sequences of instructions |
+//! | `unreachable` | targets and lines into stations that an effector does not reach |
 //! | `frame` | values of counters and arguments during the expansion |
 //! | `expander` | numbers, slots and conditions during the expansion |
 //! | `expand` | from instructions to steps |
@@ -40,6 +42,7 @@ mod location;
 mod occupancy;
 mod parameter_kind;
 mod parameter_kinds;
+mod posture_choice;
 mod problem;
 mod quantity;
 mod resolve;
@@ -50,6 +53,7 @@ mod scope;
 mod sequence;
 mod step;
 mod syntax;
+mod unreachable;
 mod wafer_locations;
 
 pub use bounds::{MAX_CALL_DEPTH, MAX_INSTRUCTIONS};

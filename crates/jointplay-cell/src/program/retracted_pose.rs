@@ -2,15 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::robot::{AxisKind, EffectorId, RODS, WaferTarget};
+use crate::robot::{EffectorId, RODS, WaferTarget};
 use crate::workcell::Cell;
-
-/// Whether a motor turns whole arms about their first joints and does nothing else.
-pub(super) fn turns_arms(cell: &Cell, axis: usize) -> bool {
-    let joints = cell.robot.arms.iter().flat_map(|arm| arm.joints.iter().enumerate());
-    let mut driven = joints.filter(|(_, joint)| joint.drives.iter().any(|drive| drive.0 == axis));
-    axis >= RODS && driven.all(|(index, joint)| index == 0 && joint.kind == AxisKind::Rotary)
-}
 
 /// Positions of an arm's motors with its wafer at the retract distance of a station, over a level platform.
 pub(super) fn retracted_positions(

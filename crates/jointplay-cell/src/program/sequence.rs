@@ -9,11 +9,10 @@ use nalgebra::Vector3;
 use super::effector_choice::effector_name;
 use super::ik_cache::IkCache;
 use super::limits::check_limits;
-use super::occupancy::slot_name;
-use super::problem::Leveling;
-use super::retracted_pose::{retracted_positions, turns_arms};
+use super::posture_choice::{PostureChoice, Visit, best_candidate};
+use super::retracted_pose::retracted_positions;
 use super::{Handoff, LinePostures, Path, Phase, ProgramProblem, SourceLocation, Step};
-use crate::robot::{ArmChain, EffectorId, RODS, Redundancy, WaferTarget};
+use crate::robot::{ArmChain, EffectorId, PostureChange, RODS, Redundancy, WaferTarget};
 use crate::station::LinePoint::{Retracted, Slot, Via};
 use crate::station::{LinePoint, SlotId, StationPostures, Waypoints};
 use crate::wafer::Unreachable;
@@ -50,6 +49,8 @@ pub(super) struct MotionSequencer<'c> {
     sag: BTreeMap<EffectorId, f64>,
     /// Motors that extend the arm, with their positions where the arm is retracted for a station and the platform level.
     retracted: BTreeMap<(EffectorId, usize), Vec<(usize, f64)>>,
+    /// Postures of the present visit of a station.
+    posture_choice: PostureChoice,
     /// Fraction of the line into a station at which the arm is.
     line_fraction: f64,
     instruction: usize,
@@ -80,7 +81,8 @@ impl<'c> MotionSequencer<'c> {
             blend_radius: 0.0,
             positions: axes.iter().map(|axis| axis.home).collect(),
             arms_retracted: true,
-            turning: (0..axes.len()).map(|axis| turns_arms(cell, axis)).collect(),
+            turning: (0..axes.len()).map(|axis| cell.robot.turns_whole_arms(axis)).collect(),
+            posture_choice: PostureChoice::default(),
             sag: BTreeMap::new(),
             retracted: BTreeMap::new(),
             line_fraction: 0.0,
@@ -102,8 +104,13 @@ impl<'c> MotionSequencer<'c> {
 
     /// HOME: retracts the arms, then moves all axes to their home positions.
     pub(super) fn home(&mut self) {
+        self.posture_choice.end_visit();
         self.retract_arms();
-        let home = self.cell.robot.axes.iter().map(|axis| axis.home).collect();
+        let robot = &self.cell.robot;
+        let home: Vec<f64> = robot.axes.iter().map(|axis| axis.home).collect();
+        for arm in 0..robot.arms.len() {
+            self.change_posture(EffectorId { arm, effector: 0 }, &home);
+        }
         self.move_to(Phase::Move, home, Path::PointToPoint);
     }
 
@@ -114,6 +121,7 @@ impl<'c> MotionSequencer<'c> {
             to[axis] = position;
         }
         check_limits(self.cell, "this MOVE", &to)?;
+        self.posture_choice.end_visit();
         let extends_arm = |&(axis, _): &(usize, f64)| {
             axis >= RODS && !self.turning[axis] && self.positions[axis] != to[axis]
         };
@@ -146,6 +154,7 @@ impl<'c> MotionSequencer<'c> {
         target.center += Vector3::from(by);
         let to = self.solve(effector, &target, loaded).map_err(stopped)?;
         self.arms_retracted = false;
+        self.posture_choice.end_visit();
         self.move_to(Phase::Move, to, Path::Line(effector));
         Ok(())
     }
@@ -264,33 +273,6 @@ impl<'c> MotionSequencer<'c> {
             .map_err(|source| self.unreachable("the resting pose in", effector, slot, true, source))
     }
 
-    fn unreachable(
-        &self,
-        what: &str,
-        effector: EffectorId,
-        slot: SlotId,
-        loaded: bool,
-        source: Unreachable,
-    ) -> ProgramProblem {
-        ProgramProblem::Unreachable {
-            target: format!("{what} {}", slot_name(self.cell, slot)),
-            effector: effector_name(&self.cell.robot, effector).to_owned(),
-            loaded,
-            leveling: self.leveling(&source, slot),
-            source: Box::new(source),
-        }
-    }
-
-    /// Correction of a station that tilts too far.
-    fn leveling(&self, error: &Unreachable, slot: SlotId) -> Option<Leveling> {
-        let Unreachable::Tilt { .. } = error else { return None };
-        let station = &self.cell.stations[slot.station];
-        let angle = self.cell.leveling(station)?;
-        let excess = station.excess_tilt(&self.cell.robot);
-        let for_deflection = (angle - excess).max(0.0);
-        Some(Leveling { station: station.name.clone(), angle, for_deflection })
-    }
-
     /// Retracts the arms, levels, turns to a retracted pose with the motors alone, then moves there with the rods alone.
     fn pre_approach(&mut self, goal: Goal<'_>) -> Result<(), ProgramProblem> {
         self.retract_arms();
@@ -299,6 +281,7 @@ impl<'c> MotionSequencer<'c> {
         self.snap_to_retracted(&mut to, goal.effector, goal.slot.station);
         let mut turned = to.clone();
         turned[..RODS].copy_from_slice(&self.positions[..RODS]);
+        self.change_posture(goal.effector, &turned);
         let distance = |(to, from): (&f64, &f64)| (to - from).abs();
         if turned.iter().zip(&self.positions).map(distance).fold(0.0, f64::max) > TURNED_TOLERANCE {
             self.push(Phase::Turn, turned, Path::PointToPoint);
@@ -306,6 +289,19 @@ impl<'c> MotionSequencer<'c> {
         self.move_to(Phase::Align, to, Path::PointToPoint);
         self.line_fraction = 0.0;
         Ok(())
+    }
+
+    /// Changes the posture of an arm to that of positions of all axes, where a single move to them would take the wafer outward.
+    fn change_posture(&mut self, effector: EffectorId, to: &[f64]) {
+        let robot = &self.cell.robot;
+        let change = PostureChange::new(robot, effector, &self.positions, to);
+        let Some(change) = change.filter(PostureChange::swings_out) else { return };
+        let end = change.axes().map(|axis| to[axis]).collect();
+        for waypoint in self.ik_cache.posture_change(robot, &change).iter().chain([&end]) {
+            let mut to = self.positions.clone();
+            change.axes().zip(waypoint).for_each(|(axis, &position)| to[axis] = position);
+            self.push(Phase::PostureChange, to, Path::PointToPoint);
+        }
     }
 
     /// Moves the motors that extend arms to their home positions, where an arm may be extended.
@@ -404,24 +400,31 @@ impl<'c> MotionSequencer<'c> {
         self.ik_cache.positions(self.cell, effector, target, loaded, &self.positions, redundancy)
     }
 
-    /// Postures of an arm along the line into a station; `None` where the arm has no choice.
+    /// Postures of an arm along the line into a station, chosen at the start of the visit; `None` where the arm has no choice.
     fn postures(
         &mut self,
         effector: EffectorId,
         station: usize,
-    ) -> Result<Option<StationPostures>, ProgramProblem> {
-        let found = self.ik_cache.postures(self.cell, effector, station);
+    ) -> Result<Option<Arc<StationPostures>>, ProgramProblem> {
+        let visit = Visit { effector, station };
+        if let Some(postures) = self.posture_choice.of_visit(visit) {
+            return Ok(Some(postures));
+        }
+        let found = self.ik_cache.posture_options(self.cell, effector, station);
         let found = found.map_err(|source| {
             let slot = SlotId { station, slot: 1 };
             self.unreachable("the line into", effector, slot, false, source)
         })?;
         match found.as_ref() {
-            Ok(postures) => Ok(postures.clone()),
-            Err(blocked) => Err(ProgramProblem::InfeasibleLine {
-                station: self.cell.stations[station].name.clone(),
-                effector: effector_name(&self.cell.robot, effector).to_owned(),
-                blocked: Box::new(blocked.clone()),
-            }),
+            Ok(None) => Ok(None),
+            Ok(Some(options)) => {
+                let (robot, positions) = (&self.cell.robot, &self.positions);
+                let best = best_candidate(robot, effector, &options.candidates, positions);
+                let postures = self.ik_cache.postures(self.cell, visit, options, best);
+                self.posture_choice.start_visit(visit, &postures);
+                Ok(Some(postures))
+            }
+            Err(blocked) => Err(self.infeasible_line(effector, station, blocked)),
         }
     }
 
@@ -438,7 +441,7 @@ impl<'c> MotionSequencer<'c> {
         {
             let fraction = postures.fraction(goal.point);
             step.postures = Some(LinePostures {
-                path: postures.path,
+                path: Arc::clone(&postures.path),
                 fractions: [from, fraction],
                 prescribes_heading: postures.prescribes_heading,
             });

@@ -31,6 +31,8 @@ pub enum Phase {
     Move,
     /// Retract arms that are extended.
     RetractArms,
+    /// Change the posture of an arm that keeps its wafer retracted, where a turn would take the wafer outward.
+    PostureChange,
     /// Turn toward the station, retracted and level.
     Turn,
     /// Move the rods to the height and tilt in front of the slot.
@@ -47,6 +49,14 @@ pub enum Phase {
     Level,
     /// Dwell.
     Wait,
+}
+
+impl Phase {
+    /// Whether the robot moves between stations with retracted arms: safe zones apply.
+    #[must_use]
+    pub fn is_in_safe_zones(self) -> bool {
+        matches!(self, Self::PostureChange | Self::Turn)
+    }
 }
 
 /// Hand-off of a wafer at the end of a step.

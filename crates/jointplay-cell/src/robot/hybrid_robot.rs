@@ -131,3 +131,12 @@ pub struct EffectorId {
     /// Index of the effector on its arm.
     pub effector: usize,
 }
+
+impl HybridRobot {
+    /// Whether a motor turns whole arms about their first joints and does nothing else.
+    pub(crate) fn turns_whole_arms(&self, axis: usize) -> bool {
+        let joints = self.arms.iter().flat_map(|arm| arm.joints.iter().enumerate());
+        let mut driven = joints.filter(|(_, joint)| joint.drives.iter().any(|it| it.0 == axis));
+        axis >= RODS && driven.all(|(index, joint)| index == 0 && joint.kind == AxisKind::Rotary)
+    }
+}

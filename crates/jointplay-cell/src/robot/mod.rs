@@ -37,12 +37,12 @@ pub use hybrid_robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits, MAX_ARMS,
     MAX_AXES, MAX_JOINTS, RODS,
 };
-pub(crate) use inverse::PlanarPath;
 pub use inverse::PosturePath;
 pub use inverse::{
     Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach,
     ReachDirection, Redundancy, WaferTarget,
 };
+pub(crate) use inverse::{PlanarPath, PostureCandidate, PostureChange};
 pub use jacobian::EffectorJacobian;
 pub use model::PlatformModel;
 pub use positions::Positions;

@@ -12,7 +12,7 @@ mod waypoints;
 
 pub use description::{Approach, Origin, SlotId, Station, Stroke};
 pub use postures::{InfeasibleLine, LineRemedy};
-pub(crate) use postures::{LinePoint, StationPostures};
+pub(crate) use postures::{LinePoint, PostureOptions, StationPostures};
 pub use rules::{DwellLimits, VisitRule, WaferRules};
 pub use validate::MAX_SLOTS;
 pub use waypoints::Waypoints;

@@ -7,7 +7,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::description::SlotId;
 use super::waypoints::Waypoints;
-use crate::robot::{ArmChain, EffectorId, PlanarPath, PosturePath};
+use crate::robot::{ArmChain, EffectorId, HybridRobot, PlanarPath, PostureCandidate, PosturePath};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
@@ -22,9 +22,19 @@ pub(crate) enum LinePoint {
     Slot,
 }
 
+/// Postures of an arm between its retracted pose and the slots of a station, to choose from.
+///
+/// They are planned for the lowest slot and a platform parallel to it.
+#[derive(Debug, Clone)]
+pub(crate) struct PostureOptions {
+    line: PlanarPath,
+    /// For each elbow side and each revolution that can drive the line, at least one; the cheapest first.
+    pub(crate) candidates: Vec<PostureCandidate>,
+}
+
 /// Postures of an arm between its retracted pose and the slots of a station.
 ///
-/// They are planned for the lowest slot and a platform parallel to it; on the line of any slot they are the reference for the redundant angles of the arm.
+/// On the line of any slot they are the reference for the redundant angles of the arm.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct StationPostures {
     /// Positions of the arm's motors along the line from the retracted pose to the slot.
@@ -33,6 +43,26 @@ pub(crate) struct StationPostures {
     at_waypoints: Vec<f64>,
     /// Whether the line prescribes the wafer's heading.
     pub(crate) prescribes_heading: bool,
+}
+
+impl PostureOptions {
+    /// The postures of a candidate.
+    ///
+    /// # Panics
+    /// There is no such candidate.
+    pub(crate) fn postures(
+        &self,
+        robot: &HybridRobot,
+        effector: EffectorId,
+        candidate: usize,
+    ) -> StationPostures {
+        let path = robot.posture_path(effector, &self.line, &self.candidates[candidate]);
+        StationPostures {
+            path: Arc::new(path),
+            at_waypoints: self.line.fractions(),
+            prescribes_heading: self.line.heading.is_some(),
+        }
+    }
 }
 
 impl StationPostures {
@@ -95,26 +125,21 @@ const REMEDY_STEPS: usize = 20;
 const UNLIMITED: f64 = 3.0 * std::f64::consts::PI;
 
 impl Cell {
-    /// Postures of an arm along the line into a station; `None` where the arm has no choice.
+    /// Postures of an arm along the line into a station, to choose from; `None` where the arm has no choice.
     ///
     /// # Errors
     /// Those of [`Cell::waypoints`]; inside, [`InfeasibleLine`] where no motion of the motors follows the line.
-    pub(crate) fn station_postures(
+    pub(crate) fn posture_options(
         &self,
         effector: EffectorId,
         station: usize,
-    ) -> Result<Result<Option<StationPostures>, InfeasibleLine>, Unreachable> {
+    ) -> Result<Result<Option<PostureOptions>, InfeasibleLine>, Unreachable> {
         if !self.robot.has_posture_paths(effector) {
             return Ok(Ok(None));
         }
         let line = self.planar_line(effector, station)?;
-        let prescribes_heading = line.heading.is_some();
-        Ok(match self.robot.posture_path(effector, &line) {
-            Ok(path) => Ok(Some(StationPostures {
-                path: Arc::new(path),
-                at_waypoints: line.fractions(),
-                prescribes_heading,
-            })),
+        Ok(match self.robot.posture_candidates(effector, &line) {
+            Ok(candidates) => Ok(Some(PostureOptions { line, candidates })),
             Err(blocked) => Err(InfeasibleLine {
                 fraction: blocked.fraction,
                 reach: (line.at(blocked.fraction) - self.mount(effector)).norm(),
@@ -144,7 +169,7 @@ impl Cell {
 
     /// Changes that make a blocked line possible.
     fn line_remedies(&self, effector: EffectorId, line: &PlanarPath) -> Vec<LineRemedy> {
-        let passes = |line: &PlanarPath| self.robot.posture_path(effector, line).is_ok();
+        let passes = |line: &PlanarPath| self.robot.posture_candidates(effector, line).is_ok();
         let mut remedies = Vec::new();
         if line.heading.is_some() && passes(&PlanarPath { heading: None, ..line.clone() }) {
             remedies.push(LineRemedy::FreeHeading);
@@ -184,7 +209,8 @@ impl Cell {
             let mut robot = self.robot.clone();
             let limits = &mut robot.axes[axis];
             (limits.min, limits.max) = (limits.min.min(-UNLIMITED), limits.max.max(UNLIMITED));
-            let path = robot.posture_path(effector, line).ok()?;
+            let candidates = robot.posture_candidates(effector, line).ok()?;
+            let path = robot.posture_path(effector, line, candidates.first()?);
             let positions = path.positions.iter().map(|arm_positions| arm_positions[index]);
             let (min, max) = positions
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), q| (a.min(q), b.max(q)));

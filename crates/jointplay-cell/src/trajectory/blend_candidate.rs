@@ -308,12 +308,12 @@ impl BlendSample {
         })
     }
 
-    /// Whether a wafer's centre is farther outside a safe zone than without the overlap, in a step in which the robot turns.
+    /// Whether a wafer's centre is farther outside a safe zone than without the overlap, in a step in which the robot turns or changes its posture.
     ///
     /// # Arguments
     /// * `active_step` – index, 0 or 1, of the step whose half of the overlap contains the sample
     fn leaves_safe_zone(&self, candidate: &BlendCandidate<'_>, active_step: usize) -> bool {
-        if candidate.steps[active_step].phase != Phase::Turn {
+        if !candidate.steps[active_step].phase.is_in_safe_zones() {
             return false;
         }
         let distance = |zone: &Collider, chain: &ArmChain, motion: usize| {

@@ -47,10 +47,8 @@ struct Step {
     coefficients: Coefficients,
     multipliers: Slacks,
     signs: Coefficients,
-    /// Largest admissible fraction for the coefficients.
-    primal_fraction: f64,
-    /// Largest admissible fraction for the multipliers.
-    dual_fraction: f64,
+    /// Largest admissible fraction, one for coefficients and multipliers: the step then reduces the gradient of the Lagrange function too, without which small products of slacks and multipliers prove nothing.
+    fraction: f64,
 }
 
 impl<'a> RateSearch<'a> {
@@ -222,17 +220,17 @@ impl<'a> RateSearch<'a> {
             coefficients: direction,
             multipliers: self.multipliers.clone(),
             signs: self.signs,
-            primal_fraction: 1.0,
-            dual_fraction: 1.0,
+            fraction: 1.0,
         };
-        let (mut primal, mut dual) = (STEP_FRACTION, 1.0_f64);
+        // Reciprocal of the fraction.
+        let mut divisor = 1.0_f64;
         // Change of a multiplier by the change of its slack.
         let mut change = |slack: f64, slack_change: f64, multiplier: &mut f64| {
             let inverse = 1.0 / slack;
             let relative = slack_change * inverse;
             let change = target * inverse - *multiplier * (relative + 1.0);
-            primal = primal.max(-relative);
-            dual = dual.max(-change / (STEP_FRACTION * *multiplier));
+            divisor = divisor.max(-relative / STEP_FRACTION);
+            divisor = divisor.max(-change / (STEP_FRACTION * *multiplier));
             *multiplier = change;
         };
         let mut rows =
@@ -256,14 +254,13 @@ impl<'a> RateSearch<'a> {
         for ((&value, &change_of_value), sign) in values.zip(&mut step.signs) {
             change(value, change_of_value, sign);
         }
-        step.primal_fraction = STEP_FRACTION / primal;
-        step.dual_fraction = dual.recip();
+        step.fraction = divisor.recip();
         step
     }
 
     /// Applies a step as far as all slacks stay positive; `false` where they do not.
     fn apply(&mut self, step: &Step) -> bool {
-        let mut fraction = step.primal_fraction;
+        let mut fraction = step.fraction;
         let before = self.coefficients;
         let mut is_feasible = false;
         for _ in 0..MAX_SHORTENINGS {
@@ -285,7 +282,7 @@ impl<'a> RateSearch<'a> {
         let changes = step.multipliers.rows.as_flattened().iter();
         let changes = changes.chain(&step.multipliers.knots).chain(&step.signs);
         for (multiplier, change) in multipliers.zip(changes) {
-            *multiplier += step.dual_fraction * change;
+            *multiplier += fraction * change;
         }
         true
     }

@@ -31,9 +31,9 @@ const PROPORTIONALITY_TOLERANCE: f64 = 5e-3;
 /// Largest ramp fraction of a search with friction: smaller accelerations are reached sooner.
 const MAX_RAMP_FRACTION_BY_FRICTION: f64 = 0.04;
 /// Number of searches with tightened constraints.
-const REFINEMENTS: usize = 2;
+const REFINEMENTS: usize = 3;
 /// Relative excess of the duration over the least one at which each search ends.
-const GAPS: [f64; REFINEMENTS + 1] = [1e-2, 3e-3, 2e-3];
+const GAPS: [f64; REFINEMENTS + 1] = [1e-2, 3e-3, 2e-3, 2e-3];
 /// Fraction of the duration that a search with tightened constraints has to save at least; below it the search is not repeated.
 const REFINEMENT_GAIN: f64 = 2e-3;
 

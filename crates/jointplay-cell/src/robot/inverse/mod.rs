@@ -7,7 +7,8 @@
 //! | `closed_form` | the pair's positions in closed form |
 //! | `redundant`, `barrier` | redundancy resolution by a barrier function of limits and elbow |
 //! | `posture_path` | paths of a wafer in the arm's plane, and postures along them |
-//! | `posture_search`, `posture_smoothing`, `posture_planner` | postures for a whole path: shortest path through a grid, smoothed |
+//! | `posture_search`, `posture_smoothing`, `posture_planner` | postures for a whole path: shortest paths through a grid, smoothed |
+//! | `posture_change` | motions between postures with the wafer close to the axis of the first joint |
 //! | `newton` | any other arm, from several starts |
 //! | `polish` | Newton's method on the whole chain |
 //! | `revolutions` | branches that differ by whole revolutions of axes |
@@ -19,6 +20,7 @@ mod closed_form;
 mod decomposition;
 mod newton;
 mod polish;
+mod posture_change;
 mod posture_path;
 mod posture_planner;
 mod posture_search;
@@ -27,8 +29,10 @@ mod redundant;
 mod revolutions;
 mod solution;
 
+pub(crate) use posture_change::PostureChange;
 pub(crate) use posture_path::PlanarPath;
 pub use posture_path::PosturePath;
+pub(crate) use posture_search::PostureCandidate;
 pub use solution::{
     Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach,
     ReachDirection, Redundancy, WaferTarget,

@@ -4,7 +4,7 @@ use std::array::from_fn;
 
 use super::decomposition::Decomposition;
 use super::posture_path::{NoPosturePath, PlanarPath, PosturePath};
-use super::posture_search::{Posture, PostureSearch};
+use super::posture_search::{Posture, PostureCandidate, PostureSearch};
 use super::posture_smoothing::Smoothing;
 use crate::robot::arm_chain::ArmChain;
 use crate::robot::hybrid_robot::{EffectorId, HybridRobot};
@@ -19,35 +19,50 @@ impl HybridRobot {
         chain.axes().len() > 2 && Decomposition::new(&chain).is_some()
     }
 
-    /// Positions of an arm's motors that carry the wafer's centre along a path in the arm's plane, without a jump and within limits.
+    /// Postures of an arm along a path of its wafer's centre in the arm's plane, without a jump and within limits: a candidate for each first posture that is better than its neighbours, the cheapest first.
     ///
     /// ```text
     ///    min ∫ Σ_a (q_a′/v_a)² + c (q_a″/v_a)² + w Σ_a 1/(1 − u_a²) + w/sin² β ds
     /// ```
-    /// v: velocity limit of an axis, u: its position, from −1 at one limit to 1 at the other, β: the elbow angle. The first posture is free, at a small cost for its distance from home, which is added.
-    /// The shortest path through a grid of free angles, elbows and revolutions minimizes the cost without the term of curvature, over steps between neighbouring cells of the grid; a descent of the whole cost then smooths it.
+    /// v: velocity limit of an axis, u: its position, from −1 at one limit to 1 at the other, β: the elbow angle. The first posture is free, at a small cost for its distance from home, which is added; the axes that turn the whole arm do not contribute to that distance.
+    /// The shortest paths through a grid of free angles, elbows and revolutions minimize the cost without the term of curvature, over steps between neighbouring cells of the grid.
+    /// First postures of other elbows, and of other revolutions, are no neighbours: each that has a path has one here.
     ///
     /// # Errors
     /// [`NoPosturePath`] where no grid path exists.
     ///
     /// # Panics
     /// The effector does not exist, or the arm has no closed form; see [`Self::has_posture_paths`].
+    pub(crate) fn posture_candidates(
+        &self,
+        id: EffectorId,
+        path: &PlanarPath,
+    ) -> Result<Vec<PostureCandidate>, NoPosturePath> {
+        let chain = ArmChain::new(self, id);
+        let decomposition = Decomposition::new(&chain).expect("the arm has a closed form");
+        PostureSearch::new(self, &chain, &decomposition, path).shortest_paths()
+    }
+
+    /// Positions of an arm's motors along a path, by a descent of the whole cost of [`Self::posture_candidates`] from one of them.
+    ///
+    /// # Panics
+    /// As [`Self::posture_candidates`].
     pub(crate) fn posture_path(
         &self,
         id: EffectorId,
         path: &PlanarPath,
-    ) -> Result<PosturePath, NoPosturePath> {
+        candidate: &PostureCandidate,
+    ) -> PosturePath {
         let chain = ArmChain::new(self, id);
         let decomposition = Decomposition::new(&chain).expect("the arm has a closed form");
         let search = PostureSearch::new(self, &chain, &decomposition, path);
-        let found = search.shortest()?;
-        Ok(smoothed(&search, found))
+        smoothed(&search, &candidate.postures)
     }
 }
 
 /// The path with smooth free angles, on a finer grid of samples where all of them can be reached.
-fn smoothed(search: &PostureSearch<'_>, found: Vec<Posture>) -> PosturePath {
-    let postures = refined(search, &found).unwrap_or(found);
+fn smoothed(search: &PostureSearch<'_>, found: &[Posture]) -> PosturePath {
+    let postures = refined(search, found).unwrap_or_else(|| found.to_vec());
     let last = (postures.len() - 1) as f64;
     let fractions: Vec<f64> = (0..postures.len()).map(|k| k as f64 / last).collect();
     let mut smoothing = Smoothing { search, fractions: &fractions, postures };

@@ -30,8 +30,8 @@ const MAX_TRANSLATION: f64 = 4.0;
 pub(super) const LIMIT_WEIGHT: f64 = 0.02;
 /// Weight of curvature against the squared duration.
 pub(super) const CURVATURE_WEIGHT: f64 = 0.02;
-/// Weight of the distance of the first posture from the home position.
-pub(super) const HOME_WEIGHT: f64 = 0.05;
+/// Weight of the distance of the first posture from the home position, without the axes that turn the whole arm.
+const HOME_WEIGHT: f64 = 0.05;
 
 /// A posture at a sample.
 #[derive(Debug, Clone, Copy)]
@@ -43,6 +43,21 @@ pub(super) struct Posture {
     configuration: Configuration,
     /// Cost of limits and elbow.
     pub(super) cost: f64,
+}
+
+/// Postures of an arm along a path, one of several candidates: the shortest path through the grid from a first posture that is better than its neighbours.
+#[derive(Debug, Clone)]
+pub(crate) struct PostureCandidate {
+    pub(super) postures: Vec<Posture>,
+    /// Cost of the path without its curvature: its squared duration at the velocity limits, with weighted penalties of limits, stretched elbow and distance from home (s²).
+    pub(crate) cost: f64,
+}
+
+impl PostureCandidate {
+    /// Positions of the arm's axes at the start of the path, followed by zeros up to four (m or rad).
+    pub(crate) fn first_positions(&self) -> &ArmVector {
+        &self.postures[0].arm_positions
+    }
 }
 
 /// Postures of one sample, by the cell of the grid that they are in.
@@ -69,6 +84,8 @@ pub(super) struct PostureSearch<'a> {
     /// One over the velocity limit of each axis (s/m or s/rad).
     pub(super) inverse_speed: ArmVector,
     pub(super) home: ArmVector,
+    /// Root of the weight of the distance of the first posture from home, over the velocity limit of each axis; zero for axes that turn the whole arm (s/m or s/rad).
+    pub(super) home_weights: ArmVector,
     /// Largest change of the pair between samples (rad, or m).
     largest: [f64; 2],
 }
@@ -86,10 +103,13 @@ impl<'a> PostureSearch<'a> {
         let [grid, neighbourhood] = [GRID, NEIGHBOURHOOD].map(|both| both[count.saturating_sub(1)]);
         let intervals = (path.length() / SAMPLE_DISTANCE).ceil() as usize;
         let intervals = intervals.clamp(INTERVALS[0], INTERVALS[1]);
-        let (mut inverse_speed, mut home) = ([0.0; 4], [0.0; 4]);
+        let (mut inverse_speed, mut home, mut home_weights) = ([0.0; 4], [0.0; 4], [0.0; 4]);
         for (a, &axis) in chain.axes().iter().enumerate() {
             inverse_speed[a] = 1.0 / robot.axes[axis].loaded.velocity;
             home[a] = robot.axes[axis].home;
+            if !robot.turns_whole_arms(axis) {
+                home_weights[a] = HOME_WEIGHT.sqrt() * inverse_speed[a];
+            }
         }
         let slide = MAX_TRANSLATION * path.length() / intervals as f64;
         let largest = match decomposition.pair {
@@ -108,6 +128,7 @@ impl<'a> PostureSearch<'a> {
             neighbourhood,
             inverse_speed,
             home,
+            home_weights,
             largest,
         }
     }
@@ -221,26 +242,21 @@ impl<'a> PostureSearch<'a> {
             && from.configuration.agrees_with(to.configuration)
     }
 
-    /// The shortest path through the grid.
-    pub(super) fn shortest(&self) -> Result<Vec<Posture>, NoPosturePath> {
+    /// The shortest paths through the grid from all first postures that are better than their neighbours, the shortest first.
+    pub(super) fn shortest_paths(&self) -> Result<Vec<PostureCandidate>, NoPosturePath> {
         let layers: Vec<Layer> =
             (0..=self.intervals).map(|k| self.layer(k as f64 / self.intervals as f64)).collect();
         let step = 1.0 / self.intervals as f64;
-        let first = layers[0].postures.iter().map(|posture| {
-            let away: ArmVector = from_fn(|a| posture.arm_positions[a] - self.home[a]);
-            HOME_WEIGHT * self.squared_duration(&away) + LIMIT_WEIGHT * step * posture.cost
-        });
-        let mut costs: Vec<f64> = first.collect();
-        let mut before: Vec<Vec<usize>> = vec![Vec::new()];
-        if costs.is_empty() {
-            return Err(NoPosturePath { fraction: 0.0 });
-        }
-        for k in 1..layers.len() {
-            let (from, to) = (&layers[k - 1], &layers[k]);
-            let mut next = vec![f64::INFINITY; to.postures.len()];
-            let mut by = vec![usize::MAX; to.postures.len()];
+        let limit_cost = |posture: &Posture| LIMIT_WEIGHT * step * posture.cost;
+        // Costs to the end of the path, and the next posture on it, from the last layer to the first.
+        let mut costs: Vec<f64> = layers[self.intervals].postures.iter().map(limit_cost).collect();
+        let mut successors: Vec<Vec<usize>> = vec![Vec::new(); self.intervals];
+        for k in (0..self.intervals).rev() {
+            let (from, to) = (&layers[k], &layers[k + 1]);
+            let mut previous = vec![f64::INFINITY; from.postures.len()];
+            let mut by = vec![usize::MAX; from.postures.len()];
             self.for_neighbours(from, to, |f, t| {
-                if !costs[f].is_finite() {
+                if !costs[t].is_finite() {
                     return;
                 }
                 let (a, b) = (&from.postures[f], &to.postures[t]);
@@ -248,29 +264,71 @@ impl<'a> PostureSearch<'a> {
                     return;
                 }
                 let change: ArmVector = from_fn(|a_| b.arm_positions[a_] - a.arm_positions[a_]);
-                let cost =
-                    costs[f] + self.squared_duration(&change) / step + LIMIT_WEIGHT * step * b.cost;
-                if cost < next[t] {
-                    (next[t], by[t]) = (cost, f);
+                let cost = costs[t] + self.squared_duration(&change) / step;
+                if cost < previous[f] {
+                    (previous[f], by[f]) = (cost, t);
                 }
             });
-            if !next.iter().any(|cost| cost.is_finite()) {
-                return Err(NoPosturePath { fraction: (k - 1) as f64 * step });
+            for (cost, posture) in previous.iter_mut().zip(&from.postures) {
+                *cost += limit_cost(posture);
             }
-            costs = next;
-            before.push(by);
+            (costs, successors[k]) = (previous, by);
         }
-        let least = |best: usize, k: usize| if costs[k] < costs[best] { k } else { best };
-        let mut at = (0..costs.len()).fold(0, least);
-        let mut found = Vec::with_capacity(layers.len());
-        for k in (0..layers.len()).rev() {
-            found.push(layers[k].postures[at]);
-            if k > 0 {
-                at = before[k][at];
+        for (cost, posture) in costs.iter_mut().zip(&layers[0].postures) {
+            *cost += self.squared_distance_from_home(&posture.arm_positions);
+        }
+        let path = |first: usize| {
+            let mut postures = vec![layers[0].postures[first]];
+            let mut at = first;
+            for (layer, next) in layers[1..].iter().zip(&successors) {
+                at = next[at];
+                postures.push(layer.postures[at]);
             }
+            PostureCandidate { postures, cost: costs[first] }
+        };
+        let mut paths: Vec<PostureCandidate> =
+            self.local_minima(&layers[0], &costs).into_iter().map(path).collect();
+        paths.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        if paths.is_empty() {
+            return Err(NoPosturePath { fraction: self.connected_fraction(&layers) });
         }
-        found.reverse();
-        Ok(found)
+        Ok(paths)
+    }
+
+    /// Weighted square of the distance of the first posture from home.
+    fn squared_distance_from_home(&self, arm_positions: &ArmVector) -> f64 {
+        let weighted = |a: usize| self.home_weights[a] * (arm_positions[a] - self.home[a]);
+        (0..4).map(|a| weighted(a) * weighted(a)).sum()
+    }
+
+    /// Postures of a layer with a path to the end, and no cheaper posture of their branch in their neighbourhood.
+    fn local_minima(&self, layer: &Layer, costs: &[f64]) -> Vec<usize> {
+        let mut is_least: Vec<bool> = costs.iter().map(|cost| cost.is_finite()).collect();
+        self.for_neighbours(layer, layer, |a, b| {
+            let is_cheaper = costs[b] < costs[a] || (costs[b] <= costs[a] && b < a);
+            if is_cheaper && self.is_continuous(&layer.postures[a], &layer.postures[b]) {
+                is_least[a] = false;
+            }
+        });
+        (0..costs.len()).filter(|&k| is_least[k]).collect()
+    }
+
+    /// Largest fraction of the path that postures connected to the first layer reach.
+    fn connected_fraction(&self, layers: &[Layer]) -> f64 {
+        let mut is_connected = vec![true; layers[0].postures.len()];
+        for k in 1..layers.len() {
+            let (from, to) = (&layers[k - 1], &layers[k]);
+            let mut next = vec![false; to.postures.len()];
+            self.for_neighbours(from, to, |f, t| {
+                next[t] |=
+                    is_connected[f] && self.is_continuous(&from.postures[f], &to.postures[t]);
+            });
+            if !next.contains(&true) {
+                return (k - 1) as f64 / self.intervals as f64;
+            }
+            is_connected = next;
+        }
+        1.0
     }
 
     /// Calls a function with all pairs of postures in neighbouring bins of two layers.

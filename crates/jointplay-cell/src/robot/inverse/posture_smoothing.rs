@@ -4,7 +4,7 @@ use std::array::from_fn;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::posture_search::{CURVATURE_WEIGHT, HOME_WEIGHT, LIMIT_WEIGHT, Posture, PostureSearch};
+use super::posture_search::{CURVATURE_WEIGHT, LIMIT_WEIGHT, Posture, PostureSearch};
 use crate::robot::arm_chain::ArmVector;
 
 /// Step of the free angles for derivatives (rad).
@@ -87,10 +87,6 @@ impl Smoothing<'_> {
     }
 
     /// Weighted differences of the positions, so that the sum of their squares is the cost of the path.
-    #[expect(
-        clippy::needless_range_loop,
-        reason = "the axes of several arrays, of which only the first ones are used"
-    )]
     fn residuals(&self) -> DVector<f64> {
         let step = self.step();
         let [first, second] = difference_weights(step);
@@ -99,9 +95,8 @@ impl Smoothing<'_> {
             |k: usize, a: usize| self.postures[k].arm_positions[a] * inverse_speed[a];
         let mut residuals = Vec::new();
         for a in 0..self.search.ranges.count {
-            residuals.push(
-                HOME_WEIGHT.sqrt() * (arm_positions(0, a) - self.search.home[a] * inverse_speed[a]),
-            );
+            let from_home = self.postures[0].arm_positions[a] - self.search.home[a];
+            residuals.push(self.search.home_weights[a] * from_home);
         }
         for (k, posture) in self.postures.iter().enumerate() {
             residuals.push((LIMIT_WEIGHT * step * posture.cost).sqrt());
@@ -138,9 +133,7 @@ impl Smoothing<'_> {
                 }
             };
         for a in 0..self.search.ranges.count {
-            add(row, 0, HOME_WEIGHT.sqrt() * inverse_speed[a], &|slopes, f| {
-                slopes.arm_positions[f][a]
-            });
+            add(row, 0, self.search.home_weights[a], &|slopes, f| slopes.arm_positions[f][a]);
             row += 1;
         }
         for k in 0..self.postures.len() {
