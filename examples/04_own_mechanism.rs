@@ -4,7 +4,8 @@
 
 use jointplay::format::mechanism::parse;
 use jointplay::mechanism::{
-    Drive, MechanismSystem, MobilityClass, assemble, drive, guess, self_stresses, suggest,
+    Drive, MechanismSystem, MobilityClass, SuggestOptions, assemble, drive, guess, self_stresses,
+    suggest,
 };
 use jointplay::mobility::{RANK_THRESHOLD, finite_mobility};
 use jointplay::nalgebra::DVector;
@@ -57,8 +58,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let system = MechanismSystem::new(&mechanism, closed.coordinates)?;
         let found = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD)?;
         println!("{what}: {}", MobilityClass::classify(&found).description());
-        for stress in self_stresses(&system, &found.instantaneous)? {
-            println!("  redundant constraint: {}", stress.words);
+        for stress in self_stresses(&system, &found.instantaneous)?.stresses {
+            let joints: Vec<&str> = stress
+                .wrenches
+                .iter()
+                .map(|wrench| mechanism.joints()[wrench.joint].name.as_str())
+                .collect();
+            println!("  redundant constraint in {}: {:?}", joints.join(", "), stress.screw);
         }
         let quarter = Drive { coordinate: 0, to: 0.5 };
         let motion = drive(&system, &[quarter], &[1, 2, 3], 10)?;
@@ -68,7 +74,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             motion.stopped
         );
         let command = DVector::from_element(1, 0.5);
-        let play = suggest(&mechanism, system.home(), &[0], &[command])?;
+        let play =
+            suggest(&mechanism, system.home(), &[0], &[command], &SuggestOptions::default())?;
         match play.sets.first() {
             None => println!("  needs no play"),
             Some(set) => {

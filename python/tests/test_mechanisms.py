@@ -31,6 +31,135 @@ def test_the_catalogue():
         jp.Mechanism.from_catalogue("benet")
 
 
+DOOR = """
+kind = "mechanism"
+name = "door"
+units = { length = "mm", angle = "deg" }
+base = "wall"
+[[joint]]
+name = "hinge"
+kind = "revolute"
+links = ["wall", "leaf"]
+point = [0, 0, 0]
+axis = [0, 0, 1]
+actuated = true
+[[frame]]
+name = "handle"
+link = "leaf"
+point = [900, 0, 1000]
+"""
+
+
+def test_poses_of_links_and_frames_are_homogeneous_transforms():
+    door = jp.Mechanism.from_toml(DOOR)
+    assert door.frames == ("handle",) and door.links == ("wall", "leaf")
+    angles = np.linspace(0, 1.5, 1000)
+    positions = door.positions({"hinge": angles})
+    poses = positions.link_poses("handle")
+    assert poses.shape == (1000, 4, 4)
+    circle = np.stack([0.9 * np.cos(angles), 0.9 * np.sin(angles), np.ones(1000)], axis=1)
+    assert np.allclose(poses[:, :3, 3], circle, atol=1e-15)
+    assert np.allclose(poses[:, 0, 0], np.cos(angles)) and np.allclose(poses[:, 1, 0], np.sin(angles))
+    assert np.array_equal(poses[:, 3], np.tile([0, 0, 0, 1], (1000, 1)))
+    offset = np.eye(4)
+    offset[:3, 3] = [0.9, 0, 1]
+    assert np.allclose(positions.link_poses("leaf") @ offset, poses, atol=1e-15)
+    # One configuration, a motion, and coordinates of one's own.
+    here = door.assemble({"hinge": 1.5})
+    assert np.allclose(here.link_poses("handle"), poses[-1], atol=1e-15)
+    moved = door.drive({"hinge": (0, 1.5)}, steps=3)
+    assert moved.link_poses("handle").shape == (4, 4, 4)
+    assert np.array_equal(door.link_poses([1.5], "handle"), here.link_poses("handle"))
+    broken = door.positions({"hinge": [0.1, math.nan]}).link_poses("leaf")
+    assert np.isfinite(broken[0]).all() and np.isnan(broken[1]).all()
+    with pytest.raises(jp.UnknownNameError, match="did you mean `handle`"):
+        door.link_poses([0.0], "handel")
+    with pytest.raises(jp.InputError, match="shape"):
+        door.link_poses([0.0, 1.0], "handle")
+    assert pickle.loads(pickle.dumps(moved)) == moved
+
+
+def test_velocities_and_jacobians_are_derivatives_of_poses():
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
+    at = {"rod 1": 0.002, "rod 2": -0.001, "rod 3": 0.0}
+    rates = {"rod 1": 0.3, "rod 2": -0.1, "rod 3": 0.2}
+    found = mechanism.jacobian("platform", at, velocities=rates)
+    assert found.commanded == ("rod 1", "rod 2", "rod 3") and found.commanded_units == ("m",) * 3
+    time = np.linspace(-1e-4, 1e-4, 3)
+    around = mechanism.positions({name: value + rates[name] * time for name, value in at.items()})
+    poses = around.link_poses("platform")
+    assert np.allclose(poses[1], found.pose, atol=1e-14)
+    turn = (poses[2, :3, :3] - poses[0, :3, :3]) @ poses[1, :3, :3].T / 2e-4
+    angular = np.array([turn[2, 1], turn[0, 2], turn[1, 0]])
+    linear = (poses[2, :3, 3] - poses[0, :3, 3]) / 2e-4
+    moving = mechanism.velocities(rates, at)
+    velocity = np.concatenate([angular, linear])
+    assert np.allclose(moving.frame_velocities["platform"], velocity, atol=1e-6)
+    assert np.allclose(found.matrix @ list(rates.values()), velocity, atol=1e-6)
+    joints = (around.coordinates[2] - around.coordinates[0]) / 2e-4
+    assert np.allclose(moving.velocities[-3:], joints[-3:], atol=1e-6)
+    assert np.allclose(found.coordinate_derivatives @ list(rates.values()), moving.velocities)
+    # Without commanded accelerations only the Jacobian changes.
+    still = mechanism.accelerations({}, rates, at)
+    assert np.allclose(
+        still.frame_accelerations["platform"], found.derivative @ list(rates.values()), atol=1e-12
+    )
+    assert still == moving and still.names[-1] == "l3" and still.units[0] == "m"
+    assert found.condition_number == pytest.approx(found.singular_values[0] / found.singular_values[2])
+    assert found.manipulability == pytest.approx(np.prod(found.singular_values))
+    assert pickle.loads(pickle.dumps(found)) == found
+
+
+def test_parameters_move_a_mechanism_as_other_files_do():
+    at = {"A": 0.4}
+    mechanism = jp.Mechanism.from_catalogue("four-bar")
+    found = mechanism.parameter_derivatives(at=at)
+    assert found.parameters == tuple(mechanism.parameters) and found.coordinates.shape == (4, len(found.parameters))
+    for k, (name, value) in enumerate(mechanism.parameters.items()):
+        step = 1e-4 * value
+        changed = [
+            jp.Mechanism.from_catalogue("four-bar", parameters={name: value + by}).assemble(at) for by in (-step, step)
+        ]
+        coordinates = (changed[1].coordinates - changed[0].coordinates) / (2 * step)
+        assert np.allclose(found.coordinates[:, k], coordinates, atol=1e-5 * np.abs(coordinates).max())
+        poses = [one.link_poses("coupler") for one in changed]
+        origin = (poses[1][:3, 3] - poses[0][:3, 3]) / (2 * step)
+        assert np.allclose(found.frames["coupler"][3:, k], origin, atol=1e-6)
+    one = mechanism.parameter_derivatives(["coupler"], at)
+    assert np.array_equal(one.coordinates[:, 0], found.coordinates[:, found.parameters.index("coupler")])
+    with pytest.raises(jp.UnknownNameError):
+        mechanism.parameter_derivatives(["couple"])
+    # This linkage moves for the dimensions of Bennett only.
+    with pytest.raises(jp.InputError, match="parameter `b`: changing this dimension opens the loops"):
+        jp.Mechanism.from_catalogue("bennett").parameter_derivatives(["b"], {"J1": 0.9})
+
+
+def test_undetermined_and_contradictory_commands_have_no_derivatives(four_bar):
+    with pytest.raises(jp.UndeterminedError) as caught:
+        jp.Mechanism.from_catalogue("gpr-mechanism").velocities({"rod 1": 1.0}, commanded=["rod 1", "rod 2"])
+    assert caught.value.motions == 1 and min(caught.value.singular_values) < 1e-12
+    with pytest.raises(jp.DependentCommandsError) as caught:
+        four_bar.jacobian("coupler", commanded=["A", "D"])
+    assert caught.value.share > caught.value.allowed
+    with pytest.raises(jp.InputError, match="commanded are A"):
+        four_bar.velocities({"B": 1.0})
+    with pytest.raises(jp.InputError, match="twice"):
+        four_bar.velocities({"A": 1.0}, commanded=["A", "A"])
+    with pytest.raises(jp.InputError, match="no joint of this mechanism is actuated"):
+        jp.Mechanism.from_catalogue("griffis-duffy").velocities({})
+
+
+def test_the_platform_of_three_rods_has_the_same_pose_as_a_mechanism():
+    rods = {"rod 1": 0.002, "rod 2": -0.001, "rod 3": 0.0}
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
+    found = mechanism.assemble(rods).link_poses("platform")
+    expected = jp.Gpr.paper().forward([0.502, 0.499, 0.5], virtualization="radial")
+    # The frame of the platform link is that of the base at rods of 500 mm.
+    center = found @ [0, 0, 0.5, 1]
+    assert np.allclose(center[:3], expected.origin_m, atol=1e-12)
+    assert np.allclose(found[:3, 2], expected.normal, atol=1e-12)
+
+
 def test_what_a_mechanism_says_of_itself(four_bar):
     assert four_bar.coordinate_names == ("A", "B", "C", "D") and four_bar.coordinate_units == ("rad",) * 4
     assert (four_bar.joint_freedoms, four_bar.loops, len(four_bar.links)) == (4, 1, 4)
@@ -115,8 +244,17 @@ def test_mobility(ask, name):
     for field in ("kutzbach_mobility", "instantaneous_mobility", "finite_mobility", "rank", "redundancy"):
         assert getattr(found, field) == report[field]
     np.testing.assert_allclose(found.singular_values, report["singular_values"], rtol=1e-9, atol=1e-14)
-    carried = [{"what": one.what, "joints": list(one.joints)} for one in found.redundant_constraints]
-    assert carried == report["redundant_constraints"]
+    assert len(found.redundant_constraints) == len(report["redundant_constraints"])
+    for one, reported in zip(found.redundant_constraints, report["redundant_constraints"]):
+        assert [one.what, list(one.joints)] == [reported["what"], reported["joints"]]
+        assert [one.group, one.independent] == [reported["group"], reported["independent"]]
+        for load, in_mm in zip(one.remove_any_one_of, reported["remove_any_one_of"]):
+            assert load.joint == in_mm["joint"]
+            np.testing.assert_allclose(load.force_n, in_mm["force_n"])
+            np.testing.assert_allclose(load.moment_nm * 1e3, in_mm["moment_nmm"])
+    basis = report["redundant_constraint_basis"]
+    assert found.redundant_constraints_sparsest == basis["sparsest"]
+    assert list(found.joints_in_all_self_stresses) == basis["joints_in_all"]
     for link, motion in report["link_motions"].items():
         mine = found.link_motions[link]
         assert (mine.dimension, mine.translations) == (motion["dimension"], motion["translations"])
@@ -155,6 +293,20 @@ def test_drive(four_bar, ask):
             four_bar.drive(drives, steps=steps)
 
 
+def test_drive_along_a_curve(four_bar):
+    angles = 0.3 * np.sin(np.linspace(0, 2 * np.pi, 25))
+    path = four_bar.drive({"A": angles})
+    np.testing.assert_allclose(path["A"], angles, atol=1e-15)
+    assert path.stopped is None and (path.residual < 1e-12).all()
+    finer = four_bar.drive({"A": angles}, steps=48)
+    np.testing.assert_allclose(finer["B"][::2], path["B"], atol=1e-9)
+    for curve in ([0.1], np.zeros((2, 3)), [0.1, 0.2, math.nan]):
+        with pytest.raises(jp.JointplayError):
+            four_bar.drive({"A": curve})
+    with pytest.raises(jp.InputError, match="is not held"):
+        four_bar.drive({"A": 0.1}, free=["A"])
+
+
 def test_a_dead_point_stops_the_way(ask):
     crossed = jp.Mechanism.from_catalogue("four-bar").drive({"D": (0, 2.5)})
     assert crossed.stopped == "locked" and "dead point" in crossed.message
@@ -173,8 +325,27 @@ def test_suggest(ask):
     for mine, theirs in zip(found.sets, report["sets"], strict=True):
         assert mine.size_m * 1e3 == pytest.approx(theirs["size_mm"], rel=1e-9)
         assert [joint.name for joint in mine.virtual_joints] == [joint["name"] for joint in theirs["virtual_joints"]]
+        assert [joint.on for joint in mine.virtual_joints] == [joint["on"] for joint in theirs["virtual_joints"]]
+    one = mechanism.suggest([{"rod 1": 0.005, "rod 2": 0, "rod 3": 0}], joints=3, limit=10, symmetric=True, rank="largest")
+    assert one.sets and all(len(found.virtual_joints) <= 3 for found in one.sets)
+    with pytest.raises(jp.UnknownNameError, match="rank"):
+        mechanism.suggest([{"rod 1": 0.005, "rod 2": 0, "rod 3": 0}], rank="least")
     with pytest.raises(jp.InputError, match="the same joints"):
         mechanism.suggest([{"rod 1": 0.005}, {"rod 2": 0.005}])
+
+
+def test_a_suggestion_makes_a_new_mechanism():
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
+    tilt = {"rod 1": 0.002, "rod 2": 0, "rod 3": -0.001}
+    for found in mechanism.suggest([tilt]).sets[:4]:
+        made = mechanism.with_virtual_joints(found)
+        assert made.relieve(tilt).size == pytest.approx(found.size_m, rel=1e-7)
+        assert made.virtual_joint_names == tuple(joint.name for joint in found.virtual_joints)
+        assert pickle.loads(pickle.dumps(made)) == made and mechanism.virtual_joint_names == ("l1", "l2", "l3")
+        swapped = [next(iter(joint.alternatives), joint) for joint in found.virtual_joints]
+        assert len(mechanism.with_virtual_joints(swapped).virtual_joint_names) == len(found.virtual_joints)
+    with pytest.raises(jp.UnknownNameError, match="joint"):
+        jp.Mechanism.from_catalogue("four-bar").with_virtual_joints(found)
 
 
 def test_relieve(ask):

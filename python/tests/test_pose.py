@@ -261,3 +261,68 @@ def test_robots_and_poses_are_values(gpr):
         gpr.name = "other"
     with pytest.raises(AttributeError):
         pose.azimuth_rad = 1
+
+
+def test_derivatives_of_the_robot_are_those_of_its_poses_and_of_its_mechanism():
+    gpr = jp.Gpr.paper()
+    rods = np.array([0.502, 0.499, 0.5])
+    found = gpr.platform_derivatives(rods, "radial")
+    assert found.pose == gpr.forward(rods, "radial")
+    for k, step in enumerate(1e-4 * np.eye(3)):
+        less, more = (gpr.platform_derivatives(rods + by, "radial") for by in (-step, step))
+        origin = (more.pose.origin_m - less.pose.origin_m) / 2e-4
+        assert np.allclose(found.jacobian[3:, k], origin, atol=1e-7)
+        joints = (more.pose.virtual_joints - less.pose.virtual_joints) / 2e-4
+        assert np.allclose(found.virtual_joints[:, k], joints, atol=1e-7)
+        assert np.allclose(found.jacobian_derivatives[k], (more.jacobian - less.jacobian) / 2e-4, atol=1e-5)
+        second = (more.virtual_joints - less.virtual_joints) / 2e-4
+        assert np.allclose(found.virtual_joints_second[:, :, k], second, atol=1e-5)
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
+    expected = mechanism.jacobian("platform", {"rod 1": 0.002, "rod 2": -0.001, "rod 3": 0.0})
+    # The frame of the platform link is that of the base at rods of 500 mm.
+    arm = found.pose.origin_m - expected.pose[:3, 3]
+    linear = expected.matrix[3:] + np.cross(expected.matrix[:3].T, arm).T
+    assert np.allclose(found.jacobian, np.vstack([expected.matrix[:3], linear]), atol=1e-9)
+
+    tilt = gpr.rod_derivatives(0.3, 0.01)
+    assert np.array_equal(tilt.rods_m, gpr.inverse(0.3, 0.01).rods_m)
+    # A higher plane needs longer rods, all alike; tilting is what the platform does for the rods.
+    assert np.array_equal(tilt.jacobian[:, 2], np.ones(3)) and tilt.second.shape == (3, 3, 3)
+    turning = gpr.platform_derivatives(gpr.rod_derivatives(0.0, 0.0).rods_m).jacobian[:3]
+    assert np.allclose(turning @ gpr.rod_derivatives(0.0, 0.0).jacobian, np.eye(3) * [1, 1, 0], atol=1e-12)
+    assert pickle.loads(pickle.dumps(found)) == found
+
+    with pytest.raises(jp.InputError, match="follow from no equation"):
+        gpr.platform_derivatives(rods, "polar", solver="newton")
+
+
+def test_needed_clearance_of_the_balls():
+    tilt = np.radians(1.5)
+    gpr = jp.Gpr.paper()
+    rods = gpr.inverse(np.radians(30.0), tilt).rods_m
+    found = gpr.needed_clearance(rods, "radial")
+    # Along a side only this side changes, by 1/cos of the tilt.
+    side = np.sqrt(3.0) * 93.218e-3 * (1.0 / np.cos(tilt) - 1.0)
+    assert found.lower_bound_m == pytest.approx(side / 2.0, rel=1e-9)
+    assert found.upper_bound_m == max(found.displacements_m) >= found.lower_bound_m
+    assert (found.available_m, found.is_sufficient, gpr.ball_clearance_m) == (None, None, None)
+    many = gpr.forward(np.array([rods, rods]), "radial")
+    np.testing.assert_allclose(many.ball_displacement_m, [found.displacements_m] * 2, rtol=0.0, atol=1e-15)
+
+    text = """
+kind = "gpr"
+limb = [
+  { socket_radius_mm = 93.218, socket_angle_deg = 0 },
+  { socket_radius_mm = 93.218, socket_angle_deg = 120 },
+  { socket_radius_mm = 93.218, socket_angle_deg = 240 },
+]
+limits = { rod_mm = [246, 754], tilt_deg = 1.5 }
+working = { height_mm = 500 }
+ball = { clearance_radius_um = 20 }
+"""
+    small = jp.Gpr.from_toml(text)
+    assert small.ball_clearance_m == 20e-6
+    assert small.needed_clearance(rods, "radial").is_sufficient is False
+    assert pickle.loads(pickle.dumps(small)) == small != jp.Gpr.from_toml(text.replace("= 20 }", "= 21 }"))
+    with pytest.raises(jp.FileError, match="clearance_radius_um"):
+        jp.Gpr.from_toml(text.replace("= 20 }", "= -20 }"))

@@ -123,6 +123,7 @@ def test_poses_for_a_tilt(gpr, azimuth, tilt, height, virtualization, solver, me
     how = {"solver": solver, "metric": metric}
     check(lambda: gpr.inverse_for_center(azimuth, tilt, height, virtualization, **how))
     check(lambda: gpr.tilt_play(azimuth, tilt, height, virtualization, **how))
+    check(lambda: gpr.rod_derivatives(azimuth, tilt, height))
     check(lambda: gpr.compare([0.01, tilt], azimuth, height, **how))
 
 
@@ -130,6 +131,7 @@ def test_poses_for_a_tilt(gpr, azimuth, tilt, height, virtualization, solver, me
 @given(ROBOTS, triples, virtualizations, solvers, metrics, st.one_of(st.none(), numbers))
 def test_analyses_of_rods(gpr, rods, virtualization, solver, metric, tilt):
     check(lambda: gpr.sensitivity(rods, virtualization, solver=solver, metric=metric))
+    check(lambda: gpr.platform_derivatives(rods, virtualization, solver=solver, metric=metric))
     check(lambda: gpr.plane_tilt(rods))
     check(lambda: gpr.mobility(rods, virtualization))
     try:

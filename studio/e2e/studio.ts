@@ -97,6 +97,9 @@ export function complaints(page: Page): string[] {
   return heard;
 }
 
+/** Complaints but for those of responses that the page handles: 409 of an outdated request, and 404 of a plan that a newer one has replaced. */
+export const unhandled = (heard: string[]): string[] => heard.filter((line) => !/status of 40[49]\b/.test(line));
+
 /** Waits until the page has rendered a pose that satisfies a condition: a JavaScript expression in `pose`. */
 export async function drawn(page: Page, holds = 'true'): Promise<void> {
   const asked = `(() => { const pose = window.jointplay?.probe?.pose; return Boolean(pose && (${holds})); })()`;

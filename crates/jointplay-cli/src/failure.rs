@@ -43,6 +43,9 @@ pub(crate) enum Failure {
     /// A configuration of a mechanism beyond joint limits.
     #[error("joint limits exceeded:\n{}", messages(.0))]
     BeyondLimits(Vec<report::LimitReport>),
+    /// A motion of a mechanism that leaves joint limits.
+    #[error("joint limits exceeded, first at {place}:\n{}", messages(.limits))]
+    BeyondLimitsAt { place: String, limits: Vec<report::LimitReport> },
     #[error("the mobility differs from the `[expected]` table of the file:{0}")]
     Unexpected(String),
     #[error("{0}")]
@@ -70,7 +73,7 @@ pub(crate) enum Failure {
         folder.display(), few(names)
     )]
     NotEmpty { folder: PathBuf, names: Vec<String> },
-    #[error("{}: the name of a figure must end in .svg or .png", path.display())]
+    #[error("{}: the name of a figure must end in .svg, .png or .pdf", path.display())]
     FigureKind { path: PathBuf },
     #[cfg(not(feature = "parquet"))]
     #[error(
@@ -249,12 +252,15 @@ impl Failure {
             | jointplay::Error::BeyondLimits(_)
             | jointplay::Error::NotAssembled(_)
             | jointplay::Error::NotRelieved { .. }
-            | jointplay::Error::NotLeast { .. } => INFEASIBLE,
+            | jointplay::Error::NotLeast { .. }
+            | jointplay::Error::Undetermined(_)
+            | jointplay::Error::DependentCommands { .. } => INFEASIBLE,
             _ => BAD_INPUT,
         };
         match self {
             Self::Limits(_)
             | Self::BeyondLimits(_)
+            | Self::BeyondLimitsAt { .. }
             | Self::NotAssembled(_)
             | Self::Stopped(_)
             | Self::OverClearance(_)
@@ -270,7 +276,7 @@ impl Failure {
 
     fn kind(&self) -> &'static str {
         match self {
-            Self::Limits(_) | Self::BeyondLimits(_) => "limits",
+            Self::Limits(_) | Self::BeyondLimits(_) | Self::BeyondLimitsAt { .. } => "limits",
             Self::OverClearance(_) => "clearance",
             Self::Stopped(_) => "stopped",
             Self::Unexpected(_) => "unexpected",
@@ -292,7 +298,9 @@ impl Failure {
         let mut stderr = anstream::stderr();
         let limits = match self {
             Self::Limits(broken) => report::limits(broken),
-            Self::BeyondLimits(broken) => broken.clone(),
+            Self::BeyondLimits(broken) | Self::BeyondLimitsAt { limits: broken, .. } => {
+                broken.clone()
+            }
             _ => Vec::new(),
         };
         let written = if json {

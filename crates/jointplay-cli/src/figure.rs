@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::plot::cell::{Gantt, Taught, TopView};
-use jointplay::plot::{Error, Figure, MechanismPicture};
+use jointplay::plot::{Error, Figure, MechanismPicture, svg_to_pdf};
 
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
@@ -14,7 +14,7 @@ pub(crate) const FIGURE_REFINEMENT: u32 = 10;
 /// Width of PNG figures [px]: 180 mm at 250 dots per inch.
 const PNG_WIDTH: u32 = 1800;
 
-/// A figure or picture that can be drawn as SVG and PNG.
+/// A figure or picture that can be drawn as SVG, PNG and PDF.
 pub(crate) trait Drawable {
     /// The SVG text.
     fn svg(&self) -> Result<String, Error>;
@@ -59,7 +59,7 @@ pub(crate) fn svg_and_png(
 /// The file of a figure.
 #[derive(Args)]
 pub(crate) struct FigureArgs {
-    /// Write the figure into this file; the name must end in .svg or .png
+    /// Write the figure into this file; the name must end in .svg, .png or .pdf
     #[arg(long, value_name = "FILE")]
     figure: Option<PathBuf>,
     #[command(flatten)]
@@ -71,6 +71,7 @@ pub(crate) struct FigureArgs {
 enum Format {
     Svg,
     Png,
+    Pdf,
 }
 
 impl FigureArgs {
@@ -86,6 +87,7 @@ impl FigureArgs {
         match extension.as_deref() {
             Some("svg") => Ok(Some(Format::Svg)),
             Some("png") => Ok(Some(Format::Png)),
+            Some("pdf") => Ok(Some(Format::Pdf)),
             _ => Err(Failure::FigureKind { path: path.clone() }),
         }
     }
@@ -99,6 +101,7 @@ impl FigureArgs {
         let drawn = match format {
             Format::Svg => figure.svg().map(String::into_bytes),
             Format::Png => figure.png(),
+            Format::Pdf => figure.svg().and_then(|svg| svg_to_pdf(&svg)),
         };
         let failed = |source| Failure::Figure { figure: path.display().to_string(), source };
         folder::write_file(path, &drawn.map_err(failed)?, self.force)?;

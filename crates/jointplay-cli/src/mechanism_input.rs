@@ -3,15 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::format::coordinates::Coordinates;
+use jointplay::format::command::{CommandValue, Names};
+use jointplay::format::coordinates::{self, Coordinates};
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
 use jointplay::format::number::{fixed, number};
+use jointplay::format::place;
 use jointplay::format::units::m_from_mm;
 use jointplay::interop::import::{self, Imported};
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    Closure, CommandedJoints, MechanismSystem, Relief, ReliefSolver, SparseSystem, assemble,
-    branches, guess, relieve,
+    ChangedDimension, Closure, CommandedJoints, FrameId, MechanismSystem, Relief, ReliefSolver,
+    SparseSystem, assemble, branches, guess, relieve,
 };
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
@@ -28,7 +30,42 @@ const STARTS: usize = 30;
 /// Largest number of corrections for a mechanism with many loops, which is closed from its guess only.
 const CORRECTIONS: usize = 200;
 
-/// `NAME=VALUE`, in the unit of the file.
+/// `JOINT=VALUE`; the value is an expression of the parameters of the file, with an optional unit.
+#[derive(Clone, Debug)]
+pub(crate) struct JointValue {
+    pub(crate) name: String,
+    pub(crate) text: String,
+}
+
+/// `JOINT=VALUE,JOINT=VALUE,…`.
+#[derive(Clone, Debug)]
+pub(crate) struct JointValues(pub(crate) Vec<JointValue>);
+
+pub(crate) fn joint_values(text: &str) -> Result<JointValues, String> {
+    let one = |text: &str| {
+        let (name, value) = text
+            .rsplit_once('=')
+            .ok_or_else(|| format!("invalid value {text:?}: expected JOINT=VALUE"))?;
+        Ok(JointValue { name: name.trim().to_owned(), text: value.trim().to_owned() })
+    };
+    split(text, ',').into_iter().map(one).collect::<Result<_, _>>().map(JointValues)
+}
+
+/// The parts of a text between separators that are in no parentheses or brackets.
+pub(crate) fn split(text: &str, separator: char) -> Vec<&str> {
+    let mut depth = 0_usize;
+    text.split(|character: char| {
+        match character {
+            '(' | '[' => depth += 1,
+            ')' | ']' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        depth == 0 && character == separator
+    })
+    .collect()
+}
+
+/// `NAME=NUMBER`, in the unit of the file.
 #[derive(Clone, Debug)]
 pub(crate) struct Assignment {
     pub(crate) name: String,
@@ -98,6 +135,11 @@ impl MechanismArgs {
     pub(crate) fn path(&self) -> &Path {
         &self.file
     }
+
+    /// Values of parameters given by the user, in the units of the file.
+    pub(crate) fn replaced_parameters(&self) -> Vec<(String, f64)> {
+        self.set.set.iter().map(|one| (one.name.clone(), one.value)).collect()
+    }
 }
 
 /// Imports a model of another program.
@@ -109,8 +151,12 @@ pub(crate) fn imported(source: &Source) -> Result<Imported, Failure> {
 pub(crate) struct Input {
     pub(crate) file: MechanismFile,
     pub(crate) coordinates: Coordinates,
+    /// Text of the mechanism file; `None` for a model.
+    pub(crate) text: Option<String>,
     /// Accepted mismatch of the loops, in radians and characteristic lengths; `None` for loops that close exactly.
     pub(crate) tolerance: Option<f64>,
+    /// Values of parameters in place of those of the file.
+    pub(crate) replaced: Vec<(String, f64)>,
 }
 
 /// A closed configuration, with the displacement of the virtual joints if it needs one.
@@ -144,14 +190,16 @@ impl Input {
             output::ignored(&model.ignored);
             let file = model.into_file();
             let coordinates = Coordinates::of(&file);
-            return Ok(Self { file, coordinates, tolerance: None });
+            let replaced = Vec::new();
+            return Ok(Self { file, coordinates, text: None, tolerance: None, replaced });
         }
         let replaced: Vec<(String, f64)> =
             set.iter().map(|one| (one.name.clone(), one.value)).collect();
         let file = mechanism::parse_with(&source.text, &replaced)
             .map_err(|errors| Failure::invalid(&errors, &source.label))?;
         let coordinates = Coordinates::of(&file);
-        Ok(Self { file, coordinates, tolerance: None })
+        let text = Some(source.text.clone());
+        Ok(Self { file, coordinates, text, tolerance: None, replaced })
     }
 
     /// Index of the joint coordinate with a name.
@@ -159,19 +207,82 @@ impl Input {
         Ok(self.coordinates.find(&self.file.mechanism, name)?)
     }
 
+    /// The mechanism with other values of some of its parameters, or of all of them without names.
+    pub(crate) fn changed(
+        &self,
+        names: &[String],
+    ) -> Result<Vec<(String, ChangedDimension)>, Failure> {
+        let parameters = &self.file.parameters;
+        let known: Vec<String> = parameters.iter().map(|(name, _)| name.clone()).collect();
+        let Some(text) = self.text.as_deref().filter(|_| !known.is_empty()) else {
+            let message = "the mechanism has no parameters: --parameters needs a file with a table [parameters]";
+            return Err(Failure::Usage(message.to_owned()));
+        };
+        let asked = if names.is_empty() { &known[..] } else { names };
+        let changed = asked.iter().map(|name| {
+            let Some((_, value)) = parameters.iter().find(|(one, _)| one == name) else {
+                return Err(Failure::Usage(place::not_known("parameter", name, &known)));
+            };
+            let parameter = (name.as_str(), *value);
+            let changed = mechanism::changed_dimension(&self.file, text, &self.replaced, parameter)
+                .map_err(|error| Failure::Unsolved(error.to_string()))?;
+            Ok((name.clone(), changed))
+        });
+        changed.collect()
+    }
+
+    /// The link or attached frame with a name.
+    pub(crate) fn frame(&self, name: &str) -> Result<FrameId, Failure> {
+        Ok(coordinates::frame(&self.file.mechanism, name)?)
+    }
+
     /// Commanded coordinates with their values (m, rad).
-    pub(crate) fn commands(&self, at: &[Assignment]) -> Result<Vec<(usize, f64)>, Failure> {
+    pub(crate) fn commands(&self, at: &[JointValues]) -> Result<Vec<(usize, f64)>, Failure> {
+        let names = Names::of(&self.file);
         at.iter()
+            .flat_map(|values| &values.0)
             .map(|one| {
                 let k = self.find(&one.name)?;
-                Ok((k, self.value(k, one.value)?))
+                let value = self.expression(&one.name, &one.text, &names)?;
+                Ok((k, self.value(k, &value, &names, 0.0)?))
             })
             .collect()
     }
 
-    /// A coordinate value in SI units (m, rad), from the unit of the file; refused beyond the largest displacement.
-    pub(crate) fn value(&self, k: usize, value: f64) -> Result<f64, Failure> {
-        let si = self.coordinates.to_si(k, value);
+    /// The expression in the text of a value of a joint.
+    pub(crate) fn expression(
+        &self,
+        joint: &str,
+        text: &str,
+        names: &Names<'_>,
+    ) -> Result<CommandValue, Failure> {
+        CommandValue::parse(text, names)
+            .map_err(|error| Failure::Usage(format!("{joint}: {error}")))
+    }
+
+    /// A coordinate value in SI units (m, rad); refused beyond the largest displacement.
+    ///
+    /// # Arguments
+    /// * `at` – value of the variable of `names`
+    pub(crate) fn value(
+        &self,
+        k: usize,
+        value: &CommandValue,
+        names: &Names<'_>,
+        at: f64,
+    ) -> Result<f64, Failure> {
+        let named = &self.coordinates.all()[k];
+        let si = value.evaluate(named.quantity, names, at).map_err(|error| {
+            let place = names.variable().filter(|_| value.varies(names));
+            let place =
+                place.map_or(String::new(), |variable| format!(" at {variable} = {}", number(at)));
+            Failure::Usage(format!("{}{place}: {error}", named.name))
+        })?;
+        self.reachable(k, si)
+    }
+
+    /// A coordinate value (m, rad), refused beyond the largest displacement.
+    pub(crate) fn reachable(&self, k: usize, si: f64) -> Result<f64, Failure> {
         let most = match self.coordinates.all()[k].quantity {
             Coordinate::Slide => m_from_mm(LARGEST_DISPLACEMENT_MM),
             Coordinate::Turn => LARGEST_ROTATION_DEG.to_radians(),
@@ -182,7 +293,7 @@ impl Input {
         let (name, unit) = (&self.coordinates.all()[k].name, self.coordinates.unit(k));
         Err(Failure::Usage(format!(
             "{name} = {} {unit} is too large, values must be within ±{} {unit}",
-            number(value),
+            number(self.coordinates.from_si(k, si)),
             number(self.coordinates.from_si(k, most))
         )))
     }

@@ -5,7 +5,7 @@ use std::io::Write as _;
 
 use clap::{Args, ValueEnum};
 use jointplay::format::number::{fixed, rounded};
-use jointplay::report::{LimitReport, VirtualJointGroups};
+use jointplay::report::{BallClearanceReport, LimitReport, VirtualJointGroups};
 use serde::Serialize;
 
 use crate::console;
@@ -94,6 +94,28 @@ pub(crate) fn limits(broken: &[LimitReport]) -> String {
         }
     }
     text
+}
+
+/// The clearance that a pose needs, and whether it is available.
+pub(crate) fn ball_clearance(report: &BallClearanceReport) -> String {
+    let [lower, upper] = [report.lower_bound_um, report.upper_bound_um].map(|um| fixed(um, 3));
+    let needed = if lower == upper {
+        format!("{upper} µm needed")
+    } else {
+        format!(
+            "{upper} µm needed where the model places the platform, at least {lower} µm anywhere"
+        )
+    };
+    let available = match (report.available_um, report.is_sufficient) {
+        (Some(um), Some(true)) => format!("{} µm available: sufficient", rounded(um, 3)),
+        (Some(um), Some(false)) => format!("{} µm available: too small", rounded(um, 3)),
+        (Some(um), None) => format!("{} µm available: not decided", rounded(um, 3)),
+        (None, _) => "none in the robot file".to_owned(),
+    };
+    format!(
+        "balls, displacement from the centres of their sockets\n  displacement (µm)    {}\n  radial clearance     {needed}; {available}\n",
+        three(&report.displacements_um, 3)
+    )
 }
 
 /// Three numbers in columns.

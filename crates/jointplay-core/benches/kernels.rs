@@ -61,6 +61,32 @@ fn forward<V: Virtualization>(criterion: &mut Criterion, name: &str, model: &V, 
     });
 }
 
+/// First and second derivatives of poses that are known.
+fn platform_derivatives<V: Virtualization>(criterion: &mut Criterion, model: &V) {
+    let gpr = Gpr::paper().without_limit_checks();
+    let options = SolveOptions::default();
+    let poses: Vec<_> =
+        rods(&gpr).into_iter().map(|rods| gpr.forward(rods, model, &options).unwrap()).collect();
+    let name = model.name();
+    over(criterion, &format!("platform Jacobian {name}"), &poses, |pose| {
+        black_box(&gpr.platform_jacobian(pose, model)).as_ref().unwrap();
+    });
+    over(criterion, &format!("platform derivatives {name}"), &poses, |pose| {
+        black_box(&gpr.platform_derivatives(pose, model)).as_ref().unwrap();
+    });
+}
+
+fn derivatives(criterion: &mut Criterion) {
+    let gpr = Gpr::paper().without_limit_checks();
+    over(criterion, "rod derivatives", &tilts(), |&tilt| {
+        black_box(&gpr.rod_derivatives(tilt, AxisHeight(0.5))).as_ref().unwrap();
+    });
+    platform_derivatives(criterion, &Radial);
+    platform_derivatives(criterion, &Planar);
+    platform_derivatives(criterion, &Polar);
+    platform_derivatives(criterion, &Offset);
+}
+
 fn kinematics(criterion: &mut Criterion) {
     let gpr = Gpr::paper().without_limit_checks();
     over(criterion, "inverse", &tilts(), |&tilt| {
@@ -153,5 +179,5 @@ fn mechanisms(criterion: &mut Criterion) {
     );
 }
 
-criterion_group!(benches, kinematics, analyses, mechanisms);
+criterion_group!(benches, kinematics, derivatives, analyses, mechanisms);
 criterion_main!(benches);

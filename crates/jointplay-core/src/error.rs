@@ -156,6 +156,19 @@ pub enum Error {
         /// Iterations done.
         iterations: usize,
     },
+    /// Derivatives by closed forms of a virtualization that has none.
+    #[error(
+        "derivatives of the pose exist for the virtualizations radial, polar, offset and planar only; for another one, take differences of poses"
+    )]
+    OwnVirtualization,
+    /// Derivatives of virtual joints that depend on the iteration that found them.
+    #[error(
+        "the newton solver chooses one of many solutions for {virtual_joints} virtual joints by its iteration, so that its derivatives follow from no equation; solve by closed-form or least-norm first"
+    )]
+    NewtonSolution {
+        /// How many virtual joints there are, for three sides.
+        virtual_joints: usize,
+    },
     /// The iteration for the virtual joints did not converge.
     #[error(transparent)]
     NotConverged(#[from] Box<Unconverged>),
@@ -212,6 +225,55 @@ pub enum Error {
         /// First coordinate of the ball.
         coordinate: usize,
     },
+    /// Commanded coordinates that do not determine the motion.
+    #[error(transparent)]
+    Undetermined(#[from] Box<crate::mechanism::Undetermined>),
+    /// Rates of commanded coordinates that the loops do not allow together.
+    #[error(
+        "the loops do not allow these rates of the commanded coordinates: a share of {share:.3e} of them opens the loops, allowed is {allowed:.0e}; command fewer coordinates, or add virtual joints"
+    )]
+    DependentCommands {
+        /// Share of the commanded rates that opens the loops.
+        share: f64,
+        /// Largest share that counts as round-off.
+        allowed: f64,
+    },
+    /// A dimension that the loops do not allow to change alone.
+    #[error(
+        "changing this dimension opens the loops: a share of {share:.3e} of the change is followed by no coordinate, allowed is {allowed:.0e}; the loops close for its value only, so change others with it, or add virtual joints"
+    )]
+    DimensionOpensLoops {
+        /// Share of the change that opens the loops.
+        share: f64,
+        /// Largest share that counts as round-off.
+        allowed: f64,
+    },
+    /// A dimension with which the mechanism does not change smoothly.
+    #[error(
+        "the mechanism has no derivative by this dimension here: changes by steps of different sizes disagree by a share of {share:.3e}; the value is at a jump, a kink or the end of its range"
+    )]
+    NotSmooth {
+        /// Share of the change by which steps disagree.
+        share: f64,
+    },
+    /// A changed mechanism that is another one.
+    #[error("the changed mechanism has other links, joints or frames; only dimensions may change")]
+    OtherMechanism,
+    /// A configuration in which virtual joints close the loops, but not with the least displacement.
+    #[error(
+        "the virtual joints are not at their least displacement: it is missed by {excess:.3e} (radians and characteristic lengths), allowed is {allowed:.3e}; solve for the configuration by least norm first"
+    )]
+    NotLeastDisplacement {
+        /// Gradient of the size of the displacement along the motions that the loops leave.
+        excess: f64,
+        /// Largest gradient that is taken as none.
+        allowed: f64,
+    },
+    /// Derivatives asked for before what they depend on.
+    #[error(
+        "there is no configuration yet: linearize at a closed one first, then compute velocities, then accelerations"
+    )]
+    NotLinearized,
     /// A matrix without a decomposition.
     #[error(transparent)]
     Linalg(#[from] LinalgError),

@@ -7,6 +7,7 @@
 //! | --- | --- |
 //! | describe a three-rod robot | [`gpr::Gpr`] |
 //! | compute the rods for a tilt, or the pose for rods | [`gpr::Gpr::inverse`], [`gpr::Gpr::forward`] |
+//! | compute derivatives of rods and poses | [`gpr::Gpr::rod_derivatives`], [`gpr::Gpr::platform_jacobian`], [`gpr::Gpr::platform_derivatives`] |
 //! | compute many poses at a time | [`bulk`] |
 //! | choose how play is modelled | [`virtualization`]: [`Radial`](virtualization::Radial), [`Polar`](virtualization::Polar), [`Offset`](virtualization::Offset), [`Planar`](virtualization::Planar), or your own |
 //! | compute mobility | [`mobility`] |

@@ -3,7 +3,7 @@
 //! Low rank is the usual case here, and the decomposition of the matrix library returns incorrect singular values on low-rank matrices without an error.
 //! This one is correct on every rank, and its vectors are complete bases, so that a wide matrix has its null space.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Why a matrix has no decomposition.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -158,6 +158,25 @@ impl Svd {
     }
 }
 
+/// Inverse of a symmetric 3×3 matrix; `None` where it is not positive definite beyond round-off.
+///
+/// # Numerics
+/// Adjugate and one division; pivots, as ratios of leading minors, count as zero below 10⁻¹³ of their diagonal entries.
+#[must_use]
+#[inline(always)]
+pub fn inverse_of_three(a: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let [xx, xy, xz] = [a[(0, 0)], a[(0, 1)], a[(0, 2)]];
+    let [yy, yz, zz] = [a[(1, 1)], a[(1, 2)], a[(2, 2)]];
+    let (m_xx, m_yy, m_zz) = (yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy);
+    let (m_xy, m_xz, m_yz) = (xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz);
+    let determinant = xx * m_xx + xy * m_xy + xz * m_xz;
+    // Written so that NaN counts as dependent.
+    let definite =
+        xx > 0.0 && m_zz > LEAST_PIVOT * xx * yy && determinant > LEAST_PIVOT * m_zz * zz;
+    let inverse = Matrix3::new(m_xx, m_xy, m_xz, m_xy, m_yy, m_yz, m_xz, m_yz, m_zz);
+    definite.then(|| inverse * (1.0 / determinant))
+}
+
 /// The shortest solution of three equations, lengths measured by a compliance for each unknown.
 ///
 /// ```text
@@ -269,6 +288,22 @@ mod tests {
         near("A N", &(&unit * &null_space), &DMatrix::zeros(m, n - rank), ROUND_OFF);
         near("LᵀA", &(left.transpose() * &unit), &DMatrix::zeros(m - rank, n), ROUND_OFF);
         found
+    }
+
+    #[test]
+    fn the_inverse_of_a_definite_matrix_is_its_inverse() {
+        let mut random = Random(7);
+        for _ in 0..100 {
+            let root = random.matrix(3, 3);
+            let square = &root * root.transpose();
+            let a = Matrix3::from_fn(|i, j| square[(i, j)]);
+            let inverse = inverse_of_three(&a).unwrap();
+            let condition = a.norm() * inverse.norm();
+            assert!((a * inverse - Matrix3::identity()).amax() < 1e-14 * condition);
+            assert_eq!(inverse_of_three(&-a), None);
+        }
+        let flat = Matrix3::new(1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+        assert_eq!(inverse_of_three(&flat), None);
     }
 
     #[test]

@@ -10,10 +10,12 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use jointplay_core::bulk::{Column, Quantity, Status};
-use jointplay_core::gpr::{AxisHeight, CenterHeight, Gpr};
-use jointplay_core::mechanism::{MechanismSystem, PositionSolver, ReliefSolver};
+use jointplay_core::gpr::{AxisHeight, CenterHeight, Gpr, PlatformPose};
+use jointplay_core::mechanism::{
+    DifferentialKinematics, FrameId, MechanismSystem, PositionSolver, ReliefSolver,
+};
 use jointplay_core::spatial::Tilt;
-use jointplay_core::virtualization::{SolveOptions, Solver, built_in};
+use jointplay_core::virtualization::{SolveOptions, Solver, Virtualization, built_in};
 
 /// The system's allocator, counting the calls of each thread.
 struct Counting;
@@ -70,7 +72,21 @@ fn kernels_do_not_allocate() {
             });
             assert_eq!((forward, center), (0, 0), "{} {solver}", model.name());
         }
+        let pose = gpr.forward(rods, model, &SolveOptions::default()).unwrap();
+        let derivatives = allocations(|| {
+            gpr.rod_derivatives(tilt, AxisHeight(0.5)).unwrap();
+            gpr.platform_derivatives(&pose, model).unwrap();
+            std::hint::black_box(gpr.needed_clearance(&pose, model));
+            gpr.platform_jacobian(&by_newton(&gpr, rods, model), model).ok();
+        });
+        assert_eq!(derivatives, 0, "{}", model.name());
     }
+}
+
+/// A pose whose derivatives are refused where there are more than three virtual joints.
+fn by_newton(gpr: &Gpr, rods: [f64; 3], model: &dyn Virtualization) -> PlatformPose {
+    let options = SolveOptions { solver: Solver::Newton, ..SolveOptions::default() };
+    gpr.forward(rods, model, &options).expect("the pose is within reach")
 }
 
 #[test]
@@ -148,4 +164,26 @@ fn positions_of_a_mechanism_do_not_allocate() {
         solver.solve(position.as_mut_slice(), ReliefSolver::Newton).unwrap_err();
     });
     assert_eq!(count, 0, "what cannot be reached");
+}
+
+#[test]
+fn velocities_and_accelerations_do_not_allocate() {
+    let mechanism = robot::gpr(robot::planar);
+    let mut at = robot::home(&mechanism);
+    (at[0], at[4], at[8]) = (0.502, 0.499, 0.5);
+    let system = MechanismSystem::new(&mechanism, at.clone()).unwrap();
+    let rods = [0, 4, 8];
+    PositionSolver::new(&system, &rods)
+        .unwrap()
+        .solve(at.as_mut_slice(), ReliefSolver::LeastNorm)
+        .unwrap();
+    let mut rates = DifferentialKinematics::new(&system, &rods).unwrap();
+    let (mut velocities, mut accelerations) = (at.clone(), at.clone());
+    let count = allocations(|| {
+        rates.linearize(at.as_slice()).unwrap();
+        rates.velocities(&[0.1, 0.0, -0.1], velocities.as_mut_slice()).unwrap();
+        rates.accelerations(&[1.0, 0.0, 0.0], accelerations.as_mut_slice()).unwrap();
+        rates.frame_acceleration(FrameId::Link(4)).unwrap();
+    });
+    assert_eq!(count, 0);
 }

@@ -42,7 +42,13 @@ impl Virtualization for Own<'_> {
 }
 
 fn quantities(joints: usize) -> Vec<Quantity> {
-    let three = [Quantity::Side, Quantity::Origin, Quantity::Normal, Quantity::Sensitivity];
+    let three = [
+        Quantity::Side,
+        Quantity::Origin,
+        Quantity::Normal,
+        Quantity::Sensitivity,
+        Quantity::BallDisplacement,
+    ];
     let mut all: Vec<_> = three.iter().flat_map(|of| (0..3).map(of)).collect();
     all.extend((0..joints).map(Quantity::VirtualJoint));
     all.extend([Quantity::Azimuth, Quantity::TiltAngle, Quantity::Torsion, Quantity::AxisHeight]);
@@ -100,6 +106,13 @@ fn expected(
             let squares = pose.solution.virtual_joints.iter().zip(&nominal).zip(model.joints());
             let squares = squares.map(|((x, n), j)| ((x - n) * j.motion.weight(rho)).powi(2));
             (squares.sum::<f64>().sqrt(), length)
+        }
+        Quantity::BallDisplacement(ball) => {
+            // From where the ball is, without the virtual joints.
+            let nominal = gpr.platform().sockets()[ball].push(0.0);
+            let placed = pose.base_from_platform * nalgebra::Point3::from(nominal);
+            let away = placed.coords - gpr.ball_centers(&pose.rods)[ball];
+            (away.norm(), length + 2.0 * pose.solution.residual)
         }
         Quantity::Sensitivity(index) => {
             let system = gpr.system(model);

@@ -10,7 +10,7 @@ use jointplay_core::mobility::{
     instantaneous_mobility,
 };
 use jointplay_core::sensitivity::sensitivity;
-use jointplay_core::spatial::Tilt;
+use jointplay_core::spatial::{Tilt, rotation_vector};
 use jointplay_core::virtualization::{
     Metric, Planar, Polar, Radial, Sockets, SolveOptions, Solver, VirtualJointKind, Virtualization,
     built_in,
@@ -582,5 +582,134 @@ fn level_poses_need_no_play() {
             assert!(displacement(&gpr, model, &pose) < 1e-15, "{} {solver}", model.name());
             assert!(pose.center_shift().norm() < 1e-15 && pose.tilt().angle < 1e-15);
         }
+    }
+}
+
+/// A central difference of fourth order: an odd error is cancelled by a second step.
+fn fine_difference(f: impl Fn(f64) -> DVector<f64>, step: f64) -> DVector<f64> {
+    (difference(&f, step) * 4.0 - difference(&f, 2.0 * step)) / 3.0
+}
+
+/// Random poses by least displacement, at random tilts, all derivatives of which exist.
+fn differentiable_cases() -> impl Strategy<Value = Case> {
+    cases().prop_map(|mut case| {
+        case.options.solver = if case.options.solver == Solver::Newton {
+            Solver::LeastNorm
+        } else {
+            case.options.solver
+        };
+        // Lighter angles leave the numbers of the iteration too few digits for differences.
+        if case.options.metric != Metric::Paper {
+            case.options.metric = Metric::PlatformRadius;
+        }
+        case
+    })
+}
+
+/// A vector that is near another one, as a share of the size of what is compared.
+#[track_caller]
+fn near_in_size(what: &str, found: &DVector<f64>, expected: &DVector<f64>, share: f64) {
+    let size = expected.amax().max(1.0);
+    let off = (found - expected).amax();
+    assert!(off <= share * size, "{what} is off by {off:e} of {size:e}: {found} {expected}");
+}
+
+proptest! {
+    #![proptest_config(runs(256))]
+
+    #[test]
+    fn rods_have_the_derivatives_of_their_differences(
+        robot in robots(),
+        about in prop::array::uniform2(-0.2..0.2),
+        level in 0..4_u8,
+    ) {
+        let gpr = robot.gpr();
+        let [x, y] = if level == 0 { [0.0; 2] } else { about };
+        let at = |by: &Vector3<f64>| {
+            let tilt = Tilt::from_about_x_and_y(x + by.x, y + by.y);
+            gpr.rod_derivatives(tilt, AxisHeight(0.5 + by.z)).unwrap()
+        };
+        let here = at(&Vector3::zeros());
+        for j in 0..3 {
+            let along = |step: f64| at(&Vector3::ith(j, step));
+            let rods = fine_difference(|step| DVector::from_column_slice(&along(step).rods), 1e-3);
+            let column = here.rod_jacobian.column(j);
+            near_in_size("rods", &DVector::from_column_slice(column.clone_owned().as_slice()), &rods, 1e-11);
+            for k in 0..3 {
+                let row = |step: f64| {
+                    DVector::from_iterator(3, along(step).rod_jacobian.row(k).iter().copied())
+                };
+                let column = here.second[k].column(j).clone_owned();
+                let expected = fine_difference(row, 1e-3);
+                near_in_size("rod Jacobian", &DVector::from_column_slice(column.as_slice()), &expected, 1e-11);
+            }
+        }
+    }
+
+    #[test]
+    fn poses_have_the_derivatives_of_their_differences(case in differentiable_cases(), level in 0..4_u8) {
+        let case = if level == 0 { Case { tilt: Tilt::LEVEL, ..case } } else { case };
+        let (gpr, model) = (case.robot.gpr(), case.model());
+        let here = case.pose(&gpr);
+        let rods = Vector3::from(here.rods);
+        let pose_at = |by: Vector3<f64>| gpr.forward((rods + by).into(), model, &case.options).unwrap();
+        let found = gpr.platform_derivatives(&here, model).unwrap();
+        prop_assert_eq!(found.jacobian, gpr.platform_jacobian(&here, model).unwrap());
+        let flat = |joints: &[f64]| DVector::from_column_slice(joints);
+        for k in 0..3 {
+            let along = |step: f64| pose_at(Vector3::ith(k, step));
+            // Rotation from here, whose derivative is the angular velocity.
+            let moved = |step: f64| {
+                let pose = along(step);
+                let turn = pose.base_from_platform.rotation * here.base_from_platform.rotation.inverse();
+                let turn = rotation_vector(&turn);
+                let to = pose.base_from_platform.translation.vector;
+                DVector::from_column_slice(&[turn.x, turn.y, turn.z, to.x, to.y, to.z])
+            };
+            let step = 1e-4;
+            let column = DVector::from_column_slice(found.jacobian.matrix.column(k).clone_owned().as_slice());
+            near_in_size("pose", &column, &fine_difference(moved, step), 1e-8);
+            let joints = |step: f64| flat(&along(step).solution.virtual_joints);
+            near_in_size("virtual joints", &flat(&found.jacobian.virtual_joints[k]), &fine_difference(joints, step), 1e-8);
+
+            let jacobian = |step: f64| gpr.platform_jacobian(&along(step), model).unwrap();
+            let matrix = |step: f64| DVector::from_column_slice(jacobian(step).matrix.as_slice());
+            let derivative = DVector::from_column_slice(found.jacobian_derivatives[k].as_slice());
+            near_in_size("Jacobian", &derivative, &fine_difference(matrix, step), 1e-7);
+            for j in 0..3 {
+                let joints = |step: f64| flat(&jacobian(step).virtual_joints[j]);
+                let second = flat(&found.virtual_joints[j][k]);
+                near_in_size("their derivatives", &second, &fine_difference(joints, step), 1e-7);
+                // As exact as the iteration finds the least displacement.
+                near_in_size("their order", &second, &flat(&found.virtual_joints[k][j]), 1e-8);
+            }
+        }
+    }
+
+    #[test]
+    fn a_commanded_tilt_is_the_velocity_of_the_platform(
+        case in differentiable_cases(),
+        rates in prop::array::uniform3(-1.0..1.0),
+        changes in prop::array::uniform3(-1.0..1.0),
+    ) {
+        let (gpr, model) = (case.robot.gpr(), case.model());
+        let (rates, changes) = (Vector3::from(rates), Vector3::from(changes));
+        let rods = gpr.rod_derivatives(case.tilt, AxisHeight(case.height)).unwrap();
+        let platform = gpr.platform_derivatives(&case.pose(&gpr), model).unwrap();
+        let (velocities, accelerations) = (rods.velocities(&rates), rods.accelerations(&rates, &changes));
+        let velocity = platform.jacobian.velocity(&velocities);
+        let acceleration = platform.acceleration(&velocities, &accelerations);
+        let (x, y) = case.tilt.about_x_and_y();
+        let normal = |time: f64| {
+            let about = |start: f64, i: usize| start + rates[i] * time + 0.5 * changes[i] * time * time;
+            Tilt::from_about_x_and_y(about(x, 0), about(y, 1)).normal()
+        };
+        let here = normal(0.0);
+        let first = (normal(1e-4) - normal(-1e-4)) / 2e-4;
+        let second = (normal(1e-3) - here * 2.0 + normal(-1e-3)) / 1e-6;
+        let turned = velocity.angular.cross(&here);
+        prop_assert!((turned - first).amax() < 1e-7);
+        let bent = acceleration.angular.cross(&here) + velocity.angular.cross(&turned);
+        prop_assert!((bent - second).amax() < 1e-4 * second.amax().max(1.0));
     }
 }

@@ -7,14 +7,14 @@ use jointplay_core::Error;
 use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::mechanism::{
     Carrier, CommandedJoints, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem,
-    MobilityClass, PositionSolver, ReliefSolver, ScrewAxis, Stop, VirtualJoint, VirtualMotion,
-    assemble, branches, close, drive, exaggerate_play, guess, link_motion, relieve, self_stresses,
-    suggest,
+    MobilityClass, PositionSolver, ReliefSolver, ScrewAxis, Stop, StressScrew, SuggestOptions,
+    VirtualJoint, VirtualMotion, assemble, branches, close, drive, exaggerate_play, guess,
+    link_motion, relieve, self_stresses, suggest,
 };
 use jointplay_core::mobility::{
     RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility,
 };
-use jointplay_core::nalgebra::{DVector, Vector3};
+use jointplay_core::nalgebra::{DVector, Unit, Vector3};
 
 use robot::{RADIUS, frame, gpr, home, joint, names, planar, polar, radial};
 
@@ -450,7 +450,9 @@ fn where_the_robot_needs_play() {
     let mechanism = gpr(|_, _| Vec::new());
     let mut start = home(&mechanism);
     (0..3).for_each(|k| start[4 * k] = 0.5);
-    let found = suggest(&mechanism, &start, &[0, 4, 8], &tilts(&closed_form)).unwrap();
+    let found =
+        suggest(&mechanism, &start, &[0, 4, 8], &tilts(&closed_form), &SuggestOptions::default())
+            .unwrap();
     let names = |n: usize| -> Vec<&str> {
         found.sets[n].virtual_joints.iter().map(|joint| joint.name.as_str()).collect()
     };
@@ -472,10 +474,22 @@ fn redundancy_in_words() {
     let found = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();
     assert_eq!(MobilityClass::classify(&found), MobilityClass::OverconstrainedMovable);
     let stresses = self_stresses(&system, &found.instantaneous).unwrap();
-    let mut words: Vec<&str> = stresses.iter().map(|stress| stress.words.as_str()).collect();
-    words.sort_unstable();
-    assert_eq!(words, ["force along z", "moment about x", "moment about y"]);
-    assert!(stresses.iter().all(|stress| stress.wrenches.len() == 4));
+    // A planar loop: a force along the axes of its hinges, and moments about the two other axes.
+    let along = |axis: usize, direction: &Unit<Vector3<f64>>| direction[axis].abs() > 1.0 - 1e-9;
+    let has = |what: &dyn Fn(&StressScrew) -> bool| {
+        stresses.stresses.iter().any(|one| one.single_loop && what(&one.screw))
+    };
+    assert!(has(
+        &|screw| matches!(screw, StressScrew::Moment { direction } if along(0, direction))
+    ));
+    assert!(has(
+        &|screw| matches!(screw, StressScrew::Moment { direction } if along(1, direction))
+    ));
+    assert!(has(
+        &|screw| matches!(screw, StressScrew::Force { direction, .. } if along(2, direction))
+    ));
+    assert!(stresses.stresses.iter().all(|one| one.independent && one.wrenches.len() == 4));
+    assert!(stresses.sparsest && stresses.in_all == [0, 1, 2, 3]);
     let coupler = link_motion(&system, &found.instantaneous, 2).unwrap();
     assert_eq!((coupler.dimension, coupler.translations), (1, 0));
     let ScrewAxis { pitch, point: center } = coupler.screw.unwrap();

@@ -7,8 +7,8 @@ mod robot;
 use families::{bennett_row, scissor_lift};
 use jointplay_core::Error;
 use jointplay_core::mechanism::{
-    Drive, JointKind, Mechanism, MechanismError, MechanismSystem, SparseMobility, SparseSystem,
-    assemble, guess,
+    Drive, DrivePath, JointKind, Mechanism, MechanismError, MechanismSystem, SparseMobility,
+    SparseSystem, assemble, guess,
 };
 use jointplay_core::mobility::{RANK_THRESHOLD, finite_mobility};
 use jointplay_core::nalgebra::Vector3;
@@ -68,7 +68,11 @@ fn what_cannot_move_at_all() {
     let system = SparseSystem::new(&still, guess(&still)).unwrap();
     // Nowhere to go is no obstacle.
     let mut reported = Vec::new();
-    let motion = system.drive_with_progress(&[], &[], 3, &mut |done| reported.push(done)).unwrap();
+    let motion = system
+        .drive_along(&DrivePath::through(vec![], vec![vec![]; 2]).unwrap(), &[], 3, &mut |done| {
+            reported.push(done)
+        })
+        .unwrap();
     assert_eq!((motion.waypoints.len(), motion.stopped), (4, None));
     assert_eq!(reported, [1, 2, 3]);
     // Of the base alone there is no mechanism, so that no system has to be ready for it.

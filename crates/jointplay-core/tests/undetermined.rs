@@ -5,13 +5,13 @@ mod robot;
 
 use jointplay_core::constraint::System as _;
 use jointplay_core::mechanism::{
-    CommandedJoints, Drive, JointKind, Mechanism, MechanismSystem, Relief, ReliefSolver, assemble,
-    drive_relieved, relieve, suggest,
+    CommandedJoints, Drive, DrivePath, Mechanism, MechanismSystem, Relief, ReliefSolver,
+    SuggestOptions, assemble, drive_relieved, relieve, suggest,
 };
 use jointplay_core::mobility::{near_mobility, near_tolerances};
 use jointplay_core::nalgebra::{DVector, Rotation3, Vector3};
 
-use robot::{RADIUS, gpr, home, joint, planar, radial};
+use robot::{RADIUS, gpr, home, legs, planar, radial};
 
 /// Coordinates of a robot: rods 0, 4, 8, and the first ball from 1 on.
 const RODS: [usize; 3] = [0, 4, 8];
@@ -85,11 +85,22 @@ fn nothing_nearer_home_closes_the_loops() {
 fn suggestions_for_a_ball_joint_are_those_for_its_tilt() {
     let bare = gpr(|_, _| Vec::new());
     let tilt_angle = 1.0_f64.to_radians();
-    let by_ball =
-        suggest(&bare, &home(&bare), &[1, 2], &[DVector::from_vec(vec![0.0, tilt_angle])]).unwrap();
-    let held =
-        suggest(&bare, &home(&bare), &[1, 2, 0], &[DVector::from_vec(vec![0.0, tilt_angle, 0.0])])
-            .unwrap();
+    let by_ball = suggest(
+        &bare,
+        &home(&bare),
+        &[1, 2],
+        &[DVector::from_vec(vec![0.0, tilt_angle])],
+        &SuggestOptions::default(),
+    )
+    .unwrap();
+    let held = suggest(
+        &bare,
+        &home(&bare),
+        &[1, 2, 0],
+        &[DVector::from_vec(vec![0.0, tilt_angle, 0.0])],
+        &SuggestOptions::default(),
+    )
+    .unwrap();
     // The play of the textbook: one ball has to go by 3/2 R (1 − cos α), about.
     let expected = 1.5 * RADIUS * (1.0 - tilt_angle.cos());
     for found in [&by_ball, &held] {
@@ -110,42 +121,12 @@ fn driving_a_ball_joint_stays_near_home() {
     let tilt_angle = 1.0_f64.to_radians();
     let free: Vec<usize> = (0..12).filter(|&k| k != 2).collect();
     let drives = [Drive { coordinate: 2, to: tilt_angle }];
-    let motion = drive_relieved(&system, &system, &drives, &free, 5, &mut |_| ()).unwrap();
+    let path = DrivePath::line(system.home(), &drives).unwrap();
+    let motion = drive_relieved(&system, &system, &path, &free, 5, &mut |_| ()).unwrap();
     assert_eq!((motion.stopped, motion.waypoints.len()), (None, 6));
     for point in &motion.waypoints {
         assert!(RODS.iter().all(|&k| point.coordinates[k].abs() < 1.1 * RADIUS * tilt_angle));
     }
-}
-
-/// Legs at the corners of a polygon, each with a ball joint under one plate, tilting outward.
-fn legs(points: &[[f64; 2]], tilt: f64) -> Mechanism {
-    let count = points.len();
-    let mut joints = Vec::new();
-    for (k, &[x, y]) in points.iter().enumerate() {
-        let out = Vector3::new(x, y, 0.0).normalize() * tilt.sin();
-        let axis = [out.x, out.y, tilt.cos()];
-        joints.push(joint(
-            &format!("leg {k}"),
-            JointKind::Prismatic,
-            [0, k + 1],
-            [x, y, 0.0],
-            axis,
-        ));
-    }
-    for (k, &[x, y]) in points.iter().enumerate() {
-        let links = [k + 1, count + 1];
-        joints.push(joint(
-            &format!("ball {k}"),
-            JointKind::Spherical,
-            links,
-            [x, y, 0.0],
-            [0.0, 0.0, 1.0],
-        ));
-    }
-    let mut links: Vec<String> = vec!["base".to_owned()];
-    links.extend((0..count).map(|k| format!("leg {k}")));
-    links.push("plate".to_owned());
-    Mechanism::new("legs", links, joints).unwrap()
 }
 
 fn triangle() -> Vec<[f64; 2]> {
@@ -206,7 +187,14 @@ fn symmetric_sets_have_the_same_at_every_joint() {
         [(triangle(), true), (vec![[0.1, 0.0], [-0.04, 0.07], [-0.07, -0.05]], false)]
     {
         let mechanism = legs(&points, 0.0);
-        let found = suggest(&mechanism, &home(&mechanism), &[0, 1, 2], &tilt(&points)).unwrap();
+        let found = suggest(
+            &mechanism,
+            &home(&mechanism),
+            &[0, 1, 2],
+            &tilt(&points),
+            &SuggestOptions::default(),
+        )
+        .unwrap();
         assert!(!found.sets.is_empty());
         let mut symmetric = 0;
         for set in &found.sets {
@@ -221,5 +209,41 @@ fn symmetric_sets_have_the_same_at_every_joint() {
             symmetric += usize::from(set.symmetric);
         }
         assert_eq!(symmetric > 0, alike);
+    }
+}
+
+/// Table on four vertical legs, tilted by 1° about x: each ball is displaced along y by d (1/cos 1° − 1)/2, and no set needs less.
+#[test]
+fn a_table_on_four_legs_needs_the_symmetric_slides() {
+    let [width, depth] = [0.2, 0.3];
+    let points = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]]
+        .map(|[x, y]: [f64; 2]| [x * width / 2.0, y * depth / 2.0]);
+    let mechanism = legs(&points, 0.0);
+    let tilt_angle = 1.0_f64.to_radians();
+    let shift = |size: f64| size / 2.0 * (1.0 / tilt_angle.cos() - 1.0);
+    for (axis, size, expected) in [([0.0, 1.0], depth, 45.698e-6), ([1.0, 0.0], width, 30.466e-6)] {
+        let rods = points.map(|p| tilt_angle.tan() * (axis[0] * p[0] + axis[1] * p[1]));
+        let command = DVector::from_row_slice(&rods);
+        let options = SuggestOptions::default();
+        let found =
+            suggest(&mechanism, &home(&mechanism), &[0, 1, 2, 3], &[command], &options).unwrap();
+        let best = &found.sets[0];
+        assert!(
+            (best.size - expected).abs() < 2e-9,
+            "{axis:?} {} {:?}",
+            best.size,
+            found.lower_bound
+        );
+        // Along the principal directions four slides do; along the radial and tangential ones eight, by the same amount.
+        assert!(best.symmetric && best.virtual_joints.len() == 4, "{best:?}");
+        assert!((best.size - 2.0 * shift(size)).abs() < 1e-9);
+        let eight = found.sets.iter().find(|set| set.symmetric && set.virtual_joints.len() == 8);
+        assert!((eight.unwrap().size / best.size - 1.0).abs() < 1e-6);
+        assert!((found.lower_bound - expected).abs() < 2e-8, "{}", found.lower_bound);
+        for set in &found.sets {
+            assert!(set.size > found.lower_bound * (1.0 - 1e-3), "{set:?}");
+        }
+        // A slide of the base at the same leg does the same.
+        assert!(best.alternatives.iter().all(|others| others.len() == 1));
     }
 }

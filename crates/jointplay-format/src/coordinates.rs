@@ -1,9 +1,9 @@
 //! Names, units and values of a mechanism's coordinates in its file.
 
 use jointplay_core::mechanism::joint::Coordinate;
-use jointplay_core::mechanism::{Mechanism, VirtualMotion};
+use jointplay_core::mechanism::{FrameId, Mechanism, VirtualMotion};
 
-use crate::mechanism::{AngleUnit, LengthUnit, MechanismFile, Units};
+use crate::mechanism::{AngleUnit, MechanismFile, Units};
 use crate::place::{listed, nearest, suggestion};
 
 /// A coordinate of a joint or virtual joint.
@@ -39,6 +39,20 @@ pub enum Error {
         /// All known names.
         known: Vec<String>,
     },
+    /// An unknown name of a link or frame.
+    #[error(
+        "link or frame `{found}` is not known{}; known: {}",
+        suggestion(nearest),
+        listed(known)
+    )]
+    UnknownFrame {
+        /// What was found.
+        found: String,
+        /// The most similar known name.
+        nearest: Option<String>,
+        /// All known names.
+        known: Vec<String>,
+    },
     /// A joint with several freedoms; the name needs an index.
     #[error("joint `{joint}` has {} freedoms: choose one of {}", names.len(), listed(names))]
     Several {
@@ -53,6 +67,19 @@ pub enum Error {
         /// The joint.
         joint: String,
     },
+}
+
+/// The attached frame with a name, or the frame of the link with it.
+///
+/// # Errors
+/// [`Error::UnknownFrame`].
+pub fn frame(mechanism: &Mechanism, name: &str) -> Result<FrameId, Error> {
+    mechanism.frame(name).ok_or_else(|| {
+        let attached = mechanism.frames().iter().map(|frame| &frame.name);
+        let known: Vec<String> = mechanism.links().iter().chain(attached).cloned().collect();
+        let nearest = nearest(name, known.iter().map(String::as_str));
+        Error::UnknownFrame { found: name.to_owned(), nearest, known }
+    })
 }
 
 impl Coordinates {
@@ -162,13 +189,10 @@ impl Coordinates {
     /// Decimals that resolve about a millionth of a millimetre or of a degree.
     #[must_use]
     pub fn decimals(&self, k: usize) -> usize {
-        match (self.named[k].quantity, self.units.length, self.units.angle) {
-            (Coordinate::Slide, LengthUnit::Meter, _) => 9,
-            (Coordinate::Slide, LengthUnit::Millimeter, _) => 6,
-            (Coordinate::Slide, LengthUnit::Micrometer, _) => 3,
-            (Coordinate::Slide, LengthUnit::Inch, _) => 8,
-            (Coordinate::Turn, _, AngleUnit::Degree) => 6,
-            (Coordinate::Turn, _, AngleUnit::Radian) => 8,
+        match (self.named[k].quantity, self.units.angle) {
+            (Coordinate::Slide, _) => self.units.length.decimals(),
+            (Coordinate::Turn, AngleUnit::Degree) => 6,
+            (Coordinate::Turn, AngleUnit::Radian) => 8,
         }
     }
 }

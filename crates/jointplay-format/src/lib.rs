@@ -25,6 +25,7 @@
 
 pub mod catalogue;
 pub mod cell;
+pub mod command;
 pub mod coordinates;
 pub mod explain;
 pub mod expression;

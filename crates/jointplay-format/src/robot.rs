@@ -8,7 +8,7 @@ use crate::explain::explain;
 use crate::file_problem::FileProblem;
 use crate::place::Place;
 use crate::toml_reader::{self, AllowedRange, Entry};
-use crate::units::m_from_mm;
+use crate::units::{m_from_mm, m_from_um};
 
 /// The file of the paper's robot.
 pub const PAPER: &str = include_str!("../../../robots/gpr.toml");
@@ -132,6 +132,8 @@ pub enum Problem {
 
 /// Largest absolute length in robot files, 1 km (mm).
 const LARGEST_MM: f64 = 1e6;
+/// Largest clearance of a ball in robot files, 1 m (µm).
+const LARGEST_CLEARANCE_UM: f64 = 1e6;
 /// Largest absolute angle in robot files, a hundred revolutions (deg).
 const LARGEST_DEG: f64 = 36_000.0;
 
@@ -196,12 +198,17 @@ fn read(top: &Table, has_kind: bool) -> Option<Robot> {
         reader.report(span, Problem::LimbCount { found: tables.len() });
     }
     let limbs: [Limb; 3] = limbs.into_iter().collect::<Option<Vec<_>>>()?.try_into().ok()?;
+    let ball_clearance = ball_clearance(top)?;
     let (limits, height) = (limits?, height?);
     let (name, base_mesh, platform_mesh) = (name?, base_mesh?, platform_mesh?);
     if !has_kind {
         return None;
     }
-    match Gpr::new(limbs, limits, height) {
+    let robot = Gpr::new(limbs, limits, height).and_then(|gpr| match ball_clearance {
+        Some(radius) => gpr.with_ball_clearance(radius),
+        None => Ok(gpr),
+    });
+    match robot {
         Ok(gpr) => Some(Robot { name, gpr, base_mesh, platform_mesh }),
         Err(error) => {
             let parts = (tables.as_slice(), limits_table.as_ref()?, working.as_ref()?);
@@ -242,6 +249,16 @@ fn limits(table: &Table) -> Option<Limits> {
     table.finish();
     let [rod_min, rod_max] = rod?;
     Some(Limits { rod_min, rod_max, tilt_max: tilt_max? })
+}
+
+/// Clearance of the balls, as a radius (m), which may be absent; `None` for an invalid one.
+fn ball_clearance(top: &Table) -> Option<Option<f64>> {
+    let Some(entry) = top.entry("ball") else { return Some(None) };
+    let table = entry.table(top.reader, "`[ball]`")?;
+    let radius =
+        table.number("clearance_radius_um", AllowedRange::Within(0.0, LARGEST_CLEARANCE_UM));
+    table.finish();
+    Some(Some(m_from_um(radius?)))
 }
 
 /// A mesh that may be absent; `None` for an invalid one.

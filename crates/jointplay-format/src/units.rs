@@ -22,6 +22,12 @@ pub fn m_from_mm(millimeters: f64) -> f64 {
     shift(millimeters, -3)
 }
 
+/// Metres from micrometres.
+#[must_use]
+pub fn m_from_um(micrometers: f64) -> f64 {
+    shift(micrometers, -6)
+}
+
 /// Degrees from radians: among all numbers that convert to these radians, one with few decimals if there is one.
 #[must_use]
 pub fn deg(radians: f64) -> f64 {

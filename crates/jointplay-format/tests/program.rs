@@ -171,10 +171,9 @@ fn every_command_is_read() {
             effector: some("A"),
         },
     );
-    reads_as(
-        "SWAP port-1 SLOT 3 GET A PUT B",
-        Command::Swap { at: from.clone(), get: name("A"), put: name("B") },
-    );
+    for swap in ["SWAP port-1 SLOT 3 GET A PUT B", "SWAP port-1 SLOT 3 GET WITH A PUT WITH B"] {
+        reads_as(swap, Command::Swap { at: from.clone(), get: name("A"), put: name("B") });
+    }
     reads_as("GOTO port-1 SLOT 3", Command::Goto { to: from, effector: None });
     reads_as("WAIT 0.25 s", Command::Wait { duration: quantity(0.25, Second) });
     reads_as("SPEED 50 %", Command::Speed { fraction: quantity(50.0, Percent) });

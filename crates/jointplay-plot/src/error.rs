@@ -105,8 +105,8 @@ pub enum Error {
         /// `m` or `s`.
         unit: &'static str,
     },
-    /// The figure cannot be rendered as PNG.
-    #[error("cannot render the figure as PNG: {reason}")]
+    /// The figure cannot be rendered as PNG or PDF.
+    #[error("cannot render the figure: {reason}")]
     Paint {
         /// Message of the renderer.
         reason: String,

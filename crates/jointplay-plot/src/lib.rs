@@ -1,4 +1,4 @@
-//! Figures of results, for papers: SVG text and PNG bytes from the same description.
+//! Figures of results, for papers: SVG text, PNG and PDF bytes from the same description.
 //!
 //! This crate draws columns of numbers and computes no results.
 //! It reads no files, uses an embedded font, and returns the same bytes for the same input.
@@ -27,6 +27,7 @@
 //! | [`MechanismPicture`], [`View`] | a mechanism in space, and the viewing direction |
 //! | [`cell`] | top view of a work cell, and timing diagram of its axes |
 //! | [`results`] | figures of this project's own studies and comparisons |
+//! | [`svg_to_png`], [`svg_to_pdf`] | any of these figures in another format |
 //! | [`Error`] | why a figure cannot be drawn |
 
 mod axis;
@@ -45,6 +46,7 @@ mod markers;
 mod mechanism;
 mod panel;
 mod path;
+mod pdf;
 mod png;
 mod ranges;
 mod render;
@@ -62,4 +64,6 @@ pub use error::Error;
 pub use figure::Figure;
 pub use mechanism::{MechanismPicture, View};
 pub use panel::{Curve, Label, Marker, Panel};
+pub use pdf::svg_to_pdf;
+pub use png::svg_to_png;
 pub use style::{Colour, Dash, Model, Point, Style, model_style, rod_style};

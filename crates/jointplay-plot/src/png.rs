@@ -27,8 +27,11 @@ pub(crate) fn parse(svg: &str) -> Result<Tree, Error> {
     Tree::from_str(svg, &options).map_err(|error| Error::Paint { reason: error.to_string() })
 }
 
-/// `svg` as PNG, `width` pixels wide.
-pub(crate) fn paint(svg: &str, width: u32) -> Result<Vec<u8>, Error> {
+/// An SVG of this crate as PNG, `width` pixels wide, with the embedded font.
+///
+/// # Errors
+/// [`Error::Size`] if `width` is 0 or over 20 000; [`Error::Paint`] for an SVG that cannot be rendered.
+pub fn svg_to_png(svg: &str, width: u32) -> Result<Vec<u8>, Error> {
     let found = f64::from(width);
     if !(1..=WIDEST).contains(&width) {
         let what = "width of the picture";
@@ -69,8 +72,8 @@ mod tests {
     #[test]
     fn sizes() {
         for width in [0, WIDEST + 1] {
-            assert!(matches!(paint("<svg/>", width), Err(Error::Size { .. })));
+            assert!(matches!(svg_to_png("<svg/>", width), Err(Error::Size { .. })));
         }
-        assert!(matches!(paint("<svg", 10), Err(Error::Paint { .. })));
+        assert!(matches!(svg_to_png("<svg", 10), Err(Error::Paint { .. })));
     }
 }

@@ -140,6 +140,16 @@ fn class_and_facts<'py>(
         E::NotLeast { iterations } => {
             ("NotConvergedError", fields!(py; solver = "least-norm", iterations = *iterations))
         }
+        E::Undetermined(found) => (
+            "UndeterminedError",
+            fields!(py;
+                motions = found.motions,
+                singular_values = found.singular_values.as_slice().to_vec(),
+            ),
+        ),
+        E::DependentCommands { share, allowed } => {
+            ("DependentCommandsError", fields!(py; share = *share, allowed = *allowed))
+        }
         E::Linalg(LinalgError::SvdNotConverged { rows, columns }) => {
             ("NoAnswerError", fields!(py; rows = *rows, columns = *columns))
         }

@@ -43,6 +43,8 @@ pub(crate) const RODS: &str = "three rod lengths or an array of shape (..., 3) i
 ///     Directions of the sockets in the platform (rad); default: 0°, 120° and 240°.
 /// base_points_m : array of shape (3, 2), optional
 ///     Where the rods cross the base plane (m); default: each under its socket.
+/// ball_clearance_m : float, optional
+///     Radial clearance of the balls in their sockets (m), with which `needed_clearance` compares.
 /// name : str, optional
 ///     What messages call it.
 /// check_limits : bool, optional
@@ -108,7 +110,7 @@ impl PyGpr {
 #[pymethods]
 impl PyGpr {
     #[new]
-    #[pyo3(signature = (*, socket_radius_m, rod_limits_m, tilt_limit_rad, working_height_m, socket_angle_rad=None, base_points_m=None, name="GPR".to_owned(), check_limits=true))]
+    #[pyo3(signature = (*, socket_radius_m, rod_limits_m, tilt_limit_rad, working_height_m, socket_angle_rad=None, base_points_m=None, ball_clearance_m=None, name="GPR".to_owned(), check_limits=true))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn new(
         py: Python<'_>,
@@ -118,6 +120,7 @@ impl PyGpr {
         #[pyo3(from_py_with = real)] working_height_m: f64,
         socket_angle_rad: Option<&Bound<'_, PyAny>>,
         base_points_m: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = optional_real)] ball_clearance_m: Option<f64>,
         name: String,
         check_limits: bool,
     ) -> PyResult<Self> {
@@ -141,7 +144,11 @@ impl PyGpr {
         let rods = numbers_of_shape(rod_limits_m, "rod_limits_m", &[2])?;
         let limits = Limits { rod_min: rods[0], rod_max: rods[1], tilt_max: tilt_limit_rad };
         let gpr =
-            Gpr::new(limbs, limits, working_height_m).map_err(|error| errors::core(py, &error))?;
+            Gpr::new(limbs, limits, working_height_m).and_then(|gpr| match ball_clearance_m {
+                Some(radius) => gpr.with_ball_clearance(radius),
+                None => Ok(gpr),
+            });
+        let gpr = gpr.map_err(|error| errors::core(py, &error))?;
         let gpr = if check_limits { gpr } else { gpr.without_limit_checks() };
         Ok(Self { name, gpr })
     }
@@ -439,6 +446,7 @@ impl PyGpr {
             rod_limits_m = self.rod_limits_m(),
             tilt_limit_rad = self.tilt_limit_rad(),
             working_height_m = self.working_height_m(),
+            ball_clearance_m = self.gpr.ball_clearance(),
             check_limits = self.gpr.checks_limits(),
         );
         Ok((PyTuple::empty(py), fields))

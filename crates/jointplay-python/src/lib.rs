@@ -11,14 +11,20 @@ mod errors;
 mod files;
 mod gpr;
 mod gpr_analyses;
+mod gpr_derivatives;
 mod limits;
+mod link_poses;
 mod many;
 mod mechanism;
 mod mechanism_analyses;
+mod mechanism_derivatives;
+mod mechanism_drives;
 mod mechanism_results;
+mod mechanism_suggest;
 mod model;
 mod numbers;
 mod own_virtualization;
+mod picture;
 mod pose;
 mod posed;
 mod quantities;
@@ -38,5 +44,7 @@ fn _jointplay(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<pose::PyForward>()?;
     module.add_class::<pose::PyInverse>()?;
     module.add_function(wrap_pyfunction!(arrow::arrow_stream, module)?)?;
+    module.add_function(wrap_pyfunction!(picture::picture_as_png, module)?)?;
+    module.add_function(wrap_pyfunction!(picture::picture_as_pdf, module)?)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))
 }

@@ -1,12 +1,15 @@
 //! The limits of the three-rod robot.
 
 use jointplay::spatial::Tilt;
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::arrays::{Spread, Triples};
 use crate::gpr::{PyGpr, RODS};
-use crate::numbers::{number, three};
+use crate::model::{self, Model, with_model};
+use crate::numbers::{number, one_triple, three};
+use crate::skin::{self, fields};
 use crate::{errors, many};
 
 #[pymethods]
@@ -22,6 +25,58 @@ impl PyGpr {
     /// Its poses are those of the geometry, whether or not the robot can take them; `broken_limits` reports the limits that they break.
     fn without_limit_checks(&self) -> Self {
         Self { name: self.name.clone(), gpr: self.gpr.without_limit_checks() }
+    }
+
+    /// Radial clearance of the balls in their sockets (m); None where it is not known.
+    #[getter]
+    fn ball_clearance_m(&self) -> Option<f64> {
+        self.gpr.ball_clearance()
+    }
+
+    /// Clearance of the balls that a pose needs, next to the one that the robot has.
+    ///
+    /// Of many poses, `forward` has the displacements of the balls as `ball_displacement_m`.
+    ///
+    /// Parameters
+    /// ----------
+    /// rods_m : three numbers
+    ///     Rod lengths (m).
+    /// virtualization, solver, metric :
+    ///     As for `forward`.
+    ///
+    /// Returns
+    /// -------
+    /// BallClearance
+    ///
+    /// Raises
+    /// ------
+    /// NoAnswerError
+    ///     As `forward`.
+    #[pyo3(signature = (rods_m, virtualization=None, *, solver=None, metric=None))]
+    fn needed_clearance<'py>(
+        &self,
+        py: Python<'py>,
+        rods_m: &Bound<'py, PyAny>,
+        virtualization: Option<&Bound<'py, PyAny>>,
+        solver: Option<&str>,
+        metric: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let model = Model::of(virtualization, &self.gpr)?;
+        let options = model::options(py, solver, metric)?;
+        let rods = one_triple(rods_m)?;
+        let found = with_model!(&model, v => {
+            let pose = self.gpr.forward(rods, v, &options);
+            pose.map(|pose| self.gpr.needed_clearance(&pose, v))
+        });
+        let needed = model.checked(py, found)?;
+        let fields = fields!(py;
+            displacements_m = PyArray1::from_slice(py, &needed.displacements),
+            lower_bound_m = needed.lower_bound,
+            upper_bound_m = needed.upper_bound(),
+            available_m = needed.available,
+            is_sufficient = needed.is_sufficient(),
+        );
+        skin::result(py, "BallClearance", &fields)
     }
 
     /// The limits that a pose breaks, rods first, an empty list if none; or those of many poses at a time.

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use jointplay::format::catalogue;
 use jointplay::format::coordinates::{self, Coordinates};
-use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
+use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile, ParameterError, Units};
 use jointplay::interop::import;
 use jointplay::mechanism::joint::Coordinate;
+use jointplay::mechanism::{ChangedDimension, VirtualJoint};
 use jointplay::mobility::kutzbach_mobility;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -171,7 +172,10 @@ impl PyMechanism {
     #[getter]
     fn actuated<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let all = self.coordinates.all();
-        PyTuple::new(py, self.motors().into_iter().map(|k| &all[k].name))
+        PyTuple::new(
+            py,
+            self.file.mechanism.actuated_coordinates().into_iter().map(|k| &all[k].name),
+        )
     }
 
     /// Parameters of its file by name, in the units of the file.
@@ -273,6 +277,27 @@ impl PyMechanism {
         Ok(Self { file, coordinates, text, parameters: Vec::new(), closing, ignored })
     }
 
+    /// This mechanism with other virtual joints.
+    pub(crate) fn with_play(&self, py: Python<'_>, joints: &[VirtualJoint]) -> PyResult<Self> {
+        let MechanismFile { mechanism, source, units, .. } = &self.file;
+        let (text, units) = match import::is_model(&self.text) {
+            true => (mechanism::write(mechanism, source.as_deref()), Units::SI),
+            false => (self.text.clone(), *units),
+        };
+        let text = mechanism::with_virtual_joints(&text, mechanism, units, joints, &[])
+            .map_err(|error| errors::file(py, self.name(), &[error]))?;
+        let made = Self::parse(py, text, self.name(), self.parameters.clone())?;
+        Ok(Self { ignored: self.ignored.clone(), ..made })
+    }
+
+    /// The mechanism with other values of a parameter, given by its name and its value.
+    pub(crate) fn changed_dimension(
+        &self,
+        parameter: (&str, f64),
+    ) -> Result<ChangedDimension, ParameterError> {
+        mechanism::changed_dimension(&self.file, &self.text, &self.parameters, parameter)
+    }
+
     pub(crate) fn names(&self, range: std::ops::Range<usize>) -> Vec<&str> {
         self.coordinates.all()[range].iter().map(|one| one.name.as_str()).collect()
     }
@@ -314,17 +339,9 @@ impl PyMechanism {
         kutzbach_mobility(mechanism.links().len(), &freedoms)
     }
 
-    /// Coordinates of the motors.
-    fn motors(&self) -> Vec<usize> {
-        let joints = self.file.mechanism.joints().iter();
-        let actuated =
-            joints.flat_map(|joint| std::iter::repeat_n(joint.actuated, joint.kind.freedoms()));
-        actuated.enumerate().filter_map(|(k, actuated)| actuated.then_some(k)).collect()
-    }
-
     /// Motors that are not driven; none where something is driven that has no motor.
     pub(crate) fn held(&self, driven: &[usize]) -> Vec<usize> {
-        let motors = self.motors();
+        let motors = self.file.mechanism.actuated_coordinates();
         if driven.iter().all(|k| motors.contains(k)) {
             motors.into_iter().filter(|k| !driven.contains(k)).collect()
         } else {

@@ -2,8 +2,8 @@
 
 use jointplay::Error;
 use jointplay::mechanism::{
-    Closure, CommandedJoints, Drive, DrivenMotion, MechanismSystem, Relief, ReliefSolver,
-    SparseSystem, assemble, drive, drive_relieved, guess, relieve,
+    Closure, CommandedJoints, DrivePath, DrivenMotion, MechanismSystem, Relief, ReliefSolver,
+    SparseSystem, assemble, drive_along, drive_relieved, guess, relieve,
 };
 use jointplay::nalgebra::DVector;
 
@@ -116,23 +116,25 @@ impl PyMechanism {
     pub(crate) fn along(
         &self,
         from: &DVector<f64>,
-        drives: &[Drive],
+        path: &DrivePath,
         held: &[usize],
         steps: usize,
     ) -> Result<DrivenMotion, Error> {
         let mechanism = &self.file.mechanism;
         if !self.is_dense() {
-            return SparseSystem::new(mechanism, from.clone())?.drive(drives, held, steps);
+            let system = SparseSystem::new(mechanism, from.clone())?;
+            return system.drive_along(path, held, steps, &mut |_| ());
         }
-        let driven = |k: &usize| drives.iter().any(|drive| drive.coordinate == *k);
-        let free: Vec<usize> =
-            (0..mechanism.joint_freedoms()).filter(|k| !driven(k) && !held.contains(k)).collect();
+        let driven = path.coordinates();
+        let free: Vec<usize> = (0..mechanism.joint_freedoms())
+            .filter(|k| !driven.contains(k) && !held.contains(k))
+            .collect();
         let system = MechanismSystem::new(mechanism, from.clone())?;
         if mechanism.virtual_joints().is_empty() {
-            drive(&system, drives, &free, steps)
+            drive_along(&system, path, &free, steps, &mut |_| ())
         } else {
             let home = MechanismSystem::new(mechanism, self.assembled(&[], None)?.coordinates)?;
-            drive_relieved(&home, &system, drives, &free, steps, &mut |_| ())
+            drive_relieved(&home, &system, path, &free, steps, &mut |_| ())
         }
     }
 }

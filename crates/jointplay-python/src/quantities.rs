@@ -18,7 +18,7 @@ enum Columns {
 }
 
 /// All of them, in the order in which results list them.
-const ALL: [Named; 12] = [
+const ALL: [Named; 13] = [
     Named { name: "azimuth_rad", columns: Columns::One(Quantity::Azimuth) },
     Named { name: "tilt_rad", columns: Columns::One(Quantity::TiltAngle) },
     Named { name: "torsion_rad", columns: Columns::One(Quantity::Torsion) },
@@ -28,6 +28,7 @@ const ALL: [Named; 12] = [
     Named { name: "sides_m", columns: Columns::Three(Quantity::Side) },
     Named { name: "virtual_joints", columns: Columns::VirtualJoints },
     Named { name: "displacement_m", columns: Columns::One(Quantity::Displacement) },
+    Named { name: "ball_displacement_m", columns: Columns::Three(Quantity::BallDisplacement) },
     Named { name: "sensitivity", columns: Columns::Three(Quantity::Sensitivity) },
     Named { name: "residual_m", columns: Columns::One(Quantity::Residual) },
     Named { name: "iterations", columns: Columns::One(Quantity::Iterations) },

@@ -1,8 +1,9 @@
 //! Report on a pose.
 
-use jointplay_core::gpr::{BrokenLimit, PlatformPose};
+use jointplay_core::gpr::{BrokenLimit, Gpr, PlatformPose};
 use jointplay_core::virtualization::Virtualization;
 
+use crate::ball_clearance::BallClearanceReport;
 use crate::limits::LimitReport;
 use crate::virtual_joints::VirtualJointGroups;
 use jointplay_format::units::{deg, mm};
@@ -23,6 +24,8 @@ pub struct ForwardReport {
     pub residual_mm: f64,
     /// Limits that the pose violates; empty unless limits were ignored.
     pub limits_broken: Vec<LimitReport>,
+    /// Clearance of the balls that it needs.
+    pub ball_clearance: BallClearanceReport,
 }
 
 /// Pose of the platform.
@@ -45,6 +48,7 @@ pub struct PlatformReport {
 /// Reports a pose.
 #[must_use]
 pub fn forward<V: Virtualization + ?Sized>(
+    gpr: &Gpr,
     pose: &PlatformPose,
     virtualization: &V,
     broken: &[BrokenLimit],
@@ -76,5 +80,8 @@ pub fn forward<V: Virtualization + ?Sized>(
         iterations: pose.solution.iterations,
         residual_mm: mm(pose.solution.residual),
         limits_broken: crate::limits::limits(broken),
+        ball_clearance: crate::ball_clearance::ball_clearance(
+            &gpr.needed_clearance(pose, virtualization),
+        ),
     }
 }

@@ -8,6 +8,7 @@
 //! | write samples as a table | [`table`] |
 //! | write the table of a study chunk by chunk, and resume it | [`study_table`] |
 
+mod ball_clearance;
 mod beyond;
 mod cell;
 mod cell_page;
@@ -17,11 +18,14 @@ mod displacement;
 mod distance;
 mod expected;
 mod forward;
+mod jacobian;
 mod limits;
 mod mechanism;
 mod mobility;
 mod motion;
 mod nearest;
+mod poses;
+mod redundancy;
 mod relief;
 mod schedule;
 mod segment;
@@ -37,6 +41,7 @@ mod violation;
 mod violation_group;
 mod virtual_joints;
 
+pub use ball_clearance::{BallClearanceReport, ball_clearance};
 pub use beyond::beyond_limits;
 pub use cell::{
     AxisReport, CellReport, InstructionReport, ShareReport, ViolationReport, cell, excerpt,
@@ -51,15 +56,23 @@ pub use displacement::{
 pub use distance::DistanceReport;
 pub use expected::{DisagreementReport, disagreements};
 pub use forward::{ForwardReport, PlatformReport, forward};
+pub use jacobian::{
+    CommandedRates, FrameReport, JacobianError, JacobianReport, ParameterReport, TwistReport,
+    jacobian,
+};
 pub use limits::{LimitReport, limits};
 pub use mechanism::{
     AssemblyReport, ByName, ConfigurationReport, LinkMotionReport, MechanismMobilityReport,
-    NearMissReport, NearReport, RedundantConstraintReport, SparseMobilityReport, UnitsReport,
-    assembly, by_name, configuration, mechanism_mobility, sparse_mobility,
+    NearMissReport, NearReport, SparseMobilityReport, UnitsReport, assembly, by_name,
+    configuration, mechanism_mobility, sparse_mobility,
 };
 pub use mobility::{FreedomsReport, MobilityReport, mobility};
-pub use motion::{MotionReport, SingularReport, motion};
+pub use motion::{FirstBeyondReport, MotionParameter, MotionReport, SingularReport, motion};
 pub use nearest::NearestReport;
+pub use poses::{PoseSeries, PosesReport};
+pub use redundancy::{
+    CarriedReport, RedundancyBasisReport, RedundantConstraintReport, redundant_constraints,
+};
 pub use relief::{ReliefReport, VirtualJointReport, relief};
 pub use schedule::{
     BottleneckReport, CriticalTimeReport, PeriodicPartReport, ProcessWaitReport, RobotUseReport,
@@ -72,7 +85,10 @@ pub use station::{
     StationUncertaintyReport, TeachReport, UncertaintyReport, teach,
 };
 pub use study::{BoundsHeldReport, SeriesReport, StudyReport, study};
-pub use suggest::{SetReport, SuggestReport, SuggestedJoint, suggestions};
+pub use suggest::{
+    SetReport, SingleCommandReport, SuggestReport, SuggestedJoint, SuggestedTable, WrittenSet,
+    add_single_commands, suggestions,
+};
 pub use table_error::TableError;
 pub use totals::{ColumnReport, OutcomeReport, SHARES, TotalsReport, totals};
 pub use violation::explain_violation;

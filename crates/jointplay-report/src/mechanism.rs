@@ -13,6 +13,7 @@ use serde::ser::{Serialize, Serializer};
 use crate::beyond::beyond_limits;
 use crate::limits::LimitReport;
 use crate::mobility::{FreedomsReport, columns};
+use crate::redundancy::{RedundancyBasisReport, RedundantConstraintReport, redundant_constraints};
 use jointplay_format::coordinates::Coordinates;
 use jointplay_format::mechanism::MechanismFile;
 use jointplay_format::units::mm;
@@ -161,8 +162,10 @@ pub struct MechanismMobilityReport {
     pub near_miss_not_searched: Option<usize>,
     /// Mobility class in words.
     pub class: String,
-    /// Redundant constraints.
+    /// Redundant constraints, as self-stresses: a sparsest basis, and the symmetric images of its members.
     pub redundant_constraints: Vec<RedundantConstraintReport>,
+    /// Quality of that basis.
+    pub redundant_constraint_basis: RedundancyBasisReport,
     /// Instantaneous motion of each link except the base.
     pub link_motions: ByName<LinkMotionReport>,
     /// Singular values of the scaled constraint Jacobian, largest first.
@@ -275,15 +278,6 @@ fn counted(mechanism: &Mechanism) -> i64 {
     kutzbach_mobility(mechanism.links().len(), &freedoms)
 }
 
-/// A redundant constraint, as the wrench of its self-stress.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct RedundantConstraintReport {
-    /// Description such as `moment about x`.
-    pub what: String,
-    /// Names of the joints that transmit the wrench.
-    pub joints: Vec<String>,
-}
-
 /// Instantaneous motion of a link.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct LinkMotionReport {
@@ -334,11 +328,7 @@ pub fn mechanism_mobility(
         Some(NearMiss::NotSearched { coordinates, .. }) => (None, Some(coordinates)),
         None => (None, None),
     };
-    let redundant_constraints = self_stresses(system, first)?.into_iter().map(|stress| {
-        let joints =
-            stress.wrenches.iter().map(|wrench| mechanism.joints()[wrench.joint].name.clone());
-        RedundantConstraintReport { what: stress.words, joints: joints.collect() }
-    });
+    let stresses = self_stresses(system, first)?;
     let mut link_motions = Vec::new();
     for (l, link) in mechanism.links().iter().enumerate().skip(1) {
         let found = link_motion(system, first, l)?;
@@ -374,7 +364,12 @@ pub fn mechanism_mobility(
         }),
         near_miss,
         near_miss_not_searched,
-        redundant_constraints: redundant_constraints.collect(),
+        redundant_constraints: redundant_constraints(
+            mechanism,
+            &stresses,
+            mm(first.characteristic_length),
+        ),
+        redundant_constraint_basis: RedundancyBasisReport::of(mechanism, &stresses),
         link_motions: ByName(link_motions),
         singular_values: first.singular_values.iter().copied().collect(),
         threshold: first.threshold,
@@ -395,7 +390,7 @@ fn class_words(class: MobilityClass, branches: Option<&[usize]>) -> String {
 }
 
 /// Displacements of the virtual joints by name, in the units of the file.
-fn virtual_by_name(coordinates: &Coordinates, relief: &Relief) -> ByName<f64> {
+pub(crate) fn virtual_by_name(coordinates: &Coordinates, relief: &Relief) -> ByName<f64> {
     let named = coordinates.all().iter().enumerate().skip(coordinates.joints());
     let value = |k: usize| coordinates.from_si(k, relief.coordinates[k]);
     ByName(named.map(|(k, one)| (one.name.clone(), value(k))).collect())

@@ -2,12 +2,16 @@
 
 use std::collections::BTreeSet;
 
-use jointplay_core::mechanism::{DrivenMotion, Stop};
+use jointplay_core::Error;
+use jointplay_core::mechanism::{DrivePath, DrivenMotion, Stop, Waypoint};
 
+use crate::limits::LimitReport;
 use crate::mechanism::{ByName, UnitsReport, by_name};
+use crate::poses::PosesReport;
 use crate::table::{Column, Values};
 use jointplay_format::coordinates::Coordinates;
 use jointplay_format::mechanism::MechanismFile;
+use jointplay_format::number::rounded;
 
 /// Result of `move`.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -31,13 +35,60 @@ pub struct MotionReport {
     pub largest_displacements: Option<ByName<f64>>,
     /// Coordinates that exceed their limits, and virtual joints that exceed their clearance.
     pub limits_broken: Vec<String>,
-    /// `locked`, `singular_start` or `incompatible`; `null` if the motion is complete.
+    /// The first configuration beyond limits, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_beyond_limits: Option<FirstBeyondReport>,
+    /// `locked`, `singular_start`, `incompatible` or `beyond_limits`; `null` if the motion is complete.
     pub stopped: Option<&'static str>,
     /// Message with the reason and the place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
+    /// Commands to poses, as given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pose_commands: Vec<String>,
+    /// The last possible poses as commands, if the motion stopped before the commanded ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nearest_pose: Option<String>,
+    /// Parameter of the curve at each configuration, if the drives follow one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameter: Option<MotionParameter>,
     /// Values of every coordinate during the motion, by name and unit, such as `crank_deg`.
     pub series: ByName<Vec<f64>>,
+    /// Poses of links and attached frames during the motion, if requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poses: Option<PosesReport>,
+}
+
+/// Parameter of a curve along a motion.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct MotionParameter {
+    /// Its name.
+    pub name: String,
+    /// Its values at the points of the path, which have equal shares of it; in a report, at each configuration.
+    pub values: Vec<f64>,
+}
+
+impl MotionParameter {
+    /// Its value at a share of the path, straight between points.
+    #[must_use]
+    pub fn at(&self, share: f64) -> f64 {
+        let segments = self.values.len().saturating_sub(1);
+        let (first, within) = DrivePath::locate(share, segments);
+        match (self.values.get(first), self.values.get(first + 1)) {
+            (Some(from), Some(to)) => from + (to - from) * within,
+            (Some(&only), None) => only,
+            (None, _) => f64::NAN,
+        }
+    }
+}
+
+/// The first configuration of a motion beyond joint limits or clearances.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct FirstBeyondReport {
+    /// Place along the motion: the parameter of the curve, or the driven coordinates.
+    pub place: String,
+    /// Coordinates beyond their limits there.
+    pub limits_broken: Vec<LimitReport>,
 }
 
 /// A singular configuration.
@@ -45,6 +96,9 @@ pub struct MotionReport {
 pub struct SingularReport {
     /// Value of each driven coordinate, by name.
     pub drives: ByName<f64>,
+    /// Value of the parameter of the curve, if the drives follow one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameter: Option<f64>,
     /// Instantaneous mobility with free drives.
     pub instantaneous_mobility: usize,
     /// Smallest singular value, as a share of the largest.
@@ -59,11 +113,13 @@ pub struct SingularReport {
 ///
 /// # Arguments
 /// * `driven`, `held` – indices of coordinates
+/// * `parameter` – of the curve that the drives follow, at the points of their path
 #[must_use]
 pub fn motion(
     file: &MechanismFile,
     driven: &[usize],
     held: &[usize],
+    parameter: Option<&MotionParameter>,
     motion: &DrivenMotion,
 ) -> MotionReport {
     let coordinates = Coordinates::of(file);
@@ -73,6 +129,7 @@ pub fn motion(
     };
     let singular = motion.singular.iter().map(|there| SingularReport {
         drives: drives(&there.coordinates),
+        parameter: parameter.map(|parameter| parameter.at(there.share)),
         instantaneous_mobility: there.instantaneous_mobility,
         least_singular_value: there.least_singular_value,
         branches: there.branches,
@@ -82,14 +139,22 @@ pub fn motion(
         let values = motion.waypoints.iter().map(|at| coordinates.from_si(k, at.coordinates[k]));
         (coordinates.column(k), values.collect())
     });
-    let place = || {
-        let values = motion.waypoints.last().map(|last| drives(&last.coordinates));
-        let values = values.into_iter().flat_map(|values| values.0);
+    let place = |at: &Waypoint| {
+        if let Some(parameter) = parameter {
+            return format!("{} = {}", parameter.name, rounded(parameter.at(at.share), 6));
+        }
+        let values = drives(&at.coordinates).0.into_iter();
         let at = values.zip(driven).map(|((name, value), &k)| {
             format!("{name} = {value:.*} {}", coordinates.decimals(k), coordinates.unit(k))
         });
         at.collect::<Vec<_>>().join(", ")
     };
+    let first_beyond_limits = motion.waypoints.iter().find_map(|at| {
+        let beyond = file.mechanism.beyond_limits(&at.coordinates);
+        let limits_broken = crate::beyond::beyond_limits(&coordinates, &beyond);
+        (!beyond.is_empty()).then(|| FirstBeyondReport { place: place(at), limits_broken })
+    });
+    let at_end = motion.waypoints.last().map_or(String::new(), place);
     let why = motion.stopped.map(|stop| match stop {
         Stop::Locked => (
             "locked",
@@ -102,10 +167,18 @@ pub fn motion(
                 if free_mobility == 1 { "motion" } else { "motions" }
             ),
         ),
+        Stop::Incompatible if driven.is_empty() => (
+            "incompatible",
+            "no configuration closes the loops beyond: the commanded poses are out of reach, or contradict each other or the joints".to_owned(),
+        ),
         Stop::Incompatible => (
             "incompatible",
             "the loops do not stay closed: the drives act against each other or against redundant constraints".to_owned(),
         ),
+        Stop::BeyondLimits { coordinate } => {
+            let name = &coordinates.all()[coordinate].name;
+            ("beyond_limits", format!("{name} would have to leave its limits"))
+        }
     });
     let (stopped, reason) = why.unzip();
     MotionReport {
@@ -119,20 +192,49 @@ pub fn motion(
         largest_displacements: largest_displacements(&coordinates, motion),
         limits_broken: beyond_limits(file, &coordinates, motion),
         stopped,
-        message: reason.map(|reason| format!("stopped at {}: {reason}", place())),
+        first_beyond_limits,
+        message: reason.map(|reason| format!("stopped at {at_end}: {reason}")),
+        pose_commands: Vec::new(),
+        nearest_pose: None,
+        parameter: parameter.map(|parameter| MotionParameter {
+            name: parameter.name.clone(),
+            values: motion.waypoints.iter().map(|at| parameter.at(at.share)).collect(),
+        }),
         series: ByName(series.collect()),
+        poses: None,
     }
 }
 
 impl MotionReport {
-    /// The series as columns of a table.
+    /// The same report with the poses of all links and attached frames.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for a motion with coordinates that are not finite.
+    pub fn with_poses(self, file: &MechanismFile, motion: &DrivenMotion) -> Result<Self, Error> {
+        let along: Vec<_> = motion.waypoints.iter().map(|at| &at.coordinates).collect();
+        Ok(Self { poses: Some(PosesReport::along(file, &along)?), ..self })
+    }
+
+    /// The same report for a motion by commands to poses.
+    ///
+    /// # Arguments
+    /// * `nearest` – the last possible poses as commands, if the motion stopped
+    #[must_use]
+    pub fn with_pose_commands(self, commands: Vec<String>, nearest: Option<String>) -> Self {
+        Self { pose_commands: commands, nearest_pose: nearest, ..self }
+    }
+
+    /// The parameter of the curve and the series as columns of a table, then the poses.
     #[must_use]
     pub fn columns(&self) -> Vec<Column> {
         let column = |(name, values): &(String, Vec<f64>)| Column {
             name: name.clone(),
             values: Values::Real(values.clone()),
         };
-        self.series.0.iter().map(column).collect()
+        let poses = self.poses.iter().flat_map(PosesReport::columns);
+        let parameter =
+            self.parameter.iter().map(|one| column(&(one.name.clone(), one.values.clone())));
+        parameter.chain(self.series.0.iter().map(column)).chain(poses).collect()
     }
 }
 

@@ -1,8 +1,9 @@
 //! Report on the play that a tilt requires.
 
-use jointplay_core::gpr::{BrokenLimit, EvaluatedBounds, TiltPlay};
+use jointplay_core::gpr::{BrokenLimit, EvaluatedBounds, Gpr, TiltPlay};
 use jointplay_core::virtualization::Virtualization;
 
+use crate::ball_clearance::BallClearanceReport;
 use crate::limits::LimitReport;
 use crate::virtual_joints::VirtualJointGroups;
 use jointplay_format::units::{deg, mm};
@@ -43,6 +44,8 @@ pub struct SensitivityReport {
     pub side_shares: Option<Vec<f64>>,
     /// Limits that the configuration violates; empty unless limits were ignored.
     pub limits_broken: Vec<LimitReport>,
+    /// Clearance of the balls that it needs.
+    pub ball_clearance: BallClearanceReport,
 }
 
 /// First-order bounds of ‖ΔX‖.
@@ -70,6 +73,7 @@ pub struct BoundsReport {
 /// Reports the play that a motion from level requires.
 #[must_use]
 pub fn sensitivity<V: Virtualization + ?Sized>(
+    gpr: &Gpr,
     play: &TiltPlay,
     virtualization: &V,
     broken: &[BrokenLimit],
@@ -104,6 +108,9 @@ pub fn sensitivity<V: Virtualization + ?Sized>(
         rod_shares: play.limb_shares.clone(),
         side_shares: play.side_shares.clone(),
         limits_broken: crate::limits::limits(broken),
+        ball_clearance: crate::ball_clearance::ball_clearance(
+            &gpr.needed_clearance(&play.end, virtualization),
+        ),
     }
 }
 

@@ -1,6 +1,8 @@
 //! Report on suggested virtual joints.
 
-use jointplay_core::mechanism::{Suggestion, Suggestions, VirtualMotion};
+use jointplay_core::mechanism::{
+    Carrier, SingleCommand, Suggestion, Suggestions, VirtualJoint, VirtualMotion,
+};
 use nalgebra::DVector;
 
 use crate::beyond::beyond_limits;
@@ -30,12 +32,29 @@ pub struct SuggestReport {
     pub candidates: usize,
     /// Number of compared sets.
     pub sets_compared: usize,
+    /// Number of sets in the class that was searched, compared or not.
+    pub sets_in_class: f64,
+    /// Displacement below which no set of the candidates lies (mm).
+    pub lower_bound_mm: f64,
     /// Whether the search stopped at its limit.
     pub cut_short: bool,
     /// Number of sets that may be possible but were not evaluated with the whole kinematics.
     pub sets_untried: usize,
-    /// Sufficient sets of virtual joints, those within joint limits first, then by the least displacement; no set contains another.
+    /// Sufficient sets of virtual joints, those within joint limits and clearances first, then by their rank. A symmetric set contains no smaller symmetric set that is sufficient, any other set no smaller set at all.
     pub sets: Vec<SetReport>,
+    /// The file with the virtual joints of one set, if it was written.
+    pub written: Option<WrittenSet>,
+}
+
+/// A mechanism file with the virtual joints of one set.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct WrittenSet {
+    /// Name of the file.
+    pub file: String,
+    /// Number of the set, from 1.
+    pub set: usize,
+    /// Number of virtual joints of the original file that were removed.
+    pub replaced: usize,
 }
 
 /// One set of virtual joints.
@@ -45,6 +64,12 @@ pub struct SetReport {
     pub size_mm: f64,
     /// Whether every symmetry of the mechanism maps the set onto itself; `false` without symmetries.
     pub symmetric: bool,
+    /// Whether every symmetry of the mechanism that maps the commands onto each other maps the set onto itself; `false` without such symmetries.
+    pub symmetric_for_commands: bool,
+    /// Whether the configurations of all commands are within the joint limits of the file; `None` for a file without limits.
+    pub within_limits: Option<bool>,
+    /// Displacements of single motors to either side that the set makes possible or not; `None` if they were not computed.
+    pub single_commands: Option<Vec<SingleCommandReport>>,
     /// Its virtual joints.
     pub virtual_joints: Vec<SuggestedJoint>,
     /// Joint coordinates for each command, in the units of the file.
@@ -53,21 +78,70 @@ pub struct SetReport {
     pub limits_broken: Vec<LimitReport>,
 }
 
-/// One virtual joint of a set.
+/// A displacement of one coordinate to either side of its start, with the other motors or commanded coordinates held.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct SingleCommandReport {
+    /// Name of the coordinate.
+    pub coordinate: String,
+    /// Displacement to either side, in the units of the file.
+    pub by: f64,
+    /// Displacement of the virtual joints (mm); `None` if the set does not make it possible.
+    pub size_mm: Option<f64>,
+}
+
+/// Adds to each set the displacements of single coordinates that it makes possible.
+///
+/// # Arguments
+/// * `single` – for each set, from the first
+pub fn add_single_commands(
+    report: &mut SuggestReport,
+    file: &MechanismFile,
+    single: &[Vec<SingleCommand>],
+) {
+    let coordinates = Coordinates::of(file);
+    for (set, commands) in report.sets.iter_mut().zip(single) {
+        let listed = commands.iter().map(|one| SingleCommandReport {
+            coordinate: coordinates.all()[one.coordinate].name.clone(),
+            by: coordinates.from_si(one.coordinate, one.by),
+            size_mm: one.size.map(|size| size * 1e3),
+        });
+        set.single_commands = Some(listed.collect());
+    }
+}
+
+/// One virtual joint of a set, with all that its table in a mechanism file has.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SuggestedJoint {
-    /// Description of the virtual joint.
-    pub name: String,
-    /// Name of the joint that receives the play.
-    pub joint: String,
-    /// `slide` or `turn`.
-    pub motion: &'static str,
-    /// Direction in the frame of the link that carries the virtual joint.
-    pub direction: [f64; 3],
+    /// The virtual joint.
+    #[serde(flatten)]
+    pub virtual_joint: SuggestedTable,
     /// Largest displacement over the commands: µm for a slide, mrad for a turn.
     pub largest: f64,
     /// `um` or `mrad`.
     pub unit: &'static str,
+    /// Whether it exceeds the clearance of the joint; `None` if the file has none.
+    pub exceeds_clearance: Option<bool>,
+    /// Other virtual joints of the same leg that relieve the same instantaneous motion.
+    pub alternatives: Vec<SuggestedTable>,
+}
+
+/// The keys of a virtual joint in a mechanism file.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct SuggestedTable {
+    /// Description of the virtual joint.
+    pub name: String,
+    /// Name of the joint that receives the play.
+    pub joint: String,
+    /// Name of the link that carries the virtual joint, the key `on` of the file.
+    pub on: String,
+    /// `slide` or `turn`: the key of the direction in the file.
+    pub motion: &'static str,
+    /// Direction in the frame of the link that carries the virtual joint.
+    pub direction: [f64; 3],
+    /// For a turn, a point of its axis in the same frame, in the units of the file.
+    pub about: Option<[f64; 3]>,
+    /// Clearance of the joint in this direction, in the units of the file.
+    pub clearance: Option<f64>,
 }
 
 /// Reports suggested virtual joints.
@@ -93,34 +167,62 @@ pub fn suggestions(
         limits_broken: beyond_limits(&coordinates, &found.beyond_limits),
         candidates: found.candidates,
         sets_compared: found.compared,
+        sets_in_class: found.in_class,
+        lower_bound_mm: found.lower_bound * 1e3,
         cut_short: found.cut_short,
         sets_untried: found.untried,
         sets: found.sets.iter().map(|set| set_report(file, &coordinates, set)).collect(),
+        written: None,
     }
 }
 
 fn set_report(file: &MechanismFile, coordinates: &Coordinates, set: &Suggestion) -> SetReport {
-    let joints = set.virtual_joints.iter().zip(&set.largest);
+    let joints = set.virtual_joints.iter().zip(&set.largest).zip(&set.alternatives);
+    let has_limits = file.mechanism.joints().iter().any(|joint| !joint.limits.is_empty());
     SetReport {
         size_mm: set.size * 1e3,
         symmetric: set.symmetric,
+        symmetric_for_commands: set.symmetric_for_commands,
+        within_limits: has_limits.then_some(set.beyond_limits.is_empty()),
+        single_commands: None,
         configurations: set.configurations.iter().map(|at| by_name(coordinates, at)).collect(),
         limits_broken: beyond_limits(coordinates, &set.beyond_limits),
         virtual_joints: joints
-            .map(|(joint, largest)| {
-                let (motion, direction, scale, unit) = match joint.motion {
-                    VirtualMotion::Slide(direction) => ("slide", direction, 1e6, "um"),
-                    VirtualMotion::Turn { axis, .. } => ("turn", axis, 1e3, "mrad"),
+            .map(|((joint, largest), alternatives)| {
+                let (scale, unit) = match joint.motion {
+                    VirtualMotion::Slide(_) => (1e6, "um"),
+                    VirtualMotion::Turn { .. } => (1e3, "mrad"),
                 };
                 SuggestedJoint {
-                    name: joint.name.clone(),
-                    joint: file.mechanism.joints()[joint.joint].name.clone(),
-                    motion,
-                    direction: (*direction.as_ref()).into(),
+                    virtual_joint: table(file, joint),
                     largest: largest * scale,
+                    exceeds_clearance: joint.clearance.map(|most| *largest > most),
                     unit,
+                    alternatives: alternatives.iter().map(|one| table(file, one)).collect(),
                 }
             })
             .collect(),
+    }
+}
+
+/// The keys of a virtual joint in the file.
+fn table(file: &MechanismFile, joint: &VirtualJoint) -> SuggestedTable {
+    let units = file.units;
+    let (motion, direction, about) = match joint.motion {
+        VirtualMotion::Slide(direction) => ("slide", direction, None),
+        VirtualMotion::Turn { axis, point } => {
+            ("turn", axis, Some(point.map(|x| units.length.from_meters(x)).into()))
+        }
+    };
+    let side = usize::from(joint.carrier == Carrier::Second);
+    let at = &file.mechanism.joints()[joint.joint];
+    SuggestedTable {
+        name: joint.name.clone(),
+        joint: at.name.clone(),
+        on: file.mechanism.links()[at.links[side]].clone(),
+        motion,
+        direction: (*direction.as_ref()).into(),
+        about,
+        clearance: joint.clearance.map(|value| units.of_motion(joint.motion, value)),
     }
 }

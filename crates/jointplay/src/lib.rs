@@ -13,7 +13,7 @@
 //! | [`mod@format`] | files of robots, mechanisms, cells, programs and studies |
 //! | [`report`] | results as documents and tables |
 //! | [`interop`] | models and motions in the formats of other programs |
-//! | [`plot`] | figures as SVG and PNG |
+//! | [`plot`] | figures as SVG, PNG and PDF |
 
 #[doc = include_str!("../../../docs/how-to/rust.md")]
 #[cfg(doctest)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
@@ -12,9 +13,13 @@ from numpy.typing import NDArray
 from jointplay import _jointplay
 
 if TYPE_CHECKING:
+    import matplotlib.axes
     import pandas
 
 Floats = NDArray[np.float64]
+
+ROWS_SHOWN = 20
+"""Rows of a table that notebooks show."""
 
 
 def _equal(a: Any, b: Any) -> bool:
@@ -41,6 +46,11 @@ def _brief(value: Any) -> str:
     return repr(value)
 
 
+def _cell(value: Any) -> str:
+    """A number of a table in six digits."""
+    return f"{value:.6g}" if isinstance(value, (float, np.floating)) else html.escape(str(value))
+
+
 class Result:
     """What all results have in common: equality by value, a short ``repr``, pickling."""
 
@@ -56,6 +66,19 @@ class Result:
             return NotImplemented
         mine, theirs = dict(self._fields_shown()), dict(other._fields_shown())
         return _equal(mine, theirs)
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th>{html.escape(name)}</th><td>{html.escape(_brief(value))}</td></tr>"
+            for name, value in self._fields_shown()
+        )
+        return f"<table><caption>{type(self).__name__}</caption><tbody>{rows}</tbody></table>"
+
+    def __str__(self) -> str:
+        shown = list(self._fields_shown())
+        width = max((len(name) for name, _ in shown), default=0)
+        rows = (f"  {name:<{width}}  {_brief(value)}" for name, value in shown)
+        return "\n".join([type(self).__name__, *rows])
 
     def __repr__(self) -> str:
         shown = ", ".join(f"{name}={_brief(value)}" for name, value in self._fields_shown())
@@ -83,6 +106,48 @@ class Table(Result):
                 "to_dataframe needs pandas: pip install 'jointplay[dataframe]'", name="pandas"
             ) from error
         return pandas.DataFrame(self.columns())
+
+    def plot(self, *names: str, x: str | None = None, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """Draws columns as lines, with matplotlib.
+
+        Without names all columns but that of ``x``; without ``x`` over the number of the row.
+        Lines are drawn into ``ax``, or into a new figure; the axes are returned.
+        """
+        if ax is None:
+            try:
+                import matplotlib.pyplot as plt
+            except ModuleNotFoundError as error:
+                raise ModuleNotFoundError("plot needs matplotlib: pip install matplotlib", name="matplotlib") from error
+            ax = plt.subplots()[1]
+        columns = self.columns()
+        for name in (*names, *([x] if x is not None else [])):
+            if name not in columns:
+                raise KeyError(f"{name!r} is not a column: columns are {', '.join(columns)}")
+        over = np.arange(len(next(iter(columns.values())))) if x is None else columns[x]
+        for name in names or [name for name in columns if name != x]:
+            ax.plot(over, columns[name], label=name)
+        ax.set_xlabel("row" if x is None else x)
+        if len(names) == 1:
+            ax.set_ylabel(names[0])
+        else:
+            ax.legend()
+        return ax
+
+    def _repr_html_(self) -> str:
+        columns = self.columns()
+        rows = len(next(iter(columns.values()), ()))
+        shown: list[int | None] = list(range(rows))
+        if rows > ROWS_SHOWN:
+            half = ROWS_SHOWN // 2
+            shown = [*range(half), None, *range(rows - half, rows)]
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
+        body = []
+        for row in shown:
+            cells = "".join(f"<td>{'…' if row is None else _cell(values[row])}</td>" for values in columns.values())
+            body.append(f"<tr><th>{'…' if row is None else row}</th>{cells}</tr>")
+        title = f"{type(self).__name__}, {rows} row{'' if rows == 1 else 's'}"
+        table = f"<thead><tr><th></th>{head}</tr></thead><tbody>{''.join(body)}</tbody>"
+        return f"<table><caption>{title}</caption>{table}</table>"
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
         """The columns as an Arrow stream, by the Arrow PyCapsule interface; they are copied."""
@@ -119,6 +184,7 @@ AXES: dict[str, tuple[str, ...]] = {
     "origin_m": ("origin_x_m", "origin_y_m", "origin_z_m"),
     "normal": ("normal_x", "normal_y", "normal_z"),
     "sides_m": ("side_12_m", "side_23_m", "side_31_m"),
+    "ball_displacement_m": ("ball_displacement_1_m", "ball_displacement_2_m", "ball_displacement_3_m"),
     "sensitivity": ("sensitivity_1", "sensitivity_2", "sensitivity_3"),
     "rods_m": ("rod_1_m", "rod_2_m", "rod_3_m"),
 }

@@ -207,6 +207,24 @@ class NotRelievedError(NoAnswerError):
     """Largest mismatch of closed loops."""
 
 
+class UndeterminedError(NoAnswerError):
+    """The commanded coordinates do not determine the motion."""
+
+    motions: int
+    """Number of independent motions with the commanded coordinates held."""
+    singular_values: list[float]
+    """Of the equations of the loops, one for each other coordinate, in radians and characteristic lengths, the largest first."""
+
+
+class DependentCommandsError(NoAnswerError):
+    """The loops do not allow these rates of the commanded coordinates together."""
+
+    share: float
+    """Share of the commanded rates that opens the loops."""
+    allowed: float
+    """Largest share that counts as round-off."""
+
+
 class JointLimitsError(BeyondLimitsError):
     """A joint is beyond its limits, or a virtual joint beyond its clearance."""
 

@@ -9,19 +9,28 @@ from ._analyses import BoundsCheck, Comparison, Mobility, Sensitivity, Study, Ti
 from ._cells import Samples
 from ._mechanisms import (
     Configuration,
+    Jacobian,
     MechanismMobility,
     Motion,
+    ParameterDerivatives,
     Positions,
+    Rates,
     Relief,
+    SuggestedJoint,
+    Suggestion,
     Suggestions,
 )
+from ._pictures import Picture
 from ._poses import (
     Approximate,
+    BallClearance,
     BrokenLimit,
     BrokenLimits,
     ForwardMany,
     InverseMany,
     Platform,
+    PlatformDerivatives,
+    RodDerivatives,
 )
 from ._virtualization import Virtualization
 
@@ -34,6 +43,8 @@ __all__ = [
     "Mechanism",
     "__version__",
     "arrow_stream",
+    "picture_as_pdf",
+    "picture_as_png",
     "catalogue",
 ]
 
@@ -55,6 +66,7 @@ _Quantity: TypeAlias = Literal[
     "sides_m",
     "virtual_joints",
     "displacement_m",
+    "ball_displacement_m",
     "sensitivity",
     "residual_m",
     "iterations",
@@ -72,6 +84,7 @@ class Gpr:
         working_height_m: float,
         socket_angle_rad: ArrayLike | None = None,
         base_points_m: ArrayLike | None = None,
+        ball_clearance_m: float | None = None,
         name: str = ...,
         check_limits: bool = True,
     ) -> Gpr: ...
@@ -98,6 +111,16 @@ class Gpr:
     def without_limit_checks(self) -> Gpr: ...
     @property
     def working_height_m(self) -> float: ...
+    @property
+    def ball_clearance_m(self) -> float | None: ...
+    def needed_clearance(
+        self,
+        rods_m: ArrayLike,
+        virtualization: _Model | None = None,
+        *,
+        solver: _Solver | None = None,
+        metric: _Metric | None = None,
+    ) -> BallClearance: ...
     @property
     def platform(self) -> Platform: ...
     @overload
@@ -171,6 +194,17 @@ class Gpr:
         self, azimuth_rad: float, tilt_rad: float, height_m: float | None = None
     ) -> Approximate: ...
     def plane_tilt(self, rods_m: ArrayLike) -> tuple[float, float]: ...
+    def rod_derivatives(
+        self, azimuth_rad: float, tilt_rad: float, height_m: float | None = None
+    ) -> RodDerivatives: ...
+    def platform_derivatives(
+        self,
+        rods_m: ArrayLike,
+        virtualization: _Model | None = None,
+        *,
+        solver: _Solver | None = None,
+        metric: _Metric | None = None,
+    ) -> PlatformDerivatives: ...
     @overload
     def broken_limits(
         self,
@@ -312,6 +346,8 @@ class Mechanism:
     @property
     def joints(self) -> tuple[str, ...]: ...
     @property
+    def frames(self) -> tuple[str, ...]: ...
+    @property
     def coordinate_names(self) -> tuple[str, ...]: ...
     @property
     def coordinate_units(self) -> tuple[str, ...]: ...
@@ -329,6 +365,16 @@ class Mechanism:
     def joint_freedoms(self) -> int: ...
     @property
     def loops(self) -> int: ...
+    def draw(
+        self,
+        at: dict[str, float] | Configuration | Relief | ArrayLike | None = None,
+        *,
+        ghost: dict[str, float] | Configuration | Relief | ArrayLike | None = None,
+        exaggerate: float | None = None,
+        view_rad: tuple[float, float] | None = None,
+        title: str | None = None,
+        width_px: float = 720.0,
+    ) -> Picture: ...
     def assemble(
         self, at: dict[str, float] | None = None, *, tolerance: float | None = None
     ) -> Configuration: ...
@@ -339,9 +385,22 @@ class Mechanism:
         self, at: dict[str, float] | None = None, *, tolerance: float | None = None
     ) -> MechanismMobility: ...
     def drive(
-        self, drives: Mapping[str, float | tuple[float, float]], *, steps: int | None = None
+        self,
+        drives: Mapping[str, ArrayLike],
+        *,
+        steps: int | None = None,
+        free: Sequence[str] | None = None,
     ) -> Motion: ...
-    def suggest(self, commands: Sequence[dict[str, float]]) -> Suggestions: ...
+    def suggest(
+        self,
+        commands: Sequence[dict[str, float]],
+        *,
+        limit: int | None = None,
+        joints: int | None = None,
+        symmetric: bool = False,
+        rank: Literal["norm", "largest"] = "norm",
+    ) -> Suggestions: ...
+    def with_virtual_joints(self, suggestion: Suggestion | Sequence[SuggestedJoint]) -> Mechanism: ...
     def relieve(self, at: dict[str, float]) -> Relief: ...
     def positions(
         self,
@@ -350,6 +409,37 @@ class Mechanism:
         solver: Literal["least-norm", "newton"] = "least-norm",
         check_limits: bool = True,
     ) -> Positions: ...
+    def parameter_derivatives(
+        self,
+        parameters: Sequence[str] | None = None,
+        at: Mapping[str, float] | None = None,
+        *,
+        commanded: Sequence[str] | None = None,
+    ) -> ParameterDerivatives: ...
+    def jacobian(
+        self,
+        name: str,
+        at: dict[str, float] | None = None,
+        *,
+        commanded: Sequence[str] | None = None,
+        velocities: dict[str, float] | None = None,
+    ) -> Jacobian: ...
+    def velocities(
+        self,
+        velocities: dict[str, float],
+        at: dict[str, float] | None = None,
+        *,
+        commanded: Sequence[str] | None = None,
+    ) -> Rates: ...
+    def accelerations(
+        self,
+        accelerations: dict[str, float],
+        velocities: dict[str, float] | None = None,
+        at: dict[str, float] | None = None,
+        *,
+        commanded: Sequence[str] | None = None,
+    ) -> Rates: ...
+    def link_poses(self, coordinates: ArrayLike, name: str) -> NDArray[np.float64]: ...
     def __copy__(self) -> Mechanism: ...
     def __deepcopy__(self, _memo: object) -> Mechanism: ...
     @staticmethod
@@ -428,4 +518,6 @@ class CellPlan:
     ) -> str: ...
 
 def catalogue() -> dict[str, str]: ...
+def picture_as_png(svg: str, width_px: int) -> bytes: ...
+def picture_as_pdf(svg: str) -> bytes: ...
 def arrow_stream(columns: Sequence[tuple[str, NDArray[Any]]]) -> object: ...

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +12,16 @@ from numpy.typing import NDArray
 from ._analyses import Freedoms
 from ._base import Floats, Many, Result, Table
 
+if TYPE_CHECKING:
+    from ._jointplay import Mechanism
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Configuration(Result, Mapping[str, float]):
     """A closed configuration: a mapping from names of coordinates to their values [m, rad]."""
 
+    mechanism: Mechanism
+    """The mechanism."""
     names: tuple[str, ...]
     """Names of the coordinates: joints, then virtual joints."""
     units: tuple[str, ...]
@@ -42,15 +47,39 @@ class Configuration(Result, Mapping[str, float]):
     def __len__(self) -> int:
         return len(self.names)
 
+    def link_poses(self, name: str) -> Floats:
+        """Pose of a link or an attached frame in the base frame, ``base_from_frame``, shape (4, 4) [m]."""
+        return self.mechanism.link_poses(self.coordinates, name)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JointLoad(Result):
+    """Load of a joint in a self-stress, on the second link of the joint."""
+
+    joint: str
+    """Name of the joint."""
+    place_m: Floats
+    """Place of the joint in the base frame (m)."""
+    force_n: Floats
+    """Force in the base frame; the largest of the self-stress has 1 N."""
+    moment_nm: Floats
+    """Moment about the place in the base frame (N m)."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RedundantConstraint(Result):
-    """A redundant constraint, as the wrench of its self-stress."""
+    """A redundant constraint as a self-stress: loads of joints in equilibrium without an external load."""
 
     what: str
-    """In words, such as ``'moment about x'``."""
+    """In words, such as ``'moment about x, in A, B, C, D'``."""
     joints: tuple[str, ...]
-    """The joints that carry it."""
+    """The joints that transmit it."""
+    group: int
+    """Number of its group, from 1; symmetries of the mechanism map the members of a group onto each other."""
+    independent: bool
+    """Whether it is a member of the basis; the others depend on the basis."""
+    remove_any_one_of: tuple[JointLoad, ...]
+    """Releasing any one of these joints along its force or about its moment removes the self-stress."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -105,7 +134,11 @@ class MechanismMobility(Freedoms):
     branch_dimensions: tuple[int, ...] | None
     """Dimensions of the branches that meet, if not every instantaneous motion is finite."""
     redundant_constraints: tuple[RedundantConstraint, ...]
-    """Redundant constraints, one entry each."""
+    """Redundant constraints: a sparsest basis of the self-stresses, and the symmetric images of its members."""
+    redundant_constraints_sparsest: bool | None
+    """Whether no basis of self-stresses has fewer joints in total; ``None`` with sparse algebra, which finds no basis."""
+    joints_in_all_self_stresses: tuple[str, ...]
+    """Joints that take part in all self-stresses."""
     link_motions: Mapping[str, LinkMotion]
     """Instantaneous motion of each link but the base."""
     near: NearMobility | None
@@ -132,6 +165,8 @@ class SingularConfiguration(Result):
 class Motion(Table):
     """A motion of a mechanism: n configurations, the start first."""
 
+    mechanism: Mechanism
+    """The mechanism."""
     name: str
     """Name of the mechanism."""
     names: tuple[str, ...]
@@ -158,7 +193,7 @@ class Motion(Table):
     """Coordinates beyond their limits or clearance."""
     within_limits: NDArray[np.bool_]
     """Whether all joint limits and clearances hold, shape (n,)."""
-    stopped: Literal["locked", "singular_start", "incompatible"] | None
+    stopped: Literal["locked", "singular_start", "incompatible", "beyond_limits"] | None
     """Why it stopped before the end; ``None`` if it did not."""
     message: str | None
     """The same in words, and where, in the units of the file."""
@@ -169,6 +204,10 @@ class Motion(Table):
             raise KeyError(name)
         return self.coordinates[:, self.names.index(name)]
 
+    def link_poses(self, name: str) -> Floats:
+        """Poses of a link or an attached frame in the base frame, ``base_from_frame``, shape (n, 4, 4) [m]."""
+        return self.mechanism.link_poses(self.coordinates, name)
+
     def columns(self) -> dict[str, NDArray[Any]]:
         """Every coordinate along the path by name and unit, such as ``crank_rad``."""
         return _by_name_and_unit(self.names, self.units, self.coordinates)
@@ -178,6 +217,8 @@ class Motion(Table):
 class Positions(Many):
     """All joints for n commands; a row that cannot be closed, or is beyond limits or clearances, is NaN."""
 
+    mechanism: Mechanism
+    """The mechanism."""
     names: tuple[str, ...]
     """Names of the coordinates: joints, then virtual joints."""
     units: tuple[str, ...]
@@ -199,6 +240,10 @@ class Positions(Many):
             raise KeyError(name)
         return self.coordinates[:, self.names.index(name)]
 
+    def link_poses(self, name: str) -> Floats:
+        """Poses of a link or an attached frame in the base frame, ``base_from_frame``, shape (n, 4, 4) [m]; NaN where a row is."""
+        return self.mechanism.link_poses(self.coordinates, name)
+
     def columns(self) -> dict[str, NDArray[Any]]:
         """Every coordinate by name and unit, such as ``crank_rad``."""
         return _by_name_and_unit(self.names, self.units, self.coordinates)
@@ -214,6 +259,85 @@ def _by_name_and_unit(
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Jacobian(Result):
+    """Geometric Jacobian of a link or an attached frame, with loops closed.
+
+    Of balls, derivatives are angular velocities in the turned frame.
+    """
+
+    name: str
+    """The link or frame."""
+    configuration: Configuration
+    """Where it was computed."""
+    commanded: tuple[str, ...]
+    """Names of the commanded coordinates: the columns."""
+    commanded_units: tuple[str, ...]
+    """Unit of each, ``'m'`` or ``'rad'``."""
+    pose: Floats
+    """Pose of the frame in the base frame, shape (4, 4) [m]."""
+    matrix: Floats
+    """Angular velocity, then velocity of the origin, in the base frame, shape (6, n) [rad, m]."""
+    derivative: Floats | None
+    """Its rate of change, if velocities were given, shape (6, n) [rad/s, m/s]."""
+    coordinate_derivatives: Floats
+    """Derivatives of all coordinates, joints, then virtual joints, shape (f + M, n)."""
+    singular_values: Floats
+    """Of the matrix in radians and characteristic lengths, the largest first, shape (min(6, n),)."""
+    condition_number: float | None
+    """Largest over smallest singular value; ``None`` where the smallest is zero."""
+    manipulability: float
+    """Product of the singular values."""
+    loop_singular_values: Floats
+    """Of the loops with the commanded coordinates held, one for each other coordinate, in radians and characteristic lengths, the largest first; zeros are freedoms that the least displacement determines."""
+    characteristic_length_m: float
+    """The characteristic length [m]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Rates(Result):
+    """Velocities and accelerations of all coordinates, links and attached frames.
+
+    Of balls, angular velocity in the turned frame, and the derivative of its components.
+    """
+
+    configuration: Configuration
+    """Where they were computed."""
+    names: tuple[str, ...]
+    """Names of the coordinates: joints, then virtual joints."""
+    units: tuple[str, ...]
+    """Unit of each coordinate, ``'m'`` or ``'rad'``."""
+    velocities: Floats
+    """Velocities of all coordinates, shape (f + M,) [m/s, rad/s]."""
+    accelerations: Floats
+    """Accelerations of all coordinates, shape (f + M,) [m/s², rad/s²]."""
+    frame_velocities: Mapping[str, Floats]
+    """Angular velocity, then velocity of the origin, in the base frame, by link or frame, each of shape (6,)."""
+    frame_accelerations: Mapping[str, Floats]
+    """Angular acceleration, then acceleration of the origin, in the base frame, each of shape (6,)."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ParameterDerivatives(Result):
+    """Derivatives by n parameters of the file, per unit of the parameter there, with commanded coordinates held and loops closed.
+
+    Of balls, derivatives are rotations in the turned frame.
+    """
+
+    configuration: Configuration
+    """Where they were computed."""
+    parameters: tuple[str, ...]
+    """Names of the parameters: the columns."""
+    names: tuple[str, ...]
+    """Names of the coordinates: joints, then virtual joints."""
+    units: tuple[str, ...]
+    """Unit of each coordinate, ``'m'`` or ``'rad'``."""
+    coordinates: Floats
+    """Derivatives of all coordinates, shape (f + M, n) [m, rad]."""
+    frames: Mapping[str, Floats]
+    """Rotation, then displacement of the origin, in the base frame, by link or frame, each of shape (6, n) [rad, m]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class SuggestedJoint(Result):
     """One virtual joint of a suggestion."""
 
@@ -221,14 +345,22 @@ class SuggestedJoint(Result):
     """What it is, in words."""
     joint: str
     """The joint that would have it."""
+    on: str
+    """The link that carries it."""
     motion: Literal["slide", "turn"]
     """Whether it slides or turns."""
     direction: Floats
     """Along or about what, in the frame of the link that carries it, shape (3,)."""
+    about: Floats | None
+    """For a turn, a point of its axis in the same frame, shape (3,) [m]."""
+    clearance: float | None
+    """Clearance of the joint in this direction, in ``unit``; ``None`` if the file has none."""
     largest: float
     """Largest displacement over the commands, in ``unit``."""
     unit: str
     """``'m'`` or ``'rad'``."""
+    alternatives: tuple[SuggestedJoint, ...]
+    """Other virtual joints of the same leg that relieve the same instantaneous motion."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -239,6 +371,10 @@ class Suggestion(Result):
     """Largest displacement over the commands, turns weighed by the characteristic length [m]."""
     symmetric: bool
     """Whether every symmetry of the mechanism maps the set onto itself; ``False`` where it has none."""
+    symmetric_for_commands: bool
+    """Whether every symmetry of the mechanism that maps the commands onto each other maps the set onto itself; ``False`` where it has none."""
+    within_clearances: bool
+    """Whether no virtual joint exceeds the clearance of its joint, as far as clearances are known."""
     coordinates: Floats
     """Joint coordinates for each command, shape (commands, f) [m, rad]."""
     limits_broken: tuple[str, ...]
@@ -258,9 +394,13 @@ class Suggestions(Result):
     limits_broken: tuple[str, ...]
     """Joint coordinates that are beyond their limits there."""
     sets: tuple[Suggestion, ...]
-    """Sets of virtual joints, those within joint limits first, then by displacement; none holds another that is enough."""
+    """Sets of virtual joints, those within joint limits and clearances first, then by displacement; none holds another that is enough."""
     candidates: int
     """Places and directions that were considered."""
+    in_class: float
+    """Number of sets in the class that was searched, compared or not."""
+    lower_bound_m: float
+    """Displacement below which no set of the candidates lies (m)."""
     compared: int
     """Sets that were compared."""
     cut_short: bool

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from ._base import AXES, Floats, Many, Result, spread
 
+if TYPE_CHECKING:
+    from ._jointplay import Forward
+
 
 QUANTITIES = (
     "azimuth_rad",
@@ -23,6 +26,7 @@ QUANTITIES = (
     "sides_m",
     "virtual_joints",
     "displacement_m",
+    "ball_displacement_m",
     "sensitivity",
     "residual_m",
     "iterations",
@@ -71,6 +75,8 @@ class ForwardMany(Many):
         """Displacements of the virtual joints, shape (..., M) [m, rad]."""
         displacement_m: Floats
         """How far the virtual joints are from nominal, in the metric, shape (...) [m]."""
+        ball_displacement_m: Floats
+        """Distance of each ball from the centre of its nominal socket, shape (..., 3) [m]."""
         sensitivity: Floats
         """Singular values of ∂X/∂P in the metric, the largest first, shape (..., 3)."""
         residual_m: Floats
@@ -205,6 +211,50 @@ class Approximate(Result):
     """Homogeneous transform with the origin on the base axis, shape (4, 4) [m]."""
     gaps_m: Floats
     """From each ball to its socket, in the base frame, shape (3, 3), a row for each limb [m]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BallClearance(Result):
+    """Clearance of the balls in their sockets that a pose needs, for rigid parts."""
+
+    displacements_m: Floats
+    """Displacement of each ball from the centre of its socket, under the virtualization, shape (3,) [m]."""
+    lower_bound_m: float
+    """Radial clearance that is needed wherever the platform settles, at least [m]."""
+    upper_bound_m: float
+    """Radial clearance at which the pose is possible: the largest displacement [m]."""
+    available_m: float | None
+    """Radial clearance of the robot; None where it is not known [m]."""
+    is_sufficient: bool | None
+    """Whether the available clearance is sufficient; None where it is unknown, or between the bounds."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RodDerivatives(Result):
+    """Rods of a tilt with their derivatives by (θ_x, θ_y, z): the tilt as a rotation vector in the base plane, and the axis height."""
+
+    rods_m: Floats
+    """Rod lengths, shape (3,) [m]."""
+    jacobian: Floats
+    """∂q_k/∂(θ_x, θ_y, z), shape (3, 3), a row for each rod [m/rad, m/rad, 1]."""
+    second: Floats
+    """∂²q_k/∂(θ_x, θ_y, z)², shape (3, 3, 3), a symmetric matrix for each rod [m/rad²]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PlatformDerivatives(Result):
+    """Derivatives of a pose of the platform by the rods."""
+
+    pose: Forward
+    """The pose."""
+    jacobian: Floats
+    """Angular velocity, then velocity of the origin, in the base frame, for unit velocities of the rods, shape (6, 3) [rad/m, 1]."""
+    jacobian_derivatives: Floats
+    """Derivative of the Jacobian by each rod, shape (3, 6, 3) [rad/m², 1/m]."""
+    virtual_joints: Floats
+    """Derivatives of the M virtual joints by the rods, shape (M, 3) [1, rad/m]."""
+    virtual_joints_second: Floats
+    """Their second derivatives, shape (M, 3, 3) [1/m, rad/m²]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

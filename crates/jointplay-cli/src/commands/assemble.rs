@@ -8,7 +8,9 @@ use jointplay::report::{self, AssemblyReport};
 
 use crate::arguments::whole;
 use crate::failure::Failure;
-use crate::mechanism_input::{Assignment, Input, MechanismArgs, Posed, ToleranceArgs, assignment};
+use crate::mechanism_input::{
+    Input, JointValues, MechanismArgs, Posed, ToleranceArgs, joint_values,
+};
 use crate::progress::Progress;
 
 /// Close the loops of a mechanism, starting from the initial guess in its file
@@ -28,8 +30,8 @@ pub(crate) struct Assemble {
     #[command(flatten)]
     pub(crate) mechanism: MechanismArgs,
     /// Commanded joint coordinates, in the units of the file
-    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment)]
-    at: Vec<Assignment>,
+    #[arg(long, value_name = "JOINT=VALUE", value_parser = joint_values)]
+    at: Vec<JointValues>,
     /// Also search for other closed configurations, from this number of random starts
     #[arg(long, value_name = "STARTS", value_parser = |text: &str| whole::<u16>(text, 1, 10_000))]
     branches: Option<u16>,

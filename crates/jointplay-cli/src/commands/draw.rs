@@ -4,14 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 use jointplay::format::number::number;
+use jointplay::mechanism::{JointWrench, MechanismSystem, self_stresses};
+use jointplay::mobility::{RANK_THRESHOLD, instantaneous_mobility};
+use jointplay::nalgebra::DVector;
 use jointplay::plot::{MechanismPicture, View};
 use serde::Serialize;
 
-use super::motion::driven;
+use super::motion_run::driven;
 use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::figure::FigureArgs;
-use crate::mechanism_input::{Assignment, Input, SetArgs, assignment};
+use crate::mechanism_input::{Input, JointValues, SetArgs, joint_values};
 use crate::output::{self, FormatArgs};
 use crate::source::STANDARD;
 
@@ -29,6 +32,7 @@ Examples:
   jointplay draw bennett > bennett.svg
   jointplay draw four-bar --at A=30 --ghost A=120 --figure motion.png
   jointplay draw hexapod --view=-30,20 --figure hexapod.svg
+  jointplay draw gpr-mechanism --redundant 1 --figure redundant.svg
   jointplay draw gpr-mechanism --at \"rod 1=5,rod 2=0,rod 3=0\" --exaggerate 500 --figure play.svg")]
 pub(crate) struct Draw {
     /// Mechanism file (TOML), model (MJCF, SDF, URDF), or a name from `jointplay catalogue`
@@ -37,14 +41,17 @@ pub(crate) struct Draw {
     #[command(flatten)]
     set: SetArgs,
     /// Commanded joint coordinates, in the units of the file
-    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment)]
-    at: Vec<Assignment>,
+    #[arg(long, value_name = "JOINT=VALUE", value_parser = joint_values)]
+    at: Vec<JointValues>,
     /// Also draw the links faintly with these joints driven to these values
-    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment)]
-    ghost: Vec<Assignment>,
+    #[arg(long, value_name = "JOINT=VALUE", value_parser = joint_values)]
+    ghost: Vec<JointValues>,
     /// Play scale: draw the displacement of the virtual joints larger by this factor; joints keep their positions
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     exaggerate: Option<f64>,
+    /// Draw redundant constraint N, as numbered by `mobility`: forces and moments of its self-stress on the second links of the joints
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "exaggerate")]
+    redundant: Option<u32>,
     /// Direction to the viewer: azimuth and elevation in degrees, with z up
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = view)]
     view: Option<View>,
@@ -83,6 +90,23 @@ fn factor(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Loads of the joints in a redundant constraint, by its number.
+fn redundant(input: &Input, at: &DVector<f64>, number: u32) -> Result<Vec<JointWrench>, Failure> {
+    let system = MechanismSystem::new(&input.file.mechanism, at.clone())?;
+    let first = instantaneous_mobility(&system, &system.at_home(), RANK_THRESHOLD)?;
+    let found = self_stresses(&system, &first)?.stresses;
+    let count = found.len();
+    let index = usize::try_from(number).unwrap_or(usize::MAX) - 1;
+    match found.into_iter().nth(index) {
+        Some(stress) => Ok(stress.wrenches),
+        None if count == 0 => {
+            let text = "--redundant: no constraint is redundant in this configuration";
+            Err(Failure::Usage(text.to_owned()))
+        }
+        None => Err(Failure::Usage(format!("--redundant must be from 1 to {count}, got {number}"))),
+    }
+}
+
 impl Draw {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         self.figure.target()?;
@@ -94,6 +118,9 @@ impl Draw {
         }
         let mut picture = MechanismPicture::new(&input.file.mechanism, posed.closed.coordinates);
         (picture.view, picture.exaggeration) = (self.view, self.exaggerate);
+        if let Some(number) = self.redundant {
+            picture.loads = redundant(&input, &picture.coordinates, number)?;
+        }
         if !self.ghost.is_empty() {
             let to = input.commands(&self.ghost)?;
             picture.ghost = Some(driven(&input, &picture.coordinates, &to, "--ghost")?);

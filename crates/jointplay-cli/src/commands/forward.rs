@@ -29,7 +29,7 @@ impl ForwardCommand {
         let rods = self.rods.rods(&gpr);
         let broken = self.answer.limits.check_rods(&gpr, &rods)?;
         let pose = gpr.forward(rods, model, &self.model.options())?;
-        let report = report::forward(&pose, model, &broken);
+        let report = report::forward(&gpr, &pose, model, &broken);
         self.answer
             .format
             .print(&report, |report| pose_text::pose(report, self.model.options().solver))

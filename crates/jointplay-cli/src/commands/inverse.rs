@@ -52,7 +52,7 @@ impl Inverse {
                 pose
             }
         };
-        let report = report::forward(&pose, model, &broken);
+        let report = report::forward(&gpr, &pose, model, &broken);
         self.answer.format.print(&report, |report| pose_text::pose(report, options.solver))
     }
 }

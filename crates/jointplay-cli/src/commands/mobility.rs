@@ -19,7 +19,7 @@ use jointplay::virtualization::{Planar, SolveOptions};
 
 use crate::arguments::{AnswerArgs, RodArgs, VirtualizationName};
 use crate::failure::Failure;
-use crate::mechanism_input::{Assignment, Input, SetArgs, ToleranceArgs, assignment};
+use crate::mechanism_input::{Input, JointValues, SetArgs, ToleranceArgs, joint_values};
 use crate::output::{limits, magnitude, three};
 use crate::progress::Progress;
 use crate::source::{Kind, Source};
@@ -49,8 +49,8 @@ pub(crate) struct Mobility {
     #[arg(value_name = "FILE", conflicts_with = "robot")]
     file: Option<PathBuf>,
     /// Commanded joint coordinates of a mechanism, in the units of the file
-    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment, requires = "file", conflicts_with_all = ["q_mm", "virtualization"])]
-    at: Vec<Assignment>,
+    #[arg(long, value_name = "JOINT=VALUE", value_parser = joint_values, requires = "file", conflicts_with_all = ["q_mm", "virtualization"])]
+    at: Vec<JointValues>,
     #[command(flatten)]
     set: SetArgs,
     #[command(flatten)]
@@ -260,18 +260,44 @@ fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
         "  singular values below the threshold and closure residuals below {CLOSURE_TOLERANCE:.0e} are treated as zero"
     );
     let _ = writeln!(text, "{}", report.class);
-    for carried in &report.redundant_constraints {
-        let _ = writeln!(
-            text,
-            "  redundant constraint: {}, by {}",
-            carried.what,
-            carried.joints.join(", ")
-        );
-    }
+    text.push_str(&redundant_constraints(report));
     text.push_str(&near_words(report));
     let _ = writeln!(text, "instantaneous motions of the links");
     for (link, motion) in &report.link_motions.0 {
         let _ = writeln!(text, "  {link:<20} {}", motion_words(motion));
+    }
+    text
+}
+
+/// Self-stresses by group, and how to remove them.
+fn redundant_constraints(report: &MechanismMobilityReport) -> String {
+    let (all, basis) = (&report.redundant_constraints, &report.redundant_constraint_basis);
+    let mut text = String::new();
+    if all.is_empty() {
+        return text;
+    }
+    let independent = all.iter().filter(|one| one.independent).count();
+    let quality = if basis.sparsest { "sparsest basis" } else { "best basis found" };
+    let _ = writeln!(text, "redundant constraints ({quality} of the self-stresses)");
+    for (n, one) in all.iter().enumerate() {
+        let same = |other: &&report::RedundantConstraintReport| other.group == one.group;
+        let members = all.iter().filter(same).count();
+        if members > 1 && (n == 0 || all[n - 1].group != one.group) {
+            let independent = all.iter().filter(same).filter(|one| one.independent).count();
+            let _ = writeln!(text, "  {members} by symmetry, {independent} independent");
+        }
+        let indent = if members > 1 { "    " } else { "  " };
+        let _ = writeln!(text, "{indent}{}. {}", n + 1, one.what);
+    }
+    if all.len() > independent {
+        let _ = writeln!(text, "  {independent} of these {} are independent", all.len());
+    }
+    let _ = writeln!(
+        text,
+        "  to remove one: release any one of its joints along its force or about its moment"
+    );
+    if !basis.joints_in_all.is_empty() {
+        let _ = writeln!(text, "  in all self-stresses: {}", basis.joints_in_all.join(", "));
     }
     text
 }

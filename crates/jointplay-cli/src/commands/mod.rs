@@ -9,9 +9,15 @@ mod draw;
 mod forward;
 mod import;
 mod inverse;
+mod jacobian;
 mod manual;
 mod mobility;
 mod motion;
+mod motion_course;
+mod motion_drives;
+mod motion_pose;
+mod motion_run;
+mod motion_table;
 mod pose_text;
 mod relief;
 mod sensitivity;
@@ -37,6 +43,7 @@ pub(crate) enum Command {
     Sensitivity(sensitivity::SensitivityCommand),
     Compare(compare::Compare),
     Assemble(assemble::Assemble),
+    Jacobian(jacobian::Jacobian),
     Move(motion::Move),
     Draw(draw::Draw),
     Cell(cell::CellCommand),
@@ -65,6 +72,7 @@ impl Command {
             Self::Sensitivity(command) => command.run(),
             Self::Compare(command) => command.run(),
             Self::Assemble(command) => command.run(),
+            Self::Jacobian(command) => command.run(),
             Self::Move(command) => command.run(),
             Self::Draw(command) => command.run(),
             Self::Cell(command) => command.run(),
@@ -89,6 +97,7 @@ impl Command {
             Self::Sensitivity(command) => command.answer.format,
             Self::Compare(command) => command.answer.format,
             Self::Assemble(command) => command.mechanism.format,
+            Self::Jacobian(command) => command.mechanism.format,
             Self::Move(command) => command.mechanism.format,
             Self::Draw(command) => command.format,
             Self::Cell(command) => command.format(),

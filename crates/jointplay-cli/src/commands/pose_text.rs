@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use jointplay::report::ForwardReport;
 use jointplay::virtualization::Solver;
 
-use crate::output::{characteristic_length, limits, three};
+use crate::output::{ball_clearance, characteristic_length, limits, three};
 use jointplay::format::number::fixed;
 
 /// A pose as text.
@@ -55,5 +55,5 @@ pub(super) fn pose(report: &ForwardReport, asked: Solver) -> String {
         characteristic_length(&report.virtual_joints, report.characteristic_length_mm)
     );
     let _ = writeln!(text, "  side residual        {:.1e} mm", report.residual_mm);
-    text + &limits(&report.limits_broken)
+    text + &ball_clearance(&report.ball_clearance) + &limits(&report.limits_broken)
 }

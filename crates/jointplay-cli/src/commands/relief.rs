@@ -10,7 +10,7 @@ use jointplay::sensitivity::commanded_sensitivity;
 
 use crate::arguments::AnswerArgs;
 use crate::failure::Failure;
-use crate::mechanism_input::{Assignment, Input};
+use crate::mechanism_input::{Input, JointValues};
 use crate::output::magnitude;
 use crate::progress::Progress;
 use jointplay::format::number::fixed;
@@ -18,7 +18,7 @@ use jointplay::format::number::fixed;
 /// Prints the displacement of the virtual joints for a command; fails if one exceeds its clearance.
 pub(super) fn run(
     input: &Input,
-    command: &[Assignment],
+    command: &[JointValues],
     answer: &AnswerArgs,
 ) -> Result<(), Failure> {
     if input.file.mechanism.virtual_joints().is_empty() {

@@ -10,8 +10,8 @@ use jointplay::spatial::Tilt;
 use super::relief;
 use crate::arguments::{AnswerArgs, ModelArgs, Rods, TiltArgs};
 use crate::failure::Failure;
-use crate::mechanism_input::{Assignment, Input, SetArgs, assignment};
-use crate::output::{characteristic_length, limits, magnitude, three};
+use crate::mechanism_input::{Input, JointValues, SetArgs, joint_values};
+use crate::output::{ball_clearance, characteristic_length, limits, magnitude, three};
 use jointplay::format::number::fixed;
 
 /// Compute the displacement of the virtual joints for a tilt, with first-order bounds
@@ -31,8 +31,8 @@ pub(crate) struct SensitivityCommand {
     #[arg(value_name = "FILE", conflicts_with_all = ["robot", "q_mm", "azimuth_deg", "tilt_deg", "height_mm", "ignore_limits", "virtualization", "solver", "metric"])]
     file: Option<PathBuf>,
     /// Commanded joint coordinates of a mechanism, in the units of the file
-    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment, requires = "file")]
-    command: Vec<Assignment>,
+    #[arg(long, value_name = "JOINT=VALUE", value_parser = joint_values, requires = "file")]
+    command: Vec<JointValues>,
     #[command(flatten)]
     set: SetArgs,
     /// Rod lengths at the end of the motion, instead of a tilt
@@ -67,7 +67,7 @@ impl SensitivityCommand {
         let level = gpr.inverse(Tilt::LEVEL, end.axis_height())?;
         let start = gpr.forward(level, model, &options)?;
         let play = gpr.play_between(start, end, model)?;
-        let report = report::sensitivity(&play, model, &broken);
+        let report = report::sensitivity(&gpr, &play, model, &broken);
         self.answer.format.print(&report, text)
     }
 }
@@ -120,5 +120,5 @@ fn text(report: &SensitivityReport) -> String {
         };
         let _ = writeln!(text, "  {source:<30}{shares}");
     }
-    text + &limits(&report.limits_broken)
+    text + &ball_clearance(&report.ball_clearance) + &limits(&report.limits_broken)
 }

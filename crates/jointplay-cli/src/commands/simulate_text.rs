@@ -8,8 +8,8 @@ use jointplay::format::number::fixed;
 
 /// Terms of the table, in one line each.
 const NOTES: &str = "  X: virtual joint coordinates; singular pass: a sample at zero tilt, where the rods are equally long
-  bounds satisfied: tilted poses whose displacement |ΔX| is within the first-order bounds of the sensitivity,
-    taken at the midpoint of the motion from level or at the tilted pose (there it need not be)
+  within estimates: tilted poses whose displacement |ΔX| is within the first-order estimates of the sensitivity,
+    with the Jacobian at the midpoint of the motion from level or at the tilted pose (there it need not be)
 ";
 
 /// The file that explains the others of a study's folder.
@@ -31,8 +31,8 @@ pub(super) fn table(heading: &str, studies: &[&StudyReport]) -> String {
         ("angular X, greatest (deg)", &|s| greatest(s, "_deg", 6)),
         ("centre shift, largest (µm)", &|s| fixed(s.largest_center_shift_um, 3)),
         ("torsion, largest (deg)", &|s| format!("{:.1e}", s.largest_torsion_deg)),
-        ("bounds satisfied, midpoint", &|s| within(s.bounds.held_at_midpoint, s.bounds.poses)),
-        ("bounds satisfied, tilted pose", &|s| within(s.bounds.held_at_end, s.bounds.poses)),
+        ("within estimates, midpoint", &|s| within(s.bounds.held_at_midpoint, s.bounds.poses)),
+        ("within estimates, tilted pose", &|s| within(s.bounds.held_at_end, s.bounds.poses)),
     ];
     let mut text = format!("{heading}\n");
     let mut line = |name: &str, cells: &mut dyn Iterator<Item = String>| {

@@ -1,16 +1,22 @@
 //! `jointplay suggest`: virtual joints that make a motion possible.
 
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::mechanism::suggest;
+use jointplay::format::mechanism::{self, MechanismFile, Units};
+use jointplay::mechanism::{
+    MechanismSystem, SingleCommand, SuggestOptions, Suggestion, SuggestionRank, Suggestions,
+    VirtualJoint, single_commands, suggest,
+};
 use jointplay::nalgebra::DVector;
-use jointplay::report::{self, ByName, SuggestReport};
+use jointplay::report::{self, ByName, SetReport, SingleCommandReport, SuggestReport, WrittenSet};
 
 use crate::failure::Failure;
-use crate::mechanism_input::{Assignment, Input, MechanismArgs, assignment};
+use crate::folder::{self, ForceArgs};
+use crate::mechanism_input::{Input, JointValues, MechanismArgs, joint_values};
 use crate::progress::Progress;
-use jointplay::format::number::fixed;
+use jointplay::format::number::{counted, fixed};
 
 /// Number of sets listed in text; JSON lists all.
 const LISTED: usize = 10;
@@ -25,24 +31,65 @@ const SMALL_TURN: f64 = 0.05;
 #[command(after_help = "\
 Examples:
   jointplay suggest gpr-mechanism
-  jointplay suggest gpr-mechanism --format json
+  jointplay suggest gpr-mechanism --symmetric --rank largest
   jointplay suggest parallelogram --command A1=5,A2=4.9 --command A1=-5,A2=-5.1
+  jointplay suggest gpr-mechanism --write 1 --out with-play.toml
 
-Exit codes: 0 done, 1 no set was found, or none within joint limits, 2 bad input or usage.")]
+Exit codes: 0 done, 1 no set was found, or none within joint limits and clearances, 2 bad input or usage.")]
 pub(crate) struct Suggest {
     #[command(flatten)]
     pub(crate) mechanism: MechanismArgs,
     /// Commanded joint coordinates, in the units of the file; repeat the flag for further commands to the same joints
-    #[arg(long, value_name = "JOINT=VALUE,…", value_parser = assignments)]
-    command: Vec<Assignments>,
+    #[arg(long, value_name = "JOINT=VALUE,…", value_parser = joint_values)]
+    command: Vec<JointValues>,
+    /// Largest number of sets to compare
+    #[arg(long, value_name = "N", default_value_t = SuggestOptions::default().limit)]
+    limit: usize,
+    /// Largest number of virtual joints in a set [default: the number of directions to relieve; no limit for symmetric sets]
+    #[arg(long, value_name = "N")]
+    joints: Option<usize>,
+    /// Compare only symmetric sets
+    #[arg(long)]
+    symmetric: bool,
+    /// Rank by the norm of all displacements, or by the largest single displacement
+    #[arg(long, value_name = "BY", value_enum, default_value_t = Rank::Norm)]
+    rank: Rank,
+    /// Write the virtual joints of set N into the mechanism file, in place of its own
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    write: Option<u32>,
+    /// New mechanism file for --write [default: change the mechanism file itself]
+    #[arg(long, value_name = "FILE", requires = "write")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArgs,
 }
 
-/// One command.
-#[derive(Clone, Debug)]
-struct Assignments(Vec<Assignment>);
+/// Order of the sets.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Rank {
+    Norm,
+    Largest,
+}
 
-fn assignments(text: &str) -> Result<Assignments, String> {
-    text.split(',').map(assignment).collect::<Result<_, _>>().map(Assignments)
+/// Refuses a set that needs more than the clearances of the joints.
+fn within_clearances(set: &SetReport) -> Result<(), Failure> {
+    let exceeded = set.virtual_joints.iter().filter(|one| one.exceeds_clearance == Some(true));
+    let exceeded: Vec<&str> = exceeded.map(|one| one.virtual_joint.name.as_str()).collect();
+    if exceeded.is_empty() {
+        return Ok(());
+    }
+    let text = format!("beyond the clearance of the joint: {}", exceeded.join(", "));
+    Err(Failure::OverClearance(text))
+}
+
+/// Index of a set, from its number.
+fn chosen(number: u32, sets: usize) -> Result<usize, Failure> {
+    let index = usize::try_from(number).unwrap_or(usize::MAX) - 1;
+    match sets {
+        0 => Err(Failure::Unsolved("no set of virtual joints to write".to_owned())),
+        _ if index < sets => Ok(index),
+        _ => Err(Failure::Usage(format!("--write must be from 1 to {sets}, got {number}"))),
+    }
 }
 
 /// Commands to the same coordinates.
@@ -57,12 +104,23 @@ impl Suggest {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let mut input = self.mechanism.load()?;
         // The search replaces the virtual joints of the file.
+        let replaced = input.file.mechanism.virtual_joints().len();
+        let destination = self.write.map(|_| self.destination(&input, replaced)).transpose()?;
         let bare = input.file.mechanism.clone().with_virtual_joints(Vec::new());
         input.file.mechanism = bare.expect("a mechanism without virtual joints is valid");
         let home = input.assembled(&[])?.coordinates;
         let Commands { commanded, values: commands } = self.commands(&input, &home)?;
         let working = Progress::of_work("comparing sets");
-        let found = suggest(&input.file.mechanism, &home, &commanded, &commands)?;
+        let options = SuggestOptions {
+            limit: self.limit,
+            joints: self.joints,
+            symmetric_only: self.symmetric,
+            rank: match self.rank {
+                Rank::Norm => SuggestionRank::Norm,
+                Rank::Largest => SuggestionRank::Largest,
+            },
+        };
+        let found = suggest(&input.file.mechanism, &home, &commanded, &commands, &options)?;
         drop(working);
         let coordinates = &input.coordinates;
         let names = commanded.iter().map(|&k| coordinates.all()[k].name.clone()).collect();
@@ -71,17 +129,109 @@ impl Suggest {
             values.map(|(&k, &value)| coordinates.from_si(k, value)).collect()
         };
         let in_file_units = commands.iter().map(in_units).collect();
-        let report = report::suggestions(&input.file, names, in_file_units, &found);
+        let mut report = report::suggestions(&input.file, names, in_file_units, &found);
+        let single = self.single_commands(&input, &home, &commanded, &commands, &found)?;
+        report::add_single_commands(&mut report, &input.file, &single);
+        // An invalid number of a set is reported after the sets.
+        let chosen = self.write.map_or(Ok(0), |number| chosen(number, report.sets.len()));
+        if let (Some(path), Ok(k)) = (destination, &chosen) {
+            let text = self.with_play(&input, &found.sets[*k].virtual_joints)?;
+            folder::write_file(path, text.as_bytes(), self.replaces())?;
+            let file = path.display().to_string();
+            report.written = Some(WrittenSet { file, set: k + 1, replaced });
+        }
         self.mechanism.format.print(&report, |report| text(&input, &commanded, report))?;
+        let k = chosen?;
         if !found.needed {
             return found.without_play.iter().try_for_each(|at| input.within_limits(at));
         }
-        match report.sets.into_iter().next() {
-            // Sets within limits are listed first.
-            Some(best) if best.limits_broken.is_empty() => Ok(()),
-            Some(best) => Err(Failure::BeyondLimits(best.limits_broken)),
+        // Sets within limits are listed first.
+        match report.sets.into_iter().nth(k) {
+            Some(best) if !best.limits_broken.is_empty() => {
+                Err(Failure::BeyondLimits(best.limits_broken))
+            }
+            Some(best) => within_clearances(&best),
             None => Err(Failure::Unsolved("no set of virtual joints was found".to_owned())),
         }
+    }
+
+    /// Displacements of single motors, or of single commanded coordinates without motors, for the sets that text lists.
+    fn single_commands(
+        &self,
+        input: &Input,
+        home: &DVector<f64>,
+        commanded: &[usize],
+        commands: &[DVector<f64>],
+        found: &Suggestions,
+    ) -> Result<Vec<Vec<SingleCommand>>, Failure> {
+        let mechanism = &input.file.mechanism;
+        let motors = mechanism.actuated_coordinates();
+        let moved = if motors.is_empty() { commanded } else { &motors };
+        let all = input.coordinates.all();
+        let away = |k: usize| {
+            // The largest displacement of the commanded coordinates with this unit.
+            let same =
+                (0..commanded.len()).filter(|&n| all[commanded[n]].quantity == all[k].quantity);
+            same.flat_map(|n| commands.iter().map(move |c| (c[n] - home[commanded[n]]).abs()))
+                .fold(0.0, f64::max)
+        };
+        let system = MechanismSystem::new(mechanism, home.clone())?;
+        let length = jointplay::constraint::System::characteristic_length(&system);
+        let displacements: Vec<(usize, f64)> = moved
+            .iter()
+            .map(|&k| match away(k) {
+                0.0 => (k, SMALL_TURN * system.kinematics().dimensions()[k].unit(length)),
+                by => (k, by),
+            })
+            .collect();
+        let of_set = |set: &Suggestion| {
+            let relieved = mechanism.clone().with_virtual_joints(set.virtual_joints.clone());
+            let relieved = relieved.expect("suggested joints are valid");
+            Ok(single_commands(&relieved, home, &displacements)?)
+        };
+        found.sets.iter().take(LISTED).map(of_set).collect()
+    }
+
+    /// The file to write, checked before the search.
+    ///
+    /// # Arguments
+    /// * `replaced` – number of virtual joints that the mechanism has
+    fn destination(&self, input: &Input, replaced: usize) -> Result<&Path, Failure> {
+        if let Some(path) = &self.out {
+            folder::check_file(path, self.force)?;
+            return Ok(path);
+        }
+        let path = self.mechanism.path();
+        if input.text.is_none() || !path.is_file() {
+            let text = "--write without --out changes a mechanism file: use --out FILE for models, the catalogue and standard input";
+            return Err(Failure::Usage(text.to_owned()));
+        }
+        if replaced > 0 && !self.force.is_given() {
+            return Err(Failure::Usage(format!(
+                "{} has {}, which --write replaces: use --out for a new file, or --force",
+                path.display(),
+                counted(replaced, "virtual joint")
+            )));
+        }
+        Ok(path)
+    }
+
+    /// Whether an existing file may be replaced: without `--out` it is the file to change.
+    fn replaces(&self) -> ForceArgs {
+        if self.out.is_none() { ForceArgs::REPLACE } else { self.force }
+    }
+
+    /// The text of the mechanism file with virtual joints.
+    fn with_play(&self, input: &Input, joints: &[VirtualJoint]) -> Result<String, Failure> {
+        let MechanismFile { mechanism, source, units, .. } = &input.file;
+        let (text, units) = match &input.text {
+            Some(text) => (text.clone(), *units),
+            None => (mechanism::write(mechanism, source.as_deref()), Units::SI),
+        };
+        let replaced = self.mechanism.replaced_parameters();
+        mechanism::with_virtual_joints(&text, mechanism, units, joints, &replaced).map_err(
+            |error| Failure::invalid(&[error], &self.mechanism.path().display().to_string()),
+        )
     }
 
     /// The commands of the flags, or the default ones.
@@ -89,11 +239,11 @@ impl Suggest {
         let Some((first, others)) = self.command.split_first() else {
             return small_steps(input, home);
         };
-        let first = input.commands(&first.0)?;
+        let first = input.commands(std::slice::from_ref(first))?;
         let commanded: Vec<usize> = first.iter().map(|&(k, _)| k).collect();
         let mut commands = vec![DVector::from_iterator(first.len(), first.iter().map(|c| c.1))];
         for other in others {
-            let other = input.commands(&other.0)?;
+            let other = input.commands(std::slice::from_ref(other))?;
             let value = |k: &usize| other.iter().find(|(name, _)| name == k).map(|c| c.1);
             match commanded.iter().map(value).collect::<Option<Vec<f64>>>() {
                 Some(values) if other.len() == commanded.len() => {
@@ -111,7 +261,7 @@ impl Suggest {
 
 /// One command for each actuator: a small displacement, with the others held.
 fn small_steps(input: &Input, home: &DVector<f64>) -> Result<Commands, Failure> {
-    let system = jointplay::mechanism::MechanismSystem::new(&input.file.mechanism, home.clone())?;
+    let system = MechanismSystem::new(&input.file.mechanism, home.clone())?;
     let joints = input.file.mechanism.joints().iter().enumerate();
     let motors: Vec<usize> = joints
         .filter(|(_, joint)| joint.actuated)
@@ -161,6 +311,29 @@ fn places(input: &Input, shown: &[usize], configurations: &[ByName<f64>]) -> Str
     text
 }
 
+/// Lines with the displacements of single coordinates that a set makes possible, and those that it does not.
+fn single(input: &Input, commands: &[SingleCommandReport]) -> String {
+    let mut text = String::new();
+    for (possible, heading) in [(true, "also possible"), (false, "not possible")] {
+        let listed: Vec<String> = commands
+            .iter()
+            .filter(|one| one.size_mm.is_some() == possible)
+            .map(|one| {
+                let unit = input.find(&one.coordinate).map_or("", |k| input.coordinates.unit(k));
+                let by = format!("{} ±{} {unit}", one.coordinate, fixed(one.by, 3));
+                match one.size_mm {
+                    Some(size) => format!("{by} by {} mm", fixed(size, 5)),
+                    None => by,
+                }
+            })
+            .collect();
+        if !listed.is_empty() {
+            let _ = writeln!(text, "   {heading} alone: {}", listed.join(", "));
+        }
+    }
+    text
+}
+
 fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
     let shown = shown(input, commanded);
     let mut text = format!("virtual joints for {}\n", report.name);
@@ -182,37 +355,61 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
         text.push_str(&places(input, &shown, &report.without_play));
         return text;
     }
+    let compared = report.sets_compared - report.sets_untried;
+    let _ = if report.cut_short || report.sets_untried > 0 {
+        writeln!(
+            text,
+            "best found among {compared} of {} sets; a smaller displacement may exist",
+            report.sets_in_class
+        )
+    } else {
+        writeln!(text, "sets of virtual joints, all {} compared", report.sets_in_class)
+    };
     let _ = writeln!(
         text,
-        "{}",
-        if report.cut_short || report.sets_untried > 0 {
-            "best sets found, by displacement; the search was not exhaustive, so a smaller displacement may exist"
-        } else {
-            "sets of virtual joints, by displacement"
-        }
-    );
-    let _ = writeln!(
-        text,
-        "  {} candidate joints and directions, {} sets compared{}, {} not tried",
+        "  {} candidate joints and directions; no set of them needs less than {} mm",
         report.candidates,
-        report.sets_compared,
-        if report.cut_short { " (the limit)" } else { "" },
-        report.sets_untried
+        fixed(report.lower_bound_mm, 5)
     );
     if report.sets.is_empty() {
         text.push_str("no tried set makes the motion possible\n");
     }
     for (n, set) in report.sets.iter().take(LISTED).enumerate() {
-        let alike = if set.symmetric { ", symmetric" } else { "" };
+        let alike = match (set.symmetric, set.symmetric_for_commands) {
+            (true, _) => ", symmetric",
+            (false, true) => ", symmetric for the commands",
+            (false, false) => "",
+        };
         let _ = writeln!(text, "{}. displacement {} mm{alike}", n + 1, fixed(set.size_mm, 5));
         for joint in &set.virtual_joints {
             let unit = if joint.unit == "um" { "µm" } else { "mrad" };
-            let _ = writeln!(text, "   {:<44}{:>12} {unit}", joint.name, fixed(joint.largest, 3));
+            let name = &joint.virtual_joint.name;
+            let clearance = match joint.exceeds_clearance {
+                Some(true) => ", exceeds the clearance",
+                Some(false) => ", within the clearance",
+                None => "",
+            };
+            let largest = fixed(joint.largest, 3);
+            let _ = writeln!(text, "   {name:<44}{largest:>12} {unit}{clearance}");
+            for alternative in &joint.alternatives {
+                let _ = writeln!(text, "     or {}", alternative.name);
+            }
         }
         text.push_str(&places(input, &shown, &set.configurations));
+        if set.within_limits == Some(true) {
+            text.push_str("   within the joint limits\n");
+        }
         for limit in &set.limits_broken {
             let _ = writeln!(text, "   joint limit exceeded: {}", limit.message);
         }
+        text.push_str(&single(input, set.single_commands.as_deref().unwrap_or_default()));
+    }
+    if let Some(WrittenSet { file, set, replaced }) = &report.written {
+        let _ = write!(text, "set {set} written to {file}");
+        if *replaced > 0 {
+            let _ = write!(text, ", in place of {}", counted(*replaced, "virtual joint"));
+        }
+        text.push('\n');
     }
     if report.sets.len() > LISTED {
         let more = report.sets.len() - LISTED;

@@ -86,7 +86,7 @@ fn every_mechanism_of_the_catalogue_can_be_drawn() {
 fn what_cannot_be_drawn() {
     let sandbox = Sandbox::new();
     for (line, code, message) in [
-        ("draw bennett --figure bennett.jpg", 2, "must end in .svg or .png"),
+        ("draw bennett --figure bennett.jpg", 2, "must end in .svg, .png or .pdf"),
         ("draw bennett --figure nowhere/bennett.svg", 2, "its folder does not exist"),
         ("draw bennett --view 30", 2, "expected AZIMUTH,ELEVATION"),
         ("draw bennett --view 30,91", 2, "elevation must be from -90° to 90°"),

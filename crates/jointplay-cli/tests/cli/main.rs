@@ -10,6 +10,7 @@ mod documents;
 mod draw;
 mod import;
 mod mechanism;
+mod motion;
 mod page;
 mod refusals;
 mod report;

@@ -203,6 +203,129 @@ fn a_motion_is_written_as_series_and_figure() {
     assert_eq!(json["stopped"], serde_json::Value::Null);
 }
 
+/// A door with a frame at its handle: the frame moves on a circle.
+const DOOR: &str = r#"kind = "mechanism"
+name = "door"
+units = { length = "mm", angle = "deg" }
+base = "wall"
+[[joint]]
+name = "hinge"
+kind = "revolute"
+links = ["wall", "leaf"]
+point = [0, 0, 0]
+axis = [0, 0, 1]
+actuated = true
+[[frame]]
+name = "handle"
+link = "leaf"
+point = [900, 0, 1000]
+axis = [1, 0, 0]
+zero = [0, 1, 0]
+"#;
+
+#[test]
+fn poses_of_links_and_attached_frames_follow_the_motion() {
+    let sandbox = Sandbox::new();
+    sandbox.write("door.toml", DOOR);
+    let json = sandbox.json("move door.toml --drive hinge=0:350:10 --poses");
+    let numbers = |frame: &str, key: &str, row: usize| -> Vec<f64> {
+        let row = json["poses"][frame][key][row].as_array().unwrap();
+        row.iter().map(|value| value.as_f64().unwrap()).collect()
+    };
+    let mut before = numbers("handle", "quaternion", 0);
+    for row in 0..36 {
+        let angle = f64::to_radians(10.0 * row as f64);
+        let [x, y, z] = numbers("handle", "position", row)[..] else { panic!() };
+        let off = (x - 900.0 * angle.cos()).hypot(y - 900.0 * angle.sin()).max(z - 1000.0);
+        assert!(off < 1e-9, "{row}: {off}");
+        let [w, i, j, k] = numbers("leaf", "quaternion", row)[..] else { panic!() };
+        let half = 0.5 * angle;
+        assert!((w - half.cos()).abs().max((k - half.sin()).abs()) < 1e-12, "{w} {k}");
+        assert!(i.abs().max(j.abs()) < 1e-15);
+        // The sign of a quaternion does not jump at a half turn.
+        let quaternion = numbers("handle", "quaternion", row);
+        let along: f64 = before.iter().zip(&quaternion).map(|(a, b)| a * b).sum();
+        assert!(along > 0.99, "{row}: {along}");
+        before = quaternion;
+    }
+    let text = sandbox.done("move door.toml --drive hinge=0:90 --poses --out path");
+    assert!(text.contains("handle                   900.000000         0.000000"), "{text}");
+    // No other coordinate follows the hinge, so that there is nothing to draw.
+    assert_eq!(sandbox.names("path"), ["door-motion.csv"]);
+    let csv = sandbox.read("path/door-motion.csv");
+    let header = "hinge_deg,leaf_x_mm,leaf_y_mm,leaf_z_mm,leaf_qw,leaf_qx,leaf_qy,leaf_qz,handle_x_mm,handle_y_mm,handle_z_mm,handle_qw,handle_qx,handle_qy,handle_qz\n";
+    assert!(csv.starts_with(header), "{csv}");
+    assert!(!sandbox.json("move door.toml")["poses"].is_object());
+}
+
+#[test]
+fn velocities_of_a_door_are_those_of_a_circle() {
+    let sandbox = Sandbox::new();
+    sandbox.write("door.toml", DOOR);
+    let line = "jacobian door.toml --at hinge=30 --velocity hinge=90 --acceleration hinge=45";
+    let json = sandbox.json(line);
+    let near = |found: &serde_json::Value, expected: f64| {
+        assert!((found.as_f64().unwrap() - expected).abs() < 1e-9, "{found} {expected}");
+    };
+    // A file with frames reports these, and no links.
+    assert_eq!(json["frames"].as_object().unwrap().len(), 1);
+    let handle = &json["frames"]["handle"];
+    let (sine, cosine) = 30_f64.to_radians().sin_cos();
+    let (speed, degree) = (90_f64.to_radians(), 1_f64.to_radians());
+    near(&handle["jacobian"][2][0], 1.0);
+    near(&handle["jacobian"][3][0], -900.0 * sine * degree);
+    near(&handle["jacobian"][4][0], 900.0 * cosine * degree);
+    near(&handle["jacobian_derivative"][3][0], -900.0 * cosine * degree * speed);
+    near(&handle["velocity"]["angular"][2], 90.0);
+    let tangential = 900.0 * 45_f64.to_radians();
+    let radial = 900.0 * speed * speed;
+    near(&handle["acceleration"]["linear"][0], -tangential * sine - radial * cosine);
+    near(&handle["acceleration"]["linear"][1], tangential * cosine - radial * sine);
+    near(&json["accelerations"]["hinge"], 45.0);
+    assert_eq!(handle["singular_values"].as_array().unwrap().len(), 1);
+    let both = sandbox.json("jacobian door.toml --frame leaf,handle");
+    assert_eq!(both["frames"].as_object().unwrap().len(), 2);
+    assert!(both["velocities"].is_null() && both["frames"]["leaf"]["velocity"].is_null());
+}
+
+#[test]
+fn parameters_move_a_linkage_as_other_values_do() {
+    let sandbox = Sandbox::new();
+    let with = |set: &str| {
+        let json =
+            sandbox.json(&format!("jacobian four-bar --at A=30 --frame coupler --set {set}"));
+        let position = &json["frames"]["coupler"]["position"];
+        [&json["coordinates"]["C"], &position[0], &position[1]].map(|one| one.as_f64().unwrap())
+    };
+    let (less, more) = (with("coupler=0.2599"), with("coupler=0.2601"));
+    let json = sandbox.json("jacobian four-bar --at A=30 --frame coupler --parameters=coupler");
+    let found = &json["parameters"]["coupler"];
+    let linear = &found["frames"]["coupler"]["linear"];
+    for (k, found) in [&found["coordinates"]["C"], &linear[0], &linear[1]].into_iter().enumerate() {
+        let expected = (more[k] - less[k]) / 2e-4;
+        let off = (found.as_f64().unwrap() - expected).abs();
+        assert!(off < 1e-5 * expected.abs().max(1.0), "{k}: {found} {expected}");
+    }
+    let all = sandbox.json("jacobian four-bar --at A=30 --parameters");
+    assert_eq!(all["parameters"].as_object().unwrap().len(), 11);
+    assert!(sandbox.json("jacobian four-bar")["parameters"].is_null());
+    refused("", "jacobian four-bar --parameters=cuopler", 2, "did you mean `coupler`?");
+    let opens = "jacobian bennett --parameters=b";
+    refused("", opens, 1, "parameter `b`: changing this dimension opens the loops");
+}
+
+#[test]
+fn commands_that_do_not_determine_the_motion_have_no_jacobian() {
+    refused("", "jacobian four-bar --commanded A,D", 1, "the loops do not allow these rates");
+    let tilt = "jacobian gpr-mechanism --commanded \"rod 1,rod 2\"";
+    refused("", tilt, 1, "1 motion undetermined; the singular values of the loops");
+    let unknown = "jacobian four-bar --frame coupla";
+    refused("", unknown, 2, "did you mean `coupler`?");
+    let passive = "jacobian four-bar --velocity B=3";
+    refused("", passive, 2, "B is not commanded; commanded are A");
+    refused("", "jacobian griffis-duffy", 2, "use --commanded JOINT");
+}
+
 #[test]
 fn a_step_that_does_not_fit_into_its_range_is_refused() {
     let refuse = |line, message| refused("", line, 2, message);
@@ -473,10 +596,10 @@ fn names_that_are_not_there() {
         "assemble 3-rps --at S1=1",
         "joint `S1` has 3 freedoms: choose one of S1[0], S1[1], S1[2]",
     );
-    refuse("assemble four-bar --at A", "expected NAME=VALUE");
-    refuse("assemble four-bar --at A=x", "invalid number");
+    refuse("assemble four-bar --at A", "expected JOINT=VALUE");
+    refuse("assemble four-bar --at A=x", "A: \"x\": unknown name `x`");
     refuse("assemble four-bar --set couple=1", "couple");
-    refuse("move four-bar --drive A=1", "expected JOINT=FROM:TO");
+    refuse("move four-bar --drive A", "expected JOINT=FROM:TO");
     refuse("move four-bar --drive A=0:1:0", "STEP must not be 0");
     refuse("move four-bar --drive A=1:1", "FROM and TO are equal");
     refuse("move four-bar --drive A=0:1 --drive A=0:2", "is given twice");
@@ -596,11 +719,110 @@ fn the_paper_s_slides_are_suggested_first() {
 }
 
 #[test]
+fn a_suggestion_is_written_into_the_file() {
+    let sandbox = Sandbox::new();
+    let tilt = "--command \"rod 1=2,rod 2=0,rod 3=-1\"";
+    let text = sandbox.done("catalogue show gpr-mechanism");
+    sandbox.write("own.toml", &text);
+    let line = format!("suggest own.toml {tilt}");
+    let report = sandbox.json(&format!("{line} --write 2 --out with-play.toml"));
+    assert_eq!(report["written"]["set"], 2);
+    assert_eq!(
+        (&report["written"]["file"], &report["written"]["replaced"]),
+        (&"with-play.toml".into(), &3.into())
+    );
+    let written = sandbox.read("with-play.toml");
+    let kept = text.split_once("[[virtual_joint]]").unwrap().0;
+    assert!(written.starts_with(kept.trim_end()), "{written}");
+    // The command needs the displacement that was stated.
+    let relief = sandbox.json(&format!("sensitivity with-play.toml {tilt}"));
+    let stated = report["sets"][1]["size_mm"].as_f64().unwrap();
+    assert!((relief["size"].as_f64().unwrap() / (stated * 1e3) - 1.0).abs() < 1e-7);
+    // Files are replaced only on request.
+    for (line, words) in [
+        (format!("{line} --write 1 --out with-play.toml"), "use --force"),
+        (format!("{line} --write 1"), "has 3 virtual joints, which --write replaces"),
+        (format!("suggest gpr-mechanism {tilt} --write 1"), "use --out FILE"),
+        (format!("{line} --write 100000 --out other.toml"), "--write must be from 1 to"),
+        (format!("{line} --out other.toml"), "--write"),
+    ] {
+        let run = sandbox.run(&line);
+        assert_eq!(run.code, 2, "{line}");
+        assert!(run.stderr.contains(words), "{line}: {}", run.stderr);
+    }
+    assert_eq!(sandbox.read("own.toml"), text);
+    let none = sandbox.run("suggest 3-rps --write 1 --out other.toml");
+    assert_eq!(none.code, 1, "{}", none.stderr);
+    assert!(!sandbox.file("other.toml").exists());
+    sandbox.done(&format!("{line} --write 1 --force"));
+    assert!(sandbox.read("own.toml").contains("slide of platform at S1"));
+}
+
+/// Each set states what it allows besides the commands, and clearances count.
+#[test]
+fn a_suggestion_states_what_it_makes_possible() {
+    let sandbox = Sandbox::new();
+    let tilt = "--command \"rod 1=2,rod 2=0,rod 3=-1\"";
+    let text = sandbox.done("catalogue show gpr-mechanism");
+    let bare = text.split_once("[[virtual_joint]]").unwrap().0;
+    let with = |name: &str, clearance: &str| {
+        let joint = format!("name = \"S1\"\nclearance = {{ linear = {clearance} }}");
+        sandbox.write(name, &bare.replace("name = \"S1\"", &joint));
+    };
+    with("wide.toml", "1");
+    let report = sandbox.json(&format!("suggest wide.toml {tilt}"));
+    let best = &report["sets"][0];
+    assert_eq!(best["within_limits"], true);
+    // Two slides along the principal directions allow this tilt only; with more of them each rod moves by itself.
+    let single = |set: &serde_json::Value| set["single_commands"].as_array().unwrap().clone();
+    assert_eq!(best["virtual_joints"].as_array().unwrap().len(), 2);
+    assert!(single(best).iter().all(|one| one["by"] == 2.0 && one["size_mm"].is_null()));
+    let listed = &report["sets"].as_array().unwrap()[..10];
+    let whole = listed.iter().find(|set| single(set).iter().all(|one| !one["size_mm"].is_null()));
+    let alone = sandbox.json("suggest wide.toml --command \"rod 1=2,rod 2=0,rod 3=0\"");
+    let bound = alone["lower_bound_mm"].as_f64().unwrap();
+    for one in single(whole.unwrap()) {
+        assert!(one["size_mm"].as_f64().unwrap() >= bound * (1.0 - 1e-6), "{one}");
+    }
+    with("tight.toml", "1e-9");
+    let tight = sandbox.json(&format!("suggest tight.toml {tilt}"));
+    let exceeds = |set: &serde_json::Value| {
+        let joints = set["virtual_joints"].as_array().unwrap();
+        joints.iter().any(|one| one["exceeds_clearance"] == true)
+    };
+    let sets = tight["sets"].as_array().unwrap();
+    let first = sets.iter().position(exceeds).unwrap();
+    assert!(sets[first..].iter().all(exceeds));
+}
+
+#[test]
 fn redundant_constraints_are_described() {
-    let text = Sandbox::new().done("mobility four-bar");
-    for words in
-        ["overconstrained and movable", "redundant constraint: moment about x, by A, B, C, D"]
-    {
+    let sandbox = Sandbox::new();
+    let text = sandbox.done("mobility four-bar");
+    for words in [
+        "overconstrained and movable",
+        "redundant constraints (sparsest basis of the self-stresses)",
+        ". moment about x, in A, B, C, D",
+        "  in all self-stresses: A, B, C, D",
+    ] {
         assert!(text.contains(words), "{text}");
+    }
+    // The balls of the three-rod robot press against each other in pairs.
+    let found = sandbox.json("mobility gpr-mechanism");
+    assert_eq!(found["redundant_constraint_basis"]["sparsest"], true);
+    let all = found["redundant_constraints"].as_array().unwrap();
+    assert_eq!(all.len(), 3);
+    let first = &all[0];
+    assert_eq!(first["what"], "S1 against S2 along their line, through rod 1, rod 2");
+    for one in all {
+        assert_eq!((&one["group"], &one["independent"]), (&1.into(), &true.into()));
+    }
+    // 1 N along the line of the balls, with no moment about a ball.
+    for load in first["remove_any_one_of"].as_array().unwrap() {
+        let norm = |key: &str| {
+            let part = load[key].as_array().unwrap();
+            part.iter().map(|x| x.as_f64().unwrap().powi(2)).sum::<f64>().sqrt()
+        };
+        assert!((norm("force_n") - 1.0).abs() < 1e-9 && norm("moment_nmm") < 1e-6, "{load}");
     }
 }

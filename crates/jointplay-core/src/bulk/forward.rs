@@ -212,6 +212,7 @@ fn solved<S: Simd, M: Model>(robot: &Robot, options: &SolveOptions, balls: &Ball
 struct Needs {
     sides: bool,
     displacement: bool,
+    ball_displacements: bool,
     residual: bool,
     pose: bool,
     angles: bool,
@@ -229,6 +230,7 @@ impl Needs {
         Self {
             sides: any(|q| matches!(q, Quantity::Side(_))),
             displacement: any(|q| q == Quantity::Displacement),
+            ball_displacements: any(|q| matches!(q, Quantity::BallDisplacement(_))),
             residual: any(|q| q == Quantity::Residual),
             pose: pose || angles || axis_height,
             angles,
@@ -239,7 +241,7 @@ impl Needs {
 }
 
 /// Places for the values of all quantities.
-const PLACES: usize = 25;
+const PLACES: usize = 28;
 
 /// Index of the value of a quantity among those of a block.
 #[inline]
@@ -257,6 +259,7 @@ fn place(quantity: Quantity) -> usize {
         Quantity::Displacement => 22,
         Quantity::Residual => 23,
         Quantity::Iterations => 24,
+        Quantity::BallDisplacement(ball) => 25 + ball,
     }
 }
 
@@ -286,6 +289,11 @@ fn fill<S: Simd, M: Model>(
     }
     if needs.displacement {
         values[place(Quantity::Displacement)] = displacement::<S, M>(robot, shape);
+    }
+    if needs.ball_displacements {
+        for (k, displacement) in shape.ball_displacements(robot).into_iter().enumerate() {
+            values[place(Quantity::BallDisplacement(k))] = displacement;
+        }
     }
     if needs.residual {
         values[place(Quantity::Residual)] = residual(balls, found);
@@ -367,6 +375,7 @@ fn value(
         Quantity::Torsion => pose.torsion(),
         Quantity::AxisHeight => pose.axis_height().0,
         Quantity::Displacement => gpr.displacement(pose, virtualization),
+        Quantity::BallDisplacement(ball) => gpr.ball_displacements(pose, virtualization)[ball],
         Quantity::Sensitivity(index) => {
             let system = gpr.system(virtualization);
             let at = system.configuration(pose);
@@ -463,7 +472,13 @@ mod tests {
 
     #[test]
     fn every_quantity_has_a_place_of_its_own() {
-        let three = [Quantity::Side, Quantity::Origin, Quantity::Normal, Quantity::Sensitivity];
+        let three = [
+            Quantity::Side,
+            Quantity::Origin,
+            Quantity::Normal,
+            Quantity::Sensitivity,
+            Quantity::BallDisplacement,
+        ];
         let mut places: Vec<_> = three.iter().flat_map(|of| (0..3).map(|k| place(of(k)))).collect();
         places.extend((0..6).map(|joint| place(Quantity::VirtualJoint(joint))));
         places.extend([Quantity::Azimuth, Quantity::TiltAngle, Quantity::Torsion].map(place));

@@ -26,6 +26,8 @@ pub enum Quantity {
     AxisHeight,
     /// Displacement of the virtual joints from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) (m).
     Displacement,
+    /// Distance of ball 1, 2 or 3 from the centre of its nominal socket (m).
+    BallDisplacement(usize),
     /// Singular values of ∂X/∂P in the metric, the largest first, as [`sensitivity`](crate::sensitivity::sensitivity) finds them.
     Sensitivity(usize),
     /// Largest difference between a side and its virtual length (m).
@@ -45,6 +47,7 @@ impl Quantity {
             Self::VirtualJoint(index) => ("virtual joint", index, virtualization.joints().len()),
             Self::Origin(index) => ("coordinate of the origin", index, 3),
             Self::Normal(index) => ("coordinate of the normal", index, 3),
+            Self::BallDisplacement(index) => ("displacement of a ball", index, 3),
             Self::Sensitivity(index) => ("singular value of the sensitivity", index, 3),
             _ => return Ok(()),
         };

@@ -294,6 +294,17 @@ impl<S: Simd> Shape<S> {
         missing
     }
 
+    /// Distance of each ball from the centre of its nominal socket (m).
+    #[inline(always)]
+    pub(super) fn ball_displacements(&self, robot: &Robot) -> Three<S> {
+        let mut displacements = self.a;
+        for (k, displacement) in displacements.iter_mut().enumerate() {
+            let [x, y] = [0, 1].map(|axis| self.sockets[k][axis] - robot.sockets[k][axis]);
+            *displacement = x.times_plus(x, y * y).sqrt();
+        }
+        displacements
+    }
+
     /// Twice the signed area (m²).
     #[inline(always)]
     pub(super) fn area(&self) -> Lanes<S> {

@@ -41,6 +41,8 @@ pub struct Gpr {
     /// tan of the largest tilt.
     steepest: f64,
     checks_limits: bool,
+    /// Clearance of the balls, as a radius, if known (m).
+    pub(super) ball_clearance: Option<f64>,
 }
 
 impl Gpr {
@@ -77,7 +79,16 @@ impl Gpr {
         }
         let steepest = limits.tilt_max.tan();
         let checks_limits = true;
-        Ok(Self { base_points, platform, limits, working_height, steepest, checks_limits })
+        let ball_clearance = None;
+        Ok(Self {
+            base_points,
+            platform,
+            limits,
+            working_height,
+            steepest,
+            checks_limits,
+            ball_clearance,
+        })
     }
 
     /// The robot of the paper: three sockets 120° apart on a radius of 93.218 mm, each over its rod.

@@ -8,19 +8,28 @@
 //! | L_12, L_23, L_31 | sides of the triangle of the ball centres |
 
 mod approximate;
+mod ball_clearance;
 mod forward;
 mod geometry;
 mod height;
+mod in_plane;
 mod inverse;
+mod limb_state;
 mod limit_clamp;
 mod limits;
+mod placement;
+mod platform_derivatives;
+mod rod_derivatives;
 mod system;
 mod tilt_play;
 
 pub use approximate::ApproximatePose;
+pub use ball_clearance::BallClearance;
 pub use forward::PlatformPose;
 pub use geometry::{Gpr, Limb, ball_sides};
 pub use height::{AxisHeight, CenterHeight};
 pub use limits::{BrokenLimit, BrokenLimits, Limits};
+pub use platform_derivatives::{PlatformDerivatives, PlatformJacobian};
+pub use rod_derivatives::RodDerivatives;
 pub use system::GprSystem;
 pub use tilt_play::{EvaluatedBounds, TiltPlay};

@@ -3,6 +3,7 @@
 use nalgebra::{Unit, Vector3};
 
 use super::JointKind;
+use super::attached_frame::AttachedFrame;
 use crate::spatial::Pose;
 
 /// Most links of a mechanism, so that an erroneous file is refused instead of computed for hours.
@@ -86,13 +87,14 @@ pub enum VirtualMotion {
     },
 }
 
-/// Links and joints, with any number of loops, and the virtual joints that relieve them.
+/// Links and joints, with any number of loops, the virtual joints that relieve them, and frames attached to links.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mechanism {
     name: String,
     links: Vec<String>,
     joints: Vec<Joint>,
     virtual_joints: Vec<VirtualJoint>,
+    pub(super) frames: Vec<AttachedFrame>,
     characteristic_length: Option<f64>,
 }
 
@@ -197,6 +199,16 @@ pub enum MechanismError {
         /// How many joints there are.
         joints: usize,
     },
+    /// A frame attached to a link that is not there.
+    #[error("frame {frame:?} is attached to link {link}, but there are {links} links")]
+    NoLinkOfFrame {
+        /// The frame.
+        frame: String,
+        /// The index it names.
+        link: usize,
+        /// How many links there are.
+        links: usize,
+    },
 }
 
 impl Mechanism {
@@ -210,8 +222,14 @@ impl Mechanism {
         joints: Vec<Joint>,
     ) -> Result<Self, MechanismError> {
         let name = name.into();
-        let mechanism =
-            Self { name, links, joints, virtual_joints: Vec::new(), characteristic_length: None };
+        let mechanism = Self {
+            name,
+            links,
+            joints,
+            virtual_joints: Vec::new(),
+            frames: Vec::new(),
+            characteristic_length: None,
+        };
         mechanism.check_links()?;
         mechanism.joints.iter().try_for_each(check_joint)?;
         mechanism.check_names()?;
@@ -302,6 +320,15 @@ impl Mechanism {
         self.joints.iter().map(|joint| joint.kind.freedoms()).sum()
     }
 
+    /// Indices of the coordinates of the actuated joints.
+    #[must_use]
+    pub fn actuated_coordinates(&self) -> Vec<usize> {
+        let joints = self.joints.iter();
+        let actuated =
+            joints.flat_map(|joint| std::iter::repeat_n(joint.actuated, joint.kind.freedoms()));
+        actuated.enumerate().filter_map(|(k, actuated)| actuated.then_some(k)).collect()
+    }
+
     /// Number of independent loops: joints − links + 1.
     #[must_use]
     pub fn loops(&self) -> usize {
@@ -348,10 +375,12 @@ impl Mechanism {
         }
     }
 
-    fn check_names(&self) -> Result<(), MechanismError> {
+    pub(super) fn check_names(&self) -> Result<(), MechanismError> {
         let joints = self.joints.iter().map(|joint| &joint.name);
         let virtual_joints = self.virtual_joints.iter().map(|joint| &joint.name);
-        let found = twice(self.links.iter()).or_else(|| twice(joints.chain(virtual_joints)));
+        let frames = self.frames.iter().map(|frame| &frame.name);
+        let found =
+            twice(self.links.iter().chain(frames)).or_else(|| twice(joints.chain(virtual_joints)));
         found.map_or(Ok(()), |name| Err(MechanismError::NameTwice { name }))
     }
 }

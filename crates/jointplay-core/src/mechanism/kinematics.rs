@@ -2,6 +2,7 @@
 
 use nalgebra::{DVector, Matrix3, Rotation3, Translation3, Vector3};
 
+use super::attached_frame::FrameId;
 use super::description::{Carrier, Mechanism, VirtualMotion};
 use super::joint::{Coordinate, Factor, Twist};
 use super::tree::{Branch, spanning_tree};
@@ -190,6 +191,18 @@ impl<'a> Kinematics<'a> {
         check_coordinates(coordinates, self.dimensions.len())?;
         let zero = DVector::zeros(coordinates.len());
         Ok(self.placed(coordinates, &zero, &Vector3::zeros(), None).links)
+    }
+
+    /// Pose of a frame in the base frame, from the poses of the links (m).
+    ///
+    /// # Arguments
+    /// * `base_from_link` – the result of [`Kinematics::link_poses`]
+    ///
+    /// # Panics
+    /// For a frame that the mechanism does not have.
+    #[must_use]
+    pub fn frame_pose(&self, frame: FrameId, base_from_link: &[Pose]) -> Pose {
+        base_from_link[self.mechanism.link_of_frame(frame)] * self.mechanism.link_from_frame(frame)
     }
 
     /// Everything at `home` displaced by `by`; with `along`, also the rates that second derivatives need.

@@ -4,29 +4,41 @@
 //! [`MechanismSystem`] is its constraint system, against which every analysis is written.
 
 mod assembly;
+mod attached_frame;
 mod blocks;
 mod closing;
 mod closure;
 mod description;
+mod drive_path;
 mod evidence;
 mod exaggeration;
+mod frame_drive;
+mod frame_path;
+mod frames;
 pub mod joint;
 mod kinematics;
 mod limits;
 mod motion;
 mod position;
+mod principal_directions;
 mod relief;
 mod relieved_motion;
+mod self_stress;
+mod single_commands;
 mod singular;
 mod sparse;
 mod suggest;
+mod suggest_options;
 mod symmetry;
 mod system;
 mod tree;
 mod unassembled;
+mod undetermined;
 mod virtual_candidates;
+mod virtual_sets;
 
 pub use assembly::{assemble, branches, guess};
+pub use attached_frame::{AttachedFrame, FrameId};
 pub use blocks::{Block, MechanismMobility, blocks, mechanism_mobility};
 pub use closing::close;
 pub use closure::Closure;
@@ -34,20 +46,26 @@ pub use description::{
     Carrier, Joint, LinearAndAngular, MAX_LINKS, Mechanism, MechanismError, VirtualJoint,
     VirtualMotion,
 };
-pub use evidence::{
-    JointWrench, LinkMotion, MobilityClass, ScrewAxis, SelfStress, link_motion, self_stresses,
-};
+pub use drive_path::{Drive, DrivePath};
+pub use evidence::{LinkMotion, MobilityClass, ScrewAxis, link_motion};
 pub use exaggeration::{ExaggeratedPlay, exaggerate_play};
+pub use frame_drive::drive_frames;
+pub use frame_path::{FramePath, FrameTarget, OrientationTarget};
 pub use joint::JointKind;
 pub use kinematics::Kinematics;
 pub use limits::BeyondLimits;
-pub use motion::{
-    Drive, DrivenMotion, SingularConfiguration, Stop, Waypoint, drive, drive_with_progress,
+pub use motion::{DrivenMotion, SingularConfiguration, Stop, Waypoint, drive, drive_along};
+pub use position::{
+    ChangedDimension, Dexterity, DifferentialKinematics, DimensionDerivatives, FrameTwist,
+    Position, PositionSolver, dexterity,
 };
-pub use position::{Position, PositionSolver};
 pub use relief::{CommandedJoints, Relief, ReliefSolver, relieve, virtual_weights};
 pub use relieved_motion::drive_relieved;
+pub use self_stress::{JointWrench, SelfStress, SelfStresses, StressScrew, self_stresses};
+pub use single_commands::{SingleCommand, single_commands};
 pub use sparse::{SparseMobility, SparseSystem};
 pub use suggest::{Suggestion, Suggestions, suggest};
+pub use suggest_options::{SuggestOptions, SuggestionRank};
 pub use system::{MAX_DENSE, MechanismSystem};
 pub use unassembled::Unassembled;
+pub use undetermined::Undetermined;

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::singular::{DrivenCurve, SINGULAR};
-use super::{Closure, MechanismSystem, close};
+use super::{Closure, Drive, DrivePath, MechanismSystem, close};
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, System, scaled_jacobian, units};
 use crate::linalg::{Svd, svd};
@@ -34,15 +34,6 @@ const FIRST_STEPS: [f64; 3] = [1e-3, 1e-4, 1e-5];
 const MAX_FIRST_CORRECTIONS: usize = 100;
 /// A branch is reached from a singular start if a quarter of a step leads to no more than this share of the displacement: half where the displacement grows with the root of the step, a quarter where it is proportional to it.
 const NEARER: f64 = 0.75;
-
-/// A joint coordinate driven from where it is to a value.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drive {
-    /// Index of the coordinate.
-    pub coordinate: usize,
-    /// Target value (m or rad).
-    pub to: f64,
-}
 
 /// A configuration on the path.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,6 +77,11 @@ pub enum Stop {
     },
     /// The loops do not stay closed: the drives pull against each other or against redundant constraints.
     Incompatible,
+    /// A joint coordinate would have to leave its limits.
+    BeyondLimits {
+        /// Index of the coordinate.
+        coordinate: usize,
+    },
 }
 
 /// A motion up to its end, or to where it stopped.
@@ -123,21 +119,28 @@ pub fn drive(
     free: &[usize],
     count: usize,
 ) -> Result<DrivenMotion, Error> {
-    drive_with_progress(start, drives, free, count, &mut |_| {})
+    let path = DrivePath::line(start.home(), drives)?;
+    drive_along(start, &path, free, count, &mut |_| {})
 }
 
-/// As [`drive`], and calls `progress` with the number of steps done after each.
+/// Drives some joints from a closed configuration along a path, as [`drive`] does along a straight line.
+///
+/// # Arguments
+/// * `start` – at a closed configuration, the driven coordinates at the first point of the path
+/// * `free` – the coordinates that follow
+/// * `count` – number of steps to report, of equal shares: that of the segments of the path, or a multiple, to report all its points
+/// * `progress` – called with the number of steps done after each
 ///
 /// # Errors
 /// Those of [`drive`].
-pub fn drive_with_progress(
+pub fn drive_along(
     start: &MechanismSystem<'_>,
-    drives: &[Drive],
+    path: &DrivePath,
     free: &[usize],
     count: usize,
     progress: &mut dyn FnMut(usize),
 ) -> Result<DrivenMotion, Error> {
-    let run = DriveProblem::new(start, drives, free);
+    let run = DriveProblem::new(start, path, free);
     let closed = close(start, free, MAX_CORRECTIONS)?;
     if !closed.is_closed() {
         return Err(Error::NotClosed { residual: closed.residual, allowed: CLOSURE_TOLERANCE });
@@ -219,12 +222,11 @@ pub(super) fn on_branch(correction: f64, size: f64) -> bool {
     correction <= LARGEST_CORRECTION * size.max(SHORT)
 }
 
-/// A drive: target values of the driven coordinates, and the coordinates that follow.
+/// A path of driven coordinates, and the coordinates that follow.
 pub(super) struct DriveProblem<'a> {
     system: &'a MechanismSystem<'a>,
-    drives: &'a [Drive],
+    path: &'a DrivePath,
     free: &'a [usize],
-    pub(super) from: Vec<f64>,
     rows: DVector<f64>,
     columns: DVector<f64>,
 }
@@ -232,15 +234,14 @@ pub(super) struct DriveProblem<'a> {
 impl<'a> DriveProblem<'a> {
     pub(super) fn new(
         system: &'a MechanismSystem<'a>,
-        drives: &'a [Drive],
+        path: &'a DrivePath,
         free: &'a [usize],
     ) -> Self {
         let length = system.characteristic_length();
         Self {
             system,
-            drives,
+            path,
             free,
-            from: drives.iter().map(|drive| system.home()[drive.coordinate]).collect(),
             rows: units(&system.constraint_dimensions(), length),
             columns: units(system.kinematics().dimensions(), length),
         }
@@ -306,11 +307,19 @@ impl<'a> DriveProblem<'a> {
     /// Displacement of the drives from here to a share of the path.
     fn driven(&self, here: &Waypoint, share: f64) -> DVector<f64> {
         let mut by = DVector::zeros(here.coordinates.len());
-        for (drive, from) in self.drives.iter().zip(&self.from) {
-            let to = from + (drive.to - from) * share;
-            by[drive.coordinate] = to - here.coordinates[drive.coordinate];
+        for (k, to) in self.path.at(share) {
+            by[k] = to - here.coordinates[k];
         }
         by
+    }
+
+    /// (f + M) change of the drives per unit of the share (m, rad).
+    fn rate(&self, share: f64) -> DVector<f64> {
+        let mut rate = DVector::zeros(self.columns.len());
+        for (k, value) in self.path.rate(share) {
+            rate[k] = value;
+        }
+        rate
     }
 
     /// The step of the drives with the tangent motion of the other coordinates at another configuration.
@@ -320,11 +329,11 @@ impl<'a> DriveProblem<'a> {
         tangent_at: &Waypoint,
         share: f64,
     ) -> Result<DVector<f64>, Error> {
-        let driven: Vec<usize> = self.drives.iter().map(|drive| drive.coordinate).collect();
+        let driven = self.path.coordinates();
         let mut by = self.driven(here, share);
         let asked =
             DVector::from_iterator(driven.len(), driven.iter().map(|&k| by[k] / self.columns[k]));
-        let pull = self.jacobian(&tangent_at.coordinates, &driven)? * &asked;
+        let pull = self.jacobian(&tangent_at.coordinates, driven)? * &asked;
         let svd = self.decomposed(&tangent_at.coordinates)?;
         let follow = -svd.solve(&pull, svd.rank(STEP_THRESHOLD));
         for (&k, value) in self.free.iter().zip(follow.iter()) {
@@ -340,13 +349,13 @@ impl<'a> DriveProblem<'a> {
         target: f64,
         regular_rank: usize,
     ) -> Result<Option<Waypoint>, Error> {
-        let whole = self.size(&self.driven(start, 1.0));
+        let whole = self.size(&self.rate(start.share));
         let svd = self.decomposed(&start.coordinates)?;
         let motions = svd.null_space(svd.rank(STEP_THRESHOLD));
         let from = self.system.at(start.coordinates.clone())?;
         let mut random = Random(5);
         for length in FIRST_STEPS {
-            let share = (length / whole).min(target);
+            let share = if whole > 0.0 { (length / whole).min(target) } else { target };
             for kick in 0..=2 * motions.ncols() + 2 {
                 let direction = match kick {
                     0 => DVector::zeros(motions.ncols()),
@@ -392,8 +401,8 @@ impl<'a> DriveProblem<'a> {
                 return Ok(Stop::SingularStart { free_mobility: here.free_mobility });
             }
         }
-        let whole = self.size(&self.driven(&trail[0], 1.0));
-        let curve = DrivenCurve::new(&at, self.free, Some(self.direction()));
+        let whole = self.size(&self.rate(here.share));
+        let curve = DrivenCurve::new(&at, self.free, Some(self.direction(here.share)));
         if let Some((coordinates, beyond)) = curve.turning_point(regular_rank)?
             && beyond <= AT_ONCE * whole
         {
@@ -414,14 +423,11 @@ impl<'a> DriveProblem<'a> {
         Ok(if dead { Stop::Locked } else { Stop::Incompatible })
     }
 
-    /// (f + M) direction of the drives, of unit length in radians and characteristic lengths.
-    fn direction(&self) -> DVector<f64> {
-        let mut direction = DVector::zeros(self.columns.len());
-        for (drive, from) in self.drives.iter().zip(&self.from) {
-            direction[drive.coordinate] = drive.to - from;
-        }
-        let length = self.size(&direction);
-        direction / length
+    /// (f + M) direction of the drives, of unit length in radians and characteristic lengths; zero for drives that rest.
+    fn direction(&self, share: f64) -> DVector<f64> {
+        let rate = self.rate(share);
+        let length = self.size(&rate);
+        if length > 0.0 { rate / length } else { rate }
     }
 
     /// A configuration that is singular, with what meets there.
@@ -431,7 +437,7 @@ impl<'a> DriveProblem<'a> {
         regular_rank: usize,
     ) -> Result<SingularConfiguration, Error> {
         let at = self.system.at(there.coordinates.clone())?;
-        let curve = DrivenCurve::new(&at, self.free, Some(self.direction()));
+        let curve = DrivenCurve::new(&at, self.free, Some(self.direction(there.share)));
         Ok(SingularConfiguration {
             share: there.share,
             coordinates: there.coordinates.clone(),

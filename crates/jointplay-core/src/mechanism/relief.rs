@@ -42,6 +42,8 @@ pub struct Relief {
     pub virtual_joints: DVector<f64>,
     /// √(Σ w x²): in metres, turns being weighed by the characteristic length, or by stiffness where every virtual joint has one (m or √J).
     pub size: f64,
+    /// Characteristic length of the metric (m).
+    pub characteristic_length: f64,
     /// Largest mismatch, in radians and characteristic lengths.
     pub residual: f64,
     /// Iterations done.
@@ -76,6 +78,8 @@ pub struct CommandedJoints {
     home: DVector<f64>,
     coordinates: Vec<usize>,
     undetermined: usize,
+    /// Coordinates that move least before all others do.
+    least: Vec<usize>,
 }
 
 impl CommandedJoints {
@@ -95,7 +99,13 @@ impl CommandedJoints {
         let there = ForcedClosure::new(&held, &here);
         let undetermined = finite_mobility(&there, &here, STEP_THRESHOLD)?.lower_bound;
         let home = home.home().rows(0, joints).into_owned();
-        Ok(Self { home, coordinates: coordinates.to_vec(), undetermined })
+        Ok(Self { home, coordinates: coordinates.to_vec(), undetermined, least: Vec::new() })
+    }
+
+    /// The same commands with coordinates that stay nearest home before all others do, such as those of motors.
+    #[must_use]
+    pub fn with_least(self, coordinates: &[usize]) -> Self {
+        Self { least: coordinates.to_vec(), ..self }
     }
 
     /// Indices of the commanded coordinates.
@@ -210,7 +220,7 @@ fn relieved_from(
         let mut homeward = 0.0;
         if commanded.undetermined > 0 && idle.ncols() == commanded.undetermined {
             let away = off_home(&here, commanded, &passive).component_div(&of_passive);
-            let by = &idle * (idle.transpose() * away);
+            let by = to_home(&idle, &away, commanded, &passive)?;
             homeward = by.norm();
             follow -= by;
         }
@@ -240,7 +250,39 @@ fn relieved_from(
     let size = virtual_joints.component_mul(&virtual_weights(start).map(f64::sqrt)).norm();
     let residual = if reached.is_nan() { f64::INFINITY } else { reached };
     let coordinates = here.home().clone();
-    Ok(Relief { coordinates, virtual_joints, size, residual, iterations })
+    Ok(Relief {
+        coordinates,
+        virtual_joints,
+        size,
+        characteristic_length: length,
+        residual,
+        iterations,
+    })
+}
+
+/// (p) the part of the displacement from home that undetermined motions can undo: first of the coordinates that are to move least, then of all.
+///
+/// # Arguments
+/// * `idle` – (p, u) orthonormal undetermined motions
+/// * `away` – (p) displacement from home
+fn to_home(
+    idle: &DMatrix<f64>,
+    away: &DVector<f64>,
+    commanded: &CommandedJoints,
+    passive: &[usize],
+) -> Result<DVector<f64>, Error> {
+    let least = |(row, k): (usize, &usize)| commanded.least.contains(k).then_some(row);
+    let rows: Vec<usize> = passive.iter().enumerate().filter_map(least).collect();
+    if rows.is_empty() {
+        return Ok(idle * (idle.transpose() * away));
+    }
+    let of_least = svd(&idle.select_rows(&rows))?;
+    // The motions are of unit length: a share that vanishes does so by round-off.
+    let rank = of_least.singular_values.iter().filter(|&&value| value > RELIEF_THRESHOLD).count();
+    let first = idle * of_least.solve(&away.select_rows(&rows), rank);
+    let others = idle * of_least.null_space(rank);
+    let second = &others * (others.transpose() * (away - &first));
+    Ok(first + second)
 }
 
 /// (p) how far passive joints are from home (m, rad); for a ball, the rotation vector from there to here in the turned frame.

@@ -4,17 +4,17 @@ use nalgebra::DVector;
 
 use super::motion::{DriveProblem, STEP_THRESHOLD};
 use super::{
-    Closure, CommandedJoints, Drive, DrivenMotion, MechanismSystem, PositionSolver, ReliefSolver,
-    Stop, relieve,
+    Closure, CommandedJoints, DrivePath, DrivenMotion, MechanismSystem, PositionSolver,
+    ReliefSolver, Stop, relieve,
 };
 use crate::Error;
 use crate::constraint::System;
 
-/// Drives joint coordinates along a straight line with the least displacements of the virtual joints.
+/// Drives joint coordinates along a path with the least displacements of the virtual joints.
 ///
 /// # Arguments
 /// * `home` – closed, virtual joints at rest: joints that the drives do not determine stay near it
-/// * `start` – where the drives begin
+/// * `start` – where the drives begin: the driven coordinates at the first point of the path
 /// * `free` – joint coordinates that follow; all other joint coordinates are commanded
 /// * `count` – number of steps to report
 /// * `progress` – called with the number of steps done after each
@@ -29,12 +29,12 @@ use crate::constraint::System;
 pub fn drive_relieved(
     home: &MechanismSystem<'_>,
     start: &MechanismSystem<'_>,
-    drives: &[Drive],
+    path: &DrivePath,
     free: &[usize],
     count: usize,
     progress: &mut dyn FnMut(usize),
 ) -> Result<DrivenMotion, Error> {
-    let run = DriveProblem::new(start, drives, free);
+    let run = DriveProblem::new(start, path, free);
     let joints = start.coordinate_dimensions().len();
     let commanded: Vec<usize> = (0..joints).filter(|k| !free.contains(k)).collect();
     let commanded = CommandedJoints::new(home, &commanded)?;
@@ -68,8 +68,8 @@ pub fn drive_relieved(
         motion.steps += 1;
         let share = k as f64 / count as f64;
         let mut to = here.coordinates.clone();
-        for (drive, from) in drives.iter().zip(&run.from) {
-            to[drive.coordinate] = from + (drive.to - from) * share;
+        for (k, value) in path.at(share) {
+            to[k] = value;
         }
         let mut position = to.clone();
         let solved = solver

@@ -1,24 +1,25 @@
 //! Suggestion of joints that need play.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
+use super::principal_directions::{principal, widens};
 use super::relief::{Reduced, reduced};
-use super::virtual_candidates::{Candidate, Candidates, candidates};
+use super::suggest_options::{SuggestOptions, SuggestionRank};
+use super::symmetry::{maps_commands, symmetries};
+use super::virtual_candidates::{Candidate, compatible, images, lacking, merged, orbits};
+use super::virtual_sets::{Class, Kind, Need, Searched, Set, estimate};
 use super::{
-    BeyondLimits, CommandedJoints, Mechanism, MechanismSystem, ReliefSolver, VirtualJoint, close,
-    relieve,
+    BeyondLimits, CommandedJoints, Mechanism, MechanismSystem, Relief, ReliefSolver, VirtualJoint,
+    close, relieve,
 };
 use crate::Error;
-use crate::linalg::svd;
 
-/// Sets of virtual joints compared before the search is cut short.
-const MAX_SETS: usize = 50_000;
 /// Sets of one size tried with the whole kinematics, best first by the linear estimate.
-const MAX_TRIED: usize = 40;
-/// A set that leaves more than this share of what is asked, by the linear estimate, is not tried.
-const LEFT_OPEN: f64 = 0.1;
+const MAX_TRIED: usize = 150;
 /// Corrections tried to see whether a command needs play at all.
 const MAX_CORRECTIONS: usize = 100;
+/// Displacements that differ by no more than this share of the least are equal.
+const EQUAL: f64 = 1e-6;
 /// Columns below this share of the largest do nothing.
 const NO_EFFECT: f64 = 1e-9;
 
@@ -27,8 +28,12 @@ const NO_EFFECT: f64 = 1e-9;
 pub struct Suggestion {
     /// The virtual joints, ready for [`Mechanism::with_virtual_joints`].
     pub virtual_joints: Vec<VirtualJoint>,
+    /// For each virtual joint those in the same leg that relieve the same instantaneous motion.
+    pub alternatives: Vec<Vec<VirtualJoint>>,
     /// Whether every symmetry of the mechanism at home maps the set onto itself; `false` where it has none.
     pub symmetric: bool,
+    /// Whether every symmetry of the mechanism that maps the commands onto each other maps the set onto itself; `false` where it has none.
+    pub symmetric_for_commands: bool,
     /// The largest displacement over the commands, in the metric (m).
     pub size: f64,
     /// (M) largest displacement of each virtual joint over the commands (m or rad).
@@ -48,16 +53,44 @@ pub struct Suggestions {
     pub without_play: Vec<DVector<f64>>,
     /// Joint coordinates that are beyond their limits there.
     pub beyond_limits: Vec<BeyondLimits>,
-    /// Sets, those within joint limits first, then by the least displacement; none holds another that is enough.
+    /// Sets, those within joint limits and clearances first, then by their rank.
+    ///
+    /// A symmetric set holds no smaller symmetric set that is enough, any other set no smaller set at all.
     pub sets: Vec<Suggestion>,
-    /// Places and directions that were considered.
+    /// Places and directions that were considered; those that relieve the same motion of one leg count as one.
     pub candidates: usize,
     /// Sets that were compared by the linear estimate.
     pub compared: usize,
+    /// Sets in the class that was searched, compared or not.
+    pub in_class: f64,
+    /// Displacement below which no set of the class lies, in the metric (m).
+    ///
+    /// It is the least displacement with all candidates at once: a set with fewer is the same mechanism with the others held at rest, so that its least displacement is no smaller.
+    /// Sets with alternatives in place of candidates may deviate from it by terms of higher order.
+    pub lower_bound: f64,
     /// Sets that the linear estimate took for possible, but that were not tried with the whole kinematics.
     pub untried: usize,
     /// Whether the search was cut short at its limit.
     pub cut_short: bool,
+}
+
+impl Suggestion {
+    /// Whether no virtual joint is displaced beyond the clearance of its joint, as far as clearances are known.
+    #[must_use]
+    pub fn is_within_clearances(&self) -> bool {
+        let all = self.virtual_joints.iter().zip(&self.largest);
+        all.into_iter().all(|(joint, x)| joint.clearance.is_none_or(|most| *x <= most))
+    }
+
+    /// The largest displacement of a single virtual joint, turns multiplied by a length (m).
+    #[must_use]
+    pub fn largest_in_metric(&self, length: f64) -> f64 {
+        let sizes = self.virtual_joints.iter().zip(&self.largest).map(|(joint, x)| {
+            let turns = matches!(joint.motion, super::VirtualMotion::Turn { .. });
+            if turns { x * length } else { *x }
+        });
+        sizes.fold(0.0, f64::max)
+    }
 }
 
 impl Suggestions {
@@ -70,7 +103,10 @@ impl Suggestions {
 
 /// Finds sets of virtual joints that make commands possible.
 ///
-/// Candidates are the slides and turns that each joint lacks: radial, tangential and normal on the link that carries more joints.
+/// Candidates are the slides and turns that each joint lacks: radial, tangential and normal on the link that carries more joints, and the principal directions of the displacements that the commands ask for.
+/// Joints in series are a leg; slides of a leg along one direction relieve the same motion and are one candidate, at the joint with the most freedoms.
+/// Two slides of one leg are in one set only if they are orthogonal: a division of a displacement among several slides of a leg does not make it smaller.
+/// Symmetric sets are unions of orbits of candidates under the symmetries of the mechanism, and under those of them that map the commands onto each other; they are compared first.
 /// A set makes a command possible where what the command opens lies in the span of what the set can do; the best are tried with the whole kinematics.
 /// Joints that the commands leave undetermined stay as near home as they can, see [`CommandedJoints`].
 ///
@@ -78,6 +114,7 @@ impl Suggestions {
 /// * `home` – (f) closed coordinates without virtual joints (m, rad)
 /// * `commanded` – indices of the commanded coordinates
 /// * `commands` – values of these coordinates, a vector for each command (m, rad)
+/// * `options` – extent and order of the search
 ///
 /// # Errors
 /// [`Error::NotRelieved`] where not even all candidates together make a command possible; those of [`relieve`] and [`CommandedJoints::new`].
@@ -86,6 +123,7 @@ pub fn suggest(
     home: &DVector<f64>,
     commanded: &[usize],
     commands: &[DVector<f64>],
+    options: &SuggestOptions,
 ) -> Result<Suggestions, Error> {
     let f = mechanism.joint_freedoms();
     super::kinematics::check_coordinates(home, f)?;
@@ -104,28 +142,64 @@ pub fn suggest(
             sets: Vec::new(),
             candidates: 0,
             compared: 0,
+            in_class: 0.0,
+            lower_bound: 0.0,
             untried: 0,
             cut_short: false,
         });
     }
-    let Candidates { candidates, images } = candidates(&at_home, home)?;
-    let all: Vec<VirtualJoint> = candidates.iter().map(|c| c.joint.clone()).collect();
-    let relieved = with(mechanism, &all);
-    let mut needs = Vec::new();
+    let links = at_home.kinematics().link_poses(home)?;
+    let mut candidates = merged(&at_home, lacking(&at_home)?, &links);
+    let mut lower_bound = 0.0_f64;
+    let mut reliefs = Vec::new();
     for command in commands {
-        let start = commanded.start(command.iter().copied(), all.len());
-        let system = MechanismSystem::new(&relieved, start)?;
-        let found = relieve(&system, &commanded, ReliefSolver::LeastNorm)?;
-        let y = found.virtual_joints.clone();
-        let Reduced { relieving, roots, .. } = reduced(&system.at(found.coordinates)?, &commanded)?;
+        let found = relieved(mechanism, &commanded, command, &candidates)?;
+        lower_bound = lower_bound.max(found.size);
+        reliefs.push(found);
+    }
+    let displacements: Vec<_> = reliefs.iter().map(|one| one.virtual_joints.clone()).collect();
+    let asked = principal(&at_home, &candidates, &links, &displacements)?;
+    let widens = widens(&at_home, &candidates, &asked, &links);
+    candidates.extend(asked);
+    let all: Vec<VirtualJoint> = candidates.iter().map(|c| c.joint.clone()).collect();
+    if widens {
+        lower_bound = 0.0;
+        for command in commands {
+            lower_bound =
+                lower_bound.max(relieved(mechanism, &commanded, command, &candidates)?.size);
+        }
+    }
+    let with_all = with(mechanism, &all);
+    let mut needs = Vec::new();
+    for relief in reliefs {
+        // Principal directions are at rest.
+        let here = relief.coordinates.resize_vertically(f + all.len(), 0.0);
+        let y = relief.virtual_joints.resize_vertically(all.len(), 0.0);
+        let Reduced { relieving, roots, .. } =
+            reduced(&MechanismSystem::new(&with_all, here)?, &commanded)?;
         needs.push(Need { open: &relieving * y.component_mul(&roots), relieving });
+    }
+    let compatible = compatible(&at_home, &candidates, &links);
+    let symmetries = symmetries(&at_home, home)?;
+    let of_mechanism = images(&at_home, &links, &candidates, &symmetries);
+    let of_commands: Vec<_> = std::iter::zip(&symmetries, &of_mechanism)
+        .filter(|(symmetry, _)| maps_commands(&at_home, &links, symmetry, &commanded, commands))
+        .map(|(_, image)| image.clone())
+        .collect();
+    let mut groups = Vec::new();
+    if !of_mechanism.is_empty() {
+        groups.push((Kind::Mechanism, orbits(candidates.len(), &of_mechanism)));
+    }
+    if !of_commands.is_empty() && of_commands.len() < of_mechanism.len() {
+        groups.push((Kind::Commands, orbits(candidates.len(), &of_commands)));
     }
     let useful: Vec<usize> = (0..all.len())
         .filter(|&k| {
             needs.iter().any(|Need { relieving: a, .. }| a.column(k).amax() > NO_EFFECT * a.amax())
         })
         .collect();
-    let (sets, cut_short) = sets(&candidates, &useful, &needs);
+    let class = Class { useful, compatible, orbits: groups };
+    let Searched { sets, cut_short, in_class } = class.sets(&needs, options);
     let compared = sets.len();
     let mut estimated: Vec<(f64, Set)> = Vec::new();
     for set in sets {
@@ -133,19 +207,20 @@ pub fn suggest(
             estimated.push((size, set));
         }
     }
-    // Small sets first, so that a set is seen to hold one that is enough; of one size the best by the estimate.
+    // Symmetric sets first. Small sets first, so that a set is seen to hold one that is enough; of one size the best by the estimate.
     estimated.sort_by(|a, b| {
-        let key = |(_, set): &(f64, Set)| (set.members.len(), !set.symmetric);
+        let key = |(_, set): &(f64, Set)| (set.kind, set.members.len());
         key(a).cmp(&key(b)).then(a.0.total_cmp(&b.0))
     });
-    let mut found: Vec<(Vec<usize>, Suggestion)> = Vec::new();
-    let (mut of_size, mut tries, mut untried) = (0, 0, 0);
+    let mut found: Vec<(Set, Suggestion)> = Vec::new();
+    let (mut of_size, mut tries, mut untried) = ((Kind::Mechanism, 0), 0, 0);
     for (_, set) in estimated {
-        if set.members.len() != of_size {
-            (of_size, tries) = (set.members.len(), 0);
+        let size = (set.kind, set.members.len());
+        if size != of_size {
+            (of_size, tries) = (size, 0);
         }
-        let smaller = |(members, _): &(Vec<usize>, Suggestion)| {
-            members.iter().all(|member| set.members.contains(member))
+        let smaller = |(known, _): &(Set, Suggestion)| {
+            known.members.iter().all(|member| set.members.contains(member))
         };
         if found.iter().any(smaller) {
             continue;
@@ -155,16 +230,31 @@ pub fn suggest(
             untried += 1;
             continue;
         }
-        let chosen: Vec<VirtualJoint> = set.members.iter().map(|&k| all[k].clone()).collect();
-        let symmetric = is_symmetric(&set.members, &images);
-        if let Some(suggestion) = tried(mechanism, &commanded, commands, chosen, symmetric)? {
-            found.push((set.members, suggestion));
+        let chosen: Vec<&Candidate> = set.members.iter().map(|&k| &candidates[k]).collect();
+        if let Some(mut suggestion) = tried(mechanism, &commanded, commands, &chosen)? {
+            suggestion.symmetric = is_symmetric(&set.members, &of_mechanism);
+            suggestion.symmetric_for_commands = is_symmetric(&set.members, &of_commands);
+            found.push((set, suggestion));
         }
     }
+    let length = crate::constraint::System::characteristic_length(&at_home);
+    let rank = |set: &Suggestion| match options.rank {
+        SuggestionRank::Norm => set.size,
+        SuggestionRank::Largest => set.largest_in_metric(length),
+    };
     let mut sets: Vec<Suggestion> = found.into_iter().map(|(_, suggestion)| suggestion).collect();
+    let least = sets.iter().map(rank).fold(f64::INFINITY, f64::min);
     sets.sort_by(|a, b| {
-        let outside = |set: &Suggestion| !set.beyond_limits.is_empty();
-        outside(a).cmp(&outside(b)).then(a.size.total_cmp(&b.size))
+        let outside =
+            |set: &Suggestion| !set.beyond_limits.is_empty() || !set.is_within_clearances();
+        // Of equal displacements the one with fewer virtual joints.
+        let equal = |set: &Suggestion| (rank(set) / (least * EQUAL)).round();
+        let joints = |set: &Suggestion| set.virtual_joints.len();
+        outside(a)
+            .cmp(&outside(b))
+            .then(equal(a).total_cmp(&equal(b)))
+            .then(joints(a).cmp(&joints(b)))
+            .then(rank(a).total_cmp(&rank(b)))
     });
     Ok(Suggestions {
         needed: true,
@@ -173,6 +263,8 @@ pub fn suggest(
         sets,
         candidates: all.len(),
         compared,
+        in_class,
+        lower_bound,
         untried,
         cut_short,
     })
@@ -220,19 +312,6 @@ fn is_symmetric(members: &[usize], images: &[Vec<Option<usize>>]) -> bool {
         })
 }
 
-/// What a command requires of the virtual joints.
-struct Need {
-    /// (open) mismatch that no passive joint can close.
-    open: DVector<f64>,
-    /// (open, M) effect of the virtual joints on it.
-    relieving: DMatrix<f64>,
-}
-
-struct Set {
-    members: Vec<usize>,
-    symmetric: bool,
-}
-
 fn with(mechanism: &Mechanism, virtual_joints: &[VirtualJoint]) -> Mechanism {
     mechanism
         .clone()
@@ -240,14 +319,31 @@ fn with(mechanism: &Mechanism, virtual_joints: &[VirtualJoint]) -> Mechanism {
         .expect("candidates have names and joints of their own")
 }
 
+/// The least displacement of candidates for a command.
+fn relieved(
+    mechanism: &Mechanism,
+    commanded: &CommandedJoints,
+    command: &DVector<f64>,
+    candidates: &[Candidate],
+) -> Result<Relief, Error> {
+    let all: Vec<VirtualJoint> = candidates.iter().map(|one| one.joint.clone()).collect();
+    let start = commanded.start(command.iter().copied(), all.len());
+    relieve(
+        &MechanismSystem::new(&with(mechanism, &all), start)?,
+        commanded,
+        ReliefSolver::LeastNorm,
+    )
+}
+
 /// Displacements of a set over all commands, if it makes all of them possible.
 fn tried(
     mechanism: &Mechanism,
     commanded: &CommandedJoints,
     commands: &[DVector<f64>],
-    chosen: Vec<VirtualJoint>,
-    symmetric: bool,
+    chosen: &[&Candidate],
 ) -> Result<Option<Suggestion>, Error> {
+    let alternatives = chosen.iter().map(|one| one.alternatives.clone()).collect();
+    let chosen: Vec<VirtualJoint> = chosen.iter().map(|one| one.joint.clone()).collect();
     let relieved = with(mechanism, &chosen);
     let f = relieved.joint_freedoms();
     let (mut size, mut largest) = (0.0_f64, vec![0.0_f64; chosen.len()]);
@@ -269,83 +365,12 @@ fn tried(
     let beyond_limits = beyond(mechanism, &configurations);
     Ok(Some(Suggestion {
         virtual_joints: chosen,
-        symmetric,
+        alternatives,
+        symmetric: false,
+        symmetric_for_commands: false,
         size,
         largest,
         configurations,
         beyond_limits,
     }))
-}
-
-/// Symmetric sets and their pairs, then sets of single candidates up to as many as there are directions to relieve.
-fn sets(candidates: &[Candidate], useful: &[usize], needs: &[Need]) -> (Vec<Set>, bool) {
-    let orbits: std::collections::BTreeSet<usize> =
-        useful.iter().map(|&k| candidates[k].orbit).collect();
-    let members = |orbit: usize| {
-        useful.iter().copied().filter(|&k| candidates[k].orbit == orbit).collect::<Vec<_>>()
-    };
-    let mut sets: Vec<Set> =
-        orbits.iter().map(|&orbit| Set { members: members(orbit), symmetric: true }).collect();
-    let symmetric = sets.iter().any(|set| set.members.len() > 1);
-    if !symmetric {
-        sets.clear();
-    }
-    for (n, &a) in orbits.iter().enumerate().filter(|_| symmetric) {
-        for &b in orbits.iter().skip(n + 1) {
-            sets.push(Set { members: [members(a), members(b)].concat(), symmetric: true });
-        }
-    }
-    let directions = needs.first().map_or(0, |need| need.relieving.nrows());
-    let mut chosen: Vec<usize> = Vec::new();
-    let mut cut_short = false;
-    for size in 1..=directions.min(useful.len()) {
-        combinations(useful.len(), size, &mut chosen, 0, &mut |picked| {
-            let members: Vec<usize> = picked.iter().map(|&n| useful[n]).collect();
-            cut_short |= sets.len() >= MAX_SETS;
-            let known =
-                sets.iter().take_while(|set| set.symmetric).any(|set| set.members == members);
-            if !cut_short && !known {
-                sets.push(Set { members, symmetric: false });
-            }
-            !cut_short
-        });
-    }
-    (sets, cut_short)
-}
-
-/// All combinations of `size` of `count`; ends when `visit` returns `false`.
-fn combinations(
-    count: usize,
-    size: usize,
-    chosen: &mut Vec<usize>,
-    from: usize,
-    visit: &mut impl FnMut(&[usize]) -> bool,
-) -> bool {
-    if chosen.len() == size {
-        return visit(chosen);
-    }
-    for next in from..count {
-        chosen.push(next);
-        let go_on = combinations(count, size, chosen, next + 1, visit);
-        chosen.pop();
-        if !go_on {
-            return false;
-        }
-    }
-    true
-}
-
-/// Largest linear least-norm displacement over the commands, if the set spans what they ask.
-fn estimate(needs: &[Need], members: &[usize]) -> Result<Option<f64>, Error> {
-    let mut size = 0.0_f64;
-    for Need { open, relieving } in needs {
-        let part = relieving.select_columns(members);
-        let decomposition = svd(&part)?;
-        let y = decomposition.solve(open, decomposition.rank(1e-6));
-        if (&part * &y - open).norm() > LEFT_OPEN * open.norm() {
-            return Ok(None);
-        }
-        size = size.max(y.norm());
-    }
-    Ok(Some(size))
 }

@@ -2,9 +2,10 @@
 
 use nalgebra::{DVector, Matrix3, Vector3};
 
-use super::{JointKind, MechanismSystem};
+use super::{CommandedJoints, JointKind, MechanismSystem};
 use crate::Error;
 use crate::constraint::System;
+use crate::spatial::Pose;
 
 /// Places and directions that differ by no more than this map onto each other, in characteristic lengths and radians.
 const SAME: f64 = 1e-6;
@@ -109,6 +110,70 @@ pub(super) fn symmetries(
         }
     }
     Ok(found)
+}
+
+/// Whether a symmetry maps each command onto one of the commands.
+///
+/// A command is the displacement of the commanded joints from home, slides as vectors and turns as axial vectors.
+/// Joints with several freedoms, other than balls of which all coordinates are commanded, are not examined: a command of them counts as unsymmetric.
+///
+/// # Arguments
+/// * `links` – poses of the links at home
+/// * `commands` – values of the commanded coordinates (m, rad)
+pub(super) fn maps_commands(
+    system: &MechanismSystem<'_>,
+    links: &[Pose],
+    symmetry: &Symmetry,
+    commanded: &CommandedJoints,
+    commands: &[DVector<f64>],
+) -> bool {
+    let joints = system.kinematics().mechanism().joints();
+    let unit = system.characteristic_length();
+    let mut of_commands = Vec::with_capacity(commands.len());
+    for command in commands {
+        let start = commanded.start(command.iter().copied(), 0);
+        let moved = system.kinematics().displacement(&commanded.start([], 0), &start);
+        let mut vectors = vec![None; joints.len()];
+        for (j, joint) in joints.iter().enumerate() {
+            let coordinates = system.kinematics().coordinates_of(j);
+            let by_command = |k: &usize| commanded.coordinates().contains(k);
+            let count = coordinates.clone().filter(by_command).count();
+            if count == 0 {
+                continue;
+            }
+            let by: Vec<f64> = coordinates.map(|k| moved[k]).collect();
+            let (local, axial) = match joint.kind {
+                JointKind::Prismatic => (Vector3::z() * (by[0] / unit), false),
+                JointKind::Revolute | JointKind::Helical { .. } => (Vector3::z() * by[0], true),
+                JointKind::Spherical if count == 3 => (Vector3::new(by[0], by[1], by[2]), true),
+                _ => return false,
+            };
+            let frame = links[joint.links[0]] * joint.frames[0];
+            vectors[j] = Some((frame.rotation * local, axial));
+        }
+        of_commands.push(vectors);
+    }
+    let largest =
+        of_commands.iter().flatten().flatten().fold(0.0_f64, |most, one| most.max(one.0.norm()));
+    let handedness = symmetry.turn.determinant();
+    of_commands.iter().all(|from| {
+        of_commands.iter().any(|to| {
+            from.iter().enumerate().all(|(j, from)| {
+                let image = symmetry.joints[j];
+                // Reversed where the image of the first link is the second link.
+                let kept = symmetry.links[joints[j].links[0]] == joints[image].links[0];
+                let sense = if kept { 1.0 } else { -1.0 };
+                match (from, &to[image]) {
+                    (None, None) => true,
+                    (Some((from, axial)), Some((to, _))) => {
+                        let sense = if *axial { sense * handedness } else { sense };
+                        (symmetry.turn * from * sense - to).norm() <= SAME * largest
+                    }
+                    _ => false,
+                }
+            })
+        })
+    })
 }
 
 /// The symmetry that a map is, if it is one and moves a joint.

@@ -84,6 +84,20 @@ impl<'a> MechanismSystem<'a> {
         Ok(Self { home, reference, ..self.clone() })
     }
 
+    /// The same system with another characteristic length, such as that of a [`super::Relief`] (m).
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::OutOfRange`] unless it is positive.
+    pub fn with_characteristic_length(self, length: f64) -> Result<Self, Error> {
+        let what = "characteristic length";
+        crate::error::finite(what, length)?;
+        if length <= 0.0 {
+            let (min, max) = (f64::MIN_POSITIVE, f64::MAX);
+            return Err(Error::OutOfRange { what, value: length, min, max, unit: "m" });
+        }
+        Ok(Self { characteristic_length: length, ..self })
+    }
+
     /// The same system at a displaced home; reference point and characteristic length stay.
     ///
     /// # Errors

@@ -2,30 +2,112 @@
 
 use nalgebra::{DMatrix, DVector, Unit, Vector3};
 
-use super::symmetry::{Symmetry, parallel, symmetries};
-use super::{Carrier, JointKind, MechanismSystem, VirtualJoint, VirtualMotion};
+use super::symmetry::{Symmetry, parallel};
+use super::{Carrier, Joint, JointKind, MechanismSystem, VirtualJoint, VirtualMotion};
 use crate::Error;
 use crate::linalg::svd;
 use crate::spatial::Pose;
 
-/// Places and directions, and how the symmetries of the mechanism map them.
-pub(super) struct Candidates {
-    pub(super) candidates: Vec<Candidate>,
-    /// For each symmetry, the candidate that each is mapped onto.
-    pub(super) images: Vec<Vec<Option<usize>>>,
-}
+/// Places that differ by no more than this are the same, in characteristic lengths.
+const SAME: f64 = 1e-6;
+/// Directions of slides of one leg that differ by no more than this are the same, and are orthogonal up to it (rad).
+pub(super) const SAME_DIRECTION: f64 = 0.05;
 
-/// A place and direction, and which others symmetries map it onto.
+/// A place and direction at which a mechanism could have play.
+#[derive(Clone)]
 pub(super) struct Candidate {
+    /// The virtual joint.
     pub(super) joint: VirtualJoint,
-    pub(super) orbit: usize,
+    /// Others in the same leg that relieve the same motion.
+    pub(super) alternatives: Vec<VirtualJoint>,
+    pub(super) leg: usize,
 }
 
-/// The slides and turns that the joints lack.
-pub(super) fn candidates(
-    system: &MechanismSystem<'_>,
-    home: &DVector<f64>,
-) -> Result<Candidates, Error> {
+/// Candidate in the base frame.
+pub(super) struct Seen {
+    pub(super) direction: Vector3<f64>,
+    pub(super) slides: bool,
+    /// A point of the axis (m).
+    point: Vector3<f64>,
+    joint: usize,
+    pub(super) link: usize,
+}
+
+pub(super) fn seen(system: &MechanismSystem<'_>, links: &[Pose], one: &VirtualJoint) -> Seen {
+    let mechanism = system.kinematics().mechanism();
+    let VirtualJoint { joint, carrier, motion, .. } = one;
+    let side = usize::from(*carrier == Carrier::Second);
+    let link = mechanism.joints()[*joint].links[side];
+    let (direction, slides, point) = match motion {
+        VirtualMotion::Slide(direction) => {
+            (direction, true, mechanism.joints()[*joint].frames[side].translation.vector)
+        }
+        VirtualMotion::Turn { axis, point } => (axis, false, *point),
+    };
+    Seen {
+        direction: links[link].rotation * direction.into_inner(),
+        slides,
+        point: links[link] * nalgebra::Point3::from(point) - nalgebra::Point3::origin(),
+        joint: *joint,
+        link,
+    }
+}
+
+/// For each joint its leg: joints in series, with links between that have no third joint.
+pub(super) fn legs(mechanism: &super::Mechanism) -> Vec<usize> {
+    let joints = mechanism.joints();
+    let mut leg: Vec<usize> = (0..joints.len()).collect();
+    for link in 0..mechanism.links().len() {
+        let on: Vec<usize> =
+            (0..joints.len()).filter(|&j| joints[j].links.contains(&link)).collect();
+        if let [a, b] = on[..] {
+            let (from, to) = (leg[a].max(leg[b]), leg[a].min(leg[b]));
+            leg.iter_mut().filter(|one| **one == from).for_each(|one| *one = to);
+        }
+    }
+    leg
+}
+
+/// The link of a joint that carries its virtual joints: the one with more joints, the second if both have the same number.
+pub(super) fn carrier(mechanism: &super::Mechanism, joint: usize) -> usize {
+    let count =
+        |link: usize| mechanism.joints().iter().filter(|other| other.links.contains(&link)).count();
+    let [first, second] = mechanism.joints()[joint].links.map(count);
+    usize::from(second >= first)
+}
+
+/// A virtual joint of a joint along or about a direction in the frame of its carrier.
+pub(super) fn along(
+    mechanism: &super::Mechanism,
+    joint: usize,
+    label: &str,
+    direction: Unit<Vector3<f64>>,
+    slides: bool,
+) -> VirtualJoint {
+    let side = carrier(mechanism, joint);
+    let Joint { name, links, frames, clearance, .. } = &mechanism.joints()[joint];
+    let point = frames[side].translation.vector;
+    let what = if slides { "slide" } else { "turn" };
+    let mut name = format!("{label} {what} of {} at {name}", mechanism.links()[links[side]]);
+    while mechanism.joint(&name).is_some() {
+        name.push('\'');
+    }
+    VirtualJoint {
+        name,
+        joint,
+        carrier: if side == 0 { Carrier::First } else { Carrier::Second },
+        motion: if slides {
+            VirtualMotion::Slide(direction)
+        } else {
+            VirtualMotion::Turn { axis: direction, point }
+        },
+        clearance: if slides { clearance.linear } else { clearance.angular },
+        stiffness: None,
+    }
+}
+
+/// The slides and turns that the joints lack: radial, tangential and normal on the link that carries more joints.
+pub(super) fn lacking(system: &MechanismSystem<'_>) -> Result<Vec<VirtualJoint>, Error> {
     let mechanism = system.kinematics().mechanism();
     let unit = crate::constraint::System::characteristic_length(system);
     let on_link = |link: usize| {
@@ -33,94 +115,131 @@ pub(super) fn candidates(
             [0, 1].into_iter().filter(move |&s| joint.links[s] == link).map(|s| &joint.frames[s])
         })
     };
-    let mut found: Vec<Candidate> = Vec::new();
+    let mut found = Vec::new();
     for (j, joint) in mechanism.joints().iter().enumerate() {
-        let counts = joint.links.map(|link| on_link(link).count());
-        let side = usize::from(counts[1] >= counts[0]);
-        let carrier = if side == 0 { Carrier::First } else { Carrier::Second };
-        let link = joint.links[side];
+        let side = carrier(mechanism, j);
         let places: Vec<Vector3<f64>> =
-            on_link(link).map(|frame| frame.translation.vector).collect();
+            on_link(joint.links[side]).map(|frame| frame.translation.vector).collect();
         let triad = triad(&places, &joint.frames[side], unit);
         for (label, direction) in ["radial", "tangential", "normal"].into_iter().zip(triad) {
             for slides in [true, false] {
-                let point = joint.frames[side].translation.vector;
-                let motion = if slides {
-                    VirtualMotion::Slide(direction)
-                } else {
-                    VirtualMotion::Turn { axis: direction, point }
-                };
-                if already_free(joint.kind, &joint.frames[side], direction, slides)? {
-                    continue;
+                if !already_free(joint.kind, &joint.frames[side], direction, slides)? {
+                    found.push(along(mechanism, j, label, direction, slides));
                 }
-                let what = if slides { "slide" } else { "turn" };
-                let name =
-                    format!("{label} {what} of {} at {}", mechanism.links()[link], joint.name);
-                found.push(Candidate {
-                    orbit: found.len(),
-                    joint: VirtualJoint {
-                        name,
-                        joint: j,
-                        carrier,
-                        motion,
-                        clearance: if slides {
-                            joint.clearance.linear
-                        } else {
-                            joint.clearance.angular
-                        },
-                        stiffness: None,
-                    },
-                });
             }
         }
     }
-    let mut images = Vec::new();
-    for symmetry in symmetries(system, home)? {
-        images.push(candidate_images(system, home, &found, &symmetry)?);
-    }
-    // Candidates that are mapped onto each other get the least number among them.
-    let mut changed = true;
-    while changed {
-        changed = false;
-        for image in &images {
-            for (k, onto) in image.iter().enumerate().filter_map(|(k, onto)| Some((k, (*onto)?))) {
-                let least = found[k].orbit.min(found[onto].orbit);
-                changed |= found[k].orbit != least || found[onto].orbit != least;
-                (found[k].orbit, found[onto].orbit) = (least, least);
-            }
-        }
-    }
-    Ok(Candidates { candidates: found, images })
+    Ok(found)
 }
 
-/// The candidate that a symmetry maps each onto.
-fn candidate_images(
+/// Candidates that relieve the same motion of one leg become one: the one at the joint with the most freedoms, and its alternatives.
+///
+/// A slide displaces all that follows it in its leg, wherever it is; so do turns about one line.
+pub(super) fn merged(
     system: &MechanismSystem<'_>,
-    home: &DVector<f64>,
-    candidates: &[Candidate],
-    symmetry: &Symmetry,
-) -> Result<Vec<Option<usize>>, Error> {
+    all: Vec<VirtualJoint>,
+    links: &[Pose],
+) -> Vec<Candidate> {
     let mechanism = system.kinematics().mechanism();
-    let links = system.kinematics().link_poses(home)?;
-    let seen = |candidate: &Candidate| {
-        let VirtualJoint { joint, carrier, motion, .. } = &candidate.joint;
-        let link = mechanism.joints()[*joint].links[usize::from(*carrier == Carrier::Second)];
-        let (direction, slides) = match motion {
-            VirtualMotion::Slide(direction) => (direction, true),
-            VirtualMotion::Turn { axis, .. } => (axis, false),
-        };
-        (*joint, link, links[link].rotation * direction.into_inner(), slides)
+    let unit = crate::constraint::System::characteristic_length(system);
+    let legs = legs(mechanism);
+    let same = |a: &VirtualJoint, b: &VirtualJoint| {
+        let one_leg = legs[a.joint] == legs[b.joint];
+        let (a, b) = (seen(system, links, a), seen(system, links, b));
+        let one_line = (a.point - b.point).cross(&a.direction).norm() <= SAME * unit;
+        one_leg
+            && a.slides == b.slides
+            && a.direction.cross(&b.direction).norm() <= SAME_DIRECTION
+            && (a.slides || one_line)
     };
-    let image = |candidate: &Candidate| {
-        let (joint, link, direction, slides) = seen(candidate);
-        let direction = symmetry.turn * direction;
-        candidates.iter().position(|other| {
-            let other = seen(other);
-            (other.0, other.1, other.3) == (symmetry.joints[joint], symmetry.links[link], slides)
-                && parallel(&other.2, &direction)
+    let mut order: Vec<usize> = (0..all.len()).collect();
+    let freedoms = |k: &usize| mechanism.joints()[all[*k].joint].kind.freedoms();
+    order.sort_by_key(|k| (std::cmp::Reverse(freedoms(k)), *k));
+    let mut found: Vec<Candidate> = Vec::new();
+    for k in order {
+        match found.iter_mut().find(|known| same(&known.joint, &all[k])) {
+            Some(known) if known.joint.joint == all[k].joint => {}
+            Some(known) => known.alternatives.push(all[k].clone()),
+            None => found.push(Candidate {
+                leg: legs[all[k].joint],
+                joint: all[k].clone(),
+                alternatives: Vec::new(),
+            }),
+        }
+    }
+    found
+}
+
+/// (candidates, candidates) whether two may be in one set: slides of one leg have to be orthogonal.
+///
+/// A slide displaces everything that follows it in its leg, so that the displacement d of the leg is the sum of its slides.
+/// For orthogonal slides Σ x² = |d|². Two slides along one direction would have √(x² + x²) = |d|/√2 for the same displacement.
+pub(super) fn compatible(
+    system: &MechanismSystem<'_>,
+    all: &[Candidate],
+    links: &[Pose],
+) -> Vec<Vec<bool>> {
+    let fits = |a: &Candidate, b: &Candidate| {
+        let one_leg = a.leg == b.leg;
+        let (a, b) = (seen(system, links, &a.joint), seen(system, links, &b.joint));
+        let orthogonal = a.direction.dot(&b.direction).abs() <= SAME_DIRECTION;
+        !one_leg || !a.slides || !b.slides || orthogonal
+    };
+    all.iter().map(|a| all.iter().map(|b| fits(a, b)).collect()).collect()
+}
+
+/// For each symmetry the candidate that each is mapped onto.
+pub(super) fn images(
+    system: &MechanismSystem<'_>,
+    links: &[Pose],
+    all: &[Candidate],
+    symmetries: &[Symmetry],
+) -> Vec<Vec<Option<usize>>> {
+    let legs = legs(system.kinematics().mechanism());
+    let same = |symmetry: &Symmetry, from: &VirtualJoint, to: &VirtualJoint| {
+        let (from, to) = (seen(system, links, from), seen(system, links, to));
+        symmetry.joints[from.joint] == to.joint
+            && from.slides == to.slides
+            && (symmetry.links[from.link] == to.link || from.slides)
+            && parallel(&to.direction, &(symmetry.turn * from.direction))
+    };
+    let image = |symmetry: &Symmetry, from: &Candidate| {
+        all.iter().position(|to| {
+            legs[symmetry.joints[from.joint.joint]] == to.leg
+                && std::iter::once(&to.joint)
+                    .chain(&to.alternatives)
+                    .any(|to| same(symmetry, &from.joint, to))
         })
     };
-    Ok(candidates.iter().map(image).collect())
+    symmetries.iter().map(|symmetry| all.iter().map(|one| image(symmetry, one)).collect()).collect()
+}
+
+/// Sets of candidates that symmetries map onto each other; candidates without an image are in none.
+pub(super) fn orbits(count: usize, images: &[Vec<Option<usize>>]) -> Vec<Vec<usize>> {
+    let mut found: Vec<Vec<usize>> = Vec::new();
+    for k in 0..count {
+        if found.iter().any(|orbit| orbit.contains(&k)) {
+            continue;
+        }
+        let mut orbit = vec![k];
+        let mut next = 0;
+        let mut whole = true;
+        while next < orbit.len() {
+            for image in images {
+                match image[orbit[next]] {
+                    Some(onto) if orbit.contains(&onto) => {}
+                    Some(onto) => orbit.push(onto),
+                    None => whole = false,
+                }
+            }
+            next += 1;
+        }
+        if whole {
+            orbit.sort_unstable();
+            found.push(orbit);
+        }
+    }
+    found
 }
 
 /// Radial, tangential and normal direction at a joint's place on a link.
@@ -149,7 +268,7 @@ fn triad(places: &[Vector3<f64>], frame: &Pose, unit: f64) -> [Unit<Vector3<f64>
 }
 
 /// Whether a joint already has a motion, or a combination of its motions that is this one.
-fn already_free(
+pub(super) fn already_free(
     kind: JointKind,
     frame: &Pose,
     direction: Unit<Vector3<f64>>,

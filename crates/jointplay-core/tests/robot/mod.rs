@@ -100,3 +100,34 @@ pub(crate) fn polar(_: usize, ball: Vector3<f64>) -> Vec<VirtualMotion> {
 pub(crate) fn planar(_: usize, _: Vector3<f64>) -> Vec<VirtualMotion> {
     vec![VirtualMotion::Slide(Vector3::x_axis()), VirtualMotion::Slide(Vector3::y_axis())]
 }
+
+/// Legs at the corners of a polygon, each with a ball joint under one plate, tilting outward.
+pub(crate) fn legs(points: &[[f64; 2]], tilt: f64) -> Mechanism {
+    let count = points.len();
+    let mut joints = Vec::new();
+    for (k, &[x, y]) in points.iter().enumerate() {
+        let out = Vector3::new(x, y, 0.0).normalize() * tilt.sin();
+        let axis = [out.x, out.y, tilt.cos()];
+        joints.push(joint(
+            &format!("leg {k}"),
+            JointKind::Prismatic,
+            [0, k + 1],
+            [x, y, 0.0],
+            axis,
+        ));
+    }
+    for (k, &[x, y]) in points.iter().enumerate() {
+        let links = [k + 1, count + 1];
+        joints.push(joint(
+            &format!("ball {k}"),
+            JointKind::Spherical,
+            links,
+            [x, y, 0.0],
+            [0.0, 0.0, 1.0],
+        ));
+    }
+    let mut links: Vec<String> = vec!["base".to_owned()];
+    links.extend((0..count).map(|k| format!("leg {k}")));
+    links.push("plate".to_owned());
+    Mechanism::new("legs", links, joints).unwrap()
+}

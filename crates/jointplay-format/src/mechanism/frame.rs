@@ -1,4 +1,4 @@
-//! Joint frames from points and directions.
+//! Joint frames and attached frames from points and directions.
 
 use jointplay_core::mechanism::JointKind;
 use jointplay_core::spatial::Pose;
@@ -103,6 +103,28 @@ fn one(values: &Values, table: &Table, kind: Option<JointKind>) -> Option<Pose> 
         None => return None,
     };
     Some(pose(point, x, z))
+}
+
+/// The pose of an attached frame: at the origin of the link and along its axes where the table has no other.
+pub(super) fn attached(values: &Values, table: &Table) -> Option<Pose> {
+    let [point, axis, zero] = ["point", "axis", "zero"].map(|key| table.entry(key));
+    let point = point.map(|entry| values.point(&entry));
+    let z = axis.map(|entry| values.direction(&entry));
+    let x = zero.map(|entry| (entry, values.direction(&entry)));
+    let point = point.unwrap_or(Some(Vector3::zeros()));
+    let z = z.unwrap_or(Some(Vector3::z_axis()))?;
+    let x = match x {
+        Some((entry, x)) => {
+            let x = x?;
+            if let Some(problem) = invalid_x(JointKind::Fixed, x, z) {
+                entry.report(values.reader, problem);
+                return None;
+            }
+            x
+        }
+        None => some_perpendicular(z),
+    };
+    Some(pose(point?, x, z))
 }
 
 /// Why a direction cannot be the x-axis of the joint frame, if it cannot.

@@ -44,7 +44,11 @@ impl Links {
     }
 
     pub(super) fn has(&self, name: &str) -> bool {
-        self.indices.contains_key(name)
+        self.find(name).is_some()
+    }
+
+    pub(super) fn find(&self, name: &str) -> Option<usize> {
+        self.indices.get(name).copied()
     }
 
     pub(super) fn index(&mut self, name: &str) -> usize {
@@ -57,7 +61,7 @@ impl Links {
     }
 }
 
-/// The table of a joint or virtual joint, named in messages by its `name`, with that name.
+/// The table of a joint, virtual joint or frame, named in messages by its `name`, with that name.
 pub(super) fn named(table: &mut Table, what: &str) -> Option<String> {
     let entry = table.needed("name")?;
     let name = joint_name(table.reader, &entry)?;

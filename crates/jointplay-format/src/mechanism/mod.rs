@@ -1,4 +1,4 @@
-//! Mechanism files: TOML with links, joints and virtual joints, parameters and formulas.
+//! Mechanism files: TOML with links, joints, virtual joints and frames, parameters and formulas.
 //!
 //! ```
 //! let file = jointplay_format::mechanism::parse(r#"
@@ -22,6 +22,9 @@
 //! # Ok::<(), jointplay_format::mechanism::Errors>(())
 //! ```
 
+mod attached_frame;
+mod changed_dimension;
+mod edit;
 pub mod frame;
 mod header;
 mod joint;
@@ -35,6 +38,8 @@ mod values;
 mod virtual_joint;
 mod write;
 
+pub use changed_dimension::{ParameterError, changed_dimension};
+pub use edit::with_virtual_joints;
 pub use header::MAX_BYTES;
 pub use kind::kind_of;
 pub use loops::with_loops;

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use jointplay_core::mechanism::{Joint, Mechanism, MechanismError};
 
+use super::attached_frame::attached_frame;
 use super::header::{MAX_BYTES, has_other_kind, units};
 use super::joint::{Links, joint};
 use super::names::{printable_name, prose};
@@ -169,6 +170,9 @@ fn mechanism(
     let known = Joints::new(&tables, &joints, &links.names);
     let virtual_joints: Vec<_> =
         virtual_tables.iter_mut().map(|table| virtual_joint(values, table, &known)).collect();
+    let mut frame_tables = top.tables("frame");
+    let frames: Vec<_> =
+        frame_tables.iter_mut().map(|table| attached_frame(values, table, &links)).collect();
     let base = base?;
     let joints = joints.iter().cloned().collect::<Option<Vec<Joint>>>()?;
     if !joints.is_empty() && joints.iter().all(|joint| !joint.links.contains(&0)) {
@@ -177,11 +181,14 @@ fn mechanism(
         return None;
     }
     let blamed = |error: MechanismError| {
-        values.reader.report(blame(top, &tables, &virtual_tables, &error), error);
+        let tables = [&tables, &virtual_tables, &frame_tables].map(Vec::as_slice);
+        values.reader.report(blame(top, tables, &error), error);
     };
     let mechanism = Mechanism::new(title, links.names.clone(), joints).map_err(blamed).ok()?;
     let virtual_joints = virtual_joints.into_iter().collect::<Option<Vec<_>>>()?;
-    mechanism.with_virtual_joints(virtual_joints).map_err(blamed).ok()
+    let mechanism = mechanism.with_virtual_joints(virtual_joints).map_err(blamed).ok()?;
+    let frames = frames.into_iter().collect::<Option<Vec<_>>>()?;
+    mechanism.with_frames(frames).map_err(blamed).ok()
 }
 
 /// The tables of the joints, of which there is at least one.
@@ -197,25 +204,24 @@ fn links<'r, 'a>(table: &Table<'r, 'a>) -> Vec<Entry<'r, 'a>> {
 }
 
 /// The part of the file that an error of the mechanism is about.
-fn blame(
-    top: &Table,
-    joints: &[Table],
-    virtual_joints: &[Table],
-    error: &MechanismError,
-) -> Range<usize> {
+///
+/// # Arguments
+/// * `tables` – of joints, virtual joints and frames
+fn blame(top: &Table, tables: [&[Table]; 3], error: &MechanismError) -> Range<usize> {
     use MechanismError as E;
+    let joints = tables[0];
     let is_named = |table: &&Table, name: &str| {
         table.entry("name").and_then(|entry| entry.value.get_ref().as_str()) == Some(name)
     };
     let text = |entry: &Entry| entry.value.get_ref().as_str().map(str::to_owned);
     let span = |table: &Table, key| Some(table.entry(key)?.span());
     let found = match error {
-        E::NameTwice { name } => joints
-            .iter()
-            .chain(virtual_joints)
-            .filter(|table| is_named(table, name))
-            .nth(1)
-            .and_then(|table| span(table, "name")),
+        // A frame can have the name of a link, which is nowhere but in the lists of the joints.
+        E::NameTwice { name } => {
+            let named = tables.iter().copied().flatten().filter(|table| is_named(table, name));
+            let named: Vec<&Table> = named.collect();
+            named.get(1).or(named.last()).and_then(|table| span(table, "name"))
+        }
         E::NoSuchLink { joint, .. } | E::JoinedToItself { joint, .. } => joints
             .iter()
             .find(|table| {
@@ -274,6 +280,11 @@ mod tests {
         assert_eq!(v2.clearance, Some(f64::to_radians(0.5)));
         let point = Vector3::new(0.11, 0.0, 0.0);
         assert_eq!(v2.motion, VirtualMotion::Turn { axis: Vector3::z_axis(), point });
+        let [tip, center] = file.mechanism.frames() else { panic!() };
+        assert_eq!((tip.name.as_str(), tip.link), ("tip", 3));
+        assert_eq!(tip.link_from_frame.translation.vector, Vector3::new(0.22, 0.0, 0.01));
+        assert_eq!(tip.link_from_frame.rotation * Vector3::x(), Vector3::y());
+        assert_eq!(center.link_from_frame, jointplay_core::spatial::Pose::identity());
         assert_eq!(file.source.as_deref(), Some("[Source]"));
         assert_eq!(file.expected.kutzbach, Some(-2));
         let of = |name: &str, value| (name.to_owned(), value);
@@ -399,6 +410,9 @@ mod tests {
             refuse("name = \"crank\"", &format!("name = {named}"), &named, "cannot be called");
         }
         refuse("name = \"v2\"", "name = \"crank\"", "\"crank\"", "used twice");
+        refuse("name = \"tip\"", "name = \"arm\"", "\"arm\"", "used twice");
+        refuse("link = \"nut\"", "link = \"nutt\"", "\"nutt\"", "did you mean `nut`?");
+        refuse("zero = [0, 1, 0]", "zero = [0, 0, 1]", "[0, 0, 1]", "parallel to the axis");
         refuse("name = \"cardan\"", "name = \"crank\"", "\"crank\"", "used twice");
         let apart = "[[joint]]\nname = \"apart\"\nkind = \"fixed\"\nlinks = [\"p\", \"q\"]\n";
         let text = format!("{apart}\n[[virtual_joint]]");

@@ -1,5 +1,6 @@
 //! Numbers, lengths, angles and directions of a file, in SI units.
 
+use jointplay_core::mechanism::VirtualMotion;
 use jointplay_core::mechanism::joint::Coordinate;
 use nalgebra::{Unit, Vector3};
 use toml::de::DeValue;
@@ -33,6 +34,20 @@ pub struct Units {
     pub angle: AngleUnit,
 }
 
+impl Units {
+    /// Metres and radians.
+    pub const SI: Self = Self { length: LengthUnit::Meter, angle: AngleUnit::Radian };
+
+    /// A displacement along or about a virtual joint in these units, from m or rad.
+    #[must_use]
+    pub fn of_motion(self, motion: VirtualMotion, value: f64) -> f64 {
+        match motion {
+            VirtualMotion::Slide(_) => self.length.from_meters(value),
+            VirtualMotion::Turn { .. } => self.angle.from_radians(value),
+        }
+    }
+}
+
 impl LengthUnit {
     /// All of them, with their names in files.
     pub const ALL: [(&str, Self); 4] = [
@@ -61,6 +76,17 @@ impl LengthUnit {
             Self::Millimeter => shift(meters, 3),
             Self::Micrometer => shift(meters, 6),
             Self::Inch => meters / 0.0254,
+        }
+    }
+
+    /// Decimals that resolve about a millionth of a millimetre.
+    #[must_use]
+    pub fn decimals(self) -> usize {
+        match self {
+            Self::Meter => 9,
+            Self::Millimeter => 6,
+            Self::Micrometer => 3,
+            Self::Inch => 8,
         }
     }
 

@@ -6,7 +6,10 @@ use std::fmt::Write as _;
 use jointplay_core::mechanism::{
     Carrier, Joint, JointKind, LinearAndAngular, Mechanism, VirtualJoint, VirtualMotion,
 };
+use jointplay_core::spatial::Pose;
 use nalgebra::Vector3;
+
+use super::values::Units;
 
 /// Writes a mechanism file in m and rad, each joint placed on each of its links.
 ///
@@ -29,9 +32,27 @@ pub fn write(mechanism: &Mechanism, source: Option<&str>) -> String {
         write_joint(&mut file, mechanism, joint);
     }
     for joint in mechanism.virtual_joints() {
-        write_virtual_joint(&mut file, mechanism, joint);
+        write_virtual_joint(&mut file, mechanism, joint, Units::SI);
+    }
+    for frame in mechanism.frames() {
+        file.push_str("\n[[frame]]\n");
+        line(&mut file, "name", quoted(&frame.name));
+        line(&mut file, "link", quoted(&mechanism.links()[frame.link]));
+        for (key, value) in pose_keys(&frame.link_from_frame, "zero") {
+            line(&mut file, key, value);
+        }
     }
     file
+}
+
+/// Keys and values that place a frame.
+fn pose_keys(pose: &Pose, x_key: &'static str) -> [(&'static str, String); 3] {
+    let rotation = pose.rotation.matrix();
+    [
+        ("point", vector(&pose.translation.vector)),
+        ("axis", vector(&rotation.column(2).into_owned())),
+        (x_key, vector(&rotation.column(0).into_owned())),
+    ]
 }
 
 fn write_joint(file: &mut String, mechanism: &Mechanism, joint: &Joint) {
@@ -43,14 +64,8 @@ fn write_joint(file: &mut String, mechanism: &Mechanism, joint: &Joint) {
     let x_key = if joint.kind == JointKind::Universal { "second_axis" } else { "zero" };
     file.push_str("frames = [\n");
     for frame in &joint.frames {
-        let rotation = frame.rotation.matrix();
-        let line = format!(
-            "  {{ point = {}, axis = {}, {x_key} = {} }},\n",
-            vector(&frame.translation.vector),
-            vector(&rotation.column(2).into_owned()),
-            vector(&rotation.column(0).into_owned()),
-        );
-        file.push_str(&line);
+        let keys = pose_keys(frame, x_key).map(|(key, value)| format!("{key} = {value}"));
+        writeln!(file, "  {{ {} }},", keys.join(", ")).expect("a string takes any text");
     }
     file.push_str("]\n");
     if let JointKind::Helical { lead } = joint.kind {
@@ -78,7 +93,16 @@ fn write_joint(file: &mut String, mechanism: &Mechanism, joint: &Joint) {
     }
 }
 
-fn write_virtual_joint(file: &mut String, mechanism: &Mechanism, virtual_joint: &VirtualJoint) {
+/// Appends the table of a virtual joint.
+///
+/// # Arguments
+/// * `units` – the units of the file
+pub(super) fn write_virtual_joint(
+    file: &mut String,
+    mechanism: &Mechanism,
+    virtual_joint: &VirtualJoint,
+    units: Units,
+) {
     let joint = &mechanism.joints()[virtual_joint.joint];
     let side = usize::from(virtual_joint.carrier == Carrier::Second);
     file.push_str("\n[[virtual_joint]]\n");
@@ -89,11 +113,11 @@ fn write_virtual_joint(file: &mut String, mechanism: &Mechanism, virtual_joint: 
         VirtualMotion::Slide(axis) => line(file, "slide", vector(&axis)),
         VirtualMotion::Turn { axis, point } => {
             line(file, "turn", vector(&axis));
-            line(file, "about", vector(&point));
+            line(file, "about", vector(&point.map(|x| units.length.from_meters(x))));
         }
     }
     if let Some(clearance) = virtual_joint.clearance {
-        line(file, "clearance", decimal(clearance));
+        line(file, "clearance", decimal(units.of_motion(virtual_joint.motion, clearance)));
     }
     if let Some(stiffness) = virtual_joint.stiffness {
         line(file, "stiffness", decimal(stiffness));
@@ -150,6 +174,12 @@ mod tests {
                 *found = lead;
             }
             assert_eq!(&found, expected);
+        }
+        assert_eq!(read.frames().len(), mechanism.frames().len());
+        for (found, expected) in read.frames().iter().zip(mechanism.frames()) {
+            assert_eq!((&found.name, found.link), (&expected.name, expected.link));
+            let [found, expected] = [found, expected].map(|f| f.link_from_frame.to_homogeneous());
+            assert!((found - expected).amax() < 1e-15);
         }
         for (found, expected) in read.virtual_joints().iter().zip(mechanism.virtual_joints()) {
             let axis = |motion| match motion {

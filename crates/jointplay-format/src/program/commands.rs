@@ -24,9 +24,9 @@ pub(super) fn simple(command: &str, cursor: &mut Cursor<'_, '_>) -> Result<Comma
         "SWAP" => {
             let at = slot(cursor)?;
             cursor.require("GET")?;
-            let get = cursor.name("an effector")?;
+            let get = effector(cursor)?;
             cursor.require("PUT")?;
-            Command::Swap { at, get, put: cursor.name("an effector")? }
+            Command::Swap { at, get, put: effector(cursor)? }
         }
         "GOTO" => Command::Goto { to: slot(cursor)?, effector: with(cursor)? },
         "WAIT" => Command::Wait { duration: cursor.quantity("a time", &[AllowedValues::TIME])? },
@@ -86,6 +86,12 @@ fn line(cursor: &mut Cursor<'_, '_>) -> Result<Command, Error> {
         }
         by[direction] = Some(cursor.quantity("a length", &[AllowedValues::LENGTH])?);
     }
+}
+
+/// An effector of SWAP: WITH, which other commands need, is optional.
+fn effector(cursor: &mut Cursor<'_, '_>) -> Result<Name, Error> {
+    cursor.accept("WITH");
+    cursor.name("an effector")
 }
 
 fn with(cursor: &mut Cursor<'_, '_>) -> Result<Option<Name>, Error> {

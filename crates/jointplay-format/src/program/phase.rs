@@ -8,6 +8,7 @@ pub fn phase_name(phase: Phase) -> &'static str {
     match phase {
         Phase::Move => "move",
         Phase::RetractArms => "retract arms",
+        Phase::PostureChange => "posture change",
         Phase::Turn => "turn",
         Phase::Align => "align",
         Phase::Extend => "extend",

@@ -58,7 +58,7 @@ struct Group {
     has: fn(&OutputQuantity) -> bool,
 }
 
-const GROUPS: [Group; 4] = [
+const GROUPS: [Group; 5] = [
     Group {
         name: "rods",
         units: &Unit::LENGTHS,
@@ -73,6 +73,19 @@ const GROUPS: [Group; 4] = [
         name: "dimensions",
         units: &[],
         has: |wanted| matches!(wanted, OutputQuantity::Built { .. }),
+    },
+    Group {
+        name: "ball_displacements",
+        units: &Unit::LENGTHS,
+        has: |wanted| {
+            matches!(
+                wanted,
+                OutputQuantity::Model {
+                    measure: PlatformQuantity::Quantity(Quantity::BallDisplacement(_)),
+                    ..
+                }
+            )
+        },
     },
     Group {
         name: "virtual_joints",
@@ -142,6 +155,10 @@ fn terms(models: &[&'static (dyn Virtualization + Sync)]) -> Vec<Term> {
             add(&format!("normal_{name}"), NUMBERS, quantity(Quantity::Normal(axis)));
         }
         add("displacement", LENGTHS, quantity(Quantity::Displacement));
+        for k in 0..3 {
+            let ball = quantity(Quantity::BallDisplacement(k));
+            add(&format!("ball_displacement_{}", k + 1), LENGTHS, ball);
+        }
         for k in 0..3 {
             add(&format!("sensitivity_{}", k + 1), NUMBERS, quantity(Quantity::Sensitivity(k)));
         }

@@ -20,6 +20,7 @@
 //! ```
 
 mod draft;
+mod drive_table;
 mod mjcf;
 mod model;
 mod problem;
@@ -30,6 +31,7 @@ mod testing;
 mod urdf;
 mod xml;
 
+pub use drive_table::{DriveColumn, DriveTableError, MAX_COLUMNS, MAX_ROWS, drive_table};
 pub use model::{Dialect, Imported};
 pub use problem::{Error, Problem};
 pub use read::{is_model, parse};

@@ -176,7 +176,7 @@ impl Gantt {
     /// # Errors
     /// As [`Self::to_svg`]; [`Error::Size`] if `width_px` is 0 or over 20 000; [`Error::Paint`] if painting fails.
     pub fn to_png(&self, width_px: u32) -> Result<Vec<u8>, Error> {
-        png::paint(&self.to_svg()?, width_px)
+        png::svg_to_png(&self.to_svg()?, width_px)
     }
 
     fn band(&self, svg: &mut Svg, band: &Band, rows: &[&str]) {

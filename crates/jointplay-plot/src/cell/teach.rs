@@ -135,7 +135,7 @@ impl<'a> Taught<'a> {
     /// # Errors
     /// As [`Self::to_svg`]; [`Error::Size`] if `width_px` is 0 or over 20 000; [`Error::Paint`] if painting fails.
     pub fn to_png(&self, width_px: u32) -> Result<Vec<u8>, Error> {
-        png::paint(&self.to_svg()?, width_px)
+        png::svg_to_png(&self.to_svg()?, width_px)
     }
 
     fn station(

@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::camera::Camera;
 use super::item::Item;
-use super::scene::{DrawnJoint, Play, RAIL};
+use super::scene::{DrawnJoint, Load, Play, RAIL};
 use crate::Colour;
 use crate::svg::{element, path_data, px};
 
@@ -34,6 +34,8 @@ pub(super) const ACTUATED: Material = Material {
 };
 /// A virtual joint.
 pub(super) const PLAY: Colour = Colour::rgb(158, 47, 128);
+/// A force or moment.
+pub(super) const LOAD: Colour = Colour::rgb(0, 114, 178);
 /// A rail or an imagined line.
 const LINE: &str = "#7a8794";
 
@@ -148,6 +150,29 @@ pub(super) fn play(play: &Play, camera: &Camera, radius: f64, items: &mut Vec<It
         }
     }
     items.push(Item { depth, points: vec![play.at], drawn });
+}
+
+/// A load: an arrow with one head for a force, with two for a moment.
+pub(super) fn load(load: &Load, camera: &Camera) -> String {
+    let line = format!(" stroke=\"{}\" stroke-width=\"2.4\"", LOAD.hex());
+    let fill = format!(" fill=\"{}\"", LOAD.hex());
+    let [from, to] = [load.from, load.to].map(|end| camera.spot(&end));
+    let length = (to.0 - from.0).hypot(to.1 - from.1);
+    if length < 4.0 {
+        // Along the line of sight: the tip of an arrow, or its tail.
+        let toward = camera.toward(&(load.to - load.from)) > 0.0;
+        let dot = circle(from, if toward { 2.0 } else { 3.5 });
+        return element(&circle(from, 6.0), &line)
+            + &element(&dot, if toward { &fill } else { &line });
+    }
+    let direction = ((to.0 - from.0) / length, (to.1 - from.1) / length);
+    let mut drawn =
+        element(&path_data(&[from, to]), &line) + &element(&head(to, direction, 9.0), &fill);
+    if load.moment {
+        let second = (to.0 - 8.0 * direction.0, to.1 - 8.0 * direction.1);
+        drawn += &element(&head(second, direction, 9.0), &fill);
+    }
+    drawn
 }
 
 /// Exaggerated play: a line from the end of a link to its joint, with a mark at the end of the link.

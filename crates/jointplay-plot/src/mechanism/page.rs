@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::camera::Camera;
-use super::glyph::{ACTUATED, GAP, PLAY, circle};
+use super::glyph::{ACTUATED, GAP, LOAD, PLAY, circle};
 use super::labels::{self, LabelArea};
 use super::paint;
 use super::picture::MechanismPicture;
@@ -75,6 +75,11 @@ fn extent(view: View, scene: &Scene, ghost: Option<&Scene>) -> ((f64, f64), (f64
             low = (low.0.min(x - room), low.1.min(y - room));
             high = (high.0.max(x + room), high.1.max(y + room));
         }
+        for load in &scene.loads {
+            let (x, y) = (load.to.dot(&right), load.to.dot(&up));
+            low = (low.0.min(x - room), low.1.min(y - room));
+            high = (high.0.max(x + room), high.1.max(y + room));
+        }
         for joint in &scene.joints {
             let reach = if joint.has_rail() { RAIL * scene.radius } else { 0.0 };
             for point in [-reach, reach].map(|along| joint.at + joint.axis() * along) {
@@ -138,6 +143,17 @@ fn legend(svg: &mut Svg, scene: &Scene, ghost: bool, (middle, y): (f64, f64)) {
             element("M0 0h18M4 -3l-4 3l4 3M14 -3l4 3l-4 3", &arrow),
             "virtual joint".to_owned(),
         ));
+    }
+    for (moment, text) in [(false, "force"), (true, "moment")] {
+        if scene.loads.iter().any(|load| load.moment == moment) {
+            let line = format!(" stroke=\"{}\" stroke-width=\"2.4\"", LOAD.hex());
+            let heads = if moment {
+                "M0 0h18M14 -4l4 4l-4 4M7 -4l4 4l-4 4"
+            } else {
+                "M0 0h18M14 -4l4 4l-4 4"
+            };
+            entries.push((element(heads, &line), text.to_owned()));
+        }
     }
     if ghost {
         let pale = " stroke=\"#8fa3b5\" stroke-width=\"1.1\"";

@@ -40,7 +40,8 @@ pub(super) fn draw(scene: &Scene, ghost: Option<&Scene>, camera: &Camera) -> Str
     }
     let plates = scene.links.iter().filter_map(|body| Plate::of(body, camera, width));
     let ghost = ghost.map_or(String::new(), |ghost| ghosts(ghost, camera, width));
-    ghost + &order::far_to_near(items, plates.collect(), camera)
+    let loads: String = scene.loads.iter().map(|load| glyph::load(load, camera)).collect();
+    ghost + &order::far_to_near(items, plates.collect(), camera) + &loads
 }
 
 /// Links as bars; a link with one joint sticks out of it.

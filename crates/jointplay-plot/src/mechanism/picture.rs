@@ -1,6 +1,6 @@
 //! A picture of a mechanism as data: configuration, view and title.
 
-use jointplay_core::mechanism::Mechanism;
+use jointplay_core::mechanism::{JointWrench, Mechanism};
 use nalgebra::DVector;
 
 use super::view::View;
@@ -46,6 +46,8 @@ pub struct MechanismPicture<'a> {
     pub ghost: Option<DVector<f64>>,
     /// Play scale, shown in the legend; `None` draws the configuration to scale.
     pub exaggeration: Option<f64>,
+    /// Loads of joints on their second links, drawn as arrows whose lengths are relative to the largest: a force has one head, a moment has two.
+    pub loads: Vec<JointWrench>,
     /// Direction to the viewer; `None` for the default.
     pub view: Option<View>,
     /// Title above the picture; empty for none.
@@ -64,6 +66,7 @@ impl<'a> MechanismPicture<'a> {
             coordinates,
             ghost: None,
             exaggeration: None,
+            loads: Vec::new(),
             view: None,
             title,
             width: 720.0,
@@ -81,6 +84,13 @@ impl<'a> MechanismPicture<'a> {
     #[must_use]
     pub fn with_exaggeration(mut self, factor: f64) -> Self {
         self.exaggeration = Some(factor);
+        self
+    }
+
+    /// The picture with loads of joints, such as those of a self-stress.
+    #[must_use]
+    pub fn with_loads(mut self, loads: Vec<JointWrench>) -> Self {
+        self.loads = loads;
         self
     }
 

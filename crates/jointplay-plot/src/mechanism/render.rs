@@ -22,6 +22,7 @@ impl MechanismPicture<'_> {
         if let Some(factor) = self.exaggeration {
             scene.exaggerate(&exaggerate_play(self.mechanism, &self.coordinates, factor)?);
         }
+        scene.load(&self.loads);
         let ghost = match &self.ghost {
             None => None,
             Some(at) => {
@@ -37,6 +38,6 @@ impl MechanismPicture<'_> {
     /// # Errors
     /// As [`Self::to_svg`]; [`Error::Size`] if `width_px` is 0 or over 20 000; [`Error::Paint`] if painting fails.
     pub fn to_png(&self, width_px: u32) -> Result<Vec<u8>, Error> {
-        png::paint(&self.to_svg()?, width_px)
+        png::svg_to_png(&self.to_svg()?, width_px)
     }
 }

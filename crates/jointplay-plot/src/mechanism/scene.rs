@@ -1,6 +1,8 @@
 //! Links and joints in space, in lengths relative to the size of the mechanism.
 
-use jointplay_core::mechanism::{Carrier, ExaggeratedPlay, JointKind, Mechanism, VirtualMotion};
+use jointplay_core::mechanism::{
+    Carrier, ExaggeratedPlay, JointKind, JointWrench, Mechanism, VirtualMotion,
+};
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector3};
 
@@ -20,6 +22,10 @@ const SPHERE: f64 = 0.5;
 const RADIUS: f64 = 0.024;
 /// Half length of a rail, in radii of a joint.
 pub(super) const RAIL: f64 = 6.0;
+/// Length of the arrow of the largest load, in sizes.
+const LONGEST_LOAD: f64 = 0.3;
+/// Loads below this share of the largest are not drawn.
+const SMALL_LOAD: f64 = 0.02;
 /// Number of joints above which they are drawn smaller.
 const MANY: f64 = 12.0;
 
@@ -32,6 +38,8 @@ pub(super) struct Scene {
     pub(super) gaps: Vec<[Vector3<f64>; 2]>,
     /// Play scale.
     pub(super) exaggeration: Option<f64>,
+    /// Forces and moments of joints.
+    pub(super) loads: Vec<Load>,
     /// Centre of the mechanism (m).
     middle: Vector3<f64>,
     /// The length of one size (m).
@@ -68,6 +76,15 @@ pub(super) struct Body {
     pub(super) joints: Vec<usize>,
     /// Its end at each joint.
     pub(super) ends: Vec<Vector3<f64>>,
+}
+
+/// A force or moment of a joint, on its second link.
+pub(super) struct Load {
+    /// Tail of the arrow.
+    pub(super) from: Vector3<f64>,
+    /// Tip of the arrow.
+    pub(super) to: Vector3<f64>,
+    pub(super) moment: bool,
 }
 
 /// A virtual joint.
@@ -189,8 +206,26 @@ impl Scene {
                 .map(|&j| joints[j].end(carries_rail(mechanism, j) == link, radius))
                 .collect();
         }
-        let (gaps, exaggeration) = (Vec::new(), None);
-        Ok(Self { joints, links, play, gaps, exaggeration, middle, size, radius })
+        let (gaps, exaggeration, loads) = (Vec::new(), None, Vec::new());
+        Ok(Self { joints, links, play, gaps, exaggeration, loads, middle, size, radius })
+    }
+
+    /// Adds loads of joints as arrows.
+    ///
+    /// Small parts of a load, such as moments that only balance round-off, are omitted.
+    pub(super) fn load(&mut self, loads: &[JointWrench]) {
+        let norms = |load: &JointWrench| [load.force.norm(), load.moment_at_place.norm()];
+        let largest = loads.iter().flat_map(norms).fold(f64::MIN_POSITIVE, f64::max);
+        for load in loads {
+            for (vector, moment) in [(load.force, false), (load.moment_at_place, true)] {
+                let by = vector * (LONGEST_LOAD / largest);
+                if let Some(joint) = self.joints.get(load.joint)
+                    && by.norm() > SMALL_LOAD * LONGEST_LOAD
+                {
+                    self.loads.push(Load { from: joint.at, to: joint.at + by, moment });
+                }
+            }
+        }
     }
 
     /// Moves the ends of links away from their joints by the exaggerated play.

@@ -40,5 +40,5 @@ fn compute(gpr: &Gpr, request: ForwardRequest) -> Result<ForwardReport, Problem>
     let (model, options) = (request.model.model(), request.model.options("model")?);
     let broken = check_limits(gpr, &rods, gpr.plane_tilt(&rods), request.ignore_limits)?;
     let pose = gpr.forward(rods, model, &options)?;
-    Ok(report::forward(&pose, model, &broken))
+    Ok(report::forward(gpr, &pose, model, &broken))
 }

@@ -40,5 +40,5 @@ fn compute(gpr: &Gpr, request: CommandRequest) -> Result<ForwardReport, Problem>
     let (rods, tilt) = solve_command(gpr, target, model, &options)?;
     let broken = check_limits(gpr, &rods, tilt, request.ignore_limits)?;
     let pose = gpr.forward(rods, model, &options)?;
-    Ok(report::forward(&pose, model, &broken))
+    Ok(report::forward(gpr, &pose, model, &broken))
 }

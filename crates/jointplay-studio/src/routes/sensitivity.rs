@@ -44,5 +44,5 @@ fn compute(gpr: &Gpr, request: CommandRequest) -> Result<SensitivityReport, Prob
     let end = gpr.forward(rods, model, &options)?;
     let level = gpr.inverse(Tilt::LEVEL, end.axis_height())?;
     let start = gpr.forward(level, model, &options)?;
-    Ok(report::sensitivity(&gpr.play_between(start, end, model)?, model, &broken))
+    Ok(report::sensitivity(gpr, &gpr.play_between(start, end, model)?, model, &broken))
 }

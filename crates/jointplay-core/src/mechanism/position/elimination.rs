@@ -59,6 +59,71 @@ impl Elimination {
         self.rows
     }
 
+    /// Reflects the passive columns to a triangle, and all other columns along; returns their rank.
+    pub(super) fn reflect_columns(&mut self) -> usize {
+        self.rank = self.triangulate(self.rows);
+        self.rank
+    }
+
+    /// Qᵀ v in place: a right-hand side as reflected with the columns.
+    pub(super) fn reflect_right(&self, vector: &mut [f64]) {
+        (0..self.rank).for_each(|k| self.mirror(k, vector));
+    }
+
+    /// Reflects a vector by the mirror of a column.
+    fn mirror(&self, k: usize, vector: &mut [f64]) {
+        let below = &self.matrix[k * self.rows + k + 1..(k + 1) * self.rows];
+        let [head, scale] = self.mirrors[k];
+        let (first, rest) = vector[k..].split_at_mut(1);
+        let dot = head * first[0] + below.iter().zip(&*rest).map(|(a, b)| a * b).sum::<f64>();
+        first[0] -= scale * dot * head;
+        rest.iter_mut().zip(below).for_each(|(value, a)| *value -= scale * dot * a);
+    }
+
+    /// Solves for the passive columns, with zero for those that depend on others.
+    ///
+    /// # Arguments
+    /// * `right` – (rows) reflected; used up
+    /// * `step` – (passive) takes the solution
+    pub(super) fn substitute(&self, right: &mut [f64], step: &mut [f64]) {
+        step.fill(0.0);
+        for k in (0..self.rank).rev() {
+            let column = &self.matrix[k * self.rows..(k + 1) * self.rows];
+            let value = right[k] / column[k];
+            step[self.order[k]] = value;
+            right[..k].iter_mut().zip(column).for_each(|(entry, a)| *entry -= a * value);
+        }
+    }
+
+    /// The motion of the passive columns that leaves all equations as they are and moves one dependent column by 1.
+    ///
+    /// # Arguments
+    /// * `dependent` – index among the columns beyond the rank
+    /// * `room` – (rows)
+    /// * `motion` – (passive) takes the motion
+    pub(super) fn null_vector(&self, dependent: usize, room: &mut [f64], motion: &mut [f64]) {
+        let k = self.rank + dependent;
+        let column = &self.matrix[k * self.rows..(k + 1) * self.rows];
+        room.iter_mut().zip(column).for_each(|(entry, a)| *entry = -a);
+        self.substitute(room, motion);
+        motion[self.order[k]] = 1.0;
+    }
+
+    /// The multipliers λ of least norm with A_pᵀ λ = load in the independent columns.
+    ///
+    /// # Arguments
+    /// * `load` – (passive)
+    /// * `multipliers` – (rows) takes λ
+    pub(super) fn multipliers(&self, load: &[f64], multipliers: &mut [f64]) {
+        multipliers.fill(0.0);
+        for k in 0..self.rank {
+            let column = &self.matrix[k * self.rows..k * self.rows + k];
+            let known: f64 = column.iter().zip(&*multipliers).map(|(a, b)| a * b).sum();
+            multipliers[k] = (load[self.order[k]] - known) / self.matrix[k * self.rows + k];
+        }
+        (0..self.rank).rev().for_each(|k| self.mirror(k, multipliers));
+    }
+
     /// Factors the equations in `matrix`.
     pub(super) fn factor(&mut self) {
         // The usual sizes, one loop or a few balls, get code of their own.
@@ -214,7 +279,7 @@ fn reflect(vector: &mut [f64], mirror: &[f64], scale: f64) {
 /// Factors G = L D Lᵀ of a matrix with no negative direction in place; equations that depend on those before them get a zero in D.
 ///
 /// `gram` holds the lower triangle by rows.
-fn factor_symmetric(gram: &mut [f64], n: usize) {
+pub(super) fn factor_symmetric(gram: &mut [f64], n: usize) {
     let largest = (0..n).map(|k| gram[k * n + k]).fold(0.0, f64::max);
     for i in 0..n {
         for j in 0..=i {
@@ -235,7 +300,7 @@ fn factor_symmetric(gram: &mut [f64], n: usize) {
 }
 
 /// Solves L D Lᵀ x = b in place; x is zero for equations that were dropped.
-fn solve_symmetric(factor: &[f64], b: &mut [f64]) {
+pub(super) fn solve_symmetric(factor: &[f64], b: &mut [f64]) {
     let n = b.len();
     for i in 0..n {
         for k in 0..i {

@@ -1,8 +1,19 @@
-//! Positions, fast: what passive and virtual joints do for commanded ones, without allocation.
+//! Positions, velocities and accelerations, fast: what passive and virtual joints do for commanded ones, without allocation.
 
+mod closing_geometry;
+mod differential;
+mod dimension;
 mod elimination;
+mod field;
+mod frame_jacobian;
+mod frame_motion;
+mod least_displacement;
 mod opening;
 mod solver;
 mod walk;
 
+pub use differential::DifferentialKinematics;
+pub use dimension::{ChangedDimension, DimensionDerivatives};
+pub use frame_jacobian::{Dexterity, dexterity};
+pub use frame_motion::FrameTwist;
 pub use solver::{Position, PositionSolver};

@@ -41,21 +41,21 @@ const MAX_ITERATIONS: usize = 50;
 /// Own derivation, `docs/explanation/mechanisms.md`
 #[derive(Debug, Clone)]
 pub struct PositionSolver {
-    tree: Vec<TreeEdge>,
-    closings: Vec<Closing>,
+    pub(super) tree: Vec<TreeEdge>,
+    pub(super) closings: Vec<Closing>,
     balls: Vec<Ball>,
-    unknowns: Vec<Unknown>,
-    passive: usize,
-    length: f64,
+    pub(super) unknowns: Vec<Unknown>,
+    pub(super) passive: usize,
+    pub(super) length: f64,
     // Room to work in.
     start: Vec<f64>,
-    links: Vec<Frame>,
+    pub(super) links: Vec<Frame>,
     turns: Vec<Turned>,
     /// How each ball is turned.
     orientations: Vec<Matrix3<f64>>,
-    screws: Vec<Screw>,
+    pub(super) screws: Vec<Screw>,
     relieved: Vec<f64>,
-    elimination: Elimination,
+    pub(super) elimination: Elimination,
 }
 
 /// Loops closed for commanded coordinates.
@@ -85,8 +85,8 @@ struct Ball {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Unknown {
-    coordinate: usize,
+pub(super) struct Unknown {
+    pub(super) coordinate: usize,
     /// One unit of it: radians, characteristic lengths, or the metric of virtual joints.
     unit: f64,
 }
@@ -101,6 +101,18 @@ impl PositionSolver {
     /// # Errors
     /// [`Error::PartlyCommanded`] for one or two coordinates of a ball.
     pub fn new(system: &MechanismSystem<'_>, commanded: &[usize]) -> Result<Self, Error> {
+        Self::lay_out(system, commanded, &[])
+    }
+
+    /// Lays out the solution, with the screws of some commanded coordinates behind those of the unknowns.
+    ///
+    /// # Arguments
+    /// * `recorded` – indices of these coordinates, ascending
+    pub(super) fn lay_out(
+        system: &MechanismSystem<'_>,
+        commanded: &[usize],
+        recorded: &[usize],
+    ) -> Result<Self, Error> {
         let kinematics = system.kinematics();
         let (mechanism, chains) = (kinematics.mechanism(), kinematics.chains());
         let dimensions = kinematics.dimensions();
@@ -158,7 +170,11 @@ impl PositionSolver {
                 Unknown { coordinate: k, unit }
             })
             .collect();
-        let column = |k: usize| unknowns.iter().position(|unknown| unknown.coordinate == k);
+        let column = |k: usize| {
+            let unknown = unknowns.iter().position(|unknown| unknown.coordinate == k);
+            let recorded = || recorded.binary_search(&k).ok().map(|j| unknowns.len() + j);
+            unknown.or_else(recorded)
+        };
         for ball in &mut balls {
             ball.column = column(ball.coordinate);
         }
@@ -215,7 +231,7 @@ impl PositionSolver {
             links: vec![Frame::BASE; mechanism.links().len()],
             turns: vec![Turned::NONE; turns],
             orientations: vec![Matrix3::identity(); balls.len()],
-            screws: vec![Screw::STILL; unknowns.len()],
+            screws: vec![Screw::STILL; unknowns.len() + recorded.len()],
             relieved: vec![0.0; virtuals],
             elimination: Elimination::new(row, passive, virtuals),
             tree,
@@ -240,14 +256,7 @@ impl PositionSolver {
         coordinates: &mut [f64],
         solver: ReliefSolver,
     ) -> Result<Position, Error> {
-        let what = "the coordinate vector";
-        if coordinates.len() != self.start.len() {
-            let (found, expected) = (coordinates.len(), self.start.len());
-            return Err(Error::LengthMismatch { what, found, expected });
-        }
-        for &value in coordinates.iter() {
-            crate::error::finite(what, value)?;
-        }
+        self.check(coordinates)?;
         self.start.copy_from_slice(coordinates);
         let run = self.iterate(coordinates, solver, MAX_ITERATIONS);
         if run.residual <= CLOSURE_TOLERANCE && run.settled {
@@ -264,18 +273,34 @@ impl PositionSolver {
         Err(Error::NotReached { residual, allowed: CLOSURE_TOLERANCE, iterations: run.iterations })
     }
 
+    /// Whether a coordinate vector has as many numbers as needed, all finite.
+    pub(super) fn check(&self, coordinates: &[f64]) -> Result<(), Error> {
+        let what = "the coordinate vector";
+        if coordinates.len() != self.start.len() {
+            let (found, expected) = (coordinates.len(), self.start.len());
+            return Err(Error::LengthMismatch { what, found, expected });
+        }
+        coordinates.iter().try_for_each(|&value| crate::error::finite(what, value).map(|_| ()))
+    }
+
+    /// Number of all coordinates.
+    pub(super) fn coordinate_count(&self) -> usize {
+        self.start.len()
+    }
+
+    /// First coordinates of all balls.
+    pub(super) fn ball_coordinates(&self) -> impl Iterator<Item = usize> + '_ {
+        self.balls.iter().map(|ball| ball.coordinate)
+    }
+
+    /// First coordinate of a ball.
+    pub(super) fn ball_coordinate(&self, ball: usize) -> usize {
+        self.balls[ball].coordinate
+    }
+
     /// Newton's method, for at most so many steps; deterministic.
     fn iterate(&mut self, coordinates: &mut [f64], solver: ReliefSolver, most: usize) -> Run {
-        self.turns.iter_mut().for_each(Turned::refresh);
-        for (turn, ball) in self.orientations.iter_mut().zip(&self.balls) {
-            let k = ball.coordinate;
-            let vector = Vector3::new(coordinates[k], coordinates[k + 1], coordinates[k + 2]);
-            *turn = if vector == Vector3::zeros() {
-                Matrix3::identity()
-            } else {
-                Rotation3::new(vector).into_inner()
-            };
-        }
+        self.orient(coordinates);
         let least_norm = solver == ReliefSolver::LeastNorm && !self.relieved.is_empty();
         let (mut before, mut moved_before) = (f64::INFINITY, f64::INFINITY);
         let (mut settled, mut iterations) = (!least_norm, 0);
@@ -307,8 +332,22 @@ impl PositionSolver {
         }
     }
 
+    /// Turns all balls to their coordinates, and forgets earlier turns.
+    pub(super) fn orient(&mut self, coordinates: &[f64]) {
+        self.turns.iter_mut().for_each(Turned::refresh);
+        for (turn, ball) in self.orientations.iter_mut().zip(&self.balls) {
+            let k = ball.coordinate;
+            let vector = Vector3::new(coordinates[k], coordinates[k + 1], coordinates[k + 2]);
+            *turn = if vector == Vector3::zeros() {
+                Matrix3::identity()
+            } else {
+                Rotation3::new(vector).into_inner()
+            };
+        }
+    }
+
     /// Walks all joints; the largest mismatch, in radians and characteristic lengths.
-    fn mismatch(&mut self, coordinates: &[f64]) -> f64 {
+    pub(super) fn mismatch(&mut self, coordinates: &[f64]) -> f64 {
         for TreeEdge { from, to, walk } in &self.tree {
             let mut frame = self.links[*from];
             walk.follow(

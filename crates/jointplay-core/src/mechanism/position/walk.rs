@@ -22,6 +22,11 @@ impl Frame {
         origin: Vector3::new(0.0, 0.0, 0.0),
     };
 
+    pub(super) fn pose(&self) -> Pose {
+        let rotation = Rotation3::from_matrix_unchecked(self.rotation);
+        Pose::from_parts(Translation3::from(self.origin), rotation)
+    }
+
     #[inline(always)]
     fn displace(&mut self, by: &Lead) {
         match by {
@@ -97,6 +102,14 @@ pub(super) struct Walk {
     tail: Lead,
 }
 
+/// The screws of an elementary motion.
+#[derive(Debug, Clone)]
+pub(super) struct Recorded {
+    pub(super) columns: std::ops::Range<usize>,
+    /// Whether they move with the frame behind the motion, not with the one before it.
+    pub(super) behind: bool,
+}
+
 /// Which elements of a joint are evaluated, and in which sense.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Part {
@@ -169,6 +182,16 @@ impl Walk {
         self.steps.iter().flat_map(|step| {
             let count = if matches!(step.motion, Motion::Ball(_)) { 3 } else { 1 };
             step.column.into_iter().flat_map(move |first| first..first + count)
+        })
+    }
+
+    /// The recorded screws in the order of the chain: of each motion its columns, and whether they turn with the frame behind it.
+    pub(super) fn recorded(&self) -> impl Iterator<Item = Recorded> + '_ {
+        self.steps.iter().filter_map(|step| {
+            let first = step.column?;
+            let is_ball = matches!(step.motion, Motion::Ball(_));
+            let columns = first..first + if is_ball { 3 } else { 1 };
+            Some(Recorded { columns, behind: is_ball && step.sign > 0.0 })
         })
     }
 

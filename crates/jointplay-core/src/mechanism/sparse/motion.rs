@@ -7,7 +7,7 @@ use super::system::SparseSystem;
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, Dimension, Gain, backtrack};
 use crate::mechanism::motion::{DEAD, MAX_CORRECTIONS, on_branch};
-use crate::mechanism::{Drive, DrivenMotion, Stop, Waypoint};
+use crate::mechanism::{Drive, DrivePath, DrivenMotion, Stop, Waypoint};
 use crate::mobility::RANK_THRESHOLD;
 
 /// Changes of a step below this share of it end the iteration: Newton's method corrects the rest.
@@ -154,28 +154,28 @@ impl SparseSystem<'_> {
         still: &[usize],
         count: usize,
     ) -> Result<DrivenMotion, Error> {
-        self.drive_with_progress(drives, still, count, &mut |_| {})
+        let path = DrivePath::line(&self.coordinates, drives)?;
+        self.drive_along(&path, still, count, &mut |_| {})
     }
 
-    /// As [`Self::drive`], and calls `progress` with the number of steps done after each.
+    /// Drives coordinates along a path, as [`crate::mechanism::drive_along`] does.
+    ///
+    /// # Arguments
+    /// * `still` – indices of other coordinates that keep their values
+    /// * `count` – number of steps to report; the drives are straight within each
+    /// * `progress` – called with the number of steps done after each
     ///
     /// # Errors
     /// Those of [`Self::drive`].
-    pub fn drive_with_progress(
+    pub fn drive_along(
         mut self,
-        drives: &[Drive],
+        path: &DrivePath,
         still: &[usize],
         count: usize,
         progress: &mut dyn FnMut(usize),
     ) -> Result<DrivenMotion, Error> {
-        let driven = drives.iter().map(|drive| drive.coordinate);
-        let held = self.held(driven.chain(still.iter().copied()));
+        let held = self.held(path.coordinates().iter().chain(still).copied());
         self.correct(&held, MAX_CORRECTIONS)?;
-        let mut path = DVector::zeros(self.coordinates.len());
-        for drive in drives {
-            path[drive.coordinate] = drive.to - self.coordinates[drive.coordinate];
-        }
-        let from = self.coordinates.clone();
         let first = self.waypoint(0.0, &held, None)?;
         let regular = first.free_mobility;
         let mut motion =
@@ -183,15 +183,17 @@ impl SparseSystem<'_> {
         let mut step = 1.0;
         #[expect(clippy::cast_precision_loss, reason = "counts of steps")]
         for k in 1..=count {
-            let part = &path / count as f64;
+            let mut part = DVector::zeros(self.coordinates.len());
+            for (coordinate, to) in path.at(k as f64 / count as f64) {
+                part[coordinate] = to - self.coordinates[coordinate];
+            }
             motion.steps += 1;
             let done = self.follow(&part, &held, &mut step, SHORTEST_STEP)?;
             let share = (k as f64 - 1.0 + done) / count as f64;
             if done == 1.0 {
                 // Sums of many steps would be off by round-off.
-                for drive in drives {
-                    let k = drive.coordinate;
-                    self.coordinates[k] = from[k] + path[k] * share;
+                for (coordinate, to) in path.at(share) {
+                    self.coordinates[coordinate] = to;
                 }
             }
             motion.waypoints.push(self.waypoint(share, &held, Some(regular))?);

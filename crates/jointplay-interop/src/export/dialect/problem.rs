@@ -38,6 +38,16 @@ pub enum Problem {
         /// The key that defines it.
         key: &'static str,
     },
+    /// A template that omits the text of comments or lines.
+    #[error("`{key}` has no {needed}: all {lost}, with the warnings of violations, would be lost")]
+    TextLost {
+        /// The key of the template.
+        key: &'static str,
+        /// Fields of which one is necessary.
+        needed: &'static str,
+        /// What would be lost.
+        lost: &'static str,
+    },
     /// A format that is invalid, or does not fit its value.
     #[error("`{found}` is not a format of {kind}; allowed in this order: {allowed}")]
     Format {

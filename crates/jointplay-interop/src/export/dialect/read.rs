@@ -100,7 +100,9 @@ fn read(top: &Table<'_, '_>) -> Option<Dialect> {
         .with("station_code", "the table `[station_codes]`", kind(&station_codes))
         .with("effector_code", "the table `[effector_codes]`", kind(&effector_codes));
     let axis = file.required("axis", &Names::new(&AXIS));
-    let comment = file.required("comment", &Names::new(&COMMENT));
+    let comment = file
+        .required("comment", &Names::new(&COMMENT))
+        .filter(|comment| file.keeps_text("comment", comment.uses("text"), "{text}", "comments"));
     let begin = file.list("begin", &Names::new(&ENDS));
     let instruction = file.list("instruction", &Names::new(&INSTRUCTION));
     let motion = file.motions();
@@ -188,6 +190,20 @@ impl File<'_, '_, '_> {
         }
     }
 
+    /// Whether a template keeps the text that it is for; reports one that does not.
+    fn keeps_text(
+        &self,
+        key: &'static str,
+        keeps: bool,
+        needed: &'static str,
+        lost: &'static str,
+    ) -> bool {
+        if let Some(entry) = self.top.entry(key).filter(|_| !keeps) {
+            entry.report(self.top.reader, Problem::TextLost { key, needed, lost });
+        }
+        keeps
+    }
+
     /// The table `[output]`.
     fn output(&self) -> Option<OutputFormat> {
         let (top, reader) = (self.top, self.top.reader);
@@ -195,7 +211,7 @@ impl File<'_, '_, '_> {
             let word = |entry: Entry<'_, '_>| entry.word(reader, "checksum", &Checksum::ALL);
             top.entry(key).and_then(word)
         };
-        // With another word, the names of the templates are those with a checksum.
+        // Where the checksum is not known, templates are checked as if it were.
         let (line_sum, file_sum) = (checksum("checksum"), checksum("file_checksum"));
         let assumed =
             |sum: Option<Checksum>, key| sum.or_else(|| top.entry(key).map(|_| Checksum::Xor));
@@ -216,9 +232,18 @@ impl File<'_, '_, '_> {
             Some(entry) => entry.word(reader, "line end", &LINE_ENDS),
             None => Some("\n"),
         };
-        Some(OutputFormat {
-            covered: covered?,
-            line: line?,
+        let (covered, line) = (covered?, line?);
+        let is_covered = covered.as_ref().is_none_or(|covered| covered.uses("text"));
+        let keeps = match &line {
+            Some(line) => {
+                let keeps = line.uses("text") || (line.uses("covered") && is_covered);
+                self.keeps_text("line", keeps, "{text}, and no {covered} with it", "lines")
+            }
+            None => self.keeps_text("covered", is_covered, "{text}", "lines"),
+        };
+        keeps.then_some(OutputFormat {
+            covered,
+            line,
             checksum: line_sum,
             except: except?,
             line_end: line_end?,
@@ -273,6 +298,7 @@ mod tests {
         refuse("WAIT {duration}", "WAIT {durations}", "did you mean `duration`");
         refuse("WAIT {duration}", "WAIT {duration", "ends without");
         refuse("WAIT {duration}", "WAIT duration}", "}}");
+        refuse("comment = \"# {text}\"", "comment = \"#\"", "`comment` has no {text}");
         refuse("\ndecimals = 6", "\ndecimals = 20", "from 0 to 12");
         refuse("extension = \"txt\"", "extension = \"../x\"", "letters and digits");
         refuse("still =", "stil =", "unknown key");
@@ -286,6 +312,12 @@ mod tests {
             ("[output]\nline_end = \"cr\"", "known: lf, crlf"),
             ("[output]\ncover = \"x\"", "did you mean `covered`?"),
             ("[output]\nexcept = [1]", "has to be a text"),
+            ("[output]\nline = \"N{number}\"", "`line` has no {text}, and no {covered} with it"),
+            ("[output]\ncovered = \"N{number}\"", "`covered` has no {text}: all lines"),
+            (
+                "[output]\ncovered = \"N{number}\"\nline = \"{covered}\"",
+                "`line` has no {text}, and no {covered} with it",
+            ),
             ("[station_codes]\nLP1 = 1\nLP2 = \"P2\"", "all texts, or all whole numbers"),
             ("[station_codes]\nLP1 = 1.5", "a whole number"),
         ] {

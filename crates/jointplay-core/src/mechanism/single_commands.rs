@@ -1,0 +1,56 @@
+//! Commands of single joints that virtual joints make possible.
+
+use nalgebra::DVector;
+
+use super::{CommandedJoints, Mechanism, MechanismSystem, ReliefSolver, relieve};
+use crate::Error;
+
+/// A displacement of one commanded coordinate from home to either side, with the other ones held.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SingleCommand {
+    /// Index of the coordinate.
+    pub coordinate: usize,
+    /// Displacement to either side (m or rad).
+    pub by: f64,
+    /// The larger of the two displacements of the virtual joints, in the metric (m); `None` where a side is not possible.
+    pub size: Option<f64>,
+}
+
+/// Displacements of the virtual joints of a mechanism for displacements of single coordinates.
+///
+/// # Arguments
+/// * `home` – (f) closed coordinates without virtual joints (m, rad)
+/// * `displacements` – commanded coordinates, each with the displacement to either side (m or rad)
+///
+/// # Errors
+/// Those of [`relieve`] and [`CommandedJoints::new`], except where a command is not possible.
+pub fn single_commands(
+    mechanism: &Mechanism,
+    home: &DVector<f64>,
+    displacements: &[(usize, f64)],
+) -> Result<Vec<SingleCommand>, Error> {
+    let count = mechanism.virtual_joints().len();
+    let at_home = home.clone().resize_vertically(home.len() + count, 0.0);
+    let at_home = MechanismSystem::new(mechanism, at_home)?;
+    let coordinates: Vec<usize> = displacements.iter().map(|&(k, _)| k).collect();
+    let commanded = CommandedJoints::new(&at_home, &coordinates)?;
+    let needed = |k: usize, by: f64| {
+        let values = coordinates.iter().map(|&j| home[j] + if j == k { by } else { 0.0 });
+        let system = MechanismSystem::new(mechanism, commanded.start(values, count))?;
+        match relieve(&system, &commanded, ReliefSolver::LeastNorm) {
+            Ok(found) => Ok(Some(found.size)),
+            Err(Error::NotRelieved { .. } | Error::NotLeast { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    };
+    let mut found = Vec::with_capacity(displacements.len());
+    for &(coordinate, by) in displacements {
+        let sides = [needed(coordinate, by)?, needed(coordinate, -by)?];
+        let size = match sides {
+            [Some(one), Some(other)] => Some(one.max(other)),
+            _ => None,
+        };
+        found.push(SingleCommand { coordinate, by, size });
+    }
+    Ok(found)
+}

@@ -1,0 +1,58 @@
+"""Pictures: SVG in notebooks, and files."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from jointplay import _jointplay
+
+from ._errors import InputError
+
+
+@dataclass(frozen=True, repr=False)
+class Picture:
+    """A picture, which notebooks show."""
+
+    svg: str
+    """The picture as SVG."""
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+    def __repr__(self) -> str:
+        return f"Picture(<SVG, {len(self.svg)} characters>)"
+
+    def png(self, width_px: int = 1800) -> bytes:
+        """The picture as PNG of this width."""
+        return _jointplay.picture_as_png(self.svg, width_px)
+
+    def pdf(self) -> bytes:
+        """The picture as PDF: vectors, and text in embedded fonts."""
+        return _jointplay.picture_as_pdf(self.svg)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the picture into a file: SVG, PNG or PDF by its extension.
+
+        The file is written whole or not at all; an existing one is replaced.
+        """
+        path = Path(path)
+        match path.suffix.lower():
+            case ".svg":
+                content = self.svg.encode()
+            case ".png":
+                content = self.png()
+            case ".pdf":
+                content = self.pdf()
+            case _:
+                raise InputError(f"{path}: the name of a picture must end in .svg, .png or .pdf")
+        handle, partial = tempfile.mkstemp(dir=path.parent, prefix=path.name)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
+            os.replace(partial, path)
+        except BaseException:
+            os.unlink(partial)
+            raise

@@ -1,0 +1,73 @@
+"""Pictures, tables of notebooks, and plots."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+import matplotlib
+import matplotlib.pyplot
+import numpy as np
+import pytest
+
+import jointplay as jp
+
+matplotlib.use("Agg")
+
+
+def test_a_picture_is_shown_and_saved_in_three_formats(tmp_path):
+    rods = jp.Mechanism.from_catalogue("gpr-mechanism")
+    tilted = rods.relieve({"rod 1": 0.003, "rod 2": 0.0, "rod 3": 0.0})
+    picture = rods.draw(tilted, exaggerate=500.0, title="play")
+    assert ET.fromstring(picture._repr_svg_()).get("width") == "720"
+    assert ">play</text>" in picture.svg
+    assert picture == rods.draw({"rod 1": 0.003, "rod 2": 0.0, "rod 3": 0.0}, exaggerate=500.0, title="play")
+    for ending, magic in (("svg", b"<svg"), ("png", b"\x89PNG"), ("pdf", b"%PDF")):
+        path = tmp_path / f"picture.{ending}"
+        picture.save(path)
+        picture.save(path)
+        assert path.read_bytes().startswith(magic)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["picture.pdf", "picture.png", "picture.svg"]
+    with pytest.raises(jp.InputError, match="must end in"):
+        picture.save(tmp_path / "picture.jpg")
+
+
+def test_what_cannot_be_drawn_is_refused():
+    four_bar = jp.Mechanism.from_catalogue("four-bar")
+    assert four_bar.draw(ghost={"A": 0.3}).svg != four_bar.draw().svg
+    assert four_bar.draw(four_bar.assemble().coordinates) == four_bar.draw()
+    for options in (
+        {"exaggerate": 0.5},
+        {"view_rad": (0.0, 2.0)},
+        {"at": np.zeros(3)},
+        {"width_px": -1.0},
+        {"at": {"Z": 1.0}},
+        {"at": np.full(4, np.nan)},
+    ):
+        with pytest.raises((jp.InputError, jp.JointplayError)):
+            four_bar.draw(**options)
+
+
+def test_results_are_tables_in_notebooks():
+    gpr = jp.Gpr.paper()
+    tilts = np.linspace(0.0, 0.02, 50)
+    many = gpr.forward(gpr.inverse(0.3, tilts).rods_m)
+    html = many._repr_html_()
+    root = ET.fromstring(html)
+    assert root.find("caption").text == "ForwardMany, 50 rows"
+    assert len(root.findall("tbody/tr")) == 21, "the first and last ten, and a gap"
+    play = gpr.needed_clearance((0.5, 0.501, 0.502))
+    assert ET.fromstring(play._repr_html_()).find("caption").text == "BallClearance"
+    assert str(play).startswith("BallClearance\n  displacements_m")
+
+
+def test_columns_are_plotted_into_axes_that_are_passed_in():
+    motion = jp.Mechanism.from_catalogue("four-bar").drive({"A": 1.0})
+    _, ax = matplotlib.pyplot.subplots()
+    assert motion.plot("D_rad", x="A_rad", ax=ax) is ax
+    line = ax.get_lines()[0]
+    np.testing.assert_array_equal(line.get_ydata(), motion["D"])
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("A_rad", "D_rad")
+    assert len(motion.plot().get_lines()) == len(motion.columns())
+    with pytest.raises(KeyError, match="A_rad"):
+        motion.plot("E_rad")
+    matplotlib.pyplot.close("all")
