@@ -12,9 +12,10 @@ import jointplay as jp
 
 
 @pytest.mark.parametrize("name", ["README.md", "python/README.md", "docs/how-to/python.md"])
-def test_code_of_documents_runs(name):
+def test_code_of_documents_runs(name, monkeypatch, tmp_path):
     blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / name).read_text(encoding="utf-8"), re.M | re.S)
     assert blocks
+    monkeypatch.chdir(tmp_path)
     names: dict = {}
     for block in blocks:
         exec(compile(block, name, "exec"), names)
