@@ -89,6 +89,12 @@ pub enum Error {
     /// The coordinates are not a configuration of the mechanism.
     #[error(transparent)]
     Coordinates(Box<jointplay_core::Error>),
+    /// A label for a name that no joint, virtual joint or link has.
+    #[error("a label is given for {name:?}, but no joint, virtual joint or link has this name")]
+    NoSuchName {
+        /// The name.
+        name: String,
+    },
     /// The position of a joint is not finite.
     #[error("joint {joint:?} cannot be drawn: its position is not finite")]
     Unplaced {

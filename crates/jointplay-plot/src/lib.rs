@@ -62,7 +62,7 @@ mod ticks;
 pub use axis::{Axis, Scale};
 pub use error::Error;
 pub use figure::Figure;
-pub use mechanism::{MechanismPicture, View};
+pub use mechanism::{Labels, MechanismPicture, View};
 pub use panel::{Curve, Label, Marker, Panel};
 pub use pdf::svg_to_pdf;
 pub use png::svg_to_png;

@@ -5,7 +5,7 @@ use jointplay_core::mechanism::{
     Carrier, Joint, JointKind, LinearAndAngular, Mechanism, VirtualJoint, VirtualMotion,
 };
 use jointplay_core::spatial::Pose;
-use jointplay_plot::{Error, MechanismPicture, View};
+use jointplay_plot::{Error, Labels, MechanismPicture, View};
 use nalgebra::{DVector, Rotation3, Translation3, Vector3};
 
 const KINDS: [JointKind; 9] = [
@@ -156,4 +156,54 @@ fn invalid_pictures_are_errors() {
     let rails = Mechanism::new("Rails", links(4), rails).unwrap();
     let gone = MechanismPicture::new(&rails, DVector::repeat(3, 1.7e308)).to_svg();
     assert_eq!(gone, Err(Error::Unplaced { joint: "far".to_owned() }));
+}
+
+#[test]
+fn names_are_those_asked_for() {
+    let mechanism = slider_crank();
+    let picture = || MechanismPicture::new(&mechanism, DVector::zeros(5));
+    let shown = |picture: MechanismPicture<'_>| {
+        let svg = picture.to_svg().unwrap();
+        ["crank pin", "give", "link 1"].map(|name| svg.contains(&format!(">{name}</text>")))
+    };
+    let (joints, links) = ([true, true, false], [false, false, true]);
+    assert_eq!(shown(picture()), joints);
+    assert_eq!(shown(picture().with_labels(Labels::Joints)), joints);
+    assert_eq!(shown(picture().with_labels(Labels::Links)), links);
+    assert_eq!(shown(picture().with_labels(Labels::All)), [true; 3]);
+    assert_eq!(shown(picture().with_labels(Labels::None)), [false; 3]);
+    // Own labels replace names, and are shown whatever else is.
+    let own = || picture().with_label("crank pin", "B").with_label("give", "");
+    assert_eq!(shown(own().with_labels(Labels::All)), links);
+    for labels in [Labels::Auto, Labels::Links, Labels::None] {
+        let svg = own().with_labels(labels).to_svg().unwrap();
+        assert!(svg.contains(">B</text>") && !svg.contains(">crank pin<"), "{labels:?}");
+    }
+    let unknown = picture().with_label("crank", "B").to_svg();
+    assert_eq!(unknown, Err(Error::NoSuchName { name: "crank".to_owned() }));
+    // No title leaves its room to the picture; the accessible name remains.
+    let untitled = picture().with_title("").to_svg().unwrap();
+    assert!(!untitled.contains(">Slider-crank</text>") && untitled.contains("Slider-crank"));
+}
+
+#[test]
+fn names_of_many_joints_are_shown_on_request() {
+    let turn = |k: usize| {
+        let x = f64::from(u32::try_from(k).unwrap());
+        let mut hinge = joint(
+            &format!("J{k}"),
+            JointKind::Revolute,
+            [k, k + 1],
+            [x, 0.0, 0.0],
+            [0.0, 0.0, 1.0],
+        );
+        hinge.actuated = k == 3;
+        hinge
+    };
+    let row = Mechanism::new("Row", links(19), (0..18).map(turn).collect()).unwrap();
+    let count = |labels| {
+        let svg = MechanismPicture::new(&row, DVector::zeros(18)).with_labels(labels).to_svg();
+        svg.unwrap().matches(">J").count()
+    };
+    assert_eq!((count(Labels::Auto), count(Labels::Joints), count(Labels::None)), (1, 18, 0));
 }

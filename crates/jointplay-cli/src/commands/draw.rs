@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use jointplay::format::number::number;
 use jointplay::mechanism::{JointWrench, MechanismSystem, self_stresses};
 use jointplay::mobility::{RANK_THRESHOLD, instantaneous_mobility};
 use jointplay::nalgebra::DVector;
-use jointplay::plot::{MechanismPicture, View};
+use jointplay::plot::{Labels, MechanismPicture, View};
 use serde::Serialize;
 
 use super::motion_run::driven;
@@ -33,6 +33,7 @@ Examples:
   jointplay draw four-bar --at A=30 --ghost A=120 --figure motion.png
   jointplay draw hexapod --view=-30,20 --figure hexapod.svg
   jointplay draw gpr-mechanism --redundant 1 --figure redundant.svg
+  jointplay draw four-bar --no-title --width 360 --labels links --label A=crank --figure column.pdf
   jointplay draw gpr-mechanism --at \"rod 1=5,rod 2=0,rod 3=0\" --exaggerate 500 --figure play.svg")]
 pub(crate) struct Draw {
     /// Mechanism file (TOML), model (MJCF, SDF, URDF), or a name from `jointplay catalogue`
@@ -56,9 +57,78 @@ pub(crate) struct Draw {
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = view)]
     view: Option<View>,
     #[command(flatten)]
+    appearance: Appearance,
+    #[command(flatten)]
     figure: FigureArgs,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
+}
+
+/// Title, names and size of the picture.
+#[derive(Args)]
+struct Appearance {
+    /// Title above the picture [default: name of the mechanism]
+    #[arg(long, value_name = "TEXT")]
+    title: Option<String>,
+    /// Draw no title
+    #[arg(long, conflicts_with = "title")]
+    no_title: bool,
+    /// Names in the picture
+    #[arg(long, value_name = "WHICH", value_enum, default_value_t = LabelArg::Auto)]
+    labels: LabelArg,
+    /// Text in place of the name of a joint, virtual joint or link, shown whatever --labels is; an empty text hides the name
+    #[arg(long, value_name = "NAME=TEXT", value_parser = label)]
+    label: Vec<(String, String)>,
+    /// Width in px, of which 720 are 180 mm on paper; the text keeps its size
+    #[arg(long, value_name = "PX", value_parser = finite, default_value_t = 720.0)]
+    width: f64,
+}
+
+/// Names in the picture, as an option.
+#[derive(Clone, Copy, ValueEnum)]
+enum LabelArg {
+    /// Joints and virtual joints; from 16 of them, only actuated joints
+    Auto,
+    /// All joints and virtual joints
+    Joints,
+    /// Links
+    Links,
+    /// Joints, virtual joints and links
+    All,
+    /// None
+    None,
+}
+
+impl From<LabelArg> for Labels {
+    fn from(labels: LabelArg) -> Self {
+        match labels {
+            LabelArg::Auto => Self::Auto,
+            LabelArg::Joints => Self::Joints,
+            LabelArg::Links => Self::Links,
+            LabelArg::All => Self::All,
+            LabelArg::None => Self::None,
+        }
+    }
+}
+
+impl Appearance {
+    fn apply(&self, picture: &mut MechanismPicture<'_>) {
+        if self.no_title {
+            picture.title.clear();
+        } else if let Some(title) = &self.title {
+            picture.title.clone_from(title);
+        }
+        picture.labels = self.labels.into();
+        picture.own_labels = self.label.iter().cloned().collect();
+        picture.width = self.width;
+    }
+}
+
+fn label(text: &str) -> Result<(String, String), String> {
+    let (name, label) = text
+        .split_once('=')
+        .ok_or_else(|| format!("invalid label {text:?}: expected NAME=TEXT"))?;
+    Ok((name.trim().to_owned(), label.trim().to_owned()))
 }
 
 /// The picture: the file that it was written to, or its SVG text.
@@ -118,6 +188,7 @@ impl Draw {
         }
         let mut picture = MechanismPicture::new(&input.file.mechanism, posed.closed.coordinates);
         (picture.view, picture.exaggeration) = (self.view, self.exaggerate);
+        self.appearance.apply(&mut picture);
         if let Some(number) = self.redundant {
             picture.loads = redundant(&input, &picture.coordinates, number)?;
         }

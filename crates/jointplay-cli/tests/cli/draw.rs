@@ -41,6 +41,12 @@ fn a_picture_shows_what_is_asked_for() {
     assert_ne!(drawn("--view 30,-89"), drawn("--view 30,89"));
     let moved = drawn("--ghost A=120");
     assert!(moved.contains(">moved<") && !plain.contains(">moved<"));
+    // Title, names and size are as asked for.
+    assert!(plain.contains(">A</text>") && plain.contains("width=\"720\""));
+    let column = drawn("--no-title --labels links --label A=motor --width 360");
+    let shows = |text: &str| column.contains(&format!(">{text}</text>"));
+    assert!(shows("coupler") && shows("motor") && !shows("A") && !shows("B"));
+    assert!(column.contains("width=\"360\"") && drawn("--title Loop").contains(">Loop</text>"));
     // Virtual joints are drawn, also when displaced.
     sandbox.done("draw gpr-mechanism --figure play.svg");
     assert!(sandbox.read("play.svg").contains(">virtual joint<"));
@@ -58,6 +64,9 @@ fn a_picture_shows_what_is_asked_for() {
     for (line, message) in [
         ("draw gpr-mechanism --exaggerate 500", "the virtual joints are not displaced"),
         ("draw bennett --exaggerate 500", "the virtual joints are not displaced"),
+        ("draw four-bar --label E=motor", "no joint, virtual joint or link has this name"),
+        ("draw four-bar --label motor", "expected NAME=TEXT"),
+        ("draw four-bar --width 10", "width of the figure"),
         ("draw gpr-mechanism --exaggerate 0.5", "the play scale must be from 1 to 1e9"),
     ] {
         let run = sandbox.run(line);

@@ -1,13 +1,24 @@
-//! Placement of joint names.
+//! Placement of names.
 
 use jointplay_core::mechanism::JointKind;
+use nalgebra::Vector3;
 
 use super::camera::Camera;
+use super::picture::{Labels, MechanismPicture};
 use super::scene::Scene;
 use crate::text::{HALF_CAPITAL, TICK, width};
 
-/// Number of joints from which only actuated ones are named.
+/// Number of joints and virtual joints from which only actuated joints are named by default.
 const MANY: usize = 16;
+
+/// A name and the position of what it names.
+struct Wanted<'a> {
+    text: &'a str,
+    at: Vector3<f64>,
+    /// Extent of the drawing there, in radii of a joint.
+    reach: f64,
+    play: bool,
+}
 
 /// A name on the page.
 pub(super) struct Name {
@@ -51,8 +62,12 @@ pub(super) struct LabelArea {
 }
 
 /// Positions of the names within an area of the page.
-pub(super) fn place(scene: &Scene, camera: &Camera, area: LabelArea) -> Vec<Name> {
-    let many = scene.joints.len() + scene.play.len() >= MANY;
+pub(super) fn place(
+    picture: &MechanismPicture<'_>,
+    scene: &Scene,
+    camera: &Camera,
+    area: LabelArea,
+) -> Vec<Name> {
     let radius = scene.radius * camera.scale;
     let mut taken: Vec<Room> = scene
         .joints
@@ -72,20 +87,43 @@ pub(super) fn place(scene: &Scene, camera: &Camera, area: LabelArea) -> Vec<Name
             taken.extend((-6..=6).map(|k| Room::about(camera.spot(&rail(k)), 3.0)));
         }
     }
-    let joints = scene.joints.iter().filter(|joint| joint.actuated || !many);
-    let play = scene.play.iter().filter(|_| !many);
-    let wanted = joints
-        .map(|joint| (joint.name.clone(), joint.at, reach(joint.kind), false))
-        .chain(play.map(|play| (play.name.clone(), play.at, 2.5, true)));
     let mut names = Vec::new();
-    for (text, at, reach, play) in wanted {
+    for Wanted { text, at, reach, play } in wanted(picture, scene) {
         let spot = camera.spot(&at);
-        let room = best(&text, spot, reach * radius, &taken, area);
+        let room = best(text, spot, reach * radius, &taken, area);
         taken.push(room);
         let base = room.y + 0.5 * room.h + HALF_CAPITAL * TICK;
-        names.push(Name { text, at: (room.x, base), play });
+        names.push(Name { text: text.to_owned(), at: (room.x, base), play });
     }
     names
+}
+
+/// The names to be shown: joints, virtual joints, then links.
+fn wanted<'a>(picture: &'a MechanismPicture<'_>, scene: &'a Scene) -> Vec<Wanted<'a>> {
+    let many = scene.joints.len() + scene.play.len() >= MANY;
+    let labels = picture.labels;
+    let (joints, links) = match labels {
+        Labels::Auto | Labels::Joints => (true, false),
+        Labels::Links => (false, true),
+        Labels::All => (true, true),
+        Labels::None => (false, false),
+    };
+    let all = joints && !(many && labels == Labels::Auto);
+    let text = |name: &'a str, shown: bool| match picture.own_labels.get(name) {
+        Some(own) => Some(own.as_str()).filter(|own| !own.is_empty()),
+        None => shown.then_some(name),
+    };
+    let of_joints = scene.joints.iter().filter_map(|joint| {
+        let text = text(&joint.name, all || (joints && joint.actuated))?;
+        Some(Wanted { text, at: joint.at, reach: reach(joint.kind), play: false })
+    });
+    let of_play = scene.play.iter().filter_map(|play| {
+        Some(Wanted { text: text(&play.name, all)?, at: play.at, reach: 2.5, play: true })
+    });
+    let of_links = scene.links.iter().filter(|link| !link.joints.is_empty()).filter_map(|link| {
+        Some(Wanted { text: text(&link.name, links)?, at: link.middle(), reach: 0.5, play: false })
+    });
+    of_joints.chain(of_play).chain(of_links).collect()
 }
 
 /// Extent of the drawing of a joint, in radii.

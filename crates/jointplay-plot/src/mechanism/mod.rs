@@ -23,5 +23,5 @@ mod render;
 mod scene;
 mod view;
 
-pub use picture::MechanismPicture;
+pub use picture::{Labels, MechanismPicture};
 pub use view::View;

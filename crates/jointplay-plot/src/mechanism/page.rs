@@ -53,7 +53,7 @@ pub(super) fn draw(picture: &MechanismPicture<'_>, scene: &Scene, ghost: Option<
         svg.text(at, TITLE, Anchor::Middle, text, "");
     }
     svg.elements(&paint::draw(scene, ghost, &camera));
-    for name in labels::place(scene, &camera, LabelArea { width: page, top, bottom }) {
+    for name in labels::place(picture, scene, &camera, LabelArea { width: page, top, bottom }) {
         let more =
             if name.play { format!(" style=\"fill:{}\"{RIM}", PLAY.hex()) } else { RIM.to_owned() };
         svg.text(name.at, TICK, Anchor::Start, &name.text, &more);

@@ -1,9 +1,27 @@
 //! A picture of a mechanism as data: configuration, view and title.
 
+use std::collections::BTreeMap;
+
 use jointplay_core::mechanism::{JointWrench, Mechanism};
 use nalgebra::DVector;
 
 use super::view::View;
+
+/// Which names a picture shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Labels {
+    /// Those of joints and virtual joints; from 16 of them, only those of actuated joints.
+    #[default]
+    Auto,
+    /// Those of all joints and virtual joints.
+    Joints,
+    /// Those of links.
+    Links,
+    /// Those of joints, virtual joints and links.
+    All,
+    /// None.
+    None,
+}
 
 /// A mechanism in a configuration, as an orthographic picture.
 ///
@@ -50,6 +68,10 @@ pub struct MechanismPicture<'a> {
     pub loads: Vec<JointWrench>,
     /// Direction to the viewer; `None` for the default.
     pub view: Option<View>,
+    /// Names that are shown.
+    pub labels: Labels,
+    /// Texts in place of the names of joints, virtual joints and links; they are shown whatever `labels` is, and an empty one hides the name.
+    pub own_labels: BTreeMap<String, String>,
     /// Title above the picture; empty for none.
     pub title: String,
     /// Width (px).
@@ -68,6 +90,8 @@ impl<'a> MechanismPicture<'a> {
             exaggeration: None,
             loads: Vec::new(),
             view: None,
+            labels: Labels::default(),
+            own_labels: BTreeMap::new(),
             title,
             width: 720.0,
         }
@@ -98,6 +122,20 @@ impl<'a> MechanismPicture<'a> {
     #[must_use]
     pub fn with_view(mut self, view: View) -> Self {
         self.view = Some(view);
+        self
+    }
+
+    /// The picture with other names.
+    #[must_use]
+    pub fn with_labels(mut self, labels: Labels) -> Self {
+        self.labels = labels;
+        self
+    }
+
+    /// The picture with another text in place of the name of a joint, virtual joint or link.
+    #[must_use]
+    pub fn with_label(mut self, name: impl Into<String>, text: impl Into<String>) -> Self {
+        self.own_labels.insert(name.into(), text.into());
         self
     }
 

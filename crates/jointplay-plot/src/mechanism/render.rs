@@ -13,7 +13,8 @@ impl MechanismPicture<'_> {
     /// # Errors
     /// [`Error::Coordinates`] if they are not numbers of this mechanism;
     /// [`Error::Unplaced`] if a joint is beyond the range of numbers;
-    /// [`Error::Size`] if the width is out of bounds.
+    /// [`Error::Size`] if the width is out of bounds;
+    /// [`Error::NoSuchName`] if a label is given for a name that nothing has.
     pub fn to_svg(&self) -> Result<String, Error> {
         crate::check::width(self.width)?;
         let kinematics = Kinematics::new(self.mechanism);
@@ -23,6 +24,9 @@ impl MechanismPicture<'_> {
             scene.exaggerate(&exaggerate_play(self.mechanism, &self.coordinates, factor)?);
         }
         scene.load(&self.loads);
+        if let Some(name) = self.own_labels.keys().find(|name| !scene.has(name)) {
+            return Err(Error::NoSuchName { name: name.clone() });
+        }
         let ghost = match &self.ghost {
             None => None,
             Some(at) => {

@@ -71,6 +71,7 @@ pub(super) struct DrawnJoint {
 
 /// A link.
 pub(super) struct Body {
+    pub(super) name: String,
     pub(super) base: bool,
     /// Indices of its joints.
     pub(super) joints: Vec<usize>,
@@ -128,7 +129,23 @@ impl DrawnJoint {
     }
 }
 
+impl Body {
+    /// The mean of its ends.
+    pub(super) fn middle(&self) -> Vector3<f64> {
+        #[expect(clippy::cast_precision_loss, reason = "a count of joints")]
+        let count = self.ends.len().max(1) as f64;
+        self.ends.iter().sum::<Vector3<f64>>() / count
+    }
+}
+
 impl Scene {
+    /// Whether a joint, virtual joint or link has this name.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.joints.iter().any(|joint| joint.name == name)
+            || self.play.iter().any(|play| play.name == name)
+            || self.links.iter().any(|link| link.name == name)
+    }
+
     /// The mechanism with its links at given poses, on the scale of `other` if given.
     pub(super) fn of(
         mechanism: &Mechanism,
@@ -159,9 +176,11 @@ impl Scene {
             return Err(Error::Unplaced { joint: mechanism.joints()[0].name.clone() });
         }
         let (middle, size) = other.map_or((middle, size), |other| (other.middle, other.size));
-        let mut links: Vec<Body> = (0..mechanism.links().len())
-            .map(|link| Body { base: link == 0, joints: Vec::new(), ends: Vec::new() })
-            .collect();
+        let mut links: Vec<Body> = Vec::new();
+        for (link, name) in mechanism.links().iter().enumerate() {
+            let (joints, ends) = (Vec::new(), Vec::new());
+            links.push(Body { name: name.clone(), base: link == 0, joints, ends });
+        }
         let mut joints = Vec::new();
         for (j, (joint, (at, frames))) in mechanism.joints().iter().zip(places).enumerate() {
             joint.links.iter().for_each(|&link| links[link].joints.push(j));
