@@ -5,11 +5,13 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 
 import matplotlib
+import matplotlib.mathtext
 import matplotlib.pyplot
 import numpy as np
 import pytest
 
 import jointplay as jp
+from jointplay._base import latex_number, latex_text
 
 matplotlib.use("Agg")
 
@@ -69,6 +71,24 @@ def test_results_are_tables_in_notebooks():
     play = gpr.needed_clearance((0.5, 0.501, 0.502))
     assert ET.fromstring(play._repr_html_()).find("caption").text == "BallClearance"
     assert str(play).startswith("BallClearance\n  displacements_m")
+
+
+def test_mobility_and_jacobian_are_formulas_for_papers():
+    rods = jp.Mechanism.from_catalogue("gpr-mechanism")
+    formula = rods.mobility()._repr_latex_()
+    assert r"\text{instantaneous mobility} & 3 \\" in formula
+    assert r"\text{finite mobility} & 1 \\" in formula
+    jacobian = jp.Mechanism.from_catalogue("four-bar").jacobian("coupler", {"A": 0.4})
+    lines = jacobian._repr_latex_().splitlines()
+    assert lines[:2] == [r"$$\begin{array}{c|r}", r" & \text{A} \\"]
+    cells = [line.removesuffix(r" \\").split(" & ") for line in lines[2:-1]]
+    assert [name for name, _ in cells] == [r"\omega_x", r"\omega_y", r"\omega_z", "v_x", "v_y", "v_z"]
+    shown = [float(value.replace(r" \cdot 10^{", "e").replace("}", "")) for _, value in cells]
+    np.testing.assert_allclose(shown, jacobian.matrix[:, 0], rtol=6e-5)
+    # Matplotlib typesets what is within the array: names and powers of ten are valid.
+    for text in (latex_text("leg_1 50% #2"), rf"${latex_number(-1.25e-9)}$", rf"${latex_number(-0.0)}$"):
+        matplotlib.mathtext.MathTextParser("path").parse(text if text[0] == "$" else f"${text}$")
+    assert latex_number(-0.0) == "0"
 
 
 def test_columns_are_plotted_into_axes_that_are_passed_in():

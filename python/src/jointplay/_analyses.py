@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._base import AXES, Floats, Result, Table, spread
+from ._base import AXES, Floats, Result, Table, latex_array, latex_text, spread
 
 if TYPE_CHECKING:
     from ._jointplay import Forward
@@ -49,6 +49,18 @@ class Freedoms(Result):
     """Singular values at or below it count as zero."""
     characteristic_length_m: float
     """Length in which the Jacobian is scaled [m]."""
+
+    def _repr_latex_(self) -> str:
+        low, high = self.finite_mobility_bounds
+        finite = rf"{low} \text{{ to }} {high}" if self.finite_mobility is None else str(self.finite_mobility)
+        rows = (
+            ("Kutzbach mobility", str(self.kutzbach_mobility)),
+            ("instantaneous mobility", str(self.instantaneous_mobility)),
+            ("finite mobility", finite),
+            ("rank", str(self.rank)),
+            ("redundant constraints", str(self.redundancy)),
+        )
+        return latex_array("lr", [(latex_text(name), value) for name, value in rows])
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
@@ -49,6 +49,31 @@ def _brief(value: Any) -> str:
 def _cell(value: Any) -> str:
     """A number of a table in six digits."""
     return f"{value:.6g}" if isinstance(value, (float, np.floating)) else html.escape(str(value))
+
+
+_LATEX_CHARACTERS = {
+    "\\": r"\textbackslash{}",
+    "^": r"\textasciicircum{}",
+    "~": r"\textasciitilde{}",
+    **{character: "\\" + character for character in "&%$#_{}"},
+}
+
+
+def latex_text(text: str) -> str:
+    """A name as text within a formula."""
+    return rf"\text{{{''.join(_LATEX_CHARACTERS.get(character, character) for character in text)}}}"
+
+
+def latex_number(value: float) -> str:
+    """A number in five digits."""
+    mantissa, _, exponent = f"{value + 0.0:.5g}".partition("e")
+    return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
+
+
+def latex_array(alignment: str, rows: Sequence[Sequence[str]]) -> str:
+    """Rows of cells as a displayed formula."""
+    body = " \\\\\n".join(" & ".join(row) for row in rows)
+    return f"$$\\begin{{array}}{{{alignment}}}\n{body}\n\\end{{array}}$$"
 
 
 class Result:

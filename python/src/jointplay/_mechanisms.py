@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._analyses import Freedoms
-from ._base import Floats, Many, Result, Table
+from ._base import Floats, Many, Result, Table, latex_array, latex_number, latex_text
 
 if TYPE_CHECKING:
     from ._jointplay import Mechanism
@@ -291,6 +291,12 @@ class Jacobian(Result):
     """Of the loops with the commanded coordinates held, one for each other coordinate, in radians and characteristic lengths, the largest first; zeros are freedoms that the least displacement determines."""
     characteristic_length_m: float
     """The characteristic length [m]."""
+
+    def _repr_latex_(self) -> str:
+        head = ("", *(latex_text(name) for name in self.commanded))
+        axes = [rf"{quantity}_{axis}" for quantity in (r"\omega", "v") for axis in "xyz"]
+        rows = [(axis, *map(latex_number, row)) for axis, row in zip(axes, self.matrix, strict=True)]
+        return latex_array("c|" + "r" * len(self.commanded), [head, *rows])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
