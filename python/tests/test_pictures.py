@@ -33,15 +33,6 @@ def test_a_picture_is_shown_and_saved_in_three_formats(tmp_path):
         picture.save(tmp_path / "picture.jpg")
 
 
-def test_names_are_those_asked_for():
-    four_bar = jp.Mechanism.from_catalogue("four-bar")
-    svg = four_bar.draw(title="", labels="links", own_labels={"A": "motor"}, width_px=360.0).svg
-    assert ">coupler</text>" in svg
-    assert ">motor</text>" in svg
-    assert ">B</text>" not in svg
-    assert four_bar.draw(labels="none").svg != four_bar.draw(labels="joints").svg
-
-
 def test_what_cannot_be_drawn_is_refused():
     four_bar = jp.Mechanism.from_catalogue("four-bar")
     assert four_bar.draw(ghost={"A": 0.3}).svg != four_bar.draw().svg
@@ -51,8 +42,6 @@ def test_what_cannot_be_drawn_is_refused():
         {"view_rad": (0.0, 2.0)},
         {"at": np.zeros(3)},
         {"width_px": -1.0},
-        {"labels": "some"},
-        {"own_labels": {"E": "motor"}},
         {"at": {"Z": 1.0}},
         {"at": np.full(4, np.nan)},
     ):

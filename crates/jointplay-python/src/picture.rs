@@ -1,9 +1,7 @@
 //! Pictures of mechanisms, and their formats.
 
-use std::collections::BTreeMap;
-
 use jointplay::nalgebra::DVector;
-use jointplay::plot::{Labels, MechanismPicture, View, svg_to_pdf, svg_to_png};
+use jointplay::plot::{MechanismPicture, View, svg_to_pdf, svg_to_png};
 use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -30,17 +28,13 @@ impl PyMechanism {
     ///     Azimuth and elevation of the direction to the viewer, with z up (rad); default: the view that separates the joints best.
     /// title : str, optional
     ///     Title above the picture, empty for none; default: the mechanism's name.
-    /// labels : {'auto', 'joints', 'links', 'all', 'none'}, optional
-    ///     Names in the picture; 'auto' shows those of joints and virtual joints, and from 16 of them only those of actuated joints.
-    /// own_labels : dict of str to str, optional
-    ///     Texts in place of the names of joints, virtual joints and links, shown whatever ``labels`` is; an empty text hides the name.
     /// width_px : float, optional
-    ///     Width (px), of which 720 are 180 mm on paper; the text keeps its size.
+    ///     Width (px), of which 720 are 180 mm on paper.
     ///
     /// Returns
     /// -------
     /// Picture
-    #[pyo3(signature = (at=None, *, ghost=None, exaggerate=None, view_rad=None, title=None, labels="auto", own_labels=None, width_px=720.0))]
+    #[pyo3(signature = (at=None, *, ghost=None, exaggerate=None, view_rad=None, title=None, width_px=720.0))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn draw<'py>(
         &self,
@@ -50,8 +44,6 @@ impl PyMechanism {
         #[pyo3(from_py_with = optional_real)] exaggerate: Option<f64>,
         view_rad: Option<(f64, f64)>,
         title: Option<String>,
-        labels: &str,
-        own_labels: Option<BTreeMap<String, String>>,
         #[pyo3(from_py_with = number)] width_px: f64,
     ) -> PyResult<Bound<'py, PyAny>> {
         let configuration = self.configuration(py, at)?;
@@ -77,20 +69,6 @@ impl PyMechanism {
         if let Some(title) = title {
             picture.title = title;
         }
-        picture.labels = match labels {
-            "auto" => Labels::Auto,
-            "joints" => Labels::Joints,
-            "links" => Labels::Links,
-            "all" => Labels::All,
-            "none" => Labels::None,
-            other => {
-                let message = format!(
-                    "labels is {other:?}, but has to be 'auto', 'joints', 'links', 'all' or 'none'"
-                );
-                return Err(errors::input(py, &message));
-            }
-        };
-        picture.own_labels = own_labels.unwrap_or_default();
         picture.width = width_px;
         let svg = py
             .detach(|| picture.to_svg())

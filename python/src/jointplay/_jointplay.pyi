@@ -373,8 +373,6 @@ class Mechanism:
         exaggerate: float | None = None,
         view_rad: tuple[float, float] | None = None,
         title: str | None = None,
-        labels: Literal["auto", "joints", "links", "all", "none"] = "auto",
-        own_labels: Mapping[str, str] | None = None,
         width_px: float = 720.0,
     ) -> Picture: ...
     def assemble(
