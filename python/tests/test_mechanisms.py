@@ -472,3 +472,30 @@ def test_many_loops_by_sparse_algebra():
     with pytest.raises(jp.TooLargeError) as caught:
         many.positions({"a3": [0.1]})
     assert caught.value.found > caught.value.allowed
+
+
+@pytest.mark.parametrize("virtualization", ["radial", "polar", "planar"])
+def test_a_robot_is_a_mechanism_with_the_same_poses(virtualization):
+    gpr = jp.Gpr(
+        socket_radius_m=[0.1, 0.12, 0.09],
+        socket_angle_rad=[0.1, 2.0, 4.4],
+        rod_limits_m=(0.3, 0.7),
+        tilt_limit_rad=0.05,
+        working_height_m=0.5,
+        ball_clearance_m=2e-5,
+    )
+    mechanism = jp.Mechanism.from_gpr(gpr, virtualization)
+    back = mechanism.to_gpr(0.05)
+    assert np.allclose(back.socket_radius_m, gpr.socket_radius_m, rtol=0, atol=1e-15)
+    assert back.rod_limits_m == pytest.approx(gpr.rod_limits_m) and back.ball_clearance_m == 2e-5
+    rods = gpr.inverse(0.7, [0.01, 0.02, 0.04]).rods_m
+    commanded = {f"rod {k + 1}": rods[:, k] - gpr.working_height_m for k in range(3)}
+    by_loops = mechanism.positions(commanded).link_poses("platform")
+    by_formula = gpr.forward(rods, virtualization, metric="radius", solver="least-norm")
+    assert np.allclose(by_loops[:, :3, 3], by_formula.origin_m, rtol=0, atol=1e-10)
+    with pytest.raises(jp.InputError, match="is not a three-rod robot: .* 6 prismatic"):
+        jp.Mechanism.from_catalogue("hexapod").to_gpr(0.05)
+    with pytest.raises(jp.InputError):
+        mechanism.to_gpr(float("nan"))
+    with pytest.raises(jp.InputError, match="tilt"):
+        mechanism.to_gpr(90.0)

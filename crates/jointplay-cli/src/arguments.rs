@@ -11,7 +11,7 @@ use jointplay::format::{robot, steps};
 use jointplay::gpr::{AxisHeight, BrokenLimit, Gpr};
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{
-    Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
+    BuiltIn, Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
 };
 
 use crate::failure::Failure;
@@ -72,6 +72,15 @@ impl VirtualizationName {
             Self::Polar => &Polar,
             Self::Offset => &Offset,
             Self::Planar => &Planar,
+        }
+    }
+
+    pub(crate) fn built_in(self) -> BuiltIn {
+        match self {
+            Self::Radial => BuiltIn::Radial,
+            Self::Polar => BuiltIn::Polar,
+            Self::Offset => BuiltIn::Offset,
+            Self::Planar => BuiltIn::Planar,
         }
     }
 }
@@ -275,7 +284,7 @@ pub(crate) fn length(text: &str) -> Result<f64, String> {
     }
 }
 
-fn tilt_angle(text: &str) -> Result<f64, String> {
+pub(crate) fn tilt_angle(text: &str) -> Result<f64, String> {
     let value = finite(text)?;
     within_right_angle(value).map(|()| value)
 }

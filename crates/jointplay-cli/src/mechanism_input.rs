@@ -9,6 +9,7 @@ use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
 use jointplay::format::number::{fixed, number};
 use jointplay::format::place;
 use jointplay::format::units::m_from_mm;
+use jointplay::format::{robot, three_rods};
 use jointplay::interop::import::{self, Imported};
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
@@ -18,6 +19,7 @@ use jointplay::mechanism::{
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
 use jointplay::report;
+use jointplay::virtualization::BuiltIn;
 use jointplay::{Error, format};
 
 use crate::arguments::finite;
@@ -118,7 +120,8 @@ fn share(text: &str) -> Result<f64, String> {
 /// Flags of commands that analyse one mechanism.
 #[derive(Args)]
 pub(crate) struct MechanismArgs {
-    /// Mechanism file (TOML), model (MJCF, SDF, URDF), or a name from `jointplay catalogue`
+    /// Mechanism or three-rod robot (TOML), model (MJCF, SDF, URDF), or a name from `jointplay
+    /// catalogue`
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
@@ -178,7 +181,10 @@ impl Input {
     }
 
     pub(crate) fn parse(source: &Source, set: &[Assignment]) -> Result<Self, Failure> {
-        source.require(&[Kind::Mechanism, Kind::Model], "a mechanism")?;
+        source.require(&[Kind::Mechanism, Kind::Model, Kind::ThreeRods], "a mechanism")?;
+        if source.kind() == Some(Kind::ThreeRods) {
+            return Self::of_robot(source, set);
+        }
         if import::is_model(&source.text) {
             if let Some(one) = set.first() {
                 let name = &one.name;
@@ -200,6 +206,17 @@ impl Input {
         let coordinates = Coordinates::of(&file);
         let text = Some(source.text.clone());
         Ok(Self { file, coordinates, text, tolerance: None, replaced })
+    }
+
+    /// A three-rod robot as a mechanism, with virtual joints of the planar model, as commands for robots use by default.
+    fn of_robot(source: &Source, set: &[Assignment]) -> Result<Self, Failure> {
+        let replaced: Vec<(String, f64)> =
+            set.iter().map(|one| (one.name.clone(), one.value)).collect();
+        let robot = robot::parse_with(&source.text, &replaced)
+            .map_err(|errors| Failure::invalid(&errors, &source.label))?;
+        let file = three_rods::mechanism_file(&robot, BuiltIn::Planar);
+        let coordinates = Coordinates::of(&file);
+        Ok(Self { file, coordinates, text: None, tolerance: None, replaced })
     }
 
     /// Index of the joint coordinate with a name.

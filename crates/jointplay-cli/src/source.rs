@@ -58,12 +58,14 @@ impl Source {
         match self.kind().filter(|kind| !kinds.contains(kind)) {
             None => Ok(()),
             Some(kind) => {
-                let hint = if kind == Kind::ThreeRods && kinds.contains(&Kind::Mechanism) {
-                    "\n  gpr-mechanism of the catalogue describes the paper's robot as a mechanism"
-                } else {
-                    ""
-                };
                 let (label, noun, used) = (&self.label, kind.noun(), kind.used_by(&self.label));
+                let hint = if kind == Kind::Mechanism && kinds.contains(&Kind::ThreeRods) {
+                    format!(
+                        "\n  a mechanism that is a three-rod robot becomes a robot file by `jointplay import {label} --to gpr --tilt-limit-deg DEG`"
+                    )
+                } else {
+                    String::new()
+                };
                 Err(Failure::Usage(format!(
                     "{label} is {noun}, but {needed} is needed\n  {used}{hint}"
                 )))
@@ -121,7 +123,7 @@ impl Kind {
                 )
             }
             Self::ThreeRods => format!(
-                "commands for it: jointplay forward, inverse, mobility, sensitivity, compare, simulate or studio --robot {label}"
+                "commands for it: jointplay forward, inverse, mobility, sensitivity, compare, simulate or studio --robot {label}; jointplay draw, move, suggest or jacobian {label}"
             ),
             Self::Arms => format!(
                 "a work cell refers to it by robot = \"{label}\"; use `jointplay cell example` for an example"

@@ -1,7 +1,7 @@
 //! Errors of the core as messages in mm and degrees.
 
 use jointplay_core::Error;
-use jointplay_core::gpr::BrokenLimit;
+use jointplay_core::gpr::{BrokenLimit, NotThreeRods};
 use jointplay_core::linalg::LinalgError;
 
 use crate::number::{number, rounded};
@@ -15,6 +15,24 @@ fn mm(meters: f64) -> String {
 /// An angle of a message in degrees, from radians.
 fn deg(radians: f64) -> String {
     number(units::deg(radians))
+}
+
+/// Why a mechanism is not a three-rod robot, in mm and degrees.
+#[must_use]
+pub fn explain_recognition(error: &NotThreeRods) -> String {
+    match error {
+        NotThreeRods::NotParallel { joint, angle } => format!(
+            "joint {joint:?} is inclined by {}° to the first rod, but rods are parallel",
+            rounded(angle.to_degrees(), 6)
+        ),
+        NotThreeRods::UnequalLimits { joint, min, max } => format!(
+            "the rod of joint {joint:?} has limits from {} to {} mm, but the first has others: all rods need the same",
+            rounded(units::mm(*min), 6),
+            rounded(units::mm(*max), 6)
+        ),
+        NotThreeRods::Dimensions(error) => explain(error),
+        _ => error.to_string(),
+    }
 }
 
 /// The message of an error, in mm and degrees.

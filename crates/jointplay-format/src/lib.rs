@@ -4,8 +4,9 @@
 //!
 //! | to… | use |
 //! | --- | --- |
-//! | read a robot file | [`robot::parse`] |
+//! | read or write a robot file | [`robot::parse`], [`robot::write`] |
 //! | read or write a mechanism file | [`mechanism::parse`], [`mechanism::write`] |
+//! | convert a three-rod robot into a mechanism, or back | [`three_rods::mechanism_file`], [`three_rods::robot`] |
 //! | find the kind of a file | [`mechanism::kind_of`] |
 //! | name the coordinates of a mechanism, in its units | [`coordinates::Coordinates`] |
 //! | list the included example files | [`catalogue::entries`] |
@@ -37,5 +38,6 @@ pub mod program;
 pub mod robot;
 pub mod steps;
 pub mod study;
+pub mod three_rods;
 pub mod toml_reader;
 pub mod units;

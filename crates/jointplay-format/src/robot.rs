@@ -1,14 +1,16 @@
-//! Robot files: readable TOML with a strict schema.
+//! Robot files: readable TOML with a strict schema, with parameters and expressions like mechanism files.
 
 use jointplay_core::gpr::{Gpr, Limb, Limits};
 use nalgebra::Vector2;
 use toml::de::DeValue;
 
 use crate::explain::explain;
+use crate::expression::AngleUnit;
 use crate::file_problem::FileProblem;
 use crate::place::Place;
+use crate::toml_reader::parameters::{self, Parameters};
 use crate::toml_reader::{self, AllowedRange, Entry};
-use crate::units::{m_from_mm, m_from_um};
+use crate::units::{deg, m_from_mm, m_from_um, mm, um};
 
 /// The file of the paper's robot.
 pub const PAPER: &str = include_str!("../../../robots/gpr.toml");
@@ -132,6 +134,8 @@ pub enum Problem {
 
 /// Largest absolute length in robot files, 1 km (mm).
 const LARGEST_MM: f64 = 1e6;
+/// Distance of a rod from its place under the nominal socket that is round-off (m).
+const ROUND_OFF: f64 = 1e-15;
 /// Largest clearance of a ball in robot files, 1 m (µm).
 const LARGEST_CLEARANCE_UM: f64 = 1e6;
 /// Largest absolute angle in robot files, a hundred revolutions (deg).
@@ -148,6 +152,17 @@ pub fn paper() -> Robot {
 /// # Errors
 /// All errors in the order of their places, at least one: invalid TOML, missing or unknown keys, values of another type, numbers that are out of range or define no robot.
 pub fn parse(text: &str) -> Result<Robot, Errors> {
+    parse_with(text, &[])
+}
+
+/// Reads a robot file with other values of some of its parameters.
+///
+/// # Arguments
+/// * `replaced` – parameters with their values, in the units of the file
+///
+/// # Errors
+/// See [`parse`]; also for a parameter that the file does not have.
+pub fn parse_with(text: &str, replaced: &[(String, f64)]) -> Result<Robot, Errors> {
     let reader = Reader::new(text);
     let document = reader.parse();
     let top = Table::new(&reader, "a robot", document.get_ref(), 0..0);
@@ -158,9 +173,51 @@ pub fn parse(text: &str) -> Result<Robot, Errors> {
         kind.report(&reader, Problem::Kind { found: found.to_owned() });
         return reader.done(None);
     }
+    let Parameters { scope, .. } = parameters::resolve(&top, replaced, AngleUnit::Degree);
+    reader.set_scope(0, scope);
     let robot = read(&top, found.is_some());
     top.finish();
     reader.done(robot)
+}
+
+/// Writes a robot file in mm and degrees; read again, it is the same robot to round-off.
+///
+/// A rod within 10⁻¹⁵ m of its place under the nominal socket is under it.
+#[must_use]
+pub fn write(robot: &Robot) -> String {
+    let gpr = &robot.gpr;
+    let name = toml::Value::from(robot.name.as_str());
+    let mut file = format!("kind = \"gpr\"\nname = {name}\n");
+    let mut line = |text: std::fmt::Arguments| {
+        file.push_str(&text.to_string());
+        file.push('\n');
+    };
+    for (key, mesh) in [("base_mesh", &robot.base_mesh), ("platform_mesh", &robot.platform_mesh)] {
+        if let Some(mesh) = mesh {
+            line(format_args!("{key} = {}", toml::Value::from(mesh.path.as_str())));
+        }
+    }
+    for limb in gpr.limbs() {
+        line(format_args!("\n[[limb]]"));
+        line(format_args!("socket_radius_mm = {:?}", mm(limb.socket_radius)));
+        line(format_args!("socket_angle_deg = {:?}", deg(limb.socket_angle)));
+        let below = Limb::under_socket(limb.socket_radius, limb.socket_angle).base_point;
+        if (limb.base_point - below).norm() > ROUND_OFF {
+            let [x, y] = [limb.base_point.x, limb.base_point.y].map(mm);
+            line(format_args!("base_point_mm = [{x:?}, {y:?}]"));
+        }
+    }
+    let limits = gpr.limits();
+    line(format_args!("\n[limits]"));
+    line(format_args!("rod_mm = [{:?}, {:?}]", mm(limits.rod_min), mm(limits.rod_max)));
+    line(format_args!("tilt_deg = {:?}", deg(limits.tilt_max)));
+    line(format_args!("\n[working]"));
+    line(format_args!("height_mm = {:?}", mm(gpr.working_height())));
+    if let Some(radius) = gpr.ball_clearance() {
+        line(format_args!("\n[ball]"));
+        line(format_args!("clearance_radius_um = {:?}", um(radius)));
+    }
+    file
 }
 
 type Reader<'a> = toml_reader::Reader<'a, Problem>;
@@ -313,6 +370,43 @@ mod tests {
     }
 
     #[test]
+    fn a_written_file_is_the_same_robot() {
+        let text = PAPER.replacen(
+            "socket_angle_deg = 0.0",
+            "socket_angle_deg = 0.1\nbase_point_mm = [95, -1.5]",
+            1,
+        ) + "[ball]\nclearance_radius_um = 12.5\n";
+        for text in [PAPER, &text] {
+            let robot = parse(text).unwrap();
+            let written = write(&robot);
+            assert_eq!(parse(&written).unwrap(), robot, "{written}");
+        }
+    }
+
+    #[test]
+    fn numbers_may_be_expressions_of_parameters() {
+        let text = PAPER
+            .replace("socket_radius_mm = 93.218", "socket_radius_mm = \"r\"")
+            .replacen("= 240.0", "= \"360 - a\"", 1)
+            .replacen("[246.0, 754.0]", "[\"height - 254\", \"height + 254\"]", 1)
+            .replacen("height_mm = 500.0", "height_mm = \"height\"", 1)
+            + "[parameters]\nr = 93.218\na = 120\nheight = 500\n";
+        let same = |robot: &Robot, other: &Gpr| {
+            let rods = |gpr: &Gpr| {
+                let tilt = jointplay_core::spatial::Tilt { azimuth: 1.0, angle: 0.02 };
+                gpr.inverse(tilt, jointplay_core::gpr::AxisHeight(gpr.working_height())).unwrap()
+            };
+            assert_eq!(rods(&robot.gpr), rods(other));
+        };
+        same(&parse(&text).unwrap(), &Gpr::paper());
+        let wide = parse_with(&text, &[("r".to_owned(), 100.0)]).unwrap();
+        assert_eq!(wide.gpr.platform().mean_radius(), 0.1);
+        let unknown = parse_with(&text, &[("q".to_owned(), 1.0)]).unwrap_err();
+        assert!(unknown.to_string().contains("parameter"), "{unknown}");
+        refuse("= 240.0", "= \"2 * b\"", 22, "b");
+    }
+
+    #[test]
     fn base_points_may_differ_from_the_nominal_sockets() {
         let text = PAPER.replacen(
             "socket_angle_deg = 0.0",
@@ -358,7 +452,7 @@ mod tests {
     #[test]
     fn all_errors_of_a_file_are_reported_in_order() {
         let text = PAPER
-            .replacen("socket_radius_mm = 93.218", "socket_radius_mm = \"93\"\ncolor = 3", 1)
+            .replacen("socket_radius_mm = 93.218", "socket_radius_mm = [93]\ncolor = 3", 1)
             .replacen("tilt_deg = 1.5", "tilt_deg = nan", 1);
         let errors = parse(&text).unwrap_err();
         let found: Vec<(usize, String)> =
@@ -389,12 +483,7 @@ mod tests {
         refuse("[246.0, 754.0]", "[-1e308, 754]", 26, "`rod_mm` is -1e308");
         refuse(radius, "socket_radius_mm = 0", 13, "the socket radius of limb 1 is 0 mm");
         refuse(radius, "socket_radius_mm = -5.5", 13, "is -5.5 mm, but has to be positive");
-        refuse(
-            radius,
-            "socket_radius_mm = \"93\"",
-            13,
-            "has to be a number, but is the text \"93\"",
-        );
+        refuse(radius, "socket_radius_mm = [93]", 13, "has to be a number, but is");
         refuse(
             "kind = \"gpr\"",
             "kind = \"frobnicate\"\n[[limb]]",

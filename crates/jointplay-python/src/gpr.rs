@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use jointplay::format::robot;
+use jointplay::format::robot::{self, Robot};
 use jointplay::gpr::{AxisHeight, CenterHeight, Gpr, Limb, Limits};
 use jointplay::nalgebra::Vector2;
 use jointplay::spatial::Tilt;
@@ -456,6 +456,17 @@ impl PyGpr {
 impl PyGpr {
     fn parse(py: Python<'_>, text: &str, label: &str) -> PyResult<Self> {
         let robot = robot::parse(text).map_err(|found| errors::file(py, label, &found))?;
-        Ok(Self { name: robot.name, gpr: robot.gpr })
+        Ok(Self::of(robot))
+    }
+
+    /// The robot of a file.
+    pub(crate) fn of(robot: Robot) -> Self {
+        Self { name: robot.name, gpr: robot.gpr }
+    }
+
+    /// The content of a file of this robot.
+    pub(crate) fn robot(&self) -> Robot {
+        let (name, gpr) = (self.name.clone(), self.gpr.clone());
+        Robot { name, gpr, base_mesh: None, platform_mesh: None }
     }
 }

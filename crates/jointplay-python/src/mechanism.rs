@@ -5,13 +5,17 @@ use std::path::PathBuf;
 use jointplay::format::catalogue;
 use jointplay::format::coordinates::{self, Coordinates};
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile, ParameterError, Units};
+use jointplay::format::three_rods;
 use jointplay::interop::import;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{ChangedDimension, VirtualJoint};
 use jointplay::mobility::kutzbach_mobility;
+use jointplay::virtualization::Virtualization as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use crate::gpr::PyGpr;
+use crate::model::Model;
 use crate::numbers::finite;
 use crate::{errors, files};
 
@@ -104,6 +108,49 @@ impl PyMechanism {
         parameters: Option<Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         Self::parse(py, text, "text", replaced(parameters)?)
+    }
+
+    /// A three-rod robot as a mechanism; the coordinate of a rod is its length less the working height.
+    ///
+    /// Parameters
+    /// ----------
+    /// gpr : Gpr
+    ///     The robot.
+    /// virtualization : {"radial", "polar", "offset", "planar"}, optional
+    ///     Virtual joints at the sockets; default planar.
+    #[staticmethod]
+    #[pyo3(signature = (gpr, virtualization=None))]
+    fn from_gpr(
+        py: Python<'_>,
+        gpr: &Bound<'_, PyGpr>,
+        virtualization: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let model = Model::of(virtualization, &gpr.get().gpr)?;
+        let Some(built_in) = model.virtualization().as_built_in() else {
+            let message = "virtualization: a mechanism can have those of jointplay only";
+            return Err(errors::input(py, message));
+        };
+        let file = three_rods::mechanism_file(&gpr.get().robot(), built_in);
+        let text = mechanism::write(&file.mechanism, None);
+        Self::parse(py, text, "robot", Vec::new())
+    }
+
+    /// The three-rod robot that this mechanism is, whose closed forms are faster.
+    ///
+    /// Parameters
+    /// ----------
+    /// tilt_limit_rad : float
+    ///     Largest tilt toward any azimuth, which a mechanism does not state.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     With the reason, for a mechanism that is no such robot.
+    fn to_gpr(&self, py: Python<'_>, tilt_limit_rad: &Bound<'_, PyAny>) -> PyResult<PyGpr> {
+        let limit = finite(tilt_limit_rad, "tilt_limit_rad")?;
+        three_rods::robot(&self.file, limit).map(PyGpr::of).map_err(|reason| {
+            errors::input(py, &format!("{} is not a three-rod robot: {reason}", self.name()))
+        })
     }
 
     /// A mechanism of the catalogue, by its name; `jointplay.catalogue()` lists all.

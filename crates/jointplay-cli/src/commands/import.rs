@@ -1,22 +1,27 @@
-//! `jointplay import`: conversion of MJCF, SDF and URDF models.
+//! `jointplay import`: conversion of MJCF, SDF and URDF models, and between three-rod robots and mechanisms.
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
-use jointplay::format::mechanism::{self, MAX_BYTES};
+use clap::{Args, ValueEnum};
+use jointplay::format::mechanism::{self, Expected, MAX_BYTES, MechanismFile, Units};
 use jointplay::format::number::counted;
-use jointplay::interop::import::{self, Imported};
+use jointplay::format::{robot, three_rods};
+use jointplay::interop::import::Imported;
 use jointplay::mechanism::Mechanism;
 use serde::Serialize;
 
+use crate::arguments::{VirtualizationName, tilt_angle};
 use crate::failure::Failure;
 use crate::folder::ForceArgs;
-use crate::mechanism_input::imported;
+use crate::mechanism_input::{Input, imported};
 use crate::output::FormatArgs;
 use crate::source::{Kind, STANDARD, Source};
 use crate::{folder, output};
 
 /// Convert a MuJoCo (MJCF), Gazebo (SDF) or ROS (URDF) model into a mechanism file
+///
+/// A three-rod robot also becomes a mechanism, with the virtual joints of a virtualization; with `--to
+/// gpr`, a mechanism or model that is a three-rod robot becomes a robot file.
 ///
 /// Elements without a counterpart in a mechanism, such as masses and shapes, are listed as ignored.
 /// Elements that would change the mechanism if ignored are errors.
@@ -24,11 +29,23 @@ use crate::{folder, output};
 #[command(after_help = "\
 Examples:
   jointplay import robot.urdf
-  jointplay import robot.urdf --loops loops.toml --output robot.toml")]
+  jointplay import robot.urdf --loops loops.toml --output robot.toml
+  jointplay import gpr --virtualization radial
+  jointplay import gpr-mechanism --to gpr --tilt-limit-deg 1.5")]
 pub(crate) struct Import {
-    /// Model file; the format is detected from its root element
+    /// Model file, whose format is detected from its root element; a three-rod robot or a mechanism
+    /// (TOML); or a name from `jointplay catalogue`
     #[arg(value_name = "MODEL")]
     model: PathBuf,
+    /// Kind of the file to write
+    #[arg(long, value_name = "KIND", default_value = "mechanism")]
+    to: Target,
+    /// Virtual joints of a three-rod robot as a mechanism [default: planar]
+    #[arg(long, value_name = "MODEL")]
+    virtualization: Option<VirtualizationName>,
+    /// Largest tilt of a three-rod robot, which a mechanism does not state
+    #[arg(long, value_name = "DEG", value_parser = tilt_angle)]
+    tilt_limit_deg: Option<f64>,
     /// File of joints that close loops, for URDF, which describes trees only
     #[arg(long, value_name = "FILE")]
     loops: Option<PathBuf>,
@@ -39,6 +56,15 @@ pub(crate) struct Import {
     force: ForceArgs,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
+}
+
+/// Kinds of files that are written.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Target {
+    /// A mechanism file
+    Mechanism,
+    /// A file of a three-rod robot
+    Gpr,
 }
 
 /// The imported mechanism: the file that it was written to, or its text.
@@ -56,25 +82,105 @@ struct ImportReport {
 impl Import {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let source = Source::read(&self.model, MAX_BYTES)?;
-        source.require(&[Kind::Model], "a model of MuJoCo, Gazebo or ROS")?;
-        if !import::is_model(&source.text) {
-            let label = &source.label;
-            return Err(Failure::Usage(format!(
-                "{label} is not a model: models are XML files of MuJoCo, Gazebo or ROS"
-            )));
-        }
-        let Imported { mechanism, dialect, ignored } = imported(&source)?;
+        let (kinds, needed): (&[Kind], _) = match self.to {
+            Target::Mechanism => (
+                &[Kind::Model, Kind::ThreeRods],
+                "a model of MuJoCo, Gazebo or ROS, or a three-rod robot",
+            ),
+            Target::Gpr => (&[Kind::Model, Kind::Mechanism], "a mechanism or a model"),
+        };
+        source.require(kinds, needed)?;
+        let kind = source.kind();
+        self.refuse_unused(kind)?;
+        let Imported { mechanism, dialect, ignored } = match kind {
+            Some(Kind::Model) => imported(&source)?,
+            Some(Kind::ThreeRods) => return self.write_mechanism(&source),
+            Some(Kind::Mechanism) => return self.write_robot(Input::parse(&source, &[])?.file),
+            _ => {
+                let label = &source.label;
+                return Err(Failure::Usage(format!(
+                    "{label} is not a model: models are XML files of MuJoCo, Gazebo or ROS"
+                )));
+            }
+        };
         let mechanism = match &self.loops {
             Some(loops) => close(&mechanism, loops)?,
             None => mechanism,
         };
-        let file_name = if self.model == Path::new(STANDARD) {
-            source.label.as_str().into()
-        } else {
-            self.model.file_name().unwrap_or_default().to_string_lossy()
-        };
-        let origin = format!("{file_name}, a model in {}", dialect.name());
+        let origin = format!("{}, a model in {}", self.file_name(&source), dialect.name());
+        if self.to == Target::Gpr {
+            output::ignored(&ignored);
+            let file = MechanismFile {
+                mechanism,
+                source: Some(origin),
+                units: Units::SI,
+                parameters: Vec::new(),
+                expected: Expected::default(),
+            };
+            return self.write_robot(file);
+        }
         let text = mechanism::write(&mechanism, Some(&origin));
+        self.write(dialect.name(), &mechanism, ignored, text)
+    }
+
+    /// Refuses options that apply to another conversion.
+    fn refuse_unused(&self, kind: Option<Kind>) -> Result<(), Failure> {
+        let unused = [
+            (self.loops.is_some() && kind != Some(Kind::Model), "--loops applies to models"),
+            (
+                self.virtualization.is_some() && kind != Some(Kind::ThreeRods),
+                "--virtualization applies to three-rod robots",
+            ),
+            (
+                self.tilt_limit_deg.is_some() && self.to != Target::Gpr,
+                "--tilt-limit-deg applies to `--to gpr`",
+            ),
+        ];
+        match unused.into_iter().find(|(unused, _)| *unused) {
+            Some((_, text)) => Err(Failure::Usage(text.to_owned())),
+            None => Ok(()),
+        }
+    }
+
+    /// The name of the input in the file written.
+    fn file_name(&self, source: &Source) -> String {
+        if self.model == Path::new(STANDARD) {
+            return source.label.clone();
+        }
+        self.model.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// Writes a three-rod robot as a mechanism.
+    fn write_mechanism(&self, source: &Source) -> Result<(), Failure> {
+        let robot = robot::parse(&source.text)
+            .map_err(|errors| Failure::invalid(&errors, &source.label))?;
+        let model = self.virtualization.unwrap_or(VirtualizationName::Planar).built_in();
+        let mechanism = three_rods::mechanism_file(&robot, model).mechanism;
+        let origin = format!("{}, a three-rod robot", self.file_name(source));
+        let text = mechanism::write(&mechanism, Some(&origin));
+        self.write("three-rod robot", &mechanism, Vec::new(), text)
+    }
+
+    /// Writes a mechanism that is a three-rod robot as a robot file.
+    fn write_robot(&self, file: MechanismFile) -> Result<(), Failure> {
+        let Some(tilt_deg) = self.tilt_limit_deg else {
+            let text = "a mechanism does not state a largest tilt: give --tilt-limit-deg";
+            return Err(Failure::Usage(text.to_owned()));
+        };
+        let robot = three_rods::robot(&file, tilt_deg.to_radians()).map_err(|reason| {
+            Failure::Usage(format!("{} is not a three-rod robot: {reason}", file.mechanism.name()))
+        })?;
+        self.write("mechanism", &file.mechanism, Vec::new(), robot::write(&robot))
+    }
+
+    /// Writes the converted file and reports it.
+    fn write(
+        &self,
+        model_format: &'static str,
+        mechanism: &Mechanism,
+        ignored: Vec<String>,
+        text: String,
+    ) -> Result<(), Failure> {
         if !self.format.json() {
             output::ignored(&ignored);
         }
@@ -89,7 +195,7 @@ impl Import {
             return output::raw(&text);
         }
         let report = ImportReport {
-            model_format: dialect.name(),
+            model_format,
             links: mechanism.links().len(),
             joints: mechanism.joints().len(),
             loops: mechanism.loops(),

@@ -46,16 +46,16 @@ fn a_file_of_another_kind_is_refused_with_its_commands() {
     sandbox.write("cell.toml", include_str!("../../../../cells/example.toml"));
     sandbox.write("loops.toml", crate::import::LOOPS);
     for (line, parts) in [
-        ("draw gpr", ["is a three-rod robot", "gpr-mechanism"]),
-        ("move gpr", ["is a three-rod robot", "jointplay forward"]),
+        ("study gpr", ["is a three-rod robot", "jointplay draw, move, suggest or jacobian gpr"]),
         ("mobility dual-arm", ["is a robot with arms", "robot = \"dual-arm\""]),
-        ("forward --robot hexapod", ["is a mechanism", "jointplay mobility"]),
+        ("forward --robot hexapod", ["is a mechanism", "jointplay import hexapod --to gpr"]),
         ("forward --robot cell.toml", ["is a work cell", "jointplay cell check cell.toml"]),
         ("cell check dual-arm", ["is a robot with arms", "a work cell is needed"]),
         ("cell check study.toml", ["is a study", "jointplay study study.toml"]),
         ("study bennett", ["is a mechanism", "a study is needed"]),
         ("study cell.toml", ["is a work cell", "a study is needed"]),
         ("import bennett", ["is a mechanism", "a model of MuJoCo"]),
+        ("import dual-arm --to gpr", ["is a robot with arms", "a mechanism or a model is needed"]),
         ("draw loops.toml", ["is a file of loops", "--loops loops.toml"]),
         ("simulate --robot study.toml", ["is a study", "a three-rod robot is needed"]),
     ] {

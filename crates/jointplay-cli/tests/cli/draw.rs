@@ -94,7 +94,7 @@ fn what_cannot_be_drawn() {
         ("draw bennett --at J9=1", 2, "J9"),
         ("draw four-bar --ghost J9=1", 2, "J9"),
         ("draw spherical-4r --ghost A=90", 1, "before --ghost: stopped at A = 23.2"),
-        ("draw gpr", 2, "gpr-mechanism"),
+        ("draw dual-arm", 2, "is a robot with arms"),
         ("draw nothing.toml", 2, "cannot read"),
         ("draw", 2, "Usage"),
     ] {

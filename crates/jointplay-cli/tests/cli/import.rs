@@ -116,3 +116,41 @@ fn errors_show_their_place() {
     refused(&sandbox, "import loops.toml", "loops.toml is a file of loops, but a model");
     refused(&sandbox, "import missing.sdf", "cannot read missing.sdf");
 }
+
+#[test]
+fn a_three_rod_robot_is_a_mechanism_and_comes_back_as_the_same_robot() {
+    let sandbox = Sandbox::new();
+    let inverse = "inverse --azimuth-deg 45 --tilt-deg 1 --format json";
+    let rods =
+        |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap()["q_mm"].clone();
+    let expected = rods(&sandbox.done(inverse));
+    sandbox.done("import gpr --virtualization radial --output there.toml");
+    sandbox.done("import there.toml --to gpr --tilt-limit-deg 1.5 --output back.toml");
+    let found = rods(&sandbox.done(&format!("{inverse} --robot back.toml")));
+    for k in 0..3 {
+        let (a, b) = (found[k].as_f64().unwrap(), expected[k].as_f64().unwrap());
+        assert!((a - b).abs() < 1e-11, "{found} {expected}");
+    }
+    for line in ["draw gpr", "move gpr --steps 2", "suggest gpr", "jacobian gpr", "assemble gpr"] {
+        sandbox.done(line);
+    }
+}
+
+#[test]
+fn conversions_of_robots_state_what_is_missing() {
+    let sandbox = Sandbox::new();
+    for (line, part) in [
+        ("import gpr-mechanism --to gpr", "give --tilt-limit-deg"),
+        ("import hexapod --to gpr --tilt-limit-deg 1", "is not a three-rod robot"),
+        ("import gpr --tilt-limit-deg 1", "applies to `--to gpr`"),
+        (
+            "import gpr-mechanism --to gpr --tilt-limit-deg 1 --virtualization polar",
+            "applies to three-rod robots",
+        ),
+        ("import gpr --loops x.toml", "--loops applies to models"),
+    ] {
+        let run = sandbox.run(line);
+        assert_eq!(run.code, 2, "{line}");
+        assert!(run.stderr.contains(part), "{line}: {}", run.stderr);
+    }
+}

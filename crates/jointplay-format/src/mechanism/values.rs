@@ -38,6 +38,9 @@ impl Units {
     /// Metres and radians.
     pub const SI: Self = Self { length: LengthUnit::Meter, angle: AngleUnit::Radian };
 
+    /// Millimetres and degrees, as in robot files.
+    pub const MM: Self = Self { length: LengthUnit::Millimeter, angle: AngleUnit::Degree };
+
     /// A displacement along or about a virtual joint in these units, from m or rad.
     #[must_use]
     pub fn of_motion(self, motion: VirtualMotion, value: f64) -> f64 {
