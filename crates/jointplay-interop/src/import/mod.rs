@@ -1,4 +1,4 @@
-//! Mechanisms from model files of other programs: MJCF, SDF and URDF, distinguished by their root element.
+//! Mechanisms from model files of other programs: MJCF, SDF and URDF, distinguished by their root element, and ASMT of FreeCAD.
 //!
 //! Parts that do not affect the mechanism, such as shapes and masses, are listed as ignored.
 //! An unsupported part that would affect the mechanism is an error with its place.
@@ -19,6 +19,7 @@
 //! # Ok::<(), jointplay_interop::import::Error>(())
 //! ```
 
+mod asmt;
 mod draft;
 mod drive_table;
 mod mjcf;
@@ -34,4 +35,4 @@ mod xml;
 pub use drive_table::{DriveColumn, DriveTableError, MAX_COLUMNS, MAX_ROWS, drive_table};
 pub use model::{Dialect, Imported};
 pub use problem::{Error, Problem};
-pub use read::{is_model, parse};
+pub use read::{is_model, parse, parse_with_unit};

@@ -17,6 +17,8 @@ pub struct Imported {
 /// Formats of model files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dialect {
+    /// Assemblies of FreeCAD, in the text format of its solver.
+    Asmt,
     /// Models of MuJoCo.
     Mjcf,
     /// The Simulation Description Format of Gazebo.
@@ -30,6 +32,7 @@ impl Dialect {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Asmt => "ASMT",
             Self::Mjcf => "MJCF",
             Self::Sdf => "SDF",
             Self::Urdf => "URDF",

@@ -1,30 +1,48 @@
 //! Import of a mechanism from the text of a model.
 
-use jointplay_format::mechanism::MAX_BYTES;
+use jointplay_format::mechanism::{LengthUnit, MAX_BYTES};
 
 use super::draft::Draft;
 use super::model::Imported;
 use super::problem::{Error, Problem};
 use super::xml::{Advice, Xml};
-use super::{mjcf, sdf, urdf, xml};
+use super::{asmt, mjcf, sdf, urdf, xml};
 
-/// Whether a text is XML, and so a model instead of a mechanism file.
+/// Whether a text is XML or an assembly of FreeCAD, and so a model instead of a mechanism file.
 #[must_use]
 pub fn is_model(text: &str) -> bool {
-    text.trim_start_matches('\u{feff}').trim_start().starts_with('<')
+    is_assembly(text) || text.trim_start_matches('\u{feff}').trim_start().starts_with('<')
 }
 
-/// Imports a model, whose root element determines its format.
+fn is_assembly(text: &str) -> bool {
+    let first = text.trim_start_matches('\u{feff}').lines().next();
+    first.is_some_and(|line| line.trim() == asmt::FIRST_LINE)
+}
+
+/// Imports a model, whose first line or root element determines its format; lengths of an assembly are in m.
 ///
 /// # Errors
 /// [`Error`] with its place: malformed XML, invalid values, or unsupported parts that would affect the mechanism.
 ///
 /// # Source
-/// \[MJCF\], \[SDFormat\], \[URDF\]
+/// \[ASMT\], \[MJCF\], \[SDFormat\], \[URDF\]
 pub fn parse(text: &str) -> Result<Imported, Error> {
+    parse_with_unit(text, LengthUnit::Meter)
+}
+
+/// Imports a model as [`parse`] does, with another unit of lengths for assemblies, which do not state theirs.
+///
+/// XML models state their units, or their formats do.
+///
+/// # Errors
+/// Those of [`parse`].
+pub fn parse_with_unit(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
     if text.len() > MAX_BYTES {
         let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };
         return Err(Error::at(text, 0..0, problem));
+    }
+    if is_assembly(text) {
+        return asmt::read(text, unit);
     }
     let document = xml::document(text)?;
     let root = document.root_element();

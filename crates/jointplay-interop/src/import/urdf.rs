@@ -13,7 +13,9 @@ use roxmltree::Node;
 use super::draft::{Draft, bare};
 use super::model::{Dialect, Imported};
 use super::problem::Error;
-use super::xml::{Advice, Value, attribute, children, content, elements, is_foreign, place};
+use super::xml::{
+    Advice, MOST_QUOTED, Value, attribute, children, content, elements, is_foreign, place,
+};
 use jointplay_format::mechanism::frame::{pose, some_perpendicular};
 
 pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Imported, Error> {
@@ -30,6 +32,11 @@ pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Impor
             (true, "joint") => {
                 let advice = Advice("only joints of URDF itself are supported");
                 return Err(xml.unsupported(node, "a joint of a dialect", advice));
+            }
+            (_, "constraint" | "loop_joint" | "ball_constraint") => {
+                let advice = Advice("describe the loop by a joint in a second file of loops");
+                let what = format!("<{}>, which closes a loop,", tag.name());
+                return Err(xml.unsupported(node, what, advice));
             }
             (_, other) => draft.ignore(other),
         }
@@ -78,7 +85,12 @@ pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Impor
             let value = attribute(node, "name").unwrap_or_else(|| content(node));
             match draft.joint(value.text) {
                 Some(number) => draft.descriptions[number].actuated = true,
-                None => return Err(xml.unknown("joint", &value, draft.joint_names())),
+                // Controllers of robots that share a file of transmissions name joints of all of them.
+                None => draft.ignore(format!(
+                    "{} of the unknown joint {:?}",
+                    section.tag_name().name(),
+                    value.text.chars().take(MOST_QUOTED).collect::<String>(),
+                )),
             }
         }
     }
@@ -121,17 +133,14 @@ fn joint<'a>(
             "limit" => &mut parts[2],
             "mimic" => {
                 let advice = Advice(
-                    "it couples joints, which no joint of a mechanism does; remove it to import the model without it",
+                    "mechanisms have no coupling of joints yet; remove it to import the model with both joints free",
                 );
                 return Err(xml.unsupported(part, "a joint that mimics another", advice));
             }
-            other @ ("dynamics" | "calibration" | "safety_controller" | "hardwareInterface") => {
+            // Elements of other tools carry masses, friction, controllers and the like.
+            other => {
                 draft.ignore(format!("{other} of a joint"));
                 continue;
-            }
-            other => {
-                let advice = Advice("its effect on the mechanism is unknown");
-                return Err(xml.unsupported(part, format!("<{other}> of a joint"), advice));
             }
         };
         if slot.replace(part).is_some() {
@@ -291,16 +300,36 @@ mod tests {
     }
 
     #[test]
+    fn elements_of_other_tools_are_listed_as_ignored() {
+        let exported = ARM
+            .replace("<dynamics", "<joint_properties friction=\"0.0\"/><dynamics")
+            .replace("<transmission", "<gazebo reference=\"hand\"/><sensor/><transmission")
+            .replace("<joint name=\"wrist\"/>", "<joint name=\"west\"/>");
+        let model = testing::read(&exported);
+        assert_eq!(model.mechanism.joints().len(), testing::read(ARM).mechanism.joints().len());
+        assert!(!model.mechanism.joints()[0].actuated);
+        for what in [
+            "1 × joint_properties of a joint",
+            "1 × gazebo",
+            "1 × sensor",
+            "1 × transmission of the unknown joint \"west\"",
+        ] {
+            assert!(model.ignored.iter().any(|found| found == what), "{:?}", model.ignored);
+        }
+    }
+
+    #[test]
     fn unsupported_and_invalid_elements_are_rejected() {
-        let refuse = |from, to, blamed, message| testing::refuse(ARM, from, to, blamed, message);
+        let refuse = |from: &str, to: &str, blamed: &str, message: &str| {
+            testing::refuse(ARM, from, to, blamed, message)
+        };
         refuse("\"revolute\"", "\"hinge\"", "hinge", "revolute, continuous");
         refuse(
             "<dynamics damping=\"1\"/>",
             "<mimic joint=\"x\"/>",
             "<mimic joint=\"x\"/>",
-            "couples joints",
+            "no coupling of joints",
         );
-        refuse("<dynamics damping=\"1\"/>", "<axes/>", "<axes/>", "<axes> of a joint cannot");
         refuse("<dynamics damping=\"1\"/>", "<axis/>", "<axis/>", "a second <axis>");
         refuse("\"0 1 0\"", "\"0 0 0\"", "0 0 0", "a direction that is not 0");
         refuse("\"0 1 0\"", "\"0 1\"", "0 1", "3 numbers");
@@ -336,12 +365,9 @@ mod tests {
             "<robot name=\"arm\">",
             "without a root link",
         );
-        refuse(
-            "<joint name=\"wrist\"/>",
-            "<joint name=\"west\"/>",
-            "west",
-            "joint \"west\" is not known",
-        );
+        let closure = "<constraint name=\"c\"/>";
+        let closed = format!("{closure}<transmission");
+        refuse("<transmission", &closed, closure, "second file of loops");
         let second = "<joint name=\"b\" type=\"fixed\"><parent link=\"base\"/><child link=\"hand\"/></joint><transmission";
         refuse("<transmission", second, "<child link=\"hand\"/>", "a second file of loops");
         let space =

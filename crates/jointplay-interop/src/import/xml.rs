@@ -9,7 +9,7 @@ use super::problem::{Error, Problem};
 use jointplay_format::place::nearest;
 
 /// Longest value that a message quotes, in characters.
-const MOST_QUOTED: usize = 60;
+pub(super) const MOST_QUOTED: usize = 60;
 
 /// Longest name, in bytes: names of nested models are concatenated, and would grow without bound.
 pub(super) const LONGEST_NAME: usize = 1000;

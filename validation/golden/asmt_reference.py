@@ -1,0 +1,95 @@
+"""Assemblies in FreeCAD's ASMT format, and the positions that its solver finds along their motions.
+
+    pip install pyondsel==0.0.3
+    python asmt_reference.py
+
+writes models/slider-crank.asmt, models/flipped-four-bar.asmt and asmt-poses.csv (m, rad).
+"""
+
+import csv
+import math
+from pathlib import Path
+
+from pyondsel.model.asmt_model import AsmtModel
+from pyondsel.model.joint import Joint
+from pyondsel.model.marker import Marker
+from pyondsel.model.motion import Motion
+from pyondsel.model.part import Part
+from pyondsel.model.simulation import Simulation
+
+HERE = Path(__file__).parent
+FLIP = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
+# Its z is along x.
+ALONG_X = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+
+
+def turned(angle):
+    c, s = math.cos(angle), math.sin(angle)
+    return ((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0))
+
+
+def model(name):
+    # A quarter of a turn in ten steps.
+    return AsmtModel(name=name, simulation=Simulation(0.0, 1.0, 10, h_max=0.1))
+
+
+def slider_crank():
+    """Exactly constrained: the coupler has balls at both ends but no spin, by a cylindrical joint."""
+    a = model("slider-crank")
+    a.add_ground_marker(Marker("pivot"))
+    a.add_ground_marker(Marker("guide", (0.0, 0.0, 0.0), ALONG_X))
+    crank = a.add_part(Part("crank", rotation=turned(math.pi / 2)))
+    crank.add_marker(Marker("hub"))
+    crank.add_marker(Marker("tip", (0.1, 0.0, 0.0)))
+    reach = math.sqrt(0.3**2 - 0.1**2)
+    coupler = a.add_part(Part("coupler", (0.0, 0.1, 0.0), turned(-math.asin(0.1 / 0.3))))
+    coupler.add_marker(Marker("near"))
+    coupler.add_marker(Marker("far", (0.3, 0.0, 0.0)))
+    slider = a.add_part(Part("slider", (reach, 0.0, 0.0)))
+    slider.add_marker(Marker("pin"))
+    slider.add_marker(Marker("guided", (0.0, 0.0, 0.0), ALONG_X))
+    a.add_joint(Joint("drive", "revolute", a.ground_path("pivot"), a.part_path("crank", "hub")))
+    a.add_joint(Joint("tip", "revolute", a.part_path("crank", "tip"), a.part_path("coupler", "near")))
+    a.add_joint(Joint("pin", "spherical", a.part_path("coupler", "far"), a.part_path("slider", "pin")))
+    a.add_joint(Joint("guide", "translational", a.ground_path("guide"), a.part_path("slider", "guided")))
+    a.add_motion(Motion("turn", "drive", f"{math.pi / 2} + 0.5*time"))
+    return a, math.pi / 2
+
+
+def four_bar():
+    """A parallelogram with one joint whose second axis points the other way."""
+    a = model("flipped-four-bar")
+    a.add_ground_marker(Marker("left"))
+    a.add_ground_marker(Marker("right", (0.3, 0.0, 0.0)))
+    for name, x in [("crank", 0.0), ("rocker", 0.3)]:
+        part = a.add_part(Part(name, (x, 0.0, 0.0), turned(math.pi / 2)))
+        part.add_marker(Marker("foot"))
+        part.add_marker(Marker("head", (0.1, 0.0, 0.0)))
+    coupler = a.add_part(Part("coupler", (0.0, 0.1, 0.0)))
+    coupler.add_marker(Marker("near"))
+    coupler.add_marker(Marker("far", (0.3, 0.0, 0.0), FLIP))
+    a.add_joint(Joint("drive", "revolute", a.ground_path("left"), a.part_path("crank", "foot")))
+    a.add_joint(Joint("B", "revolute", a.part_path("crank", "head"), a.part_path("coupler", "near")))
+    a.add_joint(Joint("C", "revolute", a.part_path("rocker", "head"), a.part_path("coupler", "far")))
+    a.add_joint(Joint("D", "revolute", a.ground_path("right"), a.part_path("rocker", "foot")))
+    a.add_motion(Motion("turn", "drive", f"{math.pi / 2} + 0.5*time"))
+    return a, math.pi / 2
+
+
+def main():
+    rows = []
+    for assembly, start in [slider_crank(), four_bar()]:
+        text = assembly.to_asmt()
+        (HERE / "models" / f"{assembly.name}.asmt").write_text(text)
+        found = assembly.solve()
+        for path, part in found.parts.items():
+            name = path.rsplit("/", 1)[-1]
+            for k in (2, 5, len(found.times) - 1):
+                rows.append([assembly.name, repr(0.5 * found.times[k]), name, *map(repr, part.positions[k])])
+    with open(HERE / "asmt-poses.csv", "w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["model", "turned_rad", "part", "x_m", "y_m", "z_m"])
+        writer.writerows(rows)
+
+
+main()
