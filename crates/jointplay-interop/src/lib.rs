@@ -2,7 +2,7 @@
 //!
 //! | to… | use |
 //! | --- | --- |
-//! | import a model of MuJoCo, Gazebo or ROS | [`import::parse`] |
+//! | import a model of MuJoCo, Gazebo, ROS or FreeCAD | [`import::parse`] |
 //! | export a cell's motion | [`export`] |
 
 pub mod export;

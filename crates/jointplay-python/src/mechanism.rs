@@ -10,7 +10,6 @@ use jointplay::interop::import;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{ChangedDimension, VirtualJoint};
 use jointplay::mobility::kutzbach_mobility;
-use jointplay::virtualization::Virtualization as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 

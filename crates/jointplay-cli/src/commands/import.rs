@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use jointplay::format::mechanism::{self, Expected, MAX_BYTES, MechanismFile, Units};
+use jointplay::format::mechanism::{self, Expected, LengthUnit, MAX_BYTES, MechanismFile, Units};
 use jointplay::format::number::counted;
 use jointplay::format::{robot, three_rods};
-use jointplay::interop::import::Imported;
+use jointplay::interop::import::{self, Imported};
 use jointplay::mechanism::Mechanism;
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ use crate::output::FormatArgs;
 use crate::source::{Kind, STANDARD, Source};
 use crate::{folder, output};
 
-/// Convert a MuJoCo (MJCF), Gazebo (SDF) or ROS (URDF) model into a mechanism file
+/// Convert a model of MuJoCo (MJCF), Gazebo (SDF), ROS (URDF) or FreeCAD (ASMT) into a mechanism file
 ///
 /// A three-rod robot also becomes a mechanism, with the virtual joints of a virtualization; with `--to
 /// gpr`, a mechanism or model that is a three-rod robot becomes a robot file.
@@ -30,6 +30,7 @@ use crate::{folder, output};
 Examples:
   jointplay import robot.urdf
   jointplay import robot.urdf --loops loops.toml --output robot.toml
+  jointplay import assembly.asmt --units mm
   jointplay import gpr --virtualization radial
   jointplay import gpr-mechanism --to gpr --tilt-limit-deg 1.5")]
 pub(crate) struct Import {
@@ -37,6 +38,9 @@ pub(crate) struct Import {
     /// (TOML); or a name from `jointplay catalogue`
     #[arg(value_name = "MODEL")]
     model: PathBuf,
+    /// Unit of lengths of an assembly of FreeCAD, which does not state it; FreeCAD writes mm
+    #[arg(long, value_name = "UNIT", value_parser = unit)]
+    units: Option<LengthUnit>,
     /// Kind of the file to write
     #[arg(long, value_name = "KIND", default_value = "mechanism")]
     to: Target,
@@ -85,21 +89,25 @@ impl Import {
         let (kinds, needed): (&[Kind], _) = match self.to {
             Target::Mechanism => (
                 &[Kind::Model, Kind::ThreeRods],
-                "a model of MuJoCo, Gazebo or ROS, or a three-rod robot",
+                "a model of MuJoCo, Gazebo, ROS or FreeCAD, or a three-rod robot",
             ),
             Target::Gpr => (&[Kind::Model, Kind::Mechanism], "a mechanism or a model"),
         };
         source.require(kinds, needed)?;
         let kind = source.kind();
-        self.refuse_unused(kind)?;
+        self.refuse_unused(&source)?;
         let Imported { mechanism, dialect, ignored } = match kind {
-            Some(Kind::Model) => imported(&source)?,
+            Some(Kind::Model) => match self.units {
+                Some(unit) => import::parse_with_unit(&source.text, unit)
+                    .map_err(|error| Failure::at(&error, &source.label))?,
+                None => imported(&source)?,
+            },
             Some(Kind::ThreeRods) => return self.write_mechanism(&source),
             Some(Kind::Mechanism) => return self.write_robot(Input::parse(&source, &[])?.file),
             _ => {
                 let label = &source.label;
                 return Err(Failure::Usage(format!(
-                    "{label} is not a model: models are XML files of MuJoCo, Gazebo or ROS"
+                    "{label} is not a model: models are files of MuJoCo, Gazebo, ROS or FreeCAD"
                 )));
             }
         };
@@ -124,9 +132,14 @@ impl Import {
     }
 
     /// Refuses options that apply to another conversion.
-    fn refuse_unused(&self, kind: Option<Kind>) -> Result<(), Failure> {
+    fn refuse_unused(&self, source: &Source) -> Result<(), Failure> {
+        let kind = source.kind();
         let unused = [
             (self.loops.is_some() && kind != Some(Kind::Model), "--loops applies to models"),
+            (
+                self.units.is_some() && !import::is_assembly(&source.text),
+                "--units applies to assemblies of FreeCAD; other files state their units",
+            ),
             (
                 self.virtualization.is_some() && kind != Some(Kind::ThreeRods),
                 "--virtualization applies to three-rod robots",
@@ -213,6 +226,15 @@ impl Import {
             )
         })
     }
+}
+
+fn unit(text: &str) -> Result<LengthUnit, String> {
+    let known = LengthUnit::ALL;
+    let found = known.into_iter().find(|(name, _)| *name == text);
+    found.map(|(_, unit)| unit).ok_or_else(|| {
+        let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+        format!("the unit must be one of {}, got {text:?}", names.join(", "))
+    })
 }
 
 fn close(chain: &Mechanism, loops: &Path) -> Result<Mechanism, Failure> {

@@ -154,3 +154,25 @@ fn conversions_of_robots_state_what_is_missing() {
         assert!(run.stderr.contains(part), "{line}: {}", run.stderr);
     }
 }
+
+#[test]
+fn an_assembly_of_freecad_needs_its_unit() {
+    let sandbox = Sandbox::new();
+    let assembly = include_str!("../../../../validation/golden/models/slider-crank.asmt");
+    sandbox.write("crank.asmt", assembly);
+    for line in ["import crank.asmt", "mobility crank.asmt"] {
+        let run = sandbox.run(line);
+        assert_eq!(run.code, 2, "{line}");
+        assert!(run.stderr.contains("--units mm"), "{line}: {}", run.stderr);
+    }
+    sandbox.done("import crank.asmt --units mm --output crank.toml");
+    let mobility = sandbox.done("mobility crank.toml");
+    assert!(mobility.contains("finite                 1"), "{mobility}");
+    for (line, part) in [
+        ("import gpr --units mm", "--units applies to assemblies"),
+        ("import crank.asmt --units ft", "must be one of m, mm, um, in"),
+    ] {
+        let run = sandbox.run(line);
+        assert!(run.code == 2 && run.stderr.contains(part), "{line}: {}", run.stderr);
+    }
+}

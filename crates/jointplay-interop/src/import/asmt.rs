@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use jointplay_core::mechanism::{Joint, JointKind, Mechanism, MechanismError};
-use jointplay_core::spatial::Pose;
+use jointplay_core::spatial::{Pose, rotation_vector};
 use jointplay_format::mechanism::LengthUnit;
 use jointplay_format::mechanism::frame::pose;
 use jointplay_format::place::nearest;
@@ -308,7 +308,7 @@ fn joint(
         JointKind::Revolute => vec![angle],
         JointKind::Prismatic => vec![shift.z],
         JointKind::Cylindrical => vec![shift.z, angle],
-        JointKind::Spherical => rotation.scaled_axis().iter().copied().collect(),
+        JointKind::Spherical => rotation_vector(&rotation).iter().copied().collect(),
         JointKind::Planar => vec![shift.x, shift.y, angle],
         _ => Vec::new(),
     };
@@ -343,7 +343,7 @@ mod tests {
     use jointplay_core::mechanism::{Kinematics, assemble, guess};
 
     use super::*;
-    use crate::import::{parse, parse_with_unit, testing};
+    use crate::import::{parse_with_unit, testing};
 
     const SLIDER_CRANK: &str =
         include_str!("../../../../validation/golden/models/slider-crank.asmt");
@@ -403,7 +403,7 @@ mod tests {
             let model = text.unwrap();
             model.mechanism.joints().iter().map(|j| j.frames[0].translation.vector.norm()).sum()
         };
-        let m: f64 = length(parse(SLIDER_CRANK));
+        let m: f64 = length(parse_with_unit(SLIDER_CRANK, LengthUnit::Meter));
         let mm: f64 = length(parse_with_unit(SLIDER_CRANK, LengthUnit::Millimeter));
         assert!((m / mm - 1000.0).abs() < 1e-9);
     }
@@ -428,7 +428,8 @@ mod tests {
     fn truncated_assemblies_do_not_panic() {
         for cut in (0..SLIDER_CRANK.len()).step_by(7) {
             for text in [&SLIDER_CRANK[..cut], &SLIDER_CRANK[cut..]] {
-                if let Err(error) = parse(&format!("{FIRST_LINE}\n{text}")) {
+                let text = format!("{FIRST_LINE}\n{text}");
+                if let Err(error) = parse_with_unit(&text, LengthUnit::Meter) {
                     let _ = error.with_excerpt("x");
                 }
             }

@@ -35,4 +35,4 @@ mod xml;
 pub use drive_table::{DriveColumn, DriveTableError, MAX_COLUMNS, MAX_ROWS, drive_table};
 pub use model::{Dialect, Imported};
 pub use problem::{Error, Problem};
-pub use read::{is_model, parse, parse_with_unit};
+pub use read::{is_assembly, is_model, parse, parse_with_unit};

@@ -22,6 +22,11 @@ pub enum Problem {
         /// Length allowed (bytes).
         allowed: usize,
     },
+    /// An assembly without a unit of length.
+    #[error(
+        "an assembly of FreeCAD does not state its unit of length; give it when converting: `jointplay import FILE --units mm` for files written by FreeCAD"
+    )]
+    NoUnit,
     /// Elements that are nested too deeply.
     #[error("elements are nested more than {allowed} deep")]
     TooDeep {

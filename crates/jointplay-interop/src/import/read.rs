@@ -14,34 +14,42 @@ pub fn is_model(text: &str) -> bool {
     is_assembly(text) || text.trim_start_matches('\u{feff}').trim_start().starts_with('<')
 }
 
-fn is_assembly(text: &str) -> bool {
+/// Whether a text is an assembly of FreeCAD, which does not state its unit of length.
+#[must_use]
+pub fn is_assembly(text: &str) -> bool {
     let first = text.trim_start_matches('\u{feff}').lines().next();
     first.is_some_and(|line| line.trim() == asmt::FIRST_LINE)
 }
 
-/// Imports a model, whose first line or root element determines its format; lengths of an assembly are in m.
+/// Imports a model, whose root element determines its format.
 ///
 /// # Errors
-/// [`Error`] with its place: malformed XML, invalid values, or unsupported parts that would affect the mechanism.
+/// [`Error`] with its place: malformed XML, invalid values, or unsupported parts that would affect the mechanism; an assembly of FreeCAD, which does not state its unit, see [`parse_with_unit`].
 ///
 /// # Source
 /// \[ASMT\], \[MJCF\], \[SDFormat\], \[URDF\]
 pub fn parse(text: &str) -> Result<Imported, Error> {
-    parse_with_unit(text, LengthUnit::Meter)
+    read(text, None)
 }
 
-/// Imports a model as [`parse`] does, with another unit of lengths for assemblies, which do not state theirs.
+/// Imports a model as [`parse`] does, with the unit of lengths for assemblies, which do not state theirs.
 ///
 /// XML models state their units, or their formats do.
 ///
 /// # Errors
 /// Those of [`parse`].
 pub fn parse_with_unit(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
+    read(text, Some(unit))
+}
+
+fn read(text: &str, unit: Option<LengthUnit>) -> Result<Imported, Error> {
     if text.len() > MAX_BYTES {
         let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };
         return Err(Error::at(text, 0..0, problem));
     }
     if is_assembly(text) {
+        let first = 0..text.lines().next().map_or(0, str::len);
+        let unit = unit.ok_or_else(|| Error::at(text, first, Problem::NoUnit))?;
         return asmt::read(text, unit);
     }
     let document = xml::document(text)?;
@@ -77,6 +85,8 @@ mod tests {
     fn the_root_element_determines_the_format() {
         let dialects = MODELS.map(|model| testing::read(model).dialect);
         assert_eq!(dialects.map(Dialect::name), ["SDF", "MJCF", "MJCF", "URDF"]);
+        let assembly = "OndselSolver\nAssembly\n";
+        assert_eq!(*parse(assembly).unwrap_err().problem, Problem::NoUnit);
         testing::refuse("<robots/>", "<robots/>", "<svg/>", "<svg/>", "<robot> (URDF)");
         testing::refuse("<sdf><a></sdf>", "", "", "", "not well-formed XML: expected 'a' tag");
         assert!(is_model("\u{feff}\n <robot/>") && !is_model("kind = \"mechanism\""));
