@@ -57,7 +57,7 @@ def slider_crank():
 
 
 def four_bar():
-    """A parallelogram with one joint whose second axis points the other way."""
+    """A parallelogram with one joint whose second axis points in the opposite direction."""
     a = model("flipped-four-bar")
     a.add_ground_marker(Marker("left"))
     a.add_ground_marker(Marker("right", (0.3, 0.0, 0.0)))

@@ -36,6 +36,10 @@ fn quick(line: &str) -> String {
 /// A folder with the files that the examples of `import` name.
 fn sandbox_with_a_model() -> Sandbox {
     let sandbox = Sandbox::new();
+    sandbox.write(
+        "assembly.asmt",
+        include_str!("../../../../validation/golden/models/slider-crank.asmt"),
+    );
     sandbox.write("one.program", crate::cell::SMALL);
     sandbox.write("robot.urdf", crate::import::URDF);
     sandbox.write("loops.toml", crate::import::LOOPS);

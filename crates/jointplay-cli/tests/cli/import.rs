@@ -165,7 +165,8 @@ fn an_assembly_of_freecad_needs_its_unit() {
         assert_eq!(run.code, 2, "{line}");
         assert!(run.stderr.contains("--units mm"), "{line}: {}", run.stderr);
     }
-    sandbox.done("import crank.asmt --units mm --output crank.toml");
+    let run = sandbox.run("import crank.asmt --units mm --output crank.toml");
+    assert_eq!((run.code, run.stderr.as_str()), (0, "ignored: 3 × PrincipalMassMarker\n"));
     let mobility = sandbox.done("mobility crank.toml");
     assert!(mobility.contains("finite                 1"), "{mobility}");
     for (line, part) in [
