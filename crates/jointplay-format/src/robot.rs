@@ -199,25 +199,35 @@ pub fn write(robot: &Robot) -> String {
     }
     for limb in gpr.limbs() {
         line(format_args!("\n[[limb]]"));
-        line(format_args!("socket_radius_mm = {:?}", mm(limb.socket_radius)));
-        line(format_args!("socket_angle_deg = {:?}", deg(limb.socket_angle)));
+        line(format_args!("socket_radius_mm = {:?}", short(mm(limb.socket_radius))));
+        line(format_args!("socket_angle_deg = {:?}", short(deg(limb.socket_angle))));
         let below = Limb::under_socket(limb.socket_radius, limb.socket_angle).base_point;
         if (limb.base_point - below).norm() > ROUND_OFF {
-            let [x, y] = [limb.base_point.x, limb.base_point.y].map(mm);
+            let [x, y] = [limb.base_point.x, limb.base_point.y].map(|meters| short(mm(meters)));
             line(format_args!("base_point_mm = [{x:?}, {y:?}]"));
         }
     }
     let limits = gpr.limits();
     line(format_args!("\n[limits]"));
-    line(format_args!("rod_mm = [{:?}, {:?}]", mm(limits.rod_min), mm(limits.rod_max)));
-    line(format_args!("tilt_deg = {:?}", deg(limits.tilt_max)));
+    line(format_args!(
+        "rod_mm = [{:?}, {:?}]",
+        short(mm(limits.rod_min)),
+        short(mm(limits.rod_max))
+    ));
+    line(format_args!("tilt_deg = {:?}", short(deg(limits.tilt_max))));
     line(format_args!("\n[working]"));
-    line(format_args!("height_mm = {:?}", mm(gpr.working_height())));
+    line(format_args!("height_mm = {:?}", short(mm(gpr.working_height()))));
     if let Some(radius) = gpr.ball_clearance() {
         line(format_args!("\n[ball]"));
-        line(format_args!("clearance_radius_um = {:?}", um(radius)));
+        line(format_args!("clearance_radius_um = {:?}", short(um(radius))));
     }
     file
+}
+
+/// A number of ten decimals that differs only by round-off, if there is one.
+fn short(value: f64) -> f64 {
+    let rounded = (value * 1e10).round() / 1e10;
+    if (rounded - value).abs() <= 4.0 * f64::EPSILON * value.abs() { rounded } else { value }
 }
 
 type Reader<'a> = toml_reader::Reader<'a, Problem>;
@@ -380,6 +390,19 @@ mod tests {
             let robot = parse(text).unwrap();
             let written = write(&robot);
             assert_eq!(parse(&written).unwrap(), robot, "{written}");
+        }
+    }
+
+    #[test]
+    fn round_off_of_computed_dimensions_is_not_written() {
+        for (value, expected) in [
+            (119.999_999_999_999_99, 120.0),
+            (-109.999_999_999_999_99, -110.0),
+            (80.729_156_089_977_8, 80.729_156_089_977_8),
+            (0.0, 0.0),
+            (1e12 / 3.0, 1e12 / 3.0),
+        ] {
+            assert_eq!(short(value), expected);
         }
     }
 
