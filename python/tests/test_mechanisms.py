@@ -499,3 +499,5 @@ def test_a_robot_is_a_mechanism_with_the_same_poses(virtualization):
         mechanism.to_gpr(float("nan"))
     with pytest.raises(jp.InputError, match="tilt"):
         mechanism.to_gpr(90.0)
+    with pytest.raises(jp.InputError, match="radial, polar or planar"):
+        jp.Mechanism.from_gpr(gpr, "offset")

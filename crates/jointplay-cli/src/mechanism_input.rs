@@ -214,7 +214,8 @@ impl Input {
             set.iter().map(|one| (one.name.clone(), one.value)).collect();
         let robot = robot::parse_with(&source.text, &replaced)
             .map_err(|errors| Failure::invalid(&errors, &source.label))?;
-        let file = three_rods::mechanism_file(&robot, BuiltIn::Planar);
+        let file = three_rods::mechanism_file(&robot, BuiltIn::Planar)
+            .expect("the planar virtualization has slides");
         let coordinates = Coordinates::of(&file);
         Ok(Self { file, coordinates, text: None, tolerance: None, replaced })
     }
@@ -232,7 +233,7 @@ impl Input {
         let parameters = &self.file.parameters;
         let known: Vec<String> = parameters.iter().map(|(name, _)| name.clone()).collect();
         let Some(text) = self.text.as_deref().filter(|_| !known.is_empty()) else {
-            let message = "the mechanism has no parameters: --parameters needs a file with a table [parameters]";
+            let message = "--parameters needs a mechanism file with a table [parameters]";
             return Err(Failure::Usage(message.to_owned()));
         };
         let asked = if names.is_empty() { &known[..] } else { names };

@@ -95,7 +95,7 @@ proptest! {
             let mechanism = gpr.to_relieved_mechanism("m", built_in).unwrap();
             let found = Gpr::from_mechanism(&mechanism, TILT_MAX).unwrap();
             let expected = gpr.forward(rods, model, &options).unwrap();
-            let coordinates = found.rods.map(|rod| rod.coordinate);
+            let coordinates = found.rods.map(|rod| rod.index);
             // Rods that are not below their sockets need play in any pose: the guess, at which all virtual joints are zero, is the start.
             let mut start = guess(&mechanism);
             let home = MechanismSystem::new(&mechanism, start.clone()).unwrap();
@@ -146,6 +146,11 @@ proptest! {
             prop_assert!((first.translation.vector - second.translation.vector).norm() < 1e-12);
         }
     }
+}
+
+#[test]
+fn polar_displacements_have_no_virtual_joint_in_a_mechanism() {
+    assert_eq!(Gpr::paper().to_relieved_mechanism("m", BuiltIn::Offset), None);
 }
 
 fn changed(change: impl Fn(&mut Vec<Joint>)) -> Result<(), NotThreeRods> {

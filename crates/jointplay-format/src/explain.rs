@@ -17,10 +17,10 @@ fn deg(radians: f64) -> String {
     number(units::deg(radians))
 }
 
-/// Why a mechanism is not a three-rod robot, in mm and degrees.
+/// Why a mechanism of this name becomes no three-rod robot, in mm and degrees.
 #[must_use]
-pub fn explain_recognition(error: &NotThreeRods) -> String {
-    match error {
+pub fn explain_recognition(name: &str, error: &NotThreeRods) -> String {
+    let reason = match error {
         NotThreeRods::NotParallel { joint, angle } => format!(
             "joint {joint:?} is inclined by {}° to the first rod, but rods are parallel",
             rounded(angle.to_degrees(), 6)
@@ -30,9 +30,11 @@ pub fn explain_recognition(error: &NotThreeRods) -> String {
             rounded(units::mm(*min), 6),
             rounded(units::mm(*max), 6)
         ),
-        NotThreeRods::Dimensions(error) => explain(error),
+        // Its joints are those of such a robot.
+        NotThreeRods::Dimensions(error) => return explain(error),
         _ => error.to_string(),
-    }
+    };
+    format!("{name} is not a three-rod robot: {reason}")
 }
 
 /// The message of an error, in mm and degrees.

@@ -1,25 +1,34 @@
 //! Three-rod robots as mechanisms, and mechanisms that are three-rod robots.
 
-use jointplay_core::gpr::Gpr;
+use jointplay_core::gpr::{Gpr, NotThreeRods};
 use jointplay_core::virtualization::BuiltIn;
 
-use crate::explain::explain_recognition;
 use crate::mechanism::{Expected, MechanismFile, Units};
+use crate::number::number;
 use crate::robot::Robot;
+use crate::units::deg;
 
-/// The mechanism of a robot, with the virtual joints of a virtualization.
+/// The mechanism of a robot, with the virtual joints of a virtualization; `None` for one that has no virtual joints of mechanisms.
 ///
-/// Lengths of messages are in mm and angles in degrees, as in robot files.
+/// Its messages are in mm and degrees, as in robot files.
 #[must_use]
-pub fn mechanism_file(robot: &Robot, virtualization: BuiltIn) -> MechanismFile {
-    let mechanism = robot.gpr.to_relieved_mechanism(&robot.name, virtualization);
-    MechanismFile {
-        mechanism: mechanism.expect("the sockets of a robot have directions"),
+pub fn mechanism_file(robot: &Robot, virtualization: BuiltIn) -> Option<MechanismFile> {
+    Some(MechanismFile {
+        mechanism: robot.gpr.to_relieved_mechanism(&robot.name, virtualization)?,
         source: None,
         units: Units::MM,
         parameters: Vec::new(),
         expected: Expected::default(),
-    }
+    })
+}
+
+/// Parts of a robot file that its mechanism does not have.
+#[must_use]
+pub fn lost_in_mechanism(robot: &Robot) -> Vec<String> {
+    let tilt = format!("largest tilt of {}°", number(deg(robot.gpr.limits().tilt_max)));
+    let meshes = [("base_mesh", &robot.base_mesh), ("platform_mesh", &robot.platform_mesh)];
+    let meshes = meshes.into_iter().filter(|(_, mesh)| mesh.is_some());
+    [tilt].into_iter().chain(meshes.map(|(key, _)| key.to_owned())).collect()
 }
 
 /// The robot that a mechanism describes.
@@ -28,17 +37,33 @@ pub fn mechanism_file(robot: &Robot, virtualization: BuiltIn) -> MechanismFile {
 /// * `tilt_max` – largest tilt toward any azimuth (rad), which a mechanism does not state
 ///
 /// # Errors
-/// Why the mechanism is not a three-rod robot, in mm and degrees.
-pub fn robot(file: &MechanismFile, tilt_max: f64) -> Result<Robot, String> {
-    let found = Gpr::from_mechanism(&file.mechanism, tilt_max);
-    let gpr = found.map_err(|error| explain_recognition(&error))?.gpr;
+/// [`NotThreeRods`]; [`explain_recognition`](crate::explain::explain_recognition) makes a message of it.
+pub fn robot(file: &MechanismFile, tilt_max: f64) -> Result<Robot, NotThreeRods> {
+    let gpr = Gpr::from_mechanism(&file.mechanism, tilt_max)?.gpr;
     let name = file.mechanism.name().to_owned();
     Ok(Robot { name, gpr, base_mesh: None, platform_mesh: None })
+}
+
+/// Parts of a mechanism that its robot does not have.
+#[must_use]
+pub fn lost_in_robot(file: &MechanismFile) -> Vec<String> {
+    let mechanism = &file.mechanism;
+    let stiff = mechanism.joints().iter().filter(|joint| joint.stiffness != Default::default());
+    [
+        (mechanism.virtual_joints().len(), "virtual_joint"),
+        (mechanism.frames().len(), "frame"),
+        (stiff.count(), "stiffness of a joint"),
+    ]
+    .into_iter()
+    .filter(|(count, _)| *count > 0)
+    .map(|(count, what)| format!("{count} × {what}"))
+    .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::explain::explain_recognition;
     use crate::{catalogue, mechanism, robot};
 
     #[test]
@@ -53,7 +78,7 @@ mod tests {
         }
         assert_eq!(found.limits(), Gpr::paper().limits());
         // And back: the same joints, links and virtual joints.
-        let made = mechanism_file(&robot::paper(), BuiltIn::Radial).mechanism;
+        let made = mechanism_file(&robot::paper(), BuiltIn::Radial).unwrap().mechanism;
         let there = mechanism::write(&made, None);
         let again = mechanism::parse(&there).unwrap();
         let found = super::robot(&again, Gpr::paper().limits().tilt_max).unwrap();
@@ -66,12 +91,25 @@ mod tests {
     }
 
     #[test]
+    fn parts_without_a_counterpart_are_listed() {
+        assert_eq!(lost_in_mechanism(&robot::paper()), ["largest tilt of 1.5°"]);
+        let file = mechanism_file(&robot::paper(), BuiltIn::Planar).unwrap();
+        assert_eq!(lost_in_robot(&file), ["6 × virtual_joint"]);
+        assert!(mechanism_file(&robot::paper(), BuiltIn::Offset).is_none());
+    }
+
+    #[test]
     fn a_mechanism_that_is_no_three_rod_robot_is_refused_with_its_reason() {
         let refused = |name: &str| {
             let file = mechanism::parse(catalogue::find(name).unwrap().text).unwrap();
-            super::robot(&file, 0.1).unwrap_err()
+            let error = super::robot(&file, 0.1).unwrap_err();
+            explain_recognition(name, &error)
         };
         assert!(refused("hexapod").contains("but there are 6 prismatic"), "{}", refused("hexapod"));
+        let paper = mechanism_file(&robot::paper(), BuiltIn::Planar).unwrap();
+        let error = super::robot(&paper, -0.1).unwrap_err();
+        let message = explain_recognition("GPR", &error);
+        assert!(message.starts_with("the largest tilt is"), "{message}");
         assert!(refused("3-rps").contains("3 other joints"), "{}", refused("3-rps"));
     }
 }

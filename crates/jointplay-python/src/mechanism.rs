@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use jointplay::format::catalogue;
 use jointplay::format::coordinates::{self, Coordinates};
+use jointplay::format::explain::explain_recognition;
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile, ParameterError, Units};
 use jointplay::format::three_rods;
 use jointplay::interop::import;
@@ -115,7 +116,7 @@ impl PyMechanism {
     /// ----------
     /// gpr : Gpr
     ///     The robot.
-    /// virtualization : {"radial", "polar", "offset", "planar"}, optional
+    /// virtualization : {"radial", "polar", "planar"}, optional
     ///     Virtual joints at the sockets; default planar.
     #[staticmethod]
     #[pyo3(signature = (gpr, virtualization=None))]
@@ -125,11 +126,13 @@ impl PyMechanism {
         virtualization: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let model = Model::of(virtualization, &gpr.get().gpr)?;
-        let Some(built_in) = model.virtualization().as_built_in() else {
-            let message = "virtualization: a mechanism can have those of jointplay only";
+        let built_in = model.virtualization().as_built_in();
+        let robot = gpr.get().robot();
+        let Some(file) = built_in.and_then(|model| three_rods::mechanism_file(&robot, model))
+        else {
+            let message = "virtualization: a mechanism can have radial, polar or planar";
             return Err(errors::input(py, message));
         };
-        let file = three_rods::mechanism_file(&gpr.get().robot(), built_in);
         let text = mechanism::write(&file.mechanism, None);
         Self::parse(py, text, "robot", Vec::new())
     }
@@ -147,9 +150,9 @@ impl PyMechanism {
     ///     With the reason, for a mechanism that is no such robot.
     fn to_gpr(&self, py: Python<'_>, tilt_limit_rad: &Bound<'_, PyAny>) -> PyResult<PyGpr> {
         let limit = finite(tilt_limit_rad, "tilt_limit_rad")?;
-        three_rods::robot(&self.file, limit).map(PyGpr::of).map_err(|reason| {
-            errors::input(py, &format!("{} is not a three-rod robot: {reason}", self.name()))
-        })
+        three_rods::robot(&self.file, limit)
+            .map(PyGpr::of)
+            .map_err(|error| errors::input(py, &explain_recognition(self.name(), &error)))
     }
 
     /// A mechanism of the catalogue, by its name; `jointplay.catalogue()` lists all.

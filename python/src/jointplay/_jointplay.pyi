@@ -340,7 +340,7 @@ class Mechanism:
     @staticmethod
     def from_gpr(
         gpr: Gpr,
-        virtualization: Literal["radial", "polar", "offset", "planar"] | None = None,
+        virtualization: Literal["radial", "polar", "planar"] | None = None,
     ) -> Mechanism: ...
     @staticmethod
     def from_catalogue(name: str, *, parameters: dict[str, float] | None = None) -> Mechanism: ...

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use jointplay::format::explain::explain_recognition;
 use jointplay::format::mechanism::{self, Expected, LengthUnit, MAX_BYTES, MechanismFile, Units};
 use jointplay::format::number::counted;
 use jointplay::format::{robot, three_rods};
@@ -103,7 +104,10 @@ impl Import {
                 None => imported(&source)?,
             },
             Some(Kind::ThreeRods) => return self.write_mechanism(&source),
-            Some(Kind::Mechanism) => return self.write_robot(Input::parse(&source, &[])?.file),
+            Some(Kind::Mechanism) => {
+                let file = Input::parse(&source, &[])?.file;
+                return self.write_robot("mechanism", &file, Vec::new());
+            }
             _ => {
                 let label = &source.label;
                 return Err(Failure::Usage(format!(
@@ -117,7 +121,6 @@ impl Import {
         };
         let origin = format!("{}, a model in {}", self.file_name(&source), dialect.name());
         if self.to == Target::Gpr {
-            output::ignored(&ignored);
             let file = MechanismFile {
                 mechanism,
                 source: Some(origin),
@@ -125,7 +128,7 @@ impl Import {
                 parameters: Vec::new(),
                 expected: Expected::default(),
             };
-            return self.write_robot(file);
+            return self.write_robot(dialect.name(), &file, ignored);
         }
         let text = mechanism::write(&mechanism, Some(&origin));
         self.write(dialect.name(), &mechanism, ignored, text)
@@ -168,22 +171,31 @@ impl Import {
         let robot = robot::parse(&source.text)
             .map_err(|errors| Failure::invalid(&errors, &source.label))?;
         let model = self.virtualization.unwrap_or(VirtualizationName::Planar).built_in();
-        let mechanism = three_rods::mechanism_file(&robot, model).mechanism;
+        let Some(file) = three_rods::mechanism_file(&robot, model) else {
+            let text = "no virtual joint of a mechanism is a displacement in polar coordinates: use --virtualization radial, polar or planar";
+            return Err(Failure::Usage(text.to_owned()));
+        };
+        let mechanism = file.mechanism;
         let origin = format!("{}, a three-rod robot", self.file_name(source));
         let text = mechanism::write(&mechanism, Some(&origin));
-        self.write("three-rod robot", &mechanism, Vec::new(), text)
+        self.write("three-rod robot", &mechanism, three_rods::lost_in_mechanism(&robot), text)
     }
 
     /// Writes a mechanism that is a three-rod robot as a robot file.
-    fn write_robot(&self, file: MechanismFile) -> Result<(), Failure> {
+    fn write_robot(
+        &self,
+        model_format: &'static str,
+        file: &MechanismFile,
+        mut ignored: Vec<String>,
+    ) -> Result<(), Failure> {
         let Some(tilt_deg) = self.tilt_limit_deg else {
             let text = "a mechanism does not state a largest tilt: give --tilt-limit-deg";
             return Err(Failure::Usage(text.to_owned()));
         };
-        let robot = three_rods::robot(&file, tilt_deg.to_radians()).map_err(|reason| {
-            Failure::Usage(format!("{} is not a three-rod robot: {reason}", file.mechanism.name()))
-        })?;
-        self.write("mechanism", &file.mechanism, Vec::new(), robot::write(&robot))
+        let robot = three_rods::robot(file, tilt_deg.to_radians())
+            .map_err(|error| Failure::Usage(explain_recognition(file.mechanism.name(), &error)))?;
+        ignored.extend(three_rods::lost_in_robot(file));
+        self.write(model_format, &file.mechanism, ignored, robot::write(&robot))
     }
 
     /// Writes the converted file and reports it.

@@ -124,8 +124,10 @@ fn a_three_rod_robot_is_a_mechanism_and_comes_back_as_the_same_robot() {
     let rods =
         |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap()["q_mm"].clone();
     let expected = rods(&sandbox.done(inverse));
-    sandbox.done("import gpr --virtualization radial --output there.toml");
-    sandbox.done("import there.toml --to gpr --tilt-limit-deg 1.5 --output back.toml");
+    let run = sandbox.run("import gpr --virtualization radial --output there.toml");
+    assert_eq!((run.code, run.stderr.as_str()), (0, "ignored: largest tilt of 1.5°\n"));
+    let run = sandbox.run("import there.toml --to gpr --tilt-limit-deg 1.5 --output back.toml");
+    assert_eq!((run.code, run.stderr.as_str()), (0, "ignored: 3 × virtual_joint\n"));
     let found = rods(&sandbox.done(&format!("{inverse} --robot back.toml")));
     for k in 0..3 {
         let (a, b) = (found[k].as_f64().unwrap(), expected[k].as_f64().unwrap());
@@ -147,6 +149,8 @@ fn conversions_of_robots_state_what_is_missing() {
             "import gpr-mechanism --to gpr --tilt-limit-deg 1 --virtualization polar",
             "applies to three-rod robots",
         ),
+        ("import gpr-mechanism --to gpr --tilt-limit-deg -1", "error: the largest tilt is -1°"),
+        ("import gpr --virtualization offset", "use --virtualization radial, polar or planar"),
         ("import gpr --loops x.toml", "--loops applies to models"),
     ] {
         let run = sandbox.run(line);

@@ -31,8 +31,8 @@ pub struct ThreeRodMechanism {
 /// The length of a rod: `sign * coordinate + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RodCoordinate {
-    /// Index of the coordinate of the mechanism.
-    pub coordinate: usize,
+    /// Index of the coordinate in the mechanism.
+    pub index: usize,
     /// 1, or −1 where a positive coordinate shortens the rod.
     pub sign: f64,
     /// Length at the coordinate zero (m).
@@ -190,7 +190,7 @@ struct RodAndBall<'a> {
 impl RodAndBall<'_> {
     fn coordinate(&self, up: &Unit<Vector3<f64>>) -> RodCoordinate {
         let sign = self.base_axis.dot(up).signum();
-        RodCoordinate { coordinate: self.coordinate, sign, offset: 0.0 }
+        RodCoordinate { index: self.coordinate, sign, offset: 0.0 }
     }
 }
 

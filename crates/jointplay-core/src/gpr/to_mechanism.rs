@@ -4,8 +4,7 @@ use nalgebra::{Unit, Vector3};
 
 use super::Gpr;
 use crate::mechanism::{
-    Carrier, Joint, JointKind, LinearAndAngular, Mechanism, MechanismError, VirtualJoint,
-    VirtualMotion,
+    Carrier, Joint, JointKind, LinearAndAngular, Mechanism, VirtualJoint, VirtualMotion,
 };
 use crate::spatial::Pose;
 use crate::virtualization::BuiltIn;
@@ -49,29 +48,26 @@ impl Gpr {
             .expect("a robot within its ranges is a mechanism")
     }
 
-    /// The robot as a mechanism, with the virtual joints of a virtualization at the sockets.
+    /// The robot as a mechanism, with the virtual joints of a virtualization at the sockets, which are zero at the nominal sockets.
     ///
-    /// Virtual joints of a mechanism are zero at the nominal sockets; those of [`BuiltIn::Offset`] are polar coordinates of a displacement, which no virtual joint of a mechanism has: their place is taken by the slides of [`BuiltIn::Planar`], which allow the same displacements.
-    ///
-    /// # Errors
-    /// [`MechanismError`], if the directions of sockets are not finite.
-    pub fn to_relieved_mechanism(
-        &self,
-        name: &str,
-        virtualization: BuiltIn,
-    ) -> Result<Mechanism, MechanismError> {
-        let virtual_joints = (0..3).flat_map(|k| {
-            let motions = self.virtual_motions(k, virtualization);
-            motions.into_iter().map(move |(symbol, motion)| VirtualJoint {
-                name: format!("{symbol}{}", k + 1),
-                joint: 3 + k,
-                carrier: Carrier::Second,
-                motion,
-                clearance: None,
-                stiffness: None,
-            })
-        });
-        self.to_mechanism(name).with_virtual_joints(virtual_joints.collect())
+    /// `None` for [`BuiltIn::Offset`]: no virtual joint of a mechanism is a displacement in polar coordinates.
+    #[must_use]
+    pub fn to_relieved_mechanism(&self, name: &str, virtualization: BuiltIn) -> Option<Mechanism> {
+        let mut virtual_joints = Vec::new();
+        for k in 0..3 {
+            for (symbol, motion) in self.virtual_motions(k, virtualization)? {
+                virtual_joints.push(VirtualJoint {
+                    name: format!("{symbol}{}", k + 1),
+                    joint: 3 + k,
+                    carrier: Carrier::Second,
+                    motion,
+                    clearance: None,
+                    stiffness: None,
+                });
+            }
+        }
+        let relieved = self.to_mechanism(name).with_virtual_joints(virtual_joints);
+        Some(relieved.expect("virtual joints at the balls, with names of their own"))
     }
 
     /// Motions of a socket in the platform frame, with their symbols.
@@ -79,19 +75,20 @@ impl Gpr {
         &self,
         k: usize,
         virtualization: BuiltIn,
-    ) -> Vec<(&'static str, VirtualMotion)> {
+    ) -> Option<Vec<(&'static str, VirtualMotion)>> {
         let radial = Unit::new_normalize(self.platform().directions()[k].push(0.0));
         let slide = ("l", VirtualMotion::Slide(radial));
         match virtualization {
-            BuiltIn::Radial => vec![slide],
+            BuiltIn::Radial => Some(vec![slide]),
             BuiltIn::Polar => {
                 let turn = VirtualMotion::Turn { axis: Vector3::z_axis(), point: Vector3::zeros() };
-                vec![("phi", turn), slide]
+                Some(vec![("phi", turn), slide])
             }
-            BuiltIn::Offset | BuiltIn::Planar => vec![
+            BuiltIn::Planar => Some(vec![
                 ("x", VirtualMotion::Slide(Vector3::x_axis())),
                 ("y", VirtualMotion::Slide(Vector3::y_axis())),
-            ],
+            ]),
+            BuiltIn::Offset => None,
         }
     }
 }

@@ -174,6 +174,8 @@ pub(super) fn read(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
         joints.push(joint(block, &markers, &mut ignore)?);
         blocks.push(block);
     }
+    let path = |(number, joint): (usize, &Joint)| (format!("/{name}/{}", joint.name), number);
+    let numbers: BTreeMap<String, usize> = joints.iter().enumerate().map(path).collect();
     for motion in sets("Motions") {
         let driven = match motion.head.text {
             "RotationalMotion" => JointKind::Revolute,
@@ -184,10 +186,8 @@ pub(super) fn read(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
             }
         };
         let path = motion.value("MotionJoint")?;
-        let of_path = |joint: &str| path.head.text == format!("/{name}/{joint}");
-        let Some(number) = joints.iter().position(|joint| of_path(&joint.name)) else {
-            let known = joints.iter().map(|joint| format!("/{name}/{}", joint.name)).collect();
-            return Err(unknown("joint", path, known));
+        let Some(&number) = numbers.get(path.head.text) else {
+            return Err(unknown("joint", path, numbers.keys().cloned().collect()));
         };
         let moved = &mut joints[number];
         if moved.kind == driven {
