@@ -15,6 +15,7 @@ use jointplay::virtualization::{
 };
 
 use crate::failure::Failure;
+use crate::mechanism_input::SetArgs;
 use crate::output::FormatArgs;
 use crate::source::{Kind, Source};
 
@@ -26,14 +27,20 @@ pub(crate) struct RobotArgs {
     /// Robot file (TOML), or a name from `jointplay catalogue` [default: the paper's robot]
     #[arg(long, value_name = "FILE")]
     pub(crate) robot: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) set: SetArgs,
 }
 
 impl RobotArgs {
     pub(crate) fn load(&self) -> Result<robot::Robot, Failure> {
-        let Some(path) = &self.robot else { return Ok(robot::paper()) };
+        let Some(path) = &self.robot else {
+            self.set.refuse("--set needs a file: use --robot for a robot file")?;
+            return Ok(robot::paper());
+        };
         let source = Source::read(path, LARGEST_ROBOT_FILE)?;
         source.require(&[Kind::ThreeRods], "a three-rod robot")?;
-        robot::parse(&source.text).map_err(|errors| Failure::invalid(&errors, &source.label))
+        robot::parse_with(&source.text, &self.set.replaced())
+            .map_err(|errors| Failure::invalid(&errors, &source.label))
     }
 
     /// The robot given as FILE instead of --robot.
@@ -43,7 +50,7 @@ impl RobotArgs {
             let text = "the robot is given twice: by FILE and by --robot";
             return Err(Failure::Usage(text.to_owned()));
         }
-        Ok(Self { robot: Some(file.to_owned()) })
+        Ok(Self { robot: Some(file.to_owned()), set: self.set.clone() })
     }
 
     /// The robot file, if one exists.

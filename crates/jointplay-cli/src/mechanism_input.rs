@@ -82,7 +82,7 @@ pub(crate) fn assignment(text: &str) -> Result<Assignment, String> {
 }
 
 /// Values of parameters of the file.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub(crate) struct SetArgs {
     /// Values of parameters of the file, in its units
     #[arg(long, value_name = "PARAMETER=VALUE", value_delimiter = ',', value_parser = assignment)]
@@ -90,12 +90,14 @@ pub(crate) struct SetArgs {
 }
 
 impl SetArgs {
-    pub(crate) fn refuse_without_file(&self) -> Result<(), Failure> {
-        if self.set.is_empty() {
-            Ok(())
-        } else {
-            Err(Failure::Usage("--set needs a mechanism file".to_owned()))
-        }
+    /// Refuses values of parameters with this text.
+    pub(crate) fn refuse(&self, text: &str) -> Result<(), Failure> {
+        if self.set.is_empty() { Ok(()) } else { Err(Failure::Usage(text.to_owned())) }
+    }
+
+    /// Values of parameters in place of those of the file, in its units.
+    pub(crate) fn replaced(&self) -> Vec<(String, f64)> {
+        self.set.iter().map(|one| (one.name.clone(), one.value)).collect()
     }
 }
 
@@ -141,7 +143,7 @@ impl MechanismArgs {
 
     /// Values of parameters given by the user, in the units of the file.
     pub(crate) fn replaced_parameters(&self) -> Vec<(String, f64)> {
-        self.set.set.iter().map(|one| (one.name.clone(), one.value)).collect()
+        self.set.replaced()
     }
 }
 

@@ -6,17 +6,18 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::mechanism::{self, MechanismFile, Units};
 use jointplay::mechanism::{
-    MechanismSystem, SingleCommand, SuggestOptions, Suggestion, SuggestionRank, Suggestions,
-    VirtualJoint, single_commands, suggest,
+    LinearAndAngular, MechanismSystem, SingleCommand, SuggestOptions, Suggestion, SuggestionRank,
+    Suggestions, VirtualJoint, single_commands, suggest,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::report::{self, ByName, SetReport, SingleCommandReport, SuggestReport, WrittenSet};
 
+use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 use crate::mechanism_input::{Input, JointValues, MechanismArgs, joint_values};
 use crate::progress::Progress;
-use jointplay::format::number::{counted, fixed};
+use jointplay::format::number::{counted, fixed, number};
 
 /// Number of sets listed in text; JSON lists all.
 const LISTED: usize = 10;
@@ -32,6 +33,7 @@ const SMALL_TURN: f64 = 0.05;
 Examples:
   jointplay suggest gpr-mechanism
   jointplay suggest gpr-mechanism --symmetric --rank largest
+  jointplay suggest gpr-mechanism --rank stiffness --stiffness linear=2e7,angular=5e3
   jointplay suggest parallelogram --command A1=5,A2=4.9 --command A1=-5,A2=-5.1
   jointplay suggest gpr-mechanism --write 1 --out with-play.toml
 
@@ -51,9 +53,12 @@ pub(crate) struct Suggest {
     /// Compare only symmetric sets
     #[arg(long)]
     symmetric: bool,
-    /// Rank by the norm of all displacements, or by the largest single displacement
+    /// Rank by the norm of all displacements, by the largest single displacement, or by elastic energy, for which every joint needs a stiffness
     #[arg(long, value_name = "BY", value_enum, default_value_t = Rank::Norm)]
     rank: Rank,
+    /// Stiffness of joints that have none in the file, for --rank stiffness: in N/m along a direction, in N m/rad about one
+    #[arg(long, value_name = "linear=K,angular=K", value_parser = stiffness)]
+    stiffness: Option<LinearAndAngular>,
     /// Write the virtual joints of set N into the mechanism file, in place of its own
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     write: Option<u32>,
@@ -69,6 +74,30 @@ pub(crate) struct Suggest {
 enum Rank {
     Norm,
     Largest,
+    Stiffness,
+}
+
+/// Stiffness along and about directions, either or both.
+fn stiffness(text: &str) -> Result<LinearAndAngular, String> {
+    let mut found = LinearAndAngular::default();
+    for part in text.split(',') {
+        let expected = || format!("invalid stiffness {part:?}: expected linear=K or angular=K");
+        let (name, value) = part.split_once('=').ok_or_else(expected)?;
+        let name = name.trim();
+        let place = match name {
+            "linear" => &mut found.linear,
+            "angular" => &mut found.angular,
+            _ => return Err(expected()),
+        };
+        let value = finite(value)?;
+        if value <= 0.0 {
+            return Err(format!("{name} stiffness must be positive, got {}", number(value)));
+        }
+        if place.replace(value).is_some() {
+            return Err(format!("{name} stiffness is given twice"));
+        }
+    }
+    Ok(found)
 }
 
 /// Refuses a set that needs more than the clearances of the joints.
@@ -102,6 +131,9 @@ struct Commands {
 
 impl Suggest {
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        if self.stiffness.is_some() && !matches!(self.rank, Rank::Stiffness) {
+            return Err(Failure::Usage("--stiffness needs --rank stiffness".to_owned()));
+        }
         let mut input = self.mechanism.load()?;
         // The search replaces the virtual joints of the file.
         let replaced = input.file.mechanism.virtual_joints().len();
@@ -118,7 +150,9 @@ impl Suggest {
             rank: match self.rank {
                 Rank::Norm => SuggestionRank::Norm,
                 Rank::Largest => SuggestionRank::Largest,
+                Rank::Stiffness => SuggestionRank::Stiffness,
             },
+            stiffness: self.stiffness.unwrap_or_default(),
         };
         let found = suggest(&input.file.mechanism, &home, &commanded, &commands, &options)?;
         drop(working);
@@ -365,11 +399,14 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
     } else {
         writeln!(text, "sets of virtual joints, all {} compared", report.sets_in_class)
     };
+    let least = match report.lower_bound_mj {
+        Some(energy) => format!("{} mJ", fixed(energy, 5)),
+        None => format!("{} mm", fixed(report.lower_bound_mm, 5)),
+    };
     let _ = writeln!(
         text,
-        "  {} candidate joints and directions; no set of them needs less than {} mm",
-        report.candidates,
-        fixed(report.lower_bound_mm, 5)
+        "  {} candidate joints and directions; no set of them needs less than {least}",
+        report.candidates
     );
     if report.sets.is_empty() {
         text.push_str("no tried set makes the motion possible\n");
@@ -380,7 +417,10 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
             (false, true) => ", symmetric for the commands",
             (false, false) => "",
         };
-        let _ = writeln!(text, "{}. displacement {} mm{alike}", n + 1, fixed(set.size_mm, 5));
+        let energy = set.energy_mj.map(|energy| format!("energy {} mJ, ", fixed(energy, 5)));
+        let energy = energy.unwrap_or_default();
+        let size = fixed(set.size_mm, 5);
+        let _ = writeln!(text, "{}. {energy}displacement {size} mm{alike}", n + 1);
         for joint in &set.virtual_joints {
             let unit = if joint.unit == "um" { "µm" } else { "mrad" };
             let name = &joint.virtual_joint.name;
