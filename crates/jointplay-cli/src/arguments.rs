@@ -15,8 +15,9 @@ use jointplay::virtualization::{
 };
 
 use crate::failure::Failure;
-use crate::mechanism_input::SetArgs;
+pub(crate) use crate::finite::finite;
 use crate::output::FormatArgs;
+use crate::set_args::SetArgs;
 use crate::source::{Kind, Source};
 
 /// Largest accepted robot file (bytes).
@@ -254,15 +255,6 @@ pub(crate) struct Rods(pub(crate) [f64; 3]);
 /// Values of a range, in the unit of the flag.
 #[derive(Clone)]
 pub(crate) struct Steps(pub(crate) Vec<f64>);
-
-pub(crate) fn finite(text: &str) -> Result<f64, String> {
-    let value: f64 = text.trim().parse().map_err(|_| format!("invalid number {text:?}"))?;
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(format!("{} is not a finite number", text.trim()))
-    }
-}
 
 /// An integer within bounds.
 pub(crate) fn whole<N: TryFrom<u64>>(text: &str, least: u64, most: u64) -> Result<N, String> {

@@ -180,14 +180,20 @@ impl Case {
         let leg = self.legs();
         let mut found: Vec<Play> = Vec::new();
         for play in all {
-            if !found
-                .iter()
-                .any(|known| leg[known.joint] == leg[play.joint] && known.is_same(&play))
-            {
-                found.push(play);
+            let same =
+                |known: &&mut Play| leg[known.joint] == leg[play.joint] && known.is_same(&play);
+            match found.iter_mut().find(same) {
+                None => found.push(play),
+                // The joint of the leg where it needs the least energy.
+                Some(known) if self.stiffness.is_some() => {
+                    if self.weight(&play) < self.weight(known) {
+                        *known = play;
+                    }
+                }
+                Some(_) => {}
             }
         }
-        found.into_iter().map(|play| self.softest(play)).collect()
+        found
     }
 
     /// Candidates, with the directions in which a leg is displaced or a joint turned by the least displacement of all of them.

@@ -5,7 +5,7 @@ use resvg::usvg::{Group, Node, TextAnchor};
 use crate::svg::px;
 use crate::{Error, png, svg_to_pdf};
 
-/// A figure for LaTeX: graphics, and the text that goes over it.
+/// A figure for LaTeX: graphics, and the text to be set over it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LatexFigure {
     /// LaTeX source for `\input`: the graphics, and all text in the font of the document.

@@ -14,8 +14,9 @@ use super::motion_run::driven;
 use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::figure::FigureArgs;
-use crate::mechanism_input::{Input, JointValues, SetArgs, joint_values};
+use crate::mechanism_input::{Input, JointValues, joint_values};
 use crate::output::{self, FormatArgs};
+use crate::set_args::SetArgs;
 
 /// Largest play scale: a nanometre drawn as a metre.
 const LARGEST_FACTOR: f64 = 1e9;

@@ -163,11 +163,11 @@ impl Mobility {
 
     fn robot(&self, source: &Source) -> Result<Gpr, Failure> {
         self.refuse_tolerance()?;
-        if !self.at.is_empty() || !self.answer.robot.set.set.is_empty() {
-            let text = "--at and --set apply to mechanism files; use --q-mm for this robot";
+        if !self.at.is_empty() {
+            let text = "--at applies to mechanism files; use --q-mm for this robot";
             return Err(Failure::Usage(text.to_owned()));
         }
-        let read = robot::parse(&source.text);
+        let read = robot::parse_with(&source.text, &self.answer.robot.set.replaced());
         Ok(read.map_err(|errors| Failure::invalid(&errors, &source.label))?.gpr)
     }
 }

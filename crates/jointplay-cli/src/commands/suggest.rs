@@ -174,7 +174,9 @@ impl Suggest {
             let file = path.display().to_string();
             report.written = Some(WrittenSet { file, set: k + 1, replaced });
         }
-        self.mechanism.format.print(&report, |report| text(&input, &commanded, report))?;
+        self.mechanism
+            .format
+            .print(&report, |report| text(&input, &commanded, report, self.rank))?;
         let k = chosen?;
         if !found.needed {
             return found.without_play.iter().try_for_each(|at| input.within_limits(at));
@@ -368,7 +370,23 @@ fn single(input: &Input, commands: &[SingleCommandReport]) -> String {
     text
 }
 
-fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
+/// What may have been missed, by the lower bound and the first set.
+fn optimality(report: &SuggestReport, rank: Rank) -> String {
+    let first = report.sets.first().map(|set| (set.energy_mj, set.size_mm));
+    let (found, least) = match (rank, first, report.lower_bound_mj) {
+        (Rank::Stiffness, Some((Some(energy), _)), Some(least)) => (energy, least),
+        (Rank::Norm, Some((_, size)), _) => (size, report.lower_bound_mm),
+        _ => return "a smaller displacement may exist".to_owned(),
+    };
+    let share = (1.0 - least / found).max(0.0) * 100.0;
+    match share {
+        // The bound is round-off below a set that reaches it.
+        0.0..=1e-6 => "the first one is optimal".to_owned(),
+        _ => format!("another may need less than the first one, by at most {} %", fixed(share, 2)),
+    }
+}
+
+fn text(input: &Input, commanded: &[usize], report: &SuggestReport, rank: Rank) -> String {
     let shown = shown(input, commanded);
     let mut text = format!("virtual joints for {}\n", report.name);
     for command in &report.commands {
@@ -393,8 +411,9 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
     let _ = if report.cut_short || report.sets_untried > 0 {
         writeln!(
             text,
-            "best found among {compared} of {} sets; a smaller displacement may exist",
-            report.sets_in_class
+            "best found among {compared} of {} sets; {}",
+            report.sets_in_class,
+            optimality(report, rank)
         )
     } else {
         writeln!(text, "sets of virtual joints, all {} compared", report.sets_in_class)

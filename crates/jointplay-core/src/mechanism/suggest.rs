@@ -112,7 +112,7 @@ impl Suggestions {
 /// Two slides of one leg are in one set only if they are orthogonal: a division of a displacement among several slides of a leg does not make it smaller.
 /// Symmetric sets are unions of orbits of candidates under the symmetries of the mechanism, and under those of them that map the commands onto each other; they are compared first.
 /// A set makes a command possible where what the command opens lies in the span of what the set can do; the best are tried with the whole kinematics.
-/// Ranked by stiffness, the displacement of a set is the one of least elastic energy, not of least size, and a slide of a leg is at the joint where the leg is least stiff.
+/// Ranked by stiffness, the displacement of a set is the one of least elastic energy, not of least size, and of the joints of a leg that could have the same slide, the one with the least stiffness has it.
 /// Joints that the commands leave undetermined stay as near home as they can, see [`CommandedJoints`].
 ///
 /// # Arguments
