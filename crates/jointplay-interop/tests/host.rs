@@ -63,7 +63,7 @@ fn each_command_moves_as_the_instruction_of_a_program_does() {
         let answers = host.execute(command);
         let lines: Vec<&str> = answers.lines().collect();
         let [accepted, completed] = lines[..] else { panic!("{answers}") };
-        let result = report.instructions.iter().find(|one| one.place.line == k + 1);
+        let result = report.by_instruction.iter().find(|one| one.place.line == k + 1);
         let duration = result.map_or(0.0, |result| result.duration);
         assert_eq!(accepted, format!("ACCEPTED {duration:.3} {command}"));
         assert_eq!(completed, format!("COMPLETED {duration:.3} {command}"));
