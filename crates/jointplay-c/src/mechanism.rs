@@ -3,12 +3,14 @@
 use std::ffi::{CString, c_char};
 
 use jointplay::Error;
+
 use jointplay::format::catalogue;
 use jointplay::format::coordinates::Coordinates;
 use jointplay::format::mechanism::{self, MechanismFile};
+use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    CommandedJoints, Coordinate, Kinematics, MechanismSystem, Relief, ReliefSolver, SparseSystem,
-    assemble, guess, relieve,
+    CommandedJoints, Kinematics, MechanismSystem, Relief, ReliefSolver, SparseSystem, assemble,
+    guess, relieve,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::report;
