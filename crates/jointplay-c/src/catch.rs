@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use jointplay::Error;
+use jointplay::format::explain::explain;
 
 use crate::status::{JP_BAD_INPUT, JP_INTERNAL, JP_NO_ANSWER, JP_OK};
 
@@ -13,8 +14,8 @@ thread_local! {
 
 /// Why an entry has no result.
 pub(crate) struct Failure {
-    code: i32,
-    text: String,
+    pub(crate) code: i32,
+    pub(crate) text: String,
 }
 
 impl Failure {
@@ -29,30 +30,24 @@ impl Failure {
     pub(crate) fn internal(text: impl Into<String>) -> Self {
         Self { code: JP_INTERNAL, text: text.into() }
     }
+
+    /// The same failure of one of many, which the text names.
+    pub(crate) fn of(self, which: &str) -> Self {
+        Self { text: format!("{which}: {}", self.text), ..self }
+    }
 }
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
-        let text = error.to_string();
-        match error {
-            Error::NotConverged(_)
-            | Error::DependentSides { .. }
-            | Error::TurnedOver { .. }
-            | Error::BeyondLimits(_)
-            | Error::NotAssembled(_)
-            | Error::NotRelieved { .. }
-            | Error::NotLeast { .. }
-            | Error::Undetermined(_)
-            | Error::DependentCommands { .. } => Self::no_answer(text),
-            _ => Self::input(text),
-        }
+        let text = explain(&error);
+        if error.is_infeasible() { Self::no_answer(text) } else { Self::input(text) }
     }
 }
 
 /// Runs the work of an entry.
 #[inline]
 pub(crate) fn entry(work: impl FnOnce() -> Result<(), Failure>) -> i32 {
-    // Handles do not change, and what a broken-off call has written its code declares invalid.
+    // Results are written at the end of an entry, and what handles share is behind a lock that a panic poisons.
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => JP_OK,
         Ok(Err(failure)) => store(failure),

@@ -1,6 +1,6 @@
-//! C interface of jointplay: `jointplay.h`, from this source by cbindgen.
+//! C interface of jointplay: `include/jointplay.h`, generated from this source by cbindgen.
 //!
-//! It checks pointers and numbers, calls the library, and copies the results; it computes nothing.
+//! Entries check pointers and numbers, call the library, and copy results; they compute nothing.
 //! Each entry catches panics, so that none unwinds into foreign code.
 
 mod catch;
@@ -9,10 +9,13 @@ mod pointer;
 mod request;
 mod robot;
 mod status;
+mod transform;
+mod virtualization;
 
 pub use mechanism::*;
 pub use robot::*;
 pub use status::*;
+pub use virtualization::*;
 
 /// Handles are shared between threads.
 const _: () = {

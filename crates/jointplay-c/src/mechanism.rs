@@ -1,16 +1,14 @@
 //! Mechanisms with loops.
 
 use std::ffi::{CString, c_char};
-
-use jointplay::Error;
+use std::sync::Mutex;
 
 use jointplay::format::catalogue;
 use jointplay::format::coordinates::Coordinates;
 use jointplay::format::mechanism::{self, MechanismFile};
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    CommandedJoints, Kinematics, MechanismSystem, Relief, ReliefSolver, SparseSystem, assemble,
-    guess, relieve,
+    CommandedPositions, FrameId, Kinematics, Mechanism, ReliefSolver, close_commanded,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::report;
@@ -18,18 +16,45 @@ use jointplay::report;
 use crate::catch::{Failure, entry, value};
 use crate::pointer::{finite, give, many, object, take, text, writable, write};
 use crate::request;
+use crate::transform::{by_rows, entries};
 
-/// Other starts tried where the guess of a file does not close.
-const STARTS: usize = 30;
-/// Corrections at most of a mechanism with many loops, which is closed from its guess or not at all.
-const CORRECTIONS: usize = 200;
-
-/// A mechanism. It never changes: any number of threads may use it at a time.
+/// A mechanism. Any number of threads may use it; its positions are computed one at a time.
 pub struct JpMechanism {
-    pub(crate) file: MechanismFile,
-    pub(crate) coordinates: Coordinates,
+    file: MechanismFile,
+    coordinates: Coordinates,
     coordinate_names: Vec<CString>,
     link_names: Vec<CString>,
+    /// Coordinates of the actuated joints.
+    drives: Vec<usize>,
+    /// Made when it is first needed.
+    driven: Mutex<Option<Driven>>,
+}
+
+/// Memory for the positions of a mechanism.
+struct Driven {
+    /// (f + M) closed coordinates nearest to the guesses of the file (m, rad).
+    home: DVector<f64>,
+    positions: CommandedPositions,
+}
+
+impl Driven {
+    fn new(mechanism: &Mechanism, drives: &[usize]) -> Result<Self, Failure> {
+        let home = close_commanded(mechanism, &[], None)?.coordinates;
+        let positions = CommandedPositions::new(mechanism, &home, drives)?;
+        Ok(Self { home, positions })
+    }
+
+    /// The closed configuration for values of the drives, from one nearby.
+    fn solve(
+        &mut self,
+        mechanism: &Mechanism,
+        values: &[f64],
+        near: Vec<f64>,
+    ) -> Result<DVector<f64>, Failure> {
+        let mut found = DVector::from_vec(near);
+        self.positions.solve(mechanism, values, &mut found, ReliefSolver::LeastNorm)?;
+        Ok(found)
+    }
 }
 
 impl JpMechanism {
@@ -44,56 +69,40 @@ impl JpMechanism {
         let coordinate_names = coordinate_names.collect::<Result<_, _>>()?;
         let link_names = file.mechanism.links().iter().map(|link| name(link));
         let link_names = link_names.collect::<Result<_, _>>()?;
-        Ok(Self { file, coordinates, coordinate_names, link_names })
+        let drives = file.mechanism.actuated_coordinates();
+        let driven = Mutex::default();
+        Ok(Self { file, coordinates, coordinate_names, link_names, drives, driven })
     }
 
-    fn start(&self, commands: &[(usize, f64)]) -> DVector<f64> {
-        let mut start = guess(&self.file.mechanism);
-        commands.iter().for_each(|&(k, value)| start[k] = value);
-        start
-    }
-
-    /// The closed configuration by sparse algebra, and the corrections done.
-    pub(crate) fn sparse(
+    /// Calls a function with the memory for positions.
+    fn with_driven<T>(
         &self,
-        commands: &[(usize, f64)],
-    ) -> Result<(SparseSystem<'_>, usize), Error> {
-        let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        let mut system = SparseSystem::new(&self.file.mechanism, self.start(commands))?;
-        let iterations = system.close(&held, CORRECTIONS)?;
-        Ok((system, iterations))
-    }
-
-    fn assembled(&self, commands: &[(usize, f64)]) -> Result<DVector<f64>, Error> {
-        if !MechanismSystem::fits(&self.file.mechanism) {
-            let (system, iterations) = self.sparse(commands)?;
-            return Ok(system.closure(iterations).coordinates);
-        }
-        let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        let closed = assemble(&self.file.mechanism, &self.start(commands), &held, STARTS)?;
-        Ok(closed.coordinates)
-    }
-
-    /// The closed configuration with these coordinates held, virtual joints displaced where they have to be.
-    pub(crate) fn posed(
-        &self,
-        commands: &[(usize, f64)],
-    ) -> Result<(DVector<f64>, Option<Relief>), Error> {
+        work: impl FnOnce(&Mechanism, &mut Driven) -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
+        let mut driven = self.driven.lock().unwrap_or_else(|poisoned| {
+            // What a panic has left is made again.
+            self.driven.clear_poison();
+            let mut driven = poisoned.into_inner();
+            *driven = None;
+            driven
+        });
         let mechanism = &self.file.mechanism;
-        match self.assembled(commands) {
-            Err(Error::NotAssembled(_))
-                if !mechanism.virtual_joints().is_empty() && !commands.is_empty() =>
-            {
-                let (held, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
-                let home = MechanismSystem::new(mechanism, self.assembled(&[])?)?;
-                let commanded = CommandedJoints::new(&home, &held)?;
-                let start = commanded.start(values, mechanism.virtual_joints().len());
-                let system = MechanismSystem::new(mechanism, start)?;
-                let relief = relieve(&system, &commanded, ReliefSolver::LeastNorm)?;
-                Ok((relief.coordinates.clone(), Some(relief)))
-            }
-            closed => Ok((closed?, None)),
+        let driven = match &mut *driven {
+            Some(driven) => driven,
+            none => none.insert(Driven::new(mechanism, &self.drives)?),
+        };
+        work(mechanism, driven)
+    }
+
+    /// Refuses a configuration beyond joint limits or clearances.
+    fn within_limits(&self, found: &DVector<f64>) -> Result<(), Failure> {
+        let beyond = self.file.mechanism.beyond_limits(found);
+        if beyond.is_empty() {
+            return Ok(());
         }
+        let beyond = report::beyond_limits(&self.coordinates, &beyond);
+        let lines: Vec<String> = beyond.into_iter().map(|one| one.message).collect();
+        Err(Failure::no_answer(format!("joint limits exceeded: {}", lines.join("; "))))
     }
 }
 
@@ -143,14 +152,14 @@ pub unsafe extern "C" fn jp_mechanism_catalogue(
 /// Frees a mechanism; NULL does nothing.
 ///
 /// # Safety
-/// `mechanism` is NULL or from this library, and no thread uses it any more.
+/// `mechanism` is NULL, or a mechanism that is not used after this call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jp_mechanism_free(mechanism: *mut JpMechanism) {
     // SAFETY: the caller's promise.
     value((), || unsafe { take(mechanism) });
 }
 
-/// What a mechanism answers without error, and what NULL gets.
+/// A value of a mechanism; `otherwise` for NULL, or where there is none.
 ///
 /// # Safety
 /// `mechanism` is NULL or a mechanism.
@@ -166,7 +175,7 @@ unsafe fn fact<T: Copy>(
     })
 }
 
-/// Number of coordinates: joints, then virtual joints; 0 for NULL.
+/// Number of coordinates: those of joints, then those of virtual joints; 0 for NULL.
 ///
 /// # Safety
 /// `mechanism` is NULL or a mechanism.
@@ -176,7 +185,7 @@ pub unsafe extern "C" fn jp_mechanism_coordinate_count(mechanism: *const JpMecha
     unsafe { fact(mechanism, 0, |one| Some(one.coordinate_names.len())) }
 }
 
-/// Number of those coordinates that are of joints and not of virtual joints; 0 for NULL.
+/// Number of coordinates of joints; the coordinates after them are displacements of virtual joints; 0 for NULL.
 ///
 /// # Safety
 /// `mechanism` is NULL or a mechanism.
@@ -188,7 +197,7 @@ pub unsafe extern "C" fn jp_mechanism_joint_coordinate_count(
     unsafe { fact(mechanism, 0, |one| Some(one.coordinates.joints())) }
 }
 
-/// Name of a coordinate, counted from 0; NULL where there is none. It belongs to the mechanism.
+/// Name of a coordinate, counted from 0; NULL where there is none. The text belongs to the mechanism.
 ///
 /// # Safety
 /// `mechanism` is NULL or a mechanism.
@@ -202,7 +211,7 @@ pub unsafe extern "C" fn jp_mechanism_coordinate_name(
     unsafe { fact(mechanism, std::ptr::null(), name) }
 }
 
-/// Whether a coordinate is an angle (rad), 1, or a length (m), 0; -1 where there is none.
+/// 1 if a coordinate is an angle (rad), 0 if it is a length (m); -1 where there is none.
 ///
 /// # Safety
 /// `mechanism` is NULL or a mechanism.
@@ -219,7 +228,31 @@ pub unsafe extern "C" fn jp_mechanism_coordinate_is_angle(
     unsafe { fact(mechanism, -1, is_angle) }
 }
 
-/// Number of links; 0 for NULL.
+/// Number of drives: coordinates of actuated joints; 0 for NULL.
+///
+/// # Safety
+/// `mechanism` is NULL or a mechanism.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jp_mechanism_drive_count(mechanism: *const JpMechanism) -> usize {
+    // SAFETY: the caller's promise.
+    unsafe { fact(mechanism, 0, |one| Some(one.drives.len())) }
+}
+
+/// Coordinate of a drive, both counted from 0; -1 where there is none.
+///
+/// # Safety
+/// `mechanism` is NULL or a mechanism.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jp_mechanism_drive_coordinate(
+    mechanism: *const JpMechanism,
+    drive: usize,
+) -> i32 {
+    let coordinate = |one: &JpMechanism| one.drives.get(drive).and_then(|&k| i32::try_from(k).ok());
+    // SAFETY: the caller's promise.
+    unsafe { fact(mechanism, -1, coordinate) }
+}
+
+/// Number of links, the base first; 0 for NULL.
 ///
 /// # Safety
 /// `mechanism` is NULL or a mechanism.
@@ -229,7 +262,7 @@ pub unsafe extern "C" fn jp_mechanism_link_count(mechanism: *const JpMechanism) 
     unsafe { fact(mechanism, 0, |one| Some(one.link_names.len())) }
 }
 
-/// Name of a link, counted from 0; NULL where there is none. It belongs to the mechanism.
+/// Name of a link, counted from 0; NULL where there is none. The text belongs to the mechanism.
 ///
 /// # Safety
 /// `mechanism` is NULL or a mechanism.
@@ -243,64 +276,62 @@ pub unsafe extern "C" fn jp_mechanism_link_name(
     unsafe { fact(mechanism, std::ptr::null(), name) }
 }
 
-/// All coordinates (m, rad) with the loops closed, for commanded values of `count` joint coordinates.
-///
-/// Where rigid links cannot, the virtual joints take the least displacement that makes the command possible.
-/// Beyond joint limits or clearances the positions are written, with `JP_NO_ANSWER`; in all other errors nothing is.
+/// All coordinates (m, rad) of the closed configuration nearest to the guesses of the file, virtual joints at rest.
 ///
 /// # Safety
-/// `mechanism` is NULL or a mechanism; `commanded` and `values` are NULL or have `count` entries; `positions` is NULL or has room for all coordinates.
+/// `mechanism` is NULL or a mechanism; `positions` is NULL or has room for all coordinates.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jp_mechanism_positions(
+pub unsafe extern "C" fn jp_mechanism_home(
     mechanism: *const JpMechanism,
-    commanded: *const usize,
-    values: *const f64,
-    count: usize,
     positions: *mut f64,
 ) -> i32 {
     entry(|| {
         // SAFETY: the caller promises a mechanism.
         let mechanism = unsafe { object(mechanism, "mechanism") }?;
         writable(positions, "positions")?;
-        let joints = mechanism.coordinates.joints();
-        if count > joints {
-            let text = format!("{count} coordinates are commanded, but the joints have {joints}");
-            return Err(Failure::input(text));
-        }
-        // SAFETY: the caller promises `count` entries.
-        let commanded = unsafe { many(commanded, count, "commanded") }?;
-        // SAFETY: as above.
-        let values = unsafe { many(values, count, "values") }?;
-        finite(&values, "values")?;
-        for (place, &k) in commanded.iter().enumerate() {
-            if k >= joints {
-                let text = format!(
-                    "there is no joint coordinate {k}: they are counted from 0, and there are {joints}"
-                );
-                return Err(Failure::input(text));
-            }
-            if commanded[..place].contains(&k) {
-                return Err(Failure::input(format!("coordinate {k} is commanded twice")));
-            }
-        }
-        let commands: Vec<(usize, f64)> = commanded.into_iter().zip(values).collect();
-        let (found, _) = mechanism.posed(&commands)?;
+        let home = mechanism.with_driven(|_, driven| Ok(driven.home.clone()))?;
         // SAFETY: not NULL, and the caller promises room.
-        unsafe { write(positions, found.as_slice()) };
-        let beyond = mechanism.file.mechanism.beyond_limits(&found);
-        let beyond = report::beyond_limits(&mechanism.coordinates, &beyond);
-        if beyond.is_empty() {
-            return Ok(());
-        }
-        let lines: Vec<String> = beyond.into_iter().map(|one| one.message).collect();
-        Err(Failure::no_answer(lines.join("\n")))
+        unsafe { write(positions, home.as_slice()) };
+        Ok(())
     })
 }
 
-/// Poses of all links for all coordinates (m, rad): homogeneous transforms from the link's frame to the base, by rows, 16 numbers a link.
+/// All coordinates (m, rad) with the loops closed, for values of all drives (m, rad); virtual joints take their least displacement.
+///
+/// `positions` holds a configuration nearby, such as that of `jp_mechanism_home` or of the call before, and takes the result.
+/// It is unchanged after an error; configurations beyond joint limits or clearances are `JP_NO_ANSWER`.
 ///
 /// # Safety
-/// `mechanism` is NULL or a mechanism; `positions` is NULL or has all coordinates; `poses` is NULL or has room for 16 numbers a link.
+/// `mechanism` is NULL or a mechanism; `drives` is NULL or has a number for each drive; `positions` is NULL or has all coordinates.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jp_mechanism_positions(
+    mechanism: *const JpMechanism,
+    drives: *const f64,
+    positions: *mut f64,
+) -> i32 {
+    entry(|| {
+        // SAFETY: the caller promises a mechanism.
+        let mechanism = unsafe { object(mechanism, "mechanism") }?;
+        writable(positions, "positions")?;
+        // SAFETY: the caller promises a number for each drive.
+        let drives = unsafe { many(drives, mechanism.drives.len(), "drives") }?;
+        finite(&drives, "drives")?;
+        let count = mechanism.coordinates.all().len();
+        // SAFETY: the caller promises all coordinates.
+        let near = unsafe { many(positions.cast_const(), count, "positions") }?;
+        finite(&near, "positions")?;
+        let found = mechanism.with_driven(|one, driven| driven.solve(one, &drives, near))?;
+        mechanism.within_limits(&found)?;
+        // SAFETY: not NULL, and the caller promises room.
+        unsafe { write(positions, found.as_slice()) };
+        Ok(())
+    })
+}
+
+/// Poses of all links for all coordinates (m, rad): homogeneous transforms from the frame of the link to the base frame, 16 numbers by rows for each link (m).
+///
+/// # Safety
+/// `mechanism` is NULL or a mechanism; `positions` is NULL or has all coordinates; `poses` is NULL or has room for 16 numbers for each link.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jp_mechanism_link_poses(
     mechanism: *const JpMechanism,
@@ -317,16 +348,59 @@ pub unsafe extern "C" fn jp_mechanism_link_poses(
         finite(&positions, "positions")?;
         let kinematics = Kinematics::new(&mechanism.file.mechanism);
         let found = kinematics.link_poses(&DVector::from_vec(positions))?;
-        let rows: Vec<f64> = found.iter().flat_map(request::rows).collect();
+        let rows: Vec<f64> = found.iter().flat_map(entries).collect();
         // SAFETY: not NULL, and the caller promises room.
         unsafe { write(poses, &rows) };
         Ok(())
     })
 }
 
-/// Any other question as JSON: `{"kind": "mobility", "at": {"A": 0.5}}`, commanded coordinates in m and rad.
+/// Geometric Jacobian of a link, counted from 0: 6 rows with a number for each drive, angular velocity, then velocity of the origin, for unit velocities of the drives.
 ///
-/// The answer is the document of the command of the same name, to be freed by `jp_text_free`.
+/// `positions` has all coordinates (m, rad), as `jp_mechanism_positions` returns them.
+/// `rates`, if not NULL, takes a row for each coordinate, with a number for each drive: the velocities of the coordinates.
+///
+/// # Safety
+/// `mechanism` is NULL or a mechanism; `positions` is NULL or has all coordinates; `jacobian` and `rates` are NULL or have room for their rows.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jp_mechanism_jacobian(
+    mechanism: *const JpMechanism,
+    positions: *const f64,
+    link: usize,
+    jacobian: *mut f64,
+    rates: *mut f64,
+) -> i32 {
+    entry(|| {
+        // SAFETY: the caller promises a mechanism.
+        let mechanism = unsafe { object(mechanism, "mechanism") }?;
+        writable(jacobian, "jacobian")?;
+        let count = mechanism.coordinates.all().len();
+        // SAFETY: the caller promises all coordinates.
+        let positions = unsafe { many(positions, count, "positions") }?;
+        finite(&positions, "positions")?;
+        let links = mechanism.link_names.len();
+        if link >= links {
+            let text =
+                format!("there is no link {link}: they are counted from 0, and there are {links}");
+            return Err(Failure::input(text));
+        }
+        let values: Vec<f64> = mechanism.drives.iter().map(|&k| positions[k]).collect();
+        let (matrix, all) = mechanism.with_driven(|one, driven| {
+            let found = driven.solve(one, &values, positions)?;
+            let kinematics = driven.positions.linearize(&found)?;
+            Ok((kinematics.jacobian(FrameId::Link(link))?, kinematics.coordinate_derivatives()?))
+        })?;
+        // SAFETY: not NULL, and the caller promises room.
+        unsafe { write(jacobian, &by_rows(&matrix)) };
+        // SAFETY: NULL or room, by the caller's promise.
+        unsafe { write(rates, &by_rows(&all)) };
+        Ok(())
+    })
+}
+
+/// Answers a request in JSON: `{"kind": "mobility", "at": {"A": 0.5}}`, `assemble`, `jacobian` or `sensitivity`; joint coordinates in m and rad.
+///
+/// The answer is the document of the command of that name with `--format json`; `jp_text_free` frees it.
 ///
 /// # Safety
 /// `mechanism` is NULL or a mechanism; `request` is NULL or ended by NUL; `answer` is NULL or has room for a pointer.
@@ -342,7 +416,7 @@ pub unsafe extern "C" fn jp_mechanism_json(
         writable(answer, "answer")?;
         // SAFETY: the caller promises the NUL.
         let request = unsafe { text(request, "request") }?;
-        let document = request::of_mechanism(mechanism, request)?;
+        let document = request::of_mechanism(&mechanism.file, &mechanism.coordinates, request)?;
         // SAFETY: not NULL, and the caller promises room.
         unsafe { answer.write(document.into_raw()) };
         Ok(())

@@ -4,6 +4,7 @@ use std::ffi::{CStr, c_char};
 
 use crate::catch::Failure;
 
+#[cold]
 fn null(what: &str) -> Failure {
     Failure::input(format!("{what} is NULL"))
 }
@@ -60,11 +61,13 @@ pub(crate) unsafe fn many<T: Copy>(
 pub(crate) fn finite(numbers: &[f64], what: &str) -> Result<(), Failure> {
     match numbers.iter().position(|number| !number.is_finite()) {
         None => Ok(()),
-        Some(k) => {
-            let number = numbers[k];
-            Err(Failure::input(format!("{what}[{k}] is {number}, but has to be a finite number")))
-        }
+        Some(k) => Err(not_finite(what, k, numbers[k])),
     }
+}
+
+#[cold]
+fn not_finite(what: &str, index: usize, number: f64) -> Failure {
+    Failure::input(format!("{what}[{index}] is {number}, but has to be a finite number"))
 }
 
 /// Refuses NULL where a result is to be written, before anything is computed.
@@ -73,14 +76,16 @@ pub(crate) fn writable<T>(to: *mut T, what: &str) -> Result<(), Failure> {
     if to.is_null() { Err(null(what)) } else { Ok(()) }
 }
 
-/// Writes values one after another.
+/// Writes values one after another; nothing to NULL.
 ///
 /// # Safety
-/// The pointer has room for all of them.
+/// The pointer is NULL or has room for all of them.
 #[inline]
 pub(crate) unsafe fn write<T: Copy>(to: *mut T, values: &[T]) {
-    // SAFETY: the caller's promise; the values are ours, and so do not overlap.
-    unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), to, values.len()) };
+    if !to.is_null() {
+        // SAFETY: the caller's promise; the values are ours, and so do not overlap.
+        unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), to, values.len()) };
+    }
 }
 
 /// A text.

@@ -1,25 +1,45 @@
-//! Questions and answers as JSON.
+//! Requests and answers in JSON.
 
 use std::collections::BTreeMap;
 use std::ffi::CString;
 
+use jointplay::constraint::System as _;
+use jointplay::format::coordinates::{self, Coordinates};
+use jointplay::format::mechanism::MechanismFile;
 use jointplay::gpr::{AxisHeight, Gpr};
-use jointplay::mechanism::{MechanismSystem, mechanism_mobility};
+use jointplay::mechanism::{
+    FrameId, MechanismSystem, close_sparse, mechanism_mobility, pose_commanded, relieve_commanded,
+};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
 use jointplay::report;
-use jointplay::spatial::{Pose, Tilt};
-use jointplay::virtualization::{Planar, SolveOptions, Virtualization, built_in};
+use jointplay::sensitivity::commanded_sensitivity;
+use jointplay::spatial::Tilt;
+use jointplay::virtualization::{Planar, SolveOptions};
 use serde::{Deserialize, Serialize};
 
 use crate::catch::Failure;
-use crate::mechanism::JpMechanism;
+use crate::virtualization::named;
 
 #[derive(Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 enum OfRobot {
+    Forward {
+        rods_m: [f64; 3],
+        virtualization: Option<String>,
+    },
+    Inverse {
+        #[serde(default)]
+        azimuth_rad: f64,
+        #[serde(default)]
+        tilt_rad: f64,
+        /// The working height, if not given.
+        height_m: Option<f64>,
+        virtualization: Option<String>,
+    },
     Mobility {
         /// Level at the working height, if not given.
         rods_m: Option<[f64; 3]>,
+        /// Without one, rigid links only.
         virtualization: Option<String>,
     },
     Sensitivity {
@@ -32,13 +52,30 @@ enum OfRobot {
     },
 }
 
+/// Joint coordinates by name (m, rad).
+type Values = BTreeMap<String, f64>;
+
 #[derive(Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 enum OfMechanism {
-    Mobility {
-        /// Commanded coordinates (m, rad).
+    Assemble {
         #[serde(default)]
-        at: BTreeMap<String, f64>,
+        at: Values,
+    },
+    Mobility {
+        #[serde(default)]
+        at: Values,
+    },
+    Jacobian {
+        #[serde(default)]
+        at: Values,
+        /// The actuated ones, if not given.
+        commanded: Option<Vec<String>>,
+        /// Attached frames, or else links, if not given.
+        frames: Option<Vec<String>>,
+    },
+    Sensitivity {
+        command: Values,
     },
 }
 
@@ -51,33 +88,34 @@ fn document(report: &impl Serialize) -> Result<CString, Failure> {
     CString::new(text?).map_err(|error| Failure::internal(error.to_string()))
 }
 
-/// A virtualization of the library by its name.
-fn model(name: &str) -> Result<&'static dyn Virtualization, Failure> {
-    let found = built_in().iter().copied().find(|model| model.name() == name);
-    found.ok_or_else(|| {
-        let known: Vec<&str> = built_in().iter().map(|model| model.name()).collect();
-        Failure::input(format!("virtualization {name:?} is not known; known: {}", known.join(", ")))
-    })
-}
-
-/// Answers a question about the three-rod robot.
+/// Answers a request about a robot.
 pub(crate) fn of_robot(gpr: &Gpr, request: &str) -> Result<CString, Failure> {
     let options = SolveOptions::default();
-    let working = AxisHeight(gpr.working_height());
+    let height = |given: Option<f64>| AxisHeight(given.unwrap_or(gpr.working_height()));
     match parse(request)? {
+        OfRobot::Forward { rods_m, virtualization } => {
+            let model = named(virtualization.as_deref())?;
+            let pose = gpr.forward(rods_m, model, &options)?;
+            document(&report::forward(gpr, &pose, model, &[]))
+        }
+        OfRobot::Inverse { azimuth_rad, tilt_rad, height_m, virtualization } => {
+            let model = named(virtualization.as_deref())?;
+            let tilt = Tilt { azimuth: azimuth_rad, angle: tilt_rad };
+            let rods = gpr.inverse(tilt, height(height_m))?;
+            let pose = gpr.forward(rods, model, &options)?;
+            document(&report::forward(gpr, &pose, model, &[]))
+        }
         OfRobot::Mobility { rods_m, virtualization } => {
-            let model = virtualization.as_deref().map(model).transpose()?;
-            let rods = match rods_m {
-                Some(rods) => rods,
-                None => gpr.inverse(Tilt::LEVEL, working)?,
-            };
-            // The rigid robot is the one with its virtual joints held; the choice of virtualization makes no difference.
+            let level = || gpr.inverse(Tilt::LEVEL, height(None));
+            let rods = rods_m.map_or_else(level, Ok)?;
+            // Rigid links: the choice of virtualization makes no difference.
             let pose = gpr.forward(rods, &Planar, &options)?;
             let rigid = gpr.system(&Planar);
             let finite = finite_mobility(&rigid, &rigid.configuration(&pose), RANK_THRESHOLD)?;
-            let augmented = match model {
+            let augmented = match virtualization.as_deref() {
                 None => None,
-                Some(model) => {
+                Some(name) => {
+                    let model = named(Some(name))?;
                     let relieved = gpr.system(model);
                     let at = relieved.configuration(&gpr.forward(rods, model, &options)?);
                     Some((model.name(), augmented_mobility(&relieved, &at, RANK_THRESHOLD)?))
@@ -88,46 +126,96 @@ pub(crate) fn of_robot(gpr: &Gpr, request: &str) -> Result<CString, Failure> {
             document(&report::mobility(&pose, kutzbach, &finite, augmented, &[]))
         }
         OfRobot::Sensitivity { azimuth_rad, tilt_rad, height_m, virtualization } => {
-            let model = model(virtualization.as_deref().unwrap_or(Planar.name()))?;
+            let model = named(virtualization.as_deref())?;
             let tilt = Tilt { azimuth: azimuth_rad, angle: tilt_rad };
-            let height = height_m.map_or(working, AxisHeight);
-            let play = gpr.tilt_play(tilt, height, model, &options)?;
+            let play = gpr.tilt_play(tilt, height(height_m), model, &options)?;
             document(&report::sensitivity(gpr, &play, model, &[]))
         }
     }
 }
 
-/// Answers a question about a mechanism.
-pub(crate) fn of_mechanism(mechanism: &JpMechanism, request: &str) -> Result<CString, Failure> {
-    let OfMechanism::Mobility { at } = parse(request)?;
-    let file = &mechanism.file;
-    let command = |(name, value): (&String, &f64)| {
-        let found = mechanism.coordinates.find(&file.mechanism, name);
-        found.map(|k| (k, *value)).map_err(|error| Failure::input(error.to_string()))
+/// Answers a request about a mechanism.
+pub(crate) fn of_mechanism(
+    file: &MechanismFile,
+    coordinates: &Coordinates,
+    request: &str,
+) -> Result<CString, Failure> {
+    let mechanism = &file.mechanism;
+    let index = |name: &String| {
+        coordinates.find(mechanism, name).map_err(|error| Failure::input(error.to_string()))
     };
-    let commands = at.iter().map(command).collect::<Result<Vec<_>, _>>()?;
-    if !MechanismSystem::fits(&file.mechanism) {
-        let (system, _) = mechanism.sparse(&commands)?;
-        let found = system.mobility(RANK_THRESHOLD)?;
-        return document(&report::sparse_mobility(file, &system, &found));
+    let commands = |values: &Values| -> Result<Vec<(usize, f64)>, Failure> {
+        values.iter().map(|(name, value)| Ok((index(name)?, *value))).collect()
+    };
+    match parse(request)? {
+        OfMechanism::Assemble { at } => {
+            let posed = pose_commanded(mechanism, &commands(&at)?, None)?;
+            let relief = posed.relief.as_ref();
+            document(&report::assembly(file, &posed.closed, relief, None, None))
+        }
+        OfMechanism::Mobility { at } if !MechanismSystem::fits(mechanism) => {
+            let (system, _) = close_sparse(mechanism, &commands(&at)?)?;
+            let found = system.mobility(RANK_THRESHOLD)?;
+            document(&report::sparse_mobility(file, &system, &found))
+        }
+        OfMechanism::Mobility { at } => {
+            let posed = pose_commanded(mechanism, &commands(&at)?, None)?;
+            let values = &posed.closed.coordinates;
+            let system = MechanismSystem::new(mechanism, values.clone())?;
+            let found = mechanism_mobility(&system, RANK_THRESHOLD, false)?;
+            let relief = posed.relief.as_ref();
+            let report = report::mechanism_mobility(file, &system, values, relief, &found, None);
+            document(&report?)
+        }
+        OfMechanism::Jacobian { at, commanded, frames } => {
+            let commanded = match commanded {
+                None => mechanism.actuated_coordinates(),
+                Some(names) => names.iter().map(index).collect::<Result<_, _>>()?,
+            };
+            let frames = match frames {
+                None if mechanism.frames().is_empty() => {
+                    (1..mechanism.links().len()).map(FrameId::Link).collect()
+                }
+                None => (0..mechanism.frames().len()).map(FrameId::Attached).collect(),
+                Some(names) => {
+                    let frame = |name: &String| {
+                        coordinates::frame(mechanism, name)
+                            .map_err(|error| Failure::input(error.to_string()))
+                    };
+                    names.iter().map(frame).collect::<Result<Vec<FrameId>, _>>()?
+                }
+            };
+            let posed = pose_commanded(mechanism, &commands(&at)?, None)?;
+            let mut system = MechanismSystem::new(mechanism, posed.closed.coordinates.clone())?;
+            let mut relief = None;
+            if !mechanism.virtual_joints().is_empty() {
+                let of = |&k: &usize| (k, posed.closed.coordinates[k]);
+                let values: Vec<(usize, f64)> = commanded.iter().map(of).collect();
+                let found = relieve_commanded(mechanism, &values, None)?;
+                system = MechanismSystem::new(mechanism, found.coordinates.clone())?
+                    .with_characteristic_length(found.characteristic_length)?;
+                relief = Some(found);
+            }
+            let relief = relief.as_ref();
+            match report::jacobian(file, &system, &commanded, &frames, relief, None, &[]) {
+                Ok(report) => document(&report),
+                Err(report::JacobianError::Motion(error)) => Err(error.into()),
+                Err(error) => Err(Failure::no_answer(error.to_string())),
+            }
+        }
+        OfMechanism::Sensitivity { command } => {
+            if mechanism.virtual_joints().is_empty() || command.is_empty() {
+                let text = "sensitivity needs a mechanism with virtual joints, and a command";
+                return Err(Failure::input(text));
+            }
+            let commands = commands(&command)?;
+            let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+            let relief = relieve_commanded(mechanism, &commands, None)?;
+            let system = MechanismSystem::new(mechanism, relief.coordinates.clone())?;
+            let (at, length) = (system.at_home(), system.characteristic_length());
+            let found = commanded_sensitivity(&system, &at, &commanded, length, RANK_THRESHOLD)?;
+            let values = found.singular_values().as_slice();
+            document(&report::relief(file, &relief, &commanded, values, length))
+        }
     }
-    let (values, relief) = mechanism.posed(&commands)?;
-    let system = MechanismSystem::new(&file.mechanism, values.clone())?;
-    let found = mechanism_mobility(&system, RANK_THRESHOLD, false)?;
-    let report = report::mechanism_mobility(file, &system, &values, relief.as_ref(), &found, None)?;
-    document(&report)
-}
-
-/// A homogeneous transform by rows.
-#[inline]
-pub(crate) fn rows(pose: &Pose) -> [f64; 16] {
-    let rotation = pose.rotation.matrix();
-    let origin = &pose.translation.vector;
-    let mut rows = [0.0; 16];
-    for i in 0..3 {
-        (0..3).for_each(|j| rows[4 * i + j] = rotation[(i, j)]);
-        rows[4 * i + 3] = origin[i];
-    }
-    rows[15] = 1.0;
-    rows
 }

@@ -1,82 +1,29 @@
 //! The three-rod robot.
 
-use std::ffi::{CString, c_char};
+use std::ffi::c_char;
 
-use jointplay::format::robot;
-use jointplay::gpr::{AxisHeight, Gpr, PlatformPose};
+use jointplay::format::robot::{self, Robot};
+use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::spatial::Tilt;
-use jointplay::virtualization::{
-    Offset, Planar, Polar, Radial, SolveOptions, VirtualJoints, Virtualization,
-};
+use jointplay::virtualization::SolveOptions;
 
 use crate::catch::{Failure, entry, value};
 use crate::pointer::{finite, give, numbers, object, take, text, writable, write};
 use crate::request;
-
-/// Radial virtual joints, three.
-pub const JP_RADIAL: i32 = 0;
-/// Polar virtual joints, six.
-pub const JP_POLAR: i32 = 1;
-/// Offset virtual joints, six.
-pub const JP_OFFSET: i32 = 2;
-/// Planar virtual joints, six.
-pub const JP_PLANAR: i32 = 3;
-/// The most virtual joints that one of the virtualizations has.
-pub const JP_MAX_VIRTUAL_JOINTS: usize = 6;
+use crate::transform::{ENTRIES, entries};
+use crate::virtualization::{JP_MAX_VIRTUAL_JOINTS, with_virtualization};
 
 /// A three-rod robot. It never changes: any number of threads may use it at a time.
 pub struct JpRobot {
     gpr: Gpr,
+    /// Options of every solution.
+    options: SolveOptions,
 }
 
-/// A pose of the platform.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JpPose {
-    /// Homogeneous transform from the platform's frame to the base, by rows (m).
-    pub base_from_platform: [f64; 16],
-    /// Displacements of the virtual joints from nominal (m, rad); zero beyond their number.
-    pub virtual_joints: [f64; JP_MAX_VIRTUAL_JOINTS],
-    /// Number of virtual joints.
-    pub virtual_joint_count: usize,
-    /// Tilt direction: azimuth of the platform's normal (rad).
-    pub azimuth: f64,
-    /// Tilt angle (rad).
-    pub tilt: f64,
-    /// Height at which the platform plane crosses the base axis (m).
-    pub axis_height: f64,
-}
-
-/// Runs an expression with the chosen virtualization as its type, so that nothing is decided in the loops.
-macro_rules! with_virtualization {
-    ($chosen:expr, $name:ident => $body:expr) => {
-        match $chosen {
-            JP_RADIAL => {
-                let $name = &Radial;
-                $body
-            }
-            JP_POLAR => {
-                let $name = &Polar;
-                $body
-            }
-            JP_OFFSET => {
-                let $name = &Offset;
-                $body
-            }
-            JP_PLANAR => {
-                let $name = &Planar;
-                $body
-            }
-            other => Err(unknown(other)),
-        }
-    };
-}
-
-#[cold]
-fn unknown(virtualization: i32) -> Failure {
-    Failure::input(format!(
-        "virtualization {virtualization} is not known; known: 0 radial, 1 polar, 2 offset, 3 planar"
-    ))
+impl JpRobot {
+    fn new(robot: Robot) -> Self {
+        Self { gpr: robot.gpr, options: SolveOptions::default() }
+    }
 }
 
 /// The robot of the paper: three sockets 120° apart on a radius of 93.218 mm.
@@ -88,7 +35,7 @@ pub unsafe extern "C" fn jp_robot_paper(robot: *mut *mut JpRobot) -> i32 {
     entry(|| {
         writable(robot, "robot")?;
         // SAFETY: not NULL, and the caller promises room.
-        unsafe { give(robot, JpRobot { gpr: robot::paper().gpr }) };
+        unsafe { give(robot, JpRobot::new(robot::paper())) };
         Ok(())
     })
 }
@@ -106,7 +53,7 @@ pub unsafe extern "C" fn jp_robot_parse(toml: *const c_char, robot: *mut *mut Jp
         let read = robot::parse(toml);
         let read = read.map_err(|errors| Failure::input(errors.with_excerpt("text")))?;
         // SAFETY: not NULL, and the caller promises room.
-        unsafe { give(robot, JpRobot { gpr: read.gpr }) };
+        unsafe { give(robot, JpRobot::new(read)) };
         Ok(())
     })
 }
@@ -114,7 +61,7 @@ pub unsafe extern "C" fn jp_robot_parse(toml: *const c_char, robot: *mut *mut Jp
 /// Frees a robot; NULL does nothing.
 ///
 /// # Safety
-/// `robot` is NULL or from this library, and no thread uses it any more.
+/// `robot` is NULL, or a robot that is not used after this call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jp_robot_free(robot: *mut JpRobot) {
     // SAFETY: the caller's promise.
@@ -158,83 +105,145 @@ pub unsafe extern "C" fn jp_robot_inverse(
     })
 }
 
-/// Pose of the platform for rod lengths (m).
+/// Pose of the platform for 3 rod lengths (m).
+///
+/// `pose` takes the homogeneous transform from the frame of the platform to the base frame, 16 numbers by rows (m).
+/// `virtual_joints` takes the displacements of the virtual joints from nominal, `JP_MAX_VIRTUAL_JOINTS` numbers, zero beyond their number (m, rad).
+/// `tilt` takes tilt direction (rad), tilt angle (rad) and axis height (m).
+/// Each of the three may be NULL.
 ///
 /// # Safety
-/// `robot` is NULL or a robot; `rods` is NULL or 3 numbers; `pose` is NULL or has room for a pose.
+/// `robot` is NULL or a robot; `rods` is NULL or 3 numbers; `pose`, `virtual_joints` and `tilt` are NULL or have room.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jp_robot_forward(
     robot: *const JpRobot,
     virtualization: i32,
     rods: *const f64,
-    pose: *mut JpPose,
+    pose: *mut f64,
+    virtual_joints: *mut f64,
+    tilt: *mut f64,
 ) -> i32 {
     entry(|| {
         // SAFETY: the caller promises a robot.
-        let gpr = &unsafe { object(robot, "robot") }?.gpr;
-        writable(pose, "pose")?;
+        let robot = unsafe { object(robot, "robot") }?;
         // SAFETY: the caller promises 3 numbers.
         let rods = unsafe { numbers::<3>(rods, "rods") }?;
-        let found = with_virtualization!(virtualization, v => {
-            let found = gpr.forward(rods, v, &SolveOptions::default())?;
-            Ok(pose_of(gpr, &found, v))
-        })?;
-        // SAFETY: not NULL, and the caller promises room.
-        unsafe { pose.write(found) };
-        Ok(())
+        with_virtualization!(virtualization, chosen => {
+            let found = robot.gpr.forward(rods, chosen, &robot.options)?;
+            // SAFETY: NULL or room, by the caller's promise.
+            unsafe { write(pose, &entries(&found.base_from_platform)) };
+            if !virtual_joints.is_null() {
+                // SAFETY: as above.
+                unsafe { write(virtual_joints, &padded(&robot.gpr.virtual_displacements(&found, chosen))) };
+            }
+            if !tilt.is_null() {
+                let Tilt { azimuth, angle } = found.tilt();
+                // SAFETY: as above.
+                unsafe { write(tilt, &[azimuth, angle, found.axis_height().0]) };
+            }
+            Ok(())
+        })
     })
 }
 
+/// The same numbers, and zeros up to the largest number of virtual joints.
 #[inline]
-fn pose_of<V: Virtualization>(gpr: &Gpr, pose: &PlatformPose, virtualization: &V) -> JpPose {
-    let x = &pose.solution.virtual_joints;
-    let mut nominal = VirtualJoints::zeros(x.len());
-    virtualization.nominal(gpr.platform(), &mut nominal);
-    let mut virtual_joints = [0.0; JP_MAX_VIRTUAL_JOINTS];
-    for (to, (x, nominal)) in virtual_joints.iter_mut().zip(x.iter().zip(nominal.iter())) {
-        *to = x - nominal;
-    }
-    let tilt = pose.tilt();
-    JpPose {
-        base_from_platform: request::rows(&pose.base_from_platform),
-        virtual_joints,
-        virtual_joint_count: x.len(),
-        azimuth: tilt.azimuth,
-        tilt: tilt.angle,
-        axis_height: pose.axis_height().0,
-    }
+fn padded(values: &[f64]) -> [f64; JP_MAX_VIRTUAL_JOINTS] {
+    let mut all = [0.0; JP_MAX_VIRTUAL_JOINTS];
+    all.iter_mut().zip(values).for_each(|(to, value)| *to = *value);
+    all
 }
 
-/// Which limits rod lengths (m) break: each rod, then the tilt; 1 is broken, 0 not. `JP_OK` either way.
+/// Poses of the platform for `count` sets of 3 rod lengths (m), each as by `jp_robot_forward`.
+///
+/// `poses` takes 16 numbers for each set; `virtual_joints`, if not NULL, takes `JP_MAX_VIRTUAL_JOINTS` numbers for each set.
+/// `codes` takes a code for each set. Sets without a pose are NaN and have their code; the function then returns the code of the first one, with its error.
 ///
 /// # Safety
-/// `robot` is NULL or a robot; `rods` is NULL or 3 numbers; `broken` is NULL or has room for 4.
+/// `robot` is NULL or a robot; `rods` is NULL or 3 · `count` numbers; the others are NULL or have room, and do not overlap `rods`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jp_robot_forward_many(
+    robot: *const JpRobot,
+    virtualization: i32,
+    count: usize,
+    rods: *const f64,
+    poses: *mut f64,
+    virtual_joints: *mut f64,
+    codes: *mut i32,
+) -> i32 {
+    entry(|| {
+        // SAFETY: the caller promises a robot.
+        let robot = unsafe { object(robot, "robot") }?;
+        writable(rods.cast_mut(), "rods")?;
+        writable(poses, "poses")?;
+        writable(codes, "codes")?;
+        let mut first = None;
+        with_virtualization!(virtualization, chosen => {
+            for i in 0..count {
+                // SAFETY: `i` is below `count`, and the caller promises 3 numbers for each set.
+                let set = unsafe { rods.add(3 * i) };
+                // SAFETY: as above.
+                let found = unsafe { numbers::<3>(set, "rods") };
+                let found = found.and_then(|rods| Ok(robot.gpr.forward(rods, chosen, &robot.options)?));
+                let (pose, joints, code) = match found {
+                    Ok(found) => {
+                        let joints = robot.gpr.virtual_displacements(&found, chosen);
+                        (entries(&found.base_from_platform), padded(&joints), crate::JP_OK)
+                    }
+                    Err(failure) => {
+                        let code = failure.code;
+                        first.get_or_insert((i, failure));
+                        ([f64::NAN; ENTRIES], [f64::NAN; JP_MAX_VIRTUAL_JOINTS], code)
+                    }
+                };
+                // SAFETY: `i` is below `count`, and the caller promises room for each set.
+                unsafe { write(poses.add(ENTRIES * i), &pose) };
+                // SAFETY: as above.
+                unsafe { write(codes.add(i), &[code]) };
+                if !virtual_joints.is_null() {
+                    // SAFETY: as above.
+                    unsafe { write(virtual_joints.add(JP_MAX_VIRTUAL_JOINTS * i), &joints) };
+                }
+            }
+            Ok(())
+        })?;
+        match first {
+            None => Ok(()),
+            Some((i, failure)) => Err(failure.of(&format!("set {i}"))),
+        }
+    })
+}
+
+/// Limits that 3 rod lengths (m) exceed: 1 exceeded, 0 not, for each rod, then for the tilt.
+///
+/// # Safety
+/// `robot` is NULL or a robot; `rods` is NULL or 3 numbers; `exceeded` is NULL or has room for 4.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jp_robot_limits(
     robot: *const JpRobot,
     rods: *const f64,
-    broken: *mut i32,
+    exceeded: *mut i32,
 ) -> i32 {
     entry(|| {
         // SAFETY: the caller promises a robot.
         let gpr = &unsafe { object(robot, "robot") }?.gpr;
-        writable(broken, "broken")?;
+        writable(exceeded, "exceeded")?;
         // SAFETY: the caller promises 3 numbers.
         let rods = unsafe { numbers::<3>(rods, "rods") }?;
         let found = gpr.limits().broken(&rods, gpr.plane_tilt(&rods));
         let [q_1, q_2, q_3] = found.rods();
         // SAFETY: not NULL, and the caller promises room.
-        unsafe { write(broken, &[q_1, q_2, q_3, found.tilt()].map(i32::from)) };
+        unsafe { write(exceeded, &[q_1, q_2, q_3, found.tilt()].map(i32::from)) };
         Ok(())
     })
 }
 
-/// Geometric Jacobian of the platform's frame for rod lengths (m): 6 rows of 3 numbers, angular velocity, then velocity of its origin, for unit rates of the rods.
+/// Geometric Jacobian of the platform for 3 rod lengths (m): 6 rows of 3 numbers, angular velocity, then velocity of the origin, for unit velocities of the rods.
 ///
-/// `virtual_joints`, if not NULL, gets `JP_MAX_VIRTUAL_JOINTS` rows of 3 numbers: the rates of the virtual joints, zero beyond their number.
+/// `virtual_joints`, if not NULL, takes `JP_MAX_VIRTUAL_JOINTS` rows of 3 numbers: the velocities of the virtual joints, zero beyond their number.
 ///
 /// # Safety
-/// `robot` is NULL or a robot; `rods` is NULL or 3 numbers; `jacobian` and `virtual_joints` are NULL or have room for 18.
+/// `robot` is NULL or a robot; `rods` is NULL or 3 numbers; `jacobian` and `virtual_joints` are NULL or have room for 18 numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jp_robot_jacobian(
     robot: *const JpRobot,
@@ -245,35 +254,33 @@ pub unsafe extern "C" fn jp_robot_jacobian(
 ) -> i32 {
     entry(|| {
         // SAFETY: the caller promises a robot.
-        let gpr = &unsafe { object(robot, "robot") }?.gpr;
+        let robot = unsafe { object(robot, "robot") }?;
         writable(jacobian, "jacobian")?;
         // SAFETY: the caller promises 3 numbers.
         let rods = unsafe { numbers::<3>(rods, "rods") }?;
-        let found = with_virtualization!(virtualization, v => {
-            let pose = gpr.forward(rods, v, &SolveOptions::default())?;
-            Ok(gpr.platform_jacobian(&pose, v)?)
+        let found = with_virtualization!(virtualization, chosen => {
+            let pose = robot.gpr.forward(rods, chosen, &robot.options)?;
+            Ok(robot.gpr.platform_jacobian(&pose, chosen)?)
         })?;
         let mut rows = [0.0; 18];
-        let mut rates = [0.0; 3 * JP_MAX_VIRTUAL_JOINTS];
+        let mut velocities = [0.0; 3 * JP_MAX_VIRTUAL_JOINTS];
         for k in 0..3 {
             (0..6).for_each(|i| rows[3 * i + k] = found.matrix[(i, k)]);
-            for (m, rate) in found.virtual_joints[k].iter().enumerate() {
-                rates[3 * m + k] = *rate;
+            for (m, velocity) in found.virtual_joints[k].iter().enumerate() {
+                velocities[3 * m + k] = *velocity;
             }
         }
         // SAFETY: not NULL, and the caller promises room.
         unsafe { write(jacobian, &rows) };
-        if !virtual_joints.is_null() {
-            // SAFETY: not NULL, and the caller promises room.
-            unsafe { write(virtual_joints, &rates) };
-        }
+        // SAFETY: NULL or room, by the caller's promise.
+        unsafe { write(virtual_joints, &velocities) };
         Ok(())
     })
 }
 
-/// Any other question as JSON: `{"kind": "mobility"}` or `{"kind": "sensitivity", "tilt_rad": 0.02}`.
+/// Answers a request in JSON: `{"kind": "forward", "rods_m": [0.499, 0.5, 0.501]}`, `inverse`, `mobility` or `sensitivity`.
 ///
-/// The answer is the document of the command of the same name, to be freed by `jp_text_free`.
+/// The answer is the document of the command of that name with `--format json`; `jp_text_free` frees it.
 ///
 /// # Safety
 /// `robot` is NULL or a robot; `request` is NULL or ended by NUL; `answer` is NULL or has room for a pointer.
@@ -294,16 +301,4 @@ pub unsafe extern "C" fn jp_robot_json(
         unsafe { answer.write(document.into_raw()) };
         Ok(())
     })
-}
-
-/// Frees an answer; NULL does nothing.
-///
-/// # Safety
-/// `text` is NULL, or an answer of this library that is used nowhere any more.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn jp_text_free(text: *mut c_char) {
-    if !text.is_null() {
-        // SAFETY: the caller's promise.
-        drop(unsafe { CString::from_raw(text) });
-    }
 }
