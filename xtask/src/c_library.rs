@@ -10,7 +10,8 @@ use std::process::Command;
 use crate::{command, python};
 
 /// Libraries that an archive of Rust needs.
-const PRIVATE: &str = if cfg!(target_os = "macos") { "-liconv -lm" } else { "-lgcc_s -lpthread -lm -ldl" };
+const PRIVATE: &str =
+    if cfg!(target_os = "macos") { "-liconv -lm" } else { "-lgcc_s -lpthread -lm -ldl" };
 
 /// Builds the optimized library of the workspace at `root`, shared and as an archive, and installs it into `prefix`; true if it succeeded.
 pub(crate) fn install(prefix: &str, root: &Path) -> bool {

@@ -9,12 +9,14 @@ mod pointer;
 mod request;
 mod robot;
 mod status;
+mod text;
 mod transform;
 mod virtualization;
 
 pub use mechanism::*;
 pub use robot::*;
 pub use status::*;
+pub use text::*;
 pub use virtualization::*;
 
 /// Handles are shared between threads.

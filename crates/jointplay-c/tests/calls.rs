@@ -63,9 +63,7 @@ fn poses_of_the_robot_are_those_of_the_library() {
     // A radial virtual joint of this pose is displaced by some 40 µm.
     let forward = |joints: *mut f64| {
         // SAFETY: room for all.
-        unsafe {
-            jp_robot_forward(robot, JP_RADIAL, RODS.as_ptr(), null_mut(), joints, null_mut())
-        }
+        unsafe { jp_robot_forward(robot, JP_RADIAL, RODS.as_ptr(), null_mut(), joints, null_mut()) }
     };
     assert_eq!(forward(joints.as_mut_ptr()), JP_OK);
     assert!(joints[0].abs() > 1e-6);

@@ -14,7 +14,7 @@ fn read(path: &str) -> String {
 fn generated() -> String {
     let configuration = cbindgen::Config::from_file(Path::new(FOLDER).join("cbindgen.toml"));
     let mut builder = cbindgen::Builder::new().with_config(configuration.unwrap());
-    for name in ["status", "virtualization", "robot", "mechanism"] {
+    for name in ["status", "text", "virtualization", "robot", "mechanism"] {
         builder = builder.with_src(Path::new(FOLDER).join("src").join(name).with_extension("rs"));
     }
     let mut bytes = Vec::new();
