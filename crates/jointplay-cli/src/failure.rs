@@ -73,7 +73,7 @@ pub(crate) enum Failure {
         folder.display(), few(names)
     )]
     NotEmpty { folder: PathBuf, names: Vec<String> },
-    #[error("{}: the name of a figure must end in .svg, .png or .pdf", path.display())]
+    #[error("{}: the name of a figure must end in .svg, .png, .pdf or .tex", path.display())]
     FigureKind { path: PathBuf },
     #[cfg(not(feature = "parquet"))]
     #[error(

@@ -25,6 +25,7 @@ use jointplay::{Error, format};
 use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::output::{self, FormatArgs};
+use crate::set_args::{Assignment, SetArgs};
 use crate::source::{Kind, Source};
 
 /// `JOINT=VALUE`; the value is an expression of the parameters of the file, with an optional unit.
@@ -60,38 +61,6 @@ pub(crate) fn split(text: &str, separator: char) -> Vec<&str> {
         depth == 0 && character == separator
     })
     .collect()
-}
-
-/// `NAME=NUMBER`, in the unit of the file.
-#[derive(Clone, Debug)]
-pub(crate) struct Assignment {
-    pub(crate) name: String,
-    pub(crate) value: f64,
-}
-
-pub(crate) fn assignment(text: &str) -> Result<Assignment, String> {
-    let (name, value) = text
-        .rsplit_once('=')
-        .ok_or_else(|| format!("invalid value {text:?}: expected NAME=VALUE"))?;
-    Ok(Assignment { name: name.trim().to_owned(), value: finite(value)? })
-}
-
-/// Values of parameters of the file.
-#[derive(Args)]
-pub(crate) struct SetArgs {
-    /// Values of parameters of the file, in its units
-    #[arg(long, value_name = "PARAMETER=VALUE", value_delimiter = ',', value_parser = assignment)]
-    pub(crate) set: Vec<Assignment>,
-}
-
-impl SetArgs {
-    pub(crate) fn refuse_without_file(&self) -> Result<(), Failure> {
-        if self.set.is_empty() {
-            Ok(())
-        } else {
-            Err(Failure::Usage("--set needs a mechanism file".to_owned()))
-        }
-    }
 }
 
 /// The accuracy of the dimensions of a mechanism.
@@ -136,7 +105,7 @@ impl MechanismArgs {
 
     /// Values of parameters given by the user, in the units of the file.
     pub(crate) fn replaced_parameters(&self) -> Vec<(String, f64)> {
-        self.set.set.iter().map(|one| (one.name.clone(), one.value)).collect()
+        self.set.replaced()
     }
 }
 

@@ -205,6 +205,18 @@ pub enum Error {
         /// Steps done.
         iterations: usize,
     },
+    /// A joint without a stiffness that a rank by stiffness needs.
+    #[error(
+        "joint {joint:?} has no {direction} stiffness, which a rank by stiffness needs: add `stiffness = {{ {direction} = … }}` in {unit} to the joint, or give a stiffness for all joints without one"
+    )]
+    NoStiffness {
+        /// The joint.
+        joint: String,
+        /// `linear` or `angular`.
+        direction: &'static str,
+        /// `N/m` or `N m/rad`.
+        unit: &'static str,
+    },
     /// Newton's method did not close the loops; the coordinates given hold its best iterate.
     #[error(
         "the loops stay open by {residual:.3e} (radians and characteristic lengths) after {iterations} steps, {allowed:.0e} is asked for; start nearer, or look for an assembly from many starts"
