@@ -154,14 +154,14 @@ fn refusals_have_a_code_a_reason_and_leave_everything_as_it_was() {
 #[test]
 fn motions_with_violations_are_refused() {
     // A wall across the way into the load port.
-    let wall = "[[body]]\nname = \"wall\"\nbox_mm = [400.0, 400.0, 400.0]\nposition_mm = [-350.0, 350.0, 500.0]\n";
+    let wall = "[[body]]\nname = \"obstacle\"\nbox = { size_mm = [200.0, 200.0, 400.0] }\nposition_mm = [-250.0, 250.0, 500.0]\n";
     let text = format!("{}\n{wall}", cell::EXAMPLE);
     let cell = cell::read(&text, &mut |_| Err("no files".to_owned())).unwrap();
     let language = HostLanguage::neutral();
     let mut session = HostSession::new(&language, cell, 1.0).unwrap();
     let answer = session.receive(b"GET LP1 3 A", 0.0).unwrap();
     assert!(answer.starts_with("REFUSED 6 "), "{answer}");
-    assert!(answer.contains("wall"), "{answer}");
+    assert!(answer.contains("obstacle"), "{answer}");
     assert_eq!(session.next_event(), None);
 }
 
@@ -221,14 +221,16 @@ fn lines_have_codes_identifiers_and_checksums() {
 
 #[test]
 fn names_of_a_cell_cannot_become_commands() {
-    let text = cell::EXAMPLE.replace("\"LP1\"", "\"LP \\\" TO\"");
-    let cell = cell::read(&text, &mut |_| Err("no files".to_owned()));
-    // Names that programs cannot write are refused by the cell; others are quoted.
-    let Ok(cell) = cell else { return };
+    let text = cell::EXAMPLE.replace("\"LP1\"", "\"LP1 SLOT 9 WITH\"");
+    let cell = cell::read(&text, &mut |_| Err("no files".to_owned())).unwrap();
     let language = HostLanguage::neutral();
     let mut session = HostSession::new(&language, cell, 1.0).unwrap();
-    let answer = session.receive(b"GET LP \" TO 3 A", 0.0).unwrap();
+    let answer = session.receive(b"GET LP1 SLOT 9 WITH 3 A", 0.0).unwrap();
     assert!(answer.starts_with("ACCEPTED "), "{answer}");
+    let end = session.next_event().unwrap();
+    session.advance(end).unwrap();
+    let map = session.receive(b"MAP LP1 SLOT 9 WITH", end).unwrap();
+    assert!(map.starts_with("MAP LP1 SLOT 9 WITH 1 1 0 1 "), "{map}");
 }
 
 #[test]
