@@ -291,6 +291,26 @@ pub enum Error {
     Linalg(#[from] LinalgError),
 }
 
+impl Error {
+    /// Whether the input is valid and has no solution, as opposed to invalid input.
+    #[must_use]
+    pub fn is_infeasible(&self) -> bool {
+        matches!(
+            self,
+            Self::NotConverged(_)
+                | Self::DependentSides { .. }
+                | Self::TurnedOver { .. }
+                | Self::BeyondLimits(_)
+                | Self::NotAssembled(_)
+                | Self::NotRelieved { .. }
+                | Self::NotLeast { .. }
+                | Self::NotReached { .. }
+                | Self::Undetermined(_)
+                | Self::DependentCommands { .. }
+        )
+    }
+}
+
 /// The best that an iteration for the virtual joints found before it gave up.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(

@@ -1,7 +1,7 @@
 //! Suggestions of virtual joints.
 
 use jointplay::mechanism::{
-    LinearAndAngular, SuggestOptions, SuggestionRank, assemble, guess, suggest,
+    LinearAndAngular, SuggestOptions, SuggestionRank, close_commanded, suggest,
 };
 use jointplay::nalgebra::DVector;
 use pyo3::prelude::*;
@@ -9,7 +9,6 @@ use pyo3::types::PyDict;
 
 use crate::mechanism::PyMechanism;
 use crate::numbers::count;
-use crate::posed::STARTS;
 use crate::{errors, mechanism_results as results};
 
 /// The most sets that a search may compare.
@@ -101,8 +100,7 @@ impl PyMechanism {
         let bare = self.file.mechanism.clone().with_virtual_joints(Vec::new());
         let bare = bare.map_err(|error| errors::internal(&error.to_string()))?;
         let found = py.detach(|| {
-            let start = guess(&bare);
-            let home = assemble(&bare, &start, &[], STARTS)?;
+            let home = close_commanded(&bare, &[], None)?;
             suggest(&bare, &home.coordinates, &commanded, &all, &options)
         });
         let found = found.map_err(|error| errors::core(py, &error))?;

@@ -138,7 +138,7 @@ impl PyMechanism {
             },
         };
         let posed = py.detach(|| self.posed(&commands, None));
-        posed.map(|posed| posed.values).map_err(|error| errors::core(py, &error))
+        posed.map(|posed| posed.coordinates).map_err(|error| errors::core(py, &error))
     }
 
     /// All coordinates of a configuration or an array.
