@@ -19,6 +19,7 @@ pub mod joint;
 mod kinematics;
 mod limits;
 mod motion;
+mod nearest;
 mod position;
 mod principal_directions;
 mod relief;
@@ -55,6 +56,7 @@ pub use joint::JointKind;
 pub use kinematics::Kinematics;
 pub use limits::BeyondLimits;
 pub use motion::{DrivenMotion, SingularConfiguration, Stop, Waypoint, drive, drive_along};
+pub use nearest::nearest_closure;
 pub use position::{
     ChangedDimension, Dexterity, DifferentialKinematics, DimensionDerivatives, FrameTwist,
     Position, PositionSolver, dexterity,
@@ -67,5 +69,5 @@ pub use sparse::{SparseMobility, SparseSystem};
 pub use suggest::{Suggestion, Suggestions, suggest};
 pub use suggest_options::{SuggestOptions, SuggestionRank};
 pub use system::{MAX_DENSE, MechanismSystem};
-pub use unassembled::Unassembled;
+pub use unassembled::{OpenLoop, Unassembled};
 pub use undetermined::Undetermined;
