@@ -5,16 +5,16 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::command::{CommandValue, Names};
 use jointplay::format::coordinates::{self, Coordinates};
-use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
+use jointplay::format::mechanism::{self, LengthUnit, MAX_BYTES, MechanismFile};
 use jointplay::format::number::{fixed, number};
 use jointplay::format::place;
 use jointplay::format::units::m_from_mm;
 use jointplay::format::{robot, three_rods};
-use jointplay::interop::import::{self, Imported};
+use jointplay::interop::import::{self, Expanded, Imported, IncludeError};
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
     ChangedDimension, Closure, CommandedJoints, FrameId, MechanismSystem, Relief, ReliefSolver,
-    SparseSystem, assemble, branches, guess, relieve,
+    SparseSystem, Unassembled, assemble, branches, guess, relieve,
 };
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
@@ -23,6 +23,7 @@ use jointplay::virtualization::BuiltIn;
 use jointplay::{Error, format};
 
 use crate::arguments::finite;
+use crate::console;
 use crate::failure::Failure;
 use crate::output::{self, FormatArgs};
 use crate::source::{Kind, Source};
@@ -146,8 +147,36 @@ impl MechanismArgs {
 }
 
 /// Imports a model of another program.
-pub(crate) fn imported(source: &Source) -> Result<Imported, Failure> {
-    import::parse(&source.text).map_err(|error| Failure::at(&error, &source.label))
+///
+/// # Arguments
+/// * `unit` – unit of lengths of an assembly of FreeCAD
+pub(crate) fn imported(source: &Source, unit: Option<LengthUnit>) -> Result<Imported, Failure> {
+    let model = expanded(source)?;
+    let read = match unit {
+        Some(unit) => import::parse_with_unit(&model.text, unit),
+        None => import::parse(&model.text),
+    };
+    read.map_err(|error| located(source, &model.locate(error)))
+}
+
+/// A model with the files of its folder that it includes.
+pub(crate) fn expanded(source: &Source) -> Result<Expanded, Failure> {
+    let mut read = |name: &str| {
+        let folder = source.folder.as_deref().ok_or("standard input has no folder")?;
+        let bytes = jointplay_files::read(folder, name, MAX_BYTES as u64)
+            .map_err(|refused| refused.to_string())?;
+        String::from_utf8(bytes).map_err(|_| "it is not text in UTF-8".to_owned())
+    };
+    import::expand_includes(&source.text, &mut read).map_err(|error| located(source, &error))
+}
+
+/// An error of a model, or of a file that it includes.
+pub(crate) fn located(source: &Source, IncludeError { file, error }: &IncludeError) -> Failure {
+    let folder = source.folder.as_deref().unwrap_or(Path::new(""));
+    match file {
+        None => Failure::at(error, &source.label),
+        Some(file) => Failure::at(error, &folder.join(file).display().to_string()),
+    }
 }
 
 /// A mechanism file, parsed.
@@ -167,6 +196,13 @@ pub(crate) struct Posed {
     /// Coordinates (f + M) (m, rad) with the residual of the loops.
     pub(crate) closed: Closure,
     pub(crate) relief: Option<Relief>,
+}
+
+/// Why corrections from the guess did not close the loops.
+enum Unclosed {
+    /// They did not converge to closed loops.
+    Loops(Box<Unassembled>),
+    Other(Failure),
 }
 
 /// Largest displacement that a joint may be commanded: one kilometre (mm).
@@ -192,7 +228,7 @@ impl Input {
                     "--set {name}: a model has no parameters; convert it with `jointplay import` into a mechanism file, which can have parameters"
                 )));
             }
-            let model = imported(source)?;
+            let model = imported(source, None)?;
             output::ignored(&model.ignored);
             let file = model.into_file();
             let coordinates = Coordinates::of(&file);
@@ -325,18 +361,54 @@ impl Input {
 
     /// The closed configuration nearest to the guess, with commanded coordinates held.
     pub(crate) fn assembled(&self, commands: &[(usize, f64)]) -> Result<Closure, Failure> {
+        match self.closed_from_guess(commands) {
+            Err(Unclosed::Loops(found)) => self.nearest(commands, found),
+            Err(Unclosed::Other(failure)) => Err(failure),
+            Ok(closure) => Ok(closure),
+        }
+    }
+
+    /// A closure to accept where the guess does not close, with a note of the distance from it.
+    fn nearest(
+        &self,
+        commands: &[(usize, f64)],
+        found: Box<Unassembled>,
+    ) -> Result<Closure, Failure> {
+        let Some(closure) = found.accepted(self.tolerance) else {
+            return Err(self.unassembled(Error::NotAssembled(found)));
+        };
+        if closure.is_closed() && closure.coordinates != found.near_guess.coordinates {
+            let coordinates = &self.coordinates;
+            let moved = report::largest_displacement(
+                &self.file,
+                &self.start(commands),
+                &closure.coordinates,
+            );
+            let moved = moved.map_or(String::new(), |moved| {
+                let k = moved.coordinate;
+                let (value, unit) =
+                    (fixed(moved.value, coordinates.decimals(k)), coordinates.unit(k));
+                format!("; farthest from the guess is {} by {value} {unit}", moved.name)
+            });
+            console::note(&format!(
+                "the loops do not close from the guess: using the nearest closed configuration found within the limits{moved}"
+            ));
+        }
+        Ok(closure.clone())
+    }
+
+    /// The closed configuration to which corrections lead from the guess.
+    fn closed_from_guess(&self, commands: &[(usize, f64)]) -> Result<Closure, Unclosed> {
         let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
         // Closures within a tolerance need dense algebra, which refuses mechanisms that are too large.
         if !self.is_dense() && self.tolerance.is_none() {
-            return self.sparse(commands).map(|(system, iterations)| system.closure(iterations));
+            let closed =
+                self.sparse(commands).map(|(system, iterations)| system.closure(iterations));
+            return closed.map_err(Unclosed::Other);
         }
-        let found = assemble(&self.file.mechanism, &self.start(commands), &held, STARTS);
-        match (found, self.tolerance) {
-            (Err(Error::NotAssembled(found)), Some(tolerance)) => match found.within(tolerance) {
-                Some(closure) => Ok(closure.clone()),
-                None => Err(self.unassembled(Error::NotAssembled(found))),
-            },
-            (found, _) => found.map_err(|error| self.unassembled(error)),
+        match assemble(&self.file.mechanism, &self.start(commands), &held, STARTS) {
+            Err(Error::NotAssembled(found)) => Err(Unclosed::Loops(found)),
+            found => found.map_err(|error| Unclosed::Other(error.into())),
         }
     }
 
@@ -373,11 +445,15 @@ impl Input {
 
     /// The closed configuration with commanded coordinates held, with virtual joints displaced if rigid links do not close.
     pub(crate) fn posed(&self, commands: &[(usize, f64)]) -> Result<Posed, Failure> {
-        let closed = self.assembled(commands);
         let has_play = !self.file.mechanism.virtual_joints().is_empty();
-        match closed {
+        match self.closed_from_guess(commands) {
             Ok(closed) => Ok(Posed { closed, relief: None }),
-            Err(Failure::NotAssembled(_)) if has_play && !commands.is_empty() => {
+            // Play near the guess, rather than another configuration far from it.
+            Err(Unclosed::Loops(found))
+                if has_play
+                    && !commands.is_empty()
+                    && self.tolerance.and_then(|tolerance| found.within(tolerance)).is_none() =>
+            {
                 let relief = self.relieved(commands)?;
                 let closed = Closure {
                     coordinates: relief.coordinates.clone(),
@@ -386,7 +462,10 @@ impl Input {
                 };
                 Ok(Posed { closed, relief: Some(relief) })
             }
-            Err(other) => Err(other),
+            Err(Unclosed::Loops(found)) => {
+                Ok(Posed { closed: self.nearest(commands, found)?, relief: None })
+            }
+            Err(Unclosed::Other(failure)) => Err(failure),
         }
     }
 

@@ -3,7 +3,7 @@
 use jointplay::Error;
 use jointplay::mechanism::{
     Closure, CommandedJoints, DrivePath, DrivenMotion, MechanismSystem, Relief, ReliefSolver,
-    SparseSystem, assemble, drive_along, drive_relieved, guess, relieve,
+    SparseSystem, Unassembled, assemble, drive_along, drive_relieved, guess, relieve,
 };
 use jointplay::nalgebra::DVector;
 
@@ -41,17 +41,25 @@ impl PyMechanism {
         commands: &[(usize, f64)],
         tolerance: Option<f64>,
     ) -> Result<Closure, Error> {
+        self.closed(commands, tolerance, |found| found.accepted(tolerance))
+    }
+
+    /// The closed configuration with these coordinates held: from the guesses, or an accepted one.
+    fn closed(
+        &self,
+        commands: &[(usize, f64)],
+        tolerance: Option<f64>,
+        accepted: impl Fn(&Unassembled) -> Option<&Closure>,
+    ) -> Result<Closure, Error> {
         if !self.is_dense() && tolerance.is_none() {
             return self.sparse(commands).map(|(system, iterations)| system.closure(iterations));
         }
         let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
         match assemble(&self.file.mechanism, &self.start(commands), &held, STARTS) {
-            Err(Error::NotAssembled(found)) => {
-                match tolerance.and_then(|tolerance| found.within(tolerance)) {
-                    Some(closure) => Ok(closure.clone()),
-                    None => Err(Error::NotAssembled(found)),
-                }
-            }
+            Err(Error::NotAssembled(found)) => match found.accepted(tolerance) {
+                Some(closure) => Ok(closure.clone()),
+                None => Err(Error::NotAssembled(found)),
+            },
             other => other,
         }
     }
@@ -74,8 +82,15 @@ impl PyMechanism {
         tolerance: Option<f64>,
     ) -> Result<Posed, Error> {
         let has_play = !self.file.mechanism.virtual_joints().is_empty();
-        match self.assembled(commands, tolerance) {
-            Err(Error::NotAssembled(_)) if has_play && !commands.is_empty() => {
+        let is_relieved = has_play && !commands.is_empty();
+        // Play near the guess, rather than another configuration far from it.
+        let within =
+            |found: &Unassembled| tolerance.and_then(|tolerance| found.within(tolerance)).is_some();
+        let closed = self.closed(commands, tolerance, |found| {
+            found.accepted(tolerance).filter(|_| !is_relieved || within(found))
+        });
+        match closed {
+            Err(Error::NotAssembled(_)) if is_relieved => {
                 let Relief { coordinates, residual, iterations, .. } = self.relieved(commands)?;
                 Ok(Posed { values: coordinates, residual, iterations })
             }
