@@ -190,6 +190,16 @@ fn a_cut_hinge_is_closed_in_the_base_frame_and_replaces_couplings() {
     assert!(parse(&four_bar()).is_err());
 }
 
+#[test]
+fn two_hinges_of_the_same_links_have_names_of_their_own() {
+    let second = "- {link_a: coupler, link_b: rocker, point: [0.3, 0.25, 0.1], axis: [0, 0, 1]}\n";
+    let twice = HINGE.replace("dependent", &format!("{second}dependent"));
+    let model = closed(&four_bar(), &twice);
+    let names: Vec<&str> = model.mechanism.joints()[3..].iter().map(|j| j.name.as_str()).collect();
+    assert_eq!(names, ["coupler to rocker", "coupler to rocker (2)"]);
+    assert_eq!(analysed(&model.mechanism), (3, 1, 9));
+}
+
 #[track_caller]
 fn refuse(text: &str, loops: &str, from: &str, to: &str, blamed: &str, message: &str) {
     assert!(loops.contains(from), "{from:?} is not in the file");
@@ -229,7 +239,7 @@ fn errors_of_yaml_show_their_place() {
     hinge("0.25, 0.0]", ".nan, 0.0]", "[", "3 finite numbers");
     hinge("[0.0, 0.0, 2.0]", "[0, 0, 0]", "[", "a direction that is not 0");
     hinge("link_b: rocker", "link_b: rock", "rock", "did you mean `rocker`?");
-    hinge("link_b: rocker", "link_b: coupler", "coupler", "to itself");
+    hinge("link_b: rocker", "link_b: coupler", "coupler", "another link than link_a");
     hinge("  axis: [0.0, 0.0, 2.0]\n", "", "", "axis");
     let closed_already = "<mujoco><worldbody><body name=\"a\"><joint name=\"j\"/></body><body name=\"b\"><joint name=\"k\"/></body></worldbody><equality><connect body1=\"a\" body2=\"b\" anchor=\"0 0 0\"/></equality></mujoco>";
     refuse(

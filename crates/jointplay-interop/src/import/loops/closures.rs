@@ -10,7 +10,7 @@ use nalgebra::{Unit, Vector3};
 use serde::Deserialize;
 use serde_saphyr::Spanned;
 
-use super::yaml::{Yaml, closing_name, poses_at_zero};
+use super::yaml::{ClosingNames, Yaml, poses_at_zero};
 use crate::import::draft::bare;
 use crate::import::problem::Error;
 
@@ -46,6 +46,7 @@ impl Closures {
         yaml.check_open(chain)?;
         let base_from_link = poses_at_zero(chain);
         let mut joints = chain.joints().to_vec();
+        let mut names_of_loops = ClosingNames::new(chain);
         let names = || chain.joints().iter().map(|joint| joint.name.as_str());
         for name in &self.independent {
             joints[yaml.find("joint", name, names())?].actuated = true;
@@ -57,7 +58,10 @@ impl Closures {
             let links = || chain.links().iter().map(String::as_str);
             let ends = [&closure.link_a, &closure.link_b];
             let [a, b] = ends.map(|name| yaml.find("link", name, links()));
-            let links = [a?, b?];
+            let links @ [one, other] = [a?, b?];
+            if one == other {
+                return Err(yaml.unusable(&closure.link_b, "link_b", "another link than link_a"));
+            }
             let point = vector(yaml, &closure.point, "point")?;
             let axis = vector(yaml, &closure.axis, "axis")?;
             let largest = axis.amax();
@@ -72,11 +76,8 @@ impl Closures {
             let axis = Unit::new_normalize(axis / largest);
             let base_from_joint = pose(point, some_perpendicular(axis), axis);
             let frames = links.map(|link| base_from_link[link].inverse() * base_from_joint);
-            let name = closing_name(&closure.link_a.value, &closure.link_b.value);
+            let name = names_of_loops.name(&closure.link_a.value, &closure.link_b.value);
             joints.push(bare(name, JointKind::Revolute, links, frames));
-            // Checked here, where the place of the loop is known.
-            let closed = chain.clone().with_joints(joints.clone());
-            closed.map_err(|error| yaml.error(&closure.link_a, error))?;
         }
         chain.clone().with_joints(joints).map_err(|error| yaml.error_at_start(error))
     }

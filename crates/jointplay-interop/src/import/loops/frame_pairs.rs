@@ -12,7 +12,7 @@ use nalgebra::{Unit, Vector3};
 use serde::Deserialize;
 use serde_saphyr::Spanned;
 
-use super::yaml::{Yaml, closing_name};
+use super::yaml::{ClosingNames, Yaml};
 use crate::import::draft::bare;
 use crate::import::problem::{Error, Problem};
 
@@ -40,6 +40,7 @@ impl FramePairs {
     ) -> Result<Mechanism, Error> {
         yaml.check_open(chain)?;
         let mut joints = chain.joints().to_vec();
+        let mut names_of_loops = ClosingNames::new(chain);
         let numbers: BTreeMap<&str, usize> =
             chain.joints().iter().enumerate().map(|(j, joint)| (joint.name.as_str(), j)).collect();
         let find = |name: &Spanned<String>| {
@@ -73,7 +74,7 @@ impl FramePairs {
                 }
             };
             let links = [link(first)?, link(second)?];
-            let name = closing_name(&first.value, &second.value);
+            let name = names_of_loops.name(&first.value, &second.value);
             joints.push(bare(name, kind, links, [Pose::identity(); 2]));
             let [one, other] = links;
             if one == other {

@@ -1,5 +1,6 @@
 //! YAML with the places of its values; without aliases, so that a short text stays short.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use jointplay_core::mechanism::{Kinematics, Mechanism};
@@ -111,10 +112,32 @@ impl Yaml<'_> {
     }
 }
 
-/// The name of a joint that closes a loop.
-pub(super) fn closing_name(first: &str, second: &str) -> String {
-    let name = format!("{first} to {second}");
-    name.chars().filter(|letter| !letter.is_control()).take(LONGEST_NAME).collect()
+/// Names of joints that close loops, next to those of a chain.
+pub(super) struct ClosingNames {
+    taken: BTreeSet<String>,
+    /// Number that the last joint of a name has.
+    numbers: BTreeMap<String, usize>,
+}
+
+impl ClosingNames {
+    pub(super) fn new(chain: &Mechanism) -> Self {
+        let taken = chain.joints().iter().map(|joint| joint.name.clone()).collect();
+        Self { taken, numbers: BTreeMap::new() }
+    }
+
+    /// `FIRST to SECOND`, with a number where this name is taken.
+    pub(super) fn name(&mut self, first: &str, second: &str) -> String {
+        let name = format!("{first} to {second}");
+        let name: String =
+            name.chars().filter(|letter| !letter.is_control()).take(LONGEST_NAME).collect();
+        let mut free = name.clone();
+        while !self.taken.insert(free.clone()) {
+            let number = self.numbers.entry(name.clone()).or_insert(1);
+            *number += 1;
+            free = format!("{name} ({number})");
+        }
+        free
+    }
 }
 
 /// Pose of each link of an open chain in the base frame, with all coordinates at zero (m).

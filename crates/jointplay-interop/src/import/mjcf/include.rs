@@ -9,7 +9,9 @@ use roxmltree::{Document, Node};
 use crate::import::problem::{Error, Problem};
 use crate::import::xml::{attribute, document};
 
-/// Most files of a model; they may include each other one by one.
+/// Greatest depth of files that include each other.
+const DEEPEST: usize = 32;
+/// Most files of a model.
 const MOST_FILES: usize = 1024;
 
 /// A model with the files that it includes, as one text.
@@ -57,8 +59,13 @@ pub fn expand_includes(
     text: &str,
     read: &mut dyn FnMut(&str) -> Result<String, String>,
 ) -> Result<Expanded, IncludeError> {
-    let mut expansion =
-        Expansion { read, files: Vec::new(), included: BTreeSet::new(), bytes: text.len() };
+    let mut expansion = Expansion {
+        read,
+        files: Vec::new(),
+        included: BTreeSet::new(),
+        bytes: text.len(),
+        depth: 0,
+    };
     let mut pieces = Pieces::default();
     // A text that is no XML has no includes; its reader reports the error.
     let is_model = document(text).is_ok_and(|found| found.root_element().has_tag_name("mujoco"));
@@ -101,6 +108,8 @@ struct Expansion<'r> {
     included: BTreeSet<String>,
     /// Bytes read.
     bytes: usize,
+    /// Depth of the file that is read.
+    depth: usize,
 }
 
 impl Expansion<'_> {
@@ -156,6 +165,10 @@ impl Expansion<'_> {
             let advice = "a model may include at most 1024 files".to_owned();
             return fail(self, unsupported(shown(), advice));
         }
+        if self.depth >= DEEPEST {
+            let advice = "files may include each other at most 32 deep".to_owned();
+            return fail(self, unsupported(shown(), advice));
+        }
         let (path, included) = match self.read_near(name.text, file) {
             Ok(read) => read,
             Err(reason) => return fail(self, unsupported(shown(), reason)),
@@ -178,7 +191,10 @@ impl Expansion<'_> {
             let advice = "included files are <mujoco> or <mujocoinclude>".to_owned();
             return fail(self, unsupported(shown(), advice));
         };
-        self.file(&included, Some(number), inside, pieces)
+        self.depth += 1;
+        self.file(&included, Some(number), inside, pieces)?;
+        self.depth -= 1;
+        Ok(())
     }
 
     /// Reads a file by its name relative to the model, or else to the including file.
@@ -299,7 +315,7 @@ mod tests {
             let next: usize = name.parse::<usize>().unwrap() + 1;
             Ok(format!("<mujoco><include file=\"{next}\"/></mujoco>"))
         });
-        assert!(error.unwrap_err().to_string().contains("at most 1024 files"));
+        assert!(error.unwrap_err().to_string().contains("at most 32 deep"));
         let long = " ".repeat(MAX_BYTES);
         let error = expand_includes("<mujoco><include file=\"a\"/></mujoco>", &mut |_| {
             Ok(format!("<mujoco>{long}</mujoco>"))
