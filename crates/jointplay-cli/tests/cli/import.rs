@@ -27,6 +27,13 @@ links = ["slider", "arm"]
 point = [0, 0, 0]
 "#;
 
+/// The same as a hinge of an exporter.
+pub(crate) const CLOSURES: &str = "closures:
+- {link_a: slider, link_b: arm, point: [0, 0, 0], axis: [0, 1, 0]}
+dependent: [turn]
+independent: [slide]
+";
+
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     sandbox.write("robot.urdf", URDF);
@@ -167,7 +174,7 @@ fn a_guess_that_does_not_close_leads_to_the_nearest_closed_configuration() {
     let run = sandbox.run("assemble four-bar --at D=170");
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("using the nearest closed configuration"), "{}", run.stderr);
-    let found = sandbox.json("assemble four-bar --at D=170");
+    let found = sandbox.json("assemble four-bar --at D=170 --quiet");
     assert!(found["residual"].as_f64().unwrap() < 1e-10);
     assert!(found["farthest_from_guess"]["value"].as_f64().unwrap().abs() > 1.0, "{found}");
 }
