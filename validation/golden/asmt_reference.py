@@ -77,7 +77,7 @@ def four_bar():
 
 
 def cardan():
-    """Two shafts at an angle, connected by a universal joint; the second part is drawn beside its axis."""
+    """Two shafts at an angle, connected by a universal joint; the second part is drawn off its axis."""
     a = model("cardan")
     c, s = math.cos(0.5), math.sin(0.5)
     inclined = ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c))

@@ -22,6 +22,7 @@ mod failure;
 mod figure;
 mod folder;
 mod mechanism_input;
+mod model_input;
 mod output;
 mod print_page;
 mod progress;

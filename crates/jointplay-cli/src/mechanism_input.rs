@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::command::{CommandValue, Names};
 use jointplay::format::coordinates::{self, Coordinates};
-use jointplay::format::mechanism::{self, LengthUnit, MAX_BYTES, MechanismFile};
+use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
 use jointplay::format::number::{fixed, number};
 use jointplay::format::place;
 use jointplay::format::units::m_from_mm;
 use jointplay::format::{robot, three_rods};
-use jointplay::interop::import::{self, Expanded, Imported, IncludeError};
+use jointplay::interop::import;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
     ChangedDimension, Closure, CommandedJoints, FrameId, MechanismSystem, Relief, ReliefSolver,
@@ -25,6 +25,7 @@ use jointplay::{Error, format};
 use crate::arguments::finite;
 use crate::console;
 use crate::failure::Failure;
+use crate::model_input::imported;
 use crate::output::{self, FormatArgs};
 use crate::source::{Kind, Source};
 
@@ -143,39 +144,6 @@ impl MechanismArgs {
     /// Values of parameters given by the user, in the units of the file.
     pub(crate) fn replaced_parameters(&self) -> Vec<(String, f64)> {
         self.set.set.iter().map(|one| (one.name.clone(), one.value)).collect()
-    }
-}
-
-/// Imports a model of another program.
-///
-/// # Arguments
-/// * `unit` – unit of lengths of an assembly of FreeCAD
-pub(crate) fn imported(source: &Source, unit: Option<LengthUnit>) -> Result<Imported, Failure> {
-    let model = expanded(source)?;
-    let read = match unit {
-        Some(unit) => import::parse_with_unit(&model.text, unit),
-        None => import::parse(&model.text),
-    };
-    read.map_err(|error| located(source, &model.locate(error)))
-}
-
-/// A model with the files of its folder that it includes.
-pub(crate) fn expanded(source: &Source) -> Result<Expanded, Failure> {
-    let mut read = |name: &str| {
-        let folder = source.folder.as_deref().ok_or("standard input has no folder")?;
-        let bytes = jointplay_files::read(folder, name, MAX_BYTES as u64)
-            .map_err(|refused| refused.to_string())?;
-        String::from_utf8(bytes).map_err(|_| "it is not text in UTF-8".to_owned())
-    };
-    import::expand_includes(&source.text, &mut read).map_err(|error| located(source, &error))
-}
-
-/// An error of a model, or of a file that it includes.
-pub(crate) fn located(source: &Source, IncludeError { file, error }: &IncludeError) -> Failure {
-    let folder = source.folder.as_deref().unwrap_or(Path::new(""));
-    match file {
-        None => Failure::at(error, &source.label),
-        Some(file) => Failure::at(error, &folder.join(file).display().to_string()),
     }
 }
 

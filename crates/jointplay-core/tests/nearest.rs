@@ -65,7 +65,7 @@ fn closed_form([ground, crank, coupler, rocker]: [f64; 4], theta: f64) -> Vec<[f
     [1.0, -1.0].map(configuration).to_vec()
 }
 
-/// Distance of angles, by the shorter way around each.
+/// Distance of angles, each by the shorter turn.
 fn distance(from: &[f64], to: &[f64]) -> f64 {
     let one = |(a, b): (&f64, &f64)| {
         let by = (a - b).rem_euclid(TURN);

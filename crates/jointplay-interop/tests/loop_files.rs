@@ -103,7 +103,7 @@ fn pairs_of_frames_close_a_five_bar() {
         .collect();
     assert_eq!(actuated, ["left joint", "right joint"]);
     assert_eq!(mechanism.joints().last().unwrap().kind, JointKind::Fixed);
-    // Five turns about parallel axes: three equations of the plane, three that say nothing.
+    // Five turns about parallel axes: three equations of the plane, three redundant ones.
     assert_eq!(analysed(mechanism), (3, 2, 3));
     // As points, the three equations of directions are not there; the end turns by itself.
     let points = closed(&five_bar(), &FIVE_BAR.replace("6d", "3d")).mechanism;

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::closing::close;
-use super::closure::Closure;
+use super::closure::{Closure, SAME_BRANCH, START_RANGE};
 use super::description::Mechanism;
 use super::nearest::nearest_closure;
 use super::system::{LoopGap, MechanismSystem};
@@ -14,14 +14,10 @@ use crate::random::Random;
 
 /// Corrections tried from one start.
 const MAX_ITERATIONS: usize = 200;
-/// Assembled configurations nearer than this, in radians and characteristic lengths, are one branch.
-pub(super) const SAME_BRANCH: f64 = 1e-4;
 /// A correction that reaches its limit of iterations and moved a slide farther than this drifts [characteristic lengths].
 ///
 /// Twice the range of the other starts: closures of a mechanism are of its own size.
 const DRIFT: f64 = 2.0 * START_RANGE;
-/// Largest displacement of a slide in the other starts [characteristic lengths].
-pub(super) const START_RANGE: f64 = 2.0;
 /// Branches listed at most.
 const MAX_BRANCHES: usize = 16;
 

@@ -2,10 +2,9 @@
 
 use nalgebra::DVector;
 
-use super::assembly::{SAME_BRANCH, START_RANGE};
 use super::blocks::blocks;
 use super::closing::close;
-use super::closure::Closure;
+use super::closure::{Closure, SAME_BRANCH, START_RANGE};
 use super::description::Mechanism;
 use super::joint::Factor;
 use super::kinematics::Kinematics;
@@ -223,7 +222,7 @@ impl<'a> Search<'a> {
         Ok(here)
     }
 
-    /// The part of a displacement that the loops allow, to first order.
+    /// The part of a small displacement that the loops allow.
     fn tangential(
         &self,
         at: &DVector<f64>,

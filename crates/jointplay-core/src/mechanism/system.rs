@@ -39,7 +39,7 @@ pub struct MechanismSystem<'a> {
     angular: AngularMismatch,
 }
 
-/// Measure of the angular mismatch of a loop; to first order at closure they are the same.
+/// Measure of the angular mismatch of a loop; for small angles they are equal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum AngularMismatch {
     /// Axis times sine of the angle.
