@@ -346,16 +346,12 @@ impl Input {
             return Err(self.unassembled(Error::NotAssembled(found)));
         };
         if closure.is_closed() && closure.coordinates != found.near_guess.coordinates {
-            let coordinates = &self.coordinates;
-            let moved = report::largest_displacement(
-                &self.file,
-                &self.start(commands),
-                &closure.coordinates,
-            );
+            let start = self.start(commands);
+            let moved = report::largest_displacement(&self.file, &start, &closure.coordinates);
             let moved = moved.map_or(String::new(), |moved| {
                 let k = moved.coordinate;
-                let (value, unit) =
-                    (fixed(moved.value, coordinates.decimals(k)), coordinates.unit(k));
+                let value = fixed(moved.value, self.coordinates.decimals(k));
+                let unit = self.coordinates.unit(k);
                 format!("; farthest from the guess is {} by {value} {unit}", moved.name)
             });
             console::note(&format!(
