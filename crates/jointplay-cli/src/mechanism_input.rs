@@ -13,8 +13,8 @@ use jointplay::format::{robot, three_rods};
 use jointplay::interop::import;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    ChangedDimension, Closure, CommandedJoints, FrameId, MechanismSystem, Relief, ReliefSolver,
-    SparseSystem, Unassembled, assemble, branches, guess, relieve,
+    ChangedDimension, Closure, FrameId, MechanismSystem, Posed, Relief, SparseSystem, branches,
+    close_commanded, close_sparse, commanded_guess, pose_commanded, relieve_commanded,
 };
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
@@ -27,12 +27,8 @@ use crate::console;
 use crate::failure::Failure;
 use crate::model_input::imported;
 use crate::output::{self, FormatArgs};
+use crate::set_args::{Assignment, SetArgs};
 use crate::source::{Kind, Source};
-
-/// Number of other starts, if the guess of a file does not close.
-const STARTS: usize = 30;
-/// Largest number of corrections for a mechanism with many loops, which is closed from its guess only.
-const CORRECTIONS: usize = 200;
 
 /// `JOINT=VALUE`; the value is an expression of the parameters of the file, with an optional unit.
 #[derive(Clone, Debug)]
@@ -67,38 +63,6 @@ pub(crate) fn split(text: &str, separator: char) -> Vec<&str> {
         depth == 0 && character == separator
     })
     .collect()
-}
-
-/// `NAME=NUMBER`, in the unit of the file.
-#[derive(Clone, Debug)]
-pub(crate) struct Assignment {
-    pub(crate) name: String,
-    pub(crate) value: f64,
-}
-
-pub(crate) fn assignment(text: &str) -> Result<Assignment, String> {
-    let (name, value) = text
-        .rsplit_once('=')
-        .ok_or_else(|| format!("invalid value {text:?}: expected NAME=VALUE"))?;
-    Ok(Assignment { name: name.trim().to_owned(), value: finite(value)? })
-}
-
-/// Values of parameters of the file.
-#[derive(Args)]
-pub(crate) struct SetArgs {
-    /// Values of parameters of the file, in its units
-    #[arg(long, value_name = "PARAMETER=VALUE", value_delimiter = ',', value_parser = assignment)]
-    pub(crate) set: Vec<Assignment>,
-}
-
-impl SetArgs {
-    pub(crate) fn refuse_without_file(&self) -> Result<(), Failure> {
-        if self.set.is_empty() {
-            Ok(())
-        } else {
-            Err(Failure::Usage("--set needs a mechanism file".to_owned()))
-        }
-    }
 }
 
 /// The accuracy of the dimensions of a mechanism.
@@ -143,7 +107,7 @@ impl MechanismArgs {
 
     /// Values of parameters given by the user, in the units of the file.
     pub(crate) fn replaced_parameters(&self) -> Vec<(String, f64)> {
-        self.set.set.iter().map(|one| (one.name.clone(), one.value)).collect()
+        self.set.replaced()
     }
 }
 
@@ -157,20 +121,6 @@ pub(crate) struct Input {
     pub(crate) tolerance: Option<f64>,
     /// Values of parameters in place of those of the file.
     pub(crate) replaced: Vec<(String, f64)>,
-}
-
-/// A closed configuration, with the displacement of the virtual joints if it needs one.
-pub(crate) struct Posed {
-    /// Coordinates (f + M) (m, rad) with the residual of the loops.
-    pub(crate) closed: Closure,
-    pub(crate) relief: Option<Relief>,
-}
-
-/// Why corrections from the guess did not close the loops.
-enum Unclosed {
-    /// They did not converge to closed loops.
-    Loops(Box<Unassembled>),
-    Other(Failure),
 }
 
 /// Largest displacement that a joint may be commanded: one kilometre (mm).
@@ -320,60 +270,30 @@ impl Input {
         )))
     }
 
-    /// The initial guess in the file, with commanded coordinates at their values.
-    fn start(&self, commands: &[(usize, f64)]) -> DVector<f64> {
-        let mut start = guess(&self.file.mechanism);
-        commands.iter().for_each(|&(k, value)| start[k] = value);
-        start
-    }
-
     /// The closed configuration nearest to the guess, with commanded coordinates held.
     pub(crate) fn assembled(&self, commands: &[(usize, f64)]) -> Result<Closure, Failure> {
-        match self.closed_from_guess(commands) {
-            Err(Unclosed::Loops(found)) => self.nearest(commands, found),
-            Err(Unclosed::Other(failure)) => Err(failure),
-            Ok(closure) => Ok(closure),
-        }
+        let closed = close_commanded(&self.file.mechanism, commands, self.tolerance)
+            .map_err(|error| self.unassembled(error))?;
+        self.note_search(commands, &closed);
+        Ok(closed)
     }
 
-    /// A closure to accept where the guess does not close, with a note of the distance from it.
-    fn nearest(
-        &self,
-        commands: &[(usize, f64)],
-        found: Box<Unassembled>,
-    ) -> Result<Closure, Failure> {
-        let Some(closure) = found.accepted(self.tolerance) else {
-            return Err(self.unassembled(Error::NotAssembled(found)));
-        };
-        if closure.is_closed() && closure.coordinates != found.near_guess.coordinates {
-            let start = self.start(commands);
-            let moved = report::largest_displacement(&self.file, &start, &closure.coordinates);
-            let moved = moved.map_or(String::new(), |moved| {
-                let k = moved.coordinate;
-                let value = fixed(moved.value, self.coordinates.decimals(k));
-                let unit = self.coordinates.unit(k);
-                format!("; farthest from the guess is {} by {value} {unit}", moved.name)
-            });
-            console::note(&format!(
-                "the loops do not close from the guess: using the nearest closed configuration found within the limits{moved}"
-            ));
+    /// A note of the distance from the guess, where corrections from it do not close the loops.
+    fn note_search(&self, commands: &[(usize, f64)], closed: &Closure) {
+        if !closed.is_searched {
+            return;
         }
-        Ok(closure.clone())
-    }
-
-    /// The closed configuration to which corrections lead from the guess.
-    fn closed_from_guess(&self, commands: &[(usize, f64)]) -> Result<Closure, Unclosed> {
-        let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        // Closures within a tolerance need dense algebra, which refuses mechanisms that are too large.
-        if !self.is_dense() && self.tolerance.is_none() {
-            let closed =
-                self.sparse(commands).map(|(system, iterations)| system.closure(iterations));
-            return closed.map_err(Unclosed::Other);
-        }
-        match assemble(&self.file.mechanism, &self.start(commands), &held, STARTS) {
-            Err(Error::NotAssembled(found)) => Err(Unclosed::Loops(found)),
-            found => found.map_err(|error| Unclosed::Other(error.into())),
-        }
+        let start = commanded_guess(&self.file.mechanism, commands);
+        let moved = report::largest_displacement(&self.file, &start, &closed.coordinates);
+        let moved = moved.map_or(String::new(), |moved| {
+            let k = moved.coordinate;
+            let value = fixed(moved.value, self.coordinates.decimals(k));
+            let unit = self.coordinates.unit(k);
+            format!("; farthest from the guess is {} by {value} {unit}", moved.name)
+        });
+        console::note(&format!(
+            "the loops do not close from the guess: using the nearest closed configuration found within the limits{moved}"
+        ));
     }
 
     /// Whether the mechanism is small enough for dense algebra.
@@ -386,15 +306,7 @@ impl Input {
         &self,
         commands: &[(usize, f64)],
     ) -> Result<(SparseSystem<'_>, usize), Failure> {
-        let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        let mut system = SparseSystem::new(&self.file.mechanism, self.start(commands))?;
-        match system.close(&held, CORRECTIONS) {
-            Ok(iterations) => Ok((system, iterations)),
-            Err(error @ Error::NotReached { .. }) => {
-                Err(Failure::NotAssembled(format::explain::explain(&error)))
-            }
-            Err(other) => Err(other.into()),
-        }
+        close_sparse(&self.file.mechanism, commands).map_err(|error| self.unassembled(error))
     }
 
     /// Closed configurations found from a number of other starts.
@@ -404,53 +316,34 @@ impl Input {
         starts: usize,
     ) -> Result<Vec<Closure>, Failure> {
         let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        Ok(branches(&self.file.mechanism, &self.start(commands), &held, starts)?)
+        let start = commanded_guess(&self.file.mechanism, commands);
+        Ok(branches(&self.file.mechanism, &start, &held, starts)?)
     }
 
     /// The closed configuration with commanded coordinates held, with virtual joints displaced if rigid links do not close.
     pub(crate) fn posed(&self, commands: &[(usize, f64)]) -> Result<Posed, Failure> {
-        let has_play = !self.file.mechanism.virtual_joints().is_empty();
-        match self.closed_from_guess(commands) {
-            Ok(closed) => Ok(Posed { closed, relief: None }),
-            // Play near the guess, rather than another configuration far from it.
-            Err(Unclosed::Loops(found))
-                if has_play
-                    && !commands.is_empty()
-                    && self.tolerance.and_then(|tolerance| found.within(tolerance)).is_none() =>
-            {
-                let relief = self.relieved(commands)?;
-                let closed = Closure {
-                    coordinates: relief.coordinates.clone(),
-                    residual: relief.residual,
-                    iterations: relief.iterations,
-                };
-                Ok(Posed { closed, relief: Some(relief) })
-            }
-            Err(Unclosed::Loops(found)) => {
-                Ok(Posed { closed: self.nearest(commands, found)?, relief: None })
-            }
-            Err(Unclosed::Other(failure)) => Err(failure),
-        }
+        let posed = pose_commanded(&self.file.mechanism, commands, self.tolerance)
+            .map_err(|error| self.unrelieved(commands, error))?;
+        self.note_search(commands, &posed.closed);
+        Ok(posed)
     }
 
     /// The least displacement of the virtual joints that makes the commanded coordinates possible.
     pub(crate) fn relieved(&self, commands: &[(usize, f64)]) -> Result<Relief, Failure> {
+        relieve_commanded(&self.file.mechanism, commands, self.tolerance)
+            .map_err(|error| self.unrelieved(commands, error))
+    }
+
+    /// An error of a relief; commanded values beyond joint limits explain it better.
+    fn unrelieved(&self, commands: &[(usize, f64)], error: Error) -> Failure {
+        let is_explained = matches!(error, Error::NotRelieved { .. } | Error::NotLeast { .. });
         let mechanism = &self.file.mechanism;
-        let home = MechanismSystem::new(mechanism, self.assembled(&[])?.coordinates)?;
-        let (coordinates, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
-        let commanded = CommandedJoints::new(&home, &coordinates)?;
-        let start = commanded.start(values, mechanism.virtual_joints().len());
-        let system = MechanismSystem::new(mechanism, start)?;
-        relieve(&system, &commanded, ReliefSolver::LeastNorm).map_err(|error| {
-            // Commanded values beyond joint limits explain the failure better.
-            let beyond = mechanism.beyond_limits(system.home());
-            let beyond: Vec<_> =
-                beyond.into_iter().filter(|one| coordinates.contains(&one.coordinate)).collect();
-            match beyond.is_empty() {
-                true => error.into(),
-                false => Failure::BeyondLimits(report::beyond_limits(&self.coordinates, &beyond)),
-            }
-        })
+        let mut beyond = mechanism.beyond_limits(&commanded_guess(mechanism, commands));
+        beyond.retain(|one| commands.iter().any(|&(k, _)| k == one.coordinate));
+        if is_explained && !beyond.is_empty() {
+            return Failure::BeyondLimits(report::beyond_limits(&self.coordinates, &beyond));
+        }
+        self.unassembled(error)
     }
 
     /// Refuses a configuration beyond joint limits or clearances.
@@ -467,6 +360,9 @@ impl Input {
 
     /// An assembly error with the configurations found, in the units of the file.
     fn unassembled(&self, error: Error) -> Failure {
+        if let Error::NotReached { .. } = &error {
+            return Failure::NotAssembled(format::explain::explain(&error));
+        }
         let Error::NotAssembled(found) = &error else { return error.into() };
         let mut text = format::explain::explain(&error);
         if found.near_miss().is_some() {

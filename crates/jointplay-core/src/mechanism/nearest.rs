@@ -73,7 +73,11 @@ pub fn nearest_closure(
     let beyond = mechanism.beyond_limits(&found.coordinates);
     let is_within = beyond.iter().all(|one| !free.contains(&one.coordinate));
     let iterations = iterations + found.iterations;
-    Ok((found.is_closed() && is_within).then_some(Closure { iterations, ..found }))
+    Ok((found.is_closed() && is_within).then_some(Closure {
+        iterations,
+        is_searched: true,
+        ..found
+    }))
 }
 
 /// Puts coordinates within their limits.
