@@ -213,11 +213,33 @@ def test_loops_beside_a_model(tmp_path):
     assert (jp.Mechanism.from_file(chain).loops, closed.loops) == (0, 1)
     assert pickle.loads(pickle.dumps(closed)) == closed
     assert closed.drive({"a": 0.2}, steps=2)["b"][-1] == pytest.approx(0.2)
+    pairs = tmp_path / "robot.yaml"
+    pairs.write_text("closed_loop: [[left, right]]\ntype: ['3d']\nname_mot: [a]\n")
+    in_yaml = jp.Mechanism.from_file(chain, loops=pairs)
+    assert (in_yaml.loops, pickle.loads(pickle.dumps(in_yaml))) == (1, in_yaml)
+    pairs.write_text("closed_loop: [[left, absent]]\n")
+    with pytest.raises(jp.FileError, match="robot.yaml:1"):
+        jp.Mechanism.from_file(chain, loops=pairs)
     loops.write_text(text.replace('"right"]', '"absent"]'))
     with pytest.raises(jp.FileError, match="loops.toml:6"):
         jp.Mechanism.from_file(chain, loops=loops)
     with pytest.raises(jp.InputError, match="loops are for models"):
         jp.Mechanism.from_file(loops, loops=loops)
+
+
+def test_assemblies_of_freecad_need_a_unit(tmp_path):
+    model = ROOT / "validation/golden/models/slider-crank.asmt"
+    with pytest.raises(jp.FileError, match="does not state its unit"):
+        jp.Mechanism.from_file(model)
+    with pytest.raises(jp.InputError, match="units must be one of m, mm, um, in"):
+        jp.Mechanism.from_file(model, units="ft")
+    read = {unit: jp.Mechanism.from_file(model, units=unit) for unit in ("m", "mm")}
+    assert pickle.loads(pickle.dumps(read["mm"])) == read["mm"] != read["m"]
+    assert read["mm"].mobility().instantaneous_mobility == read["m"].mobility().instantaneous_mobility
+    other = tmp_path / "door.toml"
+    other.write_text(DOOR)
+    with pytest.raises(jp.InputError, match="units are for assemblies"):
+        jp.Mechanism.from_file(other, units="m")
 
 
 def test_assemble(four_bar, ask):

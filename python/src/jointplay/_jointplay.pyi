@@ -334,6 +334,7 @@ class Mechanism:
         *,
         parameters: dict[str, float] | None = None,
         loops: str | PathLike[str] | None = None,
+        units: Literal["m", "mm", "um", "in"] | None = None,
     ) -> Mechanism: ...
     @staticmethod
     def from_toml(text: str, *, parameters: dict[str, float] | None = None) -> Mechanism: ...

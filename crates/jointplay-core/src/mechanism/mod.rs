@@ -20,6 +20,7 @@ pub mod joint;
 mod kinematics;
 mod limits;
 mod motion;
+mod nearest;
 mod posing;
 mod position;
 mod principal_directions;
@@ -58,6 +59,7 @@ pub use joint::JointKind;
 pub use kinematics::Kinematics;
 pub use limits::BeyondLimits;
 pub use motion::{DrivenMotion, SingularConfiguration, Stop, Waypoint, drive, drive_along};
+pub use nearest::nearest_closure;
 pub use posing::{
     Posed, close_commanded, close_sparse, commanded_guess, pose_commanded, relieve_commanded,
 };
@@ -73,5 +75,5 @@ pub use sparse::{SparseMobility, SparseSystem};
 pub use suggest::{Suggestion, Suggestions, suggest};
 pub use suggest_options::{SuggestOptions, SuggestionRank};
 pub use system::{MAX_DENSE, MechanismSystem};
-pub use unassembled::Unassembled;
+pub use unassembled::{OpenLoop, Unassembled};
 pub use undetermined::Undetermined;

@@ -1,4 +1,4 @@
-//! Robots of ROS (URDF): links in a tree; loops come from a second file, see [`jointplay_format::mechanism::with_loops`].
+//! Robots of ROS (URDF): links in a tree; loops come from a second file, see [`super::parse_closed`].
 //!
 //! The root link is the base.
 //! Joints of a transmission, or with a command interface, are actuated.
@@ -18,9 +18,18 @@ use super::xml::{
 };
 use jointplay_format::mechanism::frame::{pose, some_perpendicular};
 
-pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Imported, Error> {
+/// Reads a robot.
+///
+/// # Arguments
+/// * `solved` – joints that the loops of a second file determine
+pub(super) fn read<'a>(
+    mut draft: Draft<'a>,
+    root: Node<'a, 'a>,
+    solved: &BTreeSet<&str>,
+) -> Result<Imported, Error> {
     let xml = draft.xml;
-    let name = xml.needed_name(root)?;
+    // Some robots have no name, which nothing refers to.
+    let name = xml.name(root)?.unwrap_or("URDF robot");
     for node in children(root) {
         let tag = node.tag_name();
         match (is_foreign(node), tag.name()) {
@@ -70,7 +79,7 @@ pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Impor
     }
     let mut is_carried = vec![false; draft.links()];
     for node in joints {
-        joint(&mut draft, node, &mut is_carried)?;
+        joint(&mut draft, node, &mut is_carried, solved)?;
     }
     for section in children(root) {
         let driven: Vec<Node> = match section.tag_name().name() {
@@ -107,6 +116,7 @@ fn joint<'a>(
     draft: &mut Draft<'a>,
     node: Node<'a, 'a>,
     is_carried: &mut [bool],
+    solved: &BTreeSet<&str>,
 ) -> Result<(), Error> {
     let xml = draft.xml;
     let name = xml.needed_name(node)?;
@@ -131,6 +141,10 @@ fn joint<'a>(
             "origin" => &mut parts[0],
             "axis" => &mut parts[1],
             "limit" => &mut parts[2],
+            "mimic" if solved.contains(name) => {
+                draft.ignore("mimic of a joint that a loop determines");
+                continue;
+            }
             "mimic" => {
                 let advice = Advice(
                     "mechanisms have no coupling of joints yet; remove it to import the model with both joints free",

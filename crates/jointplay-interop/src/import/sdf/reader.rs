@@ -89,8 +89,8 @@ fn version<'a>(xml: Xml<'a>, root: Node<'a, 'a>) -> Result<(u32, u32), Error> {
     let value = attribute(root, "version").ok_or_else(|| xml.missing(root, "version"))?;
     let numbers = value.text.split_once('.');
     let numbers = numbers.and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
-    let known = numbers.filter(|version| ((1, 5)..=(1, 12)).contains(version));
-    known.ok_or_else(|| xml.unusable(&value, "a version from 1.5 to 1.12"))
+    let known = numbers.filter(|version| ((1, 2)..=(1, 12)).contains(version));
+    known.ok_or_else(|| xml.unusable(&value, "a version from 1.2 to 1.12"))
 }
 
 impl<'a> Reader<'a> {
@@ -391,13 +391,15 @@ mod tests {
         assert_eq!(axis(&old), -Vector3::x());
         let in_model = "<use_parent_model_frame>true</use_parent_model_frame></axis>";
         assert_eq!(axis(&old.replace("</axis>", in_model)), Vector3::y());
+        // Before 1.5, there was no other frame of axes.
+        assert_eq!(axis(&old.replace("\"1.6\"", "\"1.4\"")), Vector3::y());
     }
 
     #[test]
     fn unsupported_and_invalid_elements_are_rejected() {
         let refuse = |from, to, blamed, message| testing::refuse(ARM, from, to, blamed, message);
         let plugin = "<plugin name=\"p\" filename=\"f\"/>";
-        refuse("\"1.9\"", "\"1.4\"", "1.4", "a version from 1.5 to 1.12");
+        refuse("\"1.9\"", "\"1.0\"", "1.0", "a version from 1.2 to 1.12");
         refuse(" version=\"1.9\"", "", "<sdf>", "`sdf` needs `version`");
         refuse(
             "</model>",
