@@ -220,7 +220,7 @@ impl Input {
         Ok(Self { file, coordinates, text: None, tolerance: None, replaced })
     }
 
-    /// Leaves out the virtual joints.
+    /// Removes the virtual joints.
     pub(crate) fn remove_virtual_joints(&mut self) {
         let rigid = self.file.mechanism.clone().with_virtual_joints(Vec::new());
         self.file.mechanism = rigid.expect("without virtual joints there is nothing to refuse");

@@ -53,7 +53,14 @@ pub(crate) struct Move {
     #[arg(short, long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     /// Files to write into --out, separated by commas
-    #[arg(long, value_enum, value_name = "FORMATS", value_delimiter = ',', default_value = "csv", requires_if("gltf", "out"))]
+    #[arg(
+        long,
+        value_enum,
+        value_name = "FORMATS",
+        value_delimiter = ',',
+        default_value = "csv",
+        requires_if("gltf", "out")
+    )]
     to: Vec<MotionFormat>,
     #[command(flatten)]
     scene: SceneArgs,

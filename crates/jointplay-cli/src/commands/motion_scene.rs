@@ -23,7 +23,7 @@ pub(crate) struct SceneArgs {
     parts: Option<PathBuf>,
     /// Node of the parts that moves with a link of another name
     #[arg(long = "part", value_name = "NODE=LINK", value_parser = part, requires = "parts")]
-    table: Vec<(String, String)>,
+    part: Vec<(String, String)>,
     /// Axis of the file of parts that is z of the base frame [default: z if Open CASCADE wrote the file, such as cascadio, y otherwise]
     #[arg(long, value_name = "AXIS", requires = "parts")]
     parts_up: Option<Up>,
@@ -86,6 +86,6 @@ impl SceneArgs {
             Some(Up::Z) => UpAxis::Z,
             None => parts.up_axis(),
         };
-        Ok(motion.gltf_of_parts(&parts, &self.table, up, tolerance)?)
+        Ok(motion.gltf_of_parts(&parts, &self.part, up, tolerance)?)
     }
 }

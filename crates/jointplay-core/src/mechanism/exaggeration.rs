@@ -184,3 +184,76 @@ fn rigid_groups(mechanism: &Mechanism) -> Vec<usize> {
     }
     groups
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanism::{Joint, JointKind, LinearAndAngular, VirtualJoint, VirtualMotion};
+
+    fn joint(name: &str, kind: JointKind, links: [usize; 2], at: Pose) -> Joint {
+        Joint {
+            name: name.to_owned(),
+            kind,
+            links,
+            frames: [at, Pose::identity()],
+            actuated: false,
+            guess: Vec::new(),
+            limits: Vec::new(),
+            clearance: LinearAndAngular::default(),
+            stiffness: LinearAndAngular::default(),
+        }
+    }
+
+    /// A body on a slide with play across it and about it, and a second body hinged on the first.
+    fn slide() -> Mechanism {
+        let names = ["base", "body", "arm"].map(str::to_owned).to_vec();
+        let joints = vec![
+            joint("slide", JointKind::Prismatic, [0, 1], Pose::identity()),
+            joint("hinge", JointKind::Revolute, [1, 2], Pose::translation(0.2, 0.0, 0.0)),
+        ];
+        let play = |name: &str, motion| VirtualJoint {
+            name: name.to_owned(),
+            joint: 0,
+            carrier: Carrier::First,
+            motion,
+            clearance: None,
+            stiffness: None,
+        };
+        let point = Vector3::zeros();
+        let plays = vec![
+            play("across", VirtualMotion::Slide(Vector3::x_axis())),
+            play("about", VirtualMotion::Turn { axis: Vector3::z_axis(), point }),
+        ];
+        let mechanism = Mechanism::new("slide", names, joints).unwrap();
+        mechanism.with_virtual_joints(plays).unwrap().with_characteristic_length(0.1).unwrap()
+    }
+
+    #[test]
+    fn one_joint_takes_all_of_its_play_and_carries_the_rest() {
+        let mechanism = slide();
+        let at = DVector::from_vec(vec![0.1, 0.0, 1e-5, 0.0]);
+        let poses = exaggerated_link_poses(&mechanism, &at, 100.0).unwrap();
+        assert_eq!(poses[0], Pose::identity());
+        let off = poses[1].translation.vector - Vector3::new(1e-3, 0.0, 0.1);
+        assert!(off.norm() < 1e-15, "{off}");
+        let off = poses[2].translation.vector - Vector3::new(0.201, 0.0, 0.1);
+        assert!(off.norm() < 1e-15, "{off}");
+        let turned = DVector::from_vec(vec![0.1, 0.0, 0.0, 1e-4]);
+        let poses = exaggerated_link_poses(&mechanism, &turned, 100.0).unwrap();
+        let angle = poses[1].rotation.angle();
+        assert!((angle - 1e-2).abs() < 1e-15, "{angle}");
+        let arm = poses[2].translation.vector;
+        let expected = Vector3::new(0.2 * 1e-2_f64.cos(), 0.2 * 1e-2_f64.sin(), 0.1);
+        assert!((arm - expected).norm() < 1e-15, "{arm}");
+    }
+
+    #[test]
+    fn true_play_is_the_true_configuration_and_bad_input_is_refused() {
+        let mechanism = slide();
+        let at = DVector::from_vec(vec![0.1, 0.3, 1e-5, 1e-4]);
+        let poses = exaggerated_link_poses(&mechanism, &at, 1.0).unwrap();
+        assert_eq!(poses, Kinematics::new(&mechanism).link_poses(&at).unwrap());
+        assert!(exaggerated_link_poses(&mechanism, &at, f64::NAN).is_err());
+        assert!(exaggerated_link_poses(&mechanism, &DVector::zeros(3), 2.0).is_err());
+    }
+}

@@ -8,6 +8,7 @@ mod material;
 mod mechanism_motion;
 mod numbers;
 mod parts;
+mod parts_error;
 mod parts_file;
 
 use gltf_json::scene::UnitQuaternion;
@@ -28,7 +29,8 @@ use super::violation_note::ViolationNote;
 use jointplay_format::units::um;
 
 pub use self::mechanism_motion::{AnimatedParts, MechanismMotion};
-pub use self::parts_file::{PartsError, PartsFile, UpAxis};
+pub use self::parts_error::PartsError;
+pub use self::parts_file::{PartsFile, UpAxis};
 
 /// Largest deviation of points of the animated scene from the samples, unless another is chosen (m).
 pub const KEY_TOLERANCE: f64 = 1e-6;

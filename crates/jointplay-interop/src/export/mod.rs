@@ -31,7 +31,9 @@ mod violation_note;
 mod wafer_frames;
 
 pub use error::Error;
-pub use gltf::{AnimatedParts, KEY_TOLERANCE, MechanismMotion, PartsError, PartsFile, UpAxis, gltf, gltf_within};
+pub use gltf::{
+    AnimatedParts, KEY_TOLERANCE, MechanismMotion, PartsError, PartsFile, UpAxis, gltf, gltf_within,
+};
 pub use motion_export::{MOST_SAMPLES, MotionExport};
 pub use sample_columns::{
     COLUMN_GROUPS, DEFAULT_COLUMNS, SampleColumn, sample_columns, select_columns,

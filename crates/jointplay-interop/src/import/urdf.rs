@@ -322,7 +322,11 @@ mod tests {
         let transmission = "<transmission name=\"t\"><joint name=\"wrist\"/></transmission>";
         let with = ARM.replace(transmission, control);
         assert_eq!(testing::read(&with).mechanism.joints()[0].guess, [0.25]);
-        assert!(testing::read(&with.replace("position", "velocity")).mechanism.joints()[0].guess.is_empty());
+        assert!(
+            testing::read(&with.replace("position", "velocity")).mechanism.joints()[0]
+                .guess
+                .is_empty()
+        );
         testing::refuse(&with, "0.25", "a quarter", "a quarter", "a number");
     }
 

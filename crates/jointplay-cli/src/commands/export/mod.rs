@@ -1,13 +1,15 @@
 //! `jointplay export`: mechanisms in formats of other programs; a file for each family of formats.
 
+mod files;
 mod simulator;
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use jointplay::mechanism::Mechanism;
 use serde::Serialize;
 
+use self::files::{Files, Format};
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 use crate::mechanism_input::{JointValues, MechanismArgs, Posed, joint_values};
@@ -36,7 +38,7 @@ pub(crate) struct Export {
     /// Commanded joint coordinates of the reference configuration, in the units of the file
     #[arg(long, value_name = "JOINT=VALUE", value_parser = joint_values)]
     at: Vec<JointValues>,
-    /// Leave out the virtual joints
+    /// Omit the virtual joints
     #[arg(long)]
     rigid: bool,
     /// Folder for the files
@@ -44,16 +46,6 @@ pub(crate) struct Export {
     out: PathBuf,
     #[command(flatten)]
     force: ForceArgs,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// model of MuJoCo
-    Mjcf,
-    /// model of Gazebo
-    Sdf,
-    /// robot of ROS, with a second file of the joints that close loops
-    Urdf,
 }
 
 /// The exported models.
@@ -69,13 +61,6 @@ struct Exported {
     format: &'static str,
     files: Vec<String>,
     /// What the format does not keep.
-    lost: Vec<String>,
-}
-
-/// Files of one format, with their contents.
-struct Files {
-    format: &'static str,
-    files: Vec<(String, Vec<u8>)>,
     lost: Vec<String>,
 }
 
@@ -126,7 +111,7 @@ impl Export {
             for Exported { format, files, lost } in &report.exports {
                 text += &format!("  {format:<5} {}\n", files.join(", "));
                 for one in lost {
-                    text += &format!("        not kept: {one}\n");
+                    text += &format!("        lost or changed: {one}\n");
                 }
             }
             text

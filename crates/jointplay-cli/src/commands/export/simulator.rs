@@ -4,7 +4,7 @@ use jointplay::interop::export::mechanism::{self, Error, Written};
 use jointplay::mechanism::Mechanism;
 use jointplay::nalgebra::DVector;
 
-use super::{Files, Format};
+use super::files::{Files, Format};
 use crate::failure::Failure;
 
 /// The files of a mechanism at a configuration in one format.

@@ -79,7 +79,9 @@ impl Document {
         interpolation: Interpolation,
         keys: &[Key<N>],
     ) {
-        if keys.windows(2).all(|pair| pair[0].value == pair[1].value && pair[0].rate == pair[1].rate)
+        if keys
+            .windows(2)
+            .all(|pair| pair[0].value == pair[1].value && pair[0].rate == pair[1].rate)
         {
             return;
         }

@@ -21,7 +21,7 @@ pub(super) struct Samples<'a, const N: usize> {
 
 /// The samples of a quantity that a viewer interpolates by cubics, so that every other sample is within a tolerance.
 ///
-/// The tolerance limits the norm of the difference, with the rounding of the keys to single precision included where more than one sample is left out.
+/// The tolerance limits the norm of the difference, with the rounding of the keys to single precision included where a sample is omitted.
 pub(super) fn cubic<const N: usize>(samples: &Samples<'_, N>, tolerance: f64) -> Vec<Key<N>> {
     let all = distinct(samples.times);
     let key = |k: usize| {
@@ -76,12 +76,8 @@ pub(super) fn arcs(times: &[f64], turns: &[[f64; 4]], tolerance: f64) -> Vec<Key
 
 fn plain<const N: usize>(times: &[f64], values: &[[f64; N]]) -> Vec<Key<N>> {
     let keys = times.iter().zip(values);
-    keys.map(|(&time, value)| Key {
-        time: single(time),
-        value: value.map(single),
-        rate: [0.0; N],
-    })
-    .collect()
+    keys.map(|(&time, value)| Key { time: single(time), value: value.map(single), rate: [0.0; N] })
+        .collect()
 }
 
 /// Indices of times that differ in single precision, in which late times of a long motion may be equal.
@@ -158,7 +154,8 @@ mod tests {
         let rates: Vec<[f64; 1]> = times.iter().map(|t| [3.0 * t * t]).collect();
         let samples = Samples { times: &times, values: &values, rates: &rates };
         assert_eq!(cubic(&samples, 1e-6).len(), 2);
-        let jump: Vec<[f64; 1]> = times.iter().map(|&t| [if t < 0.505 { 0.0 } else { 1.0 }]).collect();
+        let jump: Vec<[f64; 1]> =
+            times.iter().map(|&t| [if t < 0.505 { 0.0 } else { 1.0 }]).collect();
         let still = vec![[0.0]; times.len()];
         let keys = cubic(&Samples { times: &times, values: &jump, rates: &still }, 1e-6);
         let at: Vec<f32> = keys.iter().map(|key| key.time).collect();

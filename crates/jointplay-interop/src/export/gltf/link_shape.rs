@@ -46,8 +46,7 @@ pub(super) fn show_link(
             shapes.extend(far.map(|at| bar(middle, *at)));
         }
     }
-    let shown = shapes
-        .iter()
-        .flat_map(|shape| document.show("body", shape, &Pose::identity(), material));
+    let shown =
+        shapes.iter().flat_map(|shape| document.show("body", shape, &Pose::identity(), material));
     shown.collect()
 }

@@ -111,8 +111,7 @@ impl<'a> MechanismMotion<'a> {
             ..Default::default()
         };
         let notes = self.notes();
-        let title =
-            Title { scene: self.mechanism.name(), animation: "motion", notes: &notes };
+        let title = Title { scene: self.mechanism.name(), animation: "motion", notes: &notes };
         document.file(&title)
     }
 
@@ -178,7 +177,8 @@ impl<'a> MechanismMotion<'a> {
             let pose = pose(at);
             places.push(pose.translation.vector.into());
             let turn = UnitQuaternion::from_rotation_matrix(&pose.rotation).into_inner().coords;
-            let other_side = turns.last().is_some_and(|&last| turn.dot(&nalgebra::Vector4::from(last)) < 0.0);
+            let other_side =
+                turns.last().is_some_and(|&last| turn.dot(&nalgebra::Vector4::from(last)) < 0.0);
             turns.push(if other_side { -turn } else { turn }.into());
         }
         (places, turns)

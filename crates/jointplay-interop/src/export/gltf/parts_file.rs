@@ -6,60 +6,9 @@ use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion};
 use serde_json::{Value, json, to_value};
 
 use super::document::{Document, GENERATOR, binary};
+use super::parts_error::PartsError;
 use crate::export::error::Error;
-use jointplay_format::place::{listed, nearest, suggestion};
-
-/// Why a file of parts cannot be animated.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PartsError {
-    /// Not a binary glTF file.
-    #[error("the file of parts is not binary glTF (GLB): {why}")]
-    NotBinary {
-        /// What was found.
-        why: String,
-    },
-    /// A name in the table of parts that no node has.
-    #[error("no node of the file of parts is named {found:?}{}; it has {}", suggestion(nearest), listed(known))]
-    UnknownNode {
-        /// The name found.
-        found: String,
-        /// The most similar name.
-        nearest: Option<String>,
-        /// Names of nodes.
-        known: Vec<String>,
-    },
-    /// A name in the table of parts that no link has.
-    #[error("no link is named {found:?}{}; the mechanism has {}", suggestion(nearest), listed(known))]
-    UnknownLink {
-        /// The name found.
-        found: String,
-        /// The most similar name.
-        nearest: Option<String>,
-        /// Names of links.
-        known: Vec<String>,
-    },
-    /// A name that several nodes have.
-    #[error("{count} nodes of the file of parts are named {name:?}; give each part a name of its own")]
-    Ambiguous {
-        /// The name.
-        name: String,
-        /// Number of nodes.
-        count: usize,
-    },
-    /// No node moves.
-    #[error(
-        "no node of the file of parts has the name of a link; name the parts, or use a table of parts\n  nodes: {}\n  links: {}",
-        listed(nodes),
-        listed(links)
-    )]
-    NoMatch {
-        /// Names of nodes.
-        nodes: Vec<String>,
-        /// Names of links.
-        links: Vec<String>,
-    },
-}
+use jointplay_format::place::nearest;
 
 /// The axis of a file of parts that is z of the base frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -145,7 +94,7 @@ impl PartsFile {
         self.nodes().iter().filter_map(|node| node["name"].as_str())
     }
 
-    /// The axis of the file that is z of the base frame, as far as the program that wrote it says: z for Open CASCADE, which keeps the axes of CAD models, and y otherwise.
+    /// The axis of the file that is z of the base frame, by the program that wrote it: z for Open CASCADE, which keeps the axes of CAD models, and y otherwise.
     #[must_use]
     pub fn up_axis(&self) -> UpAxis {
         match self.document["asset"]["generator"].as_str() {
@@ -283,10 +232,11 @@ impl PartsFile {
         document["scene"] = json!(shown);
         let bytes = self.add(&mut document, animation);
         document["asset"]["version"] = json!("2.0");
-        document["asset"]["generator"] = json!(match self.document["asset"]["generator"].as_str() {
-            Some(before) => format!("{before}; animated by {GENERATOR}"),
-            None => GENERATOR.to_owned(),
-        });
+        document["asset"]["generator"] =
+            json!(match self.document["asset"]["generator"].as_str() {
+                Some(before) => format!("{before}; animated by {GENERATOR}"),
+                None => GENERATOR.to_owned(),
+            });
         document["asset"]["extras"] = notes.clone();
         binary(serde_json::to_vec(&document).expect("all keys are strings"), bytes)
     }
@@ -332,7 +282,8 @@ impl PartsFile {
                 sampler
             })
             .collect();
-        let channels: Vec<Value> = channels.iter().map(|channel| written(to_value(channel))).collect();
+        let channels: Vec<Value> =
+            channels.iter().map(|channel| written(to_value(channel))).collect();
         let motion = json!({ "name": "motion", "channels": channels, "samplers": samplers });
         array(document, "animations").push(motion);
         bytes
@@ -370,7 +321,9 @@ fn array<'a>(object: &'a mut Value, key: &str) -> &'a mut Vec<Value> {
 fn remove(object: &mut Value, key: &str, is_removed: impl Fn(&Value) -> bool) {
     let Some(list) = object.get_mut(key).and_then(Value::as_array_mut) else { return };
     list.retain(|entry| !is_removed(entry));
-    if list.is_empty() && let Some(object) = object.as_object_mut() {
+    if list.is_empty()
+        && let Some(object) = object.as_object_mut()
+    {
         object.remove(key);
     }
 }

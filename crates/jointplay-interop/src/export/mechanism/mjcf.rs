@@ -15,12 +15,12 @@ use crate::export::joint_points::{joint_points, size};
 const TIME_STEP: f64 = 1e-3;
 /// Time constant of closures, the least that MuJoCo allows for its step (s).
 const CLOSURE_TIME: f64 = 2.0 * TIME_STEP;
-/// Impedance of closures, the largest that MuJoCo has: the closer to 1, the less a closure gives way.
+/// Impedance of closures, the largest that MuJoCo has: the closer to 1, the less a closure yields.
 const IMPEDANCE: f64 = 0.9999;
 /// Angular frequency at which a body oscillates on the stiffest spring; with it closures yield less than a nanometre to springs (rad/s).
 const FREQUENCY: f64 = 100.0;
 /// Ratio of the gain of an actuator to the stiffest spring.
-const GAIN: f64 = 1e6;
+const GAIN: f64 = 1e5;
 /// Radius of drawn bodies, as a share of the size of the mechanism.
 const BAR: f64 = 0.015;
 
@@ -87,13 +87,11 @@ impl<'s, 'a> Writer<'s, 'a> {
     fn new(skeleton: &'s Skeleton<'a>) -> Self {
         let length = skeleton.length;
         let virtual_joints = skeleton.mechanism.virtual_joints().iter();
-        let linear = virtual_joints.zip(&skeleton.stiffness).map(|(joint, &stiffness)| {
-            match joint.motion {
-                jointplay_core::mechanism::VirtualMotion::Slide(_) => stiffness,
-                jointplay_core::mechanism::VirtualMotion::Turn { .. } => {
-                    stiffness / (length * length)
-                }
-            }
+        let linear = virtual_joints.zip(&skeleton.stiffness).map(|(joint, &stiffness)| match joint
+            .motion
+        {
+            jointplay_core::mechanism::VirtualMotion::Slide(_) => stiffness,
+            jointplay_core::mechanism::VirtualMotion::Turn { .. } => stiffness / (length * length),
         });
         let stiffness = linear.reduce(f64::max).unwrap_or(DEFAULT_STIFFNESS);
         let mut children = vec![Vec::new(); skeleton.bodies.len()];
@@ -244,6 +242,9 @@ impl<'s, 'a> Writer<'s, 'a> {
         } else if skeleton.is_actuated(joint, motion.coordinate) {
             let turn = weight != 1.0 || Skeleton::is_turn(&motion.factor);
             self.actuators.push((name.clone(), value, limits, turn));
+            // The inertia of a drive, with which a stiff actuator is as slow as the springs.
+            let armature = GAIN * stiffness * weight / (FREQUENCY * FREQUENCY);
+            attributes.push(("armature", number(armature)));
             0.0
         } else {
             (stiffness * mass).sqrt() * weight * 0.1
@@ -324,8 +325,7 @@ impl<'s, 'a> Writer<'s, 'a> {
                 ("name", name.clone()),
                 ("joint", name.clone()),
                 ("kp", number(gain)),
-                // It reaches its command within some steps and without oscillation.
-                ("kv", number(gain * 10.0 * TIME_STEP)),
+                ("kv", number(2.0 * gain / FREQUENCY)),
             ];
             if let Some(limits) = limits {
                 attributes.push(("ctrlrange", numbers(limits)));

@@ -38,6 +38,7 @@ pub fn sdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written,
         xml: Xml::new(),
         poses: poses.clone(),
         driven: Vec::new(),
+        renamed: Vec::new(),
         lost: skeleton.lost.clone(),
     };
     writer.xml.open("sdf", &[("version", VERSION.into())]);
@@ -82,6 +83,8 @@ struct Writer<'s, 'a> {
     poses: Vec<Pose>,
     /// Names of actuated joints.
     driven: Vec<String>,
+    /// Joints that got another name, because a link or frame has theirs.
+    renamed: Vec<(String, String)>,
     lost: Vec<String>,
 }
 
@@ -145,10 +148,10 @@ impl Writer<'_, '_> {
             let behind = first_turn.before * first_turn.transform(at);
             let child_from_joint = chain.transform(at).inverse() * behind;
             let axes = [Vector3::z(), Vector3::x()];
-            let axes = axes.into_iter().zip(&chain.motions).map(|(direction, motion)| Axis {
-                direction,
-                coordinate: motion.coordinate,
-            });
+            let axes = axes
+                .into_iter()
+                .zip(&chain.motions)
+                .map(|(direction, motion)| Axis { direction, coordinate: motion.coordinate });
             let axes: Vec<Axis> = axes.collect();
             let name = joint.name.clone();
             self.element((j, &name, "universal"), [&first, &second], &child_from_joint, &axes);
@@ -192,14 +195,29 @@ impl Writer<'_, '_> {
                 }
                 Factor::Ball => ("ball", Vector3::zeros(), Vec::new()),
             };
-            let at_point = Pose::from_parts(
-                Translation3::from(point),
-                nalgebra::Rotation3::identity(),
-            );
+            let at_point =
+                Pose::from_parts(Translation3::from(point), nalgebra::Rotation3::identity());
             let child_from_joint = child_from_motion * at_point;
             self.element((j, &names[k], kind), [&parent, &child], &child_from_joint, &axes);
             parent = child;
         }
+    }
+
+    /// The name of a joint in the model, where links, frames and joints share one list of names.
+    fn joint_name(&mut self, name: &str) -> String {
+        if let Some((_, new)) = self.renamed.iter().find(|(old, _)| old == name) {
+            return new.clone();
+        }
+        let mechanism = self.skeleton.mechanism;
+        let mut others =
+            mechanism.links().iter().chain(mechanism.frames().iter().map(|frame| &frame.name));
+        if others.all(|other| other != name) {
+            return name.to_owned();
+        }
+        let new = self.skeleton.fresh(format!("{name} joint"));
+        self.lost.push(format!("joint {name:?} is named {new:?}: a link or frame has its name"));
+        self.renamed.push((name.to_owned(), new.clone()));
+        new
     }
 
     fn element(
@@ -210,11 +228,13 @@ impl Writer<'_, '_> {
         axes: &[Axis],
     ) {
         let skeleton = self.skeleton;
+        let name = &self.joint_name(name);
         self.xml.open("joint", &[("name", name.into()), ("type", kind.into())]);
         self.pose(child_from_joint, Some(child));
         self.xml.with_text("parent", &[], parent);
         self.xml.with_text("child", &[], child);
-        if let (JointKind::Helical { lead }, "screw") = (skeleton.mechanism.joints()[j].kind, kind) {
+        if let (JointKind::Helical { lead }, "screw") = (skeleton.mechanism.joints()[j].kind, kind)
+        {
             let pitch = lead * std::f64::consts::TAU;
             self.xml.with_text("screw_thread_pitch", &[], &number(pitch));
         }
@@ -243,6 +263,7 @@ impl Writer<'_, '_> {
     /// Controllers of actuated joints.
     fn controllers(&mut self) {
         for name in std::mem::take(&mut self.driven) {
+            let name = self.joint_name(&name);
             let attributes = [
                 ("filename", "gz-sim-joint-position-controller-system".to_owned()),
                 ("name", super::POSITION_CONTROLLER.to_owned()),

@@ -58,10 +58,7 @@ impl<'a> Skeleton<'a> {
     /// The tree at a closed configuration, which becomes the reference.
     ///
     /// Spherical joints close loops where there is a choice.
-    pub(super) fn new(
-        mechanism: &'a Mechanism,
-        coordinates: &DVector<f64>,
-    ) -> Result<Self, Error> {
+    pub(super) fn new(mechanism: &'a Mechanism, coordinates: &DVector<f64>) -> Result<Self, Error> {
         Self::made(mechanism, coordinates, false)
     }
 
@@ -134,18 +131,32 @@ impl<'a> Skeleton<'a> {
     fn close(&mut self, joint: usize, chain: ElementaryChain, bodies: [usize; 2]) {
         let name = self.mechanism.joints()[joint].name.clone();
         let ball = chain.motions.iter().position(|one| matches!(one.factor, Factor::Ball));
+        let described = &self.mechanism.joints()[joint];
+        if ball.is_some() && described.actuated {
+            self.lost.push(format!("actuator of {name:?}: it is a ball that closes a loop"));
+        }
+        if ball.is_some() && !described.limits.is_empty() {
+            self.lost.push(format!("limits of {name:?}: it is a ball that closes a loop"));
+        }
         let part = |motions: &[_], end: Pose| ElementaryChain { motions: motions.to_vec(), end };
         let (is_ball, sides) = match ball {
             None => {
                 let end = chain.end;
                 let ends = [Pose::identity(), end.inverse()];
-                (false, [(part(&chain.motions, Pose::identity()), ends[0]), (part(&[], Pose::identity()), ends[1])])
+                (
+                    false,
+                    [
+                        (part(&chain.motions, Pose::identity()), ends[0]),
+                        (part(&[], Pose::identity()), ends[1]),
+                    ],
+                )
             }
             Some(k) => {
                 let center = chain.motions[k].before;
                 let first = part(&chain.motions[..k], Pose::identity());
                 let second = part(&chain.motions[k + 1..], chain.end).inverse();
-                let on_second = second.end;
+                // Both frames coincide at the reference, so that the ball is at zero there.
+                let on_second = second.end * chain.motions[k].transform(&self.coordinates).inverse();
                 let second = ElementaryChain { end: Pose::identity(), ..second };
                 (true, [(first, center), (second, on_second)])
             }
@@ -161,10 +172,8 @@ impl<'a> Skeleton<'a> {
                 ends[side] = self.push(part, None, parent, (Some(joint), chain));
             }
         }
-        let has_joint = matches!(
-            self.mechanism.joints()[joint].kind,
-            JointKind::Spherical | JointKind::Fixed
-        );
+        let has_joint =
+            matches!(self.mechanism.joints()[joint].kind, JointKind::Spherical | JointKind::Fixed);
         let name = if has_joint { name } else { self.fresh(format!("{name} closed")) };
         self.closures.push(Closure { name, is_ball, bodies: ends, frames });
     }
@@ -225,7 +234,8 @@ impl<'a> Skeleton<'a> {
         if let Some(m) = self.virtual_joint(coordinate) {
             return self.mechanism.virtual_joints()[m].clearance.map(|most| [-most, most]);
         }
-        let first: usize = self.mechanism.joints()[..joint].iter().map(|one| one.kind.freedoms()).sum();
+        let first: usize =
+            self.mechanism.joints()[..joint].iter().map(|one| one.kind.freedoms()).sum();
         self.mechanism.joints()[joint].limits.get(coordinate - first).copied()
     }
 
@@ -258,7 +268,9 @@ fn lost(mechanism: &Mechanism) -> Vec<String> {
     };
     let clearances = count(|joint| joint.clearance.linear.or(joint.clearance.angular).is_some());
     if clearances > 0 {
-        lost.push(format!("{clearances} × clearance of a joint; that of virtual joints is kept as limits"));
+        lost.push(format!(
+            "{clearances} × clearance of a joint; that of virtual joints is kept as limits"
+        ));
     }
     let stiff = count(|joint| joint.stiffness.linear.or(joint.stiffness.angular).is_some());
     if stiff > 0 {

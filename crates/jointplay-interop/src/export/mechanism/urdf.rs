@@ -152,7 +152,8 @@ impl Writer<'_, '_> {
             let (child, child_from, at) = if is_end {
                 (body.name.clone(), end.rotation.inverse(), before * end)
             } else {
-                let at = before * Pose::from_parts(Translation3::from(one.point), Rotation3::identity());
+                let at =
+                    before * Pose::from_parts(Translation3::from(one.point), Rotation3::identity());
                 (self.part(&described.name), Rotation3::identity(), at)
             };
             self.link(&child, false);
@@ -217,7 +218,8 @@ impl Writer<'_, '_> {
                 // The turns are at zero in the closed configuration, far from where two axes coincide.
                 let home = motion.transform(&skeleton.coordinates);
                 let mut before = motion.before * home;
-                for (k, axis) in [Vector3::x(), Vector3::y(), Vector3::z()].into_iter().enumerate() {
+                for (k, axis) in [Vector3::x(), Vector3::y(), Vector3::z()].into_iter().enumerate()
+                {
                     all.push(Elementary {
                         name: skeleton.fresh(format!("{name} about {}", ["x", "y", "z"][k])),
                         before: std::mem::replace(&mut before, Pose::identity()),
@@ -293,10 +295,14 @@ fn loops(skeleton: &Skeleton<'_>) -> Option<String> {
         })
     };
     let mut joints: Vec<Joint> = Vec::new();
-    for &joint in &skeleton.whole_closures {
-        let joint = skeleton.mechanism.joints()[joint].clone();
-        let links = joint.links.map(|at| link(&mut names, &skeleton.mechanism.links()[at]));
-        joints.push(Joint { links, ..joint });
+    let mut first = 0;
+    for (j, joint) in skeleton.mechanism.joints().iter().enumerate() {
+        let values = &skeleton.coordinates[first..][..joint.kind.freedoms()];
+        first += values.len();
+        if skeleton.whole_closures.contains(&j) {
+            let links = joint.links.map(|at| link(&mut names, &skeleton.mechanism.links()[at]));
+            joints.push(Joint { links, guess: values.to_vec(), ..joint.clone() });
+        }
     }
     for closure in &skeleton.closures {
         joints.push(Joint {

@@ -77,7 +77,11 @@ pub(super) fn numbers(values: &[f64]) -> String {
 pub(super) fn number(value: f64) -> String {
     let value = value + 0.0;
     let size = value.abs();
-    if size == 0.0 || (1e-5..1e15).contains(&size) { format!("{value}") } else { format!("{value:e}") }
+    if size == 0.0 || (1e-5..1e15).contains(&size) {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
 }
 
 pub(super) fn vector(vector: &Vector3<f64>) -> String {

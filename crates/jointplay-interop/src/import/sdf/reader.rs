@@ -142,7 +142,10 @@ impl<'a> Reader<'a> {
                     }
                     "joint" => joints.push(inner),
                     "pose" | "static" if !in_world => {}
-                    "plugin" if attribute(inner, "name").is_some_and(|name| name.text == POSITION_CONTROLLER) => {
+                    "plugin"
+                        if attribute(inner, "name")
+                            .is_some_and(|name| name.text == POSITION_CONTROLLER) =>
+                    {
                         self.controllers.push(inner);
                     }
                     "include" => return Err(xml.unsupported(inner, "<include>", EXPAND)),
