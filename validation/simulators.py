@@ -136,6 +136,7 @@ class Glb:
         self.bytes = data[28 + length :]
         self.nodes = self.document["nodes"]
         self.parents = {child: k for k, node in enumerate(self.nodes) for child in node.get("children", [])}
+        self.known: dict[int, np.ndarray] = {}
         animation = self.document["animations"][-1]
         self.channels = {
             (channel["target"]["node"], channel["target"]["path"]): animation["samplers"][channel["sampler"]]
@@ -143,6 +144,11 @@ class Glb:
         }
 
     def numbers(self, accessor: int) -> np.ndarray:
+        if accessor not in self.known:
+            self.known[accessor] = self.read(accessor)
+        return self.known[accessor]
+
+    def read(self, accessor: int) -> np.ndarray:
         entry = self.document["accessors"][accessor]
         view = self.document["bufferViews"][entry["bufferView"]]
         width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[entry["type"]]
@@ -249,7 +255,7 @@ def poses(answer: dict, link: str, per_meter: float) -> list[np.ndarray]:
 def check_parts(command: str, folder: Path, validate: Callable[[Path], dict]) -> None:
     """Parts move as the links do, whatever their places in the file; the files are valid."""
     for name, drives in ANIMATED.items():
-        flags = [word for drive in drives for word in ("--drive", drive)]
+        flags = [*(word for drive in drives for word in ("--drive", drive)), "--steps", "24"]
         answer = jointplay(command, "move", name, *flags, "--poses")
         per_meter = {"mm": 1e3, "m": 1.0}[answer["units"]["length"]]
         links = [link for link in answer["poses"]]
@@ -263,7 +269,7 @@ def check_parts(command: str, folder: Path, validate: Callable[[Path], dict]) ->
         )
         bars = folder / f"{name}-bars"
         jointplay(command, "move", name, *flags, "--to", "gltf", "--out", str(bars))
-        before, after = Glb_of(file), Glb((step / f"{name}-motion.glb").read_bytes())
+        before, after = still_glb(file), Glb((step / f"{name}-motion.glb").read_bytes())
         drawn = Glb((bars / f"{name}-motion.glb").read_bytes())
         for path in (step, bars):
             report = validate(path / f"{name}-motion.glb")
@@ -303,7 +309,7 @@ def check_step(command: str, folder: Path, validate: Callable[[Path], dict]) -> 
     answer = jointplay(command, "move", "four-bar", *flags, "--poses")
     reference = jointplay(command, "move", "four-bar", *still(["A"]), "--steps", "1", "--poses")
     per_meter = {"mm": 1e3, "m": 1.0}[answer["units"]["length"]]
-    before, after = Glb_of(file), Glb((out / "four-bar-motion.glb").read_bytes())
+    before, after = still_glb(file), Glb((out / "four-bar-motion.glb").read_bytes())
     worst = 0.0
     for link in answer["poses"]:
         home = np.linalg.inv(poses(reference, link, per_meter)[0])
@@ -318,20 +324,16 @@ def check_step(command: str, folder: Path, validate: Callable[[Path], dict]) -> 
 
 
 def still(drives: list[str]) -> list[str]:
-    """Drives that stay where the loops close."""
-    names = [drive.split("=")[0] for drive in drives]
-    return [word for name in names[:1] for word in ("--drive", f"{name}={REFERENCE.get(name, 0)}:{REFERENCE.get(name, 0) + 1e-9}")]
+    """A drive that stays where the loops of these mechanisms close, at zero."""
+    return ["--drive", f"{drives[0].split('=')[0]}=0:1e-9"]
 
 
-# Values of driven joints where the loops close, in the units of the file.
-REFERENCE: dict[str, float] = {}
-
-
-def Glb_of(path: Path) -> Glb:
+def still_glb(path: Path) -> Glb:
     """A file without animations."""
     data = path.read_bytes()
     length = int.from_bytes(data[12:16], "little")
     glb = Glb.__new__(Glb)
+    glb.known = {}
     glb.document = json.loads(data[20 : 20 + length])
     glb.bytes, glb.channels, glb.nodes = data[28 + length :], {}, glb.document["nodes"]
     glb.parents = {child: k for k, node in enumerate(glb.nodes) for child in node.get("children", [])}

@@ -108,6 +108,9 @@ pub fn gltf_within(
     })
 }
 
+/// Weight of an origin in the division of a tolerance among the frames of a chain, as the distance of a point from the origin of a frame is that of its rotation (m).
+const PLACE_WEIGHT: f64 = 0.25;
+
 fn check_tolerance(tolerance: f64) -> Result<(), Error> {
     if tolerance.is_finite() && tolerance > 0.0 {
         Ok(())
@@ -128,27 +131,27 @@ fn tolerances(scene: &Scene, cell: &Cell, tolerance: f64) -> Vec<Tolerance> {
         .iter()
         .map(|track| if matches!(track.of, Part::Wafer(_)) { wafer } else { blade })
         .collect();
-    let mut depths = vec![1_u32; tracks.len()];
-    // Children come after their parents.
-    for (k, track) in tracks.iter().enumerate().rev() {
-        let Some(parent) = track.parent else { continue };
-        let places = track.places.iter().map(|&place| nalgebra::Vector3::from(place).norm());
-        reaches[parent] = reaches[parent].max(places.fold(0.0, f64::max) + reaches[k]);
-    }
+    // Along a chain, the same angle for all rotations, and as much for an origin as for a rotation at its weight.
+    let varies = |values: &[[f64; 3]]| values.windows(2).any(|pair| pair[0] != pair[1]);
+    let weight = |(track, &reach): (&Track, &f64)| {
+        let place = if varies(&track.places) { PLACE_WEIGHT } else { 0.0 };
+        let turns = track.turns.windows(2).any(|pair| pair[0] != pair[1]);
+        place + if turns { reach } else { 0.0 }
+    };
+    let mut sums: Vec<f64> = tracks.iter().zip(&reaches).map(weight).collect();
     for (k, track) in tracks.iter().enumerate() {
-        depths[k] = track.parent.map_or(1, |parent| depths[parent] + 1);
+        sums[k] += track.parent.map_or(0.0, |parent| sums[parent]);
     }
-    let mut chains = depths.clone();
     for (k, track) in tracks.iter().enumerate().rev() {
         if let Some(parent) = track.parent {
-            chains[parent] = chains[parent].max(chains[k]);
+            sums[parent] = sums[parent].max(sums[k]);
         }
     }
-    let part = |(&chain, &reach): (&u32, &f64)| {
-        let part = 0.5 * tolerance / f64::from(chain);
-        Tolerance { place: part, turn: part / reach }
+    let part = |&sum: &f64| {
+        let turn = tolerance / sum.max(PLACE_WEIGHT);
+        Tolerance { place: turn * PLACE_WEIGHT, turn }
     };
-    chains.iter().zip(&reaches).map(part).collect()
+    sums.iter().map(part).collect()
 }
 
 /// A node at the first pose of its track; the node of a wafer lists the nodes of the slots that it is in.

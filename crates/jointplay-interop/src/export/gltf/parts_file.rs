@@ -6,6 +6,7 @@ use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion};
 use serde_json::{Value, json, to_value};
 
 use super::document::{Document, GENERATOR, binary};
+use super::numbers::single;
 use super::parts_error::PartsError;
 use crate::export::error::Error;
 use jointplay_format::place::nearest;
@@ -202,8 +203,8 @@ impl PartsFile {
             };
             let mut entry = json!({ "name": name, "children": [child] });
             if let Some((place, turn)) = start {
-                entry["translation"] = json!(place);
-                entry["rotation"] = json!(turn);
+                entry["translation"] = json!(place.map(single));
+                entry["rotation"] = json!(turn.map(single));
             }
             animated.push(entry);
         }
@@ -212,7 +213,10 @@ impl PartsFile {
         let roots: Vec<usize> = (first..first + moved.len()).collect();
         let nodes = array(&mut document, "nodes");
         for node in nodes.iter_mut() {
-            remove(node, "children", is_moved);
+            if remove(node, "children", is_moved) && node.get("extras").is_none() {
+                // Some programs report nodes without any contents.
+                node["extras"] = json!({ "moved": "its parts are in animated nodes" });
+            }
         }
         nodes.extend(animated);
         nodes.extend(holders);
@@ -317,15 +321,15 @@ fn array<'a>(object: &'a mut Value, key: &str) -> &'a mut Vec<Value> {
     list.as_array_mut().expect("it is one now")
 }
 
-/// Removes entries of a list, and the list where it becomes empty, as glTF has none of those.
-fn remove(object: &mut Value, key: &str, is_removed: impl Fn(&Value) -> bool) {
-    let Some(list) = object.get_mut(key).and_then(Value::as_array_mut) else { return };
+/// Removes entries of a list, and the list where it becomes empty, as glTF has none of those; returns whether it did.
+fn remove(object: &mut Value, key: &str, is_removed: impl Fn(&Value) -> bool) -> bool {
+    let Some(list) = object.get_mut(key).and_then(Value::as_array_mut) else { return false };
     list.retain(|entry| !is_removed(entry));
-    if list.is_empty()
-        && let Some(object) = object.as_object_mut()
-    {
+    let is_empty = list.is_empty();
+    if is_empty && let Some(object) = object.as_object_mut() {
         object.remove(key);
     }
+    is_empty
 }
 
 /// The transform of a node in its parent.

@@ -156,7 +156,8 @@ impl<'a> Skeleton<'a> {
                 let first = part(&chain.motions[..k], Pose::identity());
                 let second = part(&chain.motions[k + 1..], chain.end).inverse();
                 // Both frames coincide at the reference, so that the ball is at zero there.
-                let on_second = second.end * chain.motions[k].transform(&self.coordinates).inverse();
+                let on_second =
+                    second.end * chain.motions[k].transform(&self.coordinates).inverse();
                 let second = ElementaryChain { end: Pose::identity(), ..second };
                 (true, [(first, center), (second, on_second)])
             }
