@@ -1,17 +1,12 @@
 //! Text of a motion in a dialect.
 
 use jointplay_cell::program::{Handoff, Path};
-use jointplay_cell::robot::AxisKind;
 use jointplay_format::number::fixed;
 use jointplay_format::place;
 use jointplay_format::program::phase_name;
 
-use super::codes::Codes;
-use super::format_spec::Value;
 use super::language::{Dialect, Motions};
-use super::output::Output;
-use super::problem::Problem;
-use super::template::Template;
+use crate::controller_text::{Codes, Output, Problem, Template, Value, count, one_line};
 use crate::export::error::Error;
 use crate::export::motion_export::MotionExport;
 
@@ -71,7 +66,7 @@ impl Dialect {
         }
         let ends = |output: &mut Output<'_>, lines: &[Template], time: f64| {
             let axes = cell.robot.axes.iter().map(|axis| axis.name.clone());
-            let names = axes.collect::<Vec<_>>().join(&self.between);
+            let names = axes.collect::<Vec<_>>().join(&self.axis.between);
             let positions = self.values(motion_export, &motion.sample_at(time).positions)?;
             push(output, lines, |name| match name {
                 "cell" => Value::Text(one_line(&cell.name)),
@@ -184,22 +179,9 @@ impl Dialect {
         push(output, comment, |_| Value::Text(one_line(what)))
     }
 
-    /// A value for each axis, in the units of the dialect.
+    /// A value for each axis.
     fn values(&self, motion_export: &MotionExport<'_>, values: &[f64]) -> Result<String, Error> {
-        let axes = motion_export.cell.robot.axes.iter().zip(values).enumerate();
-        let values = axes.map(|(k, (axis, &value))| {
-            let value = match axis.kind {
-                AxisKind::Linear => self.length.from_meters(value),
-                AxisKind::Rotary => self.angle.from_radians(value),
-            };
-            let filled = self.axis.fill(|name| match name {
-                "name" => Value::Text(axis.name.clone()),
-                "value" => Value::Real(value),
-                _ => count(k + 1),
-            });
-            filled.map_err(invalid)
-        });
-        Ok(values.collect::<Result<Vec<_>, Error>>()?.join(&self.between))
+        self.axis.values(&motion_export.cell.robot, values).map_err(invalid)
     }
 
     /// The difference of two rounded times.
@@ -224,13 +206,4 @@ fn push(
 /// The error of a template that has no text for this motion.
 fn invalid(error: place::Error<Problem>) -> Error {
     Error::Dialect(vec![error].into())
-}
-
-fn count(value: usize) -> Value {
-    Value::Integer(i64::try_from(value).unwrap_or(i64::MAX))
-}
-
-/// A quoted text in one line.
-fn one_line(text: &str) -> String {
-    text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect()
 }
