@@ -46,7 +46,7 @@ impl PyMechanism {
         let commands = self.commands(py, at)?;
         let found =
             py.detach(|| self.posed(&commands, None)).map_err(|error| errors::core(py, &error))?;
-        let written = py.detach(|| write(&self.file.mechanism, &found.values));
+        let written = py.detach(|| write(&self.file.mechanism, &found.coordinates));
         let Written { text, loops, lost } = written.map_err(|error| match error {
             Error::Core(error) => errors::core(py, &error),
             other => errors::input(py, &other.to_string()),
@@ -97,8 +97,13 @@ impl PyMechanism {
             py.detach(|| self.posed(&[], None)).map_err(|error| errors::core(py, &error))?;
         let scene = py.detach(|| {
             let mechanism = &self.file.mechanism;
-            let motion =
-                MechanismMotion::new(mechanism, &reference.values, &rows, duration_s, exaggerate)?;
+            let motion = MechanismMotion::new(
+                mechanism,
+                &reference.coordinates,
+                &rows,
+                duration_s,
+                exaggerate,
+            )?;
             let tolerance = 1e-6 * tolerance_um;
             let Some(parts) = parts else {
                 let bytes = motion.gltf(tolerance)?;

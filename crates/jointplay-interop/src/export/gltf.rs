@@ -131,6 +131,12 @@ fn tolerances(scene: &Scene, cell: &Cell, tolerance: f64) -> Vec<Tolerance> {
         .iter()
         .map(|track| if matches!(track.of, Part::Wafer(_)) { wafer } else { blade })
         .collect();
+    // Children come after their parents.
+    for (k, track) in tracks.iter().enumerate().rev() {
+        let Some(parent) = track.parent else { continue };
+        let places = track.places.iter().map(|&place| nalgebra::Vector3::from(place).norm());
+        reaches[parent] = reaches[parent].max(places.fold(0.0, f64::max) + reaches[k]);
+    }
     // Along a chain, the same angle for all rotations, and as much for an origin as for a rotation at its weight.
     let varies = |values: &[[f64; 3]]| values.windows(2).any(|pair| pair[0] != pair[1]);
     let weight = |(track, &reach): (&Track, &f64)| {

@@ -6,13 +6,13 @@ mod simulator;
 use std::path::PathBuf;
 
 use clap::Args;
-use jointplay::mechanism::Mechanism;
+use jointplay::mechanism::{Mechanism, Posed};
 use serde::Serialize;
 
 use self::files::{Files, Format};
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
-use crate::mechanism_input::{JointValues, MechanismArgs, Posed, joint_values};
+use crate::mechanism_input::{JointValues, MechanismArgs, joint_values};
 use crate::source;
 
 /// Export a mechanism for MuJoCo (MJCF), Gazebo (SDF) or ROS (URDF), with its play as joints

@@ -68,6 +68,17 @@ impl PartsFile {
         if !document.is_object() {
             return Err(refused("its description is not an object"));
         }
+        let is_list = |key: &str| match &document[key] {
+            Value::Null => true,
+            Value::Array(list) => list.iter().all(Value::is_object),
+            _ => false,
+        };
+        let lists = ["nodes", "scenes", "buffers", "bufferViews", "accessors", "animations"];
+        if !matches!(document["asset"], Value::Null | Value::Object(_))
+            || !lists.into_iter().all(is_list)
+        {
+            return Err(refused("its description is not that of glTF"));
+        }
         let buffers = document["buffers"].as_array().map_or(&[][..], Vec::as_slice);
         if buffers.iter().any(|buffer| buffer.get("uri").is_some()) {
             return Err(refused("its data are in other files; save it with all data inside"));
