@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 use jointplay_core::constraint::System as _;
+use jointplay_core::linalg::svd;
 use jointplay_core::mechanism::{
     Carrier, Joint, JointKind, Kinematics, LinearAndAngular, Mechanism, MechanismSystem,
     VirtualJoint, VirtualMotion, assemble, guess,
@@ -14,8 +15,9 @@ use jointplay_interop::import::parse;
 use nalgebra::{DMatrix, DVector, Rotation3, Translation3, Unit, Vector3};
 use proptest::prelude::*;
 
-const FORMATS: [(&str, fn(&Mechanism, &DVector<f64>) -> Result<Written, Error>); 3] =
-    [("MJCF", mjcf), ("SDF", sdf), ("URDF", urdf)];
+type Write = fn(&Mechanism, &DVector<f64>) -> Result<Written, Error>;
+
+const FORMATS: [(&str, Write); 3] = [("MJCF", mjcf), ("SDF", sdf), ("URDF", urdf)];
 
 /// Reads the files of an export.
 fn read(written: &Written) -> Mechanism {
@@ -49,7 +51,11 @@ fn constraints(mechanism: &Mechanism, at: &DVector<f64>) -> (DVector<f64>, usize
         column *= unit.unit(length);
     }
     let count = all.ncols();
-    if all.is_empty() { (DVector::zeros(0), count) } else { (all.singular_values(), count) }
+    if all.is_empty() {
+        (DVector::zeros(0), count)
+    } else {
+        (svd(&all).unwrap().singular_values, count)
+    }
 }
 
 /// The rank, if no singular value is near the threshold.
