@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import struct
 import subprocess
 import sys
@@ -90,6 +91,23 @@ def check_play(command: str, folder: Path) -> None:
         f"MuJoCo {mujoco.__version__}: play of {len(RODS)} poses within {1e6 * worst:.4f} µm of jointplay; "
         f"without play the platform is at least {1e6 * least:.2f} µm elsewhere"
     )
+
+
+def check_page(command: str, folder: Path) -> None:
+    """The code of the page on simulators prints the displacements of jointplay."""
+    page = (HERE.parent / "docs" / "how-to" / "export-to-simulators.md").read_text(encoding="utf-8")
+    (block,) = [part[len("python\n") :] for part in page.split("```") if part.startswith("python\nimport mujoco")]
+    jointplay(command, "export", "gpr-mechanism", "--to", "mjcf", "--out", str(folder / "page" / "models"))
+    done = subprocess.run(
+        [sys.executable, "-c", block], cwd=folder / "page", capture_output=True, text=True, check=False
+    )
+    if done.returncode != 0:
+        sys.exit(f"the code of the page on simulators fails: {done.stderr}")
+    answer = jointplay(command, "assemble", "gpr-mechanism", "--at", "rod 1=3.1,rod 2=-1.55,rod 3=-1.55")
+    expected = [1e6 * value for value in virtual_displacements(answer).values()]
+    found = [float(word) for word in re.findall(r"-?\d+\.\d+(?:e-?\d+)?", done.stdout)]
+    if not np.allclose(found, expected, rtol=0, atol=1e6 * SETTLED):
+        sys.exit(f"the code of the page on simulators prints {done.stdout}, expected {expected} µm")
 
 
 def virtual_displacements(answer: dict) -> dict[str, float]:
@@ -344,6 +362,7 @@ def check(command: str, validate: Callable[[Path], dict]) -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         check_play(command, folder)
+        check_page(command, folder)
         check_catalogue(command, folder)
         check_parts(command, folder, validate)
         check_step(command, folder, validate)

@@ -85,7 +85,7 @@ fn parts_are_matched_by_name_and_by_table() {
 }
 
 #[test]
-fn wrong_names_and_files_are_refused() {
+fn unknown_names_and_broken_files_are_refused() {
     with_motion(|motion, linkage| {
         let link = linkage.links()[1].clone();
         let refusal = |document: &Value, table: &[(&str, &str)]| {

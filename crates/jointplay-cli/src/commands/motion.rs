@@ -37,6 +37,7 @@ Examples:
   jointplay move hexapod --drive P1=0:0.02 --drive P2=0:-0.02:-0.005 --format json
   jointplay move gpr-mechanism --drive \"rod 1=0:3\" --poses --out tilt
   jointplay move hexapod --drive \"P1=0.02*sin(t)\" --drive \"P4=-0.02*sin(t)\" --steps 90
+  jointplay move gpr-mechanism --drive \"rod 1=0:3\" --to gltf --exaggerate 500 --out scene
   jointplay move gpr-mechanism --pose \"platform: tilt 1 about [1, 1, 0]\"
   jointplay move gpr-mechanism --pose \"platform: precess 1\" --steps 36
 
