@@ -27,6 +27,8 @@ const TURNED_TOLERANCE: f64 = 1e-6;
 /// Largest distance of motors from their retracted position at which they are set to it exactly; the droop of a retracted arm displaces them by less (m or rad).
 const RETRACTED_TOLERANCE: f64 = 1e-6;
 
+/// Largest difference of motor positions on one branch for the same pose of a wafer (m or rad).
+const SAME_BRANCH: f64 = 1e-6;
 /// Length below which a line is a step without motion: inverse kinematics is accurate to a tenth of it (m).
 const NO_DISPLACEMENT: f64 = 1e-11;
 
@@ -384,9 +386,38 @@ impl<'c> MotionSequencer<'c> {
                 let redundancy = Redundancy::KeepRedundantAngles;
                 self.ik_cache.positions(self.cell, effector, &target, loaded, &seed, redundancy)
             }
+            None if point == Retracted => self.solve_retracted(effector, &target, slot, loaded),
             None => self.solve(effector, &target, loaded),
         };
         reached.map_err(|source| self.unreachable(what, effector, slot, loaded, source))
+    }
+
+    /// Positions at the retracted pose of a slot, for an arm without a choice of postures: on the branch that the line into the slot follows.
+    ///
+    /// An arm that folds beyond its first axis can hold the wafer on either side of it; from the side that is away from the slot, the line would lead through the axis.
+    fn solve_retracted(
+        &mut self,
+        effector: EffectorId,
+        target: &WaferTarget,
+        slot: SlotId,
+        loaded: bool,
+    ) -> Result<Vec<f64>, Unreachable> {
+        let nearest = self.solve(effector, target, loaded)?;
+        let waypoints = self.ik_cache.waypoints(self.cell, effector, slot, &self.positions)?;
+        let vias = if loaded { &waypoints.via_above } else { &waypoints.via_below };
+        let pose = if loaded { &waypoints.above } else { &waypoints.below };
+        let mut solve = |target: &WaferTarget, seed: &[f64]| {
+            let redundancy = Redundancy::AwayFromLimits;
+            self.ik_cache.positions(self.cell, effector, target, loaded, seed, redundancy)
+        };
+        let along = solve(vias.first().unwrap_or(pose), &nearest);
+        let Ok(on_line) = along.and_then(|along| solve(target, &along)) else {
+            // The line itself is refused, with its place.
+            return Ok(nearest);
+        };
+        let motors = nearest.iter().zip(&on_line).skip(RODS);
+        let is_same = motors.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) <= SAME_BRANCH;
+        Ok(if is_same { nearest } else { on_line })
     }
 
     /// Positions that bring the wafer of an effector to a target, from the present ones.

@@ -20,6 +20,8 @@ pub struct Dialect {
     pub(super) time_decimals: usize,
     pub(super) axis: Template,
     pub(super) between: String,
+    /// Pose of one effector in the poses of all.
+    pub(super) pose: Option<Template>,
     pub(super) comment: Template,
     pub(super) begin: Vec<Template>,
     pub(super) instruction: Vec<Template>,
