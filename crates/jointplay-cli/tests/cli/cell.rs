@@ -732,7 +732,7 @@ fn the_how_to_shows_the_controller_text_of_its_dialect() {
     sandbox.done(&format!("{command} mine.toml"));
     assert_eq!(sandbox.read("c/example-robot-controller.cmd"), block("The controller text:"));
     sandbox.write("cartesian.toml", block("Save this as `cartesian.toml`"));
-    sandbox.done(&format!("{command} cartesian.toml"));
+    sandbox.done(&format!("{command} cartesian.toml --force"));
     let text = sandbox.read("c/example-cartesian.pos");
     assert!(text.starts_with(block("The controller text begins with:")), "{text}");
     // What the cell does not have is reported with its place in the dialect.
