@@ -334,6 +334,25 @@ def test_suggest(ask):
         mechanism.suggest([{"rod 1": 0.005}, {"rod 2": 0.005}])
 
 
+def test_suggestions_by_elastic_energy():
+    rods = jp.Mechanism.from_catalogue("gpr-mechanism")
+    tilt = {"rod 1": 0.002, "rod 2": 0.0, "rod 3": 0.0}
+    with pytest.raises(jp.InputError, match="has no linear stiffness"):
+        rods.suggest([tilt], rank="stiffness")
+    with pytest.raises(jp.InputError, match="needs rank="):
+        rods.suggest([tilt], linear_stiffness=1e6)
+    with pytest.raises(jp.InputError, match="must be a positive finite number"):
+        rods.suggest([tilt], rank="stiffness", linear_stiffness=-1.0)
+    found = rods.suggest([tilt], rank="stiffness", linear_stiffness=2e7, angular_stiffness=5e3)
+    best = found.sets[0]
+    assert best.energy_j >= found.least_energy_j * (1 - 1e-6)
+    assert best.energy_j == pytest.approx(sum(one.stiffness * one.largest**2 for one in best.virtual_joints) / 2)
+    # The new mechanism has the stiffness, and with it the same displacement.
+    relief = rods.with_virtual_joints(best).relieve(tilt)
+    assert relief.size_unit == "sqrt(J)" and relief.size**2 / 2 == pytest.approx(best.energy_j, rel=1e-7)
+    assert rods.suggest([tilt]).sets[0].energy_j is None
+
+
 def test_a_suggestion_makes_a_new_mechanism():
     mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
     tilt = {"rod 1": 0.002, "rod 2": 0, "rod 3": -0.001}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ET
 
 import matplotlib
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 import jointplay as jp
-from jointplay._base import latex_number, latex_text
+from jointplay._base import identifiers, latex_number, latex_text
 
 matplotlib.use("Agg")
 
@@ -33,6 +34,52 @@ def test_a_picture_is_shown_and_saved_in_three_formats(tmp_path):
         picture.save(tmp_path / "picture.jpg")
 
 
+def test_labels_font_and_size_of_a_picture():
+    four_bar = jp.Mechanism.from_catalogue("four-bar")
+    links = four_bar.draw(labels="links").svg
+    assert ">coupler</text>" in links and ">A</text>" not in links
+    own = four_bar.draw(labels={"A": "motor", "B": ""}).svg
+    assert ">motor</text>" in own and ">A</text>" not in own and ">B</text>" not in own and ">C</text>" in own
+    large = four_bar.draw(text_scale=1.5, font="serif", width_px=360.0).svg
+    root = ET.fromstring(large)
+    assert root.get("width") == "360" and root.get("viewBox").startswith("0 0 240 ")
+    assert root.get("font-family").startswith("serif, ")
+
+
+def test_latex_sets_the_text_of_a_picture(tmp_path):
+    picture = jp.Mechanism.from_catalogue("four-bar").draw(labels={"A": r"$\theta_1$"}, title="50 %")
+    picture.save(tmp_path / "loop.tex")
+    source = (tmp_path / "loop.tex").read_text(encoding="utf-8")
+    assert r"{$\theta_1$}" in source and r"{50 \%}" in source and "{loop.pdf}" in source
+    graphics = (tmp_path / "loop.pdf").read_bytes()
+    assert graphics.startswith(b"%PDF") and b"DejaVu" not in graphics
+    assert picture.latex("loop.pdf") == (source, graphics)
+    for label in re.findall(r"\\makebox\[0pt\]\[[lcr]\]\{(.*)\}\}%", source):
+        matplotlib.mathtext.MathTextParser("path").parse(label.replace(r"\%", "%"))
+
+
+def test_columns_of_data_frames_are_identifiers():
+    rods = jp.Mechanism.from_catalogue("gpr-mechanism")
+    motion = rods.drive({"rod 1": 0.002}, steps=3)
+    frame = motion.to_dataframe()
+    assert all(name.isidentifier() for name in frame.columns)
+    assert "S1_0_rad" in frame.columns and "S1[0]_rad" in motion.columns()
+    assert len(frame.query("rod_1_m > 0.001")) == 2
+    assert (frame.rod_1_m == motion.columns()["rod 1_m"]).all()
+    ax = motion.plot("rod_1_m", x="S1_0_rad")
+    assert ax.get_ylabel() == "rod 1_m"
+    matplotlib.pyplot.close(ax.figure)
+    assert identifiers(["a b", "a_b", "a[b]", "1", "class", "x²", "plain"]) == [
+        "a_b",
+        "a_b_2",
+        "a_b_3",
+        "_1",
+        "_class",
+        "x²" if "x²".isidentifier() else "x",
+        "plain",
+    ]
+
+
 def test_what_cannot_be_drawn_is_refused():
     four_bar = jp.Mechanism.from_catalogue("four-bar")
     assert four_bar.draw(ghost={"A": 0.3}).svg != four_bar.draw().svg
@@ -43,6 +90,10 @@ def test_what_cannot_be_drawn_is_refused():
         {"at": np.zeros(3)},
         {"width_px": -1.0},
         {"at": {"Z": 1.0}},
+        {"labels": "motors"},
+        {"labels": {"Z": "motor"}},
+        {"text_scale": 0.0},
+        {"font": ";"},
         {"at": np.full(4, np.nan)},
     ):
         with pytest.raises((jp.InputError, jp.JointplayError)):

@@ -9,6 +9,8 @@
 //! | `deps`   | Does each crate import only what its ring may?      |
 //! | `python` | Does the Python package work where it is installed? |
 //! | `cell`   | Do other programs read exported motions?             |
+//! | `c-library` | Installs the library for C.                        |
+//! | `c`      | Do programs in C, C++ and C# work with it?          |
 //! | `studio` | Does the studio's server keep its own description?   |
 //! | `page`   | Does the studio's page work in a browser?           |
 //! | `book`   | Does the documentation build, without dead links?   |
@@ -20,6 +22,7 @@
 )]
 
 mod book;
+mod c_library;
 mod cell;
 mod circles;
 mod command;
@@ -40,6 +43,7 @@ use std::process::ExitCode;
 
 const USAGE: &str = "\
 usage: cargo xtask CHORE
+       cargo xtask c-library --prefix FOLDER    install the library for C
 
   test     everything a change must pass, stopping at the first failure
   tidy     paths, links, source keys, sizes and unfinished code
@@ -48,6 +52,7 @@ usage: cargo xtask CHORE
   words    words to avoid, and the field's terms for them
   python   the Python package: its wheel, tested in clean environments
   cell     exported motions, read by other programs
+  c        the library for C, called by programs in C, C++ and C#
   studio   the studio's server, checked against its own description
   page     the studio's page: built, and tested in a browser
   book     the documentation as a book, with every link checked";
@@ -63,6 +68,8 @@ fn main() -> ExitCode {
         ["deps"] => deps::run(&root),
         ["python"] => python::run(&root),
         ["cell"] => cell::run(&root),
+        ["c"] => c_library::run(&root),
+        ["c-library", "--prefix", prefix] => c_library::install(prefix, &root),
         ["studio"] => studio::run(&root),
         ["page"] => page::run(&root),
         ["book"] => book::run(&root),

@@ -5,7 +5,7 @@
 mod ahead;
 
 use self::ahead::Ahead;
-use crate::{book, cell, circles, deps, page, python, studio, tidy, words};
+use crate::{book, c_library, cell, circles, deps, page, python, studio, tidy, words};
 use std::io::{self, IsTerminal};
 use std::path::Path;
 use std::process::Command;
@@ -72,6 +72,7 @@ pub(crate) fn run(root: &Path) -> bool {
         }
         "xtask book" => book::run(root),
         "xtask cell" => ahead.wait("cell") && cell::run(root),
+        "xtask c" => ahead.wait("c") && c_library::run(root),
         "xtask studio" => ahead.wait("studio") && studio::run(root),
         "xtask page" => ahead.wait("page") && page::run(root),
         "xtask python" => ahead.wait("python") && python::run(root),
@@ -120,6 +121,10 @@ fn steps(examples: &[String]) -> Vec<Step> {
     steps.push(Step::new(
         "xtask cell",
         "run `jointplay cell export --to …` with the kind that failed, and the reader named above",
+    ));
+    steps.push(Step::new(
+        "xtask c",
+        "run the command that failed; see docs/how-to/c.md for the programs and their flags",
     ));
     steps.push(Step::new(
         "xtask studio",
@@ -241,6 +246,7 @@ mod tests {
             &format!("RUSTDOCFLAGS=\"-D warnings\" cargo {DOC}"),
             "cargo xtask book",
             "cargo xtask cell",
+            "cargo xtask c",
             "cargo xtask studio",
             "cargo xtask page",
             "cargo xtask python",

@@ -23,6 +23,7 @@
 //! | [`trajectory`] | steps over time: jerk-limited, synchronized, along straight lines |
 //! | [`schedule`] | stays of wafers, use of robot and stations, critical path, steady state |
 //! | [`check`] | violations of a trajectory, minimum distances, and results by instruction |
+//! | [`controller`] | a simulated controller: one program after another, each checked before it moves |
 //! | [`jog`] | interactive motion up to the limits |
 //! | [`optimise`] | orders of hand-offs, arms, blends and speeds that are better than those of a program |
 //! | [`IncrementalPlanner`] | expansion, trajectory and check, with results of the previous plan reused |
@@ -52,6 +53,7 @@ mod arm_placement;
 pub mod check;
 mod collision;
 mod conditions;
+pub mod controller;
 pub mod displacement;
 mod entity;
 mod error;

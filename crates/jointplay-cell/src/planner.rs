@@ -2,7 +2,7 @@
 
 use crate::check::{CheckCache, CheckOptions, Report};
 use crate::incremental::{CacheStats, Interrupted, JobContext, Observer, Progress, StopRequested};
-use crate::program::{IkCache, Program, ProgramError, expand_by};
+use crate::program::{Expansion, IkCache, Program, ProgramError, RobotState, expand_by};
 use crate::trajectory::{SegmentCache, Trajectory, TrajectoryError, TrajectoryOptions};
 use crate::validate::InvalidPart;
 use crate::workcell::Cell;
@@ -61,6 +61,13 @@ impl Default for PlanOptions<'_> {
     }
 }
 
+/// A checked trajectory, and the state of the robot at its end.
+pub(crate) struct PlannedMotion {
+    pub(crate) trajectory: Trajectory,
+    pub(crate) report: Report,
+    pub(crate) end: RobotState,
+}
+
 /// Why [`IncrementalPlanner::plan`] returns no trajectory.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
@@ -111,17 +118,33 @@ impl IncrementalPlanner {
         program: &Program,
         options: &PlanOptions<'_>,
     ) -> Result<(Trajectory, Report), PlanError> {
+        cell.validate().map_err(PlanError::Cell)?;
+        let start = RobotState::home(&cell.robot);
+        let plan = self.plan_from(cell, program, &start, options)?;
+        Ok((plan.trajectory, plan.report))
+    }
+
+    /// As [`Self::plan`], of a valid cell and from a state of the robot that is within its limits.
+    ///
+    /// # Errors
+    /// [`PlanError`]
+    pub(crate) fn plan_from(
+        &mut self,
+        cell: &Cell,
+        program: &Program,
+        start: &RobotState,
+        options: &PlanOptions<'_>,
+    ) -> Result<PlannedMotion, PlanError> {
         let PlanOptions { trajectory, check, stop, on_stage } = *options;
         let context = JobContext { stop, observer: &*self.observer };
-        cell.validate().map_err(PlanError::Cell)?;
         on_stage(PlanStage::Expansion);
-        let steps = expand_by(cell, program, &mut self.ik_cache, stop)?;
-        let steps = steps.map_err(PlanError::Program)?;
+        let expanded = expand_by(cell, program, start, &mut self.ik_cache, stop)?;
+        let Expansion { steps, end } = expanded.map_err(PlanError::Program)?;
         on_stage(PlanStage::Trajectory);
         let planned = self.segment_cache.plan_trajectory(cell, steps, &trajectory, context)??;
         on_stage(PlanStage::Check);
         let report = self.checks.check(cell, &planned, &check, context)?;
-        Ok((planned, report))
+        Ok(PlannedMotion { trajectory: planned, report, end })
     }
 
     /// Cache statistics of the inverse kinematics of the last program.

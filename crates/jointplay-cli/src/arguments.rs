@@ -15,7 +15,9 @@ use jointplay::virtualization::{
 };
 
 use crate::failure::Failure;
+pub(crate) use crate::finite::finite;
 use crate::output::FormatArgs;
+use crate::set_args::SetArgs;
 use crate::source::{Kind, Source};
 
 /// Largest accepted robot file (bytes).
@@ -26,14 +28,20 @@ pub(crate) struct RobotArgs {
     /// Robot file (TOML), or a name from `jointplay catalogue` [default: the paper's robot]
     #[arg(long, value_name = "FILE")]
     pub(crate) robot: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) set: SetArgs,
 }
 
 impl RobotArgs {
     pub(crate) fn load(&self) -> Result<robot::Robot, Failure> {
-        let Some(path) = &self.robot else { return Ok(robot::paper()) };
+        let Some(path) = &self.robot else {
+            self.set.refuse("--set needs a file: use --robot for a robot file")?;
+            return Ok(robot::paper());
+        };
         let source = Source::read(path, LARGEST_ROBOT_FILE)?;
         source.require(&[Kind::ThreeRods], "a three-rod robot")?;
-        robot::parse(&source.text).map_err(|errors| Failure::invalid(&errors, &source.label))
+        robot::parse_with(&source.text, &self.set.replaced())
+            .map_err(|errors| Failure::invalid(&errors, &source.label))
     }
 
     /// The robot given as FILE instead of --robot.
@@ -43,7 +51,7 @@ impl RobotArgs {
             let text = "the robot is given twice: by FILE and by --robot";
             return Err(Failure::Usage(text.to_owned()));
         }
-        Ok(Self { robot: Some(file.to_owned()) })
+        Ok(Self { robot: Some(file.to_owned()), set: self.set.clone() })
     }
 
     /// The robot file, if one exists.
@@ -247,15 +255,6 @@ pub(crate) struct Rods(pub(crate) [f64; 3]);
 /// Values of a range, in the unit of the flag.
 #[derive(Clone)]
 pub(crate) struct Steps(pub(crate) Vec<f64>);
-
-pub(crate) fn finite(text: &str) -> Result<f64, String> {
-    let value: f64 = text.trim().parse().map_err(|_| format!("invalid number {text:?}"))?;
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(format!("{} is not a finite number", text.trim()))
-    }
-}
 
 /// An integer within bounds.
 pub(crate) fn whole<N: TryFrom<u64>>(text: &str, least: u64, most: u64) -> Result<N, String> {

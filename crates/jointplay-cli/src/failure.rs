@@ -73,7 +73,7 @@ pub(crate) enum Failure {
         folder.display(), few(names)
     )]
     NotEmpty { folder: PathBuf, names: Vec<String> },
-    #[error("{}: the name of a figure must end in .svg, .png or .pdf", path.display())]
+    #[error("{}: the name of a figure must end in .svg, .png, .pdf or .tex", path.display())]
     FigureKind { path: PathBuf },
     #[cfg(not(feature = "parquet"))]
     #[error(
@@ -245,17 +245,8 @@ impl Failure {
     }
 
     fn exit_code(&self) -> u8 {
-        let core = |error: &jointplay::Error| match error {
-            jointplay::Error::NotConverged(_)
-            | jointplay::Error::DependentSides { .. }
-            | jointplay::Error::TurnedOver { .. }
-            | jointplay::Error::BeyondLimits(_)
-            | jointplay::Error::NotAssembled(_)
-            | jointplay::Error::NotRelieved { .. }
-            | jointplay::Error::NotLeast { .. }
-            | jointplay::Error::Undetermined(_)
-            | jointplay::Error::DependentCommands { .. } => INFEASIBLE,
-            _ => BAD_INPUT,
+        let core = |error: &jointplay::Error| {
+            if error.is_infeasible() { INFEASIBLE } else { BAD_INPUT }
         };
         match self {
             Self::Limits(_)

@@ -4,8 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::plot::cell::{Gantt, Taught, TopView};
-use jointplay::plot::{Error, Figure, MechanismPicture, svg_to_pdf};
+use jointplay::plot::{
+    Error, Figure, LatexFigure, MechanismPicture, restyle_svg, svg_to_latex, svg_to_pdf, svg_to_png,
+};
 
+use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 
@@ -15,7 +18,9 @@ pub(crate) const FIGURE_REFINEMENT: u32 = 10;
 const PNG_WIDTH: u32 = 1800;
 
 /// A figure or picture that can be drawn as SVG, PNG and PDF.
-pub(crate) trait Drawable {
+pub(crate) trait Drawable: Clone {
+    /// The title, empty for none, and the width (px).
+    fn title_and_width(&mut self) -> (&mut String, &mut f64);
     /// The SVG text.
     fn svg(&self) -> Result<String, Error>;
     /// The PNG bytes.
@@ -25,6 +30,10 @@ pub(crate) trait Drawable {
 macro_rules! drawable {
     ($($figure:ty),+) => {$(
         impl Drawable for $figure {
+            fn title_and_width(&mut self) -> (&mut String, &mut f64) {
+                (&mut self.title, &mut self.width)
+            }
+
             fn svg(&self) -> Result<String, Error> {
                 self.to_svg()
             }
@@ -59,9 +68,24 @@ pub(crate) fn svg_and_png(
 /// The file of a figure.
 #[derive(Args)]
 pub(crate) struct FigureArgs {
-    /// Write the figure into this file; the name must end in .svg, .png or .pdf
+    /// Write the figure into this file: SVG, PNG or PDF by the end of its name; with .tex, LaTeX source with all text, and a PDF of the same name without it
     #[arg(long, value_name = "FILE")]
     figure: Option<PathBuf>,
+    /// Title of the figure
+    #[arg(long, value_name = "TEXT")]
+    title: Option<String>,
+    /// Draw no title
+    #[arg(long, conflicts_with = "title")]
+    no_title: bool,
+    /// Width in px, of which 720 are 180 mm on paper [default: 720]
+    #[arg(long, value_name = "PX", value_parser = finite)]
+    width: Option<f64>,
+    /// Size of text and lines, as a multiple of the default; the figure keeps its width
+    #[arg(long, value_name = "FACTOR", value_parser = finite, default_value_t = 1.0)]
+    text_scale: f64,
+    /// Font family of SVG figures; PNG and PDF have the included font, and .tex has that of the document
+    #[arg(long, value_name = "FAMILY")]
+    font: Option<String>,
     #[command(flatten)]
     force: ForceArgs,
 }
@@ -72,12 +96,18 @@ enum Format {
     Svg,
     Png,
     Pdf,
+    Latex,
 }
 
 impl FigureArgs {
     /// The file of the figure; `None` without --figure.
     pub(crate) fn target(&self) -> Result<Option<&Path>, Failure> {
-        self.format().map(|_| self.figure.as_deref())
+        let format = self.format()?;
+        if self.font.is_some() && format.is_some_and(|format| format != Format::Svg) {
+            let text = "--font needs an SVG figure: PNG and PDF have the included font, and .tex has that of the document";
+            return Err(Failure::Usage(text.to_owned()));
+        }
+        Ok(format.and(self.figure.as_deref()))
     }
 
     /// The format of the figure, by the name of its file; `None` without --figure.
@@ -88,23 +118,53 @@ impl FigureArgs {
             Some("svg") => Ok(Some(Format::Svg)),
             Some("png") => Ok(Some(Format::Png)),
             Some("pdf") => Ok(Some(Format::Pdf)),
+            Some("tex") => Ok(Some(Format::Latex)),
             _ => Err(Failure::FigureKind { path: path.clone() }),
         }
+    }
+
+    /// The figure as SVG, with the title, width and text of the options.
+    pub(crate) fn svg(&self, figure: &impl Drawable) -> Result<String, Error> {
+        let mut figure = figure.clone();
+        let (title, width) = figure.title_and_width();
+        if self.no_title {
+            title.clear();
+        } else if let Some(text) = &self.title {
+            title.clone_from(text);
+        }
+        if let Some(given) = self.width {
+            *width = given;
+        }
+        // An invalid scale is refused before it can make the width invalid.
+        restyle_svg("", None, self.text_scale)?;
+        *width /= self.text_scale;
+        restyle_svg(&figure.svg()?, self.font.as_deref(), self.text_scale)
     }
 
     /// Draws and writes the figure; its path, or `None` without --figure.
     ///
     /// Called after the answer is printed, so that a failure to write cannot hide it.
     pub(crate) fn write(&self, figure: &impl Drawable) -> Result<Option<&Path>, Failure> {
-        let (Some(format), Some(path)) = (self.format()?, &self.figure) else { return Ok(None) };
+        let (Some(format), Some(path)) = (self.format()?, self.target()?) else { return Ok(None) };
         folder::check_file(path, self.force)?;
-        let drawn = match format {
-            Format::Svg => figure.svg().map(String::into_bytes),
-            Format::Png => figure.png(),
-            Format::Pdf => figure.svg().and_then(|svg| svg_to_pdf(&svg)),
-        };
+        let graphics = path.with_extension("pdf");
+        if format == Format::Latex {
+            folder::check_file(&graphics, self.force)?;
+        }
         let failed = |source| Failure::Figure { figure: path.display().to_string(), source };
-        folder::write_file(path, &drawn.map_err(failed)?, self.force)?;
+        let svg = self.svg(figure).map_err(failed)?;
+        let drawn = match format {
+            Format::Svg => svg.into_bytes(),
+            Format::Png => svg_to_png(&svg, PNG_WIDTH).map_err(failed)?,
+            Format::Pdf => svg_to_pdf(&svg).map_err(failed)?,
+            Format::Latex => {
+                let name = graphics.file_name().unwrap_or_default().to_string_lossy();
+                let LatexFigure { tex, pdf } = svg_to_latex(&svg, &name).map_err(failed)?;
+                folder::write_file(&graphics, &pdf, self.force)?;
+                tex.into_bytes()
+            }
+        };
+        folder::write_file(path, &drawn, self.force)?;
         Ok(Some(path))
     }
 }

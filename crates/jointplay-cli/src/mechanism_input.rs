@@ -13,8 +13,8 @@ use jointplay::format::{robot, three_rods};
 use jointplay::interop::import::{self, Imported};
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    ChangedDimension, Closure, CommandedJoints, FrameId, MechanismSystem, Relief, ReliefSolver,
-    SparseSystem, assemble, branches, guess, relieve,
+    ChangedDimension, Closure, FrameId, MechanismSystem, Posed, Relief, SparseSystem, branches,
+    close_commanded, close_sparse, commanded_guess, pose_commanded, relieve_commanded,
 };
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
@@ -25,12 +25,8 @@ use jointplay::{Error, format};
 use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::output::{self, FormatArgs};
+use crate::set_args::{Assignment, SetArgs};
 use crate::source::{Kind, Source};
-
-/// Number of other starts, if the guess of a file does not close.
-const STARTS: usize = 30;
-/// Largest number of corrections for a mechanism with many loops, which is closed from its guess only.
-const CORRECTIONS: usize = 200;
 
 /// `JOINT=VALUE`; the value is an expression of the parameters of the file, with an optional unit.
 #[derive(Clone, Debug)]
@@ -65,38 +61,6 @@ pub(crate) fn split(text: &str, separator: char) -> Vec<&str> {
         depth == 0 && character == separator
     })
     .collect()
-}
-
-/// `NAME=NUMBER`, in the unit of the file.
-#[derive(Clone, Debug)]
-pub(crate) struct Assignment {
-    pub(crate) name: String,
-    pub(crate) value: f64,
-}
-
-pub(crate) fn assignment(text: &str) -> Result<Assignment, String> {
-    let (name, value) = text
-        .rsplit_once('=')
-        .ok_or_else(|| format!("invalid value {text:?}: expected NAME=VALUE"))?;
-    Ok(Assignment { name: name.trim().to_owned(), value: finite(value)? })
-}
-
-/// Values of parameters of the file.
-#[derive(Args)]
-pub(crate) struct SetArgs {
-    /// Values of parameters of the file, in its units
-    #[arg(long, value_name = "PARAMETER=VALUE", value_delimiter = ',', value_parser = assignment)]
-    pub(crate) set: Vec<Assignment>,
-}
-
-impl SetArgs {
-    pub(crate) fn refuse_without_file(&self) -> Result<(), Failure> {
-        if self.set.is_empty() {
-            Ok(())
-        } else {
-            Err(Failure::Usage("--set needs a mechanism file".to_owned()))
-        }
-    }
 }
 
 /// The accuracy of the dimensions of a mechanism.
@@ -141,7 +105,7 @@ impl MechanismArgs {
 
     /// Values of parameters given by the user, in the units of the file.
     pub(crate) fn replaced_parameters(&self) -> Vec<(String, f64)> {
-        self.set.set.iter().map(|one| (one.name.clone(), one.value)).collect()
+        self.set.replaced()
     }
 }
 
@@ -160,13 +124,6 @@ pub(crate) struct Input {
     pub(crate) tolerance: Option<f64>,
     /// Values of parameters in place of those of the file.
     pub(crate) replaced: Vec<(String, f64)>,
-}
-
-/// A closed configuration, with the displacement of the virtual joints if it needs one.
-pub(crate) struct Posed {
-    /// Coordinates (f + M) (m, rad) with the residual of the loops.
-    pub(crate) closed: Closure,
-    pub(crate) relief: Option<Relief>,
 }
 
 /// Largest displacement that a joint may be commanded: one kilometre (mm).
@@ -316,28 +273,10 @@ impl Input {
         )))
     }
 
-    /// The initial guess in the file, with commanded coordinates at their values.
-    fn start(&self, commands: &[(usize, f64)]) -> DVector<f64> {
-        let mut start = guess(&self.file.mechanism);
-        commands.iter().for_each(|&(k, value)| start[k] = value);
-        start
-    }
-
     /// The closed configuration nearest to the guess, with commanded coordinates held.
     pub(crate) fn assembled(&self, commands: &[(usize, f64)]) -> Result<Closure, Failure> {
-        let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        // Closures within a tolerance need dense algebra, which refuses mechanisms that are too large.
-        if !self.is_dense() && self.tolerance.is_none() {
-            return self.sparse(commands).map(|(system, iterations)| system.closure(iterations));
-        }
-        let found = assemble(&self.file.mechanism, &self.start(commands), &held, STARTS);
-        match (found, self.tolerance) {
-            (Err(Error::NotAssembled(found)), Some(tolerance)) => match found.within(tolerance) {
-                Some(closure) => Ok(closure.clone()),
-                None => Err(self.unassembled(Error::NotAssembled(found))),
-            },
-            (found, _) => found.map_err(|error| self.unassembled(error)),
-        }
+        close_commanded(&self.file.mechanism, commands, self.tolerance)
+            .map_err(|error| self.unassembled(error))
     }
 
     /// Whether the mechanism is small enough for dense algebra.
@@ -350,15 +289,7 @@ impl Input {
         &self,
         commands: &[(usize, f64)],
     ) -> Result<(SparseSystem<'_>, usize), Failure> {
-        let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        let mut system = SparseSystem::new(&self.file.mechanism, self.start(commands))?;
-        match system.close(&held, CORRECTIONS) {
-            Ok(iterations) => Ok((system, iterations)),
-            Err(error @ Error::NotReached { .. }) => {
-                Err(Failure::NotAssembled(format::explain::explain(&error)))
-            }
-            Err(other) => Err(other.into()),
-        }
+        close_sparse(&self.file.mechanism, commands).map_err(|error| self.unassembled(error))
     }
 
     /// Closed configurations found from a number of other starts.
@@ -368,46 +299,32 @@ impl Input {
         starts: usize,
     ) -> Result<Vec<Closure>, Failure> {
         let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        Ok(branches(&self.file.mechanism, &self.start(commands), &held, starts)?)
+        let start = commanded_guess(&self.file.mechanism, commands);
+        Ok(branches(&self.file.mechanism, &start, &held, starts)?)
     }
 
     /// The closed configuration with commanded coordinates held, with virtual joints displaced if rigid links do not close.
     pub(crate) fn posed(&self, commands: &[(usize, f64)]) -> Result<Posed, Failure> {
-        let closed = self.assembled(commands);
-        let has_play = !self.file.mechanism.virtual_joints().is_empty();
-        match closed {
-            Ok(closed) => Ok(Posed { closed, relief: None }),
-            Err(Failure::NotAssembled(_)) if has_play && !commands.is_empty() => {
-                let relief = self.relieved(commands)?;
-                let closed = Closure {
-                    coordinates: relief.coordinates.clone(),
-                    residual: relief.residual,
-                    iterations: relief.iterations,
-                };
-                Ok(Posed { closed, relief: Some(relief) })
-            }
-            Err(other) => Err(other),
-        }
+        pose_commanded(&self.file.mechanism, commands, self.tolerance)
+            .map_err(|error| self.unrelieved(commands, error))
     }
 
     /// The least displacement of the virtual joints that makes the commanded coordinates possible.
     pub(crate) fn relieved(&self, commands: &[(usize, f64)]) -> Result<Relief, Failure> {
+        relieve_commanded(&self.file.mechanism, commands, self.tolerance)
+            .map_err(|error| self.unrelieved(commands, error))
+    }
+
+    /// An error of a relief; commanded values beyond joint limits explain it better.
+    fn unrelieved(&self, commands: &[(usize, f64)], error: Error) -> Failure {
+        let is_explained = matches!(error, Error::NotRelieved { .. } | Error::NotLeast { .. });
         let mechanism = &self.file.mechanism;
-        let home = MechanismSystem::new(mechanism, self.assembled(&[])?.coordinates)?;
-        let (coordinates, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
-        let commanded = CommandedJoints::new(&home, &coordinates)?;
-        let start = commanded.start(values, mechanism.virtual_joints().len());
-        let system = MechanismSystem::new(mechanism, start)?;
-        relieve(&system, &commanded, ReliefSolver::LeastNorm).map_err(|error| {
-            // Commanded values beyond joint limits explain the failure better.
-            let beyond = mechanism.beyond_limits(system.home());
-            let beyond: Vec<_> =
-                beyond.into_iter().filter(|one| coordinates.contains(&one.coordinate)).collect();
-            match beyond.is_empty() {
-                true => error.into(),
-                false => Failure::BeyondLimits(report::beyond_limits(&self.coordinates, &beyond)),
-            }
-        })
+        let mut beyond = mechanism.beyond_limits(&commanded_guess(mechanism, commands));
+        beyond.retain(|one| commands.iter().any(|&(k, _)| k == one.coordinate));
+        if is_explained && !beyond.is_empty() {
+            return Failure::BeyondLimits(report::beyond_limits(&self.coordinates, &beyond));
+        }
+        self.unassembled(error)
     }
 
     /// Refuses a configuration beyond joint limits or clearances.
@@ -424,6 +341,9 @@ impl Input {
 
     /// An assembly error with the configurations found, in the units of the file.
     fn unassembled(&self, error: Error) -> Failure {
+        if let Error::NotReached { .. } = &error {
+            return Failure::NotAssembled(format::explain::explain(&error));
+        }
         let Error::NotAssembled(found) = &error else { return error.into() };
         let mut text = format::explain::explain(&error);
         if found.near_miss().is_some() {

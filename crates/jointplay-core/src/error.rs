@@ -205,6 +205,18 @@ pub enum Error {
         /// Steps done.
         iterations: usize,
     },
+    /// A joint without a stiffness that a rank by stiffness needs.
+    #[error(
+        "joint {joint:?} has no {direction} stiffness, which a rank by stiffness needs: add `stiffness = {{ {direction} = … }}` in {unit} to the joint, or give a stiffness for all joints without one"
+    )]
+    NoStiffness {
+        /// The joint.
+        joint: String,
+        /// `linear` or `angular`.
+        direction: &'static str,
+        /// `N/m` or `N m/rad`.
+        unit: &'static str,
+    },
     /// Newton's method did not close the loops; the coordinates given hold its best iterate.
     #[error(
         "the loops stay open by {residual:.3e} (radians and characteristic lengths) after {iterations} steps, {allowed:.0e} is asked for; start nearer, or look for an assembly from many starts"
@@ -277,6 +289,26 @@ pub enum Error {
     /// A matrix without a decomposition.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
+}
+
+impl Error {
+    /// Whether the input is valid and has no solution, as opposed to invalid input.
+    #[must_use]
+    pub fn is_infeasible(&self) -> bool {
+        matches!(
+            self,
+            Self::NotConverged(_)
+                | Self::DependentSides { .. }
+                | Self::TurnedOver { .. }
+                | Self::BeyondLimits(_)
+                | Self::NotAssembled(_)
+                | Self::NotRelieved { .. }
+                | Self::NotLeast { .. }
+                | Self::NotReached { .. }
+                | Self::Undetermined(_)
+                | Self::DependentCommands { .. }
+        )
+    }
 }
 
 /// The best that an iteration for the virtual joints found before it gave up.

@@ -5,8 +5,10 @@
 
 mod robot;
 
+use jointplay_core::Error;
 use jointplay_core::mechanism::{
-    Carrier, JointKind, Mechanism, SuggestOptions, Suggestion, VirtualMotion, suggest,
+    Carrier, JointKind, LinearAndAngular, Mechanism, SuggestOptions, Suggestion, SuggestionRank,
+    VirtualMotion, suggest,
 };
 use jointplay_core::nalgebra::{
     DMatrix, DVector, Isometry3, Matrix3xX, Translation3, UnitQuaternion, Vector3,
@@ -68,9 +70,40 @@ struct Case {
     commands: Vec<Vec<f64>>,
     /// Largest number of virtual joints in a set.
     joints: usize,
+    /// Linear and angular stiffness of each joint, for a rank by stiffness (N/m, N m/rad).
+    stiffness: Option<Vec<[f64; 2]>>,
 }
 
 impl Case {
+    /// Stiffness of a displacement, or its weight in the metric (N/m and N m/rad, or 1 and m²).
+    fn weight(&self, play: &Play) -> f64 {
+        match &self.stiffness {
+            Some(all) => all[play.joint][usize::from(!play.slides)],
+            None if play.slides => 1.0,
+            None => self.length() * self.length(),
+        }
+    }
+
+    /// The same displacement of a leg at that of its joints where it needs the least energy.
+    fn softest(&self, play: Play) -> Play {
+        let joints = self.mechanism.joints();
+        let leg = self.legs();
+        let moved = |j: usize| {
+            let count = |link| joints.iter().filter(|other| other.links.contains(&link)).count();
+            let side = usize::from(count(joints[j].links[1]) >= count(joints[j].links[0]));
+            let point = joints[j].frames[0].translation.vector;
+            Play { joint: j, side, point, ..play.clone() }
+        };
+        let others = (0..joints.len()).filter(|&j| {
+            let axis = joints[j].frames[0].rotation * Vector3::z();
+            let along = play.direction.cross(&axis).norm() < 1e-6;
+            let free = joints[j].kind == JointKind::Prismatic && along;
+            self.stiffness.is_some() && play.slides && leg[j] == leg[play.joint] && !free
+        });
+        let all = others.map(moved);
+        all.fold(play.clone(), |a, b| if self.weight(&b) < self.weight(&a) { b } else { a })
+    }
+
     fn length(&self) -> f64 {
         self.mechanism.characteristic_length().unwrap()
     }
@@ -147,11 +180,17 @@ impl Case {
         let leg = self.legs();
         let mut found: Vec<Play> = Vec::new();
         for play in all {
-            if !found
-                .iter()
-                .any(|known| leg[known.joint] == leg[play.joint] && known.is_same(&play))
-            {
-                found.push(play);
+            let same =
+                |known: &&mut Play| leg[known.joint] == leg[play.joint] && known.is_same(&play);
+            match found.iter_mut().find(same) {
+                None => found.push(play),
+                // The joint of the leg where it needs the least energy.
+                Some(known) if self.stiffness.is_some() => {
+                    if self.weight(&play) < self.weight(known) {
+                        *known = play;
+                    }
+                }
+                Some(_) => {}
             }
         }
         found
@@ -198,7 +237,7 @@ impl Case {
                 let known =
                     members.iter().any(|&m| all[m].direction.cross(&direction).norm() <= SAME);
                 if unique && !known && sizes[k] > 1e-3 * largest {
-                    found.push(Play { direction, ..all[members[0]].clone() });
+                    found.push(self.softest(Play { direction, ..all[members[0]].clone() }));
                 }
             }
         }
@@ -262,8 +301,11 @@ impl Case {
         let links = self.mechanism.links().len();
         let (moving, m) = (6 * (links - 1), plays.len());
         let length = self.length();
-        // In units of the characteristic length.
-        let weight = |play: &Play| if play.slides { 1.0 / length } else { 1.0 };
+        // In units of the largest weight, and of the characteristic length.
+        let unit = plays.iter().filter(|play| play.slides).map(|play| self.weight(play));
+        let unit = unit.fold(0.0, f64::max) * length * length;
+        let unit = if unit > 0.0 { unit } else { length * length };
+        let weight = |play: &Play| (self.weight(play) / unit).sqrt();
         let mut poses = vec![Isometry3::identity(); links];
         let mut y = vec![0.0; m];
         let moved = |poses: &[Isometry3<f64>], k: usize, by: f64| {
@@ -332,16 +374,12 @@ impl Case {
         None
     }
 
-    /// The largest displacement over the commands (m), if these plays are sufficient.
+    /// The largest √(Σ w y²) over the commands (m, or √J by stiffness), if these plays are sufficient.
     fn size(&self, plays: &[Play]) -> Option<f64> {
-        let length = self.length();
         let mut size = 0.0_f64;
         for command in 0..self.commands.len() {
             let y = self.least(command, plays)?;
-            let squares = y.iter().zip(plays).map(|(y, play)| {
-                let y = if play.slides { *y } else { y * length };
-                y * y
-            });
+            let squares = y.iter().zip(plays).map(|(y, play)| self.weight(play) * y * y);
             size = size.max(squares.sum::<f64>().sqrt());
         }
         Some(size)
@@ -386,11 +424,29 @@ impl Case {
 
     #[track_caller]
     fn check(mut self, name: &str) {
+        if let Some(stiffness) = &self.stiffness {
+            let mut joints = self.mechanism.joints().to_vec();
+            for (joint, &[linear, angular]) in joints.iter_mut().zip(stiffness) {
+                joint.stiffness = LinearAndAngular { linear: Some(linear), angular: Some(angular) };
+            }
+            let links = self.mechanism.links().to_vec();
+            self.mechanism = Mechanism::new(self.mechanism.name(), links, joints).unwrap();
+        }
         // One metric for all configurations.
         self.mechanism = self.mechanism.with_characteristic_length(LENGTH).unwrap();
         let commands: Vec<DVector<f64>> =
             self.commands.iter().map(|one| DVector::from_row_slice(one)).collect();
-        let options = SuggestOptions { joints: Some(self.joints), ..SuggestOptions::default() };
+        let rank = match self.stiffness {
+            Some(_) => SuggestionRank::Stiffness,
+            None => SuggestionRank::Norm,
+        };
+        let options =
+            SuggestOptions { joints: Some(self.joints), rank, ..SuggestOptions::default() };
+        let root = |energy: Option<f64>| (2.0 * energy.unwrap()).sqrt();
+        let size = |set: &Suggestion| match self.stiffness {
+            Some(_) => root(set.energy),
+            None => set.size,
+        };
         let start = home(&self.mechanism);
         let found = suggest(&self.mechanism, &start, &self.commanded, &commands, &options).unwrap();
         assert!(found.needed && !found.cut_short, "{name}");
@@ -401,8 +457,9 @@ impl Case {
         };
         for set in found.sets.iter().take(5) {
             let own = self.size(&plays(set)).unwrap_or_else(|| panic!("{name}: {set:?}"));
-            assert!(same(own, set.size), "{name}: {own} {}", set.size);
-            assert!(set.size > (1.0 - 1e-3) * found.lower_bound, "{name}");
+            assert!(same(own, size(set)), "{name}: {own} {}", size(set));
+            let least = self.stiffness.as_ref().map(|_| root(found.least_energy));
+            assert!(size(set) > (1.0 - 1e-3) * least.unwrap_or(found.lower_bound), "{name}");
         }
         // Symmetric sets may have smaller sufficient ones in them; all others are minimal.
         let has_smaller = |set: &Suggestion| {
@@ -412,7 +469,7 @@ impl Case {
             })
         };
         let minimal: Vec<f64> =
-            found.sets.iter().filter(|set| !has_smaller(set)).map(|set| set.size).collect();
+            found.sets.iter().filter(|set| !has_smaller(set)).map(size).collect();
         let naive = self.all_sets();
         let count = naive.len().min(3);
         assert!(count > 0 && minimal.len() >= count, "{name}: {} {}", minimal.len(), naive.len());
@@ -463,7 +520,8 @@ fn beam(tilts: [f64; 2]) -> Mechanism {
 fn a_four_bar_with_two_commands() {
     let points = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.3], [3.0, 2.0, 0.0], [3.5, 0.0, 0.0]];
     let (commanded, commands) = (vec![0, 3], vec![vec![0.02, 0.0]]);
-    Case { mechanism: ring(&points, Z), commanded, commands, joints: 2 }.check("four-bar");
+    Case { mechanism: ring(&points, Z), commanded, commands, joints: 2, stiffness: None }
+        .check("four-bar");
 }
 
 #[test]
@@ -476,7 +534,7 @@ fn a_slider_crank_with_two_commands() {
     joints.push(joint("cylinder", JointKind::Prismatic, [0, 3], [0.45, 0.0, 0.0], [1.0, 0.0, 0.0]));
     let mechanism = Mechanism::new("slider-crank", names(4), joints).unwrap();
     let (commanded, commands) = (vec![0, 3], vec![vec![0.002, 0.0]]);
-    Case { mechanism, commanded, commands, joints: 2 }.check("slider-crank");
+    Case { mechanism, commanded, commands, joints: 2, stiffness: None }.check("slider-crank");
 }
 
 #[test]
@@ -488,31 +546,86 @@ fn three_cranks_on_one_coupler() {
     }
     let mechanism = Mechanism::new("cranks", names(5), joints).unwrap();
     let (commanded, commands) = (vec![0, 2], vec![vec![0.05, 0.045]]);
-    Case { mechanism, commanded, commands, joints: 2 }.check("cranks");
+    Case { mechanism, commanded, commands, joints: 2, stiffness: None }.check("cranks");
 }
 
 #[test]
 fn a_beam_on_two_columns() {
     let (commanded, commands) = (vec![0, 2], vec![vec![0.01, -0.006]]);
-    Case { mechanism: beam([0.0, 0.0]), commanded, commands, joints: 2 }.check("two columns");
+    Case { mechanism: beam([0.0, 0.0]), commanded, commands, joints: 2, stiffness: None }
+        .check("two columns");
 }
 
 #[test]
 fn a_beam_on_inclined_guides() {
     let (commanded, commands) = (vec![0, 2], vec![vec![0.01, 0.01]]);
-    Case { mechanism: beam([0.3, -0.2]), commanded, commands, joints: 2 }.check("inclined guides");
+    Case { mechanism: beam([0.3, -0.2]), commanded, commands, joints: 2, stiffness: None }
+        .check("inclined guides");
 }
 
 #[test]
 fn three_legs_under_a_plate() {
     let tilt = [0.002, -0.0011, -0.0004];
     let (commanded, commands) = (vec![0, 4, 8], vec![tilt.to_vec()]);
-    Case { mechanism: gpr(|_, _| Vec::new()), commanded, commands, joints: 3 }.check("three legs");
+    Case { mechanism: gpr(|_, _| Vec::new()), commanded, commands, joints: 3, stiffness: None }
+        .check("three legs");
 }
 
 #[test]
 fn two_inclined_legs_and_a_vertical_one() {
     let points = [[0.1, 0.0], [-0.06, 0.08], [-0.05, -0.09]];
     let (commanded, commands) = (vec![0, 1, 2], vec![vec![0.0003, 0.0003, 0.0003]]);
-    Case { mechanism: legs(&points, 0.05), commanded, commands, joints: 3 }.check("inclined legs");
+    Case { mechanism: legs(&points, 0.05), commanded, commands, joints: 3, stiffness: None }
+        .check("inclined legs");
+}
+
+#[test]
+fn a_beam_whose_joints_have_different_stiffness() {
+    let (commanded, commands) = (vec![0, 2], vec![vec![0.01, -0.006]]);
+    // The hinges are the soft joints of one leg, the guide is that of the other.
+    let stiffness = Some(vec![[4e6, 900.0], [1e6, 2000.0], [0.5e6, 300.0], [3e6, 5000.0]]);
+    let mechanism = beam([0.0, 0.0]);
+    Case { mechanism, commanded, commands, joints: 2, stiffness }.check("elastic columns");
+}
+
+#[test]
+fn a_four_bar_whose_joints_have_different_stiffness() {
+    let points = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.3], [3.0, 2.0, 0.0], [3.5, 0.0, 0.0]];
+    let (commanded, commands) = (vec![0, 3], vec![vec![0.02, 0.0]]);
+    let stiffness = Some(vec![[2e7, 4e4], [5e6, 1e4], [8e6, 3e4], [1e7, 2e4]]);
+    let mechanism = ring(&points, Z);
+    Case { mechanism, commanded, commands, joints: 2, stiffness }.check("elastic four-bar");
+}
+
+#[test]
+fn three_legs_by_the_energy_of_balls_and_guides() {
+    let tilt = [0.002, -0.0011, -0.0004];
+    let (commanded, commands) = (vec![0, 4, 8], vec![tilt.to_vec()]);
+    let mechanism = gpr(|_, _| Vec::new());
+    let stiffness = mechanism.joints().iter().enumerate().map(|(k, joint)| match joint.kind {
+        JointKind::Prismatic => [2e7 + 1e6 * k as f64, 5e3],
+        _ => [3e7 - 4e6 * k as f64, 1e3],
+    });
+    let stiffness = Some(stiffness.collect());
+    Case { mechanism, commanded, commands, joints: 3, stiffness }.check("elastic legs");
+}
+
+#[test]
+fn a_rank_by_stiffness_needs_the_stiffness_of_every_joint() {
+    let mechanism = beam([0.0, 0.0]);
+    let commands = [DVector::from_row_slice(&[0.01, -0.006])];
+    let mut options =
+        SuggestOptions { rank: SuggestionRank::Stiffness, ..SuggestOptions::default() };
+    options.stiffness.linear = Some(1e6);
+    let found = suggest(&mechanism, &home(&mechanism), &[0, 2], &commands, &options);
+    let Err(Error::NoStiffness { direction: "angular", .. }) = found else { panic!("{found:?}") };
+    options.stiffness.angular = Some(1e4);
+    let found = suggest(&mechanism, &home(&mechanism), &[0, 2], &commands, &options).unwrap();
+    // Of equal stiffness, slides only: the energy is that of their size.
+    let first = found.sets.iter().find(|set| {
+        set.virtual_joints.iter().all(|one| matches!(one.motion, VirtualMotion::Slide(_)))
+    });
+    let first = first.unwrap();
+    let (energy, size) = (first.energy.unwrap(), first.size);
+    assert!((energy / (0.5e6 * size * size) - 1.0).abs() < 1e-9, "{energy} {size}");
 }

@@ -4,6 +4,9 @@
 //! | --- | --- |
 //! | import a model of MuJoCo, Gazebo, ROS or FreeCAD | [`import::parse`] |
 //! | export a cell's motion | [`export`] |
+//! | answer host software as a simulated controller | [`host`] |
 
+mod controller_text;
 pub mod export;
+pub mod host;
 pub mod import;

@@ -86,6 +86,22 @@ pub enum Error {
         /// Greatest size that can be drawn (px).
         max: f64,
     },
+    /// The text of a figure would be too small or too large.
+    #[error("text scale is {found}, but has to lie from {min} to {max}")]
+    TextScale {
+        /// The factor found.
+        found: f64,
+        /// Least factor.
+        min: f64,
+        /// Greatest factor.
+        max: f64,
+    },
+    /// A name that cannot be that of a font family.
+    #[error("{family:?} is no font family: expected a name of letters, digits, spaces and hyphens")]
+    Font {
+        /// The name.
+        family: String,
+    },
     /// The coordinates are not a configuration of the mechanism.
     #[error(transparent)]
     Coordinates(Box<jointplay_core::Error>),

@@ -27,7 +27,8 @@
 //! | [`MechanismPicture`], [`View`] | a mechanism in space, and the viewing direction |
 //! | [`cell`] | top view of a work cell, and timing diagram of its axes |
 //! | [`results`] | figures of this project's own studies and comparisons |
-//! | [`svg_to_png`], [`svg_to_pdf`] | any of these figures in another format |
+//! | [`svg_to_png`], [`svg_to_pdf`], [`svg_to_latex`] | any of these figures in another format |
+//! | [`restyle_svg`] | any of these figures with another font or text size |
 //! | [`Error`] | why a figure cannot be drawn |
 
 mod axis;
@@ -38,6 +39,7 @@ mod draw;
 mod error;
 mod figure;
 mod label;
+mod latex;
 mod layout;
 mod legend;
 mod linear_ticks;
@@ -56,14 +58,17 @@ mod span;
 mod style;
 mod svg;
 mod text;
+mod text_style;
 mod tick;
 mod ticks;
 
 pub use axis::{Axis, Scale};
 pub use error::Error;
 pub use figure::Figure;
+pub use latex::{LatexFigure, svg_to_latex};
 pub use mechanism::{Labels, MechanismPicture, View};
 pub use panel::{Curve, Label, Marker, Panel};
 pub use pdf::svg_to_pdf;
 pub use png::svg_to_png;
 pub use style::{Colour, Dash, Model, Point, Style, model_style, rod_style};
+pub use text_style::restyle_svg;

@@ -29,8 +29,36 @@ const ADVANCES: [u16; 95] = [
 ];
 
 /// Width of `text` set in DejaVu Sans at `size` (px), exact for ASCII and the signs of tick labels (px).
+///
+/// A formula between two `$` has about the width of its signs.
 pub(crate) fn width(text: &str, size: f64) -> f64 {
+    if text.matches('$').count() >= 2 {
+        return width(&signs(text), size);
+    }
     text.chars().map(|letter| f64::from(advance(letter))).sum::<f64>() * size / 2048.0
+}
+
+/// Text with one letter in place of each command of its formulas, and without their marks.
+fn signs(text: &str) -> String {
+    let parts = text.split('$').enumerate().map(|(k, part)| {
+        if k % 2 == 0 {
+            return part.to_owned();
+        }
+        let mut found = String::new();
+        let mut letters = part.chars().peekable();
+        while let Some(letter) = letters.next() {
+            match letter {
+                '\\' => {
+                    found.push('n');
+                    while letters.next_if(char::is_ascii_alphabetic).is_some() {}
+                }
+                '{' | '}' | '_' | '^' => {}
+                other => found.push(other),
+            }
+        }
+        found
+    });
+    parts.collect()
 }
 
 /// Advance width of a character [em/2048].
@@ -94,6 +122,12 @@ mod tests {
         assert!(lines.len() > 2 && lines.iter().all(|line| width(line, 12.0) <= 100.0));
         assert_eq!(lines.join(" "), "the quick brown fox jumps over the lazy dog");
         assert!(wrap("  ", 12.0, 100.0).is_empty());
+    }
+
+    #[test]
+    fn formulas_are_as_wide_as_their_signs() {
+        assert_eq!(width("$\\theta_{12}$ (°)", 12.0), width("n12 (°)", 12.0));
+        assert!(width("5 $", 12.0) > width("5 ", 12.0));
     }
 
     #[test]

@@ -46,5 +46,6 @@ fn _jointplay(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(arrow::arrow_stream, module)?)?;
     module.add_function(wrap_pyfunction!(picture::picture_as_png, module)?)?;
     module.add_function(wrap_pyfunction!(picture::picture_as_pdf, module)?)?;
+    module.add_function(wrap_pyfunction!(picture::picture_as_latex, module)?)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))
 }

@@ -3,7 +3,8 @@
 use jointplay::bulk::{Status, StatusCounts};
 use jointplay::constraint::System as _;
 use jointplay::mechanism::{
-    MechanismSystem, PositionSolver, ReliefSolver, branches, mechanism_mobility,
+    Closure, CommandedPositions, MechanismSystem, ReliefSolver, branches, close_sparse,
+    commanded_guess, mechanism_mobility,
 };
 use jointplay::mobility::{RANK_THRESHOLD, near_mobility};
 use jointplay::nalgebra::DVector;
@@ -18,7 +19,6 @@ use crate::arrays::Spread;
 use crate::many::evidence;
 use crate::mechanism::{Commands, PyMechanism};
 use crate::numbers::{count, optional_real};
-use crate::posed::Posed;
 use crate::skin::{self, fields};
 use crate::{errors, mechanism_results as results};
 
@@ -68,8 +68,8 @@ impl PyMechanism {
             .detach(|| this.posed(&commands, tolerance))
             .map_err(|error| errors::core(py, &error))?;
         let made =
-            results::configuration(py, slf, &found.values, found.residual, found.iterations)?;
-        this.within_limits(py, &found.values, made)
+            results::configuration(py, slf, &found.coordinates, found.residual, found.iterations)?;
+        this.within_limits(py, &found.coordinates, made)
     }
 
     /// Closed configurations found from many starts.
@@ -92,7 +92,7 @@ impl PyMechanism {
             starts.map_or(Ok(BRANCH_STARTS), |given| count(given, "starts", 1..=MOST_STARTS))?;
         let commands = this.commands(py, at)?;
         let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        let start = this.start(&commands);
+        let start = commanded_guess(&this.file.mechanism, &commands);
         let found = py
             .detach(|| branches(&this.file.mechanism, &start, &held, starts))
             .map_err(|error| errors::core(py, &error))?;
@@ -124,7 +124,7 @@ impl PyMechanism {
         let failed = |error: jointplay::Error| errors::core(py, &error);
         if !this.is_dense() && tolerance.is_none() {
             let found = py.detach(|| {
-                let (system, iterations) = this.sparse(&commands)?;
+                let (system, iterations) = close_sparse(&this.file.mechanism, &commands)?;
                 let found = system.mobility(RANK_THRESHOLD)?;
                 Ok((found, system.closure(iterations)))
             });
@@ -132,7 +132,8 @@ impl PyMechanism {
             return results::sparse_mobility(py, slf, this.kutzbach(), &found, &closure);
         }
         let found = py.detach(|| {
-            let Posed { values, residual, iterations } = this.posed(&commands, tolerance)?;
+            let Closure { coordinates: values, residual, iterations } =
+                this.posed(&commands, tolerance)?;
             let system = MechanismSystem::new(&this.file.mechanism, values.clone())?;
             let at = system.at_home();
             let near = tolerance.map(|share| near_mobility(&system, &at, share)).transpose()?;
@@ -314,39 +315,22 @@ impl PyMechanism {
             let finite = |i: &usize| columns.iter().all(|column| column.at(*i).is_finite());
             let Some(first) = (0..poses).find(finite) else { return Ok(rows) };
             let start = indices.iter().zip(&columns).map(|(&k, column)| (k, column.at(first)));
-            let mut here = this.posed(&start.collect::<Commands>(), None)?.values;
-            let system = MechanismSystem::new(&this.file.mechanism, here.clone())?;
-            let mut positions = PositionSolver::new(&system, &indices)?;
-            // What commands leave undetermined must not save displacement of virtual joints.
-            let commanded = match this.file.mechanism.virtual_joints().is_empty() {
-                true => None,
-                false => Some(this.commanded(&indices)?),
-            };
-            let commanded = commanded.filter(|commanded| commanded.undetermined() > 0);
+            let mechanism = &this.file.mechanism;
+            let mut here = this.posed(&start.collect::<Commands>(), None)?.coordinates;
+            let mut positions = CommandedPositions::new(mechanism, &here, &indices)?;
+            let mut command = vec![0.0; indices.len()];
             for (i, row) in rows.values.chunks_exact_mut(width).enumerate().skip(first) {
                 let mut next = here.clone();
-                for (&k, column) in indices.iter().zip(&columns) {
-                    next[k] = column.at(i);
-                }
-                let solved = match &commanded {
-                    None => {
-                        let found = positions.solve(next.as_mut_slice(), solver);
-                        found.map(|found| (next, found.residual))
-                    }
-                    Some(commanded) => {
-                        let values = columns.iter().map(|column| column.at(i));
-                        let found = this.relieved_at(commanded, values, solver);
-                        found.map(|found| (found.coordinates, found.residual))
-                    }
-                };
-                let (next, residual) = match solved {
-                    Ok(found) => found,
+                command.iter_mut().zip(&columns).for_each(|(to, column)| *to = column.at(i));
+                let solved = positions.solve(mechanism, &command, &mut next, solver);
+                let residual = match solved {
+                    Ok(residual) => residual,
                     Err(error) => {
                         rows.status[i] = Status::of(&error).ok_or(error)?;
                         continue;
                     }
                 };
-                let beyond = this.file.mechanism.beyond_limits(&next);
+                let beyond = mechanism.beyond_limits(&next);
                 let first = beyond.first().filter(|_| check_limits);
                 rows.status[i] = match first {
                     None => Status::Solved,

@@ -3,7 +3,8 @@
 use jointplay::Error;
 use jointplay::constraint::System as _;
 use jointplay::mechanism::{
-    ChangedDimension, DifferentialKinematics, FrameTwist, MechanismSystem, Relief, dexterity,
+    ChangedDimension, Closure, DifferentialKinematics, FrameTwist, MechanismSystem, Relief,
+    dexterity,
 };
 use jointplay::nalgebra::{DMatrix, DVector};
 use numpy::ndarray::Array2;
@@ -12,14 +13,13 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::mechanism::{Commands, PyMechanism};
-use crate::posed::Posed;
 use crate::skin::{self, fields};
 use crate::{errors, mechanism_results as results};
 
 /// A configuration whose derivatives are asked for.
 struct Place {
     commanded: Vec<usize>,
-    posed: Posed,
+    posed: Closure,
     /// Characteristic length of the metric of the virtual joints (m).
     length: f64,
 }
@@ -63,7 +63,7 @@ impl PyMechanism {
             let place = this.place(&at, commanded)?;
             let system = this.system_at(&place)?;
             let mut kinematics = DifferentialKinematics::new(&system, &place.commanded)?;
-            kinematics.linearize(place.posed.values.as_slice())?;
+            kinematics.linearize(place.posed.coordinates.as_slice())?;
             let matrix = kinematics.jacobian(frame)?;
             let all = kinematics.coordinate_derivatives()?;
             let derivative =
@@ -85,7 +85,7 @@ impl PyMechanism {
         let fields = fields!(py;
             name = name,
             configuration =
-                results::configuration(py, slf, &posed.values, posed.residual, posed.iterations)?,
+                results::configuration(py, slf, &posed.coordinates, posed.residual, posed.iterations)?,
             commanded = PyTuple::new(py, place.commanded.iter().map(|&k| names[k]))?,
             commanded_units = PyTuple::new(py, place.commanded.iter().map(|&k| units[k]))?,
             pose = array(py, &pose),
@@ -199,12 +199,12 @@ impl PyMechanism {
             let system = this.system_at(&place).map_err(of_motion)?;
             let mut kinematics =
                 DifferentialKinematics::new(&system, &place.commanded).map_err(of_motion)?;
-            kinematics.linearize(place.posed.values.as_slice()).map_err(of_motion)?;
+            kinematics.linearize(place.posed.coordinates.as_slice()).map_err(of_motion)?;
             kinematics.require_determined().map_err(of_motion)?;
             let mut all = Vec::new();
             for (name, changed) in &changed {
                 let found =
-                    kinematics.dimension_derivatives(place.posed.values.as_slice(), changed);
+                    kinematics.dimension_derivatives(place.posed.coordinates.as_slice(), changed);
                 all.push(found.map_err(|error| Box::new((Some(name.clone()), error)))?);
             }
             Ok((place, all))
@@ -229,7 +229,7 @@ impl PyMechanism {
         let posed = &place.posed;
         let fields = fields!(py;
             configuration =
-                results::configuration(py, slf, &posed.values, posed.residual, posed.iterations)?,
+                results::configuration(py, slf, &posed.coordinates, posed.residual, posed.iterations)?,
             parameters = PyTuple::new(py, changed.iter().map(|(name, _)| name))?,
             names = PyTuple::new(py, this.names(0..count))?,
             units = PyTuple::new(py, this.units(0..count))?,
@@ -279,7 +279,7 @@ impl PyMechanism {
             let place = this.place(&at, commanded)?;
             let system = this.system_at(&place)?;
             let mut kinematics = DifferentialKinematics::new(&system, &place.commanded)?;
-            kinematics.linearize(place.posed.values.as_slice())?;
+            kinematics.linearize(place.posed.coordinates.as_slice())?;
             let mut velocities = DVector::zeros(kinematics.coordinate_count());
             let mut accelerations = velocities.clone();
             kinematics.velocities(&first, velocities.as_mut_slice())?;
@@ -307,7 +307,7 @@ impl PyMechanism {
         let posed = &place.posed;
         let fields = fields!(py;
             configuration =
-                results::configuration(py, slf, &posed.values, posed.residual, posed.iterations)?,
+                results::configuration(py, slf, &posed.coordinates, posed.residual, posed.iterations)?,
             names = PyTuple::new(py, this.names(all.clone()))?,
             units = PyTuple::new(py, this.units(all))?,
             velocities = PyArray1::from_slice(py, velocities.as_slice()),
@@ -371,18 +371,18 @@ impl PyMechanism {
         let mechanism = &self.file.mechanism;
         if mechanism.virtual_joints().is_empty() {
             let length =
-                MechanismSystem::new(mechanism, posed.values.clone())?.characteristic_length();
+                MechanismSystem::new(mechanism, posed.coordinates.clone())?.characteristic_length();
             return Ok(Place { commanded, posed, length });
         }
-        let commands: Commands = commanded.iter().map(|&k| (k, posed.values[k])).collect();
+        let commands: Commands = commanded.iter().map(|&k| (k, posed.coordinates[k])).collect();
         let Relief { coordinates, residual, iterations, characteristic_length, .. } =
             self.relieved(&commands)?;
-        let posed = Posed { values: coordinates, residual, iterations };
+        let posed = Closure { coordinates, residual, iterations };
         Ok(Place { commanded, posed, length: characteristic_length })
     }
 
     fn system_at(&self, place: &Place) -> Result<MechanismSystem<'_>, Error> {
-        let system = MechanismSystem::new(&self.file.mechanism, place.posed.values.clone())?;
+        let system = MechanismSystem::new(&self.file.mechanism, place.posed.coordinates.clone())?;
         system.with_characteristic_length(place.length)
     }
 }

@@ -229,6 +229,7 @@ pub(crate) fn suggestions<'py>(
         });
         let fields = fields!(py;
             size_m = set.size,
+            energy_j = set.energy,
             symmetric = set.symmetric,
             symmetric_for_commands = set.symmetric_for_commands,
             within_clearances = set.is_within_clearances(),
@@ -247,6 +248,7 @@ pub(crate) fn suggestions<'py>(
         compared = found.compared,
         in_class = found.in_class,
         lower_bound_m = found.lower_bound,
+        least_energy_j = found.least_energy,
         cut_short = found.cut_short,
         untried = found.untried,
     );
@@ -277,6 +279,7 @@ fn suggested<'py>(
         direction = PyArray1::from_slice(py, direction.as_slice()),
         about = about,
         clearance = joint.clearance,
+        stiffness = joint.stiffness,
         largest = largest,
         unit = unit,
         alternatives = alternatives,
@@ -323,7 +326,8 @@ pub(crate) fn virtual_joint(
         }
     };
     let clearance = one.getattr("clearance")?.extract()?;
-    Ok(VirtualJoint { name: text("name")?, joint, carrier, motion, clearance, stiffness: None })
+    let stiffness = one.getattr("stiffness")?.extract()?;
+    Ok(VirtualJoint { name: text("name")?, joint, carrier, motion, clearance, stiffness })
 }
 
 pub(crate) fn relief<'py>(

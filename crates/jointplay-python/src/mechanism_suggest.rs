@@ -1,13 +1,14 @@
 //! Suggestions of virtual joints.
 
-use jointplay::mechanism::{SuggestOptions, SuggestionRank, assemble, guess, suggest};
+use jointplay::mechanism::{
+    LinearAndAngular, SuggestOptions, SuggestionRank, close_commanded, suggest,
+};
 use jointplay::nalgebra::DVector;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::mechanism::PyMechanism;
 use crate::numbers::count;
-use crate::posed::STARTS;
 use crate::{errors, mechanism_results as results};
 
 /// The most sets that a search may compare.
@@ -30,8 +31,11 @@ impl PyMechanism {
     /// symmetric : bool, optional
     ///     Compare only symmetric sets.
     /// rank : str, optional
-    ///     Rank by the norm of all displacements, ``'norm'``, or by the largest single displacement, ``'largest'``.
-    #[pyo3(signature = (commands, *, limit=None, joints=None, symmetric=false, rank="norm"))]
+    ///     Rank by the norm of all displacements, ``'norm'``, by the largest single displacement, ``'largest'``, or by elastic energy, ``'stiffness'``.
+    /// linear_stiffness, angular_stiffness : float, optional
+    ///     Stiffness of joints that have none in the file, for the rank by stiffness (N/m, N m/rad).
+    #[pyo3(signature = (commands, *, limit=None, joints=None, symmetric=false, rank="norm", linear_stiffness=None, angular_stiffness=None))]
+    #[expect(clippy::too_many_arguments, reason = "options of a Python function")]
     fn suggest<'py>(
         &self,
         py: Python<'py>,
@@ -40,6 +44,8 @@ impl PyMechanism {
         joints: Option<&Bound<'py, PyAny>>,
         symmetric: bool,
         rank: &str,
+        linear_stiffness: Option<f64>,
+        angular_stiffness: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut options = SuggestOptions { symmetric_only: symmetric, ..SuggestOptions::default() };
         if let Some(limit) = limit {
@@ -49,11 +55,29 @@ impl PyMechanism {
         options.rank = match rank {
             "norm" => SuggestionRank::Norm,
             "largest" => SuggestionRank::Largest,
+            "stiffness" => SuggestionRank::Stiffness,
             other => {
-                let known = ["norm".to_owned(), "largest".to_owned()];
+                let known = ["norm", "largest", "stiffness"].map(str::to_owned);
                 return Err(errors::unknown_name(py, "rank", other, &known));
             }
         };
+        for (name, value) in
+            [("linear_stiffness", linear_stiffness), ("angular_stiffness", angular_stiffness)]
+        {
+            match value {
+                Some(value) if !(value.is_finite() && value > 0.0) => {
+                    let text = format!("{name} must be a positive finite number, got {value}");
+                    return Err(errors::input(py, &text));
+                }
+                Some(_) if options.rank != SuggestionRank::Stiffness => {
+                    let text = format!("{name} needs rank=\"stiffness\"");
+                    return Err(errors::input(py, &text));
+                }
+                _ => {}
+            }
+        }
+        options.stiffness =
+            LinearAndAngular { linear: linear_stiffness, angular: angular_stiffness };
         let Some(first) = commands.first() else {
             return Err(errors::input(
                 py,
@@ -76,8 +100,7 @@ impl PyMechanism {
         let bare = self.file.mechanism.clone().with_virtual_joints(Vec::new());
         let bare = bare.map_err(|error| errors::internal(&error.to_string()))?;
         let found = py.detach(|| {
-            let start = guess(&bare);
-            let home = assemble(&bare, &start, &[], STARTS)?;
+            let home = close_commanded(&bare, &[], None)?;
             suggest(&bare, &home.coordinates, &commanded, &all, &options)
         });
         let found = found.map_err(|error| errors::core(py, &error))?;

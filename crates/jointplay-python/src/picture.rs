@@ -1,7 +1,11 @@
 //! Pictures of mechanisms, and their formats.
 
+use std::collections::BTreeMap;
+
 use jointplay::nalgebra::DVector;
-use jointplay::plot::{MechanismPicture, View, svg_to_pdf, svg_to_png};
+use jointplay::plot::{
+    Labels, LatexFigure, MechanismPicture, View, restyle_svg, svg_to_latex, svg_to_pdf, svg_to_png,
+};
 use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -30,11 +34,17 @@ impl PyMechanism {
     ///     Title above the picture, empty for none; default: the mechanism's name.
     /// width_px : float, optional
     ///     Width (px), of which 720 are 180 mm on paper.
+    /// labels : str or dict of str to str, optional
+    ///     Names in the picture: ``'auto'``, ``'joints'``, ``'links'``, ``'all'`` or ``'none'``; or own texts in place of the names of joints, virtual joints and links, of which an empty one hides the name.
+    /// text_scale : float, optional
+    ///     Size of text and lines, as a multiple of the default; the picture keeps its width.
+    /// font : str, optional
+    ///     Font family of the SVG; PNG and PDF have the included font.
     ///
     /// Returns
     /// -------
     /// Picture
-    #[pyo3(signature = (at=None, *, ghost=None, exaggerate=None, view_rad=None, title=None, width_px=720.0))]
+    #[pyo3(signature = (at=None, *, ghost=None, exaggerate=None, view_rad=None, title=None, width_px=720.0, labels=None, text_scale=1.0, font=None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn draw<'py>(
         &self,
@@ -45,6 +55,9 @@ impl PyMechanism {
         view_rad: Option<(f64, f64)>,
         title: Option<String>,
         #[pyo3(from_py_with = number)] width_px: f64,
+        labels: Option<LabelsArg>,
+        #[pyo3(from_py_with = number)] text_scale: f64,
+        font: Option<&str>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let configuration = self.configuration(py, at)?;
         let mut picture = MechanismPicture::new(&self.file.mechanism, configuration);
@@ -69,12 +82,42 @@ impl PyMechanism {
         if let Some(title) = title {
             picture.title = title;
         }
-        picture.width = width_px;
-        let svg = py
-            .detach(|| picture.to_svg())
-            .map_err(|error| errors::input(py, &error.to_string()))?;
+        match labels {
+            Some(LabelsArg::Which(which)) => picture.labels = which_labels(py, &which)?,
+            Some(LabelsArg::Own(texts)) => picture.own_labels = texts,
+            None => {}
+        }
+        let drawn = py.detach(|| {
+            // An invalid scale is refused before it can make the width invalid.
+            restyle_svg("", None, text_scale)?;
+            picture.width = width_px / text_scale;
+            restyle_svg(&picture.to_svg()?, font, text_scale)
+        });
+        let svg = drawn.map_err(|error| errors::input(py, &error.to_string()))?;
         skin::result(py, "Picture", &fields!(py; svg = svg))
     }
+}
+
+/// Names in a picture: which, or own texts.
+#[derive(FromPyObject)]
+enum LabelsArg {
+    Which(String),
+    Own(BTreeMap<String, String>),
+}
+
+/// Which names a picture shows, by their name.
+fn which_labels(py: Python<'_>, name: &str) -> PyResult<Labels> {
+    Ok(match name {
+        "auto" => Labels::Auto,
+        "joints" => Labels::Joints,
+        "links" => Labels::Links,
+        "all" => Labels::All,
+        "none" => Labels::None,
+        other => {
+            let known = ["auto", "joints", "links", "all", "none"].map(str::to_owned);
+            return Err(errors::unknown_name(py, "labels", other, &known));
+        }
+    })
 }
 
 /// Largest play scale: a nanometre drawn as a metre.
@@ -95,7 +138,7 @@ impl PyMechanism {
             },
         };
         let posed = py.detach(|| self.posed(&commands, None));
-        posed.map(|posed| posed.values).map_err(|error| errors::core(py, &error))
+        posed.map(|posed| posed.coordinates).map_err(|error| errors::core(py, &error))
     }
 
     /// All coordinates of a configuration or an array.
@@ -129,6 +172,18 @@ pub(crate) fn picture_as_png<'py>(
 #[pyfunction]
 pub(crate) fn picture_as_pdf<'py>(py: Python<'py>, svg: &str) -> PyResult<Bound<'py, PyBytes>> {
     bytes(py, py.detach(|| svg_to_pdf(svg)))
+}
+
+/// A picture for LaTeX: source, and graphics as PDF.
+#[pyfunction]
+pub(crate) fn picture_as_latex<'py>(
+    py: Python<'py>,
+    svg: &str,
+    pdf_name: &str,
+) -> PyResult<(String, Bound<'py, PyBytes>)> {
+    let made = py.detach(|| svg_to_latex(svg, pdf_name));
+    let LatexFigure { tex, pdf } = made.map_err(|error| errors::input(py, &error.to_string()))?;
+    Ok((tex, PyBytes::new(py, &pdf)))
 }
 
 fn bytes<'py>(

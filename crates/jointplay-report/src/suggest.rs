@@ -36,6 +36,8 @@ pub struct SuggestReport {
     pub sets_in_class: f64,
     /// Displacement below which no set of the candidates lies (mm).
     pub lower_bound_mm: f64,
+    /// Elastic energy below which no set of the candidates lies (mJ); `None` unless ranked by stiffness.
+    pub lower_bound_mj: Option<f64>,
     /// Whether the search stopped at its limit.
     pub cut_short: bool,
     /// Number of sets that may be possible but were not evaluated with the whole kinematics.
@@ -62,6 +64,8 @@ pub struct WrittenSet {
 pub struct SetReport {
     /// Largest displacement over the commands, with rotations multiplied by the characteristic length (mm).
     pub size_mm: f64,
+    /// Largest elastic energy over the commands (mJ), which the displacement makes least; `None` unless ranked by stiffness.
+    pub energy_mj: Option<f64>,
     /// Whether every symmetry of the mechanism maps the set onto itself; `false` without symmetries.
     pub symmetric: bool,
     /// Whether every symmetry of the mechanism that maps the commands onto each other maps the set onto itself; `false` without such symmetries.
@@ -142,6 +146,8 @@ pub struct SuggestedTable {
     pub about: Option<[f64; 3]>,
     /// Clearance of the joint in this direction, in the units of the file.
     pub clearance: Option<f64>,
+    /// Stiffness (N/m or N m/rad); `None` unless ranked by stiffness.
+    pub stiffness: Option<f64>,
 }
 
 /// Reports suggested virtual joints.
@@ -169,6 +175,7 @@ pub fn suggestions(
         sets_compared: found.compared,
         sets_in_class: found.in_class,
         lower_bound_mm: found.lower_bound * 1e3,
+        lower_bound_mj: found.least_energy.map(|energy| energy * 1e3),
         cut_short: found.cut_short,
         sets_untried: found.untried,
         sets: found.sets.iter().map(|set| set_report(file, &coordinates, set)).collect(),
@@ -181,6 +188,7 @@ fn set_report(file: &MechanismFile, coordinates: &Coordinates, set: &Suggestion)
     let has_limits = file.mechanism.joints().iter().any(|joint| !joint.limits.is_empty());
     SetReport {
         size_mm: set.size * 1e3,
+        energy_mj: set.energy.map(|energy| energy * 1e3),
         symmetric: set.symmetric,
         symmetric_for_commands: set.symmetric_for_commands,
         within_limits: has_limits.then_some(set.beyond_limits.is_empty()),
@@ -224,5 +232,6 @@ fn table(file: &MechanismFile, joint: &VirtualJoint) -> SuggestedTable {
         direction: (*direction.as_ref()).into(),
         about,
         clearance: joint.clearance.map(|value| units.of_motion(joint.motion, value)),
+        stiffness: joint.stiffness,
     }
 }

@@ -16,7 +16,7 @@ use crate::page;
 use crate::problem::Problem;
 use crate::routes::{
     cell, cell_jog, cell_parts, cell_plan, cell_samples, cell_station, compare, forward, inverse,
-    mesh, mobility, pose, robot, sensitivity, study,
+    mechanism, mesh, mobility, pose, robot, sensitivity, study,
 };
 use crate::state::AppState;
 
@@ -42,6 +42,7 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(mobility::mobility))
         .routes(routes!(sensitivity::sensitivity))
         .routes(routes!(compare::compare))
+        .routes(routes!(mechanism::mechanism_poses))
         .routes(routes!(study::study))
         .routes(routes!(study::study_csv))
         .routes(routes!(study::study_parquet))

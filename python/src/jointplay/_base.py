@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import html
+import keyword
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
@@ -76,6 +78,20 @@ def latex_array(alignment: str, rows: Sequence[Sequence[str]]) -> str:
     return f"$$\\begin{{array}}{{{alignment}}}\n{body}\n\\end{{array}}$$"
 
 
+def identifiers(names: Sequence[str]) -> list[str]:
+    """Names as identifiers of Python, each once: ``ball 1[0]_rad`` becomes ``ball_1_0_rad``."""
+    found: list[str] = []
+    for name in names:
+        word = name if name.isidentifier() else re.sub(r"[\W_]+", "_", name).strip("_")
+        if not word.isidentifier() or keyword.iskeyword(word):
+            word = "_" + word
+        base, number = word, 2
+        while word in found:
+            word, number = f"{base}_{number}", number + 1
+        found.append(word)
+    return found
+
+
 class Result:
     """What all results have in common: equality by value, a short ``repr``, pickling."""
 
@@ -122,6 +138,7 @@ class Table(Result):
     def to_dataframe(self) -> pandas.DataFrame:
         """The columns as a pandas ``DataFrame``.
 
+        Names are identifiers, for attributes and ``query``: the column ``ball 1[0]_rad`` is ``ball_1_0_rad``.
         Needs pandas, which ``pip install jointplay[dataframe]`` installs too.
         """
         try:
@@ -130,12 +147,14 @@ class Table(Result):
             raise ModuleNotFoundError(
                 "to_dataframe needs pandas: pip install 'jointplay[dataframe]'", name="pandas"
             ) from error
-        return pandas.DataFrame(self.columns())
+        columns = self.columns()
+        return pandas.DataFrame(dict(zip(identifiers(list(columns)), columns.values(), strict=True)))
 
     def plot(self, *names: str, x: str | None = None, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
         """Draws columns as lines, with matplotlib.
 
         Without names all columns but that of ``x``; without ``x`` over the number of the row.
+        Names are those of ``columns()`` or of ``to_dataframe()``.
         Lines are drawn into ``ax``, or into a new figure; the axes are returned.
         """
         if ax is None:
@@ -145,6 +164,9 @@ class Table(Result):
                 raise ModuleNotFoundError("plot needs matplotlib: pip install matplotlib", name="matplotlib") from error
             ax = plt.subplots()[1]
         columns = self.columns()
+        known = dict(zip(identifiers(list(columns)), columns, strict=True))
+        names = tuple(known.get(name, name) for name in names)
+        x = x if x is None else known.get(x, x)
         for name in (*names, *([x] if x is not None else [])):
             if name not in columns:
                 raise KeyError(f"{name!r} is not a column: columns are {', '.join(columns)}")

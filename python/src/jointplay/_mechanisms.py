@@ -361,6 +361,8 @@ class SuggestedJoint(Result):
     """For a turn, a point of its axis in the same frame, shape (3,) [m]."""
     clearance: float | None
     """Clearance of the joint in this direction, in ``unit``; ``None`` if the file has none."""
+    stiffness: float | None
+    """Stiffness [N/m, N m/rad]; ``None`` unless ranked by stiffness."""
     largest: float
     """Largest displacement over the commands, in ``unit``."""
     unit: str
@@ -375,6 +377,8 @@ class Suggestion(Result):
 
     size_m: float
     """Largest displacement over the commands, turns weighed by the characteristic length [m]."""
+    energy_j: float | None
+    """Largest elastic energy over the commands, which the displacement makes least [J]; ``None`` unless ranked by stiffness."""
     symmetric: bool
     """Whether every symmetry of the mechanism maps the set onto itself; ``False`` where it has none."""
     symmetric_for_commands: bool
@@ -407,6 +411,8 @@ class Suggestions(Result):
     """Number of sets in the class that was searched, compared or not."""
     lower_bound_m: float
     """Displacement below which no set of the candidates lies (m)."""
+    least_energy_j: float | None
+    """Elastic energy below which no set of the candidates lies [J]; ``None`` unless ranked by stiffness."""
     compared: int
     """Sets that were compared."""
     cut_short: bool

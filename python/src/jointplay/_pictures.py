@@ -33,9 +33,17 @@ class Picture:
         """The picture as PDF: vectors, and text in embedded fonts."""
         return _jointplay.picture_as_pdf(self.svg)
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the picture into a file: SVG, PNG or PDF by its extension.
+    def latex(self, pdf_name: str) -> tuple[str, bytes]:
+        """The picture for LaTeX: source with all text, for ``\\input``, and the graphics as PDF without text.
 
+        The source expects the PDF under ``pdf_name``, needs ``\\usepackage{graphicx}``, and takes formulas in labels, between two ``$``.
+        """
+        return _jointplay.picture_as_latex(self.svg, pdf_name)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the picture into a file: SVG, PNG, PDF or LaTeX by its extension.
+
+        With ``.tex``, the graphics are in a PDF of the same name next to it; see `latex`.
         The file is written whole or not at all; an existing one is replaced.
         """
         path = Path(path)
@@ -46,13 +54,23 @@ class Picture:
                 content = self.png()
             case ".pdf":
                 content = self.pdf()
+            case ".tex":
+                graphics = path.with_suffix(".pdf")
+                source, pdf = self.latex(graphics.name)
+                _write(graphics, pdf)
+                content = source.encode()
             case _:
-                raise InputError(f"{path}: the name of a picture must end in .svg, .png or .pdf")
-        handle, partial = tempfile.mkstemp(dir=path.parent, prefix=path.name)
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(content)
-            os.replace(partial, path)
-        except BaseException:
-            os.unlink(partial)
-            raise
+                raise InputError(f"{path}: the name of a picture must end in .svg, .png, .pdf or .tex")
+        _write(path, content)
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Writes a file whole or not at all."""
+    handle, partial = tempfile.mkstemp(dir=path.parent, prefix=path.name)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        os.replace(partial, path)
+    except BaseException:
+        os.unlink(partial)
+        raise

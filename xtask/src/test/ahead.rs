@@ -10,8 +10,9 @@ use std::process::{Child, Command, Stdio};
 use crate::{page, python};
 
 /// What each chore runs to fetch all that it needs and does not have yet.
-const FETCHES: [(&str, &str); 4] = [
+const FETCHES: [(&str, &str); 5] = [
     ("cell", "validation/exported.py"),
+    ("c", "crates/jointplay-c/test.py"),
     ("studio", "studio/test_api.py"),
     ("page", "studio/test.mjs"),
     ("python", "python/test.py"),

@@ -14,7 +14,9 @@ use super::resolved::{
     ResolvedInstruction, ResolvedQuantity, ResolvedSlot, ResolvedTilt, StationReference,
 };
 use super::sequence::MotionSequencer;
-use super::{Handoff, Path, Program, ProgramError, ProgramProblem, SourceLocation, Step};
+use super::{
+    Handoff, Path, Program, ProgramError, ProgramProblem, RobotState, SourceLocation, Step,
+};
 use crate::incremental::{Interrupted, StopRequested, uninterrupted};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
@@ -31,28 +33,37 @@ use crate::workcell::Cell;
 /// # Errors
 /// All errors of the program in this cell, each once with its location: unknown names, programs without end, wafers that are missing or block their destination, targets out of reach and violated limits.
 pub fn expand(cell: &Cell, program: &Program) -> Result<Vec<Step>, Vec<ProgramError>> {
-    uninterrupted(expand_by(cell, program, &mut IkCache::default(), &|| false))
+    let start = RobotState::home(&cell.robot);
+    let expanded = expand_by(cell, program, &start, &mut IkCache::default(), &|| false);
+    uninterrupted(expanded).map(|expansion| expansion.steps)
 }
 
-/// As [`expand`], with the inverse kinematics of the last program.
+/// The steps of a program, and the state of the robot after them.
+pub(crate) struct Expansion {
+    pub(crate) steps: Vec<Step>,
+    pub(crate) end: RobotState,
+}
+
+/// As [`expand`], from another state and with the inverse kinematics of the last program; the state at the end is included.
 pub(crate) fn expand_by(
     cell: &Cell,
     program: &Program,
+    start: &RobotState,
     ik_cache: &mut IkCache,
     stop: StopRequested<'_>,
-) -> Result<Result<Vec<Step>, Vec<ProgramError>>, Interrupted> {
+) -> Result<Result<Expansion, Vec<ProgramError>>, Interrupted> {
     let (resolved, unresolved) = resolve(cell, program);
     let mut errors = Errors::default();
     for error in unresolved {
         errors.add(error.place, error.problem, || error.context);
     }
-    let mut steps = Vec::new();
+    let (mut steps, mut end) = (Vec::new(), start.clone());
     if let Some(resolved) = &resolved {
         ik_cache.begin(cell);
         let mut expander = ProgramExpander {
             resolved,
             occupancy: WaferOccupancy::new(cell),
-            sequencer: MotionSequencer::new(cell, ik_cache),
+            sequencer: MotionSequencer::new(cell, ik_cache, start),
             errors: &mut errors,
             instruction: 0,
             work: 0,
@@ -62,11 +73,12 @@ pub(crate) fn expand_by(
         if let Err(Ended::Interrupted) = expander.block(&resolved.body) {
             return Err(Interrupted);
         }
+        end = expander.sequencer.state();
         steps = expander.sequencer.steps;
         ik_cache.end();
     }
     let errors: Vec<ProgramError> = errors.0.into_values().flatten().collect();
-    Ok(if errors.is_empty() { Ok(steps) } else { Err(errors) })
+    Ok(if errors.is_empty() { Ok(Expansion { steps, end }) } else { Err(errors) })
 }
 
 /// Why the expansion ends before the end of the program.

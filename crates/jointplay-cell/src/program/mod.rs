@@ -14,6 +14,7 @@
 //! | `resolve`, `resolver`, `scope`, `parameter_kinds`, `effector_choice` | resolution of names in the cell |
 //! | `resolved` | program with its names resolved |
 //! | `bounds` | bounds on the expansion |
+//! | `robot_state` | state of the robot at rest between programs |
 //! | `step` | steps: moves and dwells of all axes |
 //! | `wafer_locations` | locations of all wafers during the steps of a program |
 //! | `occupancy` | occupancy of effectors and slots during the expansion, also after errors |
@@ -49,6 +50,7 @@ mod resolve;
 mod resolved;
 mod resolver;
 mod retracted_pose;
+mod robot_state;
 mod scope;
 mod sequence;
 mod step;
@@ -58,7 +60,7 @@ mod wafer_locations;
 
 pub use bounds::{MAX_CALL_DEPTH, MAX_INSTRUCTIONS};
 pub use expand::expand;
-pub(crate) use expand::expand_by;
+pub(crate) use expand::{Expansion, expand_by};
 pub use handoff_deflection::{HandoffDeflection, handoff_deflections};
 pub(crate) use ik_cache::IkCache;
 pub use location::{Name, SourceLocation};
@@ -66,6 +68,7 @@ pub use parameter_kind::ParameterKind;
 pub use problem::{Count, ErrorContext, Leveling, ProgramError, ProgramProblem};
 pub use quantity::{AllowedValues, Number, Quantity, Unit};
 pub use resolve::name_errors;
+pub use robot_state::RobotState;
 pub use step::{Handoff, LinePostures, Path, Phase, Step};
 pub use syntax::{
     AxisTarget, Branch, Command, Condition, Instruction, Parameter, Program, Relation, Routine,

@@ -13,7 +13,7 @@ use super::ik_cache::IkCache;
 use super::limits::check_limits;
 use super::posture_choice::PostureChoice;
 use super::retracted_pose::retracted_positions;
-use super::{Handoff, LinePostures, Path, Phase, ProgramProblem, SourceLocation, Step};
+use super::{Handoff, LinePostures, Path, Phase, ProgramProblem, RobotState, SourceLocation, Step};
 use crate::robot::{EffectorId, PostureChange, RODS, WaferTarget};
 use crate::station::LinePoint::{Retracted, Slot, Via};
 use crate::station::{LinePoint, SlotId, Waypoints};
@@ -71,17 +71,17 @@ struct Goal<'g> {
 }
 
 impl<'c> MotionSequencer<'c> {
-    /// At home, at full speed, from rest to rest.
-    pub(super) fn new(cell: &'c Cell, ik_cache: &'c mut IkCache) -> Self {
+    /// In a state, without steps.
+    pub(super) fn new(cell: &'c Cell, ik_cache: &'c mut IkCache, start: &RobotState) -> Self {
         let axes = &cell.robot.axes;
         Self {
             cell,
             ik_cache,
             steps: Vec::new(),
-            speed_scaling: 1.0,
-            blend_radius: 0.0,
-            positions: axes.iter().map(|axis| axis.home).collect(),
-            arms_retracted: true,
+            speed_scaling: start.speed_scaling,
+            blend_radius: start.blend_radius,
+            positions: start.positions.clone(),
+            arms_retracted: start.arms_retracted,
             turning: (0..axes.len()).map(|axis| cell.robot.turns_whole_arms(axis)).collect(),
             posture_choice: PostureChoice::default(),
             sag: BTreeMap::new(),
@@ -90,6 +90,16 @@ impl<'c> MotionSequencer<'c> {
             instruction: 0,
             place: SourceLocation::default(),
             loaded: Vec::new(),
+        }
+    }
+
+    /// The state after the steps so far.
+    pub(super) fn state(&self) -> RobotState {
+        RobotState {
+            positions: self.positions.clone(),
+            arms_retracted: self.arms_retracted,
+            speed_scaling: self.speed_scaling,
+            blend_radius: self.blend_radius,
         }
     }
 

@@ -4,13 +4,12 @@ use std::fmt::Write as _;
 
 use clap::Args;
 use jointplay::format::number::counted;
+use jointplay::mechanism::Posed;
 use jointplay::report::{self, AssemblyReport};
 
 use crate::arguments::whole;
 use crate::failure::Failure;
-use crate::mechanism_input::{
-    Input, JointValues, MechanismArgs, Posed, ToleranceArgs, joint_values,
-};
+use crate::mechanism_input::{Input, JointValues, MechanismArgs, ToleranceArgs, joint_values};
 use crate::progress::Progress;
 
 /// Close the loops of a mechanism, starting from the initial guess in its file

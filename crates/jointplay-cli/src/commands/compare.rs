@@ -106,6 +106,7 @@ impl Compare {
         if source.kind() != Some(Kind::Arms) {
             return Ok((self.answer.load()?, Vec::new()));
         }
+        self.answer.robot.set.refuse("--set: a robot with arms has no parameters")?;
         let robot = cell::robot::parse(&source.text)
             .map_err(|errors| Failure::invalid(&errors, &source.label))?;
         let wafer = |id: EffectorId| {

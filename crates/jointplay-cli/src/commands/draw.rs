@@ -14,9 +14,9 @@ use super::motion_run::driven;
 use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::figure::FigureArgs;
-use crate::mechanism_input::{Input, JointValues, SetArgs, joint_values};
+use crate::mechanism_input::{Input, JointValues, joint_values};
 use crate::output::{self, FormatArgs};
-use crate::source::STANDARD;
+use crate::set_args::SetArgs;
 
 /// Largest play scale: a nanometre drawn as a metre.
 const LARGEST_FACTOR: f64 = 1e9;
@@ -34,6 +34,7 @@ Examples:
   jointplay draw hexapod --view=-30,20 --figure hexapod.svg
   jointplay draw gpr-mechanism --redundant 1 --figure redundant.svg
   jointplay draw four-bar --no-title --width 360 --labels links --label A=crank --figure column.pdf
+  jointplay draw four-bar --label \"A=$\\theta_1$\" --figure paper.tex
   jointplay draw gpr-mechanism --at \"rod 1=5,rod 2=0,rod 3=0\" --exaggerate 500 --figure play.svg")]
 pub(crate) struct Draw {
     /// Mechanism file (TOML), model (MJCF, SDF, URDF), or a name from `jointplay catalogue`
@@ -64,24 +65,15 @@ pub(crate) struct Draw {
     pub(crate) format: FormatArgs,
 }
 
-/// Title, names and size of the picture.
+/// Names in the picture.
 #[derive(Args)]
 struct Appearance {
-    /// Title above the picture [default: name of the mechanism]
-    #[arg(long, value_name = "TEXT")]
-    title: Option<String>,
-    /// Draw no title
-    #[arg(long, conflicts_with = "title")]
-    no_title: bool,
     /// Names in the picture
     #[arg(long, value_name = "WHICH", value_enum, default_value_t = LabelArg::Auto)]
     labels: LabelArg,
     /// Text in place of the name of a joint, virtual joint or link, shown whatever --labels is; an empty text hides the name
     #[arg(long, value_name = "NAME=TEXT", value_parser = label)]
     label: Vec<(String, String)>,
-    /// Width in px, of which 720 are 180 mm on paper; the text keeps its size
-    #[arg(long, value_name = "PX", value_parser = finite, default_value_t = 720.0)]
-    width: f64,
 }
 
 /// Names in the picture, as an option.
@@ -113,14 +105,8 @@ impl From<LabelArg> for Labels {
 
 impl Appearance {
     fn apply(&self, picture: &mut MechanismPicture<'_>) {
-        if self.no_title {
-            picture.title.clear();
-        } else if let Some(title) = &self.title {
-            picture.title.clone_from(title);
-        }
         picture.labels = self.labels.into();
         picture.own_labels = self.label.iter().cloned().collect();
-        picture.width = self.width;
     }
 }
 
@@ -200,8 +186,8 @@ impl Draw {
         let drawn = match written {
             Some(path) => Drawn::Figure(path.display().to_string()),
             None => {
-                let failed = |source| Failure::Figure { figure: STANDARD.to_owned(), source };
-                Drawn::Svg(picture.to_svg().map_err(failed)?)
+                let failed = |source| Failure::Figure { figure: "the picture".to_owned(), source };
+                Drawn::Svg(self.figure.svg(&picture).map_err(failed)?)
             }
         };
         match &drawn {

@@ -19,7 +19,7 @@ use jointplay::virtualization::{Planar, SolveOptions};
 
 use crate::arguments::{AnswerArgs, RodArgs, VirtualizationName};
 use crate::failure::Failure;
-use crate::mechanism_input::{Input, JointValues, SetArgs, ToleranceArgs, joint_values};
+use crate::mechanism_input::{Input, JointValues, ToleranceArgs, joint_values};
 use crate::output::{limits, magnitude, three};
 use crate::progress::Progress;
 use crate::source::{Kind, Source};
@@ -52,8 +52,6 @@ pub(crate) struct Mobility {
     #[arg(long, value_name = "JOINT=VALUE", value_parser = joint_values, requires = "file", conflicts_with_all = ["q_mm", "virtualization"])]
     at: Vec<JointValues>,
     #[command(flatten)]
-    set: SetArgs,
-    #[command(flatten)]
     near: ToleranceArgs,
     #[command(flatten)]
     rods: RodArgs,
@@ -68,7 +66,6 @@ impl Mobility {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let gpr = match &self.file {
             None => {
-                self.set.refuse_without_file()?;
                 self.refuse_tolerance()?;
                 self.answer.load()?
             }
@@ -107,7 +104,7 @@ impl Mobility {
             return Err(Failure::Usage(text.to_owned()));
         }
         let tolerance = self.near.tolerance;
-        let input = Input { tolerance, ..Input::parse(source, &self.set.set)? };
+        let input = Input { tolerance, ..Input::parse(source, &self.answer.robot.set.set)? };
         let working = Progress::of_work("mobility");
         if !input.is_dense() && tolerance.is_none() {
             let (system, _) = input.sparse(&input.commands(&self.at)?)?;
@@ -148,7 +145,9 @@ impl Mobility {
         joint_freedoms: usize,
         found: &FreedomsReport,
     ) -> Result<(), Failure> {
-        let asked = !self.at.is_empty() || !self.set.set.is_empty() || input.tolerance.is_some();
+        let asked = !self.at.is_empty()
+            || !self.answer.robot.set.set.is_empty()
+            || input.tolerance.is_some();
         let disagreements = report::disagreements(&input.file.expected, joint_freedoms, found);
         if asked || disagreements.is_empty() {
             return Ok(());
@@ -164,11 +163,11 @@ impl Mobility {
 
     fn robot(&self, source: &Source) -> Result<Gpr, Failure> {
         self.refuse_tolerance()?;
-        if !self.at.is_empty() || !self.set.set.is_empty() {
-            let text = "--at and --set apply to mechanism files; use --q-mm for this robot";
+        if !self.at.is_empty() {
+            let text = "--at applies to mechanism files; use --q-mm for this robot";
             return Err(Failure::Usage(text.to_owned()));
         }
-        let read = robot::parse(&source.text);
+        let read = robot::parse_with(&source.text, &self.answer.robot.set.replaced());
         Ok(read.map_err(|errors| Failure::invalid(&errors, &source.label))?.gpr)
     }
 }

@@ -10,7 +10,7 @@ use jointplay::spatial::Tilt;
 use super::relief;
 use crate::arguments::{AnswerArgs, ModelArgs, Rods, TiltArgs};
 use crate::failure::Failure;
-use crate::mechanism_input::{Input, JointValues, SetArgs, joint_values};
+use crate::mechanism_input::{Input, JointValues, joint_values};
 use crate::output::{ball_clearance, characteristic_length, limits, magnitude, three};
 use jointplay::format::number::fixed;
 
@@ -33,8 +33,6 @@ pub(crate) struct SensitivityCommand {
     /// Commanded joint coordinates of a mechanism, in the units of the file
     #[arg(long, value_name = "JOINT=VALUE", value_parser = joint_values, requires = "file")]
     command: Vec<JointValues>,
-    #[command(flatten)]
-    set: SetArgs,
     /// Rod lengths at the end of the motion, instead of a tilt
     #[arg(long, value_name = "Q1,Q2,Q3", value_parser = crate::arguments::rods, conflicts_with_all = ["azimuth_deg", "tilt_deg", "height_mm"])]
     q_mm: Option<Rods>,
@@ -49,10 +47,9 @@ pub(crate) struct SensitivityCommand {
 impl SensitivityCommand {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         if let Some(path) = &self.file {
-            let input = Input::read(path, &self.set.set)?;
+            let input = Input::read(path, &self.answer.robot.set.set)?;
             return relief::run(&input, &self.command, &self.answer);
         }
-        self.set.refuse_without_file()?;
         let gpr = self.answer.load()?;
         let (model, options) = (self.model.model(), self.model.options());
         let (rods, tilt) = match &self.q_mm {

@@ -6,17 +6,18 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::mechanism::{self, MechanismFile, Units};
 use jointplay::mechanism::{
-    MechanismSystem, SingleCommand, SuggestOptions, Suggestion, SuggestionRank, Suggestions,
-    VirtualJoint, single_commands, suggest,
+    LinearAndAngular, MechanismSystem, SingleCommand, SuggestOptions, Suggestion, SuggestionRank,
+    Suggestions, VirtualJoint, single_commands, suggest,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::report::{self, ByName, SetReport, SingleCommandReport, SuggestReport, WrittenSet};
 
+use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 use crate::mechanism_input::{Input, JointValues, MechanismArgs, joint_values};
 use crate::progress::Progress;
-use jointplay::format::number::{counted, fixed};
+use jointplay::format::number::{counted, fixed, number};
 
 /// Number of sets listed in text; JSON lists all.
 const LISTED: usize = 10;
@@ -32,6 +33,7 @@ const SMALL_TURN: f64 = 0.05;
 Examples:
   jointplay suggest gpr-mechanism
   jointplay suggest gpr-mechanism --symmetric --rank largest
+  jointplay suggest gpr-mechanism --rank stiffness --stiffness linear=2e7,angular=5e3
   jointplay suggest parallelogram --command A1=5,A2=4.9 --command A1=-5,A2=-5.1
   jointplay suggest gpr-mechanism --write 1 --out with-play.toml
 
@@ -51,9 +53,12 @@ pub(crate) struct Suggest {
     /// Compare only symmetric sets
     #[arg(long)]
     symmetric: bool,
-    /// Rank by the norm of all displacements, or by the largest single displacement
+    /// Rank by the norm of all displacements, by the largest single displacement, or by elastic energy, for which every joint needs a stiffness
     #[arg(long, value_name = "BY", value_enum, default_value_t = Rank::Norm)]
     rank: Rank,
+    /// Stiffness of joints that have none in the file, for --rank stiffness: in N/m along a direction, in N m/rad about one
+    #[arg(long, value_name = "linear=K,angular=K", value_parser = stiffness)]
+    stiffness: Option<LinearAndAngular>,
     /// Write the virtual joints of set N into the mechanism file, in place of its own
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     write: Option<u32>,
@@ -69,6 +74,30 @@ pub(crate) struct Suggest {
 enum Rank {
     Norm,
     Largest,
+    Stiffness,
+}
+
+/// Stiffness along and about directions, either or both.
+fn stiffness(text: &str) -> Result<LinearAndAngular, String> {
+    let mut found = LinearAndAngular::default();
+    for part in text.split(',') {
+        let expected = || format!("invalid stiffness {part:?}: expected linear=K or angular=K");
+        let (name, value) = part.split_once('=').ok_or_else(expected)?;
+        let name = name.trim();
+        let place = match name {
+            "linear" => &mut found.linear,
+            "angular" => &mut found.angular,
+            _ => return Err(expected()),
+        };
+        let value = finite(value)?;
+        if value <= 0.0 {
+            return Err(format!("{name} stiffness must be positive, got {}", number(value)));
+        }
+        if place.replace(value).is_some() {
+            return Err(format!("{name} stiffness is given twice"));
+        }
+    }
+    Ok(found)
 }
 
 /// Refuses a set that needs more than the clearances of the joints.
@@ -102,6 +131,9 @@ struct Commands {
 
 impl Suggest {
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        if self.stiffness.is_some() && !matches!(self.rank, Rank::Stiffness) {
+            return Err(Failure::Usage("--stiffness needs --rank stiffness".to_owned()));
+        }
         let mut input = self.mechanism.load()?;
         // The search replaces the virtual joints of the file.
         let replaced = input.file.mechanism.virtual_joints().len();
@@ -118,7 +150,9 @@ impl Suggest {
             rank: match self.rank {
                 Rank::Norm => SuggestionRank::Norm,
                 Rank::Largest => SuggestionRank::Largest,
+                Rank::Stiffness => SuggestionRank::Stiffness,
             },
+            stiffness: self.stiffness.unwrap_or_default(),
         };
         let found = suggest(&input.file.mechanism, &home, &commanded, &commands, &options)?;
         drop(working);
@@ -140,7 +174,9 @@ impl Suggest {
             let file = path.display().to_string();
             report.written = Some(WrittenSet { file, set: k + 1, replaced });
         }
-        self.mechanism.format.print(&report, |report| text(&input, &commanded, report))?;
+        self.mechanism
+            .format
+            .print(&report, |report| text(&input, &commanded, report, self.rank))?;
         let k = chosen?;
         if !found.needed {
             return found.without_play.iter().try_for_each(|at| input.within_limits(at));
@@ -334,7 +370,23 @@ fn single(input: &Input, commands: &[SingleCommandReport]) -> String {
     text
 }
 
-fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
+/// What may have been missed, by the lower bound and the first set.
+fn optimality(report: &SuggestReport, rank: Rank) -> String {
+    let first = report.sets.first().map(|set| (set.energy_mj, set.size_mm));
+    let (found, least) = match (rank, first, report.lower_bound_mj) {
+        (Rank::Stiffness, Some((Some(energy), _)), Some(least)) => (energy, least),
+        (Rank::Norm, Some((_, size)), _) => (size, report.lower_bound_mm),
+        _ => return "a smaller displacement may exist".to_owned(),
+    };
+    let share = (1.0 - least / found).max(0.0) * 100.0;
+    match share {
+        // The bound is round-off below a set that reaches it.
+        0.0..=1e-6 => "the first one is optimal".to_owned(),
+        _ => format!("another may need less than the first one, by at most {} %", fixed(share, 2)),
+    }
+}
+
+fn text(input: &Input, commanded: &[usize], report: &SuggestReport, rank: Rank) -> String {
     let shown = shown(input, commanded);
     let mut text = format!("virtual joints for {}\n", report.name);
     for command in &report.commands {
@@ -359,17 +411,21 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
     let _ = if report.cut_short || report.sets_untried > 0 {
         writeln!(
             text,
-            "best found among {compared} of {} sets; a smaller displacement may exist",
-            report.sets_in_class
+            "best found among {compared} of {} sets; {}",
+            report.sets_in_class,
+            optimality(report, rank)
         )
     } else {
         writeln!(text, "sets of virtual joints, all {} compared", report.sets_in_class)
     };
+    let least = match report.lower_bound_mj {
+        Some(energy) => format!("{} mJ", fixed(energy, 5)),
+        None => format!("{} mm", fixed(report.lower_bound_mm, 5)),
+    };
     let _ = writeln!(
         text,
-        "  {} candidate joints and directions; no set of them needs less than {} mm",
-        report.candidates,
-        fixed(report.lower_bound_mm, 5)
+        "  {} candidate joints and directions; no set of them needs less than {least}",
+        report.candidates
     );
     if report.sets.is_empty() {
         text.push_str("no tried set makes the motion possible\n");
@@ -380,7 +436,10 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
             (false, true) => ", symmetric for the commands",
             (false, false) => "",
         };
-        let _ = writeln!(text, "{}. displacement {} mm{alike}", n + 1, fixed(set.size_mm, 5));
+        let energy = set.energy_mj.map(|energy| format!("energy {} mJ, ", fixed(energy, 5)));
+        let energy = energy.unwrap_or_default();
+        let size = fixed(set.size_mm, 5);
+        let _ = writeln!(text, "{}. {energy}displacement {size} mm{alike}", n + 1);
         for joint in &set.virtual_joints {
             let unit = if joint.unit == "um" { "µm" } else { "mrad" };
             let name = &joint.virtual_joint.name;

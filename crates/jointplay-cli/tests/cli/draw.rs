@@ -66,13 +66,54 @@ fn a_picture_shows_what_is_asked_for() {
         ("draw bennett --exaggerate 500", "the virtual joints are not displaced"),
         ("draw four-bar --label E=motor", "no joint, virtual joint or link has this name"),
         ("draw four-bar --label motor", "expected NAME=TEXT"),
-        ("draw four-bar --width 10", "width of the figure"),
+        ("draw four-bar --width 10", "cannot draw the picture: width of the figure"),
+        ("draw four-bar --text-scale 0", "text scale is 0, but has to lie from 0.25 to 10"),
+        ("draw four-bar --font \";\"", "is no font family"),
+        ("draw four-bar --font Times --figure four-bar.pdf", "--font needs an SVG figure"),
         ("draw gpr-mechanism --exaggerate 0.5", "the play scale must be from 1 to 1e9"),
     ] {
         let run = sandbox.run(line);
         assert_eq!(run.code, 2, "{line}");
         assert!(run.stderr.contains(message), "{}", run.stderr);
     }
+}
+
+#[test]
+fn figures_have_the_title_size_and_text_that_are_asked_for() {
+    let sandbox = Sandbox::new();
+    for line in ["draw four-bar", "compare"] {
+        let figure = |options: &str| {
+            sandbox.done(&format!("{line} --figure figure.svg --force {options}"));
+            sandbox.read("figure.svg")
+        };
+        assert!(figure("--title Loop").contains(">Loop</text>"), "{line}");
+        let plain = figure("--no-title --width 360");
+        assert!(plain.contains("<svg") && plain.contains(" width=\"360\""), "{line}");
+        let large = figure("--no-title --width 360 --text-scale 1.5 --font serif");
+        // Drawn 240 px wide, shown 360 px wide.
+        assert!(large.contains(" width=\"360\"") && large.contains("viewBox=\"0 0 240 "), "{line}");
+        assert!(large.contains("font-family=\"serif, 'DejaVu Sans'"), "{line}");
+    }
+}
+
+#[test]
+fn latex_sets_the_text_of_a_figure() {
+    let sandbox = Sandbox::new();
+    let line = "draw four-bar --title \"50 % & more\" --label \"A=$\\theta_1$\" --figure loop.tex";
+    assert_eq!(sandbox.done(line), "picture: loop.tex\n");
+    let source = sandbox.read("loop.tex");
+    for part in [
+        "{50 \\% \\& more}",
+        "{$\\theta_1$}",
+        "{loop.pdf}",
+        "\\providecommand{\\figurewidth}{180mm}",
+    ] {
+        assert!(source.contains(part), "{part}: {source}");
+    }
+    assert!(sandbox.file("loop.pdf").exists());
+    // Neither file is replaced.
+    let again = sandbox.run(line);
+    assert_eq!(again.code, 2, "{}", again.stderr);
 }
 
 #[test]
@@ -95,7 +136,7 @@ fn every_mechanism_of_the_catalogue_can_be_drawn() {
 fn what_cannot_be_drawn() {
     let sandbox = Sandbox::new();
     for (line, code, message) in [
-        ("draw bennett --figure bennett.jpg", 2, "must end in .svg, .png or .pdf"),
+        ("draw bennett --figure bennett.jpg", 2, "must end in .svg, .png, .pdf or .tex"),
         ("draw bennett --figure nowhere/bennett.svg", 2, "its folder does not exist"),
         ("draw bennett --view 30", 2, "expected AZIMUTH,ELEVATION"),
         ("draw bennett --view 30,91", 2, "elevation must be from -90° to 90°"),

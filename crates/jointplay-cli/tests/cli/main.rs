@@ -15,6 +15,7 @@ mod page;
 mod refusals;
 mod report;
 mod sandbox;
+mod serve;
 mod simulate;
 #[cfg(all(feature = "studio", unix))]
 mod studio;

@@ -719,6 +719,82 @@ fn the_paper_s_slides_are_suggested_first() {
 }
 
 #[test]
+fn suggestions_are_ranked_by_elastic_energy() {
+    let sandbox = Sandbox::new();
+    let tilt = "--command \"rod 1=2,rod 2=0,rod 3=0\" --rank stiffness";
+    let refused = sandbox.run(&format!("suggest gpr-mechanism {tilt}"));
+    assert_eq!(refused.code, 2);
+    for part in ["has no linear stiffness", "add `stiffness = { linear = … }` in N/m"] {
+        assert!(refused.stderr.contains(part), "{}", refused.stderr);
+    }
+    let line = format!("suggest gpr-mechanism {tilt} --stiffness linear=2e7,angular=5e3");
+    let found = sandbox.json(&line);
+    let sets = found["sets"].as_array().unwrap();
+    let energies: Vec<f64> = sets.iter().map(|set| set["energy_mj"].as_f64().unwrap()).collect();
+    assert!(
+        energies.len() > 3 && energies.is_sorted_by(|a, b| *a <= b * (1.0 + 2e-6)),
+        "{energies:?}"
+    );
+    assert!(energies[0] >= found["lower_bound_mj"].as_f64().unwrap() * (1.0 - 1e-6));
+    // One slide of each leg: ½ Σ k x² of the displacements of the only command.
+    let joints = sets[0]["virtual_joints"].as_array().unwrap();
+    let energy: f64 = joints
+        .iter()
+        .map(|joint| {
+            let si = if joint["unit"] == "um" { 1e-6 } else { 1e-3 };
+            let x = joint["largest"].as_f64().unwrap() * si;
+            0.5 * joint["stiffness"].as_f64().unwrap() * x * x
+        })
+        .sum();
+    assert!((energy * 1e3 / energies[0] - 1.0).abs() < 1e-9, "{energy} {energies:?}");
+    assert!(sandbox.done(&line).contains("1. energy "));
+    for (options, message) in [
+        ("--rank stiffness --stiffness linear=0", "linear stiffness must be positive, got 0"),
+        ("--rank stiffness --stiffness 5", "expected linear=K or angular=K"),
+        ("--rank stiffness --stiffness linear=1,linear=2", "linear stiffness is given twice"),
+        ("--stiffness linear=1", "--stiffness needs --rank stiffness"),
+    ] {
+        let run = sandbox.run(&format!("suggest gpr-mechanism {options}"));
+        assert_eq!(run.code, 2, "{options}");
+        assert!(run.stderr.contains(message), "{}", run.stderr);
+    }
+}
+
+#[test]
+fn parameters_of_robot_files_are_set() {
+    let sandbox = Sandbox::new();
+    let robot = sandbox.done("catalogue show gpr");
+    let text = robot.replace("socket_radius_mm = 93.218", "socket_radius_mm = \"r\"");
+    sandbox.write("own.toml", &format!("{text}\n[parameters]\nr = 93.218\n"));
+    for command in ["inverse", "forward", "mobility", "sensitivity", "compare"] {
+        let arguments = match command {
+            "forward" => "--q-mm 500,501,502",
+            "inverse" | "sensitivity" => "--tilt-deg 1",
+            _ => "",
+        };
+        let of = |robot: &str| sandbox.json(&format!("{command} {arguments} {robot}"));
+        let plain = of("");
+        assert_eq!(of("--robot own.toml"), plain, "{command}");
+        if command != "mobility" {
+            assert_ne!(of("--robot own.toml --set r=120"), plain, "{command}");
+        }
+    }
+    // The rod under a socket at radius r rises by r tan α toward the tilt.
+    let rods = sandbox.json("inverse --tilt-deg 1 --robot own.toml --set r=120");
+    let rod = rods["q_mm"][0].as_f64().unwrap();
+    let expected = 500.0 - 120.0 * 1.0_f64.to_radians().tan();
+    assert!((rod - expected).abs() < 1e-6, "{rod} {expected}");
+    for (line, message) in [
+        ("inverse --tilt-deg 1 --set r=120", "--set needs a file"),
+        ("inverse --tilt-deg 1 --robot own.toml --set q=120", "q"),
+    ] {
+        let run = sandbox.run(line);
+        assert_eq!(run.code, 2, "{line}");
+        assert!(run.stderr.contains(message), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn a_suggestion_is_written_into_the_file() {
     let sandbox = Sandbox::new();
     let tilt = "--command \"rod 1=2,rod 2=0,rod 3=-1\"";

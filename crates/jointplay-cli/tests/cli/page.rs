@@ -66,10 +66,11 @@ fn run(sandbox: &Sandbox, line: &str, page: &str) -> Option<String> {
     let (line, file) =
         line.split_once(" > ").map_or((line, None), |(line, file)| (line, Some(file)));
     let line = line.trim();
-    // The studio serves until it is ended, completions are for some shell, and words in capitals are placeholders.
+    // The studio and the controller serve until they are ended, completions are for some shell, and words in capitals are placeholders.
     let is_placeholder =
         |word: &str| word.len() > 2 && word.chars().all(|c| c.is_ascii_uppercase());
     if line.starts_with("studio")
+        || line.starts_with("cell serve")
         || line.starts_with("completions")
         || line.split(' ').any(is_placeholder)
     {

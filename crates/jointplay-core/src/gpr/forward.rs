@@ -119,6 +119,21 @@ impl Gpr {
         AxisHeight(normal.dot(&balls[0]) / normal.z)
     }
 
+    /// Displacements of the virtual joints of a pose from nominal ((m), (rad)).
+    #[must_use]
+    #[inline]
+    pub fn virtual_displacements<V: Virtualization + ?Sized>(
+        &self,
+        pose: &PlatformPose,
+        virtualization: &V,
+    ) -> VirtualJoints {
+        let x = &pose.solution.virtual_joints;
+        let mut moved = VirtualJoints::zeros(x.len());
+        virtualization.nominal(self.platform(), &mut moved);
+        moved.iter_mut().zip(x.iter()).for_each(|(nominal, x)| *nominal = x - *nominal);
+        moved
+    }
+
     /// Displacement of the virtual joints of a pose from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) (m).
     #[must_use]
     pub fn displacement<V: Virtualization + ?Sized>(
@@ -126,15 +141,10 @@ impl Gpr {
         pose: &PlatformPose,
         virtualization: &V,
     ) -> f64 {
-        let x = &pose.solution.virtual_joints;
-        let mut nominal = VirtualJoints::zeros(x.len());
-        virtualization.nominal(self.platform(), &mut nominal);
         let rho = pose.solution.characteristic_length;
-        let moved = x.iter().zip(nominal.iter()).zip(virtualization.joints());
-        moved
-            .map(|((x, start), joint)| ((x - start) * joint.motion.weight(rho)).powi(2))
-            .sum::<f64>()
-            .sqrt()
+        let moved = self.virtual_displacements(pose, virtualization);
+        let moved = moved.iter().zip(virtualization.joints());
+        moved.map(|(x, joint)| (x * joint.motion.weight(rho)).powi(2)).sum::<f64>().sqrt()
     }
 }
 

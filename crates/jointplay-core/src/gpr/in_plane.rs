@@ -106,9 +106,9 @@ impl InPlane {
         }
     }
 
-    /// Virtual joints of each limb, and the forces on the sockets.
+    /// Virtual joints of each limb, and with `FORCES` the forces on the sockets, without it zeros.
     #[inline(always)]
-    pub(super) fn follow(
+    pub(super) fn follow<const FORCES: bool>(
         &self,
         limbs: &[LimbState; 3],
         motion: &Vector3<f64>,
@@ -116,23 +116,22 @@ impl InPlane {
         wanted: &[[f64; 2]; 3],
         g: &[Vector2<f64>; 3],
     ) -> ([Vector2<f64>; 3], [Vector2<f64>; 3]) {
-        let (mut joints, mut forces) = (NO_LOADS, NO_LOADS);
-        for (k, limb) in limbs.iter().enumerate() {
+        let of_limb = |k: usize| {
+            let limb = &limbs[k];
             let left = [0, 1].map(|i| wanted[k][i] - limb.rows[i].dot(motion));
-            (joints[k], forces[k]) = match self {
-                Self::Stiffness(_) => {
-                    let (rates, force) = limb.stiff(left, &g[k]);
-                    (rates, limb.vector(force))
-                }
+            let (joints, force) = match self {
+                Self::Stiffness(_) => limb.stiff(left, &g[k]),
                 // Three virtual joints for three sides: no force matters.
-                Self::Directions(_) => (Vector2::new(left[0], 0.0), Vector2::zeros()),
+                Self::Directions(_) => return (Vector2::new(left[0], 0.0), Vector2::zeros()),
                 Self::Both { .. } => {
                     let (rates, first) = limb.guided(left[0], lateral[k], &g[k]);
-                    (rates, limb.vector([first, lateral[k]]))
+                    (rates, [first, lateral[k]])
                 }
             };
-        }
-        (joints, forces)
+            (joints, if FORCES { limb.vector(force) } else { Vector2::zeros() })
+        };
+        let [first, second, third] = [of_limb(0), of_limb(1), of_limb(2)];
+        ([first.0, second.0, third.0], [first.1, second.1, third.1])
     }
 }
 

@@ -103,9 +103,9 @@ impl Placement {
         })
     }
 
-    /// Derivatives along each rod.
+    /// Derivatives along each rod; without `SECOND`, those of forces and sockets, which only second derivatives need, are zero.
     #[inline(always)]
-    pub(super) fn first_rates(&self) -> [Rate; 3] {
+    pub(super) fn first_rates<const SECOND: bool>(&self) -> [Rate; 3] {
         let horizontal = self.vertical.xy();
         each(|k| {
             let limb = &self.limbs[k];
@@ -118,12 +118,12 @@ impl Placement {
             open[k] = open_here;
             let (motion, lateral) = self.in_plane.motion(&balance, &open);
             let (joints, forces) =
-                self.in_plane.follow(&self.limbs, &motion, &lateral, &wanted, &NO_LOADS);
+                self.in_plane.follow::<SECOND>(&self.limbs, &motion, &lateral, &wanted, &NO_LOADS);
             let mut in_plane = NO_LOADS;
             in_plane[k] = horizontal;
             let gradient = self.gradients[k] * self.vertical.z;
             let normal = self.vertical.z * THIRD - gradient.dot(&self.center);
-            self.rate(&gradient, normal, &motion, &in_plane, joints, forces)
+            self.rate::<SECOND>(&gradient, normal, &motion, &in_plane, joints, forces)
         })
     }
 
@@ -191,13 +191,13 @@ impl Placement {
         }
         let (motion, lateral) = self.in_plane.motion(&balance, &open);
         let (joints, forces) =
-            self.in_plane.follow(&self.limbs, &motion, &lateral, &wanted, &loads.joints);
-        self.rate(&gradient, normal, &motion, &loads.in_plane, joints, forces)
+            self.in_plane.follow::<true>(&self.limbs, &motion, &lateral, &wanted, &loads.joints);
+        self.rate::<true>(&gradient, normal, &motion, &loads.in_plane, joints, forces)
     }
 
     /// Rates for a gradient of the normal velocity, its value at O_p, and the motion in the plane.
     #[inline(always)]
-    fn rate(
+    fn rate<const SECOND: bool>(
         &self,
         gradient: &Vector2<f64>,
         normal: f64,
@@ -207,7 +207,8 @@ impl Placement {
         forces: [Vector2<f64>; 3],
     ) -> Rate {
         let (shift, turn) = (motion.xy(), motion.z);
-        let sockets = each(|k| in_plane[k] - shift - perpendicular(&self.sockets[k]) * turn);
+        let moved = |k: usize| in_plane[k] - shift - perpendicular(&self.sockets[k]) * turn;
+        let sockets = if SECOND { each(moved) } else { NO_LOADS };
         Rate {
             angular: Vector3::new(gradient.y, -gradient.x, turn),
             linear: shift.push(normal),

@@ -1,6 +1,6 @@
 //! Derivatives of the pose of the platform by the rods.
 
-use nalgebra::{Matrix6x3, Vector3};
+use nalgebra::{Matrix6x3, Vector3, Vector6};
 
 use super::placement::{Placement, Rate};
 use super::{Gpr, PlatformPose};
@@ -141,7 +141,7 @@ impl Gpr {
         virtualization: &V,
     ) -> Result<PlatformJacobian, Error> {
         let placement = Placement::new(self, pose, virtualization)?;
-        jacobian(&placement, &placement.first_rates(), pose)
+        jacobian(&placement, &placement.first_rates::<false>(), pose)
     }
 
     /// First and second derivatives of a pose by the rods.
@@ -185,7 +185,7 @@ impl Gpr {
         virtualization: &V,
     ) -> Result<PlatformDerivatives, Error> {
         let placement = Placement::new(self, pose, virtualization)?;
-        let rates = placement.first_rates();
+        let rates = placement.first_rates::<true>();
         let rotation = pose.base_from_platform.rotation;
         let empty = VirtualJoints::zeros(pose.solution.virtual_joints.len());
         let mut jacobian_derivatives = [Matrix6x3::zeros(); 3];
@@ -218,13 +218,18 @@ fn jacobian(
     pose: &PlatformPose,
 ) -> Result<PlatformJacobian, Error> {
     let rotation = pose.base_from_platform.rotation;
-    let mut matrix = Matrix6x3::zeros();
-    let mut virtual_joints = [VirtualJoints::zeros(pose.solution.virtual_joints.len()); 3];
-    for (a, rate) in rates.iter().enumerate() {
-        matrix.fixed_view_mut::<3, 1>(0, a).copy_from(&(rotation * rate.angular));
-        matrix.fixed_view_mut::<3, 1>(3, a).copy_from(&(rotation * rate.linear));
-        placement.write_virtual_joints(rate, &mut virtual_joints[a]);
-    }
+    let column = |a: usize| {
+        let (angular, linear) = (rotation * rates[a].angular, rotation * rates[a].linear);
+        Vector6::new(angular.x, angular.y, angular.z, linear.x, linear.y, linear.z)
+    };
+    let matrix = Matrix6x3::from_columns(&[column(0), column(1), column(2)]);
+    let empty = VirtualJoints::zeros(pose.solution.virtual_joints.len());
+    let of_rod = |a: usize| {
+        let mut found = empty;
+        placement.write_virtual_joints(&rates[a], &mut found);
+        found
+    };
+    let virtual_joints = [of_rod(0), of_rod(1), of_rod(2)];
     finite(DERIVATIVE, matrix.sum())?;
     Ok(PlatformJacobian { matrix, virtual_joints })
 }

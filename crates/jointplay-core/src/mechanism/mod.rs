@@ -8,6 +8,7 @@ mod attached_frame;
 mod blocks;
 mod closing;
 mod closure;
+mod commanded_positions;
 mod description;
 mod drive_path;
 mod evidence;
@@ -19,6 +20,7 @@ pub mod joint;
 mod kinematics;
 mod limits;
 mod motion;
+mod posing;
 mod position;
 mod principal_directions;
 mod relief;
@@ -42,6 +44,7 @@ pub use attached_frame::{AttachedFrame, FrameId};
 pub use blocks::{Block, MechanismMobility, blocks, mechanism_mobility};
 pub use closing::close;
 pub use closure::Closure;
+pub use commanded_positions::CommandedPositions;
 pub use description::{
     Carrier, Joint, LinearAndAngular, MAX_LINKS, Mechanism, MechanismError, VirtualJoint,
     VirtualMotion,
@@ -55,6 +58,9 @@ pub use joint::JointKind;
 pub use kinematics::Kinematics;
 pub use limits::BeyondLimits;
 pub use motion::{DrivenMotion, SingularConfiguration, Stop, Waypoint, drive, drive_along};
+pub use posing::{
+    Posed, close_commanded, close_sparse, commanded_guess, pose_commanded, relieve_commanded,
+};
 pub use position::{
     ChangedDimension, Dexterity, DifferentialKinematics, DimensionDerivatives, FrameTwist,
     Position, PositionSolver, dexterity,

@@ -55,17 +55,26 @@ pub struct Relief {
 pub fn virtual_weights(system: &MechanismSystem<'_>) -> DVector<f64> {
     let virtual_joints = system.kinematics().mechanism().virtual_joints();
     let stiff: Option<Vec<f64>> = virtual_joints.iter().map(|joint| joint.stiffness).collect();
-    let length = system.characteristic_length();
     match stiff {
         Some(stiffness) if !stiffness.is_empty() => DVector::from_vec(stiffness),
-        _ => DVector::from_iterator(
-            virtual_joints.len(),
-            system.virtual_joint_dimensions().into_iter().map(|dimension| match dimension {
-                Dimension::Angle => length * length,
-                Dimension::Length | Dimension::SquaredLength => 1.0,
-            }),
-        ),
+        _ => metric_weights(system),
     }
+}
+
+/// √(Σ w x²) of displacements of the virtual joints, with w = 1 for a slide and ρ² for a turn, whatever stiffness they have (m).
+pub(super) fn size_in_metric(system: &MechanismSystem<'_>, displacements: &DVector<f64>) -> f64 {
+    displacements.component_mul(&metric_weights(system).map(f64::sqrt)).norm()
+}
+
+/// 1 for a slide and ρ² for a turn.
+fn metric_weights(system: &MechanismSystem<'_>) -> DVector<f64> {
+    let length = system.characteristic_length();
+    let dimensions =
+        system.virtual_joint_dimensions().into_iter().map(|dimension| match dimension {
+            Dimension::Angle => length * length,
+            Dimension::Length | Dimension::SquaredLength => 1.0,
+        });
+    DVector::from_vec(dimensions.collect())
 }
 
 /// Commanded joint coordinates, and the freedoms that the commands leave undetermined.
@@ -239,7 +248,9 @@ fn relieved_from(
         by.rows_mut(f, roots.len()).copy_from(&step.component_div(&roots));
         here = here.moved(&by)?;
         let after = here.mismatch(&here.at_home());
-        let settled = step.norm() <= SETTLED * length.max(y.norm()) && homeward <= AT_HOME;
+        // By stiffness, a displacement of one length has a size of many.
+        let unit = length * roots.iter().copied().fold(1.0, f64::max);
+        let settled = step.norm() <= SETTLED * unit.max(y.norm()) && homeward <= AT_HOME;
         let stop = !after.is_finite() || (settled && (after >= reached || after < 1e-15));
         reached = after;
         if stop {

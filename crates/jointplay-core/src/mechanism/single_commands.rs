@@ -2,6 +2,7 @@
 
 use nalgebra::DVector;
 
+use super::relief::size_in_metric;
 use super::{CommandedJoints, Mechanism, MechanismSystem, ReliefSolver, relieve};
 use crate::Error;
 
@@ -38,7 +39,7 @@ pub fn single_commands(
         let values = coordinates.iter().map(|&j| home[j] + if j == k { by } else { 0.0 });
         let system = MechanismSystem::new(mechanism, commanded.start(values, count))?;
         match relieve(&system, &commanded, ReliefSolver::LeastNorm) {
-            Ok(found) => Ok(Some(found.size)),
+            Ok(found) => Ok(Some(size_in_metric(&system, &found.virtual_joints))),
             Err(Error::NotRelieved { .. } | Error::NotLeast { .. }) => Ok(None),
             Err(error) => Err(error),
         }

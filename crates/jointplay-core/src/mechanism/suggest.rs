@@ -3,10 +3,10 @@
 use nalgebra::DVector;
 
 use super::principal_directions::{principal, widens};
-use super::relief::{Reduced, reduced};
+use super::relief::{Reduced, reduced, size_in_metric};
 use super::suggest_options::{SuggestOptions, SuggestionRank};
 use super::symmetry::{maps_commands, symmetries};
-use super::virtual_candidates::{Candidate, compatible, images, lacking, merged, orbits};
+use super::virtual_candidates::{Candidate, compatible, images, lacking, merged, orbits, stiffen};
 use super::virtual_sets::{Class, Kind, Need, Searched, Set, estimate};
 use super::{
     BeyondLimits, CommandedJoints, Mechanism, MechanismSystem, Relief, ReliefSolver, VirtualJoint,
@@ -36,6 +36,8 @@ pub struct Suggestion {
     pub symmetric_for_commands: bool,
     /// The largest displacement over the commands, in the metric (m).
     pub size: f64,
+    /// The largest elastic energy over the commands, ½ Σ k x² (J); `None` unless ranked by stiffness.
+    pub energy: Option<f64>,
     /// (M) largest displacement of each virtual joint over the commands (m or rad).
     pub largest: Vec<f64>,
     /// Configuration for each command: (f) coordinates of the joints (m, rad).
@@ -68,6 +70,8 @@ pub struct Suggestions {
     /// It is the least displacement with all candidates at once: a set with fewer is the same mechanism with the others held at rest, so that its least displacement is no smaller.
     /// Sets with alternatives in place of candidates may deviate from it by terms of higher order.
     pub lower_bound: f64,
+    /// Elastic energy below which no set of the class lies, for the same reason (J); `None` unless ranked by stiffness.
+    pub least_energy: Option<f64>,
     /// Sets that the linear estimate took for possible, but that were not tried with the whole kinematics.
     pub untried: usize,
     /// Whether the search was cut short at its limit.
@@ -108,6 +112,7 @@ impl Suggestions {
 /// Two slides of one leg are in one set only if they are orthogonal: a division of a displacement among several slides of a leg does not make it smaller.
 /// Symmetric sets are unions of orbits of candidates under the symmetries of the mechanism, and under those of them that map the commands onto each other; they are compared first.
 /// A set makes a command possible where what the command opens lies in the span of what the set can do; the best are tried with the whole kinematics.
+/// Ranked by stiffness, the displacement of a set is the one of least elastic energy, not of least size, and of the joints of a leg that could have the same slide, the one with the least stiffness has it.
 /// Joints that the commands leave undetermined stay as near home as they can, see [`CommandedJoints`].
 ///
 /// # Arguments
@@ -117,7 +122,7 @@ impl Suggestions {
 /// * `options` – extent and order of the search
 ///
 /// # Errors
-/// [`Error::NotRelieved`] where not even all candidates together make a command possible; those of [`relieve`] and [`CommandedJoints::new`].
+/// [`Error::NoStiffness`] for a rank by stiffness; [`Error::NotRelieved`] where not even all candidates together make a command possible; those of [`relieve`] and [`CommandedJoints::new`].
 pub fn suggest(
     mechanism: &Mechanism,
     home: &DVector<f64>,
@@ -144,31 +149,44 @@ pub fn suggest(
             compared: 0,
             in_class: 0.0,
             lower_bound: 0.0,
+            least_energy: None,
             untried: 0,
             cut_short: false,
         });
     }
     let links = at_home.kinematics().link_poses(home)?;
     let mut candidates = merged(&at_home, lacking(&at_home)?, &links);
-    let mut lower_bound = 0.0_f64;
+    let by_stiffness = options.rank == SuggestionRank::Stiffness;
+    if by_stiffness {
+        stiffen(mechanism, &mut candidates, options.stiffness)?;
+    }
     let mut reliefs = Vec::new();
     for command in commands {
-        let found = relieved(mechanism, &commanded, command, &candidates)?;
-        lower_bound = lower_bound.max(found.size);
-        reliefs.push(found);
+        reliefs.push(relieved(mechanism, &commanded, command, &candidates)?);
     }
     let displacements: Vec<_> = reliefs.iter().map(|one| one.virtual_joints.clone()).collect();
-    let asked = principal(&at_home, &candidates, &links, &displacements)?;
-    let widens = widens(&at_home, &candidates, &asked, &links);
+    let mut asked = principal(&at_home, &candidates, &links, &displacements)?;
+    let mut widens = widens(&at_home, &candidates, &asked, &links);
+    if by_stiffness {
+        stiffen(mechanism, &mut asked, options.stiffness)?;
+        // At a joint that is less stiff than others of its leg, a principal direction needs less energy.
+        widens = !asked.is_empty();
+    }
     candidates.extend(asked);
     let all: Vec<VirtualJoint> = candidates.iter().map(|c| c.joint.clone()).collect();
-    if widens {
-        lower_bound = 0.0;
-        for command in commands {
-            lower_bound =
-                lower_bound.max(relieved(mechanism, &commanded, command, &candidates)?.size);
-        }
-    }
+    let least = |candidates: &[Candidate]| -> Result<f64, Error> {
+        let of_command = |command| relieved(mechanism, &commanded, command, candidates);
+        commands.iter().try_fold(0.0, |most: f64, one| Ok(most.max(of_command(one)?.size)))
+    };
+    let largest = reliefs.iter().map(|one| one.size).fold(0.0, f64::max);
+    let lower_bound = if widens { least(&candidates)? } else { largest };
+    let (lower_bound, least_energy) = if by_stiffness {
+        let mut without = candidates.clone();
+        without.iter_mut().for_each(|one| one.joint.stiffness = None);
+        (least(&without)?, Some(0.5 * lower_bound * lower_bound))
+    } else {
+        (lower_bound, None)
+    };
     let with_all = with(mechanism, &all);
     let mut needs = Vec::new();
     for relief in reliefs {
@@ -241,15 +259,18 @@ pub fn suggest(
     let rank = |set: &Suggestion| match options.rank {
         SuggestionRank::Norm => set.size,
         SuggestionRank::Largest => set.largest_in_metric(length),
+        SuggestionRank::Stiffness => set.energy.unwrap_or(f64::INFINITY),
     };
     let mut sets: Vec<Suggestion> = found.into_iter().map(|(_, suggestion)| suggestion).collect();
     let least = sets.iter().map(rank).fold(f64::INFINITY, f64::min);
     sets.sort_by(|a, b| {
         let outside =
             |set: &Suggestion| !set.beyond_limits.is_empty() || !set.is_within_clearances();
-        // Of equal displacements the one with fewer virtual joints.
+        // Of equal displacements the symmetric one, then the one with fewer virtual joints.
         let equal = |set: &Suggestion| (rank(set) / (least * EQUAL)).round();
-        let joints = |set: &Suggestion| set.virtual_joints.len();
+        let joints = |set: &Suggestion| {
+            (!set.symmetric, !set.symmetric_for_commands, set.virtual_joints.len())
+        };
         outside(a)
             .cmp(&outside(b))
             .then(equal(a).total_cmp(&equal(b)))
@@ -265,6 +286,7 @@ pub fn suggest(
         compared,
         in_class,
         lower_bound,
+        least_energy,
         untried,
         cut_short,
     })
@@ -346,7 +368,9 @@ fn tried(
     let chosen: Vec<VirtualJoint> = chosen.iter().map(|one| one.joint.clone()).collect();
     let relieved = with(mechanism, &chosen);
     let f = relieved.joint_freedoms();
-    let (mut size, mut largest) = (0.0_f64, vec![0.0_f64; chosen.len()]);
+    let elastic = !chosen.is_empty() && chosen.iter().all(|one| one.stiffness.is_some());
+    let (mut size, mut energy) = (0.0_f64, elastic.then_some(0.0_f64));
+    let mut largest = vec![0.0_f64; chosen.len()];
     let mut configurations = Vec::with_capacity(commands.len());
     for command in commands {
         let start = commanded.start(command.iter().copied(), chosen.len());
@@ -356,7 +380,8 @@ fn tried(
             Err(Error::NotRelieved { .. } | Error::NotLeast { .. }) => return Ok(None),
             Err(error) => return Err(error),
         };
-        size = size.max(relief.size);
+        size = size.max(size_in_metric(&system, &relief.virtual_joints));
+        energy = energy.map(|most| most.max(0.5 * relief.size * relief.size));
         for (most, x) in largest.iter_mut().zip(relief.virtual_joints.iter()) {
             *most = most.max(x.abs());
         }
@@ -369,6 +394,7 @@ fn tried(
         symmetric: false,
         symmetric_for_commands: false,
         size,
+        energy,
         largest,
         configurations,
         beyond_limits,

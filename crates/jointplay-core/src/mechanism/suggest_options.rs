@@ -1,5 +1,7 @@
 //! Extent and order of a search for virtual joints.
 
+use super::LinearAndAngular;
+
 /// Default number of sets that are compared before the search is cut short.
 const DEFAULT_LIMIT: usize = 50_000;
 
@@ -11,10 +13,12 @@ pub enum SuggestionRank {
     Norm,
     /// The largest displacement of a single virtual joint, turns multiplied by the characteristic length.
     Largest,
+    /// The elastic energy of the displacement of least energy.
+    Stiffness,
 }
 
 /// Extent and order of a search for virtual joints.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SuggestOptions {
     /// The most sets that are compared by the linear estimate.
     pub limit: usize,
@@ -24,6 +28,8 @@ pub struct SuggestOptions {
     pub symmetric_only: bool,
     /// Order of the sets that are found.
     pub rank: SuggestionRank,
+    /// Stiffness of joints that have none of their own, for a rank by stiffness (N/m, N m/rad).
+    pub stiffness: LinearAndAngular,
 }
 
 impl Default for SuggestOptions {
@@ -33,6 +39,7 @@ impl Default for SuggestOptions {
             joints: None,
             symmetric_only: false,
             rank: SuggestionRank::Norm,
+            stiffness: LinearAndAngular::default(),
         }
     }
 }

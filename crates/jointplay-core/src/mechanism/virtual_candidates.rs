@@ -170,6 +170,43 @@ pub(super) fn merged(
     found
 }
 
+/// Gives candidates the stiffness of their joints, and places each at the joint of its leg where it has the least.
+///
+/// # Arguments
+/// * `default` – stiffness of joints that have none (N/m, N m/rad)
+///
+/// # Errors
+/// [`Error::NoStiffness`]
+pub(super) fn stiffen(
+    mechanism: &super::Mechanism,
+    candidates: &mut [Candidate],
+    default: super::LinearAndAngular,
+) -> Result<(), Error> {
+    let of_joint = |one: &VirtualJoint| {
+        let Joint { name, stiffness, .. } = &mechanism.joints()[one.joint];
+        let (own, other, direction, unit) = match one.motion {
+            VirtualMotion::Slide(_) => (stiffness.linear, default.linear, "linear", "N/m"),
+            VirtualMotion::Turn { .. } => {
+                (stiffness.angular, default.angular, "angular", "N m/rad")
+            }
+        };
+        own.or(other).ok_or_else(|| Error::NoStiffness { joint: name.clone(), direction, unit })
+    };
+    for Candidate { joint, alternatives, .. } in candidates {
+        let mut least = of_joint(joint)?;
+        joint.stiffness = Some(least);
+        for other in alternatives {
+            let stiffness = of_joint(other)?;
+            other.stiffness = Some(stiffness);
+            if stiffness < least {
+                least = stiffness;
+                std::mem::swap(joint, other);
+            }
+        }
+    }
+    Ok(())
+}
+
 /// (candidates, candidates) whether two may be in one set: slides of one leg have to be orthogonal.
 ///
 /// A slide displaces everything that follows it in its leg, so that the displacement d of the leg is the sum of its slides.

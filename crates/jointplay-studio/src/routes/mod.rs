@@ -10,6 +10,7 @@ pub(crate) mod compare;
 pub(crate) mod forward;
 pub(crate) mod inverse;
 mod lookup;
+pub(crate) mod mechanism;
 pub(crate) mod mesh;
 pub(crate) mod mobility;
 pub(crate) mod pose;

@@ -3,6 +3,7 @@
 mod cell;
 mod cell_jog;
 mod cell_windows;
+mod mechanism;
 mod meshes;
 mod pose;
 mod questions;

@@ -10,6 +10,7 @@ pub(crate) mod cell_parts;
 pub(crate) mod cell_pose;
 pub(crate) mod cell_samples;
 mod command;
+pub(crate) mod mechanism;
 mod model;
 pub(crate) mod pose;
 pub(crate) mod program_parameters;

@@ -1,6 +1,7 @@
 //! `jointplay cell`: work cells and their programs.
 
 mod check;
+mod connection;
 mod displacement;
 mod example;
 mod expand;
@@ -12,6 +13,7 @@ mod optimise_log;
 mod pictures;
 mod report;
 mod run;
+mod serve;
 mod teach;
 mod text;
 
@@ -30,6 +32,7 @@ Examples:
   jointplay cell run --out example-run
   jointplay cell report --out report.html
   jointplay cell export --to gltf,csv
+  jointplay cell serve
   jointplay cell optimise --out faster
   jointplay cell teach
   jointplay cell displacement
@@ -47,6 +50,7 @@ enum Action {
     Run(run::Run),
     Report(report::ReportCommand),
     Export(export::Export),
+    Serve(serve::Serve),
     Optimise(optimise::Optimise),
     Teach(teach::Teach),
     Displacement(displacement::Displacement),
@@ -62,6 +66,7 @@ impl CellCommand {
             Action::Run(command) => command.run(),
             Action::Report(command) => command.run(),
             Action::Export(command) => command.run(),
+            Action::Serve(command) => command.run(),
             Action::Optimise(command) => command.run(),
             Action::Teach(command) => command.run(),
             Action::Displacement(command) => command.run(),
@@ -77,6 +82,7 @@ impl CellCommand {
             Action::Run(command) => command.input.format(),
             Action::Report(command) => command.input.format(),
             Action::Export(command) => command.input.format(),
+            Action::Serve(command) => command.cell.format,
             Action::Optimise(command) => command.input.format(),
             Action::Teach(command) => command.cell.format,
             Action::Displacement(command) => command.input.format(),

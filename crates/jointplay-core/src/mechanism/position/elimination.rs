@@ -61,7 +61,14 @@ impl Elimination {
 
     /// Reflects the passive columns to a triangle, and all other columns along; returns their rank.
     pub(super) fn reflect_columns(&mut self) -> usize {
-        self.rank = self.triangulate(self.rows);
+        // The usual sizes, as in `factor`.
+        self.rank = match self.rows {
+            3 => self.triangulate(3),
+            5 => self.triangulate(5),
+            6 => self.triangulate(6),
+            15 => self.triangulate(15),
+            m => self.triangulate(m),
+        };
         self.rank
     }
 

@@ -1,10 +1,6 @@
 //! The language of a controller.
 
-use jointplay_format::mechanism::{AngleUnit, LengthUnit};
-
-use super::codes::Codes;
-use super::output::OutputFormat;
-use super::template::Template;
+use crate::controller_text::{AxisFormat, Codes, OutputFormat, Template};
 
 /// Language of a controller.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,11 +11,8 @@ pub struct Dialect {
     pub about: String,
     /// Extension of its files.
     pub extension: String,
-    pub(super) length: LengthUnit,
-    pub(super) angle: AngleUnit,
     pub(super) time_decimals: usize,
-    pub(super) axis: Template,
-    pub(super) between: String,
+    pub(super) axis: AxisFormat,
     /// Pose of one effector in the poses of all.
     pub(super) pose: Option<Template>,
     pub(super) comment: Template,

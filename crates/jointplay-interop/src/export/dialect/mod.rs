@@ -18,20 +18,13 @@
 //!
 //! The table `[output]` has the form of the lines, with numbers and checksums; `[station_codes]` and `[effector_codes]` have the codes of the controller for the names of the cell.
 
-mod checksum;
-mod codes;
-mod format_spec;
 mod included;
 mod language;
-mod output;
 mod pose;
-mod problem;
 mod read;
-mod template;
-mod tree;
 mod write;
 
+pub use crate::controller_text::Problem;
 pub use included::{DIALECTS, IncludedDialect};
 pub use language::Dialect;
-pub use problem::Problem;
 pub use read::MAX_BYTES;

@@ -3,10 +3,9 @@
 use jointplay_cell::robot::{ChainPose, EffectorId};
 use jointplay_cell::trajectory::Sample;
 
-use super::format_spec::{Kind, Value};
 use super::language::Dialect;
-use super::template::Template;
 use super::write::invalid;
+use crate::controller_text::{Kind, Template, Value};
 use crate::export::error::Error;
 use crate::export::motion_export::MotionExport;
 use crate::export::sample_columns::FrameQuantity;
@@ -65,9 +64,9 @@ impl Dialect {
         };
         let value = frame_quantity(&pose?.base_from_wafer[arm][effector], quantity);
         Some(Value::Real(if is_length {
-            self.length.from_meters(value)
+            self.axis.length.from_meters(value)
         } else {
-            self.angle.from_radians(value)
+            self.axis.angle.from_radians(value)
         }))
     }
 
@@ -91,6 +90,6 @@ impl Dialect {
             });
             filled.map_err(invalid)
         });
-        Ok(filled.collect::<Result<Vec<_>, Error>>()?.join(&self.between))
+        Ok(filled.collect::<Result<Vec<_>, Error>>()?.join(&self.axis.between))
     }
 }

@@ -1,25 +1,18 @@
 //! Reader of dialect files.
 
-use jointplay_format::mechanism::{AngleUnit, LengthUnit};
 use jointplay_format::place::Errors;
 use jointplay_format::toml_reader::Entry;
 
-use super::checksum::Checksum;
-use super::codes::Codes;
-use super::format_spec::Kind;
 use super::included::DIALECTS;
 use super::language::{Dialect, Motions};
-use super::output::{LINE_ENDS, OutputFormat, covered_names, last_names, line_names};
 use super::pose::POSE;
-use super::problem::Problem;
-use super::template::{Decimals, Names, Template};
-use super::tree::{Reader, Table};
+use crate::controller_text::{
+    AxisFormat, Codes, Decimals, Kind, MOST_DECIMALS, Names, OutputFormat, Problem, Reader, Table,
+    TemplateTable,
+};
 
 /// Longest accepted dialect file (bytes).
 pub const MAX_BYTES: usize = 100_000;
-
-/// Largest number of decimals.
-const MOST_DECIMALS: usize = 12;
 
 // Names that a template may contain, by kind of template.
 /// Names of the poses of all effectors, which the template `pose` defines.
@@ -50,8 +43,6 @@ const POINT: [(&str, Kind); 4] = [
 ];
 const HANDOFF: [(&str, Kind); 3] =
     [("effector", Kind::Text), ("station", Kind::Text), ("slot", Kind::Integer)];
-const AXIS: [(&str, Kind); 3] =
-    [("name", Kind::Text), ("value", Kind::Real), ("number", Kind::Integer)];
 const COMMENT: [(&str, Kind); 1] = [("text", Kind::Text)];
 
 impl Dialect {
@@ -78,24 +69,16 @@ impl Dialect {
     }
 }
 
-/// A file with what its templates need.
-struct File<'t, 'r, 'a> {
-    top: &'t Table<'r, 'a>,
-    decimals: Decimals,
-}
-
 fn read(top: &Table<'_, '_>) -> Option<Dialect> {
     let reader = top.reader;
     let text = |key| top.needed(key)?.text(reader).map(str::to_owned);
-    let (name, about, between) = (text("name"), text("about"), text("between"));
+    let (name, about) = (text("name"), text("about"));
     let extension = top.needed("extension").and_then(|entry| extension(reader, &entry));
-    let length = unit(top, "length", &LengthUnit::ALL);
-    let angle = unit(top, "angle", &AngleUnit::ALL);
     let decimals = |key| top.needed(key)?.count(reader, 0, MOST_DECIMALS);
     let (values, times) = (decimals("decimals"), decimals("time_decimals"));
     // Templates are also checked where the decimals are invalid.
     let decimals = Decimals { values: values.unwrap_or(0), times: times.unwrap_or(0) };
-    let file = File { top, decimals };
+    let file = TemplateTable { top, decimals };
     let station_codes = Codes::read(top, "station_codes");
     let effector_codes = Codes::read(top, "effector_codes");
     let kind = |codes: &Option<Codes>| codes.as_ref().map(|codes| codes.kind);
@@ -107,7 +90,7 @@ fn read(top: &Table<'_, '_>) -> Option<Dialect> {
         let kind = top.entry("pose").map(|_| Kind::Text);
         names.with(POSES.0, POSES.1, kind)
     };
-    let axis = file.required("axis", &Names::new(&AXIS));
+    let axis = AxisFormat::read(&file);
     let pose = match top.entry("pose") {
         Some(entry) => {
             let names = Names::new(&POSE).and(&[("effector", Kind::Text)]);
@@ -122,14 +105,14 @@ fn read(top: &Table<'_, '_>) -> Option<Dialect> {
         .filter(|comment| file.keeps_text("comment", comment.uses("text"), "{text}", "comments"));
     let begin = file.list("begin", &with_poses(Names::new(&ENDS)));
     let instruction = file.list("instruction", &Names::new(&INSTRUCTION));
-    let motion = file.motions(&with_poses);
+    let motion = motions(&file, &with_poses);
     let blend = file.list("blend", &Names::new(&BLEND));
     let taken = file.list("taken", &handoff);
     let left = file.list("left", &handoff);
     let end = file.list("end", &with_poses(Names::new(&ENDS)));
     let output = match top.table("output", "`[output]`") {
         Some(table) => {
-            let output = File { top: &table, decimals }.output();
+            let output = TemplateTable { top: &table, decimals }.output();
             table.finish();
             output
         }
@@ -141,11 +124,8 @@ fn read(top: &Table<'_, '_>) -> Option<Dialect> {
         name: name?,
         about: about?,
         extension: extension?,
-        length: length?,
-        angle: angle?,
         time_decimals: decimals.times,
         axis: axis?,
-        between: between?,
         pose: pose?,
         comment: comment?,
         begin: begin?,
@@ -161,116 +141,29 @@ fn read(top: &Table<'_, '_>) -> Option<Dialect> {
     })
 }
 
-impl File<'_, '_, '_> {
-    fn template(&self, entry: &Entry<'_, '_>, names: &Names) -> Option<Template> {
-        let reader = self.top.reader;
-        let text = entry.text(reader)?;
-        let span = |part| entry.part_span(reader, text, part);
-        let read = Template::parse(text, names, self.decimals, |part| reader.place(span(part)));
-        read.map_err(|(part, problem)| reader.report(span(part), problem)).ok()
-    }
-
-    fn required(&self, key: &'static str, names: &Names) -> Option<Template> {
-        self.template(&self.top.needed(key)?, names)
-    }
-
-    fn templates(&self, entry: &Entry<'_, '_>, names: &Names) -> Option<Vec<Template>> {
-        // All templates are read, so that each error is reported.
-        let list = entry.list(self.top.reader)?;
-        let read: Vec<_> = list.iter().map(|one| self.template(one, names)).collect();
-        read.into_iter().collect()
-    }
-
-    /// The templates of a key; none if absent.
-    fn list(&self, key: &'static str, names: &Names) -> Option<Vec<Template>> {
-        match self.top.entry(key) {
-            Some(entry) => self.templates(&entry, names),
-            None => Some(Vec::new()),
+/// The templates of motions.
+fn motions(
+    file: &TemplateTable<'_, '_, '_>,
+    with_poses: &dyn Fn(Names) -> Names,
+) -> Option<Motions> {
+    let keys = ["axes", "line", "still", "point"];
+    let step = with_poses(Names::new(&STEP));
+    // Only a line has one effector.
+    let of_line = step.clone().and(&POSE);
+    match keys.map(|key| file.top.entry(key)) {
+        [Some(axes), Some(line), Some(still), None] => {
+            let [axes, line, still] = [(axes, &step), (line, &of_line), (still, &step)]
+                .map(|(entry, names)| file.templates(&entry, names));
+            Some(Motions::Steps { axes: axes?, line: line?, still: still? })
         }
-    }
-
-    fn motions(&self, with_poses: &dyn Fn(Names) -> Names) -> Option<Motions> {
-        let keys = ["axes", "line", "still", "point"];
-        let step = with_poses(Names::new(&STEP));
-        // Only a line has one effector.
-        let of_line = step.clone().and(&POSE);
-        match keys.map(|key| self.top.entry(key)) {
-            [Some(axes), Some(line), Some(still), None] => {
-                let [axes, line, still] = [(axes, &step), (line, &of_line), (still, &step)]
-                    .map(|(entry, names)| self.templates(&entry, names));
-                Some(Motions::Steps { axes: axes?, line: line?, still: still? })
-            }
-            [None, None, None, Some(point)] => {
-                let names = with_poses(Names::new(&POINT));
-                self.templates(&point, &names).map(Motions::Points)
-            }
-            _ => {
-                self.top.report(Problem::Motions);
-                None
-            }
+        [None, None, None, Some(point)] => {
+            let names = with_poses(Names::new(&POINT));
+            file.templates(&point, &names).map(Motions::Points)
         }
-    }
-
-    /// Whether a template keeps the text that it is for; reports one that does not.
-    fn keeps_text(
-        &self,
-        key: &'static str,
-        keeps: bool,
-        needed: &'static str,
-        lost: &'static str,
-    ) -> bool {
-        if let Some(entry) = self.top.entry(key).filter(|_| !keeps) {
-            entry.report(self.top.reader, Problem::TextLost { key, needed, lost });
+        _ => {
+            file.top.report(Problem::Motions);
+            None
         }
-        keeps
-    }
-
-    /// The table `[output]`.
-    fn output(&self) -> Option<OutputFormat> {
-        let (top, reader) = (self.top, self.top.reader);
-        let checksum = |key| {
-            let word = |entry: Entry<'_, '_>| entry.word(reader, "checksum", &Checksum::ALL);
-            top.entry(key).and_then(word)
-        };
-        // Where the checksum is not known, templates are checked as if it were.
-        let (line_sum, file_sum) = (checksum("checksum"), checksum("file_checksum"));
-        let assumed =
-            |sum: Option<Checksum>, key| sum.or_else(|| top.entry(key).map(|_| Checksum::Xor));
-        let one = |key, names| match top.entry(key) {
-            Some(entry) => self.template(&entry, &names).map(Some),
-            None => Some(None),
-        };
-        let covered = one("covered", covered_names());
-        let line = one("line", line_names(assumed(line_sum, "checksum")));
-        let last = self.list("last", &last_names(assumed(file_sum, "file_checksum")));
-        let except = match top.entry("except") {
-            Some(entry) => entry.list(reader).and_then(|list| {
-                list.iter().map(|one| one.line(reader).map(str::to_owned)).collect()
-            }),
-            None => Some(Vec::new()),
-        };
-        let line_end = match top.entry("line_end") {
-            Some(entry) => entry.word(reader, "line end", &LINE_ENDS),
-            None => Some("\n"),
-        };
-        let (covered, line) = (covered?, line?);
-        let is_covered = covered.as_ref().is_none_or(|covered| covered.uses("text"));
-        let keeps = match &line {
-            Some(line) => {
-                let keeps = line.uses("text") || (line.uses("covered") && is_covered);
-                self.keeps_text("line", keeps, "{text}, and no {covered} with it", "lines")
-            }
-            None => self.keeps_text("covered", is_covered, "{text}", "lines"),
-        };
-        keeps.then_some(OutputFormat {
-            covered,
-            line,
-            checksum: line_sum,
-            except: except?,
-            line_end: line_end?,
-            file_checksum: file_sum,
-            last: last?,
-        })
     }
 }
 
@@ -282,10 +175,6 @@ fn extension(reader: &Reader<'_>, entry: &Entry<'_, '_>) -> Option<String> {
         return None;
     }
     Some(found)
-}
-
-fn unit<U: Copy>(top: &Table<'_, '_>, key: &'static str, all: &[(&str, U)]) -> Option<U> {
-    top.needed(key)?.word(top.reader, &format!("unit of {key}"), all)
 }
 
 #[cfg(test)]

@@ -1,18 +1,13 @@
 //! Text of a motion in a dialect.
 
 use jointplay_cell::program::{Handoff, Path, Step};
-use jointplay_cell::robot::AxisKind;
 use jointplay_cell::trajectory::Sample;
 use jointplay_format::number::fixed;
 use jointplay_format::place;
 use jointplay_format::program::phase_name;
 
-use super::codes::Codes;
-use super::format_spec::Value;
 use super::language::{Dialect, Motions};
-use super::output::Output;
-use super::problem::Problem;
-use super::template::Template;
+use crate::controller_text::{Codes, Output, Problem, Template, Value, count, one_line};
 use crate::export::error::Error;
 use crate::export::motion_export::MotionExport;
 
@@ -72,7 +67,7 @@ impl Dialect {
         }
         let ends = |output: &mut Output<'_>, lines: &[Template], time: f64| {
             let axes = cell.robot.axes.iter().map(|axis| axis.name.clone());
-            let names = axes.collect::<Vec<_>>().join(&self.between);
+            let names = axes.collect::<Vec<_>>().join(&self.axis.between);
             let sample = motion.sample_at(time);
             let positions = self.values(motion_export, &sample.positions)?;
             let pose = self.chain_pose(motion_export, lines, &sample)?;
@@ -206,22 +201,9 @@ impl Dialect {
         push(output, comment, |_| Value::Text(one_line(what)))
     }
 
-    /// A value for each axis, in the units of the dialect.
+    /// A value for each axis.
     fn values(&self, motion_export: &MotionExport<'_>, values: &[f64]) -> Result<String, Error> {
-        let axes = motion_export.cell.robot.axes.iter().zip(values).enumerate();
-        let values = axes.map(|(k, (axis, &value))| {
-            let value = match axis.kind {
-                AxisKind::Linear => self.length.from_meters(value),
-                AxisKind::Rotary => self.angle.from_radians(value),
-            };
-            let filled = self.axis.fill(|name| match name {
-                "name" => Value::Text(axis.name.clone()),
-                "value" => Value::Real(value),
-                _ => count(k + 1),
-            });
-            filled.map_err(invalid)
-        });
-        Ok(values.collect::<Result<Vec<_>, Error>>()?.join(&self.between))
+        self.axis.values(&motion_export.cell.robot, values).map_err(invalid)
     }
 
     /// The difference of two rounded times.
@@ -255,13 +237,4 @@ fn code(codes: Option<&Codes>, name: &str) -> Value {
 /// The robot at rest at the end of a step, its wafers as during the step.
 fn target(step: &Step, index: usize, end: f64) -> Sample {
     Sample { time: end, step: index, positions: step.to.clone(), ..Sample::default() }
-}
-
-fn count(value: usize) -> Value {
-    Value::Integer(i64::try_from(value).unwrap_or(i64::MAX))
-}
-
-/// A quoted text in one line.
-fn one_line(text: &str) -> String {
-    text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect()
 }

@@ -7,7 +7,7 @@ use crc::{Crc, Digest as CrcDigest};
 /// # Source
 /// The cyclic redundancy checks have the names of the catalogue of parametrised CRC algorithms; LRC is that of ISO 1155.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Checksum {
+pub(crate) enum Checksum {
     /// XOR of all bytes.
     Xor,
     /// Sum of all bytes modulo 256.
@@ -34,7 +34,7 @@ static ISO_HDLC: Crc<u32> = Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
 impl Checksum {
     /// All of them, with their names in files.
-    pub(super) const ALL: [(&str, Self); 9] = [
+    pub(crate) const ALL: [(&str, Self); 9] = [
         ("xor", Self::Xor),
         ("sum", Self::Sum),
         ("lrc", Self::Lrc),
@@ -46,7 +46,7 @@ impl Checksum {
         ("crc-32", Self::Crc32),
     ];
 
-    pub(super) fn digest(self) -> Digest {
+    pub(crate) fn digest(self) -> Digest {
         match self {
             Self::Xor => Digest::Xor(0),
             Self::Sum => Digest::Sum(0),
@@ -60,7 +60,7 @@ impl Checksum {
     }
 
     /// The checksum of bytes.
-    pub(super) fn of(self, bytes: &[u8]) -> i64 {
+    pub(crate) fn of(self, bytes: &[u8]) -> i64 {
         let mut digest = self.digest();
         digest.update(bytes);
         digest.value()
@@ -69,7 +69,7 @@ impl Checksum {
 
 /// A checksum over the bytes so far.
 #[derive(Clone)]
-pub(super) enum Digest {
+pub(crate) enum Digest {
     Xor(u8),
     Sum(u8),
     Lrc(u8),
@@ -78,7 +78,7 @@ pub(super) enum Digest {
 }
 
 impl Digest {
-    pub(super) fn update(&mut self, bytes: &[u8]) {
+    pub(crate) fn update(&mut self, bytes: &[u8]) {
         match self {
             Self::Xor(value) => *value = bytes.iter().fold(*value, |value, byte| value ^ byte),
             Self::Sum(sum) | Self::Lrc(sum) => {
@@ -89,7 +89,7 @@ impl Digest {
         }
     }
 
-    pub(super) fn value(&self) -> i64 {
+    pub(crate) fn value(&self) -> i64 {
         match self {
             Self::Xor(value) | Self::Sum(value) => (*value).into(),
             Self::Lrc(sum) => sum.wrapping_neg().into(),
@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn checksums_agree_with_python() {
-        let table = include_str!("../../../../../validation/golden/controller-checksums.csv");
+        let table = include_str!("../../../../validation/golden/controller-checksums.csv");
         let mut names = std::collections::BTreeSet::new();
         for record in csv::Reader::from_reader(table.as_bytes()).records() {
             let record = record.unwrap();

@@ -9,22 +9,22 @@ use super::template::{Names, Template};
 
 /// Form of the lines, and of the end of the file.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct OutputFormat {
+pub(crate) struct OutputFormat {
     /// The part of a line that its checksum covers; of `None` the text.
-    pub(super) covered: Option<Template>,
+    pub(crate) covered: Option<Template>,
     /// The written line; of `None` the covered part.
-    pub(super) line: Option<Template>,
-    pub(super) checksum: Option<Checksum>,
+    pub(crate) line: Option<Template>,
+    pub(crate) checksum: Option<Checksum>,
     /// Beginnings of lines that are written unchanged and without a number.
-    pub(super) except: Vec<String>,
-    pub(super) line_end: &'static str,
-    pub(super) file_checksum: Option<Checksum>,
+    pub(crate) except: Vec<String>,
+    pub(crate) line_end: &'static str,
+    pub(crate) file_checksum: Option<Checksum>,
     /// Lines after all others.
-    pub(super) last: Vec<Template>,
+    pub(crate) last: Vec<Template>,
 }
 
 /// Line ends, with their names in files.
-pub(super) const LINE_ENDS: [(&str, &str); 2] = [("lf", "\n"), ("crlf", "\r\n")];
+pub(crate) const LINE_ENDS: [(&str, &str); 2] = [("lf", "\n"), ("crlf", "\r\n")];
 
 impl Default for OutputFormat {
     fn default() -> Self {
@@ -34,27 +34,27 @@ impl Default for OutputFormat {
 }
 
 /// Names of `covered`.
-pub(super) fn covered_names() -> Names {
+pub(crate) fn covered_names() -> Names {
     Names::new(&[("text", Kind::Text), ("number", Kind::Integer)])
 }
 
 /// Names of `line`.
-pub(super) fn line_names(checksum: Option<Checksum>) -> Names {
+pub(crate) fn line_names(checksum: Option<Checksum>) -> Names {
     let known = [("text", Kind::Text), ("covered", Kind::Text), ("number", Kind::Integer)];
     Names::new(&known).with("checksum", "the key `checksum`", checksum.map(|_| Kind::Integer))
 }
 
 /// Names of `last`.
-pub(super) fn last_names(checksum: Option<Checksum>) -> Names {
+pub(crate) fn last_names(checksum: Option<Checksum>) -> Names {
     let kind = checksum.map(|_| Kind::Integer);
     Names::new(&[("lines", Kind::Integer)]).with("checksum", "the key `file_checksum`", kind)
 }
 
 /// The text of a file, line by line.
-pub(super) struct Output<'f> {
+pub(crate) struct Output<'f> {
     format: &'f OutputFormat,
     /// Text that was not yet taken.
-    pub(super) text: String,
+    pub(crate) text: String,
     /// Number of numbered lines.
     numbered: i64,
     /// Number of all lines.
@@ -63,13 +63,13 @@ pub(super) struct Output<'f> {
 }
 
 impl<'f> Output<'f> {
-    pub(super) fn new(format: &'f OutputFormat) -> Self {
+    pub(crate) fn new(format: &'f OutputFormat) -> Self {
         let digest = format.file_checksum.map(Checksum::digest);
         Self { format, text: String::new(), numbered: 0, lines: 0, digest }
     }
 
     /// Adds the lines of a text.
-    pub(super) fn push(&mut self, text: &str) -> Result<(), Error<Problem>> {
+    pub(crate) fn push(&mut self, text: &str) -> Result<(), Error<Problem>> {
         text.split('\n').try_for_each(|line| self.push_line(line))
     }
 
@@ -108,7 +108,7 @@ impl<'f> Output<'f> {
     }
 
     /// Adds the last lines; the checksum covers all bytes before them.
-    pub(super) fn finish(&mut self) -> Result<(), Error<Problem>> {
+    pub(crate) fn finish(&mut self) -> Result<(), Error<Problem>> {
         let (lines, checksum) = (self.lines, self.digest.as_ref().map_or(0, Digest::value));
         for template in &self.format.last {
             let line = template.fill(|name| match name {

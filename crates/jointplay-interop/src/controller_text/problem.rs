@@ -1,8 +1,10 @@
-//! Errors of dialect files.
+//! Errors of files of dialects and host languages.
 
 use jointplay_format::file_problem::FileProblem;
 use jointplay_format::number::number;
 use jointplay_format::place::suggestion;
+
+use super::command_problem::CommandProblem;
 
 /// Errors of dialect files, and of a motion that a dialect cannot express.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -11,6 +13,9 @@ pub enum Problem {
     /// An error that any TOML file can have.
     #[error(transparent)]
     Common(#[from] FileProblem),
+    /// An error of a command of a host language.
+    #[error(transparent)]
+    Command(#[from] CommandProblem),
     /// An invalid file extension.
     #[error("`extension` is {found:?}, but has to be letters and digits")]
     Extension {

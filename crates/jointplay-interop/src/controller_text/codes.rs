@@ -10,16 +10,16 @@ use super::tree::Table;
 
 /// Codes by name.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Codes {
+pub(crate) struct Codes {
     table: &'static str,
     place: Place,
-    pub(super) kind: Kind,
+    pub(crate) kind: Kind,
     values: BTreeMap<String, Value>,
 }
 
 impl Codes {
     /// The codes of a table of the file, if present.
-    pub(super) fn read(top: &Table<'_, '_>, key: &'static str) -> Option<Self> {
+    pub(crate) fn read(top: &Table<'_, '_>, key: &'static str) -> Option<Self> {
         let reader = top.reader;
         let table = top.table(key, format!("`[{key}]`"))?;
         let mut values = BTreeMap::new();
@@ -39,12 +39,22 @@ impl Codes {
     }
 
     /// The code of a name; checked by [`Self::missing`].
-    pub(super) fn code(&self, name: &str) -> Value {
+    pub(crate) fn code(&self, name: &str) -> Value {
         self.values.get(name).cloned().unwrap_or(Value::Text(String::new()))
     }
 
+    /// The codes as texts, each with its name.
+    pub(crate) fn texts(&self) -> Vec<(String, &str)> {
+        let text = |value: &Value| match value {
+            Value::Text(text) => text.clone(),
+            Value::Integer(number) => number.to_string(),
+            Value::Real(number) => number.to_string(),
+        };
+        self.values.iter().map(|(name, value)| (text(value), name.as_str())).collect()
+    }
+
     /// The errors of names without a code.
-    pub(super) fn missing<'n>(
+    pub(crate) fn missing<'n>(
         &self,
         names: impl Iterator<Item = &'n str>,
     ) -> impl Iterator<Item = Error<Problem>> {

@@ -12,25 +12,25 @@ use super::problem::Problem;
 
 /// Names that a template may contain.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Names {
-    pub(super) known: Vec<(&'static str, Kind)>,
+pub(crate) struct Names {
+    pub(crate) known: Vec<(&'static str, Kind)>,
     /// Names that a key of the file would define, with the key.
-    pub(super) undefined: Vec<(&'static str, &'static str)>,
+    pub(crate) undefined: Vec<(&'static str, &'static str)>,
 }
 
 impl Names {
-    pub(super) fn new(known: &[(&'static str, Kind)]) -> Self {
+    pub(crate) fn new(known: &[(&'static str, Kind)]) -> Self {
         Self { known: known.to_vec(), undefined: Vec::new() }
     }
 
     /// Adds names.
-    pub(super) fn and(mut self, more: &[(&'static str, Kind)]) -> Self {
+    pub(crate) fn and(mut self, more: &[(&'static str, Kind)]) -> Self {
         self.known.extend(more);
         self
     }
 
     /// Adds a name that exists where a key of the file defines it.
-    pub(super) fn with(
+    pub(crate) fn with(
         mut self,
         name: &'static str,
         key: &'static str,
@@ -58,9 +58,9 @@ impl Names {
 
 /// Digits after the point of numbers without a precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Decimals {
-    pub(super) values: usize,
-    pub(super) times: usize,
+pub(crate) struct Decimals {
+    pub(crate) values: usize,
+    pub(crate) times: usize,
 }
 
 impl Decimals {
@@ -71,7 +71,7 @@ impl Decimals {
 
 /// Text with fields.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Template {
+pub(crate) struct Template {
     /// Text, and the field that follows it.
     parts: Vec<(String, Field)>,
     rest: String,
@@ -105,7 +105,7 @@ impl Template {
     ///
     /// # Errors
     /// The first problem, with its part of the text.
-    pub(super) fn parse(
+    pub(crate) fn parse(
         text: &str,
         names: &Names,
         decimals: Decimals,
@@ -145,7 +145,7 @@ impl Template {
     }
 
     /// Whether a field contains a name.
-    pub(super) fn uses(&self, name: &str) -> bool {
+    pub(crate) fn uses(&self, name: &str) -> bool {
         self.parts.iter().any(|(_, field)| match &field.source {
             Source::Name(own) => *own == name,
             Source::Expression { formula, .. } => formula.names().any(|own| own == name),
@@ -156,7 +156,7 @@ impl Template {
     ///
     /// # Errors
     /// [`Problem::NoValue`] and [`Problem::NotWhole`] of an expression, with its place in the file.
-    pub(super) fn fill(&self, value: impl Fn(&str) -> Value) -> Result<String, Error<Problem>> {
+    pub(crate) fn fill(&self, value: impl Fn(&str) -> Value) -> Result<String, Error<Problem>> {
         let mut filled = String::new();
         for (text, field) in &self.parts {
             filled.push_str(text);

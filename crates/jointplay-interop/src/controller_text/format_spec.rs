@@ -19,7 +19,7 @@ const MOST_PRECISION: usize = 17;
 
 /// Kind of a value in a template.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     Text,
     Integer,
     /// A number with `decimals` of the dialect.
@@ -53,7 +53,7 @@ impl Kind {
 
 /// A value of a template.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Value {
+pub(crate) enum Value {
     Text(String),
     Integer(i64),
     /// A finite number.
@@ -90,7 +90,7 @@ enum Type {
 
 /// Format of a value.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct FormatSpec {
+pub(crate) struct FormatSpec {
     fill: char,
     align: Align,
     sign: Sign,
@@ -104,7 +104,7 @@ impl FormatSpec {
     ///
     /// # Arguments
     /// * `decimals` – digits after the point of a number without a precision
-    pub(super) fn parse(text: &str, kind: Kind, decimals: usize) -> Result<Self, Problem> {
+    pub(crate) fn parse(text: &str, kind: Kind, decimals: usize) -> Result<Self, Problem> {
         let invalid = || Problem::Format {
             found: text.to_owned(),
             kind: kind.name(),
@@ -193,12 +193,12 @@ impl FormatSpec {
     }
 
     /// Whether the format is that of a whole number.
-    pub(super) fn names_whole_type(text: &str) -> bool {
+    pub(crate) fn names_whole_type(text: &str) -> bool {
         text.ends_with(['d', 'x', 'X', 'o', 'b'])
     }
 
     /// A value in this format.
-    pub(super) fn apply(&self, value: &Value) -> String {
+    pub(crate) fn apply(&self, value: &Value) -> String {
         let (negative, digits) = match value {
             Value::Text(text) => {
                 let shown = text.chars().take(self.precision.unwrap_or(usize::MAX)).collect();
@@ -277,7 +277,7 @@ mod tests {
 
     #[test]
     fn formats_agree_with_python() {
-        let table = include_str!("../../../../../validation/golden/controller-formats.csv");
+        let table = include_str!("../../../../validation/golden/controller-formats.csv");
         let mut rows = 0;
         for record in csv::Reader::from_reader(table.as_bytes()).records() {
             let record = record.unwrap();

@@ -1,0 +1,221 @@
+//! Requests and answers in JSON.
+
+use std::collections::BTreeMap;
+use std::ffi::CString;
+
+use jointplay::constraint::System as _;
+use jointplay::format::coordinates::{self, Coordinates};
+use jointplay::format::mechanism::MechanismFile;
+use jointplay::gpr::{AxisHeight, Gpr};
+use jointplay::mechanism::{
+    FrameId, MechanismSystem, close_sparse, mechanism_mobility, pose_commanded, relieve_commanded,
+};
+use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
+use jointplay::report;
+use jointplay::sensitivity::commanded_sensitivity;
+use jointplay::spatial::Tilt;
+use jointplay::virtualization::{Planar, SolveOptions};
+use serde::{Deserialize, Serialize};
+
+use crate::catch::Failure;
+use crate::virtualization::named;
+
+#[derive(Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+enum OfRobot {
+    Forward {
+        rods_m: [f64; 3],
+        virtualization: Option<String>,
+    },
+    Inverse {
+        #[serde(default)]
+        azimuth_rad: f64,
+        #[serde(default)]
+        tilt_rad: f64,
+        /// The working height, if not given.
+        height_m: Option<f64>,
+        virtualization: Option<String>,
+    },
+    Mobility {
+        /// Level at the working height, if not given.
+        rods_m: Option<[f64; 3]>,
+        /// Without one, rigid links only.
+        virtualization: Option<String>,
+    },
+    Sensitivity {
+        #[serde(default)]
+        azimuth_rad: f64,
+        tilt_rad: f64,
+        /// The working height, if not given.
+        height_m: Option<f64>,
+        virtualization: Option<String>,
+    },
+}
+
+/// Joint coordinates by name (m, rad).
+type Values = BTreeMap<String, f64>;
+
+#[derive(Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+enum OfMechanism {
+    Assemble {
+        #[serde(default)]
+        at: Values,
+    },
+    Mobility {
+        #[serde(default)]
+        at: Values,
+    },
+    Jacobian {
+        #[serde(default)]
+        at: Values,
+        /// The actuated ones, if not given.
+        commanded: Option<Vec<String>>,
+        /// Attached frames, or else links, if not given.
+        frames: Option<Vec<String>>,
+    },
+    Sensitivity {
+        command: Values,
+    },
+}
+
+fn parse<'a, T: Deserialize<'a>>(request: &'a str) -> Result<T, Failure> {
+    serde_json::from_str(request).map_err(|error| Failure::input(format!("request: {error}")))
+}
+
+fn document(report: &impl Serialize) -> Result<CString, Failure> {
+    let text = serde_json::to_string(report).map_err(|error| Failure::internal(error.to_string()));
+    CString::new(text?).map_err(|error| Failure::internal(error.to_string()))
+}
+
+/// Answers a request about a robot.
+pub(crate) fn of_robot(gpr: &Gpr, request: &str) -> Result<CString, Failure> {
+    let options = SolveOptions::default();
+    let height = |given: Option<f64>| AxisHeight(given.unwrap_or(gpr.working_height()));
+    match parse(request)? {
+        OfRobot::Forward { rods_m, virtualization } => {
+            let model = named(virtualization.as_deref())?;
+            let pose = gpr.forward(rods_m, model, &options)?;
+            document(&report::forward(gpr, &pose, model, &[]))
+        }
+        OfRobot::Inverse { azimuth_rad, tilt_rad, height_m, virtualization } => {
+            let model = named(virtualization.as_deref())?;
+            let tilt = Tilt { azimuth: azimuth_rad, angle: tilt_rad };
+            let rods = gpr.inverse(tilt, height(height_m))?;
+            let pose = gpr.forward(rods, model, &options)?;
+            document(&report::forward(gpr, &pose, model, &[]))
+        }
+        OfRobot::Mobility { rods_m, virtualization } => {
+            let level = || gpr.inverse(Tilt::LEVEL, height(None));
+            let rods = rods_m.map_or_else(level, Ok)?;
+            // Rigid links: the choice of virtualization makes no difference.
+            let pose = gpr.forward(rods, &Planar, &options)?;
+            let rigid = gpr.system(&Planar);
+            let finite = finite_mobility(&rigid, &rigid.configuration(&pose), RANK_THRESHOLD)?;
+            let augmented = match virtualization.as_deref() {
+                None => None,
+                Some(name) => {
+                    let model = named(Some(name))?;
+                    let relieved = gpr.system(model);
+                    let at = relieved.configuration(&gpr.forward(rods, model, &options)?);
+                    Some((model.name(), augmented_mobility(&relieved, &at, RANK_THRESHOLD)?))
+                }
+            };
+            let augmented = augmented.as_ref().map(|(name, found)| (*name, found));
+            let kutzbach = gpr.kutzbach_mobility();
+            document(&report::mobility(&pose, kutzbach, &finite, augmented, &[]))
+        }
+        OfRobot::Sensitivity { azimuth_rad, tilt_rad, height_m, virtualization } => {
+            let model = named(virtualization.as_deref())?;
+            let tilt = Tilt { azimuth: azimuth_rad, angle: tilt_rad };
+            let play = gpr.tilt_play(tilt, height(height_m), model, &options)?;
+            document(&report::sensitivity(gpr, &play, model, &[]))
+        }
+    }
+}
+
+/// Answers a request about a mechanism.
+pub(crate) fn of_mechanism(
+    file: &MechanismFile,
+    coordinates: &Coordinates,
+    request: &str,
+) -> Result<CString, Failure> {
+    let mechanism = &file.mechanism;
+    let index = |name: &String| {
+        coordinates.find(mechanism, name).map_err(|error| Failure::input(error.to_string()))
+    };
+    let commands = |values: &Values| -> Result<Vec<(usize, f64)>, Failure> {
+        values.iter().map(|(name, value)| Ok((index(name)?, *value))).collect()
+    };
+    match parse(request)? {
+        OfMechanism::Assemble { at } => {
+            let posed = pose_commanded(mechanism, &commands(&at)?, None)?;
+            let relief = posed.relief.as_ref();
+            document(&report::assembly(file, &posed.closed, relief, None, None))
+        }
+        OfMechanism::Mobility { at } if !MechanismSystem::fits(mechanism) => {
+            let (system, _) = close_sparse(mechanism, &commands(&at)?)?;
+            let found = system.mobility(RANK_THRESHOLD)?;
+            document(&report::sparse_mobility(file, &system, &found))
+        }
+        OfMechanism::Mobility { at } => {
+            let posed = pose_commanded(mechanism, &commands(&at)?, None)?;
+            let values = &posed.closed.coordinates;
+            let system = MechanismSystem::new(mechanism, values.clone())?;
+            let found = mechanism_mobility(&system, RANK_THRESHOLD, false)?;
+            let relief = posed.relief.as_ref();
+            let report = report::mechanism_mobility(file, &system, values, relief, &found, None);
+            document(&report?)
+        }
+        OfMechanism::Jacobian { at, commanded, frames } => {
+            let commanded = match commanded {
+                None => mechanism.actuated_coordinates(),
+                Some(names) => names.iter().map(index).collect::<Result<_, _>>()?,
+            };
+            let frames = match frames {
+                None if mechanism.frames().is_empty() => {
+                    (1..mechanism.links().len()).map(FrameId::Link).collect()
+                }
+                None => (0..mechanism.frames().len()).map(FrameId::Attached).collect(),
+                Some(names) => {
+                    let frame = |name: &String| {
+                        coordinates::frame(mechanism, name)
+                            .map_err(|error| Failure::input(error.to_string()))
+                    };
+                    names.iter().map(frame).collect::<Result<Vec<FrameId>, _>>()?
+                }
+            };
+            let posed = pose_commanded(mechanism, &commands(&at)?, None)?;
+            let mut system = MechanismSystem::new(mechanism, posed.closed.coordinates.clone())?;
+            let mut relief = None;
+            if !mechanism.virtual_joints().is_empty() {
+                let of = |&k: &usize| (k, posed.closed.coordinates[k]);
+                let values: Vec<(usize, f64)> = commanded.iter().map(of).collect();
+                let found = relieve_commanded(mechanism, &values, None)?;
+                system = MechanismSystem::new(mechanism, found.coordinates.clone())?
+                    .with_characteristic_length(found.characteristic_length)?;
+                relief = Some(found);
+            }
+            let relief = relief.as_ref();
+            match report::jacobian(file, &system, &commanded, &frames, relief, None, &[]) {
+                Ok(report) => document(&report),
+                Err(report::JacobianError::Motion(error)) => Err(error.into()),
+                Err(error) => Err(Failure::no_answer(error.to_string())),
+            }
+        }
+        OfMechanism::Sensitivity { command } => {
+            if mechanism.virtual_joints().is_empty() || command.is_empty() {
+                let text = "sensitivity needs a mechanism with virtual joints, and a command";
+                return Err(Failure::input(text));
+            }
+            let commands = commands(&command)?;
+            let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+            let relief = relieve_commanded(mechanism, &commands, None)?;
+            let system = MechanismSystem::new(mechanism, relief.coordinates.clone())?;
+            let (at, length) = (system.at_home(), system.characteristic_length());
+            let found = commanded_sensitivity(&system, &at, &commanded, length, RANK_THRESHOLD)?;
+            let values = found.singular_values().as_slice();
+            document(&report::relief(file, &relief, &commanded, values, length))
+        }
+    }
+}

@@ -1,0 +1,317 @@
+//! Calls as a C program makes them: results, errors, invalid input.
+
+use std::ffi::{CStr, CString};
+use std::ptr::{null, null_mut};
+
+use jointplay::format::mechanism;
+use jointplay::gpr::Gpr;
+use jointplay::mechanism::relieve_commanded;
+use jointplay::spatial::Tilt;
+use jointplay::virtualization::{Planar, Polar, Radial, SolveOptions};
+use jointplay_c::*;
+
+const RODS: [f64; 3] = [0.4977, 0.5005, 0.5018];
+
+fn paper() -> *mut JpRobot {
+    let mut robot = null_mut();
+    // SAFETY: room for a handle.
+    assert_eq!(unsafe { jp_robot_paper(&raw mut robot) }, JP_OK);
+    robot
+}
+
+fn catalogue(name: &str) -> *mut JpMechanism {
+    let (mut found, name) = (null_mut(), CString::new(name).unwrap());
+    // SAFETY: a text and room for a handle.
+    assert_eq!(unsafe { jp_mechanism_catalogue(name.as_ptr(), &raw mut found) }, JP_OK);
+    found
+}
+
+fn last_error() -> String {
+    let mut text = [0; 1000];
+    // SAFETY: room for as many bytes.
+    unsafe { jp_last_error(text.as_mut_ptr(), text.len()) };
+    // SAFETY: ended by NUL.
+    unsafe { CStr::from_ptr(text.as_ptr()) }.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn poses_of_the_robot_are_those_of_the_library() {
+    let (gpr, robot, options) = (Gpr::paper(), paper(), SolveOptions::default());
+    let (mut pose, mut joints, mut tilt) = ([0.0; 16], [0.0; 6], [0.0; 3]);
+    for virtualization in [JP_RADIAL, JP_POLAR, JP_OFFSET, JP_PLANAR] {
+        // SAFETY: room for all.
+        let code = unsafe {
+            let (pose, joints, tilt) = (pose.as_mut_ptr(), joints.as_mut_ptr(), tilt.as_mut_ptr());
+            jp_robot_forward(robot, virtualization, RODS.as_ptr(), pose, joints, tilt)
+        };
+        assert_eq!(code, JP_OK);
+        let found = match virtualization {
+            JP_RADIAL => gpr.forward(RODS, &Radial, &options),
+            JP_POLAR => gpr.forward(RODS, &Polar, &options),
+            JP_PLANAR => gpr.forward(RODS, &Planar, &options),
+            _ => continue,
+        }
+        .unwrap();
+        let expected = found.base_from_platform.to_homogeneous().transpose();
+        assert_eq!(pose.as_slice(), expected.as_slice());
+        let Tilt { azimuth, angle } = found.tilt();
+        assert_eq!(tilt, [azimuth, angle, found.axis_height().0]);
+        let count = jp_virtual_joint_count(virtualization);
+        assert!(joints[count..].iter().all(|&x| x == 0.0));
+        assert!(joints[..count].iter().all(|x| x.abs() < 1e-4), "displacements from nominal");
+    }
+    // A radial virtual joint of this pose is displaced by some 40 µm.
+    let forward = |joints: *mut f64| {
+        // SAFETY: room for all.
+        unsafe { jp_robot_forward(robot, JP_RADIAL, RODS.as_ptr(), null_mut(), joints, null_mut()) }
+    };
+    assert_eq!(forward(joints.as_mut_ptr()), JP_OK);
+    assert!(joints[0].abs() > 1e-6);
+    // SAFETY: not used after this.
+    unsafe { jp_robot_free(robot) };
+}
+
+#[test]
+fn inverse_kinematics_and_many_poses() {
+    let robot = paper();
+    let mut rods = [0.0; 3];
+    // SAFETY: room for all.
+    assert_eq!(unsafe { jp_robot_inverse(robot, 0.3, 0.02, 0.5, rods.as_mut_ptr()) }, JP_OK);
+    let (mut poses, mut codes, mut tilt) = ([0.0; 48], [9; 3], [0.0; 3]);
+    let sets = [rods, [f64::NAN, 0.5, 0.5], [0.9, 0.5, 0.5]].concat();
+    // SAFETY: room for all.
+    let code = unsafe {
+        let (poses, codes) = (poses.as_mut_ptr(), codes.as_mut_ptr());
+        jp_robot_forward_many(robot, JP_PLANAR, 3, sets.as_ptr(), poses, null_mut(), codes)
+    };
+    assert_eq!((code, codes), (JP_BAD_INPUT, [JP_OK, JP_BAD_INPUT, JP_NO_ANSWER]));
+    assert!(last_error().starts_with("set 1: rods[0] is NaN"), "{}", last_error());
+    assert!(poses[16..].iter().all(|x| x.is_nan()));
+    let mut one = [0.0; 16];
+    // SAFETY: room for all.
+    let code = unsafe {
+        let (one, tilt) = (one.as_mut_ptr(), tilt.as_mut_ptr());
+        jp_robot_forward(robot, JP_PLANAR, rods.as_ptr(), one, null_mut(), tilt)
+    };
+    assert_eq!(code, JP_OK);
+    assert_eq!(one, poses[..16]);
+    for (found, expected) in tilt.into_iter().zip([0.3, 0.02, 0.5]) {
+        assert!((found - expected).abs() < 1e-12);
+    }
+    let mut exceeded = [7; 4];
+    // SAFETY: room for all.
+    unsafe { jp_robot_limits(robot, [0.9, 0.5, 0.5].as_ptr(), exceeded.as_mut_ptr()) };
+    assert_eq!((exceeded[0], exceeded[1], exceeded[2], exceeded[3]), (1, 0, 0, 1));
+    // SAFETY: not used after this.
+    unsafe { jp_robot_free(robot) };
+}
+
+#[test]
+fn jacobians_are_differences_of_poses() {
+    let robot = paper();
+    let (mut jacobian, mut rates) = ([0.0; 18], [0.0; 18]);
+    // SAFETY: room for all.
+    let code = unsafe {
+        let (jacobian, rates) = (jacobian.as_mut_ptr(), rates.as_mut_ptr());
+        jp_robot_jacobian(robot, JP_POLAR, RODS.as_ptr(), jacobian, rates)
+    };
+    assert_eq!(code, JP_OK);
+    let at = |rods: [f64; 3]| {
+        let (mut pose, mut joints) = ([0.0; 16], [0.0; 6]);
+        // SAFETY: room for all.
+        unsafe {
+            let (pose, joints) = (pose.as_mut_ptr(), joints.as_mut_ptr());
+            jp_robot_forward(robot, JP_POLAR, rods.as_ptr(), pose, joints, null_mut());
+        }
+        (pose, joints)
+    };
+    const STEP: f64 = 1e-6;
+    for k in 0..3 {
+        let (mut more, mut less) = (RODS, RODS);
+        more[k] += STEP;
+        less[k] -= STEP;
+        let ((more, more_joints), (less, less_joints)) = (at(more), at(less));
+        for i in 0..3 {
+            let slope = (more[4 * i + 3] - less[4 * i + 3]) / (2.0 * STEP);
+            assert!((slope - jacobian[3 * (3 + i) + k]).abs() < 1e-7);
+        }
+        for i in 0..6 {
+            let slope = (more_joints[i] - less_joints[i]) / (2.0 * STEP);
+            assert!((slope - rates[3 * i + k]).abs() < 1e-7);
+        }
+    }
+    // SAFETY: not used after this.
+    unsafe { jp_robot_free(robot) };
+}
+
+#[test]
+fn a_relieved_mechanism_moves_by_its_drives() {
+    let robot = catalogue("gpr-mechanism");
+    // SAFETY: a mechanism.
+    let (count, links, drives) = unsafe {
+        (
+            jp_mechanism_coordinate_count(robot),
+            jp_mechanism_link_count(robot),
+            jp_mechanism_drive_count(robot),
+        )
+    };
+    assert_eq!(drives, 3);
+    let mut home = vec![0.0; count];
+    // SAFETY: room for all coordinates.
+    assert_eq!(unsafe { jp_mechanism_home(robot, home.as_mut_ptr()) }, JP_OK);
+    let values = [-0.002, 0.0005, 0.0018];
+    let mut positions = home.clone();
+    let solve = |positions: &mut Vec<f64>, values: &[f64; 3]| {
+        // SAFETY: a value for each drive, room for all coordinates.
+        unsafe { jp_mechanism_positions(robot, values.as_ptr(), positions.as_mut_ptr()) }
+    };
+    assert_eq!(solve(&mut positions, &values), JP_OK, "{}", last_error());
+    let file = mechanism::parse(jointplay::format::catalogue::find("gpr-mechanism").unwrap().text);
+    let file = file.unwrap();
+    let commands: Vec<(usize, f64)> =
+        file.mechanism.actuated_coordinates().into_iter().zip(values).collect();
+    let relief = relieve_commanded(&file.mechanism, &commands, None).unwrap();
+    for (found, expected) in positions.iter().zip(relief.coordinates.iter()) {
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    }
+    let poses = |positions: &[f64]| {
+        let mut poses = vec![0.0; 16 * links];
+        // SAFETY: all coordinates, room for all links.
+        let code =
+            unsafe { jp_mechanism_link_poses(robot, positions.as_ptr(), poses.as_mut_ptr()) };
+        assert_eq!(code, JP_OK);
+        poses
+    };
+    // The Jacobian of the last link is the difference of its poses.
+    let (mut jacobian, mut rates) = (vec![0.0; 18], vec![0.0; 3 * count]);
+    let link = links - 1;
+    // SAFETY: room for 6 and `count` rows of 3.
+    let code = unsafe {
+        let (jacobian, rates) = (jacobian.as_mut_ptr(), rates.as_mut_ptr());
+        jp_mechanism_jacobian(robot, positions.as_ptr(), link, jacobian, rates)
+    };
+    assert_eq!(code, JP_OK, "{}", last_error());
+    const STEP: f64 = 1e-5;
+    for k in 0..3 {
+        let at = |sign: f64| {
+            let (mut values, mut near) = (values, positions.clone());
+            values[k] += sign * STEP;
+            assert_eq!(solve(&mut near, &values), JP_OK);
+            near
+        };
+        let (more, less) = (at(1.0), at(-1.0));
+        for i in 0..3 {
+            let place = 16 * link + 4 * i + 3;
+            let slope = (poses(&more)[place] - poses(&less)[place]) / (2.0 * STEP);
+            assert!((slope - jacobian[3 * (3 + i) + k]).abs() < 1e-5, "{slope}");
+        }
+        // SAFETY: a mechanism.
+        for i in unsafe { jp_mechanism_joint_coordinate_count(robot) }..count {
+            let slope = (more[i] - less[i]) / (2.0 * STEP);
+            assert!((slope - rates[3 * i + k]).abs() < 1e-5, "{slope}");
+        }
+    }
+    // Beyond the limits of the rods nothing is written.
+    let mut beyond = positions.clone();
+    assert_eq!(solve(&mut beyond, &[10.0, 0.0, 0.0]), JP_NO_ANSWER);
+    assert_eq!(beyond, positions);
+    assert_eq!(solve(&mut beyond, &[f64::NAN, 0.0, 0.0]), JP_BAD_INPUT);
+    // SAFETY: a mechanism and a link that it does not have.
+    let code = unsafe {
+        let jacobian = jacobian.as_mut_ptr();
+        jp_mechanism_jacobian(robot, positions.as_ptr(), links, jacobian, null_mut())
+    };
+    assert_eq!(code, JP_BAD_INPUT);
+    // SAFETY: not used after this.
+    unsafe { jp_mechanism_free(robot) };
+}
+
+#[test]
+fn a_mechanism_serves_many_threads() {
+    struct Shared(*const JpMechanism);
+    // SAFETY: mechanisms may be shared.
+    unsafe impl Sync for Shared {}
+    let mechanism = Shared(catalogue("four-bar"));
+    let shared = &mechanism;
+    let solve = |angle: f64| {
+        let mut positions = [0.0; 16];
+        // SAFETY: a mechanism, and room for its coordinates.
+        unsafe {
+            assert!(jp_mechanism_coordinate_count(shared.0) <= positions.len());
+            assert_eq!(jp_mechanism_home(shared.0, positions.as_mut_ptr()), JP_OK);
+            let code = jp_mechanism_positions(shared.0, &raw const angle, positions.as_mut_ptr());
+            assert_eq!(code, JP_OK, "{}", last_error());
+        }
+        positions
+    };
+    let expected: Vec<_> = (0..20).map(|i| solve(0.01 * f64::from(i))).collect();
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                for (i, expected) in (0..).zip(&expected) {
+                    assert_eq!(solve(0.01 * f64::from(i)), *expected);
+                }
+                // Errors are of the thread.
+                assert_eq!(last_error(), "");
+            });
+        }
+    });
+    // SAFETY: not used after this.
+    unsafe { jp_mechanism_free(mechanism.0.cast_mut()) };
+}
+
+#[test]
+fn null_and_unknown_input_are_errors() {
+    let robot = paper();
+    let mut numbers = [0.0; 18];
+    let numbers = numbers.as_mut_ptr();
+    let unknown = CString::new("nothing").unwrap();
+    let not_utf8 = CStr::from_bytes_with_nul(b"\xff\0").unwrap();
+    let (mut mechanism, mut answer) = (null_mut(), null_mut());
+    // SAFETY: NULL is allowed everywhere; all else is valid.
+    let codes = unsafe {
+        [
+            jp_robot_paper(null_mut()),
+            jp_robot_parse(null(), &raw mut numbers.cast()),
+            jp_robot_inverse(null(), 0.0, 0.0, 0.5, numbers),
+            jp_robot_inverse(robot, 0.0, 0.0, 0.5, null_mut()),
+            jp_robot_inverse(robot, f64::INFINITY, 0.0, 0.5, numbers),
+            jp_robot_forward(robot, 4, RODS.as_ptr(), numbers, null_mut(), null_mut()),
+            jp_robot_forward(robot, -1, RODS.as_ptr(), numbers, null_mut(), null_mut()),
+            jp_robot_forward(robot, JP_PLANAR, null(), numbers, null_mut(), null_mut()),
+            jp_robot_forward_many(robot, 0, 1, null(), numbers, null_mut(), null_mut()),
+            jp_robot_limits(robot, RODS.as_ptr(), null_mut()),
+            jp_robot_jacobian(null(), 0, RODS.as_ptr(), numbers, null_mut()),
+            jp_robot_json(robot, null(), &raw mut answer),
+            jp_robot_json(robot, unknown.as_ptr(), &raw mut answer),
+            jp_mechanism_parse(unknown.as_ptr(), &raw mut mechanism),
+            jp_mechanism_parse(not_utf8.as_ptr(), &raw mut mechanism),
+            jp_mechanism_catalogue(unknown.as_ptr(), &raw mut mechanism),
+            jp_mechanism_home(null(), numbers),
+            jp_mechanism_positions(null(), numbers, numbers),
+            jp_mechanism_link_poses(null(), numbers, numbers),
+            jp_mechanism_jacobian(null(), numbers, 0, numbers, null_mut()),
+            jp_mechanism_json(null(), unknown.as_ptr(), &raw mut answer),
+        ]
+    };
+    assert_eq!(codes, [JP_BAD_INPUT; 21]);
+    assert!(mechanism.is_null() && answer.is_null());
+    assert_eq!(last_error(), "mechanism is NULL");
+    // SAFETY: NULL is allowed.
+    unsafe {
+        assert!(jp_robot_working_height(null()).is_nan());
+        assert_eq!(jp_mechanism_coordinate_count(null()), 0);
+        assert!(jp_mechanism_link_name(null(), 0).is_null());
+        assert_eq!(jp_mechanism_coordinate_is_angle(null(), 0), -1);
+        jp_robot_free(null_mut());
+        jp_mechanism_free(null_mut());
+        jp_text_free(null_mut());
+        // A short buffer gets the start of the text, ended by NUL.
+        let mut short = [1; 5];
+        assert_eq!(jp_last_error(short.as_mut_ptr(), 5), "mechanism is NULL".len() + 1);
+        assert_eq!(CStr::from_ptr(short.as_ptr()), c"mech");
+        assert_eq!(jp_last_error(null_mut(), 0), "mechanism is NULL".len() + 1);
+        assert_eq!(CStr::from_ptr(jp_version()).to_str().unwrap(), env!("CARGO_PKG_VERSION"));
+        jp_robot_free(robot);
+    }
+}

@@ -1,0 +1,168 @@
+//! TCP connections of hosts to the simulated controller.
+
+use std::io::{self, BufRead, BufReader, Write};
+use std::net::{Shutdown, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use jointplay::cell::workcell::Cell;
+use jointplay::interop::host::{HostLanguage, HostSession, MAX_LINE_BYTES};
+
+use crate::failure::Failure;
+
+/// Largest number of hosts at a time; each has a robot of its own.
+const MOST_HOSTS: usize = 16;
+/// Number of lines that are received ahead of their answers; further lines wait in the connection.
+const LINES_AHEAD: usize = 16;
+/// Longest time for which a host may not read an answer; then its connection is closed.
+const WRITE_TIME: Duration = Duration::from_secs(10);
+/// Longest time until a host has sent the token.
+const TOKEN_TIME: Duration = Duration::from_secs(10);
+/// Longest wait for the next line, for motions of any length.
+const LONGEST_WAIT: Duration = Duration::from_secs(3600);
+
+/// What all connections have in common.
+pub(super) struct Hosts {
+    pub(super) cell: Cell,
+    pub(super) language: HostLanguage,
+    pub(super) speed: f64,
+    /// Token that a host sends first.
+    pub(super) token: Option<String>,
+}
+
+/// A controller that listens.
+pub(super) struct Server {
+    listener: TcpListener,
+    hosts: Arc<Hosts>,
+    connected: Arc<AtomicUsize>,
+}
+
+/// A received line.
+enum Received {
+    Line(Vec<u8>),
+    TooLong,
+}
+
+impl Server {
+    pub(super) fn new(listener: TcpListener, hosts: Hosts) -> Self {
+        Self { listener, hosts: Arc::new(hosts), connected: Arc::default() }
+    }
+
+    /// Accepts connections until the process is interrupted.
+    pub(super) fn run(self) -> Result<(), Failure> {
+        for stream in self.listener.incoming() {
+            // An aborted connection concerns its host only; without file handles, a pause lets others end.
+            let Ok(stream) = stream else {
+                thread::sleep(Duration::from_millis(100));
+                continue;
+            };
+            if self.connected.fetch_add(1, Ordering::SeqCst) >= MOST_HOSTS {
+                self.connected.fetch_sub(1, Ordering::SeqCst);
+                let _ = stream.shutdown(Shutdown::Both);
+                continue;
+            }
+            let (hosts, connected) = (Arc::clone(&self.hosts), Arc::clone(&self.connected));
+            thread::spawn(move || {
+                // A failed connection ends its session, and nothing else.
+                let _ = serve(&stream, &hosts);
+                let _ = stream.shutdown(Shutdown::Both);
+                connected.fetch_sub(1, Ordering::SeqCst);
+            });
+        }
+        Ok(())
+    }
+}
+
+/// The session of one host.
+fn serve(stream: &TcpStream, hosts: &Hosts) -> io::Result<()> {
+    stream.set_nodelay(true)?;
+    stream.set_write_timeout(Some(WRITE_TIME))?;
+    let mut reader = BufReader::new(stream.try_clone()?);
+    if let Some(token) = &hosts.token {
+        stream.set_read_timeout(Some(TOKEN_TIME))?;
+        match receive(&mut reader)? {
+            Some(Received::Line(line)) if is_equal(&line, token.as_bytes()) => {}
+            _ => return Ok(()),
+        }
+        stream.set_read_timeout(None)?;
+    }
+    let session = HostSession::new(&hosts.language, hosts.cell.clone(), hosts.speed);
+    let Ok(mut session) = session else { return Ok(()) };
+    let (sender, lines) = sync_channel(LINES_AHEAD);
+    thread::spawn(move || read(reader, &sender));
+    converse(stream, &mut session, &lines)
+}
+
+/// Passes lines on until the connection or the session ends.
+fn read(mut reader: BufReader<TcpStream>, lines: &SyncSender<Received>) {
+    while let Ok(Some(line)) = receive(&mut reader) {
+        if lines.send(line).is_err() {
+            return;
+        }
+    }
+}
+
+/// Answers lines, and reports completions when they are due.
+fn converse(
+    mut stream: &TcpStream,
+    session: &mut HostSession<'_>,
+    lines: &Receiver<Received>,
+) -> io::Result<()> {
+    let start = Instant::now();
+    let now = || start.elapsed().as_secs_f64();
+    let write = |mut stream: &TcpStream, text: String| stream.write_all(text.as_bytes());
+    // A template without a value, such as a division by zero, ends the session.
+    let text = session.welcome().map_err(io::Error::other)?;
+    write(stream, text)?;
+    loop {
+        let wait = session.next_event().map_or(LONGEST_WAIT, |time| {
+            let wait = (time - now()).clamp(0.0, LONGEST_WAIT.as_secs_f64());
+            Duration::from_secs_f64(wait)
+        });
+        let text = match lines.recv_timeout(wait) {
+            Ok(Received::Line(line)) => session.receive(&line, now()),
+            Ok(Received::TooLong) => session.receive_too_long(now()),
+            Err(RecvTimeoutError::Timeout) => session.advance(now()),
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+        };
+        write(stream, text.map_err(io::Error::other)?)?;
+        stream.flush()?;
+    }
+}
+
+/// The next line that is not empty, without its end: `\n`, `\r` or both; `None` at the end, where an unfinished line is dropped.
+fn receive(reader: &mut impl BufRead) -> io::Result<Option<Received>> {
+    let (mut line, mut is_too_long) = (Vec::new(), false);
+    loop {
+        let buffer = reader.fill_buf()?;
+        if buffer.is_empty() {
+            return Ok(None);
+        }
+        let end = buffer.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+        let part = &buffer[..end.unwrap_or(buffer.len())];
+        is_too_long |= line.len() + part.len() > MAX_LINE_BYTES;
+        if !is_too_long {
+            line.extend_from_slice(part);
+        }
+        let used = end.map_or(buffer.len(), |end| end + 1);
+        reader.consume(used);
+        if end.is_some() {
+            if is_too_long {
+                return Ok(Some(Received::TooLong));
+            }
+            if !line.is_empty() {
+                return Ok(Some(Received::Line(line)));
+            }
+        }
+    }
+}
+
+/// Whether two texts are equal, in a time that does not depend on where they differ.
+fn is_equal(found: &[u8], expected: &[u8]) -> bool {
+    let difference =
+        found.iter().zip(expected).fold(0, |difference, (one, other)| difference | (one ^ other));
+    found.len() == expected.len() && difference == 0
+}

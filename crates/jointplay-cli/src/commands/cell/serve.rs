@@ -1,0 +1,126 @@
+//! `jointplay cell serve`: a simulated controller on TCP.
+
+use std::fs;
+use std::net::{SocketAddr, TcpListener};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use jointplay::interop::host::{HostLanguage, HostSession, MAX_BYTES};
+use serde::Serialize;
+
+use super::connection::{Hosts, Server};
+use super::input::CellArgs;
+use crate::arguments::finite;
+use crate::failure::Failure;
+use crate::source::{label, read_text};
+
+/// Shortest accepted token (bytes).
+const LEAST_TOKEN: usize = 16;
+
+/// Simulate the controller of a cell for host software: commands and answers over TCP
+///
+/// Each connection has a robot of its own, at home at first. Each command is planned and checked before it is accepted, and completed after its planned time; a command with a violation is refused with its reason.
+/// Serves this machine only, until Ctrl-C; another address needs --token-file, and each host then sends the token as its first line.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay cell serve
+  jointplay cell serve tool.toml --listen 127.0.0.1:7000 --speed 10
+  jointplay cell serve tool.toml --language my-controller.toml
+
+  $ nc 127.0.0.1 7000
+  READY dual-arm wafer robot: q1 q2 q3 T R1 R2
+  GET port-1 3 A
+  ACCEPTED 3.412 GET port-1 3 A
+  COMPLETED 3.412 GET port-1 3 A
+
+Exit codes: 2 bad input or usage, or a port that is in use.")]
+pub(super) struct Serve {
+    #[command(flatten)]
+    pub(super) cell: CellArgs,
+    /// Address and port to listen on; port 0 is any free port
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:7000")]
+    listen: SocketAddr,
+    /// File with the language of the host (TOML) [default: the neutral language]
+    #[arg(long, visible_alias = "dialect", value_name = "FILE")]
+    language: Option<PathBuf>,
+    /// Factor of the time of the robot: at 10, every motion takes a tenth of its planned time
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = speed)]
+    speed: f64,
+    /// File with the token that hosts send as their first line; required for addresses of other machines
+    #[arg(long, value_name = "FILE")]
+    token_file: Option<PathBuf>,
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    let value = finite(text)?;
+    if (1e-3..=1e6).contains(&value) {
+        return Ok(value);
+    }
+    Err(format!("must be from 0.001 to 1000000, got {value}"))
+}
+
+/// The address of a running controller.
+#[derive(Serialize)]
+struct Address {
+    address: String,
+    language: String,
+}
+
+impl Serve {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let source = self.cell.load()?;
+        let language = self.language()?;
+        // Invalid cells are reported here, and not to each host.
+        HostSession::new(&language, source.cell.clone(), self.speed).map_err(|invalid| {
+            let why = invalid.first().map_or_else(String::new, ToString::to_string);
+            Failure::Robot(format!("{}: {why}", source.label))
+        })?;
+        let token = self.token()?;
+        let listener = TcpListener::bind(self.listen).map_err(|error| {
+            Failure::Usage(format!(
+                "cannot listen on {}: {error}; choose another --listen",
+                self.listen
+            ))
+        })?;
+        let address = listener.local_addr()?.to_string();
+        let shown = Address { address, language: language.name.clone() };
+        self.cell.format.print(&shown, |Address { address, language }| {
+            format!("controller: {address}, language {language}\n  press Ctrl-C to stop\n")
+        })?;
+        let hosts = Hosts { cell: source.cell, language, speed: self.speed, token };
+        Server::new(listener, hosts).run()
+    }
+
+    fn language(&self) -> Result<HostLanguage, Failure> {
+        let Some(path) = &self.language else { return Ok(HostLanguage::neutral()) };
+        let text = read_text(path, MAX_BYTES as u64)?;
+        HostLanguage::parse(&text).map_err(|errors| Failure::invalid(&errors, &label(path)))
+    }
+
+    fn token(&self) -> Result<Option<String>, Failure> {
+        let Some(path) = &self.token_file else {
+            if self.listen.ip().is_loopback() {
+                return Ok(None);
+            }
+            return Err(Failure::Usage(format!(
+                "{} is not an address of this machine alone: anybody who reaches it could command the controller; use --token-file, or listen on 127.0.0.1",
+                self.listen.ip()
+            )));
+        };
+        let token = read_token(path)?;
+        if token.len() < LEAST_TOKEN || token.chars().any(char::is_control) {
+            return Err(Failure::Usage(format!(
+                "{}: the token must be one line of at least {LEAST_TOKEN} characters",
+                path.display()
+            )));
+        }
+        Ok(Some(token))
+    }
+}
+
+fn read_token(path: &Path) -> Result<String, Failure> {
+    let text = fs::read_to_string(path)
+        .map_err(|source| Failure::Read { path: path.to_owned(), source })?;
+    Ok(text.trim_end_matches(['\r', '\n']).to_owned())
+}

@@ -1,0 +1,146 @@
+//! The simulated controller: hosts on TCP, also such as send garbage, half a line, or never read.
+
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::TcpStream;
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+use crate::sandbox::Sandbox;
+
+/// A running controller.
+struct Controller {
+    child: Child,
+    address: String,
+}
+
+impl Controller {
+    fn start(sandbox: &Sandbox, flags: &str) -> Self {
+        let line = format!("cell serve --listen 127.0.0.1:0 --format json {flags}");
+        let mut child = sandbox.command(&line).stdout(Stdio::piped()).spawn().unwrap();
+        let mut output = BufReader::new(child.stdout.take().unwrap());
+        let mut text = String::new();
+        while !text.contains('}') {
+            assert!(output.read_line(&mut text).unwrap() > 0, "{text}");
+        }
+        let shown: serde_json::Value = serde_json::from_str(&text).unwrap();
+        Self { child, address: shown["address"].as_str().unwrap().to_owned() }
+    }
+
+    fn connect(&self) -> Host {
+        let stream = TcpStream::connect(&self.address).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(120))).unwrap();
+        Host { reader: BufReader::new(stream.try_clone().unwrap()), stream }
+    }
+}
+
+impl Drop for Controller {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+struct Host {
+    stream: TcpStream,
+    reader: BufReader<TcpStream>,
+}
+
+impl Host {
+    fn send(&mut self, bytes: &[u8]) {
+        self.stream.write_all(bytes).unwrap();
+    }
+
+    /// The next line; empty at the end of the connection.
+    fn line(&mut self) -> String {
+        let mut line = String::new();
+        self.reader.read_line(&mut line).unwrap();
+        line.trim_end().to_owned()
+    }
+
+    fn ask(&mut self, line: &str) -> String {
+        self.send(format!("{line}\n").as_bytes());
+        self.line()
+    }
+}
+
+#[test]
+fn hosts_have_a_robot_each_and_get_answers_in_order() {
+    let sandbox = Sandbox::new();
+    let controller = Controller::start(&sandbox, "--speed 1000");
+    let (mut one, mut other) = (controller.connect(), controller.connect());
+    assert!(one.line().starts_with("READY "));
+    assert!(other.line().starts_with("READY "));
+    // Both may pick the same wafer: each has its own.
+    for host in [&mut one, &mut other] {
+        assert!(host.ask("GET LP1 3 A").starts_with("ACCEPTED "));
+        assert!(host.line().starts_with("COMPLETED "));
+    }
+    assert!(one.ask("PUT LP2 1 A").starts_with("ACCEPTED "));
+    assert!(one.line().starts_with("COMPLETED "));
+    assert!(one.ask("STATUS").ends_with("A=0 B=0"));
+    assert!(other.ask("STATUS").ends_with("A=1 B=0"));
+    // Lines end in any manner, and arrive in any parts.
+    one.send(b"STA");
+    one.send(b"TUS\r\n\n\rSTATUS\r");
+    assert!(one.line().starts_with("STATUS idle"));
+    assert!(one.line().starts_with("STATUS idle"));
+}
+
+#[test]
+fn hosts_that_send_garbage_half_a_line_or_nothing_harm_nobody() {
+    let sandbox = Sandbox::new();
+    let controller = Controller::start(&sandbox, "--speed 1000");
+    let mut host = controller.connect();
+    host.line();
+    // A line of a megabyte is refused once, and never stored.
+    let mut long = vec![b'x'; 1_000_000];
+    long.push(b'\n');
+    host.send(&long);
+    assert!(host.line().starts_with("REFUSED 1 the line is longer than 1000 bytes"));
+    host.send(b"\x00\xff\xfe\n");
+    assert!(host.line().starts_with("REFUSED 1 "));
+    assert!(host.ask("STATUS").starts_with("STATUS idle"));
+    // Half a line before the end of a connection is not executed, and ends the session.
+    let mut half = controller.connect();
+    half.line();
+    half.send(b"GET LP1 3");
+    half.stream.shutdown(std::net::Shutdown::Write).unwrap();
+    let mut rest = String::new();
+    half.reader.read_to_string(&mut rest).unwrap();
+    assert_eq!(rest, "");
+    // A host that never reads does not keep others from their answers.
+    let mut deaf = controller.connect();
+    deaf.stream.set_write_timeout(Some(Duration::from_millis(300))).unwrap();
+    while deaf.stream.write_all(&b"STATUS\n".repeat(10_000)).is_ok() {}
+    assert!(host.ask("STATUS").starts_with("STATUS idle"));
+}
+
+#[test]
+fn addresses_of_other_machines_need_a_token_that_hosts_send_first() {
+    let sandbox = Sandbox::new();
+    let refused = sandbox.run("cell serve --listen 0.0.0.0:0");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("--token-file"), "{}", refused.stderr);
+    sandbox.write("short.txt", "secret\n");
+    let refused = sandbox.run("cell serve --token-file short.txt");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("at least 16"), "{}", refused.stderr);
+    sandbox.write("token.txt", "0123456789abcdef\n");
+    let controller = Controller::start(&sandbox, "--token-file token.txt");
+    let mut stranger = controller.connect();
+    stranger.send(b"0123456789abcdeX\n");
+    assert_eq!(stranger.line(), "");
+    let mut host = controller.connect();
+    host.send(b"0123456789abcdef\n");
+    assert!(host.line().starts_with("READY "));
+}
+
+#[test]
+fn errors_of_a_language_have_their_place() {
+    let sandbox = Sandbox::new();
+    sandbox.write("mine.toml", "name = \"mine\"\n[[command]]\npattern = \"GO {where}\"\n");
+    let refused = sandbox.run("cell serve --language mine.toml");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("mine.toml:3:"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("`{where}` is not a field of patterns"), "{}", refused.stderr);
+}

@@ -1,0 +1,145 @@
+//! Closed configurations for commanded coordinates, with virtual joints displaced where rigid links do not close.
+
+use nalgebra::DVector;
+
+use super::assembly::{assemble, guess};
+use super::closure::Closure;
+use super::description::Mechanism;
+use super::relief::{CommandedJoints, Relief, ReliefSolver, relieve};
+use super::sparse::SparseSystem;
+use super::system::MechanismSystem;
+use crate::Error;
+
+/// Number of other starts, if the guess does not close.
+const STARTS: usize = 30;
+/// Largest number of corrections for a mechanism with many loops, which is closed from its guess only.
+const CORRECTIONS: usize = 200;
+
+/// A closed configuration, with the displacement of the virtual joints if it needs one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Posed {
+    /// (f + M) coordinates with the residual of the loops (m, rad).
+    pub closed: Closure,
+    /// The least displacement, where rigid links do not close.
+    pub relief: Option<Relief>,
+}
+
+/// The user's guess with commanded coordinates at their values.
+///
+/// # Arguments
+/// * `commands` – indices of joint coordinates with their values (m, rad)
+#[must_use]
+pub fn commanded_guess(mechanism: &Mechanism, commands: &[(usize, f64)]) -> DVector<f64> {
+    let mut start = guess(mechanism);
+    commands.iter().for_each(|&(k, value)| start[k] = value);
+    start
+}
+
+/// The closed configuration nearest to the guess, with commanded coordinates held and virtual joints at rest.
+///
+/// # Arguments
+/// * `commands` – indices of joint coordinates with their values (m, rad)
+/// * `tolerance` – largest mismatch that counts as closed, in radians and characteristic lengths; `None` for loops that close exactly
+///
+/// # Errors
+/// [`Error::NotAssembled`]; [`Error::NotReached`] for a mechanism that is too large for dense algebra.
+pub fn close_commanded(
+    mechanism: &Mechanism,
+    commands: &[(usize, f64)],
+    tolerance: Option<f64>,
+) -> Result<Closure, Error> {
+    // Closures within a tolerance need dense algebra, which refuses mechanisms that are too large.
+    if !MechanismSystem::fits(mechanism) && tolerance.is_none() {
+        let (system, iterations) = close_sparse(mechanism, commands)?;
+        return Ok(system.closure(iterations));
+    }
+    let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+    match (assemble(mechanism, &commanded_guess(mechanism, commands), &held, STARTS), tolerance) {
+        (Err(Error::NotAssembled(found)), Some(tolerance)) => match found.within(tolerance) {
+            Some(closure) => Ok(closure.clone()),
+            None => Err(Error::NotAssembled(found)),
+        },
+        (found, _) => found,
+    }
+}
+
+/// The closed configuration nearest to the guess by sparse algebra, and the number of corrections.
+///
+/// # Arguments
+/// * `commands` – indices of joint coordinates with their values (m, rad)
+///
+/// # Errors
+/// [`Error::NotReached`].
+pub fn close_sparse<'a>(
+    mechanism: &'a Mechanism,
+    commands: &[(usize, f64)],
+) -> Result<(SparseSystem<'a>, usize), Error> {
+    let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+    let mut system = SparseSystem::new(mechanism, commanded_guess(mechanism, commands))?;
+    let iterations = system.close(&held, CORRECTIONS)?;
+    Ok((system, iterations))
+}
+
+/// The closed configuration with commanded coordinates held, with virtual joints displaced if rigid links do not close.
+///
+/// # Arguments
+/// As [`close_commanded`].
+///
+/// # Errors
+/// Those of [`close_commanded`] and [`relieve_commanded`].
+pub fn pose_commanded(
+    mechanism: &Mechanism,
+    commands: &[(usize, f64)],
+    tolerance: Option<f64>,
+) -> Result<Posed, Error> {
+    let has_play = !mechanism.virtual_joints().is_empty();
+    match close_commanded(mechanism, commands, tolerance) {
+        Err(Error::NotAssembled(_)) if has_play && !commands.is_empty() => {
+            let relief = relieve_commanded(mechanism, commands, tolerance)?;
+            let closed = Closure {
+                coordinates: relief.coordinates.clone(),
+                residual: relief.residual,
+                iterations: relief.iterations,
+            };
+            Ok(Posed { closed, relief: Some(relief) })
+        }
+        closed => Ok(Posed { closed: closed?, relief: None }),
+    }
+}
+
+/// The least displacement of the virtual joints that makes the commanded coordinates possible.
+///
+/// # Arguments
+/// As [`close_commanded`].
+///
+/// # Errors
+/// Those of [`close_commanded`] without commands, of [`CommandedJoints::new`] and of [`relieve`].
+pub fn relieve_commanded(
+    mechanism: &Mechanism,
+    commands: &[(usize, f64)],
+    tolerance: Option<f64>,
+) -> Result<Relief, Error> {
+    let home = close_commanded(mechanism, &[], tolerance)?.coordinates;
+    let (coordinates, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
+    let commanded = CommandedJoints::new(&MechanismSystem::new(mechanism, home)?, &coordinates)?;
+    commanded.relieve(mechanism, values, ReliefSolver::LeastNorm)
+}
+
+impl CommandedJoints {
+    /// The displacement of the virtual joints for values of the commanded coordinates, from home.
+    ///
+    /// # Arguments
+    /// * `values` – of the commanded coordinates (m, rad)
+    ///
+    /// # Errors
+    /// Those of [`relieve`].
+    pub fn relieve(
+        &self,
+        mechanism: &Mechanism,
+        values: impl IntoIterator<Item = f64>,
+        solver: ReliefSolver,
+    ) -> Result<Relief, Error> {
+        let start = self.start(values, mechanism.virtual_joints().len());
+        relieve(&MechanismSystem::new(mechanism, start)?, self, solver)
+    }
+}

@@ -1,0 +1,86 @@
+//! Why a command of a host is refused.
+
+/// Kind of a refusal; its number is the code in answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RefusalReason {
+    /// The line is too long, is not text, or has another checksum.
+    Unreadable = 1,
+    /// No pattern fits the line.
+    Unknown = 2,
+    /// The robot executes another command.
+    Busy = 3,
+    /// The command is not possible in the present state, such as a pick from an empty slot.
+    Invalid = 4,
+    /// A target is out of reach or beyond a limit.
+    Unreachable = 5,
+    /// The check found a violation, such as a collision.
+    Violation = 6,
+}
+
+/// All reasons, with their words in answers.
+pub const REFUSAL_REASONS: [(RefusalReason, &str); 6] = [
+    (RefusalReason::Unreadable, "unreadable"),
+    (RefusalReason::Unknown, "unknown"),
+    (RefusalReason::Busy, "busy"),
+    (RefusalReason::Invalid, "invalid"),
+    (RefusalReason::Unreachable, "unreachable"),
+    (RefusalReason::Violation, "violation"),
+];
+
+impl RefusalReason {
+    /// Code in answers.
+    #[must_use]
+    pub fn code(self) -> i64 {
+        self as i64
+    }
+
+    /// Word in answers.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        let found = REFUSAL_REASONS.iter().find(|(reason, _)| *reason == self);
+        found.map_or("unknown", |(_, word)| word)
+    }
+}
+
+/// Where a line deviates from a pattern.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Mismatch {
+    /// In the text after some fields.
+    Text {
+        /// Number of fields that fit.
+        fields: usize,
+    },
+    /// In a field.
+    Field {
+        /// Number of fields that fit.
+        fields: usize,
+        /// Word of the line.
+        found: String,
+        /// What is allowed.
+        expected: String,
+    },
+}
+
+impl Mismatch {
+    /// How much of the pattern fits, for the choice of the most helpful message.
+    pub(super) fn rank(&self) -> usize {
+        match self {
+            Self::Text { fields: 0 } => 0,
+            Self::Text { fields } => 2 * fields,
+            Self::Field { fields, .. } => 2 * fields + 1,
+        }
+    }
+}
+
+/// A refused command.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Refused {
+    pub(super) reason: RefusalReason,
+    pub(super) text: String,
+}
+
+impl Refused {
+    pub(super) fn new(reason: RefusalReason, text: impl Into<String>) -> Self {
+        Self { reason, text: text.into() }
+    }
+}
