@@ -82,7 +82,10 @@ def identifiers(names: Sequence[str]) -> list[str]:
     """Names as identifiers of Python, each once: ``ball 1[0]_rad`` becomes ``ball_1_0_rad``."""
     found: list[str] = []
     for name in names:
-        word = name if name.isidentifier() else re.sub(r"[\W_]+", "_", name).strip("_")
+        word = name
+        if not name.isidentifier():
+            valid = "".join(letter if f"a{letter}".isidentifier() else "_" for letter in name)
+            word = re.sub("_+", "_", valid).strip("_")
         if not word.isidentifier() or keyword.iskeyword(word):
             word = "_" + word
         base, number = word, 2

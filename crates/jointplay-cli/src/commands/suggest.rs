@@ -382,6 +382,7 @@ fn optimality(report: &SuggestReport, rank: Rank) -> String {
     match share {
         // The bound is round-off below a set that reaches it.
         0.0..=1e-6 => "the first one is optimal".to_owned(),
+        0.0..0.01 => "another may need less than the first one, by less than 0.01 %".to_owned(),
         _ => format!("another may need less than the first one, by at most {} %", fixed(share, 2)),
     }
 }
