@@ -3,7 +3,7 @@
     pip install pyondsel==0.0.3
     python asmt_reference.py
 
-writes models/slider-crank.asmt, models/flipped-four-bar.asmt and asmt-poses.csv (m, rad).
+writes models/slider-crank.asmt, models/flipped-four-bar.asmt, models/cardan.asmt and asmt-poses.csv (m, rad).
 """
 
 import csv
@@ -76,9 +76,30 @@ def four_bar():
     return a, math.pi / 2
 
 
+def cardan():
+    """Two shafts at an angle, connected by a universal joint; the second part is drawn off its axis."""
+    a = model("cardan")
+    c, s = math.cos(0.5), math.sin(0.5)
+    inclined = ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c))
+    along_y = ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0))
+    a.add_ground_marker(Marker("near"))
+    a.add_ground_marker(Marker("far", (0.0, -0.2 * s, 0.2 * c), inclined))
+    first = a.add_part(Part("input"))
+    first.add_marker(Marker("hub"))
+    first.add_marker(Marker("cross", (0.0, 0.0, 0.0), ALONG_X))
+    second = a.add_part(Part("output", (0.1, -0.2 * s, 0.2 * c), inclined))
+    second.add_marker(Marker("cross", (-0.1, 0.0, -0.2), along_y))
+    second.add_marker(Marker("bearing", (-0.1, 0.0, 0.0)))
+    a.add_joint(Joint("drive", "revolute", a.ground_path("near"), a.part_path("input", "hub")))
+    a.add_joint(Joint("cross", "universal", a.part_path("input", "cross"), a.part_path("output", "cross")))
+    a.add_joint(Joint("bearing", "revolute", a.ground_path("far"), a.part_path("output", "bearing")))
+    a.add_motion(Motion("turn", "drive", "0.5*time"))
+    return a, 0.0
+
+
 def main():
     rows = []
-    for assembly, start in [slider_crank(), four_bar()]:
+    for assembly, start in [slider_crank(), four_bar(), cardan()]:
         text = assembly.to_asmt()
         (HERE / "models" / f"{assembly.name}.asmt").write_text(text)
         found = assembly.solve()

@@ -23,6 +23,7 @@ mod figure;
 mod finite;
 mod folder;
 mod mechanism_input;
+mod model_input;
 mod output;
 mod print_page;
 mod progress;

@@ -10,7 +10,7 @@ use jointplay::format::number::{fixed, number};
 use jointplay::format::place;
 use jointplay::format::units::m_from_mm;
 use jointplay::format::{robot, three_rods};
-use jointplay::interop::import::{self, Imported};
+use jointplay::interop::import;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
     ChangedDimension, Closure, FrameId, MechanismSystem, Posed, Relief, SparseSystem, branches,
@@ -23,7 +23,9 @@ use jointplay::virtualization::BuiltIn;
 use jointplay::{Error, format};
 
 use crate::arguments::finite;
+use crate::console;
 use crate::failure::Failure;
+use crate::model_input::imported;
 use crate::output::{self, FormatArgs};
 use crate::set_args::{Assignment, SetArgs};
 use crate::source::{Kind, Source};
@@ -109,11 +111,6 @@ impl MechanismArgs {
     }
 }
 
-/// Imports a model of another program.
-pub(crate) fn imported(source: &Source) -> Result<Imported, Failure> {
-    import::parse(&source.text).map_err(|error| Failure::at(&error, &source.label))
-}
-
 /// A mechanism file, parsed.
 pub(crate) struct Input {
     pub(crate) file: MechanismFile,
@@ -149,7 +146,7 @@ impl Input {
                     "--set {name}: a model has no parameters; convert it with `jointplay import` into a mechanism file, which can have parameters"
                 )));
             }
-            let model = imported(source)?;
+            let model = imported(source, None)?;
             output::ignored(&model.ignored);
             let file = model.into_file();
             let coordinates = Coordinates::of(&file);
@@ -175,6 +172,13 @@ impl Input {
             .expect("the planar virtualization has slides");
         let coordinates = Coordinates::of(&file);
         Ok(Self { file, coordinates, text: None, tolerance: None, replaced })
+    }
+
+    /// Removes the virtual joints.
+    pub(crate) fn remove_virtual_joints(&mut self) {
+        let rigid = self.file.mechanism.clone().with_virtual_joints(Vec::new());
+        self.file.mechanism = rigid.expect("without virtual joints there is nothing to refuse");
+        self.coordinates = Coordinates::of(&self.file);
     }
 
     /// Index of the joint coordinate with a name.
@@ -275,8 +279,28 @@ impl Input {
 
     /// The closed configuration nearest to the guess, with commanded coordinates held.
     pub(crate) fn assembled(&self, commands: &[(usize, f64)]) -> Result<Closure, Failure> {
-        close_commanded(&self.file.mechanism, commands, self.tolerance)
-            .map_err(|error| self.unassembled(error))
+        let closed = close_commanded(&self.file.mechanism, commands, self.tolerance)
+            .map_err(|error| self.unassembled(error))?;
+        self.note_search(commands, &closed);
+        Ok(closed)
+    }
+
+    /// A note of the distance from the guess, where corrections from it do not close the loops.
+    fn note_search(&self, commands: &[(usize, f64)], closed: &Closure) {
+        if !closed.is_searched {
+            return;
+        }
+        let start = commanded_guess(&self.file.mechanism, commands);
+        let moved = report::largest_displacement(&self.file, &start, &closed.coordinates);
+        let moved = moved.map_or(String::new(), |moved| {
+            let k = moved.coordinate;
+            let value = fixed(moved.value, self.coordinates.decimals(k));
+            let unit = self.coordinates.unit(k);
+            format!("; farthest from the guess is {} by {value} {unit}", moved.name)
+        });
+        console::note(&format!(
+            "the loops do not close from the guess: using the nearest closed configuration found within the limits{moved}"
+        ));
     }
 
     /// Whether the mechanism is small enough for dense algebra.
@@ -305,8 +329,10 @@ impl Input {
 
     /// The closed configuration with commanded coordinates held, with virtual joints displaced if rigid links do not close.
     pub(crate) fn posed(&self, commands: &[(usize, f64)]) -> Result<Posed, Failure> {
-        pose_commanded(&self.file.mechanism, commands, self.tolerance)
-            .map_err(|error| self.unrelieved(commands, error))
+        let posed = pose_commanded(&self.file.mechanism, commands, self.tolerance)
+            .map_err(|error| self.unrelieved(commands, error))?;
+        self.note_search(commands, &posed.closed);
+        Ok(posed)
     }
 
     /// The least displacement of the virtual joints that makes the commanded coordinates possible.

@@ -21,6 +21,8 @@ static STANDARD_INPUT_READ: AtomicBool = AtomicBool::new(false);
 pub(crate) struct Source {
     pub(crate) label: String,
     pub(crate) text: String,
+    /// Folder of the file, for files that it names; `None` for the catalogue and standard input.
+    pub(crate) folder: Option<PathBuf>,
 }
 
 impl Source {
@@ -33,7 +35,7 @@ impl Source {
         if path != Path::new(STANDARD) && !path.exists() {
             if let Some(entry) = catalogue::find(&label) {
                 console::detail(&format!("{label}: from the catalogue"));
-                return Ok(Self { label, text: entry.text.to_owned() });
+                return Ok(Self { label, text: entry.text.to_owned(), folder: None });
             }
             if is_name(path) {
                 let known: Vec<String> =
@@ -42,7 +44,9 @@ impl Source {
                 return Err(Failure::Usage(text));
             }
         }
-        Ok(Self { label, text: read_text(path, allowed as u64)? })
+        let parent = path.parent().filter(|_| path != Path::new(STANDARD));
+        let folder = parent.map(Path::to_owned);
+        Ok(Self { label, text: read_text(path, allowed as u64)?, folder })
     }
 
     /// The kind that the file declares.
@@ -183,4 +187,16 @@ pub(crate) fn read_text(path: &Path, allowed: u64) -> Result<String, Failure> {
     read.map_err(failed)?;
     console::detail(&format!("{}: {} bytes read", named.display(), text.len()));
     Ok(text)
+}
+
+/// The bytes of a file; refused if longer than `allowed` bytes.
+pub(crate) fn read_bytes(path: &Path, allowed: u64) -> Result<Vec<u8>, Failure> {
+    let failed = |source| Failure::Read { path: path.to_owned(), source };
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path).map_err(failed)?;
+    file.take(allowed + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > allowed {
+        return Err(Failure::TooLarge { path: path.to_owned(), allowed });
+    }
+    Ok(bytes)
 }

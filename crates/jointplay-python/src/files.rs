@@ -3,6 +3,7 @@
 use std::io::Read as _;
 use std::path::Path;
 
+use jointplay::interop::import::{self, Expanded, IncludeError};
 use pyo3::prelude::*;
 
 use crate::errors;
@@ -19,6 +20,29 @@ pub(crate) fn read_text(py: Python<'_>, path: &Path, allowed: u64) -> PyResult<S
     }
     String::from_utf8(bytes)
         .map_err(|_| errors::input(py, &format!("{} is not text in UTF-8", path.display())))
+}
+
+/// A model with the files of its folder that it includes.
+pub(crate) fn expand_includes(
+    py: Python<'_>,
+    text: &str,
+    path: &Path,
+    allowed: u64,
+) -> PyResult<Expanded> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut read = |name: &str| {
+        let bytes =
+            jointplay_files::read(folder, name, allowed).map_err(|refused| refused.to_string())?;
+        String::from_utf8(bytes).map_err(|_| "it is not text in UTF-8".to_owned())
+    };
+    import::expand_includes(text, &mut read).map_err(|found| included(py, path, found))
+}
+
+/// An error of a model, or of a file that it includes.
+pub(crate) fn included(py: Python<'_>, path: &Path, found: IncludeError) -> PyErr {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let file = found.file.map_or_else(|| path.to_owned(), |file| folder.join(file));
+    errors::file(py, &file.display().to_string(), &[found.error])
 }
 
 /// The error that Python's own `open` raises.

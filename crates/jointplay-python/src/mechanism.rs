@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use jointplay::format::catalogue;
 use jointplay::format::coordinates::{self, Coordinates};
 use jointplay::format::explain::explain_recognition;
-use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile, ParameterError, Units};
+use jointplay::format::mechanism::{
+    self, LengthUnit, MAX_BYTES, MechanismFile, ParameterError, Units,
+};
 use jointplay::format::three_rods;
-use jointplay::interop::import;
+use jointplay::interop::import::{self, ClosedError, LoopsError};
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{ChangedDimension, VirtualJoint};
 use jointplay::mobility::kutzbach_mobility;
@@ -22,8 +24,8 @@ use crate::{errors, files};
 /// Values for coordinates by name, `{"crank": 0.5}`.
 pub(crate) type Commands = Vec<(usize, f64)>;
 
-/// Text, parameters, and text of the joints that close loops, for pickling.
-type Parts<'a> = (&'a str, &'a [(String, f64)], Option<&'a str>);
+/// Text, parameters, text of the joints that close loops, and unit of lengths, for pickling.
+type Parts<'a> = (&'a str, &'a [(String, f64)], Option<&'a str>, Option<&'static str>);
 
 /// A mechanism of rigid links and joints, with any number of loops.
 ///
@@ -37,6 +39,8 @@ pub(crate) struct PyMechanism {
     parameters: Vec<(String, f64)>,
     /// Text of the file of joints that close the loops of a model.
     closing: Option<String>,
+    /// Unit of lengths of an assembly of FreeCAD.
+    units: Option<LengthUnit>,
     ignored: Vec<String>,
 }
 
@@ -55,7 +59,7 @@ impl std::hash::Hash for PyMechanism {
 
 #[pymethods]
 impl PyMechanism {
-    /// The mechanism of a file: TOML, or a model of MuJoCo (MJCF), Gazebo (SDF) or ROS (URDF).
+    /// The mechanism of a file: TOML, or a model of MuJoCo (MJCF), Gazebo (SDF), ROS (URDF) or FreeCAD (ASMT).
     ///
     /// Parameters
     /// ----------
@@ -64,7 +68,9 @@ impl PyMechanism {
     /// parameters : dict of str to float, optional
     ///     Other values for parameters of the file, in its units.
     /// loops : path-like, optional
-    ///     For a model, a file with joints that close loops, which URDF cannot write.
+    ///     For a model, a file with joints that close loops, which URDF cannot write: TOML, `loop_closures.yaml` or `robot.yaml`.
+    /// units : {"m", "mm", "um", "in"}, optional
+    ///     Unit of lengths of an assembly of FreeCAD, which does not state it; FreeCAD writes mm.
     ///
     /// Raises
     /// ------
@@ -73,15 +79,21 @@ impl PyMechanism {
     /// OSError
     ///     For a file that cannot be read.
     #[staticmethod]
-    #[pyo3(signature = (path, *, parameters=None, loops=None))]
+    #[pyo3(signature = (path, *, parameters=None, loops=None, units=None))]
     fn from_file(
         py: Python<'_>,
         path: PathBuf,
         parameters: Option<Bound<'_, PyDict>>,
         loops: Option<PathBuf>,
+        units: Option<&str>,
     ) -> PyResult<Self> {
         let text = files::read_text(py, &path, MAX_BYTES as u64)?;
         let label = path.display().to_string();
+        let units = units.map(|name| unit(py, name)).transpose()?;
+        if units.is_some() && !import::is_assembly(&text) {
+            let message = "units are for assemblies of FreeCAD; other files state theirs";
+            return Err(errors::input(py, message));
+        }
         if import::is_model(&text) {
             if parameters.is_some_and(|given| !given.is_empty()) {
                 return Err(errors::input(py, "a model has no parameters"));
@@ -90,7 +102,10 @@ impl PyMechanism {
                 let text = files::read_text(py, &path, MAX_BYTES as u64)?;
                 Ok::<_, PyErr>((path.display().to_string(), text))
             });
-            return Self::model(py, text, &label, closing.transpose()?);
+            let expanded = files::expand_includes(py, &text, &path, MAX_BYTES as u64)?;
+            let failed = |error| files::included(py, &path, expanded.locate(error));
+            let text = expanded.text.clone();
+            return Self::model(py, text, &failed, closing.transpose()?, units);
         }
         if loops.is_some() {
             let message = "loops are for models; a mechanism file writes its own";
@@ -275,7 +290,15 @@ impl PyMechanism {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Parts<'_>)> {
         let again = py.get_type::<Self>().getattr("_again")?;
-        Ok((again, (&self.text, &self.parameters, self.closing.as_deref())))
+        Ok((
+            again,
+            (
+                &self.text,
+                &self.parameters,
+                self.closing.as_deref(),
+                self.units.map(LengthUnit::name),
+            ),
+        ))
     }
 
     /// The mechanism of `__reduce__`.
@@ -285,9 +308,13 @@ impl PyMechanism {
         text: String,
         parameters: Vec<(String, f64)>,
         closing: Option<String>,
+        units: Option<&str>,
     ) -> PyResult<Self> {
         if import::is_model(&text) {
-            Self::model(py, text, "pickle", closing.map(|text| ("pickle".to_owned(), text)))
+            let closing = closing.map(|text| ("pickle".to_owned(), text));
+            let units = units.map(|name| unit(py, name)).transpose()?;
+            let failed = |error| errors::file(py, "pickle", &[error]);
+            Self::model(py, text, &failed, closing, units)
         } else {
             Self::parse(py, text, "pickle", parameters)
         }
@@ -304,26 +331,36 @@ impl PyMechanism {
         let file = mechanism::parse_with(&text, &parameters)
             .map_err(|found| errors::file(py, label, &found))?;
         let coordinates = Coordinates::of(&file);
-        Ok(Self { file, coordinates, text, parameters, closing: None, ignored: Vec::new() })
+        let (closing, units, ignored) = (None, None, Vec::new());
+        Ok(Self { file, coordinates, text, parameters, closing, units, ignored })
     }
 
     /// A model, with the name and the text of a file of joints that close its loops.
     fn model(
         py: Python<'_>,
         text: String,
-        label: &str,
+        failed: &dyn Fn(import::Error) -> PyErr,
         closing: Option<(String, String)>,
+        units: Option<LengthUnit>,
     ) -> PyResult<Self> {
-        let model = import::parse(&text).map_err(|error| errors::file(py, label, &[error]))?;
+        let model = match (&closing, units) {
+            (Some((loops, closing)), units) => import::parse_closed(&text, units, closing)
+                .map_err(|error| match error {
+                    ClosedError::Model(error) => failed(error),
+                    ClosedError::Loops(LoopsError::Toml(found)) => errors::file(py, loops, &found),
+                    ClosedError::Loops(LoopsError::Yaml(error)) => {
+                        errors::file(py, loops, &[error])
+                    }
+                    other => errors::input(py, &other.to_string()),
+                })?,
+            (None, Some(unit)) => import::parse_with_unit(&text, unit).map_err(failed)?,
+            (None, None) => import::parse(&text).map_err(failed)?,
+        };
         let ignored = model.ignored.clone();
-        let mut file = model.into_file();
-        if let Some((label, text)) = &closing {
-            file.mechanism = mechanism::with_loops(&file.mechanism, text)
-                .map_err(|found| errors::file(py, label, &found))?;
-        }
+        let file = model.into_file();
         let coordinates = Coordinates::of(&file);
-        let closing = closing.map(|(_, text)| text);
-        Ok(Self { file, coordinates, text, parameters: Vec::new(), closing, ignored })
+        let (closing, parameters) = (closing.map(|(_, text)| text), Vec::new());
+        Ok(Self { file, coordinates, text, parameters, closing, units, ignored })
     }
 
     /// This mechanism with other virtual joints.
@@ -428,4 +465,14 @@ pub(crate) fn catalogue_of_names(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> 
         listed.set_item(entry.name, entry.title())?;
     }
     Ok(listed)
+}
+
+/// A unit of length by its name.
+fn unit(py: Python<'_>, name: &str) -> PyResult<LengthUnit> {
+    let known = LengthUnit::ALL;
+    let found = known.into_iter().find(|(known, _)| *known == name);
+    found.map(|(_, unit)| unit).ok_or_else(|| {
+        let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+        errors::input(py, &format!("units must be one of {}, got {name:?}", names.join(", ")))
+    })
 }

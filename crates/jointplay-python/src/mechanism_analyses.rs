@@ -132,7 +132,7 @@ impl PyMechanism {
             return results::sparse_mobility(py, slf, this.kutzbach(), &found, &closure);
         }
         let found = py.detach(|| {
-            let Closure { coordinates: values, residual, iterations } =
+            let Closure { coordinates: values, residual, iterations, .. } =
                 this.posed(&commands, tolerance)?;
             let system = MechanismSystem::new(&this.file.mechanism, values.clone())?;
             let at = system.at_home();

@@ -377,7 +377,7 @@ impl PyMechanism {
         let commands: Commands = commanded.iter().map(|&k| (k, posed.coordinates[k])).collect();
         let Relief { coordinates, residual, iterations, characteristic_length, .. } =
             self.relieved(&commands)?;
-        let posed = Closure { coordinates, residual, iterations };
+        let posed = Closure { coordinates, residual, iterations, is_searched: false };
         Ok(Place { commanded, posed, length: characteristic_length })
     }
 

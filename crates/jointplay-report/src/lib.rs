@@ -62,9 +62,9 @@ pub use jacobian::{
 };
 pub use limits::{LimitReport, limits};
 pub use mechanism::{
-    AssemblyReport, ByName, ConfigurationReport, LinkMotionReport, MechanismMobilityReport,
-    NearMissReport, NearReport, SparseMobilityReport, UnitsReport, assembly, by_name,
-    configuration, mechanism_mobility, sparse_mobility,
+    AssemblyReport, ByName, ConfigurationReport, CoordinateDisplacementReport, LinkMotionReport,
+    MechanismMobilityReport, NearMissReport, NearReport, SparseMobilityReport, UnitsReport,
+    assembly, by_name, configuration, largest_displacement, mechanism_mobility, sparse_mobility,
 };
 pub use mobility::{FreedomsReport, MobilityReport, mobility};
 pub use motion::{FirstBeyondReport, MotionParameter, MotionReport, SingularReport, motion};

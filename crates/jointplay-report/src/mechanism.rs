@@ -4,7 +4,7 @@ use jointplay_core::Error;
 use jointplay_core::constraint::System as _;
 use jointplay_core::mechanism::{
     Closure, Mechanism, MechanismMobility, MechanismSystem, MobilityClass, Relief, ScrewAxis,
-    SparseMobility, SparseSystem, link_motion, self_stresses,
+    SparseMobility, SparseSystem, guess, link_motion, self_stresses,
 };
 use jointplay_core::mobility::{NearMiss, NearMobility, kutzbach_mobility, near_miss};
 use nalgebra::DVector;
@@ -65,6 +65,8 @@ pub struct AssemblyReport {
     /// The closed configuration nearest the guess.
     #[serde(flatten)]
     pub closed: ConfigurationReport,
+    /// The coordinate that is farthest from the guess of the file; `None` without coordinates and for mechanisms with very many loops.
+    pub farthest_from_guess: Option<CoordinateDisplacementReport>,
     /// Displacements of the virtual joints by name, if rigid links cannot close the loops with the given values.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub virtual_joints: Option<ByName<f64>>,
@@ -76,6 +78,37 @@ pub struct AssemblyReport {
     /// Other closed configurations, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub branches: Option<Vec<ConfigurationReport>>,
+}
+
+/// Displacement of a coordinate.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct CoordinateDisplacementReport {
+    /// Name of the coordinate.
+    pub name: String,
+    /// Displacement, in the units of the file.
+    pub value: f64,
+    /// Index of the coordinate.
+    #[serde(skip)]
+    pub coordinate: usize,
+}
+
+/// The coordinate that differs most between two configurations, in radians and characteristic lengths.
+#[must_use]
+pub fn largest_displacement(
+    file: &MechanismFile,
+    from: &DVector<f64>,
+    to: &DVector<f64>,
+) -> Option<CoordinateDisplacementReport> {
+    let system = MechanismSystem::new(&file.mechanism, to.clone()).ok()?;
+    let length = system.characteristic_length();
+    let (coordinate, value) = file.mechanism.largest_displacement(from, to, length)?;
+    let coordinates = Coordinates::of(file);
+    let name = coordinates.all()[coordinate].name.clone();
+    Some(CoordinateDisplacementReport {
+        name,
+        value: coordinates.from_si(coordinate, value),
+        coordinate,
+    })
 }
 
 /// Coordinates of the joints by name, without virtual joints.
@@ -117,6 +150,11 @@ pub fn assembly(
         name: file.mechanism.name().to_owned(),
         units: UnitsReport::of(&coordinates),
         closed: report(closed),
+        farthest_from_guess: largest_displacement(
+            file,
+            &guess(&file.mechanism),
+            &closed.coordinates,
+        ),
         virtual_joints: relief.map(|relief| virtual_by_name(&coordinates, relief)),
         limits_broken: beyond_limits(
             &coordinates,

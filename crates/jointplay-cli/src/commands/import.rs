@@ -7,14 +7,15 @@ use jointplay::format::explain::explain_recognition;
 use jointplay::format::mechanism::{self, Expected, LengthUnit, MAX_BYTES, MechanismFile, Units};
 use jointplay::format::number::counted;
 use jointplay::format::{robot, three_rods};
-use jointplay::interop::import::{self, Imported};
+use jointplay::interop::import::{self, ClosedError, Imported, LoopsError};
 use jointplay::mechanism::Mechanism;
 use serde::Serialize;
 
 use crate::arguments::{VirtualizationName, tilt_angle};
 use crate::failure::Failure;
 use crate::folder::ForceArgs;
-use crate::mechanism_input::{Input, imported};
+use crate::mechanism_input::Input;
+use crate::model_input::{expanded, imported, located};
 use crate::output::FormatArgs;
 use crate::source::{Kind, STANDARD, Source};
 use crate::{folder, output};
@@ -31,6 +32,7 @@ use crate::{folder, output};
 Examples:
   jointplay import robot.urdf
   jointplay import robot.urdf --loops loops.toml --output robot.toml
+  jointplay import robot.urdf --loops loop_closures.yaml
   jointplay import assembly.asmt --units mm
   jointplay import gpr --virtualization radial
   jointplay import gpr-mechanism --to gpr --tilt-limit-deg 1.5")]
@@ -51,7 +53,8 @@ pub(crate) struct Import {
     /// Largest tilt of a three-rod robot, which a mechanism does not state
     #[arg(long, value_name = "DEG", value_parser = tilt_angle)]
     tilt_limit_deg: Option<f64>,
-    /// File of joints that close loops, for URDF, which describes trees only
+    /// File of joints that close loops, for URDF, which describes trees only: TOML, or YAML with
+    /// `closures` (loop_closures.yaml of exporters) or `closed_loop` (robot.yaml of collections)
     #[arg(long, value_name = "FILE")]
     loops: Option<PathBuf>,
     /// Mechanism file to write [default: standard output]
@@ -98,10 +101,9 @@ impl Import {
         let kind = source.kind();
         self.refuse_unused(&source)?;
         let Imported { mechanism, dialect, ignored } = match kind {
-            Some(Kind::Model) => match self.units {
-                Some(unit) => import::parse_with_unit(&source.text, unit)
-                    .map_err(|error| Failure::at(&error, &source.label))?,
-                None => imported(&source)?,
+            Some(Kind::Model) => match &self.loops {
+                Some(loops) => closed(&source, self.units, loops)?,
+                None => imported(&source, self.units)?,
             },
             Some(Kind::ThreeRods) => return self.write_mechanism(&source),
             Some(Kind::Mechanism) => {
@@ -114,10 +116,6 @@ impl Import {
                     "{label} is not a model: models are files of MuJoCo, Gazebo, ROS or FreeCAD"
                 )));
             }
-        };
-        let mechanism = match &self.loops {
-            Some(loops) => close(&mechanism, loops)?,
-            None => mechanism,
         };
         let origin = format!("{}, a model in {}", self.file_name(&source), dialect.name());
         if self.to == Target::Gpr {
@@ -249,9 +247,15 @@ fn unit(text: &str) -> Result<LengthUnit, String> {
     })
 }
 
-fn close(chain: &Mechanism, loops: &Path) -> Result<Mechanism, Failure> {
+/// A model with its loops closed by a second file.
+fn closed(model: &Source, unit: Option<LengthUnit>, loops: &Path) -> Result<Imported, Failure> {
     let source = Source::read(loops, MAX_BYTES)?;
     source.require(&[Kind::Loops], "a file of loops")?;
-    let closed = mechanism::with_loops(chain, &source.text);
-    closed.map_err(|errors| Failure::invalid(&errors, &source.label))
+    let text = expanded(model)?;
+    import::parse_closed(&text.text, unit, &source.text).map_err(|error| match error {
+        ClosedError::Model(error) => located(model, &text.locate(error)),
+        ClosedError::Loops(LoopsError::Toml(errors)) => Failure::invalid(&errors, &source.label),
+        ClosedError::Loops(LoopsError::Yaml(error)) => Failure::at(&error, &source.label),
+        other => Failure::Usage(other.to_string()),
+    })
 }

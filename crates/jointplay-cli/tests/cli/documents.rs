@@ -43,6 +43,7 @@ fn sandbox_with_a_model() -> Sandbox {
     sandbox.write("one.program", crate::cell::SMALL);
     sandbox.write("robot.urdf", crate::import::URDF);
     sandbox.write("loops.toml", crate::import::LOOPS);
+    sandbox.write("loop_closures.yaml", crate::import::CLOSURES);
     sandbox.write("my-study.toml", crate::study::SMALL);
     sandbox
 }

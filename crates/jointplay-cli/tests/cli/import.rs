@@ -27,6 +27,13 @@ links = ["slider", "arm"]
 point = [0, 0, 0]
 "#;
 
+/// The same as a hinge of an exporter.
+pub(crate) const CLOSURES: &str = "closures:
+- {link_a: slider, link_b: arm, point: [0, 0, 0], axis: [0, 1, 0]}
+dependent: [turn]
+independent: [slide]
+";
+
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     sandbox.write("robot.urdf", URDF);
@@ -115,6 +122,61 @@ fn errors_show_their_place() {
     refused(&sandbox, "import cut.urdf", "cut.urdf:1:1: not well-formed XML");
     refused(&sandbox, "import loops.toml", "loops.toml is a file of loops, but a model");
     refused(&sandbox, "import missing.sdf", "cannot read missing.sdf");
+}
+
+#[test]
+fn loops_may_be_in_yaml() {
+    let sandbox = sandbox();
+    sandbox.write("robot.yaml", "closed_loop: [[slider, arm]]\ntype: [3d]\nname_mot: [slide]\n");
+    let run = sandbox.run("import robot.urdf --loops robot.yaml --quiet");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stdout.contains("name = \"slider to arm\""), "{}", run.stdout);
+    assert!(run.stdout.contains("actuated = true"), "{}", run.stdout);
+    sandbox.write("robot.yaml", "closed_loop: [[slider, harm]]\n");
+    refused(
+        &sandbox,
+        "import robot.urdf --loops robot.yaml",
+        "robot.yaml:1:24: link or joint \"harm\" is not known (did you mean `arm`?)",
+    );
+    sandbox.write("robot.yaml", "closed_loop: [[slider, arm]\n");
+    refused(&sandbox, "import robot.urdf --loops robot.yaml", "robot.yaml:");
+}
+
+#[test]
+fn mjcf_includes_files_of_its_folder_only() {
+    let sandbox = Sandbox::new();
+    let include =
+        |file: &str| format!("<mujoco><worldbody><include file=\"{file}\"/></worldbody></mujoco>");
+    let body = "<mujocoinclude>\n<body name=\"arm\">\n<joint name=\"j\"/></body></mujocoinclude>";
+    std::fs::create_dir_all(sandbox.file("models/parts")).unwrap();
+    sandbox.write("models/parts/arm.xml", body);
+    sandbox.write("secret.xml", body);
+    sandbox.write("models/robot.xml", &include("parts/arm.xml"));
+    let found = sandbox.json("mobility models/robot.xml");
+    assert_eq!(found["finite_mobility"], 1);
+    sandbox.write("models/parts/arm.xml", &body.replace("\"j\"", "\"j\" pos=\"0\""));
+    refused(&sandbox, "mobility models/robot.xml", "models/parts/arm.xml:3:");
+    for (file, message) in [
+        ("../secret.xml", "it must be in the folder of the input file or below"),
+        ("/etc/hostname", "it must be in the folder of the input file or below"),
+        ("absent.xml", "there is no such file"),
+        ("robot.xml", "a file is included at most once"),
+    ] {
+        sandbox.write("models/robot.xml", &include(file));
+        refused(&sandbox, "mobility models/robot.xml", message);
+    }
+}
+
+#[test]
+fn a_guess_that_does_not_close_leads_to_the_nearest_closed_configuration() {
+    let sandbox = Sandbox::new();
+    // The crank is commanded to where the guess of the rocker does not lead.
+    let run = sandbox.run("assemble four-bar --at D=170");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("using the nearest closed configuration"), "{}", run.stderr);
+    let found = sandbox.json("assemble four-bar --at D=170 --quiet");
+    assert!(found["residual"].as_f64().unwrap() < 1e-10);
+    assert!(found["farthest_from_guess"]["value"].as_f64().unwrap().abs() > 1.0, "{found}");
 }
 
 #[test]

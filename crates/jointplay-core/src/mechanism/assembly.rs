@@ -3,24 +3,21 @@
 use nalgebra::DVector;
 
 use super::closing::close;
-use super::closure::Closure;
+use super::closure::{Closure, SAME_BRANCH, START_RANGE};
 use super::description::Mechanism;
-use super::system::MechanismSystem;
-use super::unassembled::Unassembled;
+use super::nearest::nearest_closure;
+use super::system::{LoopGap, MechanismSystem};
+use super::unassembled::{OpenLoop, Unassembled};
 use crate::Error;
 use crate::constraint::{Dimension, System};
 use crate::random::Random;
 
 /// Corrections tried from one start.
 const MAX_ITERATIONS: usize = 200;
-/// Assembled configurations nearer than this, in radians and characteristic lengths, are one branch.
-const SAME_BRANCH: f64 = 1e-4;
 /// A correction that reaches its limit of iterations and moved a slide farther than this drifts [characteristic lengths].
 ///
 /// Twice the range of the other starts: closures of a mechanism are of its own size.
 const DRIFT: f64 = 2.0 * START_RANGE;
-/// Largest displacement of a slide in the other starts [characteristic lengths].
-const START_RANGE: f64 = 2.0;
 /// Branches listed at most.
 const MAX_BRANCHES: usize = 16;
 
@@ -39,7 +36,7 @@ pub fn guess(mechanism: &Mechanism) -> DVector<f64> {
 
 /// Closes the loops near a guess, with some coordinates held.
 ///
-/// Where that fails, other starts are tried, to distinguish a bad guess from links that do not fit.
+/// Where that fails, other starts are tried, to distinguish a bad guess from links that do not fit, and the nearest closed configuration within the limits is searched, see [`Unassembled::accepted`].
 ///
 /// # Arguments
 /// * `start` – (f + M) coordinates (m, rad), see [`guess`]
@@ -65,13 +62,9 @@ pub fn assemble(
     }
     let near_guess = best.clone();
     let (branches, best) = search(&system, &free, starts, best)?;
-    let mut loops: Vec<(String, f64)> = system
-        .at(best.coordinates.clone())?
-        .loop_residuals()
-        .into_iter()
-        .map(|(joint, size)| (mechanism.joints()[joint].name.clone(), size))
-        .collect();
-    loops.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut loops = open_loops(&system.at(best.coordinates.clone())?);
+    loops.sort_by(|a, b| b.mismatch.total_cmp(&a.mismatch));
+    let nearest = nearest_closure(mechanism, start, held, starts)?;
     // The residual of a system at the closure itself, whose reference point and characteristic length differ from the guess's.
     let at_closure = |closure: Closure| {
         let there = MechanismSystem::new(mechanism, closure.coordinates.clone())?;
@@ -91,6 +84,7 @@ pub fn assemble(
         near_guess,
         loops,
         branches,
+        nearest,
         starts,
         best_drifts,
         near_guess_drifts,
@@ -119,6 +113,19 @@ pub fn branches(
         found.insert(0, first);
     }
     Ok(found)
+}
+
+/// The loops at home, with the frames that do not meet.
+fn open_loops(system: &MechanismSystem<'_>) -> Vec<OpenLoop> {
+    let mechanism = system.kinematics().mechanism();
+    let gaps = system.loop_gaps().into_iter().zip(system.loop_residuals());
+    let open = |(gap, (joint, mismatch)): (LoopGap, (usize, f64))| {
+        let joint = &mechanism.joints()[joint];
+        let links = joint.links.map(|link| mechanism.links()[link].clone());
+        let LoopGap { distance, angle } = gap;
+        OpenLoop { joint: joint.name.clone(), links, mismatch, distance, angle }
+    };
+    gaps.map(open).collect()
 }
 
 /// Joint coordinates that are not held.

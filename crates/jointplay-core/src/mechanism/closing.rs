@@ -87,5 +87,5 @@ pub fn close(
         }
     }
     let residual = here.mismatch(&here.at_home());
-    Ok(Closure { coordinates: here.home().clone(), residual, iterations })
+    Ok(Closure { coordinates: here.home().clone(), residual, iterations, is_searched: false })
 }

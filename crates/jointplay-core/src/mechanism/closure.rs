@@ -4,6 +4,11 @@ use nalgebra::DVector;
 
 use crate::constraint::CLOSURE_TOLERANCE;
 
+/// Assembled configurations nearer than this, in radians and characteristic lengths, are one branch.
+pub(super) const SAME_BRANCH: f64 = 1e-4;
+/// Largest displacement of a slide in the other starts [characteristic lengths].
+pub(super) const START_RANGE: f64 = 2.0;
+
 /// A configuration with its loops closed, or as nearly closed as possible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Closure {
@@ -13,6 +18,8 @@ pub struct Closure {
     pub residual: f64,
     /// Corrections done.
     pub iterations: usize,
+    /// Whether corrections from the guess did not close the loops, so that the configuration is the nearest one that a search found.
+    pub is_searched: bool,
 }
 
 impl Closure {

@@ -236,6 +236,21 @@ impl Mechanism {
         Ok(mechanism)
     }
 
+    /// The same mechanism with these joints in place of its own, the indices of which its virtual joints keep.
+    ///
+    /// # Errors
+    /// [`MechanismError`].
+    pub fn with_joints(self, joints: Vec<Joint>) -> Result<Self, MechanismError> {
+        let Self { name, links, virtual_joints, frames, characteristic_length, .. } = self;
+        let changed = Self::new(name, links, joints)?
+            .with_virtual_joints(virtual_joints)?
+            .with_frames(frames)?;
+        match characteristic_length {
+            Some(length) => changed.with_characteristic_length(length),
+            None => Ok(changed),
+        }
+    }
+
     /// The same mechanism with these virtual joints in place of its own.
     ///
     /// # Errors

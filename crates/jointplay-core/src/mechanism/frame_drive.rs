@@ -65,6 +65,7 @@ pub fn drive_frames(
             coordinates: found.coordinates.clone(),
             residual: found.residual,
             iterations: found.iterations,
+            is_searched: false,
         };
         let decomposition = run.decomposed(&closed.coordinates)?;
         let rank = *regular_rank.get_or_insert_with(|| decomposition.rank(STEP_THRESHOLD));

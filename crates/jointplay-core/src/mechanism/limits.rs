@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::Mechanism;
+use super::{Kinematics, Mechanism};
 
 /// Round-off at a limit is not beyond it: this share of the range.
 const ROUND_OFF: f64 = 1e-9;
@@ -27,6 +27,29 @@ impl Mechanism {
             .flat_map(|joint| (0..joint.kind.freedoms()).map(|k| joint.limits.get(k).copied()));
         let clearance = |most: f64| [-most, most];
         of_joints.chain(self.virtual_joints().iter().map(move |one| one.clearance.map(clearance)))
+    }
+
+    /// (f + M) limits of every coordinate, see [`Mechanism::beyond_limits`] (m, rad).
+    pub(super) fn limits(&self) -> Vec<Option<[f64; 2]>> {
+        self.all_limits().collect()
+    }
+
+    /// The coordinate that differs most between two configurations, relative to a turn of one radian and a length, and by how much (m or rad); `None` without coordinates.
+    ///
+    /// # Arguments
+    /// * `from`, `to` – at least (f) coordinates (m, rad)
+    /// * `length` – the characteristic length (m)
+    #[must_use]
+    pub fn largest_displacement(
+        &self,
+        from: &DVector<f64>,
+        to: &DVector<f64>,
+        length: f64,
+    ) -> Option<(usize, f64)> {
+        let kinematics = Kinematics::new(self);
+        let by = kinematics.displacement(from, to);
+        let size = |k: usize| by[k].abs() / kinematics.dimensions()[k].unit(length);
+        (0..by.len()).max_by(|&a, &b| size(a).total_cmp(&size(b))).map(|k| (k, by[k]))
     }
 
     /// The coordinates of a configuration that are beyond their limits or clearance; NaN is beyond.

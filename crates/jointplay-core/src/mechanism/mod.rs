@@ -11,6 +11,7 @@ mod closure;
 mod commanded_positions;
 mod description;
 mod drive_path;
+mod elementary;
 mod evidence;
 mod exaggeration;
 mod frame_drive;
@@ -20,6 +21,7 @@ pub mod joint;
 mod kinematics;
 mod limits;
 mod motion;
+mod nearest;
 mod posing;
 mod position;
 mod principal_directions;
@@ -50,14 +52,16 @@ pub use description::{
     VirtualMotion,
 };
 pub use drive_path::{Drive, DrivePath};
+pub use elementary::{ElementaryChain, ElementaryMotion};
 pub use evidence::{LinkMotion, MobilityClass, ScrewAxis, link_motion};
-pub use exaggeration::{ExaggeratedPlay, exaggerate_play};
+pub use exaggeration::{ExaggeratedPlay, exaggerate_play, exaggerated_link_poses};
 pub use frame_drive::drive_frames;
 pub use frame_path::{FramePath, FrameTarget, OrientationTarget};
 pub use joint::JointKind;
 pub use kinematics::Kinematics;
 pub use limits::BeyondLimits;
 pub use motion::{DrivenMotion, SingularConfiguration, Stop, Waypoint, drive, drive_along};
+pub use nearest::nearest_closure;
 pub use posing::{
     Posed, close_commanded, close_sparse, commanded_guess, pose_commanded, relieve_commanded,
 };
@@ -73,5 +77,5 @@ pub use sparse::{SparseMobility, SparseSystem};
 pub use suggest::{Suggestion, Suggestions, suggest};
 pub use suggest_options::{SuggestOptions, SuggestionRank};
 pub use system::{MAX_DENSE, MechanismSystem};
-pub use unassembled::Unassembled;
+pub use unassembled::{OpenLoop, Unassembled};
 pub use undetermined::Undetermined;

@@ -412,6 +412,7 @@ impl<'a> DriveProblem<'a> {
                 residual: residual.fold(0.0, f64::max),
                 coordinates: there.home().clone(),
                 iterations: 0,
+                is_searched: false,
             };
             let svd = self.decomposed(&closed.coordinates)?;
             *here = self.waypoint(here.share + beyond / whole, closed, &svd, regular_rank);

@@ -8,6 +8,7 @@ use super::description::Mechanism;
 use super::relief::{CommandedJoints, Relief, ReliefSolver, relieve};
 use super::sparse::SparseSystem;
 use super::system::MechanismSystem;
+use super::unassembled::Unassembled;
 use crate::Error;
 
 /// Number of other starts, if the guess does not close.
@@ -37,6 +38,8 @@ pub fn commanded_guess(mechanism: &Mechanism, commands: &[(usize, f64)]) -> DVec
 
 /// The closed configuration nearest to the guess, with commanded coordinates held and virtual joints at rest.
 ///
+/// Where corrections from the guess do not close the loops, it is the one that [`Unassembled::accepted`] chooses.
+///
 /// # Arguments
 /// * `commands` – indices of joint coordinates with their values (m, rad)
 /// * `tolerance` – largest mismatch that counts as closed, in radians and characteristic lengths; `None` for loops that close exactly
@@ -48,18 +51,28 @@ pub fn close_commanded(
     commands: &[(usize, f64)],
     tolerance: Option<f64>,
 ) -> Result<Closure, Error> {
+    close(mechanism, commands, tolerance, |found, tolerance| found.accepted(tolerance).cloned())
+}
+
+/// The closed configuration from the guess, or one that is accepted in its place.
+fn close(
+    mechanism: &Mechanism,
+    commands: &[(usize, f64)],
+    tolerance: Option<f64>,
+    accepted: impl Fn(&Unassembled, Option<f64>) -> Option<Closure>,
+) -> Result<Closure, Error> {
     // Closures within a tolerance need dense algebra, which refuses mechanisms that are too large.
     if !MechanismSystem::fits(mechanism) && tolerance.is_none() {
         let (system, iterations) = close_sparse(mechanism, commands)?;
         return Ok(system.closure(iterations));
     }
     let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-    match (assemble(mechanism, &commanded_guess(mechanism, commands), &held, STARTS), tolerance) {
-        (Err(Error::NotAssembled(found)), Some(tolerance)) => match found.within(tolerance) {
-            Some(closure) => Ok(closure.clone()),
+    match assemble(mechanism, &commanded_guess(mechanism, commands), &held, STARTS) {
+        Err(Error::NotAssembled(found)) => match accepted(&found, tolerance) {
+            Some(closure) => Ok(closure),
             None => Err(Error::NotAssembled(found)),
         },
-        (found, _) => found,
+        found => found,
     }
 }
 
@@ -92,14 +105,21 @@ pub fn pose_commanded(
     commands: &[(usize, f64)],
     tolerance: Option<f64>,
 ) -> Result<Posed, Error> {
-    let has_play = !mechanism.virtual_joints().is_empty();
-    match close_commanded(mechanism, commands, tolerance) {
-        Err(Error::NotAssembled(_)) if has_play && !commands.is_empty() => {
+    let is_relieved = !mechanism.virtual_joints().is_empty() && !commands.is_empty();
+    // Play near the guess, rather than another configuration far from it.
+    let near = |found: &Unassembled, tolerance: Option<f64>| found.within(tolerance?).cloned();
+    let closed = match is_relieved {
+        true => close(mechanism, commands, tolerance, near),
+        false => close_commanded(mechanism, commands, tolerance),
+    };
+    match closed {
+        Err(Error::NotAssembled(_)) if is_relieved => {
             let relief = relieve_commanded(mechanism, commands, tolerance)?;
             let closed = Closure {
                 coordinates: relief.coordinates.clone(),
                 residual: relief.residual,
                 iterations: relief.iterations,
+                is_searched: false,
             };
             Ok(Posed { closed, relief: Some(relief) })
         }

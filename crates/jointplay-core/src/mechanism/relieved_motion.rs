@@ -53,6 +53,7 @@ pub fn drive_relieved(
         coordinates,
         residual,
         iterations,
+        is_searched: false,
     };
     let mut here = closed(first.coordinates, first.residual, first.iterations);
     let decomposition = run.decomposed(&here.coordinates)?;

@@ -8,7 +8,7 @@ use super::kinematics::{
 };
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, Configuration, Dimension, System};
-use crate::spatial::Pose;
+use crate::spatial::{Pose, rotation_vector};
 
 /// Most joint and virtual coordinates, or closure equations, of a mechanism that is analysed.
 pub const MAX_DENSE: usize = 240;
@@ -36,6 +36,25 @@ pub struct MechanismSystem<'a> {
     cycles: DMatrix<f64>,
     /// Inverse of the Cholesky factor that makes them so.
     orthonormalizer: DMatrix<f64>,
+    angular: AngularMismatch,
+}
+
+/// Measure of the angular mismatch of a loop; for small angles they are equal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum AngularMismatch {
+    /// Axis times sine of the angle.
+    Sine,
+    /// Axis times angle, which is not 0 for half turns.
+    RotationVector,
+}
+
+/// How far apart the two frames of a closing joint are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LoopGap {
+    /// Between their origins (m).
+    pub(super) distance: f64,
+    /// Between their directions (rad).
+    pub(super) angle: f64,
 }
 
 impl<'a> MechanismSystem<'a> {
@@ -65,7 +84,13 @@ impl<'a> MechanismSystem<'a> {
             reach,
             cycles,
             orthonormalizer,
+            angular: AngularMismatch::Sine,
         })
+    }
+
+    /// The same system with rotation vectors as angular mismatch, for searches far from closure; it has no second derivative.
+    pub(super) fn with_rotation_vectors(self) -> Self {
+        Self { angular: AngularMismatch::RotationVector, ..self }
     }
 
     /// Whether a mechanism is small enough for the dense algebra of a system; larger ones are for [`super::SparseSystem`].
@@ -154,6 +179,20 @@ impl<'a> MechanismSystem<'a> {
         self.kinematics.closing_joints().iter().copied().zip(sizes).collect()
     }
 
+    /// How far apart the frames of each closing joint are at home.
+    pub(super) fn loop_gaps(&self) -> Vec<LoopGap> {
+        let placed = self.placed(&self.at_home(), None);
+        let joints = self.kinematics.closing_joints().iter();
+        let gap = |(&joint, mismatch): (&usize, &Pose)| {
+            let joint = &self.kinematics.mechanism().joints()[joint];
+            let frame = placed.links[joint.links[1]] * joint.frames[1];
+            let point = frame.translation.vector;
+            let missed = mismatch.rotation * point + mismatch.translation.vector;
+            LoopGap { distance: (missed - point).norm(), angle: mismatch.rotation.angle() }
+        };
+        joints.zip(&placed.mismatches).map(gap).collect()
+    }
+
     /// Whether all loops are closed at home, to round-off.
     #[must_use]
     pub fn is_closed(&self) -> bool {
@@ -194,7 +233,11 @@ impl<'a> MechanismSystem<'a> {
     fn raw_residual(&self, placed: &KinematicState) -> Vec<Vector3<f64>> {
         let parts = placed.mismatches.iter().flat_map(|mismatch| {
             let shifted = mismatch.rotation * self.reference + mismatch.translation.vector;
-            [skew_part(mismatch.rotation.matrix()), shifted - self.reference]
+            let angular = match self.angular {
+                AngularMismatch::Sine => skew_part(mismatch.rotation.matrix()),
+                AngularMismatch::RotationVector => rotation_vector(&mismatch.rotation),
+            };
+            [angular, shifted - self.reference]
         });
         parts.collect()
     }
@@ -224,7 +267,12 @@ impl<'a> MechanismSystem<'a> {
             let mismatch = &placed.mismatches[l];
             let [first, second] = self.kinematics.mechanism().joints()[joint].links;
             let rotation = mismatch.rotation.matrix();
-            let to_rows = (Matrix3::identity() * rotation.trace() - rotation) * 0.5;
+            let to_rows = match self.angular {
+                AngularMismatch::Sine => (Matrix3::identity() * rotation.trace() - rotation) * 0.5,
+                AngularMismatch::RotationVector => {
+                    rotation_vector_rate(&rotation_vector(&mismatch.rotation))
+                }
+            };
             let arm = rotation * self.reference + mismatch.translation.vector - self.reference;
             let mut add = |column: usize, sense: f64, (angular, linear): super::joint::Twist| {
                 let rows = [to_rows * angular, linear + angular.cross(&arm)];
@@ -334,6 +382,19 @@ impl System for MechanismSystem<'_> {
     }
 }
 
+/// Derivative of a rotation vector by the angular velocity in the base frame.
+fn rotation_vector_rate(vector: &Vector3<f64>) -> Matrix3<f64> {
+    let angle = vector.norm();
+    let cross = vector.cross_matrix();
+    // (1 − (θ/2) cot(θ/2)) / θ², by its series for small angles.
+    let factor = if angle < 1e-3 {
+        1.0 / 12.0 + angle * angle / 720.0
+    } else {
+        (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle)
+    };
+    Matrix3::identity() - cross * 0.5 + cross * cross * factor
+}
+
 /// The quantity by which a mechanism is too large for dense algebra, and its value.
 fn too_large(mechanism: &Mechanism) -> Option<(&'static str, usize)> {
     let sizes = [
@@ -380,4 +441,28 @@ fn orthonormal_cycles(kinematics: &Kinematics<'_>) -> (DMatrix<f64>, DMatrix<f64
         .solve_lower_triangular(&DMatrix::identity(cuts.len(), cuts.len()))
         .expect("a Cholesky factor has a positive diagonal");
     (&inverse * loops, inverse)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Rotation3;
+
+    #[test]
+    fn rates_of_rotation_vectors_equal_their_differences() {
+        for vector in [[1e-5, 0.0, 0.0], [0.3, -0.2, 0.9], [2.0, 1.0, -1.8]] {
+            let vector = Vector3::from(vector);
+            let rate = rotation_vector_rate(&vector);
+            let step = 1e-6;
+            for k in 0..3 {
+                let turned = |by: f64| {
+                    let mut spin = Vector3::zeros();
+                    spin[k] = by;
+                    rotation_vector(&(Rotation3::new(spin) * Rotation3::new(vector)))
+                };
+                let difference = (turned(step) - turned(-step)) / (2.0 * step);
+                assert!((difference - rate.column(k)).amax() < 1e-8, "{vector} {difference}");
+            }
+        }
+    }
 }

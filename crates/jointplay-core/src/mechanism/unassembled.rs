@@ -13,10 +13,12 @@ pub struct Unassembled {
     pub best: Closure,
     /// The least mismatch near the guess.
     pub near_guess: Closure,
-    /// Mismatch of each loop there, in radians and characteristic lengths, by the name of the joint that closes it; largest first.
-    pub loops: Vec<(String, f64)>,
+    /// The loops there, the most open first.
+    pub loops: Vec<OpenLoop>,
     /// Closed configurations found from other starts; where there are any, the guess was the cause.
     pub branches: Vec<Closure>,
+    /// The closed configuration within the limits that is nearest the guess, if one was found.
+    pub nearest: Option<Closure>,
     /// Number of other starts tried.
     pub starts: usize,
     /// Whether the correction that led to `best` did not converge while links moved apart.
@@ -25,7 +27,35 @@ pub struct Unassembled {
     pub near_guess_drifts: bool,
 }
 
+/// A loop that is not closed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpenLoop {
+    /// Name of the joint that closes it.
+    pub joint: String,
+    /// The links of this joint, whose frames do not meet.
+    pub links: [String; 2],
+    /// Mismatch, in radians and characteristic lengths.
+    pub mismatch: f64,
+    /// Distance between the origins of the two frames of the joint (m).
+    pub distance: f64,
+    /// Angle between the two frames (rad).
+    pub angle: f64,
+}
+
 impl Unassembled {
+    /// The closure to accept in place of one from the guess: within a tolerance of the dimensions, or the nearest closed configuration.
+    ///
+    /// A near miss is no reason to move far: where there is one and no tolerance, nothing is accepted.
+    ///
+    /// # Arguments
+    /// * `tolerance` – as for [`Unassembled::within`]; `None` for loops that close exactly
+    #[must_use]
+    pub fn accepted(&self, tolerance: Option<f64>) -> Option<&Closure> {
+        let within = tolerance.and_then(|tolerance| self.within(tolerance));
+        let is_far = tolerance.is_none() && self.near_miss().is_none();
+        within.or(self.nearest.as_ref().filter(|_| is_far))
+    }
+
     /// The closure to accept within a tolerance of the dimensions: the one near the guess, or the best one if no start closes exactly; `None` if every mismatch is larger.
     ///
     /// A closure that drifts is never accepted: its mismatch falls below any tolerance because links move apart without limit.
@@ -54,8 +84,11 @@ impl Unassembled {
                 closure.residual
             )
         });
-        let worst = self.loops.first().map_or(String::new(), |(joint, size)| {
-            format!("; the loop closed by joint {joint:?} stays open by {size:.3e}")
+        let worst = self.loops.first().map_or(String::new(), |open| {
+            let OpenLoop { joint, links: [first, second], mismatch, distance, angle } = open;
+            format!(
+                "; the loop closed by joint {joint:?} stays open by {mismatch:.3e}: its frames on links {first:?} and {second:?} are {distance:.3e} m and {angle:.3e} rad apart"
+            )
         });
         let drifts = if self.near_guess_drifts {
             format!(

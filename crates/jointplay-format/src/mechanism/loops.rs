@@ -84,13 +84,7 @@ fn closed(chain: &Mechanism, top: &Table) -> Option<Mechanism> {
         .collect();
     let added = added.into_iter().collect::<Option<Vec<Joint>>>()?;
     let joints = chain.joints().iter().cloned().chain(added).collect();
-    let result = Mechanism::new(chain.name(), chain.links().to_vec(), joints)
-        .and_then(|closed| closed.with_virtual_joints(chain.virtual_joints().to_vec()))
-        .and_then(|closed| closed.with_frames(chain.frames().to_vec()))
-        .and_then(|closed| match chain.characteristic_length() {
-            Some(length) => closed.with_characteristic_length(length),
-            None => Ok(closed),
-        });
+    let result = chain.clone().with_joints(joints);
     result.map_err(|error| report(top, &tables, error)).ok()
 }
 

@@ -280,9 +280,10 @@ fn joint(
         "CylindricalJoint" => JointKind::Cylindrical,
         "TranslationalJoint" => JointKind::Prismatic,
         "SphericalJoint" => JointKind::Spherical,
+        "UniversalJoint" => JointKind::Universal,
         "PlanarJoint" if block.find("Offset").is_none() => JointKind::Planar,
         other => {
-            let advice = "imported are FixedJoint, RevoluteJoint, CylindricalJoint, TranslationalJoint, SphericalJoint, and PlanarJoint without Offset";
+            let advice = "imported are FixedJoint, RevoluteJoint, CylindricalJoint, TranslationalJoint, SphericalJoint, UniversalJoint, and PlanarJoint without Offset";
             return Err(block.unsupported(format!("joint {other:?}"), advice));
         }
     };
@@ -295,9 +296,15 @@ fn joint(
     let first_from_second = first.drawn.inverse() * second.drawn;
     // The solver also accepts frames that differ by half a turn about one of their axes.
     let turn = half_turn(kind, first_from_second.rotation);
-    if turn != Rotation3::identity() {
-        ignore("opposite direction of an axis".to_owned());
-    }
+    let turn = if kind == JointKind::Universal {
+        // The second axis is z of the second marker, and x of our joint frame.
+        Rotation3::from_matrix_unchecked(Matrix3::new(0., 0., 1., 0., -1., 0., 1., 0., 0.))
+    } else {
+        if turn != Rotation3::identity() {
+            ignore("opposite direction of an axis".to_owned());
+        }
+        turn
+    };
     let turn = Pose::from_parts(Translation3::identity(), turn);
     let (drawn, in_second) = (first_from_second * turn, second.in_link * turn);
     let mut joint =
@@ -310,6 +317,7 @@ fn joint(
         JointKind::Cylindrical => vec![shift.z, angle],
         JointKind::Spherical => rotation_vector(&rotation).iter().copied().collect(),
         JointKind::Planar => vec![shift.x, shift.y, angle],
+        JointKind::Universal => vec![angle, rotation[(2, 1)].atan2(rotation[(2, 2)])],
         _ => Vec::new(),
     };
     Ok(joint)
@@ -324,7 +332,7 @@ fn half_turn(kind: JointKind, first_from_second: Rotation3<f64>) -> Rotation3<f6
     };
     let by_x = exact(Vector3::x_axis());
     match kind {
-        JointKind::Spherical => Rotation3::identity(),
+        JointKind::Spherical | JointKind::Universal => Rotation3::identity(),
         JointKind::Fixed | JointKind::Prismatic => {
             let (by_y, by_z) = (exact(Vector3::y_axis()), exact(Vector3::z_axis()));
             let turns = [by_z, by_y, by_x, Rotation3::identity()];
@@ -350,9 +358,13 @@ mod tests {
     const FLIPPED: &str =
         include_str!("../../../../validation/golden/models/flipped-four-bar.asmt");
 
+    const CARDAN: &str = include_str!("../../../../validation/golden/models/cardan.asmt");
+
     #[test]
     fn assemblies_close_as_drawn() {
-        for (text, joints, actuated, links) in [(SLIDER_CRANK, 4, 1, 4), (FLIPPED, 4, 1, 4)] {
+        for (text, joints, actuated, links) in
+            [(SLIDER_CRANK, 4, 1, 4), (FLIPPED, 4, 1, 4), (CARDAN, 3, 1, 3)]
+        {
             let model = testing::read(text);
             let mechanism = &model.mechanism;
             assert_eq!((model.dialect, mechanism.joints().len()), (Dialect::Asmt, joints));
@@ -368,7 +380,8 @@ mod tests {
     #[test]
     fn parts_move_as_in_the_solver_of_freecad() {
         let rows = include_str!("../../../../validation/golden/asmt-poses.csv");
-        let models = [("slider-crank", SLIDER_CRANK), ("flipped-four-bar", FLIPPED)];
+        let models =
+            [("slider-crank", SLIDER_CRANK), ("flipped-four-bar", FLIPPED), ("cardan", CARDAN)];
         let mut compared = 0;
         for row in rows.lines().skip(1) {
             let cells: Vec<&str> = row.split(',').collect();

@@ -22,6 +22,7 @@
 mod asmt;
 mod draft;
 mod drive_table;
+mod loops;
 mod mjcf;
 mod model;
 mod problem;
@@ -33,6 +34,8 @@ mod urdf;
 mod xml;
 
 pub use drive_table::{DriveColumn, DriveTableError, MAX_COLUMNS, MAX_ROWS, drive_table};
+pub use loops::LoopsError;
+pub use mjcf::{Expanded, IncludeError, expand_includes};
 pub use model::{Dialect, Imported};
 pub use problem::{Error, Problem};
-pub use read::{is_assembly, is_model, parse, parse_with_unit};
+pub use read::{ClosedError, is_assembly, is_model, parse, parse_closed, parse_with_unit};

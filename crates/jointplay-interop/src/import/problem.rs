@@ -2,6 +2,7 @@
 
 use jointplay_core::mechanism::MechanismError;
 
+use jointplay_format::number::counted;
 use jointplay_format::place::{listed, suggestion};
 
 /// Error of an imported model, with its place.
@@ -14,6 +15,15 @@ pub enum Problem {
     /// Not XML.
     #[error("{0}")]
     Xml(String),
+    /// Not YAML, or without the keys and values of a file of loops.
+    #[error("{0}")]
+    Yaml(String),
+    /// A model that has loops before others are closed.
+    #[error("the model has {} already; only the loops of an open chain can be closed", counted(*found, "loop"))]
+    HasLoops {
+        /// Number of loops found.
+        found: usize,
+    },
     /// A text that is too long.
     #[error("the text has {found} bytes, but at most {allowed} are allowed")]
     TooLong {

@@ -1,8 +1,11 @@
 //! Import of a mechanism from the text of a model.
 
+use std::collections::BTreeSet;
+
 use jointplay_format::mechanism::{LengthUnit, MAX_BYTES};
 
 use super::draft::Draft;
+use super::loops::{LoopFile, LoopsError};
 use super::model::Imported;
 use super::problem::{Error, Problem};
 use super::xml::{Advice, Xml};
@@ -29,7 +32,7 @@ pub fn is_assembly(text: &str) -> bool {
 /// # Source
 /// \[ASMT\], \[MJCF\], \[SDFormat\], \[URDF\]
 pub fn parse(text: &str) -> Result<Imported, Error> {
-    read(text, None)
+    read(text, None, &BTreeSet::new())
 }
 
 /// Imports a model as [`parse`] does, with the unit of lengths for assemblies, which do not state theirs.
@@ -39,10 +42,65 @@ pub fn parse(text: &str) -> Result<Imported, Error> {
 /// # Errors
 /// Those of [`parse`].
 pub fn parse_with_unit(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
-    read(text, Some(unit))
+    read(text, Some(unit), &BTreeSet::new())
 }
 
-fn read(text: &str, unit: Option<LengthUnit>) -> Result<Imported, Error> {
+/// Error of a model, or of the file that closes its loops.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ClosedError {
+    /// Error of the model.
+    #[error(transparent)]
+    Model(#[from] Error),
+    /// Error of the file of loops.
+    #[error(transparent)]
+    Loops(#[from] LoopsError),
+}
+
+/// Imports a model as [`parse`] does, and closes its loops by a second file, for formats such as URDF that have trees only.
+///
+/// The file is a TOML file of loops, see [`jointplay_format::mechanism::with_loops`], or YAML of other programs:
+/// with the key `closures`, of exporters of SolidWorks, or with `closed_loop`, of the robot collections of Pinocchio.
+///
+/// # Arguments
+/// * `unit` – unit of lengths for assemblies, which do not state theirs
+/// * `loops` – text of the second file
+///
+/// # Errors
+/// [`ClosedError`].
+///
+/// # Example
+/// ```
+/// let chain = r#"<robot name="pair">
+///     <link name="base"/><link name="left"/><link name="right"/><link name="tip"/>
+///     <joint name="a" type="continuous"><parent link="base"/><child link="left"/></joint>
+///     <joint name="b" type="continuous"><parent link="base"/><child link="right"/></joint>
+///     <joint name="end" type="fixed"><origin xyz="0 0 1"/><parent link="left"/><child link="tip"/></joint>
+/// </robot>"#;
+/// let loops = "closed_loop: [[right, tip]]\ntype: ['3d']\nname_mot: [a]\n";
+/// let model = jointplay_interop::import::parse_closed(chain, None, loops)?;
+/// assert_eq!(model.mechanism.loops(), 1);
+/// # Ok::<(), jointplay_interop::import::ClosedError>(())
+/// ```
+///
+/// # Source
+/// \[LoopClosures\], \[ParallelRobots\]
+pub fn parse_closed(
+    text: &str,
+    unit: Option<LengthUnit>,
+    loops: &str,
+) -> Result<Imported, ClosedError> {
+    let file = LoopFile::parse(loops)?;
+    let Imported { mechanism, dialect, mut ignored } = read(text, unit, &file.solved())?;
+    let mechanism = file.close(&mechanism, &mut ignored)?;
+    Ok(Imported { mechanism, dialect, ignored })
+}
+
+/// Imports a model.
+///
+/// # Arguments
+/// * `solved` – joints that the loops of a second file determine
+fn read(text: &str, unit: Option<LengthUnit>, solved: &BTreeSet<&str>) -> Result<Imported, Error> {
     if text.len() > MAX_BYTES {
         let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };
         return Err(Error::at(text, 0..0, problem));
@@ -58,7 +116,7 @@ fn read(text: &str, unit: Option<LengthUnit>) -> Result<Imported, Error> {
     match root.tag_name().name() {
         "mujoco" => mjcf::read(draft, root),
         "sdf" => sdf::read(draft, root),
-        "robot" => urdf::read(draft, root),
+        "robot" => urdf::read(draft, root, solved),
         other => Err(draft.xml.unsupported(
             root,
             format!("a file of <{other}>"),

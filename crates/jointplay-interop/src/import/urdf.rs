@@ -1,4 +1,4 @@
-//! Robots of ROS (URDF): links in a tree; loops come from a second file, see [`jointplay_format::mechanism::with_loops`].
+//! Robots of ROS (URDF): links in a tree; loops come from a second file, see [`super::parse_closed`].
 //!
 //! The root link is the base.
 //! Joints of a transmission, or with a command interface, are actuated.
@@ -18,9 +18,18 @@ use super::xml::{
 };
 use jointplay_format::mechanism::frame::{pose, some_perpendicular};
 
-pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Imported, Error> {
+/// Reads a robot.
+///
+/// # Arguments
+/// * `solved` – joints that the loops of a second file determine
+pub(super) fn read<'a>(
+    mut draft: Draft<'a>,
+    root: Node<'a, 'a>,
+    solved: &BTreeSet<&str>,
+) -> Result<Imported, Error> {
     let xml = draft.xml;
-    let name = xml.needed_name(root)?;
+    // Some robots have no name, which nothing refers to.
+    let name = xml.name(root)?.unwrap_or("URDF robot");
     for node in children(root) {
         let tag = node.tag_name();
         match (is_foreign(node), tag.name()) {
@@ -70,7 +79,7 @@ pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Impor
     }
     let mut is_carried = vec![false; draft.links()];
     for node in joints {
-        joint(&mut draft, node, &mut is_carried)?;
+        joint(&mut draft, node, &mut is_carried, solved)?;
     }
     for section in children(root) {
         let driven: Vec<Node> = match section.tag_name().name() {
@@ -94,7 +103,24 @@ pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Impor
             }
         }
     }
+    for section in elements(root, "ros2_control") {
+        elements(section, "joint").try_for_each(|node| initial_value(&mut draft, node))?;
+    }
     draft.finish(name, Dialect::Urdf)
+}
+
+/// The initial position of a joint of `ros2_control` is where the search for a closed configuration starts.
+fn initial_value<'a>(draft: &mut Draft<'a>, node: Node<'a, 'a>) -> Result<(), Error> {
+    let is_named = |node: &Node, name| node.attribute("name").map(str::trim) == Some(name);
+    let states = elements(node, "state_interface").filter(|state| is_named(state, "position"));
+    let mut values = states.flat_map(|state| elements(state, "param"));
+    let Some(value) = values.find(|param| is_named(param, "initial_value")) else { return Ok(()) };
+    let number = attribute(node, "name").and_then(|name| draft.joint(name.text));
+    let Some(joint) = number.map(|number| &mut draft.descriptions[number]) else { return Ok(()) };
+    if joint.kind.freedoms() == 1 {
+        joint.guess = vec![draft.xml.number(&content(value))?];
+    }
+    Ok(())
 }
 
 fn add_link<'a>(draft: &mut Draft<'a>, link: Node<'a, 'a>) -> Result<(), Error> {
@@ -107,6 +133,7 @@ fn joint<'a>(
     draft: &mut Draft<'a>,
     node: Node<'a, 'a>,
     is_carried: &mut [bool],
+    solved: &BTreeSet<&str>,
 ) -> Result<(), Error> {
     let xml = draft.xml;
     let name = xml.needed_name(node)?;
@@ -131,6 +158,10 @@ fn joint<'a>(
             "origin" => &mut parts[0],
             "axis" => &mut parts[1],
             "limit" => &mut parts[2],
+            "mimic" if solved.contains(name) => {
+                draft.ignore("mimic of a joint that a loop determines");
+                continue;
+            }
             "mimic" => {
                 let advice = Advice(
                     "mechanisms have no coupling of joints yet; remove it to import the model with both joints free",
@@ -297,6 +328,20 @@ mod tests {
         assert!(is_actuated(&ARM.replace(transmission, control)));
         assert!(!is_actuated(&ARM.replace(transmission, &control.replace("command", "state"))));
         assert!(is_actuated(&ARM.replace("<joint name=\"wrist\"/>", "<joint>wrist</joint>")));
+    }
+
+    #[test]
+    fn initial_positions_are_guesses() {
+        let control = "<ros2_control><joint name=\"wrist\"><state_interface name=\"position\"><param name=\"initial_value\">0.25</param></state_interface></joint></ros2_control>";
+        let transmission = "<transmission name=\"t\"><joint name=\"wrist\"/></transmission>";
+        let with = ARM.replace(transmission, control);
+        assert_eq!(testing::read(&with).mechanism.joints()[0].guess, [0.25]);
+        assert!(
+            testing::read(&with.replace("position", "velocity")).mechanism.joints()[0]
+                .guess
+                .is_empty()
+        );
+        testing::refuse(&with, "0.25", "a quarter", "a quarter", "a number");
     }
 
     #[test]

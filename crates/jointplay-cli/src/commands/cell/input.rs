@@ -148,7 +148,7 @@ impl CellArgs {
             Some(path) if !self.is_example() => {
                 let stem = source::stem(path);
                 let folder = path.parent().map(Path::to_owned).unwrap_or_default();
-                let Source { label, text } = {
+                let Source { label, text, .. } = {
                     let source = Source::read(path, cell::MAX_BYTES)?;
                     source.require(&[Kind::Cell], "a work cell")?;
                     source

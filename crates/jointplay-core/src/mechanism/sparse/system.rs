@@ -93,7 +93,12 @@ impl<'a> SparseSystem<'a> {
     /// The configuration, and how well its joints are closed.
     #[must_use]
     pub fn closure(&self, iterations: usize) -> Closure {
-        Closure { coordinates: self.coordinates.clone(), residual: self.residual(), iterations }
+        Closure {
+            coordinates: self.coordinates.clone(),
+            residual: self.residual(),
+            iterations,
+            is_searched: false,
+        }
     }
 
     /// The closures of all joints linearized in the twists of the links; coordinates for which `held` is true do not follow.

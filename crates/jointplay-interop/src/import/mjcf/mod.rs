@@ -7,7 +7,9 @@
 
 mod closures;
 mod defaults;
+mod include;
 mod placing;
 mod reader;
 
+pub use include::{Expanded, IncludeError, expand_includes};
 pub(super) use reader::read;

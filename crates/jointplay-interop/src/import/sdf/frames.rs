@@ -54,6 +54,11 @@ pub(super) struct Frames<'a> {
 }
 
 impl<'a> Frames<'a> {
+    /// Whether axes are in the frame of the model unless they state otherwise, as before version 1.5.
+    pub(super) fn axes_are_in_model(&self) -> bool {
+        self.version < (1, 5)
+    }
+
     pub(super) fn new(xml: Xml<'a>, version: (u32, u32)) -> Self {
         let world = Frame {
             kind: Kind::World,

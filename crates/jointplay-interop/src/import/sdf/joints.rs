@@ -143,7 +143,8 @@ impl<'a> Reader<'a> {
         let direction = xml.direction(&content(xyz))?;
         let scope = self.frames.scope(frame);
         let in_model = child(axis, "use_parent_model_frame");
-        let in_model = in_model.map(|value| xml.truth(&value)).transpose()?.unwrap_or(false);
+        let in_model = in_model.map(|value| xml.truth(&value)).transpose()?;
+        let in_model = in_model.unwrap_or(self.frames.axes_are_in_model());
         let expressed_in = match self.frames.named(scope, xyz, "expressed_in")? {
             None if in_model => scope,
             None => return Ok(direction),

@@ -1,0 +1,274 @@
+//! The closed configuration nearest a guess that does not close, within joint limits.
+
+use nalgebra::DVector;
+
+use super::blocks::blocks;
+use super::closing::close;
+use super::closure::{Closure, SAME_BRANCH, START_RANGE};
+use super::description::Mechanism;
+use super::joint::Factor;
+use super::kinematics::Kinematics;
+use super::system::MechanismSystem;
+use crate::Error;
+use crate::constraint::{Dimension, System, scaled_jacobian, units};
+use crate::linalg::svd;
+use crate::random::Random;
+
+/// Corrections tried from one start.
+const MAX_ITERATIONS: usize = 60;
+/// Times that coordinates beyond their limits are put on them and held there.
+const MAX_CLAMPINGS: usize = 6;
+/// Closed configurations of a block that are compared.
+const ENOUGH: usize = 4;
+/// Steps towards the guess along the closed configurations.
+const MAX_STEPS: usize = 40;
+/// A step that was shortened to this share does not approach the guess.
+const SHORTEST_STEP: f64 = 1.0 / 64.0;
+/// A remaining motion towards the guess of this size is none, relative to the distance.
+const STATIONARY: f64 = 1e-6;
+/// Singular values below this share of the largest are round-off.
+const RANK: f64 = 1e-9;
+
+/// The nearest closed configuration that was found, by distance from the guess in radians and characteristic lengths.
+///
+/// Every block of loops is searched by itself, from starts farther and farther from the guess; from each closed configuration the search moves along closed ones towards the guess.
+/// Coordinates of no loop keep their values, but are put within their limits.
+///
+/// # Arguments
+/// * `guess` – (f + M) coordinates (m, rad)
+/// * `held` – indices of the coordinates that keep their values; virtual joints always do
+/// * `starts` – how many starts to try for each block
+///
+/// # Errors
+/// Those of [`MechanismSystem::new`]. `None` where a block was closed from no start.
+///
+/// # Numerics
+/// Deterministic. The configuration is a local minimum of the distance; a nearer one on another branch is missed if no start leads to it.
+pub fn nearest_closure(
+    mechanism: &Mechanism,
+    guess: &DVector<f64>,
+    held: &[usize],
+    starts: usize,
+) -> Result<Option<Closure>, Error> {
+    let kinematics = Kinematics::new(mechanism);
+    let mut coordinates = guess.clone();
+    let free: Vec<usize> = (0..mechanism.joint_freedoms()).filter(|k| !held.contains(k)).collect();
+    clamp(&mut coordinates, &free, &mechanism.limits());
+    let mut iterations = 0;
+    for block in blocks(mechanism).iter().filter(|block| block.has_loops()) {
+        let (part, _) = block.mechanism(mechanism);
+        let indices = block.coordinates(&kinematics);
+        let guess = DVector::from_fn(indices.len(), |k, _| guess[indices[k]]);
+        let free = (0..part.joint_freedoms()).filter(|&k| free.contains(&indices[k])).collect();
+        let search = Search::new(&part, guess, free)?;
+        let Some(found) = search.nearest(starts)? else { return Ok(None) };
+        iterations += found.iterations;
+        indices
+            .iter()
+            .zip(found.coordinates.iter())
+            .for_each(|(&k, &value)| coordinates[k] = value);
+    }
+    let system = MechanismSystem::new(mechanism, coordinates)?;
+    let found = close(&system, &free, MAX_ITERATIONS)?;
+    let beyond = mechanism.beyond_limits(&found.coordinates);
+    let is_within = beyond.iter().all(|one| !free.contains(&one.coordinate));
+    let iterations = iterations + found.iterations;
+    Ok((found.is_closed() && is_within).then_some(Closure {
+        iterations,
+        is_searched: true,
+        ..found
+    }))
+}
+
+/// Puts coordinates within their limits.
+fn clamp(coordinates: &mut DVector<f64>, free: &[usize], limits: &[Option<[f64; 2]>]) {
+    for &k in free {
+        if let Some([least, greatest]) = limits[k] {
+            coordinates[k] = coordinates[k].clamp(least, greatest);
+        }
+    }
+}
+
+/// Search for closed configurations of one block.
+struct Search<'a> {
+    /// At the guess.
+    system: MechanismSystem<'a>,
+    free: Vec<usize>,
+    limits: Vec<Option<[f64; 2]>>,
+    /// Coordinates that are the same after a whole turn.
+    turns: Vec<usize>,
+    /// Radians and characteristic lengths of the coordinates.
+    units: DVector<f64>,
+}
+
+impl<'a> Search<'a> {
+    fn new(part: &'a Mechanism, guess: DVector<f64>, free: Vec<usize>) -> Result<Self, Error> {
+        let system = MechanismSystem::new(part, guess)?.with_rotation_vectors();
+        let elements = system.kinematics().chains().iter().flat_map(|chain| &chain.elements);
+        let turns = elements
+            .filter(|element| matches!(element.factor, Factor::Turn { .. }))
+            .map(|element| element.coordinate)
+            .filter(|k| free.contains(k))
+            .collect();
+        let units = units(system.kinematics().dimensions(), system.characteristic_length());
+        Ok(Self { free, limits: part.limits(), turns, units, system })
+    }
+
+    fn nearest(&self, starts: usize) -> Result<Option<Closure>, Error> {
+        let mut random = Random(1);
+        let mut found: Vec<Closure> = Vec::new();
+        for number in 0..=starts {
+            let mut by = DVector::zeros(self.system.home().len());
+            #[expect(clippy::cast_precision_loss, reason = "a count of starts")]
+            let share = number as f64 / starts.max(1) as f64;
+            for &k in &self.free {
+                let range = match self.system.kinematics().dimensions()[k] {
+                    Dimension::Angle => std::f64::consts::PI,
+                    _ => START_RANGE * self.system.characteristic_length(),
+                };
+                by[k] = share * range * random.next();
+            }
+            let from = self.system.kinematics().moved(self.system.home(), &by);
+            let Some(closed) = self.closed_from(from)? else { continue };
+            let closed = self.approached(closed)?;
+            let is_known = |one: &Closure| {
+                let by = self.displacement(&one.coordinates, &closed.coordinates);
+                by.norm() < SAME_BRANCH
+            };
+            if !found.iter().any(is_known) {
+                found.push(closed);
+            }
+            if found.len() >= ENOUGH {
+                break;
+            }
+        }
+        let distance = |one: &Closure| self.distance(&one.coordinates);
+        Ok(found.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b))))
+    }
+
+    /// Displacement of the free coordinates, in radians and characteristic lengths.
+    fn displacement(&self, from: &DVector<f64>, to: &DVector<f64>) -> DVector<f64> {
+        let by = self.system.kinematics().displacement(from, to);
+        DVector::from_iterator(self.free.len(), self.free.iter().map(|&k| by[k] / self.units[k]))
+    }
+
+    fn distance(&self, to: &DVector<f64>) -> f64 {
+        self.displacement(self.system.home(), to).norm()
+    }
+
+    /// Closes the loops; coordinates beyond their limits are put on them and held there.
+    fn closed_from(&self, mut from: DVector<f64>) -> Result<Option<Closure>, Error> {
+        clamp(&mut from, &self.free, &self.limits);
+        let mut free = self.free.clone();
+        let mut iterations = 0;
+        for _ in 0..MAX_CLAMPINGS {
+            let found = close(&self.system.moved_to(from)?, &free, MAX_ITERATIONS)?;
+            iterations += found.iterations;
+            if !found.is_closed() {
+                return Ok(None);
+            }
+            let mut coordinates = found.coordinates;
+            self.turns.iter().for_each(|&k| coordinates[k] = self.wrapped(k, coordinates[k]));
+            let mechanism = self.system.kinematics().mechanism();
+            let beyond = mechanism.beyond_limits(&coordinates);
+            let beyond = |k: &usize| beyond.iter().any(|one| one.coordinate == *k);
+            if !free.iter().any(beyond) {
+                return Ok(Some(Closure { coordinates, iterations, ..found }));
+            }
+            clamp(&mut coordinates, &self.free, &self.limits);
+            free.retain(|k| !beyond(k));
+            from = coordinates;
+        }
+        Ok(None)
+    }
+
+    /// The same angle nearest the guess, or within its limits where another one is.
+    fn wrapped(&self, k: usize, angle: f64) -> f64 {
+        const TURN: f64 = std::f64::consts::TAU;
+        let guess = self.system.home()[k];
+        let nearest = angle - ((angle - guess) / TURN).round() * TURN;
+        let Some([least, greatest]) = self.limits[k] else { return nearest };
+        let others = [nearest, nearest + TURN, nearest - TURN];
+        let within = others.into_iter().find(|angle| (least..=greatest).contains(angle));
+        within.unwrap_or(nearest)
+    }
+
+    /// Moves a closed configuration towards the guess, as far as the loops and the limits allow.
+    fn approached(&self, closed: Closure) -> Result<Closure, Error> {
+        let mut here = closed;
+        for _ in 0..MAX_STEPS {
+            let towards = self.displacement(&here.coordinates, self.system.home());
+            let leaves = |k: usize, by: f64| {
+                self.limits[k].is_some_and(|[least, greatest]| {
+                    let slack = 1e-9 * (greatest - least);
+                    let value = here.coordinates[k];
+                    (by < 0.0 && value <= least + slack) || (by > 0.0 && value >= greatest - slack)
+                })
+            };
+            let (free, towards): (Vec<usize>, Vec<f64>) = self
+                .free
+                .iter()
+                .copied()
+                .zip(towards.iter().copied())
+                .filter(|&(k, by)| !leaves(k, by))
+                .unzip();
+            let towards = DVector::from_vec(towards);
+            let along = self.tangential(&here.coordinates, &free, &towards)?;
+            let distance = self.distance(&here.coordinates);
+            if along.norm() <= STATIONARY * (STATIONARY + distance) {
+                break;
+            }
+            let Some(nearer) = self.nearer(&here.coordinates, &free, &along, distance)? else {
+                break;
+            };
+            here = Closure { iterations: here.iterations + nearer.iterations, ..nearer };
+        }
+        Ok(here)
+    }
+
+    /// The part of a small displacement that the loops allow.
+    fn tangential(
+        &self,
+        at: &DVector<f64>,
+        free: &[usize],
+        displacement: &DVector<f64>,
+    ) -> Result<DVector<f64>, Error> {
+        if free.is_empty() {
+            return Ok(displacement.clone());
+        }
+        let system = self.system.moved_to(at.clone())?;
+        let rows = units(&system.constraint_dimensions(), system.characteristic_length());
+        let columns = DVector::from_iterator(free.len(), free.iter().map(|&k| self.units[k]));
+        let jacobian = system.full_jacobian(&system.at_home()).select_columns(free);
+        let jacobian = scaled_jacobian(&jacobian, &rows, &columns);
+        let decomposition = svd(&jacobian)?;
+        let rank = decomposition.rank(RANK);
+        Ok(displacement - decomposition.solve(&(&jacobian * displacement), rank))
+    }
+
+    /// A closed configuration nearer the guess, in a direction.
+    fn nearer(
+        &self,
+        at: &DVector<f64>,
+        free: &[usize],
+        along: &DVector<f64>,
+        distance: f64,
+    ) -> Result<Option<Closure>, Error> {
+        let mut share = 1.0;
+        while share >= SHORTEST_STEP {
+            let mut by = DVector::zeros(at.len());
+            free.iter()
+                .zip(along.iter())
+                .for_each(|(&k, step)| by[k] = share * step * self.units[k]);
+            let found = self.closed_from(self.system.kinematics().moved(at, &by))?;
+            let is_nearer = |one: &Closure| {
+                self.distance(&one.coordinates) < distance * (1.0 - STATIONARY * STATIONARY)
+            };
+            if let Some(found) = found.filter(is_nearer) {
+                return Ok(Some(found));
+            }
+            share *= 0.5;
+        }
+        Ok(None)
+    }
+}

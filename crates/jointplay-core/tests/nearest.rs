@@ -1,0 +1,226 @@
+//! The closed configuration nearest a guess: closed by an independent chain of transforms, within limits, and as near as a scan of all configurations finds.
+#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
+
+use jointplay_core::Error;
+use jointplay_core::mechanism::{
+    Joint, JointKind, Kinematics, LinearAndAngular, Mechanism, assemble, nearest_closure,
+};
+use jointplay_core::nalgebra::{DVector, Matrix4, Rotation3, Translation3, Vector3};
+use jointplay_core::spatial::Pose;
+use proptest::prelude::*;
+use proptest::strategy::ValueTree as _;
+use proptest::test_runner::TestRunner;
+
+const TURN: f64 = std::f64::consts::TAU;
+
+fn joint(name: &str, kind: JointKind, links: [usize; 2], frames: [Pose; 2]) -> Joint {
+    Joint {
+        name: name.to_owned(),
+        kind,
+        links,
+        frames,
+        actuated: false,
+        guess: Vec::new(),
+        limits: Vec::new(),
+        clearance: LinearAndAngular::default(),
+        stiffness: LinearAndAngular::default(),
+    }
+}
+
+fn at(x: f64) -> Pose {
+    Pose::from_parts(Translation3::new(x, 0.0, 0.0), Rotation3::identity())
+}
+
+/// Ground, crank, coupler and rocker, hinged about z in the order A, B, C, D.
+fn four_bar([ground, crank, coupler, rocker]: [f64; 4]) -> Mechanism {
+    let hinge =
+        |name, links, frames: [f64; 2]| joint(name, JointKind::Revolute, links, frames.map(at));
+    let joints = vec![
+        hinge("A", [0, 1], [0.0, 0.0]),
+        hinge("B", [1, 2], [crank, 0.0]),
+        hinge("C", [2, 3], [coupler, rocker]),
+        hinge("D", [0, 3], [ground, 0.0]),
+    ];
+    let links = ["ground", "crank", "coupler", "rocker"].map(str::to_owned).to_vec();
+    Mechanism::new("four-bar", links, joints).unwrap().with_characteristic_length(1.0).unwrap()
+}
+
+/// Both closed configurations of a four-bar at a crank angle, in closed form.
+fn closed_form([ground, crank, coupler, rocker]: [f64; 4], theta: f64) -> Vec<[f64; 4]> {
+    let tip = [crank * theta.cos(), crank * theta.sin()];
+    let (dx, dy) = (ground - tip[0], -tip[1]);
+    let span = dx.hypot(dy);
+    let along = (coupler * coupler - rocker * rocker + span * span) / (2.0 * span);
+    let height = coupler * coupler - along * along;
+    if height < 0.0 {
+        return Vec::new();
+    }
+    let configuration = |sense: f64| {
+        let (u, v) = ([dx / span, dy / span], sense * height.sqrt());
+        let c = [tip[0] + along * u[0] - v * u[1], tip[1] + along * u[1] + v * u[0]];
+        let phi = (c[1] - tip[1]).atan2(c[0] - tip[0]);
+        let psi = c[1].atan2(c[0] - ground);
+        [theta, phi - theta, psi - phi, psi]
+    };
+    [1.0, -1.0].map(configuration).to_vec()
+}
+
+/// Distance of angles, each by the shorter turn.
+fn distance(from: &[f64], to: &[f64]) -> f64 {
+    let one = |(a, b): (&f64, &f64)| {
+        let by = (a - b).rem_euclid(TURN);
+        by.min(TURN - by).powi(2)
+    };
+    from.iter().zip(to).map(one).sum::<f64>().sqrt()
+}
+
+#[test]
+fn four_bars_close_where_a_scan_of_the_crank_finds_the_nearest() {
+    let lengths = [1.0, 0.4, 0.9, 0.7];
+    let mechanism = four_bar(lengths);
+    let mut runner = TestRunner::deterministic();
+    let guesses = prop::array::uniform4(-3.1..3.1_f64);
+    let (mut nearest, count) = (0, 60);
+    for _ in 0..count {
+        let guess = guesses.new_tree(&mut runner).unwrap().current();
+        let scan = (0..4000).flat_map(|k| closed_form(lengths, f64::from(k) * TURN / 4000.0));
+        let least = scan.map(|q| distance(&q, &guess)).fold(f64::INFINITY, f64::min);
+        let start = DVector::from_row_slice(&guess);
+        let found = nearest_closure(&mechanism, &start, &[], 30).unwrap().unwrap();
+        let q = found.coordinates.as_slice();
+        let exact =
+            closed_form(lengths, q[0]).iter().map(|one| distance(one, q)).fold(9.0, f64::min);
+        assert!(exact < 1e-9, "{q:?}");
+        // The scan is as fine as its steps.
+        let reached = distance(q, &guess);
+        assert!(reached > least - 1e-2, "{reached} {least}");
+        nearest += i32::from(reached < least + 1e-2);
+    }
+    assert!(nearest * 10 >= count * 9, "{nearest} of {count}");
+}
+
+#[test]
+fn limits_are_kept_and_the_nearest_may_be_on_one() {
+    let lengths = [1.0, 0.4, 0.9, 0.7];
+    let whole = four_bar(lengths);
+    let mut joints = whole.joints().to_vec();
+    joints[0].limits = vec![[0.5, 1.0]];
+    let mechanism = whole.with_joints(joints).unwrap();
+    let closed = closed_form(lengths, 1.4)[0];
+    let guess = DVector::from_row_slice(&closed);
+    let found = nearest_closure(&mechanism, &guess, &[], 30).unwrap().unwrap();
+    assert!((found.coordinates[0] - 1.0).abs() < 1e-9, "{}", found.coordinates);
+    let expected = closed_form(lengths, 1.0)[0];
+    assert!(distance(found.coordinates.as_slice(), &expected) < 1e-6, "{}", found.coordinates);
+    // A held coordinate keeps its value, whatever its limits.
+    let held = nearest_closure(&mechanism, &guess, &[0], 30).unwrap().unwrap();
+    assert_eq!(held.coordinates[0], 1.4);
+    assert!(distance(held.coordinates.as_slice(), &closed) < 1e-9);
+}
+
+#[test]
+fn links_that_cannot_close_have_no_nearest_and_name_the_frames_apart() {
+    let mechanism = four_bar([5.0, 0.4, 0.9, 0.7]);
+    let guess = DVector::from_row_slice(&[0.1, 0.2, 0.3, 0.4]);
+    assert_eq!(nearest_closure(&mechanism, &guess, &[], 10).unwrap(), None);
+    let Err(Error::NotAssembled(found)) = assemble(&mechanism, &guess, &[], 10) else { panic!() };
+    assert_eq!((found.nearest.as_ref(), found.accepted(None)), (None, None));
+    let open = &found.loops[0];
+    assert_eq!(open.links, ["coupler", "rocker"]);
+    // The ends of coupler and rocker in the plane; the links miss by 5 − (0.4 + 0.9 + 0.7) at least.
+    let [a, b, _, d] = found.best.coordinates.as_slice() else { panic!() };
+    let coupler = [0.4 * a.cos() + 0.9 * (a + b).cos(), 0.4 * a.sin() + 0.9 * (a + b).sin()];
+    let rocker = [5.0 + 0.7 * d.cos(), 0.7 * d.sin()];
+    let distance = (coupler[0] - rocker[0]).hypot(coupler[1] - rocker[1]);
+    assert!((open.distance - distance).abs() < 1e-9 && distance > 3.0, "{open:?} {distance}");
+    let message = found.to_string();
+    assert!(message.contains("its frames on links \"coupler\" and \"rocker\""), "{message}");
+}
+
+fn kind() -> impl Strategy<Value = JointKind> {
+    prop_oneof![
+        3 => Just(JointKind::Revolute),
+        2 => Just(JointKind::Prismatic),
+        1 => Just(JointKind::Cylindrical),
+        2 => Just(JointKind::Universal),
+        2 => Just(JointKind::Spherical),
+        1 => Just(JointKind::Planar),
+    ]
+}
+
+/// A ring of links, with a second one on it, closed where all coordinates are zero.
+fn rings() -> impl Strategy<Value = Vec<Joint>> {
+    let place = (prop::array::uniform3(-1.0..1.0_f64), prop::array::uniform3(-1.5..1.5_f64));
+    prop::collection::vec((kind(), place), 7).prop_map(|made| {
+        let ends = [[0, 1], [1, 2], [2, 3], [3, 0], [1, 4], [4, 5], [5, 3]];
+        let one = |(k, (ends, (kind, (point, turn)))): (usize, ([usize; 2], (JointKind, _)))| {
+            let (point, turn): ([f64; 3], [f64; 3]) = (point, turn);
+            let frame = Pose::from_parts(
+                Translation3::from(Vector3::from(point)),
+                Rotation3::new(Vector3::from(turn)),
+            );
+            let mut made = joint(&format!("j{k}"), kind, ends, [frame; 2]);
+            made.limits = vec![[-1.5, 1.5]; kind.freedoms()];
+            made
+        };
+        ends.into_iter().zip(made).enumerate().map(one).collect()
+    })
+}
+
+/// The motion of a joint as a matrix, from the definition of its kind.
+fn motion(kind: JointKind, q: &[f64]) -> Matrix4<f64> {
+    let turn = |axis: Vector3<f64>, angle: f64| Rotation3::new(axis * angle).to_homogeneous();
+    let slide = |axis: Vector3<f64>, by: f64| Matrix4::new_translation(&(axis * by));
+    let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
+    match kind {
+        JointKind::Revolute => turn(z, q[0]),
+        JointKind::Prismatic => slide(z, q[0]),
+        JointKind::Cylindrical => slide(z, q[0]) * turn(z, q[1]),
+        JointKind::Universal => turn(z, q[0]) * turn(x, q[1]),
+        JointKind::Spherical => turn(Vector3::new(q[0], q[1], q[2]), 1.0),
+        JointKind::Planar => slide(x, q[0]) * slide(y, q[1]) * turn(z, q[2]),
+        _ => unreachable!("not drawn"),
+    }
+}
+
+#[test]
+fn random_rings_close_within_limits_and_not_farther_than_where_they_were_closed() {
+    let mut runner = TestRunner::deterministic();
+    let (mut closed, mut near, mut count) = (0, 0, 0);
+    for _ in 0..30 {
+        let joints = rings().new_tree(&mut runner).unwrap().current();
+        let names = (0..6).map(|k| format!("l{k}")).collect();
+        let mechanism = Mechanism::new("rings", names, joints).unwrap();
+        let f = mechanism.joint_freedoms();
+        let by = prop::collection::vec(-0.8..0.8_f64, f).new_tree(&mut runner).unwrap().current();
+        let guess = DVector::from_vec(by);
+        count += 1;
+        let Some(found) = nearest_closure(&mechanism, &guess, &[], 30).unwrap() else { continue };
+        closed += 1;
+        let q = &found.coordinates;
+        assert!(mechanism.beyond_limits(q).is_empty(), "{q}");
+        // Once around each ring, the motions of the joints cancel.
+        let kinematics = Kinematics::new(&mechanism);
+        let transform = |j: usize, against: bool| {
+            let joint = &mechanism.joints()[j];
+            let q = &q.as_slice()[kinematics.coordinates_of(j)];
+            let [first, second] = joint.frames.map(|frame| frame.to_homogeneous());
+            let whole = first * motion(joint.kind, q) * second.try_inverse().unwrap();
+            if against { whole.try_inverse().unwrap() } else { whole }
+        };
+        let around = |ring: &[(usize, bool)]| {
+            ring.iter().fold(Matrix4::<f64>::identity(), |pose, &(j, against)| {
+                pose * transform(j, against)
+            })
+        };
+        let first = around(&[(0, false), (1, false), (2, false), (3, false)]);
+        let second = around(&[(4, false), (5, false), (6, false), (2, true), (1, true)]);
+        for ring in [first, second] {
+            assert!((ring - Matrix4::identity()).amax() < 1e-8, "{ring}");
+        }
+        let size = |from: &DVector<f64>| (from - &guess).norm();
+        near += usize::from(size(q) < size(&DVector::zeros(f)) * 1.3);
+    }
+    assert!(closed * 10 >= count * 9, "{closed} of {count}");
+    assert!(near * 10 >= closed * 9, "{near} of {closed}");
+}
