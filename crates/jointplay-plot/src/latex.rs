@@ -92,7 +92,7 @@ fn without_text(svg: &str) -> String {
 /// Text as LaTeX source; formulas between two `$` stay as they are.
 fn latex(text: &str) -> String {
     let parts: Vec<&str> = text.split('$').collect();
-    if parts.len() % 2 == 0 {
+    if parts.len().is_multiple_of(2) {
         return escaped(text);
     }
     let set = |(k, part): (usize, &&str)| match k % 2 {
