@@ -13,7 +13,8 @@ but the comparison. For each path two optima are computed:
   at both ends and in the middle of each, solved by IPOPT (casadi on PyPI).
 
 The comparison with TOPP-RA uses a second motion, planned with jerk limits a hundred times as high. A third motion carries wafers
-on little friction between level stations; the transcription then bounds the acceleration of the wafer's centre too.
+on little friction between level stations; the transcription then bounds the acceleration of the wafer's centre too. The loaded turn
+between both stations, with the arm partly extended, is compared in the same manner, on the path of jointplay.
 Results: bench/results/trajectories.md and trajectories.json, from which the table of the documentation and the values of the test
 crates/jointplay-format/tests/line_times.rs are copied.
 """
@@ -35,6 +36,8 @@ LINES = HERE / "lines"
 INTERVALS = 120
 JERK_FACTOR = 100.0
 FRICTION = 0.12
+# Distance of the wafer from the first axis in the compared turns (mm).
+TURN_RADIUS = 400.0
 # Durations from which IPOPT starts, one after the other until it finds an optimum, by that of jointplay.
 START_FACTORS = (1.5, 1.1, 2.5, 4.0)
 GRAVITY = 9.80665
@@ -59,7 +62,10 @@ def path_of(positions, values=None):
 
 
 def by_toppra(path, limits):
-    """Least duration under velocity and acceleration limits (s)."""
+    """Least duration under velocity and acceleration limits (s); None where TOPP-RA finds none.
+
+    On the finest grid, round-off of an axis that moves by micrometres can leave its solver without a solution: a coarser one follows.
+    """
     import numpy as np
     import toppra
     from toppra import algorithm, constraint
@@ -72,10 +78,13 @@ def by_toppra(path, limits):
         constraint.JointVelocityConstraint(bounds[0]),
         constraint.JointAccelerationConstraint(bounds[1]),
     ]
-    grid = np.linspace(0, 1, 2001)
-    instance = algorithm.TOPPRA(constraints, spline, gridpoints=grid, parametrizer="ParametrizeConstAccel")
-    found = instance.compute_trajectory(0, 0)
-    return found.duration if found else None
+    for intervals in (2000, 1000, 400):
+        grid = np.linspace(0, 1, intervals + 1)
+        instance = algorithm.TOPPRA(constraints, spline, gridpoints=grid, parametrizer="ParametrizeConstAccel")
+        found = instance.compute_trajectory(0, 0)
+        if found:
+            return found.duration
+    return None
 
 
 def by_transcription(path, limits, guess, center=None):
@@ -222,16 +231,19 @@ def robot_text(robot, droop, jerk_factor, friction):
     return re.sub(r"(jerk_\w+ = )([0-9.]+)", lambda found: f"{found[1]}{float(found[2]) * jerk_factor}", text)
 
 
-def lines_of(command, robot, droop, work, jerk_factor=1.0, friction=None):
+def lines_of(command, robot, droop, work, jerk_factor=1.0, friction=None, turn_radius=None):
     """Straight lines of the program: phase, duration, limits of the moving axes, positions of these axes, and centres of wafers.
 
     friction: of a wafer carried between level stations; without it no friction slows a line.
+    turn_radius: retract distance (mm) at which the robot turns; with it, the loaded turn is returned in place of the lines.
     """
     import numpy as np
 
-    folder = work / f"{robot}-{droop}-{jerk_factor}-{friction}"
+    folder = work / f"{robot}-{droop}-{jerk_factor}-{friction}-{turn_radius}"
     folder.mkdir()
     cell = (LINES / "lines.toml").read_text()
+    if turn_radius:
+        cell = re.sub("retract_mm = .*", f"retract_mm = {turn_radius}", cell)
     (folder / "lines.toml").write_text(re.sub(r"tilt = .*", "", cell) if friction else cell)
     (folder / "lines.program").write_text((LINES / "lines.program").read_text())
     (folder / "robot.toml").write_text(robot_text(robot, droop, jerk_factor, friction or 10.0))
@@ -254,14 +266,16 @@ def lines_of(command, robot, droop, work, jerk_factor=1.0, friction=None):
     for instruction in json.loads(checked.stdout)["instructions"]:
         verb = instruction["text"].split()[0]
         for segment in instruction["segments"]:
-            if segment["path"] != "line" or segment["phase"] not in ("extend", "retract"):
+            is_turn = segment["path"] == "joint" and segment["phase"] == "turn" and verb == "PUT"
+            is_line = segment["path"] == "line" and segment["phase"] in ("extend", "retract")
+            if not (is_turn if turn_radius else is_line):
                 continue
             start, end = segment["start_s"], segment["start_s"] + segment["duration_s"]
             inside = (samples[:, 0] > start - 1e-9) & (samples[:, 0] < end + 1e-9)
             positions = samples[inside, 1:-3]
             heading = np.radians(positions @ described.heading["A"])
             centers = np.column_stack([samples[inside, -3:] / 1e3, heading])
-            is_loaded = (verb == "GET") == (segment["phase"] == "retract")
+            is_loaded = is_turn or (verb == "GET") == (segment["phase"] == "retract")
             limits = np.array(described.limits_of("A" if is_loaded else None))
             moving = np.ptp(positions, axis=0) > 1e-6
             found.append({
@@ -291,6 +305,13 @@ def compare(command, work):
                 path, center = (path_of(third["positions"], values) for values in (None, third["centers"]))
                 row |= {"slippery_s": third["duration_s"],
                         "slippery_transcription_s": by_transcription(path, third["limits"], third["duration_s"], center)}
+            rows.append(row)
+            print(f"{robot:10} {droop:10} {row['line']:12} " + "   ".join(comparisons(row)), flush=True)
+        for turn in lines_of(command, robot, droop, work, friction=FRICTION, turn_radius=TURN_RADIUS):
+            path, center = (path_of(turn["positions"], values) for values in (None, turn["centers"]))
+            row = {key: turn[key] for key in ("robot", "droop", "line", "limited_by")}
+            row |= {"slippery_s": turn["duration_s"],
+                    "slippery_transcription_s": by_transcription(path, turn["limits"], turn["duration_s"], center)}
             rows.append(row)
             print(f"{robot:10} {droop:10} {row['line']:12} " + "   ".join(comparisons(row)), flush=True)
     return rows

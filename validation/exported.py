@@ -2,7 +2,8 @@
 
 Exports the example cell's motion with the `jointplay` command, and reads it back by the glTF validator, the MCAP
 reader with its decoder for ROS 2, and Arrow's reader of Parquet; what they read is compared with the CSV.
-In the same environment it runs `distances.py`, which compares the collision check with another library.
+In the same environment it runs `distances.py`, which compares the collision check with another library, and
+`simulators.py`, which compares exported mechanisms with MuJoCo and animated parts with the poses of their links.
 Everything that it makes and downloads is in `target/cell`.
 
 Run by `cargo xtask cell`; with `--prepare` it only fetches those readers.
@@ -21,7 +22,15 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 HOME = ROOT / "target" / "cell"
-PACKAGES = ["coal==3.0.3", "mcap==1.6.0", "mcap-ros2-support==0.6.0", "numpy==2.2.6", "pyarrow==26.0.1"]
+PACKAGES = [
+    "cascadio==0.1.1",
+    "coal==3.0.3",
+    "mcap==1.6.0",
+    "mcap-ros2-support==0.6.0",
+    "mujoco==4.0.0",
+    "numpy==2.2.6",
+    "pyarrow==26.0.1",
+]
 VALIDATOR = "gltf-validator@2.0.0-dev.3.10"
 RATE = 50
 
@@ -79,9 +88,14 @@ def same(what: str, found: float, expected: float, threshold: float) -> None:
         sys.exit(f"{what}: {found!r}, expected {expected!r} within {threshold!r}")
 
 
+def validate(path: Path) -> dict:
+    """The report of the glTF validator."""
+    return json.loads(run(["node", "--eval", VALIDATE, path.resolve()], cwd=validator()))
+
+
 def check_gltf(path: Path, duration: float) -> str:
     """The validator finds nothing at all, and the animation lasts as long as the motion."""
-    report = json.loads(run(["node", "--eval", VALIDATE, path], cwd=validator()))
+    report = validate(path)
     issues = report["issues"]
     if issues["messages"]:
         sys.exit(f"report of the glTF validator on {path.name}:\n{json.dumps(issues['messages'], indent=2)}")
@@ -175,11 +189,16 @@ def main() -> None:
         print(check_gltf(folder / "example.glb", duration))
     print(f"all of them last {duration} s")
     print(run([python, Path(__file__).with_name("distances.py"), command]), end="")
+    print(run([python, __file__, "--simulators", command]), end="")
 
 
 if __name__ == "__main__":
     if sys.argv[1] == "--inside":
         inside(Path(sys.argv[2]))
+    elif sys.argv[1] == "--simulators":
+        import simulators
+
+        simulators.check(sys.argv[2], validate)
     elif sys.argv[1] == "--prepare":
         prepare()
     else:

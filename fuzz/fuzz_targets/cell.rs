@@ -1,8 +1,8 @@
-//! Reading a cell file never panics, and an edit changes only what it states.
+//! Reading a cell file never panics, its expansion is the same cell, and an edit changes only what it states.
 
 #![no_main]
 
-use jointplay::format::cell::{Change, read, set_station};
+use jointplay::format::cell::{Change, expand, read, set_station};
 use jointplay::spatial::Tilt;
 use libfuzzer_sys::fuzz_target;
 
@@ -14,6 +14,11 @@ fuzz_target!(|text: &str| {
     };
     match read(text, &mut files) {
         Ok(cell) => {
+            let expanded = expand(text, &[], &mut files).expect("a cell that is read is expanded");
+            let again = read(&expanded, &mut files)
+                .unwrap_or_else(|found| panic!("{found:?} in the expansion\n{expanded}"));
+            assert!(cell.stations == again.stations && cell.bodies.len() == again.bodies.len());
+            assert!(cell.zones.len() == again.zones.len() && cell.occupied == again.occupied);
             for station in &cell.stations {
                 for change in [Change::Retract(0.0), Change::Tilt(Tilt::LEVEL)] {
                     let is_tilt = matches!(change, Change::Tilt(_));

@@ -21,6 +21,16 @@ def test_code_of_documents_runs(name, monkeypatch, tmp_path):
         exec(compile(block, name, "exec"), names)
 
 
+@pytest.mark.parametrize("name", ["export-to-simulators.md", "show-motion-on-parts.md"])
+def test_own_code_next_to_that_of_other_packages_runs(name, monkeypatch, tmp_path):
+    text = (ROOT / "docs" / "how-to" / name).read_text(encoding="utf-8")
+    blocks = [block for block in re.findall(r"^```python\n(.*?)^```", text, re.M | re.S) if "import jointplay" in block]
+    assert blocks
+    monkeypatch.chdir(tmp_path)
+    for block in blocks:
+        exec(compile(block, name, "exec"), {})
+
+
 @pytest.mark.parametrize("documented", [jp, jp.Gpr])
 def test_examples_of_docstrings_are_right(documented):
     found = [test for test in doctest.DocTestFinder().find(documented) if test.examples]

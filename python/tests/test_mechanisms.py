@@ -6,6 +6,7 @@ import copy
 import math
 import pickle
 import re
+from pathlib import Path
 
 import numpy as np
 import pandas
@@ -542,3 +543,29 @@ def test_a_robot_is_a_mechanism_with_the_same_poses(virtualization):
         mechanism.to_gpr(90.0)
     with pytest.raises(jp.InputError, match="radial, polar or planar"):
         jp.Mechanism.from_gpr(gpr, "offset")
+
+
+def test_motions_and_models_are_exported(tmp_path, ask):
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
+    motion = mechanism.drive({"rod 1": (0, 0.003)}, steps=12)
+    assert motion.to_gltf(tmp_path / "motion.glb", exaggerate=500) == ()
+    contents = (tmp_path / "motion.glb").read_bytes()
+    assert contents[:4] == b"glTF" and int.from_bytes(contents[8:12], "little") == len(contents)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["motion.glb"]
+    # Its own scene serves as a file of parts, whose nodes have the names of the links.
+    parts = tmp_path / "parts.glb"
+    parts.write_bytes(contents)
+    assert motion.to_gltf(tmp_path / "again.glb", parts=parts, table={"platform": "rod 1"}, parts_up="z") == ("platform",)
+    with pytest.raises(jp.InputError, match="did you mean"):
+        motion.to_gltf(tmp_path / "no.glb", parts=parts, table={"platfrom": "rod 1"})
+    with pytest.raises(jp.InputError, match="duration"):
+        motion.to_gltf(tmp_path / "no.glb", duration_s=0)
+    assert not (tmp_path / "no.glb").exists()
+    model = mechanism.to_model("urdf", {"rod 1": 0.001})
+    assert model.text.startswith("<?xml") and 'kind = "loops"' in model.loops and model.lost
+    assert mechanism.to_model("mjcf").loops is None
+    written = ask("export", "gpr-mechanism", "--to", "sdf", "--out", str(tmp_path / "models"))
+    (file,) = written["exports"][0]["files"]
+    assert Path(file).read_text() == mechanism.to_model("sdf").text
+    with pytest.raises(jp.UnknownNameError, match="urdf"):
+        mechanism.to_model("udrf")

@@ -9,7 +9,7 @@ use jointplay_cell::CellError;
 use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, Violation, ViolationKind, check};
 use jointplay_cell::optimise::{
-    Evaluation, Objectives, OptimiseOptions, Search, TimingModel, WaferFlow,
+    Candidate, Evaluation, Objectives, OptimiseOptions, Search, TimingModel, WaferFlow,
 };
 use jointplay_cell::program::{Handoff, Path, Phase, Program, SourceLocation, Step};
 use jointplay_cell::robot::{Effector, EffectorId};
@@ -343,7 +343,9 @@ fn executed(cell: &Cell, order: &[Handoff]) -> Trajectory {
 fn optimised(cell: &Cell, wafers: usize) -> f64 {
     let given = one_by_one(cell, wafers);
     let flow = WaferFlow::new(cell, &Program::default(), &given).unwrap();
-    let mut search = Search::new(cell, &flow, OptimiseOptions::default());
+    // One speed and blend radius: their effects are not simulated.
+    let options = OptimiseOptions { station_candidates: 0, ..OptimiseOptions::default() };
+    let mut search = Search::new(cell, &flow, options);
     let mut shortest = f64::INFINITY;
     while let Some(candidate) = search.next_candidate() {
         let trajectory = executed(cell, &search.order(&candidate));
@@ -375,6 +377,47 @@ fn the_search_finds_orders_as_short_as_the_published_ones() {
     let longer: Vec<_> =
         found.iter().filter(|(.., shortest, published)| *shortest > published + 1e-9).collect();
     assert!(longer.is_empty(), "{longer:#?} of {found:#?}");
+}
+
+#[test]
+fn only_the_station_that_costs_friction_gets_a_lower_speed() {
+    const SLIPPERY: usize = 1;
+    let cell = tool(&[6.0, 6.0], 10);
+    let flow = WaferFlow::new(&cell, &Program::default(), &one_by_one(&cell, 3)).unwrap();
+    // Friction depends on the speed at one station, at which the robot waits in any case.
+    let objectives = |candidate: &Candidate| {
+        let speed = |station: usize| candidate.settings_at(station).speed;
+        let others = (0..cell.stations.len()).filter(|&station| station != SLIPPERY);
+        let rate: f64 = others.map(speed).sum();
+        Objectives {
+            wafers_per_hour: 100.0 * rate / (cell.stations.len() - 1) as f64,
+            clearance: 0.01 - candidate.settings_at(SLIPPERY).blend_radius,
+            slip_margin: 1.0 - speed(SLIPPERY).powi(2),
+        }
+    };
+    let run = |station_candidates: usize| {
+        let options =
+            OptimiseOptions { rounds: 1, station_candidates, ..OptimiseOptions::default() };
+        let mut search = Search::new(&cell, &flow, options);
+        while let Some(candidate) = search.next_candidate() {
+            let evaluation =
+                Evaluation { objectives: Some(objectives(&candidate)), timing: Vec::new() };
+            search.record(evaluation);
+        }
+        (search.front(), search.evaluated().len())
+    };
+    let (uniform, fewest) = run(0);
+    let (best, count) = run(12);
+    let (again, _) = run(12);
+
+    assert_eq!(best, again);
+    assert!(count <= fewest + 12, "{count} {fewest}");
+    assert_eq!(uniform[0].1.slip_margin, 0.0);
+    let (candidate, found) = &best[0];
+    assert_eq!(candidate.settings.speed, 1.0);
+    assert_eq!(candidate.stations.keys().copied().collect::<Vec<_>>(), [SLIPPERY]);
+    assert!((found.wafers_per_hour - 100.0).abs() < 1e-9, "{found:?}");
+    assert!((found.slip_margin - 0.36).abs() < 1e-9, "{found:?}");
 }
 
 /// Two wafers into chamber 1: the first is picked after a wait, the second stays.

@@ -6,7 +6,7 @@ mod common;
 
 use common::A;
 use jointplay_cell::program::{Path, Phase, SourceLocation, Step};
-use jointplay_cell::robot::{KinematicLimits, RODS, WaferTarget};
+use jointplay_cell::robot::{AxesMotion, KinematicLimits, RODS, WaferTarget};
 use jointplay_cell::trajectory::{
     MAX_DURATION, Sample, StepErrorKind, Trajectory, TrajectoryOptions, axis_limits,
     plan_trajectory,
@@ -145,7 +145,7 @@ proptest! {
         let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
         keeps(&cell, &motion);
         // The limiting axis of a step uses its limits all the time, the others do not.
-        prop_assert!(motion.limiting_axis(0).is_some() && motion.limiting_axis(1).is_none());
+        prop_assert!((loaded || motion.limiting_axis(0).is_some()) && motion.limiting_axis(1).is_none());
     }
 
     #[test]
@@ -302,6 +302,152 @@ fn blended_wafer_stays_within_the_blend_radius() {
                 assert!((moved - mean * dt).abs() < 1e-8, "{moved} {}", mean * dt);
             }
         }
+    }
+}
+
+/// A loaded step of axes and its duration (s).
+fn loaded_move(cell: &Cell, from: &[f64], to: &[f64]) -> (Trajectory, f64) {
+    let steps = vec![step(from, to, Path::PointToPoint, 1.0, true)];
+    let motion = plan_trajectory(cell, steps, &TrajectoryOptions::default()).unwrap();
+    let duration = motion.duration();
+    (motion, duration)
+}
+
+/// A rigid robot with one coefficient of friction, and its axes level in the middle of their ranges.
+fn on_friction(kind: usize, friction: f64) -> (Cell, Vec<f64>) {
+    let mut cell = common::cell(common::kind(kind, [0.25, 0.22, 0.2]));
+    cell.robot.arms[0].effectors[0].friction = friction;
+    let from = positions(&cell, Tilt { azimuth: 0.0, angle: 0.0 }, 0.5, [0.5; 5]);
+    (cell, from)
+}
+
+/// Largest utilization of friction, by samples.
+fn peak_utilization(cell: &Cell, motion: &Trajectory) -> f64 {
+    let utilization = |sample: Sample| {
+        let Sample { positions, velocities, accelerations, .. } = &sample;
+        let motion = AxesMotion { positions, velocities, accelerations };
+        cell.friction_demand(A, &motion).unwrap().utilization()
+    };
+    motion.samples(2000.0).map(utilization).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_radial_move_on_little_friction_is_that_of_its_acceleration_limit() {
+    // The prismatic joint of a robot of kind 3 moves the wafer straight, and the wafer needs its acceleration as friction.
+    for friction in [0.05, 0.1, 0.2, 0.5] {
+        let (cell, from) = on_friction(3, friction);
+        let mut to = from.clone();
+        to[RODS + 1] = 0.45;
+        let far = to[RODS + 1] - from[RODS + 1];
+        let limits =
+            axis_limits(&cell.robot, RODS + 1, &step(&from, &to, Path::PointToPoint, 1.0, true));
+        let (jerk, acceleration) = (limits.jerk, friction * common::GRAVITY);
+        // The speed limit is not reached: d = v²/a + v a/j with the peak speed v, and twice v/a + a/j.
+        let ramp = acceleration / jerk;
+        let speed = 0.5 * acceleration * ((ramp * ramp + 4.0 * far / acceleration).sqrt() - ramp);
+        assert!(speed < limits.velocity && speed > acceleration * ramp);
+        let expected = 2.0 * (speed / acceleration + ramp);
+
+        let (motion, duration) = loaded_move(&cell, &from, &to);
+
+        keeps(&cell, &motion);
+        let excess = duration / expected - 1.0;
+        assert!((0.0..0.03).contains(&excess), "{friction}: {duration} {expected}");
+        assert!((0.9..1.0).contains(&peak_utilization(&cell, &motion)));
+    }
+}
+
+/// Shortest time of a turn on friction, without a jerk limit: the acceleration that friction and centripetal acceleration leave, integrated up to the middle (s).
+///
+/// # Arguments
+/// * `lever` – distance of the wafer's centre from the axis (m)
+/// * `wafer_radius` – of a wafer that is supported at its edge (m)
+fn fastest_turn(
+    angle: f64,
+    limits: KinematicLimits,
+    friction: f64,
+    lever: f64,
+    wafer_radius: f64,
+) -> f64 {
+    let available = friction * common::GRAVITY;
+    let acceleration = |speed: f64| {
+        let remaining = |value: f64| {
+            available - lever * value.hypot(speed * speed) - 0.5 * wafer_radius * value
+        };
+        let (mut low, mut high) = (0.0, limits.acceleration);
+        if remaining(high) >= 0.0 {
+            return high;
+        }
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if remaining(middle) >= 0.0 { low = middle } else { high = middle }
+        }
+        low
+    };
+    let (mut time, mut turned, mut speed) = (0.0, 0.0, 0.0);
+    let dt = 2e-5;
+    while turned < 0.5 * angle {
+        speed = limits.velocity.min(speed + dt * acceleration(speed));
+        turned += dt * speed;
+        time += dt;
+    }
+    2.0 * time
+}
+
+#[test]
+fn turns_on_little_friction_are_slow_only_where_it_binds() {
+    for (angle, friction) in [(0.6, 0.1), (2.0, 0.1), (2.5, 0.05), (2.5, 0.3)] {
+        let (mut cell, from) = on_friction(3, friction);
+        for axis in &mut cell.robot.axes {
+            axis.loaded.jerk *= 100.0;
+        }
+        let mut to = from.clone();
+        to[RODS] += angle;
+        let limits =
+            axis_limits(&cell.robot, RODS, &step(&from, &to, Path::PointToPoint, 1.0, true));
+        let center = |turned: f64| {
+            let mut at = from.clone();
+            at[RODS] += turned;
+            cell.wafer_pose(A, &at, true).unwrap().translation.vector
+        };
+        let lever = (center(1e-4) - center(-1e-4)).norm() / 2e-4;
+
+        let (motion, duration) = loaded_move(&cell, &from, &to);
+
+        keeps(&cell, &motion);
+        assert!(peak_utilization(&cell, &motion) < 1.0);
+        let optimum = fastest_turn(angle, limits, friction, lever, 0.5 * cell.wafer.diameter);
+        let excess = duration / optimum - 1.0;
+        assert!((0.0..0.03).contains(&excess), "{angle} {friction}: {duration} {optimum}");
+        // Slowed as a whole, by the largest acceleration: a short turn is nearly that, a long one keeps its speed.
+        let unlimited = angle / limits.velocity + limits.velocity / limits.acceleration;
+        let demand = (lever + 0.25 * cell.wafer.diameter) * limits.acceleration;
+        let slowed = unlimited * (demand / (friction * common::GRAVITY)).sqrt();
+        let most = if angle < 1.0 { slowed } else { 0.95 * slowed };
+        assert!(duration < most, "{angle} {friction}: {duration} {slowed}");
+    }
+}
+
+#[test]
+fn durations_of_moves_on_little_friction_are_continuous() {
+    let spike = |durations: &[f64]| {
+        let deviation = |three: &[f64]| (three[1] - 0.5 * (three[0] + three[2])).abs() / three[1];
+        durations.windows(3).map(deviation).fold(0.0, f64::max)
+    };
+    for (kind, others) in [(0, 0.0), (3, 0.0), (3, 0.3), (6, 0.6)] {
+        let duration = |angle: f64, friction: f64| {
+            let (cell, from) = on_friction(kind, friction);
+            let mut to = from.clone();
+            to[RODS] += angle;
+            to[RODS + 1] -= others * angle / 2.0;
+            loaded_move(&cell, &from, &to).1
+        };
+        let over_angles: Vec<f64> = (50..90).map(|k| duration(0.02 * f64::from(k), 0.08)).collect();
+        assert!(spike(&over_angles) < 0.01, "{kind}: {over_angles:?}");
+        let over_friction: Vec<f64> =
+            (10..60).map(|k| duration(1.2, 0.02 * f64::from(k))).collect();
+        assert!(spike(&over_friction) < 0.01, "{kind}: {over_friction:?}");
+        assert!(over_friction.is_sorted_by(|one, next| *next <= 1.001 * one), "{over_friction:?}");
     }
 }
 

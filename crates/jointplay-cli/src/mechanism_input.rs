@@ -174,6 +174,13 @@ impl Input {
         Ok(Self { file, coordinates, text: None, tolerance: None, replaced })
     }
 
+    /// Removes the virtual joints.
+    pub(crate) fn remove_virtual_joints(&mut self) {
+        let rigid = self.file.mechanism.clone().with_virtual_joints(Vec::new());
+        self.file.mechanism = rigid.expect("without virtual joints there is nothing to refuse");
+        self.coordinates = Coordinates::of(&self.file);
+    }
+
     /// Index of the joint coordinate with a name.
     pub(crate) fn find(&self, name: &str) -> Result<usize, Failure> {
         Ok(self.coordinates.find(&self.file.mechanism, name)?)

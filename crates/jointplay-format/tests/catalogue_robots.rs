@@ -292,6 +292,23 @@ fn lines_that_a_grid_search_follows_are_planned_in_random_cells() {
 }
 
 #[test]
+fn arms_that_fold_beyond_their_axis_extend_on_the_side_of_the_station() {
+    for robot in ["dual-arm", "radial-arm"] {
+        for length in [0.235, 0.245, 0.25] {
+            let mut cell = cell_of(robot, &stations(700.0), "radial", 10.0);
+            let joints = cell.robot.arms.iter_mut().flat_map(|arm| &mut arm.joints);
+            joints.filter(|joint| joint.length > 0.2).for_each(|joint| joint.length = length);
+            // At home, the wafer is beyond the axis.
+            let trajectory =
+                planned(&cell, LOT).unwrap_or_else(|error| panic!("{robot} {length}: {error:?}"));
+            let report =
+                check(&cell, &trajectory, &CheckOptions { rate: 200.0, report_distance: 0.0 });
+            assert!(report.violations.is_empty(), "{robot} {length}: {:?}", report.violations);
+        }
+    }
+}
+
+#[test]
 fn segments_are_slowed_until_the_wafer_stays() {
     let mut cell = cell_of("dual-arm", &stations(650.0), "radial", 10.0);
     let fast = planned(&cell, LOT).unwrap().duration();

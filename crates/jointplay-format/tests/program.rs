@@ -385,6 +385,25 @@ fn refused(text: &str) -> String {
 }
 
 #[test]
+fn errors_of_a_swap_show_its_form_in_the_names_of_the_line() {
+    for (text, form) in [
+        ("SWAP PM WITH B", "SWAP PM GET B PUT A"),
+        ("SWAP PM GET WITH B", "SWAP PM GET B PUT A"),
+        ("SWAP PM GET WITH B WITH A", "SWAP PM GET B PUT A"),
+        ("SWAP PM GET upper WITH lower", "SWAP PM GET upper PUT lower"),
+        ("SWAP PM SLOT 2 GET A", "SWAP PM SLOT 2 GET A PUT B"),
+        ("SWAP PM GET WITH", "SWAP PM GET B PUT A"),
+        ("SWAP \"TO\" GET WITH WITH", "SWAP \"TO\" GET B PUT A"),
+        ("SWAP PM", "SWAP PM GET B PUT A"),
+    ] {
+        let message = refused(text);
+        assert!(message.contains(&format!("; write `{form}`")), "{text}: {message}");
+        assert!(!message.contains("quotes"), "{text}: {message}");
+        assert!(parse(form).is_ok(), "{form}");
+    }
+}
+
+#[test]
 fn syntax_errors_name_their_line_and_column() {
     insta::assert_snapshot!(refused(include_str!("programs/invalid.program")));
     insta::assert_snapshot!(refused(include_str!("programs/invalid-expressions.program")));

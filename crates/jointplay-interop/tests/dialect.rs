@@ -1,7 +1,7 @@
 //! Controller text by dialects: formats, codes, checksums and line numbers.
 #![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
-use jointplay_cell::program::expand;
+use jointplay_cell::program::{Path, expand};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_format::{cell, program};
@@ -137,4 +137,106 @@ fn divisions_by_zero_are_reported_with_place_and_values() {
         shown.starts_with("mine.toml:15:16: `1 / (slot - 3)` is infinite for slot = 3"),
         "{shown}"
     );
+}
+
+/// Numbers of a text between spaces and commas.
+fn numbers(text: &str) -> Vec<f64> {
+    text.split([' ', ',']).filter_map(|word| word.parse().ok()).collect()
+}
+
+#[test]
+fn hand_offs_have_the_poses_of_their_slots() {
+    let rest = "taken = [\"{x}, {y}, {z}, {heading}, {tilt:.6f}\"]\nleft = [\"{x}, {y}, {z}, {heading}\"]\n";
+    let text = write(rest).unwrap();
+    let lines: Vec<Vec<f64>> = text.lines().map(numbers).collect();
+    // Positions of LP1 and LP2 in the cell file, with 20 mm and 110 mm to slots 3 and 12; the effector points along y of the station.
+    let slots = [[-495.0, 495.0, 520.0, 135.0], [-495.0, -495.0, 610.0, -135.0]];
+    // LP2 tilts by 0.8°, by which slot 12 is displaced by 1.5 mm.
+    for ((line, slot), tolerance) in lines.iter().zip(slots).zip([0.1, 1.7]) {
+        for (found, expected) in line.iter().zip(slot) {
+            assert!((found - expected).abs() < tolerance, "{text}");
+        }
+    }
+    assert_eq!(lines.len(), 2, "{text}");
+    // In other units.
+    let in_inches =
+        HEAD.replace("length = \"mm\"", "length = \"in\"").replace("\"deg\"", "\"rad\"");
+    let dialect = Dialect::parse(&format!("{in_inches}{rest}")).unwrap();
+    let (cell, motion) = planned();
+    let motion_export =
+        MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
+    let converted = dialect.write(&motion_export, 10.0).unwrap();
+    for (line, converted) in lines.iter().zip(converted.lines().map(numbers)) {
+        for (k, (found, expected)) in converted.iter().zip(line).enumerate() {
+            let expected = if k < 3 { expected / 25.4 } else { expected.to_radians() };
+            assert!((found - expected).abs() < 6e-4, "{found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn poses_at_ends_of_lines_and_at_even_times_are_those_of_the_wafers() {
+    let (cell, motion) = planned();
+    let motion_export =
+        MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
+    let write = |head: String| Dialect::parse(&head).unwrap().write(&motion_export, 10.0).unwrap();
+    let effectors: Vec<_> = cell.robot.effectors().collect();
+    let expected = |id, positions: &[f64], loaded: &[_]| {
+        let pose = cell.wafer_pose(id, positions, loaded.contains(&id)).unwrap();
+        pose.translation.vector * 1e3
+    };
+    let agrees = |found: &[f64], expected: nalgebra::Vector3<f64>| {
+        found.iter().zip(expected.iter()).all(|(found, expected)| (found - expected).abs() < 6e-4)
+    };
+
+    let of_lines = HEAD.replace("line = []", "line = [\"{effector} {x} {y} {z}\"]");
+    let text = write(of_lines);
+
+    let lines = motion.steps.iter().filter_map(|step| match step.path {
+        Path::Line(id) if step.from != step.to => Some((id, step)),
+        _ => None,
+    });
+    let mut rows = text.lines();
+    let mut count = 0;
+    for (id, step) in lines {
+        let row = rows.next().unwrap();
+        let center = expected(id, &step.to, &step.loaded);
+        assert!(agrees(&numbers(row), center), "{row} {center}");
+        count += 1;
+    }
+    assert!(count > 6 && rows.next().is_none(), "{count}");
+
+    let of_points = HEAD.replace(
+        "axes = []\nline = []\nstill = []",
+        "point = [\"{poses}\"]\npose = \"{x} {y} {z}\"",
+    );
+    let text = write(of_points);
+
+    for (row, sample) in text.lines().zip(motion.samples(10.0)) {
+        let loaded = &motion.steps[sample.step].loaded;
+        for (part, &id) in row.split(',').zip(&effectors) {
+            let center = expected(id, &sample.positions, loaded);
+            assert!(agrees(&numbers(part), center), "{row} {center}");
+        }
+    }
+    assert_eq!(text.lines().count(), motion.samples(10.0).count());
+}
+
+#[test]
+fn poses_need_their_template_and_axes_have_no_pose() {
+    for (rest, message) in [
+        ("begin = [\"{poses}\"]", "needs the key `pose`"),
+        ("begin = [\"{x}\"]", "`{x}` is not a name of this template"),
+        ("pose = \"{value}\"", "effector"),
+        ("pose = \"{effector_code}\"", "needs the table `[effector_codes]`"),
+    ] {
+        let errors = Dialect::parse(&format!("{HEAD}{rest}\n")).unwrap_err();
+        let shown = errors.with_excerpt("mine.toml");
+        assert!(shown.contains(message), "{rest}: {shown}");
+    }
+    let with_axes = HEAD.replace("axes = []", "axes = [\"{x}\"]");
+    assert!(Dialect::parse(&with_axes).is_err());
+    let rest = "pose = \"{effector_code}\"\nbegin = [\"{poses}\"]\n[effector_codes]\nA = 1\n";
+    let Err(Error::Dialect(errors)) = write(rest) else { panic!("no error") };
+    assert!(errors.with_excerpt("mine.toml").contains("has no code for \"B\""));
 }

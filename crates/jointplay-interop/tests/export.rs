@@ -18,7 +18,7 @@ use jointplay_core::virtualization::BuiltIn;
 use jointplay_format::{cell, program};
 use jointplay_interop::export::dialect::{DIALECTS, Dialect};
 use jointplay_interop::export::{
-    Frame, MACRO, MotionExport, ViolationNote, frames, gltf, samples, solidworks,
+    Frame, MACRO, MotionExport, ViolationNote, frames, gltf, gltf_within, samples, solidworks,
 };
 use jointplay_report::table::Values;
 use nalgebra::SVector;
@@ -750,4 +750,62 @@ fn the_check_and_the_3d_scene_have_the_same_poses() {
     }
     // The arm deflects visibly in some of these poses.
     assert!(lowest > 2e-4, "{lowest}");
+}
+
+#[test]
+fn fewer_keys_stay_within_the_tolerance() {
+    let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
+    let text =
+        "HOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\nTRANSFER PM1 TO LP2 SLOT 25 WITH B\nHOME\n";
+    let program = program::parse(text).unwrap();
+    let motion =
+        plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
+            .unwrap();
+    let motion_export =
+        MotionExport { cell: &cell, motion: &motion, program: text, violation_notes: &[] };
+    let rate = 100.0;
+    // A tolerance below round-off omits samples only where nothing moves.
+    let dense = gltf_within(&motion_export, rate, 1e-12).unwrap();
+    let (root, bytes) = parts(&gltf_within(&motion_export, rate, 1e-6).unwrap());
+    assert!(bytes.len() * 4 <= dense.len(), "{} of {} bytes", bytes.len(), dense.len());
+    let scene = Animated::new(&root, &bytes);
+    let nodes = root["nodes"].as_array().unwrap();
+    let named = |name: &str| nodes.iter().position(|node| node["name"] == name).unwrap();
+    let mut parents = vec![usize::MAX; nodes.len()];
+    for (k, node) in nodes.iter().enumerate() {
+        for child in node["children"].as_array().into_iter().flatten() {
+            parents[usize::try_from(child.as_u64().unwrap()).unwrap()] = k;
+        }
+    }
+    let pose = |place: SVector<f64, 3>, turn: SVector<f64, 4>| {
+        let turn = nalgebra::Quaternion::new(turn[3], turn[0], turn[1], turn[2]);
+        let turn = nalgebra::Unit::new_normalize(turn).to_rotation_matrix();
+        Pose::from_parts(nalgebra::Translation3::from(place), turn)
+    };
+    let (mut worst, mut compared) = (0.0_f64, 0);
+    for sample in motion.samples(rate).step_by(7) {
+        let (frames, _) = frames(&motion_export, sample.time, &sample.positions).unwrap();
+        let tracks: BTreeMap<usize, &Frame> =
+            frames.iter().map(|frame| (named(&frame.name), frame)).collect();
+        for &node in tracks.keys() {
+            let (mut shown, mut real) = (Pose::identity(), Pose::identity());
+            let mut at = node;
+            while let Some(frame) = tracks.get(&at) {
+                let place = scene.value::<3>(at, "translation", sample.time);
+                let turn = scene.value::<4>(at, "rotation", sample.time);
+                shown = pose(place, turn) * shown;
+                real = pose(frame.place.into(), frame.turn.into()) * real;
+                at = parents[at];
+            }
+            // The rim of a wafer.
+            let rim = nalgebra::Point3::new(0.15, 0.0, 0.0);
+            worst = worst.max((shown * rim - real * rim).norm());
+            compared += 1;
+        }
+    }
+    // Positions, and numbers in single precision at a metre.
+    assert!(compared > 500 && worst < 1.3e-6, "{worst} m in {compared} poses");
+    for tolerance in [0.0, -1.0, f64::NAN] {
+        assert!(gltf_within(&motion_export, rate, tolerance).is_err());
+    }
 }

@@ -19,6 +19,7 @@ mod mechanism;
 mod mechanism_analyses;
 mod mechanism_derivatives;
 mod mechanism_drives;
+mod mechanism_exports;
 mod mechanism_results;
 mod mechanism_suggest;
 mod model;

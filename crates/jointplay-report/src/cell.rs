@@ -21,6 +21,7 @@ use crate::violation_group::{
 };
 use jointplay_format::cell::robot::virtualization_name;
 use jointplay_format::place;
+use jointplay_format::program::phase_name;
 use jointplay_format::units::{mm, um};
 
 /// Result of `cell check` and `cell run`.
@@ -215,6 +216,8 @@ pub struct ViolationReport {
     pub line: usize,
     /// Column of the instruction.
     pub column: usize,
+    /// Phase of the instruction at the worst time, such as `turn` or `extend`.
+    pub phase: &'static str,
     /// Start of the violation.
     pub start_s: f64,
     /// End of the violation.
@@ -417,6 +420,7 @@ fn violation(cell: &Cell, one: &Violation) -> ViolationReport {
         instruction: one.instruction + 1,
         line: one.place.line,
         column: one.place.column,
+        phase: phase_name(one.phase),
         start_s: one.start,
         end_s: one.end,
         worst_s: one.worst_time,

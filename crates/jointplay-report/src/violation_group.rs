@@ -29,6 +29,8 @@ pub struct ViolationGroupReport {
     pub line: usize,
     /// Column of the worst violation.
     pub column: usize,
+    /// Phase of the instruction at the worst time, such as `turn` or `extend`.
+    pub phase: &'static str,
     /// Start of the first violation.
     pub first_s: f64,
     /// Time of the worst value.
@@ -139,6 +141,7 @@ fn group_report(
         wafers: group.wafers.len(),
         line: worst.place.line,
         column: worst.place.column,
+        phase: phase_name(worst.phase),
         first_s: violations[group.first()].start,
         worst_s: worst.worst_time,
         worst: displayed(worst, worst.worst),

@@ -16,6 +16,7 @@ from ._mechanisms import (
     Positions,
     Rates,
     Relief,
+    SimulatorModel,
     SuggestedJoint,
     Suggestion,
     Suggestions,
@@ -452,6 +453,19 @@ class Mechanism:
         commanded: Sequence[str] | None = None,
     ) -> Rates: ...
     def link_poses(self, coordinates: ArrayLike, name: str) -> NDArray[np.float64]: ...
+    def to_model(
+        self, format: Literal["mjcf", "sdf", "urdf"], at: dict[str, float] | None = None
+    ) -> SimulatorModel: ...
+    def _gltf(
+        self,
+        coordinates: ArrayLike,
+        duration_s: float,
+        exaggerate: float,
+        tolerance_um: float,
+        parts: bytes | None = None,
+        table: Sequence[tuple[str, str]] | None = None,
+        parts_up: str | None = None,
+    ) -> tuple[bytes, list[str]]: ...
     def __copy__(self) -> Mechanism: ...
     def __deepcopy__(self, _memo: object) -> Mechanism: ...
     @staticmethod

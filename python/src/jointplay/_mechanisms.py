@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -146,6 +148,18 @@ class MechanismMobility(Freedoms):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class SimulatorModel(Result):
+    """A mechanism as a model of a simulator."""
+
+    text: str
+    """The model."""
+    loops: str | None
+    """The file of joints that close loops, for URDF, which describes trees only."""
+    lost: tuple[str, ...]
+    """What the format does not keep."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class SingularConfiguration(Result):
     """A singular configuration along the path."""
 
@@ -207,6 +221,53 @@ class Motion(Table):
     def link_poses(self, name: str) -> Floats:
         """Poses of a link or an attached frame in the base frame, ``base_from_frame``, shape (n, 4, 4) [m]."""
         return self.mechanism.link_poses(self.coordinates, name)
+
+    def to_gltf(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        parts: str | os.PathLike[str] | None = None,
+        table: Mapping[str, str] | None = None,
+        parts_up: Literal["y", "z"] | None = None,
+        exaggerate: float = 1.0,
+        duration_s: float = 4.0,
+        tolerance_um: float = 1.0,
+    ) -> tuple[str, ...]:
+        """Writes the motion as an animated 3D scene, one binary glTF file; returns the links without a part.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file to write, such as ``motion.glb``; one that exists is replaced.
+        parts : str or path-like
+            A binary glTF file whose nodes move with the links of the same names; by default links are drawn as bars.
+        table : mapping of str to str
+            Names of nodes, and the links that they move with.
+        parts_up : str
+            The axis of the file of parts that is z of the base frame; by default ``'z'`` for files of Open CASCADE,
+            such as those of cascadio, and ``'y'`` for others.
+        exaggerate : float
+            Factor of the displacements of virtual joints.
+        duration_s : float
+            Duration of the motion.
+        tolerance_um : float
+            Largest deviation from the configurations, between which the motion is interpolated.
+        """
+        contents, missing = self.mechanism._gltf(
+            self.coordinates,
+            duration_s,
+            exaggerate,
+            tolerance_um,
+            None if parts is None else Path(parts).read_bytes(),
+            list((table or {}).items()),
+            parts_up,
+        )
+        path = Path(path)
+        # Written under another name and renamed, so that it is complete or not there.
+        partial = path.with_name(f".jointplay-partial-{path.name}")
+        partial.write_bytes(contents)
+        os.replace(partial, path)
+        return tuple(missing)
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Every coordinate along the path by name and unit, such as ``crank_rad``."""

@@ -14,6 +14,8 @@ export interface WaferPlacement {
 export interface WindowViolation {
   names: string[];
   message: string;
+  /** Phase of the instruction at the worst time, such as `turn` or `extend`. */
+  phase: string;
   line: number;
   start_s: number;
   end_s: number;

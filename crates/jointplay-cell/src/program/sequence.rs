@@ -1,5 +1,7 @@
 //! The motion sequence of each instruction, step by step.
 
+mod goal_positions;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -9,13 +11,12 @@ use nalgebra::Vector3;
 use super::effector_choice::effector_name;
 use super::ik_cache::IkCache;
 use super::limits::check_limits;
-use super::posture_choice::{PostureChoice, Visit, best_candidate};
+use super::posture_choice::PostureChoice;
 use super::retracted_pose::retracted_positions;
 use super::{Handoff, LinePostures, Path, Phase, ProgramProblem, RobotState, SourceLocation, Step};
-use crate::robot::{ArmChain, EffectorId, PostureChange, RODS, Redundancy, WaferTarget};
+use crate::robot::{EffectorId, PostureChange, RODS, WaferTarget};
 use crate::station::LinePoint::{Retracted, Slot, Via};
-use crate::station::{LinePoint, SlotId, StationPostures, Waypoints};
-use crate::wafer::Unreachable;
+use crate::station::{LinePoint, SlotId, Waypoints};
 use crate::workcell::Cell;
 
 /// Largest tilt of a platform that counts as level: it displaces a wafer at the reach of an arm by less than a micrometre (rad).
@@ -358,84 +359,6 @@ impl<'c> MotionSequencer<'c> {
             to[..RODS].copy_from_slice(&rods);
         }
         to
-    }
-
-    /// The target at which the sagging wafer's mean plane coincides with that of a given target.
-    fn compensated_sag(
-        &mut self,
-        effector: EffectorId,
-        target: &WaferTarget,
-    ) -> Result<WaferTarget, ProgramProblem> {
-        let height = match self.sag.get(&effector) {
-            Some(&height) => height,
-            None => {
-                let name = || effector_name(&self.cell.robot, effector).to_owned();
-                let sag = self.cell.sag(effector);
-                let sag = sag.map_err(|source| ProgramProblem::Sag {
-                    effector: name(),
-                    source: Box::new(source),
-                })?;
-                self.sag.insert(effector, sag.plane_height);
-                sag.plane_height
-            }
-        };
-        let center = target.center - target.normal.normalize() * height;
-        Ok(WaferTarget { center, ..*target })
-    }
-
-    fn positions_at(&mut self, goal: Goal<'_>) -> Result<Vec<f64>, ProgramProblem> {
-        let Goal { what, effector, target, slot, point } = goal;
-        let loaded = self.loaded.contains(&effector);
-        let target = if loaded { self.compensated_sag(effector, target)? } else { *target };
-        let reached = match self.postures(effector, slot.station)? {
-            Some(postures) => {
-                let chain = ArmChain::new(&self.cell.robot, effector);
-                let seed = postures.near(&chain, point, &self.positions);
-                let redundancy = Redundancy::KeepRedundantAngles;
-                self.ik_cache.positions(self.cell, effector, &target, loaded, &seed, redundancy)
-            }
-            None => self.solve(effector, &target, loaded),
-        };
-        reached.map_err(|source| self.unreachable(what, effector, slot, loaded, source))
-    }
-
-    /// Positions that bring the wafer of an effector to a target, from the present ones.
-    fn solve(
-        &mut self,
-        effector: EffectorId,
-        target: &WaferTarget,
-        loaded: bool,
-    ) -> Result<Vec<f64>, Unreachable> {
-        let redundancy = Redundancy::AwayFromLimits;
-        self.ik_cache.positions(self.cell, effector, target, loaded, &self.positions, redundancy)
-    }
-
-    /// Postures of an arm along the line into a station, chosen at the start of the visit; `None` where the arm has no choice.
-    fn postures(
-        &mut self,
-        effector: EffectorId,
-        station: usize,
-    ) -> Result<Option<Arc<StationPostures>>, ProgramProblem> {
-        let visit = Visit { effector, station };
-        if let Some(postures) = self.posture_choice.of_visit(visit) {
-            return Ok(Some(postures));
-        }
-        let found = self.ik_cache.posture_options(self.cell, effector, station);
-        let found = found.map_err(|source| {
-            let slot = SlotId { station, slot: 1 };
-            self.unreachable("the line into", effector, slot, false, source)
-        })?;
-        match found.as_ref() {
-            Ok(None) => Ok(None),
-            Ok(Some(options)) => {
-                let (robot, positions) = (&self.cell.robot, &self.positions);
-                let best = best_candidate(robot, effector, &options.candidates, positions);
-                let postures = self.ik_cache.postures(self.cell, visit, options, best);
-                self.posture_choice.start_visit(visit, &postures);
-                Ok(Some(postures))
-            }
-            Err(blocked) => Err(self.infeasible_line(effector, station, blocked)),
-        }
     }
 
     /// A Cartesian line to a goal.

@@ -1,5 +1,6 @@
 //! Steps: elementary moves and dwells of all axes.
 
+use std::fmt;
 use std::sync::Arc;
 
 use super::SourceLocation;
@@ -51,7 +52,31 @@ pub enum Phase {
     Wait,
 }
 
+impl fmt::Display for Phase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
 impl Phase {
+    /// Name, as in exports and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Move => "move",
+            Self::RetractArms => "retract arms",
+            Self::PostureChange => "posture change",
+            Self::Turn => "turn",
+            Self::Align => "align",
+            Self::Extend => "extend",
+            Self::Lift => "lift",
+            Self::Lower => "lower",
+            Self::Retract => "retract",
+            Self::Level => "level",
+            Self::Wait => "wait",
+        }
+    }
+
     /// Whether the robot moves between stations with retracted arms: safe zones apply.
     #[must_use]
     pub fn is_in_safe_zones(self) -> bool {

@@ -85,6 +85,14 @@ impl WaferLocation {
 }
 
 impl Handoff {
+    /// Slot of the hand-off.
+    #[must_use]
+    pub fn slot(self) -> SlotId {
+        match self {
+            Self::Picked(_, slot) | Self::Placed(_, slot) => slot,
+        }
+    }
+
     /// Location that the wafer leaves.
     #[must_use]
     pub fn source(self) -> WaferLocation {

@@ -138,14 +138,20 @@ impl Cell {
             return Ok(Ok(None));
         }
         let line = self.planar_line(effector, station)?;
-        Ok(match self.robot.posture_candidates(effector, &line) {
-            Ok(candidates) => Ok(Some(PostureOptions { line, candidates })),
-            Err(blocked) => Err(InfeasibleLine {
-                fraction: blocked.fraction,
-                reach: (line.at(blocked.fraction) - self.mount(effector)).norm(),
-                remedies: self.line_remedies(effector, &line),
-            }),
-        })
+        Ok(
+            match self
+                .robot
+                .posture_candidates(effector, &line)
+                .or_else(|_| self.robot.fine_posture_candidates(effector, &line))
+            {
+                Ok(candidates) => Ok(Some(PostureOptions { line, candidates })),
+                Err(blocked) => Err(InfeasibleLine {
+                    fraction: blocked.fraction,
+                    reach: (line.at(blocked.fraction) - self.mount(effector)).norm(),
+                    remedies: self.line_remedies(effector, &line),
+                }),
+            },
+        )
     }
 
     fn mount(&self, effector: EffectorId) -> Vector2<f64> {

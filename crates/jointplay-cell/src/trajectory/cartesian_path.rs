@@ -151,6 +151,8 @@ const MAX_HALVINGS: usize = 10;
 const POINT_TOLERANCE: f64 = 1e-12;
 /// Number of Newton steps after which a point counts as out of reach.
 const MAX_ITERATIONS: usize = 30;
+/// Largest Newton step of an axis: beyond it the step leads to another branch (m or rad).
+const MAX_STEP: f64 = std::f64::consts::PI;
 /// Residual up to which a point is accepted that does not converge further (m or rad): round-off near singular positions.
 const ACCEPTED_RESIDUAL: f64 = 1e-9;
 /// Largest difference of the end positions from those that the line leads to (m or rad).
@@ -342,7 +344,7 @@ impl CartesianLine<'_> {
                     q[axis] += step[row];
                     step_size = step_size.max(step[row].abs());
                 }
-                if !step_size.is_finite() || step_size > 1e3 {
+                if !step_size.is_finite() || step_size > MAX_STEP {
                     return Err(target.error(s, target.not_reached(&residual)));
                 }
                 residual = target.residual(&pose(&q)?, s);

@@ -19,7 +19,7 @@ pub(crate) enum Segment {
     },
     /// Each axis follows a profile of its own; all of them end together.
     PointToPoint(SynchronizedProfile),
-    /// All axes follow a path, whose parameter follows a profile.
+    /// All axes follow a path, Cartesian or in joint space, whose parameter follows a profile.
     Line {
         /// Positions of all axes over the path parameter.
         path: Arc<CartesianPath>,

@@ -12,6 +12,7 @@ use super::options::TrajectoryOptions;
 use super::segment::Segment;
 use super::segment_key::{moves, segment_key, shared_key};
 use super::slip::{friction_constraints, without_slip};
+use super::spline::Spline;
 use super::synchronized::synchronized_profile;
 use super::time_parameterization::TimeParameterization;
 use super::trajectory::Trajectory;
@@ -262,16 +263,35 @@ fn plan_segment(cell: &Cell, step: &Step, options: &TrajectoryOptions) -> Planne
             let limits = |axis| scaled_axis_limits(&cell.robot, axis, step);
             let segment =
                 Segment::PointToPoint(synchronized_profile(&step.from, &step.to, limits)?);
-            Ok(without_slip(cell, step, segment, || None))
+            Ok(without_slip(cell, step, segment, || joint_line_with_friction(cell, step)))
         }
     }
 }
 
+/// A step along its joint-space line, as fast as its axes and the friction of the wafers allow; `None` where no rate satisfies the constraints.
+fn joint_line_with_friction(cell: &Cell, step: &Step) -> Option<Segment> {
+    let path = Arc::new(CartesianPath {
+        spline: Spline::straight(&step.from, &step.to),
+        length: 0.0,
+        deviation: 0.0,
+        plane_deviation: 0.0,
+    });
+    let limits = step_limits(cell, step);
+    let constraints = |at: &AxesMotion<'_>| friction_constraints(cell, step, at);
+    let parameter = TimeParameterization::new(&path.spline, &limits, f64::INFINITY)
+        .plan_with_friction(&constraints)?;
+    Some(Segment::Line { path, parameter })
+}
+
+/// Limits of all axes in a step.
+fn step_limits(cell: &Cell, step: &Step) -> Vec<KinematicLimits> {
+    let robot = &cell.robot;
+    (0..robot.axes.len()).map(|axis| scaled_axis_limits(robot, axis, step)).collect()
+}
+
 /// A line as fast as its axes, a prescribed speed and the friction of the wafers allow.
 fn parameterized_line(cell: &Cell, step: &Step, path: CartesianPath) -> Planned<Segment> {
-    let robot = &cell.robot;
-    let limits: Vec<KinematicLimits> =
-        (0..robot.axes.len()).map(|axis| scaled_axis_limits(robot, axis, step)).collect();
+    let limits = step_limits(cell, step);
     let max_rate = match step.line_speed {
         Some(speed) if path.length > 0.0 => speed / path.length,
         _ => f64::INFINITY,

@@ -14,9 +14,9 @@ const FINE_INTERVALS: usize = 480;
 /// Largest admissible utilization of friction in the fine sampling: the margin to 1 covers the times between samples.
 const MAX_UTILIZATION: f64 = 0.999;
 /// Utilization of friction for which a slowed segment is planned.
-const TARGET_UTILIZATION: f64 = 0.99;
+const TARGET_UTILIZATION: f64 = 0.997;
 /// Utilization of friction at the collocation points of a search: the margin covers the places between them.
-const CONSTRAINED_UTILIZATION: f64 = 0.985;
+const CONSTRAINED_UTILIZATION: f64 = 0.99;
 /// Largest time scale: a wafer that slips even at this speed slips because its effector is tilted.
 const MAX_TIME_SCALE: f64 = 16.0;
 

@@ -36,6 +36,11 @@ impl SynchronizedProfile {
 /// Within round-off of that displacement the planner may find neither, and jerk limits lowered by far less than any tolerance separate the two.
 const LOWERED_JERK_SHARES: [f64; 4] = [0.0, 1e-12, 1e-10, 1e-8];
 
+/// Relative amount by which round-off may exceed a limit.
+///
+/// Displacements of micrometres differ from those that the planner reaches by more: its tolerance is absolute.
+const LIMIT_TOLERANCE: f64 = 1e-9;
+
 /// The fastest time-synchronized move within velocity, acceleration and jerk limits.
 ///
 /// # Errors
@@ -68,7 +73,9 @@ pub(crate) fn synchronized_profile(
         Some((units, request.plan(units, 0.0)?))
     });
     let (units, planned) = found.ok_or_else(|| NoProfile::new(&request))?;
-    Ok(request.profiles(units, &planned))
+    let profile = request.profiles(units, &planned);
+    let excess = request.time_scale(&profile);
+    Ok(if excess > 1.0 + LIMIT_TOLERANCE { profile.slowed(excess) } else { profile })
 }
 
 /// A move to plan.
@@ -140,6 +147,21 @@ impl SynchronizedMove<'_> {
             // Other results and errors print the planner's state, and contain nothing else that is of use.
             Ok(_) | Err(_) => None,
         }
+    }
+
+    /// Time scale at which profiles are within all limits; below 1 where they do not reach them.
+    fn time_scale(&self, profile: &SynchronizedProfile) -> f64 {
+        let mut scale = 0.0_f64;
+        for (&axis, limits) in self.moving.iter().zip(&self.limits) {
+            for piece in profile.axes[axis].pieces() {
+                let [_, velocity, acceleration, jerk] = piece.state(0.0).map(f64::abs);
+                scale = scale
+                    .max(velocity / limits.velocity)
+                    .max((acceleration / limits.acceleration).sqrt())
+                    .max((jerk / limits.jerk).cbrt());
+            }
+        }
+        scale
     }
 
     /// The profiles of all axes that the planner found.
@@ -252,6 +274,31 @@ mod tests {
                         assert!(!text.contains("inp.") && !text.contains("dof"), "{text}");
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn very_short_moves_keep_their_limits() {
+        // Rods that level the platform by a tenth of a micrometre, and others of any length.
+        let limits = KinematicLimits { velocity: 0.2, acceleration: 0.8, jerk: 8.0 };
+        for k in 0..2000_u32 {
+            let random = |by: u32| f64::from(k.wrapping_mul(by) % 997) / 997.0;
+            let length = 10_f64.powf(-9.0 + 8.0 * random(31));
+            let from = [0.5, 0.5, 0.5];
+            let to = [0.5 + length, 0.5 - length * random(57), 0.5 + length * random(71)];
+            let found = synchronized_profile(&from, &to, |_| limits).unwrap();
+            for profile in &found.axes {
+                for piece in profile.pieces() {
+                    let [_, velocity, acceleration, jerk] = piece.state(0.0).map(f64::abs);
+                    let fractions = [velocity / 0.2, acceleration / 0.8, jerk / 8.0];
+                    assert!(fractions.iter().all(|one| *one <= 1.0 + 4e-9), "{to:?} {fractions:?}");
+                }
+            }
+            // Jerk alone limits short moves: t = 4 (d / 2 j)^(1/3).
+            if length < 1e-4 {
+                let expected = 4.0 * (length / 16.0).cbrt();
+                assert!(found.duration < 1.05 * expected, "{length}: {}", found.duration);
             }
         }
     }

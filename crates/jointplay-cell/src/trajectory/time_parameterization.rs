@@ -14,7 +14,7 @@ use super::rate_search::RateSearch;
 use super::spline::{self, Jet, Spline};
 use super::squared_rate::{INTERVALS, RateGrid};
 use super::synchronized::{NoProfile, synchronized_profile};
-use crate::robot::KinematicLimits;
+use crate::robot::{AxesMotion, KinematicLimits};
 
 /// Number of intervals between the path parameters at which slopes are compared.
 const SLOPE_INTERVALS: usize = 80;
@@ -72,9 +72,25 @@ impl<'a> TimeParameterization<'a> {
         &self,
         friction: &FrictionConstraints<'_>,
     ) -> Option<JerkLimitedProfile> {
-        let single = self.single_axis_profile().ok()?;
+        let single = self.single_axis_profile(self.first_acceleration(friction)?).ok()?;
         let ramp_fraction = single.ramp_duration() / single.duration();
         self.fastest_profile(ramp_fraction.min(MAX_RAMP_FRACTION_BY_FRICTION), Some(friction))
+    }
+
+    /// Largest acceleration of the path parameter at the start of the path, within constraints of friction (1/s²); `None` where there is none.
+    fn first_acceleration(&self, friction: &FrictionConstraints<'_>) -> Option<f64> {
+        let jets: Vec<Jet> =
+            (0..self.spline.axes()).map(|axis| self.spline.jet(0, axis, 0.0)).collect();
+        let [positions, velocities] =
+            [0, 1].map(|order| jets.iter().map(|jet| jet[order]).collect::<Vec<f64>>());
+        let accelerations = vec![0.0; jets.len()];
+        let rows = friction(&AxesMotion {
+            positions: &positions,
+            velocities: &velocities,
+            accelerations: &accelerations,
+        })?;
+        // x' = 2 s̈
+        Some(rows.iter().map(|row| 0.5 / row[1].max(0.0)).fold(f64::INFINITY, f64::min))
     }
 
     /// The path parameter over time, from 0 to 1.
@@ -84,7 +100,7 @@ impl<'a> TimeParameterization<'a> {
     /// # Errors
     /// [`NoProfile`]
     pub(crate) fn plan(&self) -> Result<JerkLimitedProfile, NoProfile> {
-        let single = self.single_axis_profile()?;
+        let single = self.single_axis_profile(f64::INFINITY)?;
         if single.duration() == 0.0 || self.is_proportional() {
             return Ok(self.slowed_for_curvature(single));
         }
@@ -158,7 +174,10 @@ impl<'a> TimeParameterization<'a> {
     }
 
     /// The profile of a single axis, with constant limits of the parameter by the largest slope of each axis.
-    fn single_axis_profile(&self) -> Result<JerkLimitedProfile, NoProfile> {
+    ///
+    /// # Arguments
+    /// * `max_acceleration` – largest acceleration of the path parameter, besides that of the axes (1/s²)
+    fn single_axis_profile(&self, max_acceleration: f64) -> Result<JerkLimitedProfile, NoProfile> {
         let slopes: Vec<f64> =
             self.limits.iter().map(|&(axis, _)| self.spline.max_slope(axis)).collect();
         let least = |limit: &dyn Fn(&KinematicLimits) -> f64| {
@@ -171,7 +190,7 @@ impl<'a> TimeParameterization<'a> {
         };
         let limits = KinematicLimits {
             velocity: least(&|limits| limits.velocity).min(self.max_rate),
-            acceleration: least(&|limits| limits.acceleration),
+            acceleration: least(&|limits| limits.acceleration).min(max_acceleration),
             jerk: least(&|limits| limits.jerk),
         };
         if !limits.acceleration.is_finite() {
@@ -272,7 +291,6 @@ fn grid() -> impl Iterator<Item = f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::AxesMotion;
 
     fn limits(count: usize) -> Vec<KinematicLimits> {
         vec![KinematicLimits { velocity: 2.0, acceleration: 10.0, jerk: 200.0 }; count]
@@ -344,8 +362,8 @@ mod tests {
         let worst = worst(&spline, &profile, &limits);
         assert!(worst.iter().all(|&fraction| fraction < 1.0), "{worst:?}");
         // With the limits of the middle everywhere the path takes much longer.
-        let constant_limits =
-            parameterization.slowed_for_curvature(parameterization.single_axis_profile().unwrap());
+        let constant_limits = parameterization
+            .slowed_for_curvature(parameterization.single_axis_profile(f64::INFINITY).unwrap());
         assert!(
             profile.duration() < 0.8 * constant_limits.duration(),
             "{} {}",

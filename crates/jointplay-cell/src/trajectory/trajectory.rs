@@ -9,7 +9,7 @@ use super::profile::hash_numbers;
 use super::sample::{Sample, UniformSampling};
 use super::segment::Segment;
 use crate::incremental::{CacheKey, WithId};
-use crate::program::Step;
+use crate::program::{Path, Step};
 
 /// Discontinuities of the jerk closer to each other than this are one: they differ by round-off (s).
 const SAME_TIME: f64 = 1e-9;
@@ -102,8 +102,8 @@ impl Trajectory {
     /// Deviation of a step from its Cartesian line; `None` for steps that are not lines.
     #[must_use]
     pub fn line_deviation(&self, step: usize) -> Option<LineDeviation> {
-        match &**self.segments[step] {
-            Segment::Line { path, .. } => Some(LineDeviation {
+        match (&self.steps[step].path, &**self.segments[step]) {
+            (Path::Line(_), Segment::Line { path, .. }) => Some(LineDeviation {
                 length: path.length,
                 distance: path.deviation,
                 angle: path.plane_deviation,
@@ -112,7 +112,7 @@ impl Trajectory {
         }
     }
 
-    /// Axis that determines the duration of a point-to-point step; `None` where no axis moves, and for lines, whose axes are coupled.
+    /// Axis that determines the duration of a point-to-point step; `None` where no axis moves, where friction determines it, and for lines, whose axes are coupled.
     #[must_use]
     pub fn limiting_axis(&self, step: usize) -> Option<usize> {
         match &**self.segments[step] {

@@ -55,11 +55,12 @@ impl Violation {
         }
     }
 
-    /// Line, times, kind and [`Self::message`] on one line.
+    /// Line, phase, times, kind and [`Self::message`] on one line.
     #[must_use]
     pub fn describe(&self, cell: &Cell) -> String {
-        let (line, message) = (self.place.line, self.message(cell));
-        format!("line {line}, {:.3} s to {:.3} s, {}: {message}", self.start, self.end, self.kind)
+        let (line, phase, message) = (self.place.line, self.phase, self.message(cell));
+        let (start, end, kind) = (self.start, self.end, self.kind);
+        format!("line {line}, {phase}, {start:.3} s to {end:.3} s, {kind}: {message}")
     }
 
     /// Message in SI units, without time and line.

@@ -6,6 +6,7 @@ mod cell;
 mod compare;
 mod completions;
 mod draw;
+mod export;
 mod forward;
 mod import;
 mod inverse;
@@ -17,6 +18,7 @@ mod motion_course;
 mod motion_drives;
 mod motion_pose;
 mod motion_run;
+mod motion_scene;
 mod motion_table;
 mod pose_text;
 mod relief;
@@ -51,6 +53,7 @@ pub(crate) enum Command {
     #[cfg(feature = "studio")]
     Studio(studio::Studio),
     Import(import::Import),
+    Export(export::Export),
     #[command(alias = "catalog")]
     Catalogue(catalogue::Catalogue),
     Completions(completions::Completions),
@@ -80,6 +83,7 @@ impl Command {
             #[cfg(feature = "studio")]
             Self::Studio(command) => command.run(),
             Self::Import(command) => command.run(),
+            Self::Export(command) => command.run(),
             Self::Catalogue(command) => command.run(),
             Self::Completions(command) => command.run(),
             Self::Manual(command) => command.run(definition()),
@@ -105,6 +109,7 @@ impl Command {
             #[cfg(feature = "studio")]
             Self::Studio(command) => command.format,
             Self::Import(command) => command.format,
+            Self::Export(command) => command.mechanism.format,
             Self::Catalogue(command) => command.format,
             // A script for a shell and pages for man have one format only.
             Self::Completions(_) | Self::Manual(_) => return false,

@@ -1,9 +1,9 @@
 //! `jointplay move`: joints driven along a path.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use jointplay::format::number::{fixed, number};
 use jointplay::mechanism::DrivenMotion;
 use jointplay::mechanism::joint::Coordinate;
@@ -14,11 +14,12 @@ use jointplay::report::{self, MotionParameter, MotionReport, PosesReport};
 use super::motion_drives::DriveArgs;
 use super::motion_pose::{PoseMotion, pose_motion};
 use super::motion_run::{at_start, follow};
+use super::motion_scene::SceneArgs;
 use crate::failure::Failure;
 use crate::figure::svg_and_png;
 use crate::folder::{self, ForceArgs};
 use crate::mechanism_input::{Input, MechanismArgs};
-use crate::source;
+use crate::{console, source};
 
 /// Drive joints along a path and solve for the remaining ones
 ///
@@ -36,6 +37,7 @@ Examples:
   jointplay move hexapod --drive P1=0:0.02 --drive P2=0:-0.02:-0.005 --format json
   jointplay move gpr-mechanism --drive \"rod 1=0:3\" --poses --out tilt
   jointplay move hexapod --drive \"P1=0.02*sin(t)\" --drive \"P4=-0.02*sin(t)\" --steps 90
+  jointplay move gpr-mechanism --drive \"rod 1=0:3\" --to gltf --exaggerate 500 --out scene
   jointplay move gpr-mechanism --pose \"platform: tilt 1 about [1, 1, 0]\"
   jointplay move gpr-mechanism --pose \"platform: precess 1\" --steps 36
 
@@ -48,15 +50,39 @@ pub(crate) struct Move {
     /// Add the poses of all links and attached frames in the base frame: origin, and unit quaternion
     #[arg(long)]
     poses: bool,
-    /// Folder for the series (CSV) and the figure of all coordinates over the first driven one or over the variable (SVG, PNG); by default none are written
+    /// Folder for the files of --to; by default none are written
     #[arg(short, long, value_name = "FOLDER")]
     out: Option<PathBuf>,
+    /// Files to write into --out, separated by commas
+    #[arg(
+        long,
+        value_enum,
+        value_name = "FORMATS",
+        value_delimiter = ',',
+        default_value = "csv",
+        requires_if("gltf", "out")
+    )]
+    to: Vec<MotionFormat>,
+    #[command(flatten)]
+    scene: SceneArgs,
     #[command(flatten)]
     force: ForceArgs,
 }
 
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MotionFormat {
+    /// series of all coordinates (CSV), and their figure over the first driven one or over the variable (SVG, PNG)
+    Csv,
+    /// animated 3D scene of the links or of --parts, one binary glTF file
+    Gltf,
+}
+
 impl Move {
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        if self.scene.is_given() && !self.to.contains(&MotionFormat::Gltf) {
+            let text = "--parts and --exaggerate apply to the 3D scene: use --to gltf";
+            return Err(Failure::Usage(text.to_owned()));
+        }
         let input = self.mechanism.load()?;
         if let Some(folder) = &self.out {
             folder::check_folder(folder, self.force)?;
@@ -100,7 +126,20 @@ impl Move {
         let mut written = 0;
         if let Some(folder) = &self.out {
             let stem = format!("{}-motion", source::stem(self.mechanism.path()));
-            written = write(input, &report, &driven, folder, &stem, self.force)?;
+            let mut files = Vec::new();
+            if self.to.contains(&MotionFormat::Csv) {
+                files = series(input, &report, &driven, &stem)?;
+            }
+            if self.to.contains(&MotionFormat::Gltf) {
+                let reference = input.assembled(&[])?.coordinates;
+                let scene = self.scene.scene(input, &reference, moved)?;
+                for link in &scene.missing {
+                    console::note(&format!("no part moves with link {link:?}"));
+                }
+                files.push((format!("{stem}.glb"), scene.bytes));
+            }
+            folder::write(folder, &files, self.force)?;
+            written = files.len();
         }
         self.mechanism.format.print(&report, |report| {
             let mut text = self.text(input, report, &driven);
@@ -218,15 +257,13 @@ fn poses_text(input: &Input, poses: &PosesReport) -> String {
     text
 }
 
-/// Writes the series, and the figure of a mechanism in which other coordinates follow the first; returns the number of files.
-fn write(
+/// The series, and the figure of a mechanism in which other coordinates follow the first, as files.
+fn series(
     input: &Input,
     report: &MotionReport,
     driven: &[usize],
-    folder: &Path,
     stem: &str,
-    force: ForceArgs,
-) -> Result<usize, Failure> {
+) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let joints = input.coordinates.joints();
     let follower = |k: usize| {
         let named = &input.coordinates.all()[k];
@@ -262,8 +299,7 @@ fn write(
         let figure = motion(&report.name, &drive, &others, &singular);
         files.extend(svg_and_png(stem, &figure)?);
     }
-    folder::write(folder, &files, force)?;
-    Ok(files.len())
+    Ok(files)
 }
 
 /// Values of a coordinate in other units: `per` for one metre or radian.

@@ -56,9 +56,9 @@ fn a_search_finds_a_faster_program_and_continues_after_an_interruption() {
     let sandbox = sandbox(&[]);
     let naive = "HOME\nREPEAT 3 AS n\n  TRANSFER LP1 SLOT n TO ALIGN WITH A\n  TRANSFER ALIGN TO LP2 SLOT n WITH A\nEND\nHOME\n";
     sandbox.write("example.program", naive);
-    let command =
-        "cell optimise example.toml --rounds 2 --blend-mm 0,3 --speed-percent 100 --out found";
+    let command = "cell optimise example.toml --rounds 2 --blend-mm 0,3 --speed-percent 100 --station-programs 4 --out found";
     let found = sandbox.json(command);
+    assert!(found["evaluated"].as_u64().unwrap() <= 1 + 2 * 2 + 2 + 4, "{found}");
     let [given, best] = [&found["given"], &found["programs"][0]];
     let rate = |one: &Value| one["wafers_per_hour"].as_f64().unwrap();
     assert!(rate(best) > 1.1 * rate(given), "{found}");
@@ -731,6 +731,10 @@ fn the_how_to_shows_the_controller_text_of_its_dialect() {
     let command = "cell export example cell.program --to text --out c --dialect";
     sandbox.done(&format!("{command} mine.toml"));
     assert_eq!(sandbox.read("c/example-robot-controller.cmd"), block("The controller text:"));
+    sandbox.write("cartesian.toml", block("Save this as `cartesian.toml`"));
+    sandbox.done(&format!("{command} cartesian.toml --force"));
+    let text = sandbox.read("c/example-cartesian.pos");
+    assert!(text.starts_with(block("The controller text begins with:")), "{text}");
     // What the cell does not have is reported with its place in the dialect.
     for (from, to, message) in [
         ("LP1 = \"P1\"\n", "", "mine.toml:21:1: `[station_codes]` has no code for \"LP1\""),

@@ -73,7 +73,7 @@ fn parameters_of_a_cell_are_set_by_their_name_with_a_prefix() {
 #[test]
 fn a_search_is_not_resumed_after_a_file_of_the_cell_has_changed() {
     let sandbox = sandbox();
-    let line = "cell optimise cell.toml --rounds 0 --blend-mm 0 --speed-percent 100 --out found";
+    let line = "cell optimise cell.toml --rounds 0 --blend-mm 0 --speed-percent 100 --station-programs 0 --out found";
     let run = sandbox.run(line);
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert_eq!(sandbox.run(line).code, 0, "it is resumed");

@@ -8,6 +8,7 @@ mod cell_parameters;
 mod command;
 mod documents;
 mod draw;
+mod export;
 mod import;
 mod mechanism;
 mod motion;

@@ -11,6 +11,7 @@ mod closure;
 mod commanded_positions;
 mod description;
 mod drive_path;
+mod elementary;
 mod evidence;
 mod exaggeration;
 mod frame_drive;
@@ -51,8 +52,9 @@ pub use description::{
     VirtualMotion,
 };
 pub use drive_path::{Drive, DrivePath};
+pub use elementary::{ElementaryChain, ElementaryMotion};
 pub use evidence::{LinkMotion, MobilityClass, ScrewAxis, link_motion};
-pub use exaggeration::{ExaggeratedPlay, exaggerate_play};
+pub use exaggeration::{ExaggeratedPlay, exaggerate_play, exaggerated_link_poses};
 pub use frame_drive::drive_frames;
 pub use frame_path::{FramePath, FrameTarget, OrientationTarget};
 pub use joint::JointKind;

@@ -46,6 +46,6 @@ pub use loops::with_loops;
 pub use problem::{Error, Errors, Problem};
 pub use read::{Expected, MechanismFile, parse, parse_with};
 pub use values::{LengthUnit, Units};
-pub use write::write;
+pub use write::{write, write_loops};
 
 pub use crate::expression::{AngleUnit, ExpressionProblem};

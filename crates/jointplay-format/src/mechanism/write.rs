@@ -29,7 +29,7 @@ pub fn write(mechanism: &Mechanism, source: Option<&str>) -> String {
         line(&mut file, "characteristic_length", decimal(length));
     }
     for joint in mechanism.joints() {
-        write_joint(&mut file, mechanism, joint);
+        write_joint(&mut file, mechanism.links(), joint);
     }
     for joint in mechanism.virtual_joints() {
         write_virtual_joint(&mut file, mechanism, joint, Units::SI);
@@ -45,6 +45,20 @@ pub fn write(mechanism: &Mechanism, source: Option<&str>) -> String {
     file
 }
 
+/// Writes a file of joints that close loops, in m and rad, for [`super::with_loops`].
+///
+/// # Arguments
+/// * `links` – names of the links to which the joints refer
+#[must_use]
+pub fn write_loops(links: &[String], joints: &[Joint]) -> String {
+    let mut file = "kind = \"loops\"\n".to_owned();
+    line(&mut file, "units", "{ length = \"m\", angle = \"rad\" }");
+    for joint in joints {
+        write_joint(&mut file, links, joint);
+    }
+    file
+}
+
 /// Keys and values that place a frame.
 fn pose_keys(pose: &Pose, x_key: &'static str) -> [(&'static str, String); 3] {
     let rotation = pose.rotation.matrix();
@@ -55,8 +69,8 @@ fn pose_keys(pose: &Pose, x_key: &'static str) -> [(&'static str, String); 3] {
     ]
 }
 
-fn write_joint(file: &mut String, mechanism: &Mechanism, joint: &Joint) {
-    let link = |side: usize| quoted(&mechanism.links()[joint.links[side]]);
+fn write_joint(file: &mut String, links: &[String], joint: &Joint) {
+    let link = |side: usize| quoted(&links[joint.links[side]]);
     file.push_str("\n[[joint]]\n");
     line(file, "name", quoted(&joint.name));
     line(file, "kind", quoted(joint.kind.name()));

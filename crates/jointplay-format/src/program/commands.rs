@@ -23,10 +23,7 @@ pub(super) fn simple(command: &str, cursor: &mut Cursor<'_, '_>) -> Result<Comma
         }
         "SWAP" => {
             let at = slot(cursor)?;
-            cursor.require("GET")?;
-            let get = effector(cursor)?;
-            cursor.require("PUT")?;
-            Command::Swap { at, get, put: effector(cursor)? }
+            swap(at, cursor).map_err(|error| with_swap_form(error, cursor))?
         }
         "GOTO" => Command::Goto { to: slot(cursor)?, effector: with(cursor)? },
         "WAIT" => Command::Wait { duration: cursor.quantity("a time", &[AllowedValues::TIME])? },
@@ -86,6 +83,37 @@ fn line(cursor: &mut Cursor<'_, '_>) -> Result<Command, Error> {
         }
         by[direction] = Some(cursor.quantity("a length", &[AllowedValues::LENGTH])?);
     }
+}
+
+/// Words before the effectors of SWAP.
+const EFFECTOR_WORDS: [&str; 3] = ["GET", "PUT", "WITH"];
+
+/// The effectors of SWAP.
+fn swap(at: SlotName, cursor: &mut Cursor<'_, '_>) -> Result<Command, Error> {
+    cursor.require("GET")?;
+    let get = effector(cursor)?;
+    cursor.require("PUT")?;
+    Ok(Command::Swap { at, get, put: effector(cursor)? })
+}
+
+/// An error in the effectors of SWAP with the form of the command, in the names of the line.
+fn with_swap_form(error: Error, cursor: &Cursor<'_, '_>) -> Error {
+    let Error { place, problem } = error;
+    let (expected, found) = match *problem {
+        Problem::Expected { expected, found, .. } => (expected, found),
+        Problem::Reserved { expected, word } => (expected, format!("`{word}`")),
+        other => return Error { place, problem: Box::new(other) },
+    };
+    // Names of effectors follow these words; without them the form has those of the examples.
+    let named = cursor.names_after(&EFFECTOR_WORDS);
+    let [get, put] = match named.as_slice() {
+        [get, put, ..] if get != put => [*get, *put],
+        [get] if *get == "A" => ["A", "B"],
+        [get] => [*get, "A"],
+        _ => ["B", "A"],
+    };
+    let form = format!("{} GET {get} PUT {put}", cursor.text_before(&EFFECTOR_WORDS));
+    Error { place, problem: Box::new(Problem::Form { expected, found, form }) }
 }
 
 /// An effector of SWAP: WITH, which other commands need, is optional.

@@ -46,6 +46,26 @@ impl<'l, 't> Cursor<'l, 't> {
         self.expected.clear();
     }
 
+    /// Names of the line that directly follow one of these words, as written.
+    pub(super) fn names_after(&self, words: &[&str]) -> Vec<&'t str> {
+        let pairs = self.line.tokens.windows(2).filter(|pair| {
+            let is_name = match pair[1].kind {
+                Kind::Quoted => true,
+                Kind::Word => reserved(pair[1].text).is_none(),
+                _ => false,
+            };
+            is_name && words.iter().any(|word| pair[0].is(word))
+        });
+        pairs.map(|pair| pair[1].text).collect()
+    }
+
+    /// The line up to the first of these words, its tokens separated by spaces.
+    pub(super) fn text_before(&self, words: &[&str]) -> String {
+        let is_before = |token: &&Token<'_>| !words.iter().any(|word| token.is(word));
+        let before = self.line.tokens.iter().take_while(is_before);
+        before.map(|token| token.text).collect::<Vec<_>>().join(" ")
+    }
+
     pub(super) fn peek(&self) -> Option<&'l Token<'t>> {
         self.line.tokens.get(self.at)
     }

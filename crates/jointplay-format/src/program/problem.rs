@@ -55,6 +55,16 @@ pub enum Problem {
         /// The keyword.
         word: String,
     },
+    /// A token that the grammar does not allow here, in a command whose form is shown.
+    #[error("expected {}, found {found}; write `{form}`", alternatives(expected))]
+    Form {
+        /// Alternatives allowed here.
+        expected: Vec<String>,
+        /// The token found.
+        found: String,
+        /// The command with its form, in the names of the line.
+        form: String,
+    },
     /// A name without a closing quote.
     #[error("the name {found} has no closing quote")]
     Unclosed {

@@ -16,8 +16,8 @@ const AXIS: [(&str, Kind); 3] =
 /// Form of a value for each axis: the keys `length`, `angle`, `axis` and `between`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AxisFormat {
-    length: LengthUnit,
-    angle: AngleUnit,
+    pub(crate) length: LengthUnit,
+    pub(crate) angle: AngleUnit,
     axis: Template,
     pub(crate) between: String,
 }

@@ -23,6 +23,12 @@ impl Names {
         Self { known: known.to_vec(), undefined: Vec::new() }
     }
 
+    /// Adds names.
+    pub(crate) fn and(mut self, more: &[(&'static str, Kind)]) -> Self {
+        self.known.extend(more);
+        self
+    }
+
     /// Adds a name that exists where a key of the file defines it.
     pub(crate) fn with(
         mut self,

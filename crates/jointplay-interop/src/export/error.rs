@@ -16,6 +16,24 @@ pub enum Error {
         /// The rate found (Hz).
         rate: f64,
     },
+    /// A tolerance that is not positive.
+    #[error("the tolerance of keys must be positive, got {} m; use one such as 1e-6 m", number(*tolerance))]
+    Tolerance {
+        /// The tolerance found (m).
+        tolerance: f64,
+    },
+    /// A duration that is not positive.
+    #[error("the duration must be positive, got {} s; use one such as 4 s", number(*duration))]
+    Duration {
+        /// The duration found (s).
+        duration: f64,
+    },
+    /// Coordinates that are not those of the mechanism.
+    #[error("a configuration of the motion: {0}")]
+    Configuration(#[from] jointplay_core::Error),
+    /// A file of parts that cannot be animated.
+    #[error(transparent)]
+    Parts(#[from] super::gltf::PartsError),
     /// Too many samples.
     #[error(
         "the motion has {found:.0} samples at this rate, but at most {allowed:.0} are allowed; use a lower rate"

@@ -2,26 +2,38 @@
 
 mod buffer;
 mod document;
+mod keys;
+mod link_shape;
 mod material;
+mod mechanism_motion;
 mod numbers;
 mod parts;
+mod parts_error;
+mod parts_file;
 
-use gltf_json::animation::Animation;
 use gltf_json::scene::UnitQuaternion;
-use gltf_json::{Asset, Index, Node, Root, Scene as SceneOfNodes};
+use gltf_json::{Index, Node};
 use jointplay_cell::program::{HandoffDeflection, handoff_deflections};
 use jointplay_cell::station::SlotId;
 use jointplay_cell::workcell::Cell;
 use serde_json::{Map, Value, json};
 
-use self::document::Document;
+use self::document::{Document, Title, Tolerance};
+use self::keys::Samples;
 use self::numbers::{extras, single};
 use self::parts::{Parts, slot_name};
 use super::error::Error;
 use super::motion_export::MotionExport;
-use super::scene::{Scene, SlotStay, Track};
+use super::scene::{Part, Scene, SlotStay, Track};
 use super::violation_note::ViolationNote;
 use jointplay_format::units::um;
+
+pub use self::mechanism_motion::{AnimatedParts, MechanismMotion};
+pub use self::parts_error::PartsError;
+pub use self::parts_file::{PartsFile, UpAxis};
+
+/// Largest deviation of points of the animated scene from the samples, unless another is chosen (m).
+pub const KEY_TOLERANCE: f64 = 1e-6;
 
 /// The cell with its motion as binary glTF: rods, platform, links, wafers, stations, bodies and zones; one animation, as long as the motion.
 ///
@@ -35,8 +47,28 @@ use jointplay_format::units::um;
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::TooManyPoses`], [`Error::Placing`], [`Error::TooLarge`]
 ///
 /// # Numerics
-/// Numbers are single precision, as glTF has them; keys that follow from their neighbours are omitted.
+/// Numbers are single precision, as glTF has them; keys are omitted as by [`gltf_within`] with [`KEY_TOLERANCE`].
 pub fn gltf(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<u8>, Error> {
+    gltf_within(motion_export, rate, KEY_TOLERANCE)
+}
+
+/// The cell with its motion as [`gltf`], with fewer keys for a larger tolerance.
+///
+/// # Arguments
+/// * `rate` – samples a second (Hz)
+/// * `tolerance` – largest deviation of a point of the robot or of a wafer from the samples that are omitted (m)
+///
+/// # Errors
+/// Those of [`gltf`]; [`Error::Tolerance`].
+///
+/// # Numerics
+/// The tolerance is divided among the frames between the base and the point; rounding to single precision adds up to a few tenths of a micrometre.
+pub fn gltf_within(
+    motion_export: &MotionExport<'_>,
+    rate: f64,
+    tolerance: f64,
+) -> Result<Vec<u8>, Error> {
+    check_tolerance(tolerance)?;
     let scene = Scene::of(motion_export, rate, true)?;
     let mut document = Document::default();
     let mut parts = Parts::default();
@@ -44,13 +76,19 @@ pub fn gltf(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<u8>, Erro
     let base = Index::push(&mut document.nodes, Node::default());
     let mut children: Vec<Vec<Index<Node>>> = vec![Vec::new(); scene.tracks.len() + 1];
     let mut nodes = Vec::with_capacity(scene.tracks.len());
+    let tolerances = tolerances(&scene, motion_export.cell, tolerance);
     for (k, track) in scene.tracks.iter().enumerate() {
         let node = Index::push(&mut document.nodes, initial_node(track, motion_export.cell));
         nodes.push(node);
         children[track.parent.map_or(0, |parent| parent + 1)].push(node);
         let shown = parts.of_track(&mut document, motion_export.cell, track.of);
         children[k + 1].extend(shown);
-        document.animate(node, track, &scene.times);
+        let of_places: Vec<[f64; 3]> = track.rates.iter().map(|rate| rate.place).collect();
+        let of_turns: Vec<[f64; 4]> = track.rates.iter().map(|rate| rate.turn).collect();
+        let times = &scene.times;
+        let places = Samples { times, values: &track.places, rates: &of_places };
+        let turns = Samples { times, values: &track.turns, rates: &of_turns };
+        document.animate(node, &places, &turns, tolerances[k]);
     }
     children[0].extend(parts.of_world(&mut document, motion_export.cell));
     let half = std::f32::consts::FRAC_1_SQRT_2;
@@ -62,7 +100,64 @@ pub fn gltf(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<u8>, Erro
     for (node, children) in std::iter::once(base).chain(nodes).zip(children) {
         document.nodes[node.value()].children = (!children.is_empty()).then_some(children);
     }
-    binary_file(document, motion_export)
+    let is_safe = motion_export.violation_notes.is_empty();
+    document.file(&Title {
+        scene: &motion_export.cell.name,
+        animation: if is_safe { "program" } else { "program, NOT SAFE TO RUN" },
+        notes: &notes(motion_export),
+    })
+}
+
+/// Weight of an origin in the division of a tolerance among the frames of a chain, as the distance of a point from the origin of a frame is that of its rotation (m).
+const PLACE_WEIGHT: f64 = 0.25;
+
+fn check_tolerance(tolerance: f64) -> Result<(), Error> {
+    if tolerance.is_finite() && tolerance > 0.0 {
+        Ok(())
+    } else {
+        Err(Error::Tolerance { tolerance })
+    }
+}
+
+/// The part of a tolerance (m) of each track, so that the deviations of a track and of all its parents together stay within it.
+fn tolerances(scene: &Scene, cell: &Cell, tolerance: f64) -> Vec<Tolerance> {
+    let tracks = &scene.tracks;
+    // Distance of the farthest point that a track carries, from its origin.
+    let wafer = 0.5 * cell.wafer.diameter;
+    let effectors = cell.robot.arms.iter().flat_map(|arm| &arm.effectors);
+    let centers = effectors.map(|effector| nalgebra::Vector3::from(effector.wafer_center).norm());
+    let blade = centers.fold(0.0, f64::max) + wafer;
+    let mut reaches: Vec<f64> = tracks
+        .iter()
+        .map(|track| if matches!(track.of, Part::Wafer(_)) { wafer } else { blade })
+        .collect();
+    // Children come after their parents.
+    for (k, track) in tracks.iter().enumerate().rev() {
+        let Some(parent) = track.parent else { continue };
+        let places = track.places.iter().map(|&place| nalgebra::Vector3::from(place).norm());
+        reaches[parent] = reaches[parent].max(places.fold(0.0, f64::max) + reaches[k]);
+    }
+    // Along a chain, the same angle for all rotations, and as much for an origin as for a rotation at its weight.
+    let varies = |values: &[[f64; 3]]| values.windows(2).any(|pair| pair[0] != pair[1]);
+    let weight = |(track, &reach): (&Track, &f64)| {
+        let place = if varies(&track.places) { PLACE_WEIGHT } else { 0.0 };
+        let turns = track.turns.windows(2).any(|pair| pair[0] != pair[1]);
+        place + if turns { reach } else { 0.0 }
+    };
+    let mut sums: Vec<f64> = tracks.iter().zip(&reaches).map(weight).collect();
+    for (k, track) in tracks.iter().enumerate() {
+        sums[k] += track.parent.map_or(0.0, |parent| sums[parent]);
+    }
+    for (k, track) in tracks.iter().enumerate().rev() {
+        if let Some(parent) = track.parent {
+            sums[parent] = sums[parent].max(sums[k]);
+        }
+    }
+    let part = |&sum: &f64| {
+        let turn = tolerance / sum.max(PLACE_WEIGHT);
+        Tolerance { place: turn * PLACE_WEIGHT, turn }
+    };
+    sums.iter().map(part).collect()
 }
 
 /// A node at the first pose of its track; the node of a wafer lists the nodes of the slots that it is in.
@@ -112,66 +207,4 @@ fn notes(motion_export: &MotionExport<'_>) -> Value {
         notes.insert("hand_offs".to_owned(), json!(handoffs));
     }
     Value::Object(notes)
-}
-
-/// The file: a header, the description, the numbers.
-fn binary_file(document: Document, motion_export: &MotionExport<'_>) -> Result<Vec<u8>, Error> {
-    let bytes = document.buffer.bytes;
-    let mut root = Root {
-        asset: Asset {
-            version: "2.0".to_owned(),
-            generator: Some(concat!("jointplay ", env!("CARGO_PKG_VERSION")).to_owned()),
-            extras: extras(&notes(motion_export)),
-            ..Default::default()
-        },
-        scene: Some(Index::new(0)),
-        scenes: vec![SceneOfNodes {
-            name: Some(motion_export.cell.name.clone()),
-            nodes: vec![Index::new(0)],
-            extensions: None,
-            extras: None,
-        }],
-        nodes: document.nodes,
-        meshes: document.meshes,
-        materials: document.materials.iter().map(|one| one.describe()).collect(),
-        buffers: vec![gltf_json::Buffer {
-            byte_length: bytes.len().into(),
-            name: None,
-            uri: None,
-            extensions: None,
-            extras: None,
-        }],
-        buffer_views: document.buffer.views,
-        accessors: document.buffer.accessors,
-        ..Default::default()
-    };
-    if !document.channels.is_empty() {
-        let is_safe = motion_export.violation_notes.is_empty();
-        let name = if is_safe { "program" } else { "program, NOT SAFE TO RUN" };
-        root.animations.push(Animation {
-            name: Some(name.to_owned()),
-            channels: document.channels,
-            samplers: document.samplers,
-            extensions: None,
-            extras: None,
-        });
-    }
-    let mut text = serde_json::to_vec(&root).expect("all keys are strings");
-    while !text.len().is_multiple_of(4) {
-        text.push(b' ');
-    }
-    let total = 12 + 8 + text.len() + 8 + bytes.len();
-    let length = u32::try_from(total).map_err(|_| Error::TooLarge { bytes: total })?;
-    let part = |length: usize| u32::try_from(length).expect("less than all of it").to_le_bytes();
-    let mut file = Vec::with_capacity(total);
-    file.extend(b"glTF");
-    file.extend(2_u32.to_le_bytes());
-    file.extend(length.to_le_bytes());
-    file.extend(part(text.len()));
-    file.extend(b"JSON");
-    file.extend(text);
-    file.extend(part(bytes.len()));
-    file.extend(b"BIN\0");
-    file.extend(bytes);
-    Ok(file)
 }

@@ -16,8 +16,10 @@ mod channel;
 pub mod dialect;
 mod error;
 mod gltf;
+mod joint_points;
 #[cfg(feature = "mcap")]
 pub mod mcap;
+pub mod mechanism;
 mod motion_export;
 mod sample_columns;
 mod samples;
@@ -29,7 +31,9 @@ mod violation_note;
 mod wafer_frames;
 
 pub use error::Error;
-pub use gltf::gltf;
+pub use gltf::{
+    AnimatedParts, KEY_TOLERANCE, MechanismMotion, PartsError, PartsFile, UpAxis, gltf, gltf_within,
+};
 pub use motion_export::{MOST_SAMPLES, MotionExport};
 pub use sample_columns::{
     COLUMN_GROUPS, DEFAULT_COLUMNS, SampleColumn, sample_columns, select_columns,

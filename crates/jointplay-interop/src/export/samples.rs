@@ -1,5 +1,7 @@
 //! A motion as a table: one row per sample.
 
+use std::f64::consts::PI;
+
 use jointplay_cell::robot::{AxesMotion, AxisKind, ChainPose, EffectorId, FrameMotion};
 use jointplay_cell::trajectory::Sample;
 use jointplay_core::spatial::{Pose, Tilt, heading};
@@ -233,19 +235,28 @@ impl<'a> Table<'a> {
 
 /// A number of a frame in the base frame, in mm or degrees.
 fn frame_value(base_from_frame: &Pose, quantity: FrameQuantity) -> f64 {
+    let value = frame_quantity(base_from_frame, quantity);
+    match quantity {
+        FrameQuantity::X | FrameQuantity::Y | FrameQuantity::Z => mm(value),
+        FrameQuantity::Heading | FrameQuantity::Tilt | FrameQuantity::TiltAzimuth => deg(value),
+    }
+}
+
+/// A number of a frame in the base frame (m or rad).
+pub(super) fn frame_quantity(base_from_frame: &Pose, quantity: FrameQuantity) -> f64 {
     let origin = &base_from_frame.translation.vector;
     let normal = base_from_frame.rotation.matrix().column(2).into_owned();
     match quantity {
-        FrameQuantity::X => mm(origin.x),
-        FrameQuantity::Y => mm(origin.y),
-        FrameQuantity::Z => mm(origin.z),
-        FrameQuantity::Heading => match deg(heading(base_from_frame)) {
+        FrameQuantity::X => origin.x,
+        FrameQuantity::Y => origin.y,
+        FrameQuantity::Z => origin.z,
+        FrameQuantity::Heading => match heading(base_from_frame) {
             // Round-off decides between −180° and 180°.
-            degrees if degrees < -180.0 + 1e-9 => 180.0,
-            degrees => degrees,
+            angle if angle < -PI + 2e-11 => PI,
+            angle => angle,
         },
-        FrameQuantity::Tilt => deg(Tilt::from_normal(&normal).angle),
-        FrameQuantity::TiltAzimuth => deg(Tilt::from_normal(&normal).azimuth),
+        FrameQuantity::Tilt => Tilt::from_normal(&normal).angle,
+        FrameQuantity::TiltAzimuth => Tilt::from_normal(&normal).azimuth,
     }
 }
 

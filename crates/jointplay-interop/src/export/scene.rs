@@ -197,6 +197,7 @@ pub(super) fn rounded(value: f64, fractions: f64) -> f64 {
     (value * fractions).round() / fractions + 0.0
 }
 
+#[cfg(feature = "mcap")]
 /// Whether sample `k` of a series is needed for linear interpolation: the ends, and samples that differ from a neighbour.
 pub(super) fn is_key<T: PartialEq>(series: &[T], k: usize) -> bool {
     k == 0 || k + 1 == series.len() || series[k] != series[k - 1] || series[k] != series[k + 1]

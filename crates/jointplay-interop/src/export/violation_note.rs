@@ -2,6 +2,7 @@
 
 use jointplay_cell::check::{Report, Violation};
 use jointplay_cell::workcell::Cell;
+use jointplay_format::program::phase_name;
 use jointplay_report::explain_violation;
 
 /// A violation of a motion.
@@ -11,7 +12,7 @@ pub struct ViolationNote {
     pub from: f64,
     /// End of the violation (s).
     pub to: f64,
-    /// Message with line, kind and values.
+    /// Message with line, phase, kind and values.
     pub message: String,
 }
 
@@ -21,7 +22,13 @@ pub fn violation_notes(cell: &Cell, report: &Report) -> Vec<ViolationNote> {
     let violation_note = |one: &Violation| ViolationNote {
         from: one.start,
         to: one.end,
-        message: format!("line {}: {}: {}", one.place.line, one.kind, explain_violation(cell, one)),
+        message: format!(
+            "line {}, {}: {}: {}",
+            one.place.line,
+            phase_name(one.phase),
+            one.kind,
+            explain_violation(cell, one)
+        ),
     };
     report.violations.iter().map(violation_note).collect()
 }

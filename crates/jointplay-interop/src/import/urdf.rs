@@ -103,7 +103,24 @@ pub(super) fn read<'a>(
             }
         }
     }
+    for section in elements(root, "ros2_control") {
+        elements(section, "joint").try_for_each(|node| initial_value(&mut draft, node))?;
+    }
     draft.finish(name, Dialect::Urdf)
+}
+
+/// The initial position of a joint of `ros2_control` is where the search for a closed configuration starts.
+fn initial_value<'a>(draft: &mut Draft<'a>, node: Node<'a, 'a>) -> Result<(), Error> {
+    let is_named = |node: &Node, name| node.attribute("name").map(str::trim) == Some(name);
+    let states = elements(node, "state_interface").filter(|state| is_named(state, "position"));
+    let mut values = states.flat_map(|state| elements(state, "param"));
+    let Some(value) = values.find(|param| is_named(param, "initial_value")) else { return Ok(()) };
+    let number = attribute(node, "name").and_then(|name| draft.joint(name.text));
+    let Some(joint) = number.map(|number| &mut draft.descriptions[number]) else { return Ok(()) };
+    if joint.kind.freedoms() == 1 {
+        joint.guess = vec![draft.xml.number(&content(value))?];
+    }
+    Ok(())
 }
 
 fn add_link<'a>(draft: &mut Draft<'a>, link: Node<'a, 'a>) -> Result<(), Error> {
@@ -311,6 +328,20 @@ mod tests {
         assert!(is_actuated(&ARM.replace(transmission, control)));
         assert!(!is_actuated(&ARM.replace(transmission, &control.replace("command", "state"))));
         assert!(is_actuated(&ARM.replace("<joint name=\"wrist\"/>", "<joint>wrist</joint>")));
+    }
+
+    #[test]
+    fn initial_positions_are_guesses() {
+        let control = "<ros2_control><joint name=\"wrist\"><state_interface name=\"position\"><param name=\"initial_value\">0.25</param></state_interface></joint></ros2_control>";
+        let transmission = "<transmission name=\"t\"><joint name=\"wrist\"/></transmission>";
+        let with = ARM.replace(transmission, control);
+        assert_eq!(testing::read(&with).mechanism.joints()[0].guess, [0.25]);
+        assert!(
+            testing::read(&with.replace("position", "velocity")).mechanism.joints()[0]
+                .guess
+                .is_empty()
+        );
+        testing::refuse(&with, "0.25", "a quarter", "a quarter", "a number");
     }
 
     #[test]

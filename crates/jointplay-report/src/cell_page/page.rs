@@ -144,7 +144,7 @@ impl CellPage<'_> {
                 h2 { "Violations by cause" }
                 div.scroll { table {
                     thead { tr {
-                        th { "violation" } th.number { "count" } th.number { "first at s" } th.number { "worst at s" } th.number { "line" }
+                        th { "violation" } th.number { "count" } th.number { "first at s" } th.number { "worst at s" } th.number { "line" } th { "phase" }
                         th { "where" }
                     } }
                     tbody { @for group in &report.violation_groups[..shown] { (violation_row(group)) } }
@@ -301,6 +301,7 @@ fn violation_row(group: &ViolationGroupReport) -> Markup {
             td.number { (fixed(group.first_s, 3)) }
             td.number { (fixed(group.worst_s, 3)) }
             td.number { (group.line) }
+            td { (group.phase) }
             td { (places.join("; ")) @if group.occurrences.len() > places.len() { "; …" } }
         }
     }

@@ -26,10 +26,8 @@ fn links_of_a_slider_crank_are_where_trigonometry_places_them() {
 
 #[test]
 fn a_platform_is_tilted_with_its_play() {
-    let document = answered(
-        PATH,
-        r#"{"catalogue": "gpr", "at": {"rod 1": 0.502, "rod 2": 0.5, "rod 3": 0.5}}"#,
-    );
+    let document =
+        answered(PATH, r#"{"catalogue": "gpr", "at": {"rod 1": 0.002, "rod 2": 0, "rod 3": 0}}"#);
     let pose = super::answered(
         "/api/v1/pose",
         r#"{"command": {"kind": "rods", "rods_m": [0.502, 0.5, 0.5]}, "models": [{"virtualization": "planar"}]}"#,

@@ -43,6 +43,23 @@ impl HybridRobot {
         PostureSearch::new(self, &chain, &decomposition, path).shortest_paths()
     }
 
+    /// As [`Self::posture_candidates`], on a finer grid, which finds paths through narrower passages.
+    ///
+    /// # Errors
+    /// As [`Self::posture_candidates`].
+    ///
+    /// # Panics
+    /// As [`Self::posture_candidates`].
+    pub(crate) fn fine_posture_candidates(
+        &self,
+        id: EffectorId,
+        path: &PlanarPath,
+    ) -> Result<Vec<PostureCandidate>, NoPosturePath> {
+        let chain = ArmChain::new(self, id);
+        let decomposition = Decomposition::new(&chain).expect("the arm has a closed form");
+        PostureSearch::new(self, &chain, &decomposition, path).finer().shortest_paths()
+    }
+
     /// Positions of an arm's motors along a path, by a descent of the whole cost of [`Self::posture_candidates`] from one of them.
     ///
     /// # Panics

@@ -71,6 +71,9 @@ pub(super) struct Export {
     /// Sampling rate
     #[arg(long, value_name = "HZ", default_value = "100", value_parser = rate)]
     rate: Rate,
+    /// Largest deviation of points of the animated 3D scene from the samples that it leaves to interpolation
+    #[arg(long, value_name = "UM", default_value = "1", value_parser = finite)]
+    tolerance_um: f64,
     /// Folder for the files
     #[arg(short, long, value_name = "FOLDER", default_value = "cell-export")]
     out: PathBuf,
@@ -296,7 +299,8 @@ impl Export {
             #[cfg(feature = "parquet")]
             Kind::Parquet => parquet(staged, &format!("{stem}.parquet"), motion_export, table),
             Kind::Gltf => staged.add(&format!("{stem}.glb"), |writer| {
-                Ok(writer.write_all(&export::gltf(motion_export, rate)?)?)
+                let scene = export::gltf_within(motion_export, rate, 1e-6 * self.tolerance_um)?;
+                Ok(writer.write_all(&scene)?)
             }),
             #[cfg(feature = "mcap")]
             Kind::Mcap => mcap(staged, &format!("{stem}.mcap"), motion_export, rate),

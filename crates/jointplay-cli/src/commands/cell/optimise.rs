@@ -6,9 +6,11 @@ use std::path::PathBuf;
 use clap::Args;
 use jointplay::cell::check::CheckOptions;
 use jointplay::cell::optimise::{
-    Candidate, Evaluation, Objectives, OptimiseOptions, Search, TimingModel, WaferFlow,
+    Candidate, Evaluation, MotionSettings, Objectives, OptimiseOptions, Search, TimingModel,
+    WaferFlow,
 };
 use jointplay::cell::program::Program;
+use jointplay::cell::workcell::Cell;
 use jointplay::cell::{IncrementalPlanner, PlanOptions};
 use jointplay::format::number::counted;
 use jointplay::format::program;
@@ -29,7 +31,7 @@ const DOCUMENT: &str = "optimise.json";
 
 /// Search for faster or safer programs with the same wafer flow
 ///
-/// Each wafer visits the same slots in the same order, within the rules of the cell; the order of the hand-offs, the effectors, a blend radius and the speed are varied.
+/// Each wafer visits the same slots in the same order, within the rules of the cell; the order of the hand-offs, the effectors, blend radii and speeds are varied, first those of the whole program, then those of single stations.
 /// Listed are the programs without violations that no other exceeds in throughput, minimum distance and slip margin; each was planned and checked as by `jointplay cell check`.
 /// Evaluations are logged: the same command continues an interrupted search, and the result is the same.
 #[derive(Args)]
@@ -59,6 +61,9 @@ pub(super) struct Optimise {
     /// Number of partial orders that the search keeps
     #[arg(long, value_name = "N", default_value = "64", value_parser = beam)]
     beam: usize,
+    /// Largest number of programs with a speed or blend radius of their own at single stations
+    #[arg(long, value_name = "N", default_value = "24", value_parser = station_programs)]
+    station_programs: usize,
 }
 
 /// Result of `cell optimise`.
@@ -83,16 +88,29 @@ struct ProgramDocument {
     file: Option<String>,
     /// Number of the order of its hand-offs; 0 is that of the given program.
     order_number: usize,
-    /// Speed as a share of the limits.
+    /// Speed as a share of the limits, but at `stations`.
     speed_percent: f64,
-    /// Blend radius.
+    /// Blend radius, but at `stations`.
     blend_mm: f64,
+    /// Stations with settings of their own.
+    stations: Vec<StationDocument>,
     /// Wafers per hour of the repeated program.
     wafers_per_hour: f64,
     /// Minimum distance of all pairs.
     min_distance_mm: f64,
     /// Share of the friction that remains.
     slip_margin_percent: f64,
+}
+
+/// Speed and blend radius of the motions to a station and of the hand-offs there.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct StationDocument {
+    /// Name of the station.
+    station: String,
+    /// Speed as a share of the limits.
+    speed_percent: f64,
+    /// Blend radius.
+    blend_mm: f64,
 }
 
 fn radius(text: &str) -> Result<f64, String> {
@@ -111,6 +129,10 @@ fn percent(text: &str) -> Result<f64, String> {
 
 fn rounds(text: &str) -> Result<usize, String> {
     whole(text, 0, 100)
+}
+
+fn station_programs(text: &str) -> Result<usize, String> {
+    whole(text, 0, 10_000)
 }
 
 fn beam(text: &str) -> Result<usize, String> {
@@ -180,6 +202,7 @@ impl Optimise {
             rounds: self.rounds,
             blend_radii: self.blend_mm.clone(),
             speeds: self.speed_percent.clone(),
+            station_candidates: self.station_programs,
             ..OptimiseOptions::default()
         }
     }
@@ -191,7 +214,10 @@ impl Optimise {
         search: &Search<'_>,
         flow: &WaferFlow,
     ) -> Result<OptimiseDocument, Failure> {
-        let given = Candidate { order: 0, speed: 1.0, blend_radius: 0.0 };
+        let given = Candidate::uniform(0, MotionSettings::FULL_SPEED);
+        let row = |file, candidate: &Candidate, objectives: &Objectives| {
+            row(planned.cell(), file, candidate, objectives)
+        };
         let evaluated = search.evaluated();
         let given = evaluated.iter().find(|(candidate, _)| *candidate == given);
         let given = given.and_then(|(candidate, evaluation)| {
@@ -227,9 +253,14 @@ impl Optimise {
         let given = document.given.iter().map(|one| (one, "as given, without blends"));
         let found = document.programs.iter().map(|one| (one, one.file.as_deref().unwrap_or("")));
         for (one, name) in given.chain(found) {
+            let stations = one.stations.iter().map(|own| {
+                let (speed, blend) = (fixed(own.speed_percent, 0), fixed(own.blend_mm, 1));
+                format!("; {} {speed} %, {blend} mm", own.station)
+            });
+            let stations: String = stations.collect();
             let _ = writeln!(
                 text,
-                "  {:>8} {:>17} {:>14} {:>8} {:>9}  {name}",
+                "  {:>8} {:>17} {:>14} {:>8} {:>9}  {name}{stations}",
                 fixed(one.wafers_per_hour, 1),
                 fixed(one.min_distance_mm, 3),
                 fixed(one.slip_margin_percent, 1),
@@ -243,12 +274,23 @@ impl Optimise {
     }
 }
 
-fn row(file: Option<String>, candidate: &Candidate, objectives: &Objectives) -> ProgramDocument {
+fn row(
+    cell: &Cell,
+    file: Option<String>,
+    candidate: &Candidate,
+    objectives: &Objectives,
+) -> ProgramDocument {
+    let stations = candidate.stations.iter().map(|(&station, settings)| StationDocument {
+        station: cell.stations[station].name.clone(),
+        speed_percent: 100.0 * settings.speed,
+        blend_mm: mm(settings.blend_radius),
+    });
     ProgramDocument {
         file,
         order_number: candidate.order,
-        speed_percent: 100.0 * candidate.speed,
-        blend_mm: mm(candidate.blend_radius),
+        speed_percent: 100.0 * candidate.settings.speed,
+        blend_mm: mm(candidate.settings.blend_radius),
+        stations: stations.collect(),
         wafers_per_hour: objectives.wafers_per_hour,
         min_distance_mm: mm(objectives.clearance),
         slip_margin_percent: 100.0 * objectives.slip_margin,

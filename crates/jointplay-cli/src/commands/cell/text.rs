@@ -74,10 +74,11 @@ pub(super) fn violations(planned: &Planned) -> String {
         };
         let _ = writeln!(
             text,
-            "    {}{wafers}; first at {} s, worst at {} s{excess}",
+            "    {}{wafers}; first at {} s, worst at {} s during {}{excess}",
             counted(group.count, "time"),
             fixed(group.first_s, 3),
-            fixed(group.worst_s, 3)
+            fixed(group.worst_s, 3),
+            group.phase
         );
         if group.occurrences.len() > 1 {
             for one in group.occurrences.iter().take(OCCURRENCES) {

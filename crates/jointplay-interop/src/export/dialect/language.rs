@@ -13,6 +13,8 @@ pub struct Dialect {
     pub extension: String,
     pub(super) time_decimals: usize,
     pub(super) axis: AxisFormat,
+    /// Pose of one effector in the poses of all.
+    pub(super) pose: Option<Template>,
     pub(super) comment: Template,
     pub(super) begin: Vec<Template>,
     pub(super) instruction: Vec<Template>,

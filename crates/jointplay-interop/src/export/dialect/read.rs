@@ -5,6 +5,7 @@ use jointplay_format::toml_reader::Entry;
 
 use super::included::DIALECTS;
 use super::language::{Dialect, Motions};
+use super::pose::POSE;
 use crate::controller_text::{
     AxisFormat, Codes, Decimals, Kind, MOST_DECIMALS, Names, OutputFormat, Problem, Reader, Table,
     TemplateTable,
@@ -14,6 +15,8 @@ use crate::controller_text::{
 pub const MAX_BYTES: usize = 100_000;
 
 // Names that a template may contain, by kind of template.
+/// Names of the poses of all effectors, which the template `pose` defines.
+const POSES: (&str, &str) = ("poses", "the key `pose`");
 const ENDS: [(&str, Kind); 5] = [
     ("cell", Kind::Text),
     ("robot", Kind::Text),
@@ -81,18 +84,32 @@ fn read(top: &Table<'_, '_>) -> Option<Dialect> {
     let kind = |codes: &Option<Codes>| codes.as_ref().map(|codes| codes.kind);
     let handoff = Names::new(&HANDOFF)
         .with("station_code", "the table `[station_codes]`", kind(&station_codes))
-        .with("effector_code", "the table `[effector_codes]`", kind(&effector_codes));
+        .with("effector_code", "the table `[effector_codes]`", kind(&effector_codes))
+        .and(&POSE);
+    let with_poses = |names: Names| {
+        let kind = top.entry("pose").map(|_| Kind::Text);
+        names.with(POSES.0, POSES.1, kind)
+    };
     let axis = AxisFormat::read(&file);
+    let pose = match top.entry("pose") {
+        Some(entry) => {
+            let names = Names::new(&POSE).and(&[("effector", Kind::Text)]);
+            let code = kind(&effector_codes);
+            let names = names.with("effector_code", "the table `[effector_codes]`", code);
+            file.template(&entry, &names).map(Some)
+        }
+        None => Some(None),
+    };
     let comment = file
         .required("comment", &Names::new(&COMMENT))
         .filter(|comment| file.keeps_text("comment", comment.uses("text"), "{text}", "comments"));
-    let begin = file.list("begin", &Names::new(&ENDS));
+    let begin = file.list("begin", &with_poses(Names::new(&ENDS)));
     let instruction = file.list("instruction", &Names::new(&INSTRUCTION));
-    let motion = motions(&file);
+    let motion = motions(&file, &with_poses);
     let blend = file.list("blend", &Names::new(&BLEND));
     let taken = file.list("taken", &handoff);
     let left = file.list("left", &handoff);
-    let end = file.list("end", &Names::new(&ENDS));
+    let end = file.list("end", &with_poses(Names::new(&ENDS)));
     let output = match top.table("output", "`[output]`") {
         Some(table) => {
             let output = TemplateTable { top: &table, decimals }.output();
@@ -109,6 +126,7 @@ fn read(top: &Table<'_, '_>) -> Option<Dialect> {
         extension: extension?,
         time_decimals: decimals.times,
         axis: axis?,
+        pose: pose?,
         comment: comment?,
         begin: begin?,
         instruction: instruction?,
@@ -124,17 +142,23 @@ fn read(top: &Table<'_, '_>) -> Option<Dialect> {
 }
 
 /// The templates of motions.
-fn motions(file: &TemplateTable<'_, '_, '_>) -> Option<Motions> {
+fn motions(
+    file: &TemplateTable<'_, '_, '_>,
+    with_poses: &dyn Fn(Names) -> Names,
+) -> Option<Motions> {
     let keys = ["axes", "line", "still", "point"];
-    let step = Names::new(&STEP);
+    let step = with_poses(Names::new(&STEP));
+    // Only a line has one effector.
+    let of_line = step.clone().and(&POSE);
     match keys.map(|key| file.top.entry(key)) {
         [Some(axes), Some(line), Some(still), None] => {
-            let [axes, line, still] =
-                [axes, line, still].map(|entry| file.templates(&entry, &step));
+            let [axes, line, still] = [(axes, &step), (line, &of_line), (still, &step)]
+                .map(|(entry, names)| file.templates(&entry, names));
             Some(Motions::Steps { axes: axes?, line: line?, still: still? })
         }
         [None, None, None, Some(point)] => {
-            file.templates(&point, &Names::new(&POINT)).map(Motions::Points)
+            let names = with_poses(Names::new(&POINT));
+            file.templates(&point, &names).map(Motions::Points)
         }
         _ => {
             file.top.report(Problem::Motions);

@@ -1,6 +1,7 @@
 //! Text of a motion in a dialect.
 
-use jointplay_cell::program::{Handoff, Path};
+use jointplay_cell::program::{Handoff, Path, Step};
+use jointplay_cell::trajectory::Sample;
 use jointplay_format::number::fixed;
 use jointplay_format::place;
 use jointplay_format::program::phase_name;
@@ -67,12 +68,16 @@ impl Dialect {
         let ends = |output: &mut Output<'_>, lines: &[Template], time: f64| {
             let axes = cell.robot.axes.iter().map(|axis| axis.name.clone());
             let names = axes.collect::<Vec<_>>().join(&self.axis.between);
-            let positions = self.values(motion_export, &motion.sample_at(time).positions)?;
+            let sample = motion.sample_at(time);
+            let positions = self.values(motion_export, &sample.positions)?;
+            let pose = self.chain_pose(motion_export, lines, &sample)?;
+            let poses = self.poses(motion_export, pose.as_ref(), lines)?;
             push(output, lines, |name| match name {
                 "cell" => Value::Text(one_line(&cell.name)),
                 "robot" => Value::Text(one_line(&cell.robot.name)),
                 "axes" => Value::Text(names.clone()),
                 "positions" => Value::Text(positions.clone()),
+                "poses" => Value::Text(poses.clone()),
                 _ => Value::Real(time),
             })
         };
@@ -94,18 +99,23 @@ impl Dialect {
                 Motions::Steps { .. } if !motion.has_duration(k) => {}
                 Motions::Steps { axes, line, still } => {
                     let (lines, effector) = match step.path {
-                        Path::PointToPoint => (axes, String::new()),
-                        Path::Line(id) => (line, motion_export.effector_name(id).to_owned()),
-                        Path::Dwell(_) | Path::ProcessDwell { .. } => (still, String::new()),
+                        Path::PointToPoint => (axes, None),
+                        Path::Line(id) => (line, Some(id)),
+                        Path::Dwell(_) | Path::ProcessDwell { .. } => (still, None),
                     };
                     let positions = self.values(motion_export, &step.to)?;
+                    let pose = self.chain_pose(motion_export, lines, &target(step, k, end))?;
+                    let poses = self.poses(motion_export, pose.as_ref(), lines)?;
+                    let of_pose = |name: &str| self.pose_value(pose.as_ref(), effector?, name);
+                    let effector = effector.map_or("", |id| motion_export.effector_name(id));
                     push(&mut output, lines, |name| match name {
                         "number" => count(k + 1),
+                        "poses" => Value::Text(poses.clone()),
                         "phase" => Value::Text(phase_name(step.phase).to_owned()),
                         "time" => Value::Real(start),
                         "duration" => Value::Real(self.duration(start, end)),
                         "positions" => Value::Text(positions.clone()),
-                        _ => Value::Text(effector.clone()),
+                        _ => of_pose(name).unwrap_or_else(|| Value::Text(effector.to_owned())),
                     })?;
                     pass_on(&mut output, PART)?;
                 }
@@ -117,10 +127,13 @@ impl Dialect {
                     {
                         let positions = self.values(motion_export, &point.positions)?;
                         let velocities = self.values(motion_export, &point.velocities)?;
+                        let pose = self.chain_pose(motion_export, lines, &point)?;
+                        let poses = self.poses(motion_export, pose.as_ref(), lines)?;
                         push(&mut output, lines, |name| match name {
                             "number" => count(number + 1),
                             "time" => Value::Real(point.time),
                             "positions" => Value::Text(positions.clone()),
+                            "poses" => Value::Text(poses.clone()),
                             _ => Value::Text(velocities.clone()),
                         })?;
                         pass_on(&mut output, PART)?;
@@ -137,15 +150,15 @@ impl Dialect {
             };
             let (effector, station) =
                 (motion_export.effector_name(id), &cell.stations[slot.station].name);
-            let code = |codes: &Option<Codes>, name: &str| {
-                codes.as_ref().map_or(Value::Text(String::new()), |codes| codes.code(name))
-            };
+            let pose = self.chain_pose(motion_export, lines, &target(step, k, end))?;
             push(&mut output, lines, |name| match name {
                 "effector" => Value::Text(effector.to_owned()),
                 "station" => Value::Text(station.clone()),
-                "effector_code" => code(&self.effector_codes, effector),
-                "station_code" => code(&self.station_codes, station),
-                _ => count(slot.slot),
+                "effector_code" => self.effector_code(effector),
+                "station_code" => code(self.station_codes.as_ref(), station),
+                name => {
+                    self.pose_value(pose.as_ref(), id, name).unwrap_or_else(|| count(slot.slot))
+                }
             })?;
         }
         ends(&mut output, &self.end, motion.duration())?;
@@ -157,6 +170,7 @@ impl Dialect {
     fn check_codes(&self, motion_export: &MotionExport<'_>) -> Result<(), Error> {
         let MotionExport { cell, motion, .. } = *motion_export;
         let needs = |name: &str| self.taken.iter().chain(&self.left).any(|one| one.uses(name));
+        let poses_need_codes = self.pose.as_ref().is_some_and(|one| one.uses("effector_code"));
         let handoffs = || {
             motion.steps.iter().filter_map(|step| match step.handoff? {
                 Handoff::Picked(id, slot) | Handoff::Placed(id, slot) => Some((id, slot)),
@@ -167,11 +181,19 @@ impl Dialect {
             let names = handoffs().map(|(_, slot)| cell.stations[slot.station].name.as_str());
             errors.extend(codes.missing(names));
         }
-        if let (Some(codes), true) = (&self.effector_codes, needs("effector_code")) {
+        if let (Some(codes), true) = (&self.effector_codes, poses_need_codes) {
+            let names = cell.robot.effectors().map(|id| motion_export.effector_name(id));
+            errors.extend(codes.missing(names));
+        } else if let (Some(codes), true) = (&self.effector_codes, needs("effector_code")) {
             let names = handoffs().map(|(id, _)| motion_export.effector_name(id));
             errors.extend(codes.missing(names));
         }
         if errors.is_empty() { Ok(()) } else { Err(Error::Dialect(errors.into())) }
+    }
+
+    /// The code of an effector; empty without codes.
+    pub(super) fn effector_code(&self, name: &str) -> Value {
+        code(self.effector_codes.as_ref(), name)
     }
 
     fn push_comment(&self, output: &mut Output<'_>, what: &str) -> Result<(), Error> {
@@ -204,6 +226,15 @@ fn push(
 }
 
 /// The error of a template that has no text for this motion.
-fn invalid(error: place::Error<Problem>) -> Error {
+pub(super) fn invalid(error: place::Error<Problem>) -> Error {
     Error::Dialect(vec![error].into())
+}
+
+fn code(codes: Option<&Codes>, name: &str) -> Value {
+    codes.map_or(Value::Text(String::new()), |codes| codes.code(name))
+}
+
+/// The robot at rest at the end of a step, its wafers as during the step.
+fn target(step: &Step, index: usize, end: f64) -> Sample {
+    Sample { time: end, step: index, positions: step.to.clone(), ..Sample::default() }
 }

@@ -1,14 +1,16 @@
 //! Nodes, meshes and animation of a glTF file.
 
 use gltf_json::accessor::Type;
-use gltf_json::animation::{Channel, Interpolation, Property, Sampler, Target};
+use gltf_json::animation::{Animation, Channel, Interpolation, Property, Sampler, Target};
 use gltf_json::validation::Checked::Valid;
-use gltf_json::{Index, Mesh, Node};
+use gltf_json::{Asset, Index, Mesh, Node, Root, Scene as SceneOfNodes};
+use serde_json::Value;
 
 use super::buffer::Buffer;
+use super::keys::{self, Key, Samples};
 use super::material::Material;
-use super::numbers::single;
-use crate::export::scene::{Track, is_key};
+use super::numbers::extras;
+use crate::export::error::Error;
 
 /// The lists of a glTF file.
 #[derive(Default)]
@@ -22,67 +24,153 @@ pub(super) struct Document {
     pub(super) samplers: Vec<Sampler>,
 }
 
-/// An animated property of a node.
+/// Largest deviation of an animated node from its samples.
 #[derive(Clone, Copy)]
-struct Animated {
-    node: Index<Node>,
-    property: Property,
-    kind: Type,
+pub(super) struct Tolerance {
+    /// Of its origin (m).
+    pub(super) place: f64,
+    /// Of its rotation (rad).
+    pub(super) turn: f64,
 }
 
-/// A value at a time, and how fast it changes there.
-#[derive(Clone, Copy, PartialEq)]
-struct Key<const N: usize> {
-    value: [f32; N],
-    rate: [f32; N],
-}
-
-impl<const N: usize> Key<N> {
-    fn new(value: &[f64; N], rate: &[f64; N]) -> Self {
-        Self { value: value.map(single), rate: rate.map(single) }
-    }
+/// The names of a file, and its notes.
+pub(super) struct Title<'a> {
+    pub(super) scene: &'a str,
+    pub(super) animation: &'a str,
+    pub(super) notes: &'a Value,
 }
 
 impl Document {
-    /// Moves a node along its track, in translation and rotation where either changes.
-    pub(super) fn animate(&mut self, node: Index<Node>, track: &Track, times: &[f64]) {
-        let places = track.places.iter().zip(&track.rates);
-        let places: Vec<_> = places.map(|(at, rate)| Key::new(at, &rate.place)).collect();
-        let turns = track.turns.iter().zip(&track.rates);
-        let turns: Vec<_> = turns.map(|(turn, rate)| Key::new(turn, &rate.turn)).collect();
-        let translation = Animated { node, property: Property::Translation, kind: Type::Vec3 };
-        self.channel(translation, times, &places);
-        let rotation = Animated { node, property: Property::Rotation, kind: Type::Vec4 };
-        self.channel(rotation, times, &turns);
+    /// Moves a node through samples with rates, by cubics, in translation and rotation where either changes.
+    pub(super) fn animate(
+        &mut self,
+        node: Index<Node>,
+        places: &Samples<'_, 3>,
+        turns: &Samples<'_, 4>,
+        tolerance: Tolerance,
+    ) {
+        let interpolation = Interpolation::CubicSpline;
+        let places = keys::cubic(places, tolerance.place);
+        self.channel(node, (Property::Translation, Type::Vec3), interpolation, &places);
+        // Half of the angle between two unit quaternions is the norm of their difference.
+        let turns = keys::cubic(turns, 0.5 * tolerance.turn);
+        self.channel(node, (Property::Rotation, Type::Vec4), interpolation, &turns);
     }
 
-    fn channel<const N: usize>(&mut self, animated: Animated, times: &[f64], keys: &[Key<N>]) {
-        if keys.windows(2).all(|pair| pair[0] == pair[1]) {
+    /// Moves a node through samples, along straight lines and great circles.
+    pub(super) fn animate_lines(
+        &mut self,
+        node: Index<Node>,
+        times: &[f64],
+        (places, turns): (&[[f64; 3]], &[[f64; 4]]),
+        tolerance: Tolerance,
+    ) {
+        let interpolation = Interpolation::Linear;
+        let places = keys::lines(times, places, tolerance.place);
+        self.channel(node, (Property::Translation, Type::Vec3), interpolation, &places);
+        let turns = keys::arcs(times, turns, tolerance.turn);
+        self.channel(node, (Property::Rotation, Type::Vec4), interpolation, &turns);
+    }
+
+    fn channel<const N: usize>(
+        &mut self,
+        node: Index<Node>,
+        (property, kind): (Property, Type),
+        interpolation: Interpolation,
+        keys: &[Key<N>],
+    ) {
+        if keys
+            .windows(2)
+            .all(|pair| pair[0].value == pair[1].value && pair[0].rate == pair[1].rate)
+        {
             return;
         }
-        let (mut at, mut values): (Vec<f32>, Vec<[f32; N]>) = (Vec::new(), Vec::new());
-        for (k, (&time, key)) in times.iter().zip(keys).enumerate() {
-            let time = single(time);
-            // Late in a long motion neighbouring times may be one in single precision.
-            if is_key(keys, k) && at.last().is_none_or(|&last| last < time) {
-                at.push(time);
-                values.extend([key.rate, key.value, key.rate]);
+        let times: Vec<f32> = keys.iter().map(|key| key.time).collect();
+        let values: Vec<[f32; N]> = match interpolation {
+            Interpolation::CubicSpline => {
+                keys.iter().flat_map(|key| [key.rate, key.value, key.rate]).collect()
             }
-        }
+            _ => keys.iter().map(|key| key.value).collect(),
+        };
         let sampler = Sampler {
-            input: self.buffer.times(&at),
-            output: self.buffer.floats(animated.kind, &values),
-            interpolation: Valid(Interpolation::CubicSpline),
+            input: self.buffer.times(&times),
+            output: self.buffer.floats(kind, &values),
+            interpolation: Valid(interpolation),
             extensions: None,
             extras: None,
         };
-        let target = Target {
-            node: animated.node,
-            path: Valid(animated.property),
-            extensions: None,
-            extras: None,
-        };
+        let target = Target { node, path: Valid(property), extensions: None, extras: None };
         let sampler = Index::push(&mut self.samplers, sampler);
         self.channels.push(Channel { sampler, target, extensions: None, extras: None });
     }
+
+    /// The file, whose first node is the root of the scene.
+    pub(super) fn file(self, title: &Title<'_>) -> Result<Vec<u8>, Error> {
+        let bytes = self.buffer.bytes;
+        let mut root = Root {
+            asset: Asset {
+                version: "2.0".to_owned(),
+                generator: Some(GENERATOR.to_owned()),
+                extras: extras(title.notes),
+                ..Default::default()
+            },
+            scene: Some(Index::new(0)),
+            scenes: vec![SceneOfNodes {
+                name: Some(title.scene.to_owned()),
+                nodes: vec![Index::new(0)],
+                extensions: None,
+                extras: None,
+            }],
+            nodes: self.nodes,
+            meshes: self.meshes,
+            materials: self.materials.iter().map(|one| one.describe()).collect(),
+            buffers: vec![gltf_json::Buffer {
+                byte_length: bytes.len().into(),
+                name: None,
+                uri: None,
+                extensions: None,
+                extras: None,
+            }],
+            buffer_views: self.buffer.views,
+            accessors: self.buffer.accessors,
+            ..Default::default()
+        };
+        if !self.channels.is_empty() {
+            root.animations.push(Animation {
+                name: Some(title.animation.to_owned()),
+                channels: self.channels,
+                samplers: self.samplers,
+                extensions: None,
+                extras: None,
+            });
+        }
+        binary(serde_json::to_vec(&root).expect("all keys are strings"), bytes)
+    }
+}
+
+/// Name of the program in files.
+pub(super) const GENERATOR: &str = concat!("jointplay ", env!("CARGO_PKG_VERSION"));
+
+/// A file in binary form: a header, the description, the numbers.
+pub(super) fn binary(mut text: Vec<u8>, mut bytes: Vec<u8>) -> Result<Vec<u8>, Error> {
+    while !text.len().is_multiple_of(4) {
+        text.push(b' ');
+    }
+    while !bytes.len().is_multiple_of(4) {
+        bytes.push(0);
+    }
+    let total = 12 + 8 + text.len() + 8 + bytes.len();
+    let length = u32::try_from(total).map_err(|_| Error::TooLarge { bytes: total })?;
+    let part = |length: usize| u32::try_from(length).expect("less than all of it").to_le_bytes();
+    let mut file = Vec::with_capacity(total);
+    file.extend(b"glTF");
+    file.extend(2_u32.to_le_bytes());
+    file.extend(length.to_le_bytes());
+    file.extend(part(text.len()));
+    file.extend(b"JSON");
+    file.extend(text);
+    file.extend(part(bytes.len()));
+    file.extend(b"BIN\0");
+    file.extend(bytes);
+    Ok(file)
 }

@@ -147,7 +147,7 @@ fn bodies(
 
 impl Document {
     /// A shape at its place, as a node; none where it has no surface.
-    fn show(
+    pub(super) fn show(
         &mut self,
         name: &str,
         shape: &Shape,

@@ -110,6 +110,7 @@ impl Timeline {
             json!({
                 "names": one.names,
                 "message": one.message,
+                "phase": one.phase,
                 "line": one.line as i64 - window.line as i64,
                 "start_s": since(one.start_s, window.start),
                 "end_s": since(one.end_s, window.start),

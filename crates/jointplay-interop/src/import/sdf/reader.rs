@@ -8,6 +8,7 @@ use jointplay_core::spatial::Pose;
 use roxmltree::Node;
 
 use super::frames::{Frames, Kind, WORLD};
+use crate::export::mechanism::POSITION_CONTROLLER;
 use crate::import::draft::{Draft, bare};
 use crate::import::model::{Dialect, Imported};
 use crate::import::problem::Error;
@@ -48,6 +49,8 @@ pub(super) struct Reader<'a> {
     pub(super) joints: Vec<usize>,
     /// Link of the mechanism for each frame that is a link.
     pub(super) link_of_frame: Vec<Option<usize>>,
+    /// Controllers of joints to positions.
+    controllers: Vec<Node<'a, 'a>>,
     /// Prefix, with `::`, of the only model of a file: its links need no prefix.
     pub(super) only_model: Option<String>,
 }
@@ -55,8 +58,14 @@ pub(super) struct Reader<'a> {
 pub(in crate::import) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Imported, Error> {
     let version = version(draft.xml, root)?;
     let frames = Frames::new(draft.xml, version);
-    let mut reader =
-        Reader { draft, frames, joints: Vec::new(), link_of_frame: Vec::new(), only_model: None };
+    let mut reader = Reader {
+        draft,
+        frames,
+        joints: Vec::new(),
+        link_of_frame: Vec::new(),
+        controllers: Vec::new(),
+        only_model: None,
+    };
     let mut top = None;
     for node in children(root) {
         match node.tag_name().name() {
@@ -80,6 +89,7 @@ pub(in crate::import) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Resul
     for index in 0..reader.joints.len() {
         reader.joint(reader.joints[index])?;
     }
+    reader.actuate();
     reader.add_floating_joints()?;
     reader.draft.finish(name, Dialect::Sdf)
 }
@@ -132,6 +142,12 @@ impl<'a> Reader<'a> {
                     }
                     "joint" => joints.push(inner),
                     "pose" | "static" if !in_world => {}
+                    "plugin"
+                        if attribute(inner, "name")
+                            .is_some_and(|name| name.text == POSITION_CONTROLLER) =>
+                    {
+                        self.controllers.push(inner);
+                    }
                     "include" => return Err(xml.unsupported(inner, "<include>", EXPAND)),
                     _ if in_world && WORLD_ASIDE.contains(&name) => self.draft.ignore(name),
                     _ if !in_world && MODEL_ASIDE.contains(&name) => self.draft.ignore(name),
@@ -153,6 +169,17 @@ impl<'a> Reader<'a> {
             open.extend(models.into_iter().rev());
         }
         Ok(())
+    }
+
+    /// Marks the joints that a controller drives to positions as actuated.
+    fn actuate(&mut self) {
+        for plugin in std::mem::take(&mut self.controllers) {
+            let joint = child(plugin, "joint_name").and_then(|name| self.draft.joint(name.text));
+            match joint {
+                Some(joint) => self.draft.descriptions[joint].actuated = true,
+                None => self.draft.ignore("position controller of an unknown joint"),
+            }
+        }
     }
 
     fn is_static(&self, model: Node<'a, 'a>, around: bool) -> Result<bool, Error> {

@@ -1,0 +1,91 @@
+//! The animated 3D scene of `jointplay move`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use jointplay::interop::export::{AnimatedParts, MechanismMotion, PartsFile, UpAxis};
+use jointplay::mechanism::DrivenMotion;
+use jointplay::nalgebra::DVector;
+
+use crate::arguments::finite;
+use crate::failure::Failure;
+use crate::mechanism_input::Input;
+use crate::source::read_bytes;
+
+/// Largest accepted file of parts (bytes).
+const MAX_PARTS: u64 = 500_000_000;
+
+/// Flags of the animated 3D scene.
+#[derive(Args)]
+pub(crate) struct SceneArgs {
+    /// Parts of the 3D scene: a binary glTF file (GLB) whose nodes have the names of links, such as one that cascadio makes of STEP; by default links are drawn as bars
+    #[arg(long, value_name = "FILE")]
+    parts: Option<PathBuf>,
+    /// Node of the parts that moves with a link of another name
+    #[arg(long = "part", value_name = "NODE=LINK", value_parser = part, requires = "parts")]
+    part: Vec<(String, String)>,
+    /// Axis of the file of parts that is z of the base frame [default: z if Open CASCADE wrote the file, such as cascadio, y otherwise]
+    #[arg(long, value_name = "AXIS", requires = "parts")]
+    parts_up: Option<Up>,
+    /// Factor of the displacements of virtual joints in the 3D scene
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = finite)]
+    exaggerate: f64,
+    /// Duration of the motion in the 3D scene
+    #[arg(long, value_name = "S", default_value = "4", value_parser = finite)]
+    duration_s: f64,
+    /// Largest deviation of the 3D scene from the steps of the motion, between which it is interpolated
+    #[arg(long, value_name = "UM", default_value = "1", value_parser = finite)]
+    tolerance_um: f64,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Up {
+    /// y, as in glTF files of 3D programs
+    Y,
+    /// z, as in CAD models
+    Z,
+}
+
+fn part(text: &str) -> Result<(String, String), String> {
+    let (node, link) = text
+        .rsplit_once('=')
+        .ok_or_else(|| format!("invalid part {text:?}: expected NODE=LINK"))?;
+    Ok((node.trim().to_owned(), link.trim().to_owned()))
+}
+
+impl SceneArgs {
+    /// Whether a flag is given that is of no effect without a scene.
+    pub(crate) fn is_given(&self) -> bool {
+        self.parts.is_some() || self.exaggerate != 1.0
+    }
+
+    /// The bytes of the scene, with the names of links without a part.
+    pub(crate) fn scene(
+        &self,
+        input: &Input,
+        reference: &DVector<f64>,
+        moved: &DrivenMotion,
+    ) -> Result<AnimatedParts, Failure> {
+        let configurations = moved.waypoints.iter().map(|waypoint| &waypoint.coordinates);
+        let motion = MechanismMotion::new(
+            &input.file.mechanism,
+            reference,
+            configurations,
+            self.duration_s,
+            self.exaggerate,
+        )?;
+        let tolerance = 1e-6 * self.tolerance_um;
+        let Some(path) = &self.parts else {
+            let bytes = motion.gltf(tolerance)?;
+            return Ok(AnimatedParts { bytes, missing: Vec::new() });
+        };
+        let parts = PartsFile::parse(&read_bytes(path, MAX_PARTS)?)
+            .map_err(jointplay::interop::export::Error::from)?;
+        let up = match self.parts_up {
+            Some(Up::Y) => UpAxis::Y,
+            Some(Up::Z) => UpAxis::Z,
+            None => parts.up_axis(),
+        };
+        Ok(motion.gltf_of_parts(&parts, &self.part, up, tolerance)?)
+    }
+}

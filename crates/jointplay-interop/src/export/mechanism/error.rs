@@ -1,0 +1,22 @@
+//! Errors of exports of mechanisms.
+
+/// Why a mechanism cannot be written in a format.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A configuration that is not one of the mechanism.
+    #[error(transparent)]
+    Core(#[from] jointplay_core::Error),
+    /// A joint that the format does not have.
+    #[error("joint {joint:?} is {kind}, which {format} cannot describe{advice}")]
+    Unsupported {
+        /// Name of the joint.
+        joint: String,
+        /// Its kind.
+        kind: &'static str,
+        /// The format.
+        format: &'static str,
+        /// What to do.
+        advice: &'static str,
+    },
+}

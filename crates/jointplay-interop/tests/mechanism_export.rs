@@ -1,0 +1,515 @@
+//! Exports of mechanisms, read again by the readers of the same formats.
+#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
+
+use jointplay_core::constraint::System as _;
+use jointplay_core::linalg::svd;
+use jointplay_core::mechanism::{
+    Carrier, Joint, JointKind, Kinematics, LinearAndAngular, Mechanism, MechanismSystem,
+    VirtualJoint, VirtualMotion, assemble, guess,
+};
+use jointplay_core::spatial::Pose;
+use jointplay_format::catalogue;
+use jointplay_format::mechanism::{self, with_loops};
+use jointplay_interop::export::mechanism::{Error, Written, mjcf, sdf, urdf};
+use jointplay_interop::import::parse;
+use nalgebra::{DMatrix, DVector, Rotation3, Translation3, Unit, Vector3};
+use proptest::prelude::*;
+
+type Write = fn(&Mechanism, &DVector<f64>) -> Result<Written, Error>;
+
+const FORMATS: [(&str, Write); 3] = [("MJCF", mjcf), ("SDF", sdf), ("URDF", urdf)];
+
+/// Reads the files of an export.
+fn read(written: &Written) -> Mechanism {
+    let tree = parse(&written.text)
+        .map_err(|error| format!("{}\n{}", error.with_excerpt("written"), written.text))
+        .unwrap()
+        .mechanism;
+    match &written.loops {
+        None => tree,
+        Some(loops) => {
+            with_loops(&tree, loops).map_err(|error| format!("{error:?}\n{loops}")).unwrap()
+        }
+    }
+}
+
+/// Singular values of the constraints of joints and virtual joints together, and the number of coordinates.
+fn constraints(mechanism: &Mechanism, at: &DVector<f64>) -> (DVector<f64>, usize) {
+    let system = MechanismSystem::new(mechanism, at.clone()).unwrap();
+    let home = system.at_home();
+    let length = system.characteristic_length();
+    let (of_joints, of_virtual) =
+        (system.constraint_jacobian(&home), system.virtual_jacobian(&home));
+    let mut all = DMatrix::zeros(of_joints.nrows(), of_joints.ncols() + of_virtual.ncols());
+    all.columns_mut(0, of_joints.ncols()).copy_from(&of_joints);
+    all.columns_mut(of_joints.ncols(), of_virtual.ncols()).copy_from(&of_virtual);
+    for (mut row, unit) in all.row_iter_mut().zip(system.constraint_dimensions()) {
+        row /= unit.unit(length);
+    }
+    let units = system.kinematics().dimensions().to_vec();
+    for (mut column, unit) in all.column_iter_mut().zip(units) {
+        column *= unit.unit(length);
+    }
+    let count = all.ncols();
+    if all.is_empty() {
+        (DVector::zeros(0), count)
+    } else {
+        (svd(&all).unwrap().singular_values, count)
+    }
+}
+
+/// The rank, if no singular value is near the threshold.
+fn rank(values: &DVector<f64>) -> Option<usize> {
+    let largest = values.iter().copied().fold(0.0, f64::max).max(1e-3);
+    let clear = values.iter().all(|value| !(1e-11..1e-6).contains(&(value / largest)));
+    clear.then(|| values.iter().filter(|&&value| value > 1e-8 * largest).count())
+}
+
+/// Compares poses, mobility, rank and limits of a mechanism at a closed configuration with what an export of it is read as.
+fn check(format: &str, original: &Mechanism, at: &DVector<f64>, written: &Written) -> Mechanism {
+    let found = read(written);
+    let start = guess(&found);
+    let system = MechanismSystem::new(&found, start.clone()).unwrap();
+    let residual = system.mismatch(&system.at_home());
+    assert!(residual < 1e-9, "{format} {}: open by {residual}", original.name());
+    let poses = Kinematics::new(original).link_poses(at).unwrap();
+    let read_poses = Kinematics::new(&found).link_poses(&start).unwrap();
+    for (name, pose) in original.links().iter().zip(&poses) {
+        let link = found.link(name).unwrap_or_else(|| panic!("{format}: link {name:?} is lost"));
+        let off = (read_poses[link].to_homogeneous() - pose.to_homogeneous()).amax();
+        assert!(off < 1e-9, "{format} {}: link {name:?} is off by {off}", original.name());
+    }
+    let ((before, columns), (after, read_columns)) =
+        (constraints(original, at), constraints(&found, &start));
+    if let (Some(before), Some(after)) = (rank(&before), rank(&after)) {
+        let (mobility, read_mobility) = (columns - before, read_columns - after);
+        assert_eq!(mobility, read_mobility, "{format} {}: mobility", original.name());
+        assert_eq!(before, after, "{format} {}: rank", original.name());
+    }
+    assert_eq!(found.loops(), original.loops(), "{format} {}", original.name());
+    let actuated = |mechanism: &Mechanism| mechanism.actuated_coordinates().len();
+    let is_listed = written.lost.iter().any(|lost| lost.contains("actuator"));
+    assert!(is_listed || actuated(&found) == actuated(original), "{format} {}", original.name());
+    found
+}
+
+#[test]
+fn every_mechanism_of_the_catalogue_is_read_again() {
+    let mut count = 0;
+    for entry in catalogue::entries() {
+        let Ok(file) = mechanism::parse(entry.text) else { continue };
+        let original = file.mechanism;
+        let at = assemble(&original, &guess(&original), &[], 200).unwrap().coordinates;
+        for (format, write) in FORMATS {
+            let written = write(&original, &at).unwrap();
+            let found = check(format, &original, &at, &written);
+            moved(format, &original, &at, &found);
+            assert_eq!(written, write(&original, &at).unwrap(), "the same bytes");
+        }
+        count += 1;
+    }
+    assert!(count > 20, "{count}");
+}
+
+/// Drives one actuated joint a little in both, where actuated joints determine everything, and compares the poses of the links.
+fn moved(format: &str, original: &Mechanism, at: &DVector<f64>, found: &Mechanism) {
+    let motors = original.actuated_coordinates();
+    let (values, columns) = constraints(original, at);
+    if !original.virtual_joints().is_empty()
+        || motors.is_empty()
+        || rank(&values).is_none_or(|rank| columns - rank != motors.len())
+    {
+        return;
+    }
+    let start = guess(found);
+    let held = found.actuated_coordinates();
+    assert_eq!(held.len(), motors.len(), "{format} {}", original.name());
+    let step = 1e-3;
+    let mut order: Vec<usize> = Vec::new();
+    let names = |mechanism: &Mechanism| -> Vec<String> {
+        let joints = mechanism.joints().iter().filter(|joint| joint.actuated);
+        // Joints of SDF that have the name of a link get another one.
+        joints.map(|joint| joint.name.trim_end_matches(" joint").to_owned()).collect()
+    };
+    let found_names = names(found);
+    for name in names(original) {
+        order.extend(found_names.iter().position(|one| *one == name));
+    }
+    if order.len() != motors.len() {
+        return;
+    }
+    let (mut to, mut read_to) = (at.clone(), start);
+    to[motors[0]] += step;
+    read_to[held[order[0]]] += step;
+    let (Ok(closed), Ok(read_closed)) =
+        (assemble(original, &to, &motors, 0), assemble(found, &read_to, &held, 0))
+    else {
+        return;
+    };
+    let poses = Kinematics::new(original).link_poses(&closed.coordinates).unwrap();
+    let read_poses = Kinematics::new(found).link_poses(&read_closed.coordinates).unwrap();
+    for (name, pose) in original.links().iter().zip(&poses) {
+        let off = read_poses[found.link(name).unwrap()].to_homogeneous() - pose.to_homogeneous();
+        assert!(off.amax() < 1e-8, "{format} {}: {name:?} by {}", original.name(), off.amax());
+    }
+}
+
+fn kind() -> impl Strategy<Value = JointKind> {
+    prop_oneof![
+        3 => Just(JointKind::Revolute),
+        2 => Just(JointKind::Prismatic),
+        1 => Just(JointKind::Cylindrical),
+        1 => Just(JointKind::Universal),
+        3 => Just(JointKind::Spherical),
+        1 => Just(JointKind::Planar),
+        1 => Just(JointKind::Floating),
+        1 => Just(JointKind::Fixed),
+    ]
+}
+
+fn pose() -> impl Strategy<Value = Pose> {
+    (prop::array::uniform3(-1.0..1.0_f64), prop::array::uniform3(-1.5..1.5_f64)).prop_map(
+        |(point, turn)| {
+            let turn = Rotation3::new(Vector3::from(turn));
+            Pose::from_parts(Translation3::from(Vector3::from(point)), turn)
+        },
+    )
+}
+
+/// A random mechanism at a random closed configuration: the last joint frames are placed so that loops close.
+fn random() -> impl Strategy<Value = (Mechanism, DVector<f64>)> {
+    (3..6_usize).prop_flat_map(|links| {
+        let joints = prop::collection::vec(
+            (kind(), pose(), pose(), any::<bool>(), any::<bool>()),
+            links + 1,
+        );
+        let ends = prop::collection::vec((0..links, 1..links), 2);
+        let plays = prop::collection::vec(
+            (0..links + 1, any::<bool>(), any::<bool>(), prop::array::uniform3(-1.0..1.0_f64)),
+            0..4,
+        );
+        let values = prop::collection::vec(-0.4..0.4_f64, 60);
+        (Just(links), joints, ends, plays, values).prop_map(
+            |(links, joints, ends, plays, values)| {
+                let extra = ends.iter().map(|&(a, step)| [a, (a + step) % links]);
+                let all = (1..links).map(|k| [k - 1, k]).chain(extra);
+                let made = all.zip(joints).enumerate().map(|(k, (ends, made))| {
+                    let (kind, first, second, turned, actuated) = made;
+                    Joint {
+                        name: format!("j {k}"),
+                        kind,
+                        links: if turned { [ends[1], ends[0]] } else { ends },
+                        frames: [first, second],
+                        actuated: actuated && kind.freedoms() > 0 && kind != JointKind::Spherical,
+                        guess: Vec::new(),
+                        limits: Vec::new(),
+                        clearance: LinearAndAngular::default(),
+                        stiffness: LinearAndAngular::default(),
+                    }
+                });
+                let mut joints: Vec<Joint> = made.collect();
+                let names: Vec<String> =
+                    (0..links).map(|k| format!("link <{k}> & \"co\"")).collect();
+                let plays: Vec<VirtualJoint> = plays
+                    .iter()
+                    .enumerate()
+                    .map(|(k, &(joint, second, turns, axis))| {
+                        let axis = Vector3::from(axis) + Vector3::new(0.0, 0.0, 2.0);
+                        let axis = Unit::new_normalize(axis);
+                        let point = Vector3::new(0.1, -0.2, 0.3);
+                        VirtualJoint {
+                            name: format!("play {k}"),
+                            joint,
+                            carrier: if second { Carrier::Second } else { Carrier::First },
+                            motion: if turns {
+                                VirtualMotion::Turn { axis, point }
+                            } else {
+                                VirtualMotion::Slide(axis)
+                            },
+                            clearance: (k % 2 == 0).then_some(1.0),
+                            stiffness: None,
+                        }
+                    })
+                    .collect();
+                let built = |joints: &[Joint]| {
+                    Mechanism::new("random <&>", names.clone(), joints.to_vec())
+                        .unwrap()
+                        .with_virtual_joints(plays.clone())
+                        .unwrap()
+                };
+                let first = built(&joints);
+                let count = first.joint_freedoms() + plays.len();
+                let at = DVector::from_iterator(count, values.into_iter().take(count));
+                // Each joint beyond the tree gets the frame on its second link that closes its loop.
+                let kinematics = Kinematics::new(&first);
+                let poses = kinematics.link_poses(&at).unwrap();
+                for &joint in kinematics.closing_joints() {
+                    let [a, b] = first.joints()[joint].links;
+                    let chain = kinematics.elementary_chain(joint);
+                    let open = poses[a] * chain.transform(at.as_slice());
+                    // The frame on the first link takes up the mismatch, before all motions but those of its virtual joints.
+                    let on_first =
+                        |one: &&VirtualJoint| one.joint == joint && one.carrier == Carrier::First;
+                    let before = plays.iter().filter(on_first).count();
+                    let stacked =
+                        chain.motions[..before].iter().fold(Pose::identity(), |pose, one| {
+                            pose * one.before * one.transform(at.as_slice())
+                        });
+                    let inner = (poses[a] * stacked).inverse() * open;
+                    let wanted = (poses[a] * stacked).inverse() * poses[b];
+                    joints[joint].frames[0] = wanted * inner.inverse() * joints[joint].frames[0];
+                }
+                (built(&joints), at)
+            },
+        )
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    #[test]
+    fn random_mechanisms_are_read_again((original, at) in random()) {
+        let system = MechanismSystem::new(&original, at.clone()).unwrap();
+        prop_assert!(system.mismatch(&system.at_home()) < 1e-9, "the test closes the loops");
+        for (format, write) in FORMATS {
+            let written = write(&original, &at).unwrap();
+            check(format, &original, &at, &written);
+        }
+    }
+}
+
+#[test]
+fn a_screw_is_kept_by_sdf_and_refused_by_others() {
+    let screw = |pitch: f64| {
+        let joint = Joint {
+            name: "spindle".to_owned(),
+            kind: JointKind::Helical { lead: pitch },
+            links: [0, 1],
+            frames: [Pose::identity(), Pose::translation(0.1, 0.0, 0.0)],
+            actuated: true,
+            guess: Vec::new(),
+            limits: vec![[-1.0, 2.0]],
+            clearance: LinearAndAngular::default(),
+            stiffness: LinearAndAngular::default(),
+        };
+        Mechanism::new("press", vec!["frame".to_owned(), "ram".to_owned()], vec![joint]).unwrap()
+    };
+    let press = screw(0.002);
+    let at = DVector::from_element(1, 0.5);
+    let written = sdf(&press, &at).unwrap();
+    let found = check("SDF", &press, &at, &written);
+    let spindle = &found.joints()[found.joint("spindle").unwrap()];
+    let JointKind::Helical { lead } = spindle.kind else { panic!("{:?}", spindle.kind) };
+    assert!((lead - 0.002).abs() < 1e-15 && spindle.actuated);
+    for (format, write) in [FORMATS[0], FORMATS[2]] {
+        let error = write(&press, &at).unwrap_err().to_string();
+        assert!(error.contains("spindle") && error.contains("helical"), "{format}: {error}");
+    }
+}
+
+#[test]
+fn limits_and_coordinates_are_kept() {
+    let text = catalogue::find("gpr-mechanism").unwrap().text;
+    let original = mechanism::parse(text).unwrap().mechanism;
+    let mut at = guess(&original);
+    // A common heave.
+    (0..3).for_each(|k| at[k] = 0.05);
+    for (format, write) in FORMATS {
+        let found = check(format, &original, &at, &write(&original, &at).unwrap());
+        let rod = found.joint("rod 1").or_else(|| found.joint("rod 1 joint")).unwrap();
+        let rod = &found.joints()[rod];
+        let (zero, limits) = match format {
+            "SDF" => (0.0, [-0.304, 0.204]),
+            _ => (0.05, [-0.254, 0.254]),
+        };
+        assert_eq!(rod.guess.first().copied().unwrap_or(0.0), zero, "{format}");
+        let off = (rod.limits[0][0] - limits[0]).abs().max((rod.limits[0][1] - limits[1]).abs());
+        assert!(off < 1e-12 && rod.actuated, "{format}: {:?}", rod.limits);
+    }
+}
+
+/// A mechanism with a part of every sort: a tree of joints of all kinds but screws, and a loop of a ball.
+fn one_of_each() -> Mechanism {
+    let kinds = [
+        ("hinge", JointKind::Revolute),
+        ("slide", JointKind::Prismatic),
+        ("cylinder", JointKind::Cylindrical),
+        ("cross", JointKind::Universal),
+        ("table", JointKind::Planar),
+        ("ball", JointKind::Spherical),
+        ("free", JointKind::Floating),
+        ("weld", JointKind::Fixed),
+    ];
+    let mut joints: Vec<Joint> = kinds
+        .into_iter()
+        .enumerate()
+        .map(|(k, (name, kind))| Joint {
+            name: name.to_owned(),
+            kind,
+            links: [k, k + 1],
+            frames: [Pose::translation(0.1, 0.02 * k as f64, 0.05), Pose::identity()],
+            actuated: name == "hinge",
+            guess: Vec::new(),
+            limits: if name == "hinge" { vec![[-0.75, 1.25]] } else { Vec::new() },
+            clearance: LinearAndAngular::default(),
+            stiffness: LinearAndAngular::default(),
+        })
+        .collect();
+    let links: Vec<String> = (0..=kinds.len() + 1).map(|k| format!("part {k}")).collect();
+    let mut closing = joints[5].clone();
+    closing.name = "closing ball".to_owned();
+    closing.links = [8, 2];
+    closing.frames = [Pose::translation(0.2, 0.1, 0.0), Pose::identity()];
+    joints.push(closing);
+    let open = Mechanism::new("open", links[..9].to_vec(), joints[..8].to_vec()).unwrap();
+    let poses = Kinematics::new(&open).link_poses(&guess_at(&open)).unwrap();
+    joints[8].frames[1] = poses[2].inverse() * poses[8] * joints[8].frames[0];
+    let mut end = joints[5].clone();
+    (end.name, end.links) = ("end ball".to_owned(), [8, 9]);
+    joints.push(end);
+    let play = VirtualJoint {
+        name: "play".to_owned(),
+        joint: 8,
+        carrier: Carrier::First,
+        motion: VirtualMotion::Slide(Vector3::x_axis()),
+        clearance: Some(0.000_25),
+        stiffness: Some(43_210.0),
+    };
+    let frame = jointplay_core::mechanism::AttachedFrame {
+        name: "tool tip".to_owned(),
+        link: 8,
+        link_from_frame: Pose::translation(0.0, 0.0, 0.1),
+    };
+    Mechanism::new("one of each", links, joints)
+        .unwrap()
+        .with_virtual_joints(vec![play])
+        .unwrap()
+        .with_frames(vec![frame])
+        .unwrap()
+        .with_characteristic_length(0.987_654)
+        .unwrap()
+}
+
+/// The configuration of [`one_of_each`]: the hinge is not at zero.
+fn guess_at(mechanism: &Mechanism) -> DVector<f64> {
+    let mut at = guess(mechanism);
+    at[0] = 0.5;
+    at
+}
+
+const PAGE: &str =
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/how-to/export-to-simulators.md");
+
+/// The table of the page is made of what the readers find in exported files.
+#[test]
+fn the_table_of_the_page_states_what_the_formats_keep() {
+    let original = one_of_each();
+    let at = guess_at(&original);
+    let mut columns: Vec<Vec<String>> = Vec::new();
+    for (format, write) in FORMATS {
+        let written = write(&original, &at).unwrap();
+        let found = check(format, &original, &at, &written);
+        let files = format!("{}{}", written.text, written.loops.clone().unwrap_or_default());
+        let joint = |name: &str| found.joint(name).map(|joint| &found.joints()[joint]);
+        let yes = |kept: bool| if kept { "yes" } else { "no" }.to_owned();
+        let hinge = joint("hinge").unwrap();
+        let value = hinge.guess.first().copied().unwrap_or(0.0);
+        let kind = |name: &str, kind: JointKind| match joint(name) {
+            Some(joint) if joint.kind == kind => "yes".to_owned(),
+            _ => {
+                let parts = found.joints().iter().filter(|joint| {
+                    joint.name.starts_with(&format!("{name}["))
+                        || joint.name.starts_with(&format!("{name} about"))
+                });
+                let mut kinds: Vec<&str> = parts.map(|joint| joint.kind.name()).collect();
+                kinds.sort_unstable();
+                assert!(!kinds.is_empty(), "{format}: {name} is lost");
+                let mut text: Vec<String> = Vec::new();
+                for group in kinds.chunk_by(|a, b| a == b) {
+                    text.push(format!("{} {}", group.len(), group[0]));
+                }
+                text.join(", ")
+            }
+        };
+        let limits = |name: &str, expected: [f64; 2]| {
+            joint(name).and_then(|joint| joint.limits.first()).is_some_and(|found| {
+                found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-12)
+            })
+        };
+        let shifted = |low: f64, high: f64| [low - (0.5 - value), high - (0.5 - value)];
+        let screw = Mechanism::new(
+            "screw",
+            vec!["a".to_owned(), "b".to_owned()],
+            vec![Joint {
+                kind: JointKind::Helical { lead: 0.001 },
+                links: [0, 1],
+                limits: Vec::new(),
+                ..original.joints()[0].clone()
+            }],
+        )
+        .unwrap();
+        let is_screw_kept = write(&screw, &DVector::zeros(1)).is_ok();
+        columns.push(vec![
+            yes(original.links().iter().all(|name| found.link(name).is_some())),
+            if value == 0.5 {
+                "as in the file".to_owned()
+            } else {
+                "zero at the reference".to_owned()
+            },
+            yes(limits("hinge", shifted(-0.75, 1.25))),
+            yes(hinge.actuated),
+            kind("end ball", JointKind::Spherical),
+            kind("cross", JointKind::Universal),
+            kind("cylinder", JointKind::Cylindrical),
+            kind("table", JointKind::Planar),
+            kind("free", JointKind::Floating),
+            if is_screw_kept { "yes".to_owned() } else { "refused".to_owned() },
+            match (found.loops() == original.loops(), &written.loops) {
+                (true, None) => "yes".to_owned(),
+                (true, Some(_)) => "in a second file".to_owned(),
+                (false, _) => "no".to_owned(),
+            },
+            yes(joint("play").is_some_and(|joint| joint.kind == JointKind::Prismatic)),
+            yes(limits("play", [-0.000_25, 0.000_25])),
+            yes(files.contains("43210")),
+            yes(files.contains("\"tool tip\"")),
+            yes(files.contains("0.987654")),
+        ]);
+    }
+    let rows = [
+        "names and frames of links",
+        "coordinates",
+        "limits of hinges and slides",
+        "actuated hinges and slides",
+        "ball that closes no loop",
+        "universal joint",
+        "cylindrical joint",
+        "planar joint",
+        "floating joint",
+        "screw joint",
+        "loops",
+        "virtual joints",
+        "clearance of virtual joints, as limits",
+        "stiffness of virtual joints",
+        "attached frames",
+        "characteristic length",
+    ];
+    let mut table =
+        "| part of the mechanism | MJCF | SDF | URDF |\n| --- | --- | --- | --- |\n".to_owned();
+    for (k, row) in rows.iter().enumerate() {
+        let cells: Vec<&str> = columns.iter().map(|column| column[k].as_str()).collect();
+        table += &format!("| {row} | {} |\n", cells.join(" | "));
+    }
+    let page = std::fs::read_to_string(PAGE).unwrap();
+    let heading = "## What each format keeps\n\n";
+    let start = page.find(heading).unwrap() + heading.len();
+    let end = page[start..].find("\n\n").map_or(page.len(), |end| start + end + 1);
+    if page[start..end] != table {
+        assert!(
+            std::env::var_os("INSTA_UPDATE").is_some_and(|how| how == "always"),
+            "run the tests with INSTA_UPDATE=always, and read the difference:\n{table}"
+        );
+        std::fs::write(PAGE, format!("{}{table}{}", &page[..start], &page[end..])).unwrap();
+    }
+}
