@@ -105,13 +105,10 @@ fn pairs_of_frames_close_a_five_bar() {
     assert_eq!(mechanism.joints().last().unwrap().kind, JointKind::Fixed);
     // Five turns about parallel axes: three equations of the plane, three redundant ones.
     assert_eq!(analysed(mechanism), (3, 2, 3));
-    // As points, the three equations of directions are not there; the end turns by itself.
+    // As points, two equations of the plane and three of the ball; the end also turns by itself.
     let points = closed(&five_bar(), &FIVE_BAR.replace("6d", "3d")).mechanism;
-    let (rank, mobility, _) = analysed(&points);
-    assert_eq!(
-        (points.joints().last().unwrap().kind, rank, mobility),
-        (JointKind::Spherical, 6, 2)
-    );
+    assert_eq!(points.joints().last().unwrap().kind, JointKind::Spherical);
+    assert_eq!(analysed(&points), (5, 3, 1));
 }
 
 #[test]
@@ -193,11 +190,11 @@ fn a_cut_hinge_is_closed_in_the_base_frame_and_replaces_couplings() {
 #[test]
 fn two_hinges_of_the_same_links_have_names_of_their_own() {
     let second = "- {link_a: coupler, link_b: rocker, point: [0.3, 0.25, 0.1], axis: [0, 0, 1]}\n";
-    let twice = HINGE.replace("dependent", &format!("{second}dependent"));
+    let twice = HINGE.replace("\ndependent", &format!("\n{second}dependent"));
     let model = closed(&four_bar(), &twice);
     let names: Vec<&str> = model.mechanism.joints()[3..].iter().map(|j| j.name.as_str()).collect();
     assert_eq!(names, ["coupler to rocker", "coupler to rocker (2)"]);
-    assert_eq!(analysed(&model.mechanism), (3, 1, 9));
+    assert_eq!(analysed(&model.mechanism), (4, 1, 8));
 }
 
 #[track_caller]
