@@ -150,7 +150,7 @@ impl Controller {
 }
 
 impl Execution {
-    /// The step after whose end the robot can come to rest, if a stop is commanded at a time (s): the first end of a step from that time on that is not blended with the next step.
+    /// The step after whose end the robot can be at rest, if a stop is commanded at a time (s): the first end of a step from that time on that is not blended with the next step.
     #[must_use]
     pub fn stopping_step(&self, time: f64) -> usize {
         let trajectory = &self.trajectory;

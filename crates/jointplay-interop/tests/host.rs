@@ -115,7 +115,7 @@ fn a_stop_ends_at_the_end_of_a_segment_and_the_next_command_starts_there() {
     let answer = host.session.advance(stopped).unwrap();
     assert!(answer.starts_with("STOPPED ") && answer.contains("GET LP1 3 A"), "{answer}");
     assert!(host.send("STATUS").contains("A=0"));
-    // The robot goes on from there.
+    // The next command starts there.
     assert!(host.execute("GET LP1 3 A").contains("COMPLETED"));
     assert_eq!(host.send("STOP").trim_end(), "STOPPED 0.000 STOP");
 }
@@ -153,7 +153,7 @@ fn refusals_have_a_code_a_reason_and_leave_everything_as_it_was() {
 
 #[test]
 fn motions_with_violations_are_refused() {
-    // A wall across the way into the load port.
+    // An obstacle between the robot and the load port.
     let wall = "[[body]]\nname = \"obstacle\"\nbox = { size_mm = [200.0, 200.0, 400.0] }\nposition_mm = [-250.0, 250.0, 500.0]\n";
     let text = format!("{}\n{wall}", cell::EXAMPLE);
     let cell = cell::read(&text, &mut |_| Err("no files".to_owned())).unwrap();
@@ -213,9 +213,9 @@ fn lines_have_codes_identifiers_and_checksums() {
     // The longest code that fits is taken: P10 is LP2, whose slot 3 is empty.
     let refused = host.send(&with_sum("78,GET,P10S3,2"));
     assert!(refused.starts_with("$REFUSED 4 "), "{refused}");
-    for wrong in ["$78,GET,P1S04,2,00", "78,GET,P1S04,2", "$", ""] {
-        let refused = host.send(wrong);
-        assert!(refused.starts_with("$REFUSED 1 "), "{wrong}: {refused}");
+    for invalid in ["$78,GET,P1S04,2,00", "78,GET,P1S04,2", "$", ""] {
+        let refused = host.send(invalid);
+        assert!(refused.starts_with("$REFUSED 1 "), "{invalid}: {refused}");
     }
 }
 

@@ -87,7 +87,7 @@ fn hosts_have_a_robot_each_and_get_answers_in_order() {
 }
 
 #[test]
-fn hosts_that_send_garbage_half_a_line_or_nothing_harm_nobody() {
+fn hosts_that_send_garbage_half_a_line_or_nothing_affect_no_others() {
     let sandbox = Sandbox::new();
     let controller = Controller::start(&sandbox, "--speed 1000");
     let mut host = controller.connect();

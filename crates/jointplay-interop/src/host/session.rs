@@ -179,7 +179,7 @@ impl<'l> HostSession<'l> {
             return Err(unreadable(&format!("the line is longer than {MAX_LINE_BYTES} bytes")));
         }
         let text = self.text_of(line).ok_or_else(|| {
-            unreadable("the line does not have the form of `[input]`, or its checksum is wrong")
+            unreadable("the line does not have the form of `[input]`, or its checksum is incorrect")
         })?;
         let text = text.trim_matches([' ', '\t']);
         let vocabulary = Vocabulary {

@@ -54,7 +54,7 @@ impl Server {
     /// Accepts connections until the process is interrupted.
     pub(super) fn run(self) -> Result<(), Failure> {
         for stream in self.listener.incoming() {
-            // An aborted connection concerns its host only; without file handles, a pause lets others end.
+            // An aborted connection concerns its host only; without file handles, a pause gives others time to end.
             let Ok(stream) = stream else {
                 thread::sleep(Duration::from_millis(100));
                 continue;
