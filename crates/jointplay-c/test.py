@@ -111,7 +111,7 @@ def compiled(prefix: Path, command: Path) -> None:
     near("rods", value(robot, "rods (mm)"), document["q_mm"], 1e-6)
     shift = [1e3 * x for x in document["platform"]["center_shift_mm"]]
     near("shift", value(robot, "shift (um)"), shift, 1e-3)
-    if "mobility in JSON     3\n" not in robot or "limits exceeded      1 0 0, tilt 1\n" not in robot:
+    if "mobility in JSON     1\n" not in robot or "limits exceeded      1 0 0, tilt 1\n" not in robot:
         sys.exit(f"robot.c:\n{robot}")
     if "error: " not in outputs["robot.cpp"]:
         sys.exit(f"robot.cpp:\n{outputs['robot.cpp']}")

@@ -24,7 +24,7 @@ static class Program
             Print("shift (um)           {0:F3} {1:F3}", 1e6 * pose[3], 1e6 * pose[7]);
             Print("virtual joints (um)  {0:F3} {1:F3} {2:F3}", 1e6 * joints[0], 1e6 * joints[1], 1e6 * joints[2]);
             var document = robot.Json("{\"kind\": \"mobility\"}");
-            Print("mobility in JSON     {0}", document.Contains("\"finite_mobility\":3") ? "3" : "?");
+            Print("mobility in JSON     {0}", document.Contains("\"finite_mobility\":1") ? "1" : "?");
             try { robot.Inverse(0, 2, 0.5); }
             catch (JointplayException error) { Print("error {0}             {1}", error.Code, error.Message.Length > 0 ? "with its text" : ""); }
         }

@@ -37,7 +37,7 @@ int main(void) {
 
     char *answer = NULL;
     check(jp_robot_json(robot, "{\"kind\": \"mobility\"}", &answer));
-    printf("mobility in JSON     %s\n", strstr(answer, "\"finite_mobility\":3") ? "3" : "?");
+    printf("mobility in JSON     %s\n", strstr(answer, "\"finite_mobility\":1") ? "1" : "?");
     jp_text_free(answer);
     jp_robot_free(robot);
 

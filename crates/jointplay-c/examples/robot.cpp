@@ -33,13 +33,13 @@ int main() {
     for (std::size_t k = 0; k < shifts.size(); k++) {
         threads.emplace_back([&, k] {
             double rods[3], pose[16];
-            check(jp_robot_inverse(robot.get(), 0.0, 0.01 * double(k), height, rods));
+            check(jp_robot_inverse(robot.get(), 0.0, 0.008 * double(k), height, rods));
             check(jp_robot_forward(robot.get(), JP_PLANAR, rods, pose, nullptr, nullptr));
             shifts[k] = 1e6 * pose[3];
         });
     }
     for (auto &thread : threads) thread.join();
-    for (std::size_t k = 0; k < shifts.size(); k++) std::printf("tilt %.2f rad, shift %.3f um\n", 0.01 * double(k), shifts[k]);
+    for (std::size_t k = 0; k < shifts.size(); k++) std::printf("tilt %.3f rad, shift %.3f um\n", 0.008 * double(k), shifts[k]);
     try {
         double rods[3];
         check(jp_robot_inverse(robot.get(), 0.0, 2.0, height, rods));

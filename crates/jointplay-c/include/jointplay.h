@@ -76,7 +76,7 @@ const char *jp_version(void);
  A text that does not fit is cut between characters. Calls that succeed leave it unchanged.
  Returns the bytes of the whole text with its NUL; with `size` 0, `text` may be NULL.
 
- # Safety
+ Arguments:
  `text` is NULL or has room for `size` bytes.
  */
 size_t jp_last_error(char *text,
@@ -85,7 +85,7 @@ size_t jp_last_error(char *text,
 /*
  Frees an answer of `jp_robot_json` or `jp_mechanism_json`; NULL does nothing.
 
- # Safety
+ Arguments:
  `text` is NULL, or an answer of this library that is not used after this call.
  */
 void jp_text_free(char *text);
@@ -98,7 +98,7 @@ size_t jp_virtual_joint_count(int32_t virtualization);
 /*
  The robot of the paper: three sockets 120° apart on a radius of 93.218 mm.
 
- # Safety
+ Arguments:
  `robot` is NULL or has room for a handle.
  */
 int32_t jp_robot_paper(struct JpRobot **robot);
@@ -106,7 +106,7 @@ int32_t jp_robot_paper(struct JpRobot **robot);
 /*
  The robot of the text of a robot file (TOML).
 
- # Safety
+ Arguments:
  `toml` is NULL or ended by NUL; `robot` is NULL or has room for a handle.
  */
 int32_t jp_robot_parse(const char *toml, struct JpRobot **robot);
@@ -114,7 +114,7 @@ int32_t jp_robot_parse(const char *toml, struct JpRobot **robot);
 /*
  Frees a robot; NULL does nothing.
 
- # Safety
+ Arguments:
  `robot` is NULL, or a robot that is not used after this call.
  */
 void jp_robot_free(struct JpRobot *robot);
@@ -122,7 +122,7 @@ void jp_robot_free(struct JpRobot *robot);
 /*
  Working height of the robot (m); NaN for NULL.
 
- # Safety
+ Arguments:
  `robot` is NULL or a robot.
  */
 double jp_robot_working_height(const struct JpRobot *robot);
@@ -130,7 +130,7 @@ double jp_robot_working_height(const struct JpRobot *robot);
 /*
  Rod lengths (m) for a tilt (rad) and an axis height (m).
 
- # Safety
+ Arguments:
  `robot` is NULL or a robot; `rods` is NULL or has room for 3 numbers.
  */
 int32_t jp_robot_inverse(const struct JpRobot *robot,
@@ -147,7 +147,7 @@ int32_t jp_robot_inverse(const struct JpRobot *robot,
  `tilt` takes tilt direction (rad), tilt angle (rad) and axis height (m).
  Each of the three may be NULL.
 
- # Safety
+ Arguments:
  `robot` is NULL or a robot; `rods` is NULL or 3 numbers; `pose`, `virtual_joints` and `tilt` are NULL or have room.
  */
 int32_t jp_robot_forward(const struct JpRobot *robot,
@@ -163,7 +163,7 @@ int32_t jp_robot_forward(const struct JpRobot *robot,
  `poses` takes 16 numbers for each set; `virtual_joints`, if not NULL, takes `JP_MAX_VIRTUAL_JOINTS` numbers for each set.
  `codes` takes a code for each set. Sets without a pose are NaN and have their code; the function then returns the code of the first one, with its error.
 
- # Safety
+ Arguments:
  `robot` is NULL or a robot; `rods` is NULL or 3 · `count` numbers; the others are NULL or have room, and do not overlap `rods`.
  */
 int32_t jp_robot_forward_many(const struct JpRobot *robot,
@@ -177,7 +177,7 @@ int32_t jp_robot_forward_many(const struct JpRobot *robot,
 /*
  Limits that 3 rod lengths (m) exceed: 1 exceeded, 0 not, for each rod, then for the tilt.
 
- # Safety
+ Arguments:
  `robot` is NULL or a robot; `rods` is NULL or 3 numbers; `exceeded` is NULL or has room for 4.
  */
 int32_t jp_robot_limits(const struct JpRobot *robot, const double *rods, int32_t *exceeded);
@@ -187,7 +187,7 @@ int32_t jp_robot_limits(const struct JpRobot *robot, const double *rods, int32_t
 
  `virtual_joints`, if not NULL, takes `JP_MAX_VIRTUAL_JOINTS` rows of 3 numbers: the velocities of the virtual joints, zero beyond their number.
 
- # Safety
+ Arguments:
  `robot` is NULL or a robot; `rods` is NULL or 3 numbers; `jacobian` and `virtual_joints` are NULL or have room for 18 numbers.
  */
 int32_t jp_robot_jacobian(const struct JpRobot *robot,
@@ -201,7 +201,7 @@ int32_t jp_robot_jacobian(const struct JpRobot *robot,
 
  The answer is the document of the command of that name with `--format json`; `jp_text_free` frees it.
 
- # Safety
+ Arguments:
  `robot` is NULL or a robot; `request` is NULL or ended by NUL; `answer` is NULL or has room for a pointer.
  */
 int32_t jp_robot_json(const struct JpRobot *robot,
@@ -211,7 +211,7 @@ int32_t jp_robot_json(const struct JpRobot *robot,
 /*
  The mechanism of the text of a mechanism file (TOML).
 
- # Safety
+ Arguments:
  `toml` is NULL or ended by NUL; `mechanism` is NULL or has room for a handle.
  */
 int32_t jp_mechanism_parse(const char *toml, struct JpMechanism **mechanism);
@@ -219,7 +219,7 @@ int32_t jp_mechanism_parse(const char *toml, struct JpMechanism **mechanism);
 /*
  A mechanism of the catalogue by its name, such as `four-bar`.
 
- # Safety
+ Arguments:
  `name` is NULL or ended by NUL; `mechanism` is NULL or has room for a handle.
  */
 int32_t jp_mechanism_catalogue(const char *name, struct JpMechanism **mechanism);
@@ -227,7 +227,7 @@ int32_t jp_mechanism_catalogue(const char *name, struct JpMechanism **mechanism)
 /*
  Frees a mechanism; NULL does nothing.
 
- # Safety
+ Arguments:
  `mechanism` is NULL, or a mechanism that is not used after this call.
  */
 void jp_mechanism_free(struct JpMechanism *mechanism);
@@ -235,7 +235,7 @@ void jp_mechanism_free(struct JpMechanism *mechanism);
 /*
  Number of coordinates: those of joints, then those of virtual joints; 0 for NULL.
 
- # Safety
+ Arguments:
  `mechanism` is NULL or a mechanism.
  */
 size_t jp_mechanism_coordinate_count(const struct JpMechanism *mechanism);
@@ -243,7 +243,7 @@ size_t jp_mechanism_coordinate_count(const struct JpMechanism *mechanism);
 /*
  Number of coordinates of joints; the coordinates after them are displacements of virtual joints; 0 for NULL.
 
- # Safety
+ Arguments:
  `mechanism` is NULL or a mechanism.
  */
 size_t jp_mechanism_joint_coordinate_count(const struct JpMechanism *mechanism);
@@ -251,7 +251,7 @@ size_t jp_mechanism_joint_coordinate_count(const struct JpMechanism *mechanism);
 /*
  Name of a coordinate, counted from 0; NULL where there is none. The text belongs to the mechanism.
 
- # Safety
+ Arguments:
  `mechanism` is NULL or a mechanism.
  */
 const char *jp_mechanism_coordinate_name(const struct JpMechanism *mechanism, size_t coordinate);
@@ -259,7 +259,7 @@ const char *jp_mechanism_coordinate_name(const struct JpMechanism *mechanism, si
 /*
  1 if a coordinate is an angle (rad), 0 if it is a length (m); -1 where there is none.
 
- # Safety
+ Arguments:
  `mechanism` is NULL or a mechanism.
  */
 int32_t jp_mechanism_coordinate_is_angle(const struct JpMechanism *mechanism, size_t coordinate);
@@ -267,7 +267,7 @@ int32_t jp_mechanism_coordinate_is_angle(const struct JpMechanism *mechanism, si
 /*
  Number of drives: coordinates of actuated joints; 0 for NULL.
 
- # Safety
+ Arguments:
  `mechanism` is NULL or a mechanism.
  */
 size_t jp_mechanism_drive_count(const struct JpMechanism *mechanism);
@@ -275,7 +275,7 @@ size_t jp_mechanism_drive_count(const struct JpMechanism *mechanism);
 /*
  Coordinate of a drive, both counted from 0; -1 where there is none.
 
- # Safety
+ Arguments:
  `mechanism` is NULL or a mechanism.
  */
 int32_t jp_mechanism_drive_coordinate(const struct JpMechanism *mechanism, size_t drive);
@@ -283,7 +283,7 @@ int32_t jp_mechanism_drive_coordinate(const struct JpMechanism *mechanism, size_
 /*
  Number of links, the base first; 0 for NULL.
 
- # Safety
+ Arguments:
  `mechanism` is NULL or a mechanism.
  */
 size_t jp_mechanism_link_count(const struct JpMechanism *mechanism);
@@ -291,7 +291,7 @@ size_t jp_mechanism_link_count(const struct JpMechanism *mechanism);
 /*
  Name of a link, counted from 0; NULL where there is none. The text belongs to the mechanism.
 
- # Safety
+ Arguments:
  `mechanism` is NULL or a mechanism.
  */
 const char *jp_mechanism_link_name(const struct JpMechanism *mechanism, size_t link);
@@ -299,7 +299,7 @@ const char *jp_mechanism_link_name(const struct JpMechanism *mechanism, size_t l
 /*
  All coordinates (m, rad) of the closed configuration nearest to the guesses of the file, virtual joints at rest.
 
- # Safety
+ Arguments:
  `mechanism` is NULL or a mechanism; `positions` is NULL or has room for all coordinates.
  */
 int32_t jp_mechanism_home(const struct JpMechanism *mechanism,
@@ -311,7 +311,7 @@ int32_t jp_mechanism_home(const struct JpMechanism *mechanism,
  `positions` holds a configuration nearby, such as that of `jp_mechanism_home` or of the call before, and takes the result.
  It is unchanged after an error; configurations beyond joint limits or clearances are `JP_NO_ANSWER`.
 
- # Safety
+ Arguments:
  `mechanism` is NULL or a mechanism; `drives` is NULL or has a number for each drive; `positions` is NULL or has all coordinates.
  */
 int32_t jp_mechanism_positions(const struct JpMechanism *mechanism,
@@ -321,7 +321,7 @@ int32_t jp_mechanism_positions(const struct JpMechanism *mechanism,
 /*
  Poses of all links for all coordinates (m, rad): homogeneous transforms from the frame of the link to the base frame, 16 numbers by rows for each link (m).
 
- # Safety
+ Arguments:
  `mechanism` is NULL or a mechanism; `positions` is NULL or has all coordinates; `poses` is NULL or has room for 16 numbers for each link.
  */
 int32_t jp_mechanism_link_poses(const struct JpMechanism *mechanism,
@@ -334,7 +334,7 @@ int32_t jp_mechanism_link_poses(const struct JpMechanism *mechanism,
  `positions` has all coordinates (m, rad), as `jp_mechanism_positions` returns them.
  `rates`, if not NULL, takes a row for each coordinate, with a number for each drive: the velocities of the coordinates.
 
- # Safety
+ Arguments:
  `mechanism` is NULL or a mechanism; `positions` is NULL or has all coordinates; `jacobian` and `rates` are NULL or have room for their rows.
  */
 int32_t jp_mechanism_jacobian(const struct JpMechanism *mechanism,
@@ -348,7 +348,7 @@ int32_t jp_mechanism_jacobian(const struct JpMechanism *mechanism,
 
  The answer is the document of the command of that name with `--format json`; `jp_text_free` frees it.
 
- # Safety
+ Arguments:
  `mechanism` is NULL or a mechanism; `request` is NULL or ended by NUL; `answer` is NULL or has room for a pointer.
  */
 int32_t jp_mechanism_json(const struct JpMechanism *mechanism,

@@ -21,7 +21,7 @@ fn generated() -> String {
     let mut bytes = Vec::new();
     builder.generate().unwrap().write(&mut bytes);
     // The section of Rust's documentation that lists what callers have to ensure.
-    String::from_utf8(bytes).unwrap().replace(" * # Safety\n", " * Arguments:\n")
+    String::from_utf8(bytes).unwrap().replace(" # Safety\n", " Arguments:\n")
 }
 
 /// `INSTA_UPDATE=always cargo test -p jointplay-c` writes the header.
