@@ -820,7 +820,7 @@ fn stations_are_taught_and_written_back() {
     }
     let kind = sandbox.run("cell teach example.toml --figure all.gif");
     assert_eq!(kind.code, 2);
-    assert!(kind.stderr.contains("must end in .svg, .png or .pdf"), "{}", kind.stderr);
+    assert!(kind.stderr.contains("must end in .svg, .png, .pdf or .tex"), "{}", kind.stderr);
 
     let steep = points.replace("599.5", "609.5");
     let no = sandbox.run(&format!("cell teach example.toml --station ALIGN {steep}"));

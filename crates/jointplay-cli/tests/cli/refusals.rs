@@ -54,7 +54,7 @@ fn flags_that_make_no_sense() {
     refuse("forward --metric 1e-99", 2, "'--metric");
     refuse("simulate --azimuth-step-deg 1e-9", 2, "at most 1000000");
     refuse("simulate --out /dev/null/study", 2, "cannot write /dev/null/study: a file exists at");
-    refuse("compare --figure shift.eps", 2, "must end in .svg, .png or .pdf");
+    refuse("compare --figure shift.eps", 2, "must end in .svg, .png, .pdf or .tex");
     refuse("completions tcl", 2, "possible values: bash");
     refuse("forward --robot missing.toml", 2, "cannot read missing.toml");
     refuse("forward --robot .", 2, "cannot read .");

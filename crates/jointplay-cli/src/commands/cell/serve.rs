@@ -34,7 +34,7 @@ Examples:
   ACCEPTED 3.412 GET port-1 3 A
   COMPLETED 3.412 GET port-1 3 A
 
-Exit codes: 2 bad input or usage, or a port that is in use.")]
+Exit codes: 0 done, 2 bad input, usage, or a port that is in use, 130 interrupted.")]
 pub(super) struct Serve {
     #[command(flatten)]
     pub(super) cell: CellArgs,
