@@ -221,16 +221,16 @@ fn lines_have_codes_identifiers_and_checksums() {
 
 #[test]
 fn names_of_a_cell_cannot_become_commands() {
-    let text = cell::EXAMPLE.replace("\"LP1\"", "\"LP1 SLOT 9 WITH\"");
+    let text = cell::EXAMPLE.replace("\"LP1\"", "\"WITH\"");
     let cell = cell::read(&text, &mut |_| Err("no files".to_owned())).unwrap();
     let language = HostLanguage::neutral();
     let mut session = HostSession::new(&language, cell, 1.0).unwrap();
-    let answer = session.receive(b"GET LP1 SLOT 9 WITH 3 A", 0.0).unwrap();
+    let answer = session.receive(b"GET WITH 3 A", 0.0).unwrap();
     assert!(answer.starts_with("ACCEPTED "), "{answer}");
     let end = session.next_event().unwrap();
     session.advance(end).unwrap();
-    let map = session.receive(b"MAP LP1 SLOT 9 WITH", end).unwrap();
-    assert!(map.starts_with("MAP LP1 SLOT 9 WITH 1 1 0 1 "), "{map}");
+    let map = session.receive(b"MAP WITH", end).unwrap();
+    assert!(map.starts_with("MAP WITH 1 1 0 1 "), "{map}");
 }
 
 #[test]

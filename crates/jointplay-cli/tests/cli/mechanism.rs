@@ -608,7 +608,7 @@ fn names_that_are_not_there() {
     refuse("move four-bar --drive A=0:360:1e-9", "values, at most");
     refuse("mobility four-bar --q-mm 1,2,3", "--q-mm and --virtualization");
     refuse("mobility gpr --at A=1", "--at applies to mechanism files");
-    refuse("mobility --set a=1", "--set needs a mechanism file");
+    refuse("mobility --set a=1", "--set needs a file: use --robot for a robot file");
     refuse("mobility gpr --tolerance 1e-3", "--tolerance applies to mechanism files");
     refuse("mobility --tolerance 1e-3", "--tolerance applies to mechanism files");
     refuse("mobility four-bar --tolerance 0.5", "must be from 1e-11 to 1e-2, got 0.5");
