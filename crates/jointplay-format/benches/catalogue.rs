@@ -1,5 +1,6 @@
 //! Time of velocities and accelerations, and of a suggestion, for each mechanism of the catalogue.
 #![expect(clippy::unwrap_used, reason = "a benchmark of a failure would be none")]
+#![expect(clippy::print_stdout, reason = "results that are not times")]
 
 use std::hint::black_box;
 
