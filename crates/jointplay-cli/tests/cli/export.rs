@@ -34,7 +34,9 @@ fn models_are_written_and_read_again() {
     let mobility: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
     assert_eq!(mobility["redundancy"], 3);
     // A reference that rigid links cannot close.
-    let run = sandbox.run("export gpr-mechanism --to mjcf --rigid --at \"rod 1=3,rod 2=0,rod 3=0\" --out tilted");
+    let run = sandbox.run(
+        "export gpr-mechanism --to mjcf --rigid --at \"rod 1=3,rod 2=0,rod 3=0\" --out tilted",
+    );
     assert_eq!(run.code, 1, "{}", run.stderr);
     assert!(!sandbox.file("tilted").exists());
 }
