@@ -44,6 +44,7 @@ __all__ = [
     "Mechanism",
     "__version__",
     "arrow_stream",
+    "picture_as_latex",
     "picture_as_pdf",
     "picture_as_png",
     "catalogue",
@@ -470,7 +471,10 @@ class Mechanism:
     def __deepcopy__(self, _memo: object) -> Mechanism: ...
     @staticmethod
     def _again(
-        text: str, parameters: Sequence[tuple[str, float]], closing: str | None
+        text: str,
+        parameters: Sequence[tuple[str, float]],
+        closing: str | None,
+        units: str | None,
     ) -> Mechanism: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
