@@ -86,6 +86,36 @@ fn hosts_have_a_robot_each_and_get_answers_in_order() {
     assert!(one.line().starts_with("STATUS idle"));
 }
 
+/// The lines that a text shows below `nc`.
+fn shown_session<'t>(text: &'t str, end: &str) -> Vec<&'t str> {
+    let (_, session) = text.split_once("$ nc 127.0.0.1 7000\n").unwrap();
+    session.split_once(end).unwrap().0.lines().map(str::trim).collect()
+}
+
+#[test]
+fn sessions_in_the_page_and_the_help_are_real() {
+    let sandbox = Sandbox::new();
+    let controller = Controller::start(&sandbox, "--speed 1000");
+    let page = include_str!("../../../../docs/how-to/simulate-a-controller.md");
+    let help = sandbox.done("cell serve --help");
+    for session in [shown_session(page, "```"), shown_session(&help, "\n\n")] {
+        let mut host = controller.connect();
+        let mut sent = 0;
+        for line in session {
+            let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+            match word {
+                "READY" | "ACCEPTED" | "COMPLETED" | "REFUSED" => assert_eq!(host.line(), line),
+                "STATUS" if !rest.is_empty() => assert_eq!(host.line(), line),
+                _ => {
+                    host.send(format!("{line}\n").as_bytes());
+                    sent += 1;
+                }
+            }
+        }
+        assert!(sent > 0);
+    }
+}
+
 #[test]
 fn hosts_that_send_garbage_half_a_line_or_nothing_affect_no_others() {
     let sandbox = Sandbox::new();
@@ -100,6 +130,14 @@ fn hosts_that_send_garbage_half_a_line_or_nothing_affect_no_others() {
     host.send(b"\x00\xff\xfe\n");
     assert!(host.line().starts_with("REFUSED 1 "));
     assert!(host.ask("STATUS").starts_with("STATUS idle"));
+    // A host that sends no more lines gets the answer at the end of the motion.
+    let mut brief = controller.connect();
+    brief.line();
+    brief.send(b"GET LP1 3 A\n");
+    brief.stream.shutdown(std::net::Shutdown::Write).unwrap();
+    assert!(brief.line().starts_with("ACCEPTED "));
+    assert!(brief.line().starts_with("COMPLETED "));
+    assert_eq!(brief.line(), "");
     // Half a line before the end of a connection is not executed, and ends the session.
     let mut half = controller.connect();
     half.line();

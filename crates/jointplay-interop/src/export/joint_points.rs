@@ -1,6 +1,6 @@
 //! Points at which the joints of links are, from which simple bodies are drawn.
 
-use jointplay_core::mechanism::Mechanism;
+use jointplay_core::mechanism::{JointKind, Mechanism};
 use jointplay_core::spatial::Pose;
 use nalgebra::Vector3;
 
@@ -19,6 +19,25 @@ pub(crate) fn joint_points(mechanism: &Mechanism) -> Vec<Vec<Vector3<f64>>> {
     points
 }
 
+/// Points between which bodies of links are drawn: those of their joints, and for a slide whose joints coincide a second one on its axis, at a distance of `size` (m).
+pub(crate) fn drawn_points(
+    mechanism: &Mechanism,
+    mut points: Vec<Vec<Vector3<f64>>>,
+    size: f64,
+) -> Vec<Vec<Vector3<f64>>> {
+    for joint in mechanism.joints() {
+        if !matches!(joint.kind, JointKind::Prismatic | JointKind::Cylindrical) {
+            continue;
+        }
+        for (link, frame) in joint.links.into_iter().zip(&joint.frames) {
+            if let [only] = points[link][..] {
+                points[link].push(only - frame.rotation * Vector3::z() * size);
+            }
+        }
+    }
+    points
+}
+
 /// Half of the largest extent of the joints of the links at their poses; 1 if there is none (m).
 pub(crate) fn size(points: &[Vec<Vector3<f64>>], poses: &[Pose]) -> f64 {
     let all = points.iter().zip(poses).flat_map(|(points, pose)| {
@@ -30,4 +49,26 @@ pub(crate) fn size(points: &[Vec<Vector3<f64>>], poses: &[Pose]) -> f64 {
     }
     let extent = (most - least).max();
     if extent > 0.0 { 0.5 * extent } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
+
+    use jointplay_format::{catalogue, mechanism};
+
+    use super::*;
+
+    #[test]
+    fn rods_whose_joints_coincide_are_drawn_along_their_slides() {
+        let file = mechanism::parse(catalogue::find("gpr-mechanism").unwrap().text).unwrap();
+        let points = drawn_points(&file.mechanism, joint_points(&file.mechanism), 0.2);
+        let links = file.mechanism.links().iter().zip(&points);
+        let rods: Vec<_> = links.filter(|(name, _)| name.starts_with("rod")).collect();
+        assert_eq!(rods.len(), 3);
+        for (name, points) in rods {
+            let [top, bottom] = points[..] else { panic!("{name}: {points:?}") };
+            assert!((top - bottom - Vector3::z() * 0.2).norm() < 1e-15, "{name}: {points:?}");
+        }
+    }
 }

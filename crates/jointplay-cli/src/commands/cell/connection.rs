@@ -126,11 +126,26 @@ fn converse(
             Ok(Received::Line(line)) => session.receive(&line, now()),
             Ok(Received::TooLong) => session.receive_too_long(now()),
             Err(RecvTimeoutError::Timeout) => session.advance(now()),
-            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+            Err(RecvTimeoutError::Disconnected) => return finish(stream, session, &now),
         };
         write(stream, text.map_err(io::Error::other)?)?;
         stream.flush()?;
     }
+}
+
+/// Reports the completion of a motion to a host that sends no more lines.
+fn finish(
+    mut stream: &TcpStream,
+    session: &mut HostSession<'_>,
+    now: &impl Fn() -> f64,
+) -> io::Result<()> {
+    while let Some(time) = session.next_event() {
+        let wait = (time - now()).clamp(0.0, LONGEST_WAIT.as_secs_f64());
+        thread::sleep(Duration::from_secs_f64(wait));
+        let text = session.advance(now()).map_err(io::Error::other)?;
+        stream.write_all(text.as_bytes())?;
+    }
+    Ok(())
 }
 
 /// The next line that is not empty, without its end: `\n`, `\r` or both; `None` at the end, where an unfinished line is dropped.

@@ -29,10 +29,10 @@ Examples:
   jointplay cell serve tool.toml --language my-controller.toml
 
   $ nc 127.0.0.1 7000
-  READY dual-arm wafer robot: q1 q2 q3 T R1 R2
-  GET port-1 3 A
-  ACCEPTED 3.412 GET port-1 3 A
-  COMPLETED 3.412 GET port-1 3 A
+  READY Dual arm with shared T: q1 q2 q3 T RA RB
+  GET LP1 3 A
+  ACCEPTED 4.035 GET LP1 3 A
+  COMPLETED 4.035 GET LP1 3 A
 
 Exit codes: 0 done, 2 bad input, usage, or a port that is in use, 130 interrupted.")]
 pub(super) struct Serve {

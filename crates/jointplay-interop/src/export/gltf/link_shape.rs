@@ -32,12 +32,7 @@ pub(super) fn show_link(
     };
     let mut shapes: Vec<Shape> = points.iter().map(joint).collect();
     match points {
-        [] => {}
-        [only] => {
-            if only.norm() > JOINT * size {
-                shapes.push(bar(Vector3::zeros(), *only));
-            }
-        }
+        [] | [_] => {}
         [first, second] => shapes.push(bar(*first, *second)),
         all => {
             #[expect(clippy::cast_precision_loss, reason = "few joints")]

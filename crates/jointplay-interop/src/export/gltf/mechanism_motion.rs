@@ -16,7 +16,7 @@ use super::material::Material;
 use super::numbers::single;
 use super::parts_file::{PartsFile, UpAxis};
 use crate::export::error::Error;
-use crate::export::joint_points::{joint_points, size};
+use crate::export::joint_points::{drawn_points, joint_points, size};
 
 /// Poses of the links of a mechanism over time.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,6 +79,7 @@ impl<'a> MechanismMotion<'a> {
         check_tolerance(tolerance)?;
         let points = joint_points(self.mechanism);
         let size = size(&points, &self.reference);
+        let points = drawn_points(self.mechanism, points, size);
         let mut document = Document::default();
         let base = Index::push(&mut document.nodes, Node::default());
         let mut links = Vec::new();

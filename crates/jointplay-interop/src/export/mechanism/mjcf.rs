@@ -9,7 +9,7 @@ use super::Written;
 use super::error::Error;
 use super::skeleton::{Body, DEFAULT_STIFFNESS, Skeleton};
 use super::xml::{Xml, number, numbers, quaternion, vector};
-use crate::export::joint_points::{joint_points, size};
+use crate::export::joint_points::{drawn_points, joint_points, size};
 
 /// Step of the simulation (s).
 const TIME_STEP: f64 = 1e-3;
@@ -137,6 +137,7 @@ impl<'s, 'a> Writer<'s, 'a> {
         let points = joint_points(self.skeleton.mechanism);
         let poses = vec![Pose::identity(); points.len()];
         let size = size(&points, &poses);
+        let points = drawn_points(self.skeleton.mechanism, points, size);
         let mut stack = vec![Some(0)];
         while let Some(next) = stack.pop() {
             let Some(k) = next else {
