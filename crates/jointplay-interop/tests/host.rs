@@ -108,8 +108,9 @@ fn a_stop_ends_at_the_end_of_a_segment_and_the_next_command_starts_there() {
     host.send("GET LP1 3 A");
     let end = host.session.next_event().unwrap();
     host.now += 0.1;
-    assert_eq!(host.send("STOP"), "");
+    let accepted = host.send("STOP");
     let stopped = host.session.next_event().unwrap();
+    assert_eq!(accepted.trim_end(), format!("ACCEPTED {:.3} STOP", stopped - host.now));
     assert!(stopped < end, "{stopped} {end}");
     host.now = stopped;
     let answer = host.session.advance(stopped).unwrap();

@@ -34,7 +34,7 @@ Examples:
   jointplay draw hexapod --view=-30,20 --figure hexapod.svg
   jointplay draw gpr-mechanism --redundant 1 --figure redundant.svg
   jointplay draw four-bar --no-title --width 360 --labels links --label A=crank --figure column.pdf
-  jointplay draw four-bar --label \"A=$\\theta_1$\" --figure paper.tex
+  jointplay draw four-bar --label 'A=$\\theta_1$' --figure paper.tex
   jointplay draw gpr-mechanism --at \"rod 1=5,rod 2=0,rod 3=0\" --exaggerate 500 --figure play.svg")]
 pub(crate) struct Draw {
     /// Mechanism file (TOML), model (MJCF, SDF, URDF), or a name from `jointplay catalogue`

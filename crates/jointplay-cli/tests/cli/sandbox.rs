@@ -47,14 +47,15 @@ impl Sandbox {
 
     pub(crate) fn command(&self, line: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_jointplay"));
-        // What is quoted is one argument.
-        for (k, part) in line.split('"').enumerate() {
-            if k % 2 == 1 {
-                command.arg(part);
-            } else {
-                command.args(part.split_whitespace());
-            }
+        // What is in quotes of one kind is one argument.
+        let mut rest = line;
+        while let Some(start) = rest.find(['"', '\'']) {
+            let quote = &rest[start..=start];
+            let (quoted, after) = rest[start + 1..].split_once(quote).expect("a closing quote");
+            command.args(rest[..start].split_whitespace()).arg(quoted);
+            rest = after;
         }
+        command.args(rest.split_whitespace());
         command.current_dir(self.path());
         command
     }

@@ -353,7 +353,9 @@ impl<'l> HostSession<'l> {
                     let step = moving.execution.stopping_step(time);
                     moving.end = moving.execution.trajectory.times[step + 1].min(moving.end);
                     moving.last_step = Some(step);
-                    Ok(())
+                    let remaining = (moving.end - time).max(0.0);
+                    let lines = &self.language.answer.accepted;
+                    self.answer(lines, request, |_| Value::Real(remaining))
                 }
             },
             Action::Reset if self.moving.is_some() => {
