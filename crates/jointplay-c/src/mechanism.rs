@@ -316,6 +316,10 @@ pub unsafe extern "C" fn jp_mechanism_positions(
         // SAFETY: the caller promises a number for each drive.
         let drives = unsafe { many(drives, mechanism.drives.len(), "drives") }?;
         finite(&drives, "drives")?;
+        for (&k, &value) in mechanism.drives.iter().zip(&drives) {
+            let checked = mechanism.coordinates.checked(k, value);
+            checked.map_err(|error| Failure::input(error.to_string()))?;
+        }
         let count = mechanism.coordinates.all().len();
         // SAFETY: the caller promises all coordinates.
         let near = unsafe { many(positions.cast_const(), count, "positions") }?;

@@ -145,7 +145,12 @@ pub(crate) fn of_mechanism(
         coordinates.find(mechanism, name).map_err(|error| Failure::input(error.to_string()))
     };
     let commands = |values: &Values| -> Result<Vec<(usize, f64)>, Failure> {
-        values.iter().map(|(name, value)| Ok((index(name)?, *value))).collect()
+        let checked = |(name, value): (&String, &f64)| {
+            let k = index(name)?;
+            let value = coordinates.checked(k, *value);
+            Ok((k, value.map_err(|error| Failure::input(error.to_string()))?))
+        };
+        values.iter().map(checked).collect()
     };
     match parse(request)? {
         OfMechanism::Assemble { at } => {
@@ -170,8 +175,13 @@ pub(crate) fn of_mechanism(
         OfMechanism::Jacobian { at, commanded, frames } => {
             let commanded = match commanded {
                 None => mechanism.actuated_coordinates(),
-                Some(names) => names.iter().map(index).collect::<Result<_, _>>()?,
+                Some(names) => names.iter().map(index).collect::<Result<Vec<usize>, _>>()?,
             };
+            if let Some(n) = (1..commanded.len()).find(|&n| commanded[..n].contains(&commanded[n]))
+            {
+                let name = &coordinates.all()[commanded[n]].name;
+                return Err(Failure::input(format!("commanded names {name:?} twice")));
+            }
             let frames = match frames {
                 None if mechanism.frames().is_empty() => {
                     (1..mechanism.links().len()).map(FrameId::Link).collect()

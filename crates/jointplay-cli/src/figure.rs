@@ -21,6 +21,10 @@ const PNG_WIDTH: u32 = 1800;
 pub(crate) trait Drawable: Clone {
     /// The title, empty for none, and the width (px).
     fn title_and_width(&mut self) -> (&mut String, &mut f64);
+    /// The labels that the user has written.
+    fn own_labels(&self) -> Vec<String> {
+        Vec::new()
+    }
     /// The SVG text.
     fn svg(&self) -> Result<String, Error>;
     /// The PNG bytes.
@@ -28,8 +32,10 @@ pub(crate) trait Drawable: Clone {
 }
 
 macro_rules! drawable {
-    ($($figure:ty),+) => {$(
+    ($($figure:ty $(, $own_labels:item)?);+) => {$(
         impl Drawable for $figure {
+            $($own_labels)?
+
             fn title_and_width(&mut self) -> (&mut String, &mut f64) {
                 (&mut self.title, &mut self.width)
             }
@@ -44,7 +50,16 @@ macro_rules! drawable {
         }
     )+};
 }
-drawable!(Figure, MechanismPicture<'_>, TopView<'_>, Taught<'_>, Gantt);
+drawable!(
+    Figure;
+    MechanismPicture<'_>,
+    fn own_labels(&self) -> Vec<String> {
+        self.own_labels.values().cloned().collect()
+    };
+    TopView<'_>;
+    Taught<'_>;
+    Gantt
+);
 
 /// A figure as SVG text.
 ///
@@ -159,7 +174,9 @@ impl FigureArgs {
             Format::Pdf => svg_to_pdf(&svg).map_err(failed)?,
             Format::Latex => {
                 let name = graphics.file_name().unwrap_or_default().to_string_lossy();
-                let LatexFigure { tex, pdf } = svg_to_latex(&svg, &name).map_err(failed)?;
+                let own = figure.own_labels().into_iter().chain(self.title.clone());
+                let own: Vec<String> = own.collect();
+                let LatexFigure { tex, pdf } = svg_to_latex(&svg, &name, &own).map_err(failed)?;
                 folder::write_file(&graphics, &pdf, self.force)?;
                 tex.into_bytes()
             }

@@ -8,10 +8,8 @@ use jointplay::format::coordinates::{self, Coordinates};
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
 use jointplay::format::number::{fixed, number};
 use jointplay::format::place;
-use jointplay::format::units::m_from_mm;
 use jointplay::format::{robot, three_rods};
 use jointplay::interop::import;
-use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
     ChangedDimension, Closure, FrameId, MechanismSystem, Posed, Relief, SparseSystem, branches,
     close_commanded, close_sparse, commanded_guess, pose_commanded, relieve_commanded,
@@ -122,11 +120,6 @@ pub(crate) struct Input {
     /// Values of parameters in place of those of the file.
     pub(crate) replaced: Vec<(String, f64)>,
 }
-
-/// Largest displacement that a joint may be commanded: one kilometre (mm).
-const LARGEST_DISPLACEMENT_MM: f64 = 1e6;
-/// Largest rotation that a joint may be commanded: 10,000 turns (deg).
-const LARGEST_ROTATION_DEG: f64 = 3.6e6;
 
 impl Input {
     /// Reads a mechanism file, a model, or a mechanism of the catalogue.
@@ -262,19 +255,7 @@ impl Input {
 
     /// A coordinate value (m, rad), refused beyond the largest displacement.
     pub(crate) fn reachable(&self, k: usize, si: f64) -> Result<f64, Failure> {
-        let most = match self.coordinates.all()[k].quantity {
-            Coordinate::Slide => m_from_mm(LARGEST_DISPLACEMENT_MM),
-            Coordinate::Turn => LARGEST_ROTATION_DEG.to_radians(),
-        };
-        if si.abs() <= most {
-            return Ok(si);
-        }
-        let (name, unit) = (&self.coordinates.all()[k].name, self.coordinates.unit(k));
-        Err(Failure::Usage(format!(
-            "{name} = {} {unit} is too large, values must be within ±{} {unit}",
-            number(self.coordinates.from_si(k, si)),
-            number(self.coordinates.from_si(k, most))
-        )))
+        Ok(self.coordinates.checked(k, si)?)
     }
 
     /// The closed configuration nearest to the guess, with commanded coordinates held.

@@ -119,6 +119,15 @@ fn limits_are_kept_and_the_nearest_may_be_on_one() {
 }
 
 #[test]
+fn a_tolerance_of_dimensions_does_not_forbid_the_nearest_configuration() {
+    let mechanism = four_bar([1.0, 0.4, 0.9, 0.7]);
+    let guess = DVector::zeros(4);
+    let Err(Error::NotAssembled(found)) = assemble(&mechanism, &guess, &[], 10) else { panic!() };
+    assert!(found.accepted(None).is_some());
+    assert_eq!(found.accepted(Some(1e-6)), found.accepted(None));
+}
+
+#[test]
 fn links_that_cannot_close_have_no_nearest_and_name_the_frames_apart() {
     let mechanism = four_bar([5.0, 0.4, 0.9, 0.7]);
     let guess = DVector::from_row_slice(&[0.1, 0.2, 0.3, 0.4]);

@@ -4,6 +4,7 @@ use jointplay_core::mechanism::joint::Coordinate;
 use jointplay_core::mechanism::{FrameId, Mechanism, VirtualMotion};
 
 use crate::mechanism::{AngleUnit, MechanismFile, Units};
+use crate::number::number;
 use crate::place::{listed, nearest, suggestion};
 
 /// A coordinate of a joint or virtual joint.
@@ -61,6 +62,18 @@ pub enum Error {
         /// Names of its coordinates.
         names: Vec<String>,
     },
+    /// A value beyond every mechanism.
+    #[error("{name} = {found} {unit} is too large, values must be within ±{largest} {unit}")]
+    TooLarge {
+        /// Name of the coordinate.
+        name: String,
+        /// The value, in the unit of the file.
+        found: String,
+        /// The largest allowed value, in the unit of the file.
+        largest: String,
+        /// The unit of the file.
+        unit: String,
+    },
     /// A joint without freedoms.
     #[error("joint `{joint}` is fixed and has no coordinate")]
     Fixed {
@@ -68,6 +81,11 @@ pub enum Error {
         joint: String,
     },
 }
+
+/// Largest displacement of a joint (m).
+const LARGEST_DISPLACEMENT: f64 = 1e3;
+/// Largest rotation of a joint (rad): ten thousand turns.
+const LARGEST_ROTATION: f64 = 1e4 * std::f64::consts::TAU;
 
 /// The attached frame with a name, or the frame of the link with it.
 ///
@@ -83,6 +101,26 @@ pub fn frame(mechanism: &Mechanism, name: &str) -> Result<FrameId, Error> {
 }
 
 impl Coordinates {
+    /// A value of a coordinate (m, rad), if it is not beyond every mechanism.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`]
+    pub fn checked(&self, k: usize, value: f64) -> Result<f64, Error> {
+        let largest = match self.named[k].quantity {
+            Coordinate::Slide => LARGEST_DISPLACEMENT,
+            Coordinate::Turn => LARGEST_ROTATION,
+        };
+        if value.abs() <= largest {
+            return Ok(value);
+        }
+        Err(Error::TooLarge {
+            name: self.named[k].name.clone(),
+            found: number(self.from_si(k, value)),
+            largest: number(self.from_si(k, largest)),
+            unit: self.unit(k).to_owned(),
+        })
+    }
+
     /// The coordinates of a file's mechanism.
     #[must_use]
     pub fn of(file: &MechanismFile) -> Self {

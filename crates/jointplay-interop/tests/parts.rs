@@ -110,6 +110,7 @@ fn unknown_names_and_broken_files_are_refused() {
             ("nodes", json!([{ "children": [0] }]), "a child that is not there"),
             ("nodes", json!([{ "children": [2] }, { "children": [2] }, {}]), "two parents"),
             ("nodes", json!([{ "children": [1] }, { "children": [0] }]), "its own ancestor"),
+            ("nodes", json!([{ "rotation": [0, 0, 0, 0] }]), "node 0 is not finite"),
             ("nodes", json!([1, 2]), "not that of glTF"),
             ("asset", json!("2.0"), "not that of glTF"),
             ("buffers", json!([{ "uri": "a.bin", "byteLength": 1 }]), "in other files"),

@@ -4,6 +4,14 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
+    /// A file name with special characters of LaTeX.
+    #[error(
+        "{name}: the name of a figure for LaTeX can have letters, digits, spaces and - _ . + only"
+    )]
+    LatexName {
+        /// The file name.
+        name: String,
+    },
     /// The figure has no panel.
     #[error("figure {title:?} has no panel: add at least one")]
     NoPanel {

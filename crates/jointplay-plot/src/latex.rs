@@ -17,14 +17,19 @@ pub struct LatexFigure {
 /// An SVG of this crate for LaTeX, with its text as LaTeX source, in the font and size of the document.
 ///
 /// The source needs the package `graphicx`; `\figurewidth`, if it is defined before, is the width, by default 180 mm for 720 px.
-/// Text between two `$` is a formula; all other text is escaped.
+/// Text between two `$` is a formula in the texts of the author; all other text is escaped, so that no name of a file becomes a command of LaTeX.
 ///
 /// # Arguments
 /// * `pdf_name` – file of the graphics, as the document finds it
+/// * `own_texts` – title and labels that the author of the figure has written
 ///
 /// # Errors
-/// [`Error::Paint`] for an SVG that cannot be converted.
-pub fn svg_to_latex(svg: &str, pdf_name: &str) -> Result<LatexFigure, Error> {
+/// [`Error::Paint`] for an SVG that cannot be converted; [`Error::LatexName`] for a file name with special characters of LaTeX.
+pub fn svg_to_latex(svg: &str, pdf_name: &str, own_texts: &[String]) -> Result<LatexFigure, Error> {
+    let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_. +".contains(letter);
+    if !pdf_name.chars().all(is_plain) {
+        return Err(Error::LatexName { name: pdf_name.to_owned() });
+    }
     let tree = png::parse(svg)?;
     let (width, height) = (f64::from(tree.size().width()), f64::from(tree.size().height()));
     let mut tex = format!(
@@ -40,16 +45,16 @@ pub fn svg_to_latex(svg: &str, pdf_name: &str) -> Result<LatexFigure, Error> {
         px(height),
         px(width),
     );
-    write_text(tree.root(), height, &mut tex);
+    write_text(tree.root(), height, own_texts, &mut tex);
     tex.push_str("\\end{picture}%\n\\endgroup\n");
     Ok(LatexFigure { tex, pdf: svg_to_pdf(&without_text(svg))? })
 }
 
 /// Writes all text of a group; `height` is that of the page (px).
-fn write_text(group: &Group, height: f64, tex: &mut String) {
+fn write_text(group: &Group, height: f64, own_texts: &[String], tex: &mut String) {
     for node in group.children() {
         match node {
-            Node::Group(inner) => write_text(inner, height, tex),
+            Node::Group(inner) => write_text(inner, height, own_texts, tex),
             Node::Text(text) => {
                 let to_page = text.abs_transform();
                 for chunk in text.chunks() {
@@ -64,7 +69,11 @@ fn write_text(group: &Group, height: f64, tex: &mut String) {
                         TextAnchor::End => 'r',
                     };
                     let turn = -f64::from(to_page.ky.atan2(to_page.sx)).to_degrees();
-                    let mut set = format!("\\makebox[0pt][{side}]{{{}}}", latex(chunk.text()));
+                    let text = match own_texts.iter().any(|own| own == chunk.text()) {
+                        true => latex(chunk.text()),
+                        false => escaped(chunk.text()),
+                    };
+                    let mut set = format!("\\makebox[0pt][{side}]{{{text}}}");
                     if turn.abs() > 0.01 {
                         // A box without height turns about its base line.
                         set = format!("\\rotatebox{{{}}}{{\\smash{{{set}}}}}", px(turn));
@@ -190,7 +199,8 @@ mod tests {
         let [x, y] = axes;
         let figure = Figure::new("50 %").with_panel(Panel::new(x, y).with_curve(curve));
         let svg = figure.to_svg().unwrap();
-        let LatexFigure { tex, pdf } = svg_to_latex(&svg, "figure.pdf").unwrap();
+        let LatexFigure { tex, pdf } =
+            svg_to_latex(&svg, "figure.pdf", &["$t$ (s)".to_owned()]).unwrap();
         assert_eq!(tex.matches("\\put(").count(), svg.matches("<text").count() + 1, "{tex}");
         for part in [
             "\\makebox[0pt][c]{50 \\%}",
@@ -202,5 +212,10 @@ mod tests {
         }
         assert!(!String::from_utf8_lossy(&pdf).contains("DejaVuSans"));
         assert!(pdf.starts_with(b"%PDF-"));
+        // The text of another than the author is no formula, and no name is a comment.
+        let LatexFigure { tex, .. } = svg_to_latex(&svg, "figure.pdf", &[]).unwrap();
+        assert!(tex.contains("{\\$t\\$ (s)}"), "{tex}");
+        let refused = svg_to_latex(&svg, "a%b.pdf", &[]).unwrap_err();
+        assert!(refused.to_string().contains("a%b.pdf"), "{refused}");
     }
 }

@@ -79,12 +79,17 @@ impl PyMechanism {
             }
             picture.view = Some(View { azimuth, elevation });
         }
+        let mut own_texts: Vec<String> = Vec::new();
         if let Some(title) = title {
+            own_texts.push(title.clone());
             picture.title = title;
         }
         match labels {
             Some(LabelsArg::Which(which)) => picture.labels = which_labels(py, &which)?,
-            Some(LabelsArg::Own(texts)) => picture.own_labels = texts,
+            Some(LabelsArg::Own(texts)) => {
+                own_texts.extend(texts.values().cloned());
+                picture.own_labels = texts;
+            }
             None => {}
         }
         let drawn = py.detach(|| {
@@ -94,7 +99,7 @@ impl PyMechanism {
             restyle_svg(&picture.to_svg()?, font, text_scale)
         });
         let svg = drawn.map_err(|error| errors::input(py, &error.to_string()))?;
-        skin::result(py, "Picture", &fields!(py; svg = svg))
+        skin::result(py, "Picture", &fields!(py; svg = svg, own_texts = own_texts))
     }
 }
 
@@ -180,8 +185,9 @@ pub(crate) fn picture_as_latex<'py>(
     py: Python<'py>,
     svg: &str,
     pdf_name: &str,
+    own_texts: Vec<String>,
 ) -> PyResult<(String, Bound<'py, PyBytes>)> {
-    let made = py.detach(|| svg_to_latex(svg, pdf_name));
+    let made = py.detach(|| svg_to_latex(svg, pdf_name, &own_texts));
     let LatexFigure { tex, pdf } = made.map_err(|error| errors::input(py, &error.to_string()))?;
     Ok((tex, PyBytes::new(py, &pdf)))
 }

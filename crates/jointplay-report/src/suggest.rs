@@ -34,9 +34,9 @@ pub struct SuggestReport {
     pub sets_compared: usize,
     /// Number of sets in the class that was searched, compared or not.
     pub sets_in_class: f64,
-    /// Displacement below which no set of the candidates lies (mm).
+    /// Lower bound of the displacement of any set of the candidates (mm).
     pub lower_bound_mm: f64,
-    /// Elastic energy below which no set of the candidates lies (mJ); `None` unless ranked by stiffness.
+    /// Lower bound of the elastic energy of any set of the candidates (mJ); `None` unless ranked by stiffness.
     pub lower_bound_mj: Option<f64>,
     /// Whether the search stopped at its limit.
     pub cut_short: bool,

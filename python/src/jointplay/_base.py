@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import html
 import keyword
+import os
 import re
+import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -239,3 +242,15 @@ AXES: dict[str, tuple[str, ...]] = {
     "rods_m": ("rod_1_m", "rod_2_m", "rod_3_m"),
 }
 """Names of the columns of arrays with a last axis of their own."""
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Writes a file whole or not at all."""
+    handle, partial = tempfile.mkstemp(dir=path.parent, prefix=path.name)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        os.replace(partial, path)
+    except BaseException:
+        os.unlink(partial)
+        raise

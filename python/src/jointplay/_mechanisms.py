@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._analyses import Freedoms
-from ._base import Floats, Many, Result, Table, latex_array, latex_number, latex_text
+from ._base import Floats, Many, Result, Table, latex_array, latex_number, latex_text, write_whole
 
 if TYPE_CHECKING:
     from ._jointplay import Mechanism
@@ -262,11 +262,7 @@ class Motion(Table):
             list((table or {}).items()),
             parts_up,
         )
-        path = Path(path)
-        # Written under another name and renamed, so that it is complete or not there.
-        partial = path.with_name(f".jointplay-partial-{path.name}")
-        partial.write_bytes(contents)
-        os.replace(partial, path)
+        write_whole(Path(path), contents)
         return tuple(missing)
 
     def columns(self) -> dict[str, NDArray[Any]]:

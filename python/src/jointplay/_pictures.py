@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from jointplay import _jointplay
 
+from ._base import write_whole
 from ._errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 
 @dataclass(frozen=True, repr=False)
@@ -18,6 +22,8 @@ class Picture:
 
     svg: str
     """The picture as SVG."""
+    own_texts: Sequence[str] = ()
+    """Title and labels that were given; in LaTeX, they may contain formulas."""
 
     def _repr_svg_(self) -> str:
         return self.svg
@@ -36,9 +42,9 @@ class Picture:
     def latex(self, pdf_name: str) -> tuple[str, bytes]:
         """The picture for LaTeX: source with all text, for ``\\input``, and the graphics as PDF without text.
 
-        The source expects the PDF under ``pdf_name``, needs ``\\usepackage{graphicx}``, and takes formulas in labels, between two ``$``.
+        The source expects the PDF under ``pdf_name``, needs ``\\usepackage{graphicx}``, and takes formulas in the given title and labels, between two ``$``.
         """
-        return _jointplay.picture_as_latex(self.svg, pdf_name)
+        return _jointplay.picture_as_latex(self.svg, pdf_name, list(self.own_texts))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the picture into a file: SVG, PNG, PDF or LaTeX by its extension.
@@ -57,20 +63,8 @@ class Picture:
             case ".tex":
                 graphics = path.with_suffix(".pdf")
                 source, pdf = self.latex(graphics.name)
-                _write(graphics, pdf)
+                write_whole(graphics, pdf)
                 content = source.encode()
             case _:
                 raise InputError(f"{path}: the name of a picture must end in .svg, .png, .pdf or .tex")
-        _write(path, content)
-
-
-def _write(path: Path, content: bytes) -> None:
-    """Writes a file whole or not at all."""
-    handle, partial = tempfile.mkstemp(dir=path.parent, prefix=path.name)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        os.replace(partial, path)
-    except BaseException:
-        os.unlink(partial)
-        raise
+        write_whole(path, content)

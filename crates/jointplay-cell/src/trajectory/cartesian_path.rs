@@ -59,7 +59,7 @@ impl PostureSpline {
     }
 }
 
-/// Positions of all axes along a Cartesian line.
+/// Positions of all axes along a Cartesian line, or along a joint-space line, whose length and deviations are 0.
 #[derive(Debug, Clone)]
 pub(crate) struct CartesianPath {
     /// Positions of all axes over the path parameter, the fraction of the line from 0 to 1.
@@ -70,6 +70,14 @@ pub(crate) struct CartesianPath {
     pub(crate) deviation: f64,
     /// Largest angle found between the wafer's plane and the plane that rotates uniformly (rad).
     pub(crate) plane_deviation: f64,
+}
+
+impl CartesianPath {
+    /// The joint-space line between two positions of all axes.
+    pub(crate) fn joint_space_line(from: &[f64], to: &[f64]) -> Self {
+        let spline = Spline::straight(from, to);
+        Self { spline, length: 0.0, deviation: 0.0, plane_deviation: 0.0 }
+    }
 }
 
 /// A Cartesian line that the axes cannot follow.

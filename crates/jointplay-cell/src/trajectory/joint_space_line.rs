@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::cartesian_path::CartesianPath;
 use super::profile::JerkLimitedProfile;
 use super::segment::Segment;
-use super::spline::Spline;
 use super::trajectory::Trajectory;
 use crate::incremental::WithId;
 use crate::program::Step;
@@ -25,8 +24,7 @@ pub(crate) fn joint_space_line(step: Step) -> Trajectory {
         let [min, max] = DURATION_RANGE;
         let quarter = 0.25 * (DURATION_BY_DISPLACEMENT * longest).clamp(min, max);
         let pieces = [(quarter, 1.0), (2.0 * quarter, -1.0), (quarter, 1.0)];
-        let spline = Spline::straight(&step.from, &step.to);
-        let path = CartesianPath { spline, length: 0.0, deviation: 0.0, plane_deviation: 0.0 };
+        let path = CartesianPath::joint_space_line(&step.from, &step.to);
         let parameter = JerkLimitedProfile::from_pieces(0.0, 1.0, &pieces);
         Segment::Line { path: Arc::new(path), parameter }
     };

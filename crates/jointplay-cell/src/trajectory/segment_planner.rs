@@ -12,7 +12,6 @@ use super::options::TrajectoryOptions;
 use super::segment::Segment;
 use super::segment_key::{moves, segment_key, shared_key};
 use super::slip::{friction_constraints, without_slip};
-use super::spline::Spline;
 use super::synchronized::synchronized_profile;
 use super::time_parameterization::TimeParameterization;
 use super::trajectory::Trajectory;
@@ -270,12 +269,7 @@ fn plan_segment(cell: &Cell, step: &Step, options: &TrajectoryOptions) -> Planne
 
 /// A step along its joint-space line, as fast as its axes and the friction of the wafers allow; `None` where no rate satisfies the constraints.
 fn joint_line_with_friction(cell: &Cell, step: &Step) -> Option<Segment> {
-    let path = Arc::new(CartesianPath {
-        spline: Spline::straight(&step.from, &step.to),
-        length: 0.0,
-        deviation: 0.0,
-        plane_deviation: 0.0,
-    });
+    let path = Arc::new(CartesianPath::joint_space_line(&step.from, &step.to));
     let limits = step_limits(cell, step);
     let constraints = |at: &AxesMotion<'_>| friction_constraints(cell, step, at);
     let parameter = TimeParameterization::new(&path.spline, &limits, f64::INFINITY)

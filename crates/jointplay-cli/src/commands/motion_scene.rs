@@ -30,12 +30,12 @@ pub(crate) struct SceneArgs {
     /// Factor of the displacements of virtual joints in the 3D scene
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = finite)]
     exaggerate: f64,
-    /// Duration of the motion in the 3D scene
-    #[arg(long, value_name = "S", default_value = "4", value_parser = finite)]
-    duration_s: f64,
-    /// Largest deviation of the 3D scene from the steps of the motion, between which it is interpolated
-    #[arg(long, value_name = "UM", default_value = "1", value_parser = finite)]
-    tolerance_um: f64,
+    /// Duration of the motion in the 3D scene [default: 4]
+    #[arg(long, value_name = "S", value_parser = finite)]
+    duration_s: Option<f64>,
+    /// Largest deviation of the 3D scene from the steps of the motion, between which it is interpolated [default: 1]
+    #[arg(long, value_name = "UM", value_parser = finite)]
+    tolerance_um: Option<f64>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -56,7 +56,10 @@ fn part(text: &str) -> Result<(String, String), String> {
 impl SceneArgs {
     /// Whether a flag is given that is of no effect without a scene.
     pub(crate) fn is_given(&self) -> bool {
-        self.parts.is_some() || self.exaggerate != 1.0
+        self.parts.is_some()
+            || self.exaggerate != 1.0
+            || self.duration_s.is_some()
+            || self.tolerance_um.is_some()
     }
 
     /// The bytes of the scene, with the names of links without a part.
@@ -71,10 +74,10 @@ impl SceneArgs {
             &input.file.mechanism,
             reference,
             configurations,
-            self.duration_s,
+            self.duration_s.unwrap_or(4.0),
             self.exaggerate,
         )?;
-        let tolerance = 1e-6 * self.tolerance_um;
+        let tolerance = 1e-6 * self.tolerance_um.unwrap_or(1.0);
         let Some(path) = &self.parts else {
             let bytes = motion.gltf(tolerance)?;
             return Ok(AnimatedParts { bytes, missing: Vec::new() });

@@ -31,7 +31,7 @@ const RANK: f64 = 1e-9;
 
 /// The nearest closed configuration that was found, by distance from the guess in radians and characteristic lengths.
 ///
-/// Every block of loops is searched by itself, from starts farther and farther from the guess; from each closed configuration the search moves along closed ones towards the guess.
+/// Each block of loops is searched separately, from starts at increasing distance from the guess; from each closed configuration the search moves along closed ones towards the guess.
 /// Coordinates of no loop keep their values, but are put within their limits.
 ///
 /// # Arguments

@@ -114,12 +114,13 @@ pub fn pose_commanded(
     };
     match closed {
         Err(Error::NotAssembled(_)) if is_relieved => {
-            let relief = relieve_commanded(mechanism, commands, tolerance)?;
+            let home = close_commanded(mechanism, &[], tolerance)?;
+            let relief = relieve_from(mechanism, &home, commands)?;
             let closed = Closure {
                 coordinates: relief.coordinates.clone(),
                 residual: relief.residual,
                 iterations: relief.iterations,
-                is_searched: false,
+                is_searched: home.is_searched,
             };
             Ok(Posed { closed, relief: Some(relief) })
         }
@@ -139,7 +140,16 @@ pub fn relieve_commanded(
     commands: &[(usize, f64)],
     tolerance: Option<f64>,
 ) -> Result<Relief, Error> {
-    let home = close_commanded(mechanism, &[], tolerance)?.coordinates;
+    relieve_from(mechanism, &close_commanded(mechanism, &[], tolerance)?, commands)
+}
+
+/// The relief from a closed configuration without commands.
+fn relieve_from(
+    mechanism: &Mechanism,
+    home: &Closure,
+    commands: &[(usize, f64)],
+) -> Result<Relief, Error> {
+    let home = home.coordinates.clone();
     let (coordinates, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
     let commanded = CommandedJoints::new(&MechanismSystem::new(mechanism, home)?, &coordinates)?;
     commanded.relieve(mechanism, values, ReliefSolver::LeastNorm)

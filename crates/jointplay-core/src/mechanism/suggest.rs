@@ -65,12 +65,12 @@ pub struct Suggestions {
     pub compared: usize,
     /// Sets in the class that was searched, compared or not.
     pub in_class: f64,
-    /// Displacement below which no set of the class lies, in the metric (m).
+    /// Lower bound of the displacement of any set of the class, in the metric (m).
     ///
     /// It is the least displacement with all candidates at once: a set with fewer is the same mechanism with the others held at rest, so that its least displacement is no smaller.
     /// Sets with alternatives in place of candidates may deviate from it by terms of higher order.
     pub lower_bound: f64,
-    /// Elastic energy below which no set of the class lies, for the same reason (J); `None` unless ranked by stiffness.
+    /// Lower bound of the elastic energy of any set of the class, for the same reason (J); `None` unless ranked by stiffness.
     pub least_energy: Option<f64>,
     /// Sets that the linear estimate took for possible, but that were not tried with the whole kinematics.
     pub untried: usize,

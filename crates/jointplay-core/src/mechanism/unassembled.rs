@@ -52,7 +52,7 @@ impl Unassembled {
     #[must_use]
     pub fn accepted(&self, tolerance: Option<f64>) -> Option<&Closure> {
         let within = tolerance.and_then(|tolerance| self.within(tolerance));
-        let is_far = tolerance.is_none() && self.near_miss().is_none();
+        let is_far = tolerance.is_some() || self.near_miss().is_none();
         within.or(self.nearest.as_ref().filter(|_| is_far))
     }
 

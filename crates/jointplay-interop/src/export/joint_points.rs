@@ -38,6 +38,23 @@ pub(crate) fn drawn_points(
     points
 }
 
+/// Bars that draw a link: between two points, or from the middle of more points to each of those that are at a distance from it.
+pub(crate) fn bars(points: &[Vector3<f64>], shortest: f64) -> Vec<[Vector3<f64>; 2]> {
+    match points {
+        [] | [_] => Vec::new(),
+        &[first, second] => vec![[first, second]],
+        all => {
+            #[expect(clippy::cast_precision_loss, reason = "few joints")]
+            let middle = all.iter().sum::<Vector3<f64>>() / all.len() as f64;
+            let far = all.iter().filter(|at| (*at - middle).norm() > shortest);
+            far.map(|&at| [middle, at]).collect()
+        }
+    }
+}
+
+/// Radius of a bar, as a share of the size of the mechanism.
+pub(crate) const BAR: f64 = 0.015;
+
 /// Half of the largest extent of the joints of the links at their poses; 1 if there is none (m).
 pub(crate) fn size(points: &[Vec<Vector3<f64>>], poses: &[Pose]) -> f64 {
     let all = points.iter().zip(poses).flat_map(|(points, pose)| {
@@ -53,7 +70,6 @@ pub(crate) fn size(points: &[Vec<Vector3<f64>>], poses: &[Pose]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    #![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
     use jointplay_format::{catalogue, mechanism};
 

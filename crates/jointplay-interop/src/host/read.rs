@@ -83,11 +83,7 @@ fn read(top: &Table<'_, '_>) -> Option<HostLanguage> {
     if commands.is_empty() {
         top.report(Problem::from(CommandProblem::NoCommand));
     }
-    let section = |key, whose| {
-        let table = top.table(key, whose)?;
-        Some(table)
-    };
-    let answer = match section("answer", "`[answer]`") {
+    let answer = match top.table("answer", "`[answer]`") {
         Some(table) => {
             let answer = answers(&TemplateTable { top: &table, decimals }, &station_codes);
             table.finish();
@@ -98,7 +94,7 @@ fn read(top: &Table<'_, '_>) -> Option<HostLanguage> {
             None
         }
     };
-    let output = match section("output", "`[output]`") {
+    let output = match top.table("output", "`[output]`") {
         Some(table) => {
             let output = TemplateTable { top: &table, decimals }.output();
             table.finish();
@@ -106,7 +102,7 @@ fn read(top: &Table<'_, '_>) -> Option<HostLanguage> {
         }
         None => Some(OutputFormat::default()),
     };
-    let input = match section("input", "`[input]`") {
+    let input = match top.table("input", "`[input]`") {
         Some(table) => {
             let input = input(&TemplateTable { top: &table, decimals });
             table.finish();

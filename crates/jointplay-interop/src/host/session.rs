@@ -352,7 +352,9 @@ impl<'l> HostSession<'l> {
                     let time = (now - moving.start) * self.speed;
                     let step = moving.execution.stopping_step(time);
                     moving.end = moving.execution.trajectory.times[step + 1].min(moving.end);
-                    moving.last_step = Some(step);
+                    // At the end of its last step, the program is completed.
+                    let is_last = step + 1 == moving.execution.trajectory.steps.len();
+                    moving.last_step = (!is_last).then_some(step);
                     let remaining = (moving.end - time).max(0.0);
                     let lines = &self.language.answer.accepted;
                     self.answer(lines, request, |_| Value::Real(remaining))

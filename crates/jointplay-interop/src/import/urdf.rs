@@ -9,6 +9,7 @@ use jointplay_core::mechanism::JointKind;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Translation3, Vector3};
 use roxmltree::Node;
+use strsim::osa_distance;
 
 use super::draft::{Draft, bare};
 use super::model::{Dialect, Imported};
@@ -168,8 +169,13 @@ fn joint<'a>(
                 );
                 return Err(xml.unsupported(part, "a joint that mimics another", advice));
             }
-            // Elements of other tools carry masses, friction, controllers and the like.
             other => {
+                if let Some(known) = similar_to_known(other) {
+                    let advice = Advice("correct the name, or remove the element");
+                    let what = format!("<{other}> of a joint, which may be <{known}> misspelled,");
+                    return Err(xml.unsupported(part, what, advice));
+                }
+                // Elements of other tools carry masses, friction, controllers and the like.
                 draft.ignore(format!("{other} of a joint"));
                 continue;
             }
@@ -245,6 +251,17 @@ fn place_of<'a>(draft: &Draft<'a>, origin: Node<'a, 'a>) -> Result<Pose, Error> 
     let (xyz, rpy) = (vector("xyz")?, vector("rpy")?);
     let rotation = Rotation3::from_euler_angles(rpy.x, rpy.y, rpy.z);
     Ok(Pose::from_parts(Translation3::from(xyz), rotation))
+}
+
+/// Elements of a joint that determine the mechanism.
+const KNOWN: [&str; 6] = ["parent", "child", "origin", "axis", "limit", "mimic"];
+/// Largest number of letters by which a misspelled name differs.
+const MISSPELLED: usize = 2;
+
+/// The known element of a joint that an unknown one may be, misspelled.
+fn similar_to_known(name: &str) -> Option<&'static str> {
+    let lower = name.to_lowercase();
+    KNOWN.into_iter().find(|known| osa_distance(&lower, known) <= MISSPELLED)
 }
 
 #[cfg(test)]
@@ -376,6 +393,34 @@ mod tests {
             "no coupling of joints",
         );
         refuse("<dynamics damping=\"1\"/>", "<axis/>", "<axis/>", "a second <axis>");
+        // A misspelled element would be another mechanism.
+        for (found, known) in
+            [("axes", "axis"), ("Axis", "axis"), ("orgin", "origin"), ("limits", "limit")]
+        {
+            let element = format!("<{found}/>");
+            let message = format!("which may be <{known}> misspelled");
+            refuse("<dynamics damping=\"1\"/>", &element, &element, &message);
+        }
+        for harmless in [
+            "dynamics",
+            "calibration",
+            "safety_controller",
+            "joint_properties",
+            "hardwareInterface",
+            "mechanicalReduction",
+            "physics",
+            "friction",
+            "sensor",
+            "gazebo",
+            "provideFeedback",
+            "implicitSpringDamper",
+            "actuator",
+            "motor",
+            "drive",
+            "safety",
+        ] {
+            assert_eq!(similar_to_known(harmless), None, "{harmless}");
+        }
         refuse("\"0 1 0\"", "\"0 0 0\"", "0 0 0", "a direction that is not 0");
         refuse("\"0 1 0\"", "\"0 1\"", "0 1", "3 numbers");
         refuse("\"0 0 0.5\"", "\"0 0 nan\"", "0 0 nan", "3 numbers");

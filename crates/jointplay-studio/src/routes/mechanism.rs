@@ -4,15 +4,12 @@ use std::collections::BTreeMap;
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::Error;
 use jointplay::format::catalogue;
 use jointplay::format::coordinates::Coordinates;
 use jointplay::format::mechanism::{self, MechanismFile};
 use jointplay::format::{robot, three_rods};
 use jointplay::mechanism::joint::Coordinate;
-use jointplay::mechanism::{
-    CommandedJoints, Kinematics, MechanismSystem, ReliefSolver, assemble, guess, relieve,
-};
+use jointplay::mechanism::{Kinematics, pose_commanded};
 use jointplay::nalgebra::DVector;
 use jointplay::report;
 use jointplay::virtualization::BuiltIn;
@@ -23,9 +20,6 @@ use crate::state::AppState;
 use crate::wire::mechanism::{
     CoordinateDocument, FrameDocument, MechanismPosesDocument, MechanismPosesRequest,
 };
-
-/// Number of other starts, if the guess of a file does not close.
-const STARTS: usize = 30;
 
 /// The poses of all links and attached frames of a mechanism
 ///
@@ -82,20 +76,8 @@ fn compute(request: &MechanismPosesRequest) -> Result<MechanismPosesDocument, Pr
         }
         commands.insert(k, value);
     }
-    let virtual_joints = mechanism.virtual_joints().len();
-    let commanded: Vec<usize> = commands.keys().copied().collect();
-    let mut start = guess(mechanism);
-    commands.iter().for_each(|(&k, &value)| start[k] = value);
-    let closed = match assemble(mechanism, &start, &commanded, STARTS) {
-        Err(Error::NotAssembled(_)) if virtual_joints > 0 && !commands.is_empty() => {
-            let home = assemble(mechanism, &guess(mechanism), &[], STARTS)?.coordinates;
-            let joints = CommandedJoints::new(&MechanismSystem::new(mechanism, home)?, &commanded)?;
-            let start = joints.start(commands.values().copied(), virtual_joints);
-            let system = MechanismSystem::new(mechanism, start)?;
-            relieve(&system, &joints, ReliefSolver::LeastNorm)?.coordinates
-        }
-        closed => closed?.coordinates,
-    };
+    let commands: Vec<(usize, f64)> = commands.into_iter().collect();
+    let closed = pose_commanded(mechanism, &commands, None)?.closed.coordinates;
     document(&file, &coordinates, &closed)
 }
 

@@ -22,8 +22,8 @@ const INTERVALS: [usize; 2] = [8, 64];
 const GRID: [usize; 2] = [120, 36];
 /// Largest change of a free angle between neighbouring samples, in steps of the grid, for one and for two free angles.
 const NEIGHBOURHOOD: [usize; 2] = [6, 2];
-/// Factor by which the grid of a fine search has more values of each free angle, and its neighbourhood more steps.
-const FINE_FACTORS: [usize; 2] = [2, 2];
+/// Factor by which the grid of a fine search has more values of each free angle, and its neighbourhood more steps, so that the neighbourhood covers the same angles.
+const FINE_FACTOR: usize = 2;
 /// Largest change of a link's angle between neighbouring samples: beyond it the pair is too near its stretched or folded position to be followed (rad).
 const MAX_ROTATION: f64 = 0.8;
 /// Largest change of a prismatic joint between neighbouring samples, in distances of samples.
@@ -137,9 +137,8 @@ impl<'a> PostureSearch<'a> {
 
     /// The search on a finer grid, which finds narrower passages and takes about sixteen times as long for each pair of free angles.
     pub(super) fn finer(mut self) -> Self {
-        let [values, steps] = FINE_FACTORS;
-        self.grid = self.grid.map(|count| if count > 1 { values * count } else { count });
-        self.neighbourhood *= steps;
+        self.grid = self.grid.map(|count| if count > 1 { FINE_FACTOR * count } else { count });
+        self.neighbourhood *= FINE_FACTOR;
         self
     }
 

@@ -1,6 +1,6 @@
 //! TCP connections of hosts to the simulated controller.
 
-use std::io::{self, BufRead, BufReader, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -21,6 +21,10 @@ const LINES_AHEAD: usize = 16;
 const WRITE_TIME: Duration = Duration::from_secs(10);
 /// Longest time until a host has sent the token.
 const TOKEN_TIME: Duration = Duration::from_secs(10);
+/// Largest number of connections at a time that have not sent the token; they take no place of a host.
+const MOST_WAITING: usize = 64;
+/// Longest time for which a motion is continued after its host sends no more lines.
+const LAST_ANSWER_TIME: Duration = Duration::from_secs(60);
 /// Longest wait for the next line, for motions of any length.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
@@ -37,7 +41,37 @@ pub(super) struct Hosts {
 pub(super) struct Server {
     listener: TcpListener,
     hosts: Arc<Hosts>,
-    connected: Arc<AtomicUsize>,
+    connected: Places,
+    waiting: Places,
+}
+
+/// Places for a limited number of connections.
+#[derive(Clone)]
+struct Places {
+    taken: Arc<AtomicUsize>,
+    most: usize,
+}
+
+/// A place, which is free again when it is dropped.
+struct Place(Arc<AtomicUsize>);
+
+impl Places {
+    fn new(most: usize) -> Self {
+        Self { taken: Arc::default(), most }
+    }
+
+    /// A place, if one is free.
+    fn take(&self) -> Option<Place> {
+        let place = Place(Arc::clone(&self.taken));
+        // If none is free, the place is dropped at once.
+        (self.taken.fetch_add(1, Ordering::SeqCst) < self.most).then_some(place)
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::SeqCst);
+    }
 }
 
 /// A received line.
@@ -48,10 +82,11 @@ enum Received {
 
 impl Server {
     pub(super) fn new(listener: TcpListener, hosts: Hosts) -> Self {
-        Self { listener, hosts: Arc::new(hosts), connected: Arc::default() }
+        let (connected, waiting) = (Places::new(MOST_HOSTS), Places::new(MOST_WAITING));
+        Self { listener, hosts: Arc::new(hosts), connected, waiting }
     }
 
-    /// Accepts connections until the process is interrupted.
+    /// Accepts connections until the process is interrupted; one without a free place is closed.
     pub(super) fn run(self) -> Result<(), Failure> {
         for stream in self.listener.incoming() {
             // An aborted connection concerns its host only; without file handles, a pause gives others time to end.
@@ -59,17 +94,15 @@ impl Server {
                 thread::sleep(Duration::from_millis(100));
                 continue;
             };
-            if self.connected.fetch_add(1, Ordering::SeqCst) >= MOST_HOSTS {
-                self.connected.fetch_sub(1, Ordering::SeqCst);
+            let Some(waiting) = self.waiting.take() else {
                 let _ = stream.shutdown(Shutdown::Both);
                 continue;
-            }
-            let (hosts, connected) = (Arc::clone(&self.hosts), Arc::clone(&self.connected));
+            };
+            let (hosts, connected) = (Arc::clone(&self.hosts), self.connected.clone());
             thread::spawn(move || {
                 // A failed connection ends its session, and nothing else.
-                let _ = serve(&stream, &hosts);
+                let _ = serve(&stream, &hosts, &connected, waiting);
                 let _ = stream.shutdown(Shutdown::Both);
-                connected.fetch_sub(1, Ordering::SeqCst);
             });
         }
         Ok(())
@@ -77,23 +110,47 @@ impl Server {
 }
 
 /// The session of one host.
-fn serve(stream: &TcpStream, hosts: &Hosts) -> io::Result<()> {
+fn serve(stream: &TcpStream, hosts: &Hosts, connected: &Places, waiting: Place) -> io::Result<()> {
     stream.set_nodelay(true)?;
     stream.set_write_timeout(Some(WRITE_TIME))?;
-    let mut reader = BufReader::new(stream.try_clone()?);
-    if let Some(token) = &hosts.token {
-        stream.set_read_timeout(Some(TOKEN_TIME))?;
-        match receive(&mut reader)? {
-            Some(Received::Line(line)) if is_equal(&line, token.as_bytes()) => {}
-            _ => return Ok(()),
-        }
-        stream.set_read_timeout(None)?;
+    if let Some(token) = &hosts.token
+        && !sends_token(stream, token.as_bytes())?
+    {
+        return Ok(());
     }
+    let Some(_place) = connected.take() else { return Ok(()) };
+    drop(waiting);
+    let reader = BufReader::new(stream.try_clone()?);
     let session = HostSession::new(&hosts.language, hosts.cell.clone(), hosts.speed);
     let Ok(mut session) = session else { return Ok(()) };
     let (sender, lines) = sync_channel(LINES_AHEAD);
     thread::spawn(move || read(reader, &sender));
     converse(stream, &mut session, &lines)
+}
+
+/// Whether the first line of a host is the token, sent in time.
+fn sends_token(mut stream: &TcpStream, token: &[u8]) -> io::Result<bool> {
+    let start = Instant::now();
+    let mut line = Vec::new();
+    while line.len() <= token.len() {
+        let left = TOKEN_TIME.saturating_sub(start.elapsed());
+        if left.is_zero() {
+            return Ok(false);
+        }
+        stream.set_read_timeout(Some(left))?;
+        let mut byte = [0];
+        if stream.read(&mut byte)? == 0 {
+            return Ok(false);
+        }
+        match byte[0] {
+            b'\n' | b'\r' => {
+                stream.set_read_timeout(None)?;
+                return Ok(is_equal(&line, token));
+            }
+            byte => line.push(byte),
+        }
+    }
+    Ok(false)
 }
 
 /// Passes lines on until the connection or the session ends.
@@ -133,15 +190,16 @@ fn converse(
     }
 }
 
-/// Reports the completion of a motion to a host that sends no more lines.
+/// Reports the completion of a motion to a host that sends no more lines, if it ends soon.
 fn finish(
     mut stream: &TcpStream,
     session: &mut HostSession<'_>,
     now: &impl Fn() -> f64,
 ) -> io::Result<()> {
-    while let Some(time) = session.next_event() {
-        let wait = (time - now()).clamp(0.0, LONGEST_WAIT.as_secs_f64());
-        thread::sleep(Duration::from_secs_f64(wait));
+    // Whether the host has gone or only sends no more is not known: the wait is limited.
+    let last = now() + LAST_ANSWER_TIME.as_secs_f64();
+    while let Some(time) = session.next_event().filter(|&time| time <= last) {
+        thread::sleep(Duration::from_secs_f64((time - now()).max(0.0)));
         let text = session.advance(now()).map_err(io::Error::other)?;
         stream.write_all(text.as_bytes())?;
     }

@@ -1,8 +1,7 @@
 //! `jointplay cell serve`: a simulated controller on TCP.
 
-use std::fs;
 use std::net::{SocketAddr, TcpListener};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use jointplay::interop::host::{HostLanguage, HostSession, MAX_BYTES};
@@ -14,6 +13,8 @@ use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::source::{label, read_text};
 
+/// Longest accepted file of a token (bytes).
+const MAX_TOKEN: u64 = 1_000;
 /// Shortest accepted token (bytes).
 const LEAST_TOKEN: usize = 16;
 
@@ -104,11 +105,12 @@ impl Serve {
                 return Ok(None);
             }
             return Err(Failure::Usage(format!(
-                "{} is not an address of this machine alone: anybody who reaches it could command the controller; use --token-file, or listen on 127.0.0.1",
+                "{} is reachable from other machines: use --token-file, or listen on 127.0.0.1",
                 self.listen.ip()
             )));
         };
-        let token = read_token(path)?;
+        let text = read_text(path, MAX_TOKEN)?;
+        let token = text.trim_end_matches(['\r', '\n']).to_owned();
         if token.len() < LEAST_TOKEN || token.chars().any(char::is_control) {
             return Err(Failure::Usage(format!(
                 "{}: the token must be one line of at least {LEAST_TOKEN} characters",
@@ -117,10 +119,4 @@ impl Serve {
         }
         Ok(Some(token))
     }
-}
-
-fn read_token(path: &Path) -> Result<String, Failure> {
-    let text = fs::read_to_string(path)
-        .map_err(|source| Failure::Read { path: path.to_owned(), source })?;
-    Ok(text.trim_end_matches(['\r', '\n']).to_owned())
 }

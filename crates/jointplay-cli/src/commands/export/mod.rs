@@ -73,6 +73,8 @@ impl Export {
         }
         let commands = input.commands(&self.at)?;
         let Posed { closed, .. } = input.posed(&commands)?;
+        // A model starts there, and its limits are those of the mechanism.
+        input.within_limits(&closed.coordinates)?;
         let mechanism = &input.file.mechanism;
         let stem = source::stem(self.mechanism.path());
         let mut formats: Vec<Format> = Vec::new();

@@ -79,10 +79,8 @@ impl Document {
         interpolation: Interpolation,
         keys: &[Key<N>],
     ) {
-        if keys
-            .windows(2)
-            .all(|pair| pair[0].value == pair[1].value && pair[0].rate == pair[1].rate)
-        {
+        let rests = keys.iter().all(|key| key.value == keys[0].value && key.rate == [0.0; N]);
+        if rests {
             return;
         }
         let times: Vec<f32> = keys.iter().map(|key| key.time).collect();

@@ -7,9 +7,8 @@ use nalgebra::Vector3;
 
 use super::document::Document;
 use super::material::Material;
+use crate::export::joint_points::{BAR, bars};
 
-/// Radius of a bar, as a share of the size of the mechanism.
-const BAR: f64 = 0.015;
 /// Radius of a joint, as a share of the size of the mechanism.
 const JOINT: f64 = 0.025;
 /// Length of the capsule that draws a joint as a ball, as a share of its radius.
@@ -31,16 +30,7 @@ pub(super) fn show_link(
         radius: BAR * size,
     };
     let mut shapes: Vec<Shape> = points.iter().map(joint).collect();
-    match points {
-        [] | [_] => {}
-        [first, second] => shapes.push(bar(*first, *second)),
-        all => {
-            #[expect(clippy::cast_precision_loss, reason = "few joints")]
-            let middle = all.iter().sum::<Vector3<f64>>() / all.len() as f64;
-            let far = all.iter().filter(|at| (*at - middle).norm() > JOINT * size);
-            shapes.extend(far.map(|at| bar(middle, *at)));
-        }
-    }
+    shapes.extend(bars(points, JOINT * size).into_iter().map(|[from, to]| bar(from, to)));
     let shown =
         shapes.iter().flat_map(|shape| document.show("body", shape, &Pose::identity(), material));
     shown.collect()

@@ -62,6 +62,11 @@ impl<'a> MechanismMotion<'a> {
         let steps = poses.len().saturating_sub(1).max(1);
         #[expect(clippy::cast_precision_loss, reason = "counts of steps")]
         let times = (0..poses.len()).map(|k| duration * k as f64 / steps as f64).collect();
+        let times: Vec<f64> = times;
+        // Viewers have times in single precision.
+        if times.windows(2).any(|pair| single(pair[0]) >= single(pair[1])) {
+            return Err(Error::Duration { duration });
+        }
         let reference = Kinematics::new(mechanism).link_poses(reference)?;
         Ok(Self { mechanism, reference, times, poses, exaggeration })
     }

@@ -94,9 +94,16 @@ impl PartsFile {
                 }
             }
         }
-        let parts = Self { document, bytes, parents };
-        if (0..nodes).any(|node| parts.ancestors(node).count() > nodes) {
+        if has_cycle(&parents) {
             return Err(refused("a node is its own ancestor"));
+        }
+        let parts = Self { document, bytes, parents };
+        let is_finite = |node: &Value| local(node).iter().all(|number| number.is_finite());
+        if let Some(node) = parts.nodes().iter().position(|node| !is_finite(node)) {
+            let name = parts.nodes()[node]["name"]
+                .as_str()
+                .map_or_else(String::new, |name| format!(" {name:?}"));
+            return Err(refused(&format!("the transform of node {node}{name} is not finite")));
         }
         Ok(parts)
     }
@@ -123,10 +130,9 @@ impl PartsFile {
         self.document["nodes"].as_array().map_or(&[], Vec::as_slice)
     }
 
-    /// Parents of a node, the nearest first; without an end if a node is its own ancestor, up to one more than there are nodes.
+    /// Parents of a node, the nearest first.
     fn ancestors(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
-        let next = std::iter::successors(self.parents[node], |&node| self.parents[node]);
-        next.take(self.parents.len() + 1)
+        std::iter::successors(self.parents[node], |&node| self.parents[node])
     }
 
     /// The link of each part, with the node of the part.
@@ -303,6 +309,23 @@ impl PartsFile {
         array(document, "animations").push(motion);
         bytes
     }
+}
+
+/// Whether a node is its own ancestor, by the parents of all nodes; each node is visited once.
+fn has_cycle(parents: &[Option<usize>]) -> bool {
+    // The walk that has visited a node.
+    let mut walks = vec![None; parents.len()];
+    (0..parents.len()).any(|walk| {
+        let mut node = walk;
+        while walks[node].is_none() {
+            walks[node] = Some(walk);
+            match parents[node] {
+                Some(parent) => node = parent,
+                None => return false,
+            }
+        }
+        walks[node] == Some(walk)
+    })
 }
 
 /// A name without case, and with spaces in place of `_` and `-`.

@@ -7,6 +7,14 @@ pub enum Error {
     /// A configuration that is not one of the mechanism.
     #[error(transparent)]
     Core(#[from] jointplay_core::Error),
+    /// A link with a name that simulators reserve.
+    #[error(
+        "link {link:?} has a name that simulators reserve for the ground or the model; rename it"
+    )]
+    ReservedName {
+        /// Name of the link.
+        link: String,
+    },
     /// A joint that the format does not have.
     #[error("joint {joint:?} is {kind}, which {format} cannot describe{advice}")]
     Unsupported {

@@ -9,7 +9,7 @@ use super::Written;
 use super::error::Error;
 use super::skeleton::{Body, DEFAULT_STIFFNESS, Skeleton};
 use super::xml::{Xml, number, numbers, quaternion, vector};
-use crate::export::joint_points::{drawn_points, joint_points, size};
+use crate::export::joint_points::{BAR, bars, drawn_points, joint_points, size};
 
 /// Step of the simulation (s).
 const TIME_STEP: f64 = 1e-3;
@@ -21,8 +21,6 @@ const IMPEDANCE: f64 = 0.9999;
 const FREQUENCY: f64 = 100.0;
 /// Ratio of the gain of an actuator to the stiffest spring.
 const GAIN: f64 = 1e5;
-/// Radius of drawn bodies, as a share of the size of the mechanism.
-const BAR: f64 = 0.015;
 
 /// Masses, springs and gains of a model.
 struct Scale {
@@ -241,7 +239,7 @@ impl<'s, 'a> Writer<'s, 'a> {
             attributes.push(("stiffness", number(skeleton.stiffness[m])));
             2.0 * (skeleton.stiffness[m] * mass * weight).sqrt()
         } else if skeleton.is_actuated(joint, motion.coordinate) {
-            let turn = weight != 1.0 || Skeleton::is_turn(&motion.factor);
+            let turn = Skeleton::is_turn(&motion.factor);
             self.actuators.push((name.clone(), value, limits, turn));
             // The inertia of a drive, with which a stiff actuator is as slow as the springs.
             let armature = GAIN * stiffness * weight / (FREQUENCY * FREQUENCY);
@@ -254,25 +252,21 @@ impl<'s, 'a> Writer<'s, 'a> {
         self.xml.empty("joint", &attributes);
     }
 
-    /// Bars between the joints of a link.
+    /// Bars between the joints of a link; a ball at its only one.
     fn geoms(&mut self, points: &[Vector3<f64>], size: f64) {
-        #[expect(clippy::cast_precision_loss, reason = "few joints")]
-        let middle = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
         let radius = BAR * size;
-        for point in points {
-            if (point - middle).norm() > radius {
-                let ends = [middle.as_slice(), point.as_slice()].concat();
-                let attributes = [
-                    ("type", "capsule".into()),
-                    ("size", number(radius)),
-                    ("fromto", numbers(&ends)),
-                ];
-                self.xml.empty("geom", &attributes);
-            } else {
-                let attributes =
-                    [("type", "sphere".into()), ("size", number(radius)), ("pos", vector(point))];
-                self.xml.empty("geom", &attributes);
-            }
+        for [from, to] in bars(points, radius) {
+            let attributes = [
+                ("type", "capsule".into()),
+                ("size", number(radius)),
+                ("fromto", numbers(&[from.as_slice(), to.as_slice()].concat())),
+            ];
+            self.xml.empty("geom", &attributes);
+        }
+        if let [only] = points {
+            let attributes =
+                [("type", "sphere".into()), ("size", number(radius)), ("pos", vector(only))];
+            self.xml.empty("geom", &attributes);
         }
     }
 

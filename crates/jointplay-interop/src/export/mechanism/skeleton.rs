@@ -11,6 +11,9 @@ use nalgebra::DVector;
 
 use super::error::Error;
 
+/// Names of the ground and of the model in MJCF and SDF, which no moving link may have.
+const RESERVED: [&str; 2] = ["world", "__model__"];
+
 /// Bodies, parents before children, and closures.
 pub(super) struct Skeleton<'a> {
     pub(super) mechanism: &'a Mechanism,
@@ -75,6 +78,10 @@ impl<'a> Skeleton<'a> {
         coordinates: &DVector<f64>,
         keeps_closures: bool,
     ) -> Result<Self, Error> {
+        let moving = &mechanism.links()[1..];
+        if let Some(link) = moving.iter().find(|link| RESERVED.contains(&link.as_str())) {
+            return Err(Error::ReservedName { link: link.clone() });
+        }
         let system = MechanismSystem::new(mechanism, coordinates.clone())?;
         let length = jointplay_core::constraint::System::characteristic_length(&system);
         let mut skeleton = Self {

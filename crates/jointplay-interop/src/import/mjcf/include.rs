@@ -54,7 +54,7 @@ impl Expanded {
 /// * `read` – reads a file by its name relative to the folder of the model, or returns why it does not
 ///
 /// # Errors
-/// [`IncludeError`]: a file that is not read, is included twice or by itself, is no MJCF, or a text that grows too long.
+/// [`IncludeError`]: a file that is not read, is included twice or by itself, is not MJCF, or a text beyond the size limit.
 pub fn expand_includes(
     text: &str,
     read: &mut dyn FnMut(&str) -> Result<String, String>,
@@ -156,6 +156,10 @@ impl Expansion<'_> {
     ) -> Result<(), IncludeError> {
         let fail = |this: &Self, problem| Err(this.failed(text, file, node, problem));
         let unsupported = |what: String, advice: String| Problem::Unsupported { what, advice };
+        if node.children().any(|child| child.is_element()) {
+            let advice = "an include has no contents; move them next to it".to_owned();
+            return fail(self, unsupported("an <include> with elements in it".to_owned(), advice));
+        }
         let Some(name) = attribute(node, "file") else {
             let whose = "include".to_owned();
             return fail(self, Problem::Missing { whose, what: "file" });
@@ -305,6 +309,10 @@ mod tests {
         refuse("svg.xml", None, "<mujoco> or <mujocoinclude>");
         refuse("cut.xml", Some("cut.xml"), "not well-formed XML");
         refuse("parts/hand.xml", None, "included at most once");
+        let nested =
+            "<mujoco><include file=\"svg.xml\"><include file=\"defaults.xml\"/></include></mujoco>";
+        let error = expand(nested, &folder()).unwrap_err();
+        assert!(error.to_string().contains("with elements in it"), "{error}");
         let error = expand("<mujoco><include/></mujoco>", &folder()).unwrap_err();
         assert!(error.to_string().contains("`include` needs `file`"), "{error}");
     }
