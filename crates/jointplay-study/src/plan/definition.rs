@@ -4,7 +4,7 @@ use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 
 use super::as_built::{RodsFrom, Tolerances};
-use super::block::BLOCK;
+use super::block::{BLOCK, CHUNK};
 use super::output::OutputQuantity;
 use super::variation::Variation;
 use crate::Error;
@@ -91,6 +91,14 @@ impl Plan {
         // As many as a signed number of 64 bits counts, which is what tables have.
         let samples = self.grid()?.checked_mul(self.draws);
         samples.filter(|&samples| i64::try_from(samples).is_ok()).ok_or_else(|| self.too_many())
+    }
+
+    /// Number of chunks of [`CHUNK`] samples, the last of which may be shorter.
+    ///
+    /// # Errors
+    /// As [`Self::grid`].
+    pub fn chunks(&self) -> Result<u64, Error> {
+        Ok(self.samples()?.div_ceil(CHUNK))
     }
 
     /// Whether anything is random.
