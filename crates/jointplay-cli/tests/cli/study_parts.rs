@@ -8,18 +8,18 @@ use serde_json::Value;
 
 use crate::sandbox::Sandbox;
 
-/// Three parts: 65,536, 65,536 and 18,928 samples, some without an answer.
+/// Three parts: 65,536, 65,536 and 28 samples, some without an answer.
 const STUDY: &str = r#"kind = "study"
 name = "parts"
 virtualizations = ["polar", "planar"]
 solver = "newton"
-samples = 150000
+samples = 131100
 seed = 4
 quantities = ["tilt_error_urad", "q2_mm"]
 
 [pose]
 azimuth_deg = { uniform = [0, 360] }
-tilt_deg = { normal = [0, 25] }
+tilt_deg = { normal = [0, 15] }
 
 [tolerances]
 socket_radius_mm = { normal = [0, 0.01] }
@@ -98,7 +98,7 @@ fn gathered_parts_are_the_run_on_one_machine() {
 #[test]
 fn a_folder_takes_one_study() {
     let sandbox = Sandbox::new();
-    let small = STUDY.replace("150000", "70000");
+    let small = STUDY.replace("131100", "70000");
     sandbox.write("s.toml", &small);
     let run = "study s.toml --parts run --part-format csv --part 1/2 --quiet";
     sandbox.done(run);
@@ -116,7 +116,12 @@ fn a_folder_takes_one_study() {
         fails(&sandbox, "study s.toml --parts run --status", 2, difference);
     }
     sandbox.write("s.toml", &small);
-    fails(&sandbox, "study --parts run --part 0/3 --part-format parquet", 2, "parts are csv tables");
+    fails(
+        &sandbox,
+        "study --parts run --part 0/3 --part-format parquet",
+        2,
+        "parts are csv tables",
+    );
     fails(&sandbox, "study --parts run --gather t.parquet", 2, "parts are csv tables");
     fails(&sandbox, "study --parts run --gather t.xlsx", 2, "ends in .csv or .parquet");
     fails(&sandbox, "study --parts none --status", 2, "no folder of parts");
@@ -170,15 +175,30 @@ fn parts_that_changed_are_refused_and_computed_again() {
     assert!(sandbox.read("t.csv") == sandbox.read("whole.csv"));
 }
 
+#[test]
+fn sensitivities_are_computed_on_one_kind_of_processor() {
+    let sandbox = Sandbox::new();
+    sandbox
+        .write("s.toml", &STUDY.replace("131100", "9").replace("\"q2_mm\"", "\"sensitivity_1\""));
+    sandbox.done("study s.toml --parts run --part-format csv --quiet");
+    let described: Value = serde_json::from_str(&sandbox.read("run/study.json")).unwrap();
+    let here = described["instructions"].as_str().unwrap();
+    let other = sandbox.read("run/study.json").replacen(here, "abacus", 1);
+    sandbox.write("run/study.json", &other);
+    let expected = format!("begun with the instruction set abacus, and this processor has {here}");
+    fails(&sandbox, "study --parts run --gather t.csv", 2, &expected);
+}
+
 #[cfg(unix)]
 #[test]
 fn tasks_that_are_killed_leave_complete_parts() {
     let sandbox = Sandbox::new();
-    let text = STUDY.replace("150000", "1500000").replace("\"newton\"", "\"least-norm\"");
+    let text = STUDY.replace("131100", "500000").replace("normal = [0, 15]", "uniform = [0, 5]");
     sandbox.write("s.toml", &text);
     let finished = |folder: &Path| {
         let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        let records = names.filter(|entry| entry.file_name().to_string_lossy().starts_with("part-"));
+        let records =
+            names.filter(|entry| entry.file_name().to_string_lossy().starts_with("part-"));
         records.filter(|entry| entry.path().extension().is_some_and(|end| end == "json")).count()
     };
     let line = "study s.toml --parts run --part-format csv --quiet";
@@ -189,7 +209,7 @@ fn tasks_that_are_killed_leave_complete_parts() {
             sandbox.command(line).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
         });
         if kill {
-            while finished(&sandbox.file("run")) < before + 4 {
+            while finished(&sandbox.file("run")) < before + 2 {
                 std::thread::sleep(Duration::from_millis(1));
             }
             tasks.iter_mut().for_each(|task| task.kill().unwrap());

@@ -2,8 +2,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
+use super::dispatch::dispatch;
 use super::lanes::Lanes;
 use super::trigonometry::sin_cos;
 use super::{Column, Status, StatusCounts};
@@ -51,7 +52,7 @@ impl Gpr {
         };
         let given = [azimuth, tilt_angle, height];
         let blocks = Blocks { gpr: self, given, shortest, longest, tilt_max, status, rods };
-        Arch::new().dispatch(blocks)?;
+        dispatch(blocks)?;
         Ok(StatusCounts::of(status))
     }
 }

@@ -29,6 +29,7 @@
 //! ```
 
 mod column;
+mod dispatch;
 mod forward;
 mod inverse;
 mod lanes;
@@ -43,6 +44,7 @@ mod status;
 mod trigonometry;
 
 pub use column::Column;
+pub use dispatch::instruction_set;
 pub use parts::{Part, parts};
 pub use quantity::Quantity;
 pub use status::{Status, StatusCounts};

@@ -26,6 +26,16 @@ pub enum PartsError {
         /// This version.
         here: &'static str,
     },
+    /// A folder of a study with sensitivities, which was begun on another kind of processor.
+    #[error(
+        "this study was begun with the instruction set {found}, and this processor has {here}: sensitivities may differ in their last digits; compute all parts on one kind of processor"
+    )]
+    Processor {
+        /// Instruction set that began the study.
+        found: String,
+        /// That of this processor.
+        here: &'static str,
+    },
     /// A folder of another study.
     #[error("the folder has the parts of another study; choose another folder\n  {}", differences.join("\n  "))]
     OtherStudy {

@@ -4,7 +4,7 @@ use jointplay_format::study::{StudyFile, parse};
 use jointplay_study::plan::CHUNK;
 use serde::{Deserialize, Serialize};
 
-use super::digest::{VERSION, digest};
+use super::digest::{VERSION, digest, instructions};
 use super::error::PartsError;
 use crate::study_table::TableKind;
 
@@ -30,6 +30,9 @@ struct Document {
     parts: u64,
     rows_of_a_part: u64,
     format: String,
+    /// Instruction set of the processor, where numbers depend on it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    instructions: Option<String>,
     /// The file of the study (TOML).
     study: String,
     /// The file of its robot (TOML).
@@ -50,6 +53,7 @@ impl Manifest {
             parts: study.plan.chunks()?,
             rows_of_a_part: CHUNK,
             format: kind.ending().to_owned(),
+            instructions: instructions(study).map(str::to_owned),
             study: study.text.clone(),
             robot: study.robot_text.clone(),
         };
@@ -60,7 +64,7 @@ impl Manifest {
     /// Reads a file written by [`Self::to_json`].
     ///
     /// # Errors
-    /// [`PartsError::Malformed`], [`PartsError::Version`].
+    /// [`PartsError::Malformed`], [`PartsError::Version`], [`PartsError::Processor`].
     pub fn parse(text: &str) -> Result<Self, PartsError> {
         let malformed = |why: &str| PartsError::malformed(MANIFEST, why);
         let value: serde_json::Value =
@@ -76,6 +80,11 @@ impl Manifest {
             .ok_or_else(|| malformed("its format is neither csv nor parquet"))?;
         let study = parse(&document.study, |_| Ok(document.robot.clone()))
             .map_err(|error| malformed(&format!("the study in it is invalid: {error}")))?;
+        if let (Some(found), Some(here)) = (&document.instructions, instructions(&study))
+            && found != here
+        {
+            return Err(PartsError::Processor { found: found.clone(), here });
+        }
         if digest(&study) != document.digest {
             return Err(malformed("its digest is not that of the study in it"));
         }

@@ -1,11 +1,12 @@
 //! Definition of a study.
 
+use jointplay_core::bulk::Quantity;
 use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 
 use super::as_built::{RodsFrom, Tolerances};
 use super::block::{BLOCK, CHUNK};
-use super::output::OutputQuantity;
+use super::output::{OutputQuantity, PlatformQuantity};
 use super::variation::Variation;
 use crate::Error;
 
@@ -106,6 +107,16 @@ impl Plan {
     pub fn draws_anything(&self) -> bool {
         let poses = [&self.height, &self.tilt.first, &self.tilt.second];
         poses.into_iter().any(Variation::is_random) || self.tolerances.any()
+    }
+
+    /// Whether samples have other bits on another kind of processor, see [`instruction_set`](jointplay_core::bulk::instruction_set).
+    #[must_use]
+    pub fn depends_on_processor(&self) -> bool {
+        let of_processor = |wanted: &OutputQuantity| {
+            let OutputQuantity::Model { measure, .. } = wanted else { return false };
+            matches!(measure, PlatformQuantity::Quantity(Quantity::Sensitivity(_)))
+        };
+        self.wanted.iter().any(of_processor)
     }
 
     fn too_many(&self) -> Error {
