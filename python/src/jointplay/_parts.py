@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import uuid
 from collections.abc import Iterable, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -104,14 +105,15 @@ def _store(location: str, filesystem: Any, options: Mapping[str, Any]) -> Store:
     if filesystem is None and "://" not in location:
         return LocalStore(Path(location))
     try:
-        import fsspec
-        from fsspec.implementations.arrow import ArrowFSWrapper
+        # Without types of its own.
+        fsspec: Any = import_module("fsspec")
+        arrow: Any = import_module("fsspec.implementations.arrow")
     except ModuleNotFoundError as error:
-        raise ModuleNotFoundError("folders at a URL need fsspec: pip install fsspec", name="fsspec") from error
+        raise ModuleNotFoundError("folders at a URL need fsspec: pip install 'jointplay[remote]'", name="fsspec") from error
     if filesystem is None:
         filesystem, location = fsspec.core.url_to_fs(location, **options)
     elif not isinstance(filesystem, fsspec.AbstractFileSystem):
-        filesystem = ArrowFSWrapper(filesystem)
+        filesystem = arrow.ArrowFSWrapper(filesystem)
     return RemoteStore(filesystem, location)
 
 
