@@ -1,6 +1,6 @@
 """The same study on other people's engines: every one gives the bytes of a run on one machine.
 
-    python3 validation/engines.py path/to/jointplay [--only slurm,s3,ray,processors]
+    python3 validation/engines.py path/to/jointplay [--only slurm,s3,ray,processors,kubernetes]
 
 For developers who change studies in parts; too slow, and with too many packages, for `cargo xtask test`, which runs Dask and processes.
 It prints one line for each engine, with the SHA-256 of the gathered table and the time, and fails if one differs.
@@ -10,6 +10,7 @@ It prints one line for each engine, with the SHA-256 of the gathered table and t
 `ray`        tasks of Ray: package ray
 `processors` the command on processors without AVX and with AVX2, emulated by qemu-x86_64, and on aarch64
              by qemu-aarch64 if `JOINTPLAY_AARCH64` names a command for it
+`kubernetes` the manifest of the documentation by its schema: package kubernetes-validate
 
 `s3` and `ray` need the Python package jointplay, of the same version as the command.
 """
@@ -23,6 +24,7 @@ import json
 import multiprocessing
 import os
 import pwd
+import re
 import secrets
 import shutil
 import signal
@@ -277,10 +279,28 @@ def processors(command: Path, folder: Path) -> bool:
     return agree
 
 
+def kubernetes() -> None:
+    """Checks the manifest of the documentation, and refuses one with a misspelled key."""
+    import kubernetes_validate
+    import yaml
+
+    page = Path(__file__).resolve().parents[1] / "docs" / "how-to" / "run-a-study-on-a-cluster.md"
+    (text,) = re.findall(r"^```yaml\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+    manifest = yaml.safe_load(text)
+    version = kubernetes_validate.validate(manifest, "1.33", strict=True)
+    manifest["spec"]["completionmode"] = manifest["spec"].pop("completionMode")
+    try:
+        kubernetes_validate.validate(manifest, "1.33", strict=True)
+    except kubernetes_validate.ValidationError:
+        print(f"kubernetes   manifest valid for {version}", flush=True)
+    else:
+        sys.exit("the schema checker accepts an unknown key")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("command", type=Path)
-    parser.add_argument("--only", default="slurm,s3,ray,processors")
+    parser.add_argument("--only", default="slurm,s3,ray,processors,kubernetes")
     chosen = parser.parse_args()
     command = chosen.command.resolve()
     wanted = chosen.only.split(",")
@@ -301,6 +321,8 @@ def main() -> None:
             found = digest(engine(command, study, folder))
             print(f"{engine.__name__:12} {found} {time.monotonic() - start:6.1f} s", flush=True)
             agree &= found == expected
+        if "kubernetes" in wanted:
+            kubernetes()
         if "processors" in wanted:
             agree &= processors(command, folder)
     finally:

@@ -8,7 +8,7 @@ use parquet::basic::{Compression, ConvertedType, Encoding, Repetition, Type};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{
-    ParquetMetaData, ParquetMetaDataReader, ParquetMetaDataWriter, RowGroupMetaData,
+    KeyValue, ParquetMetaData, ParquetMetaDataReader, ParquetMetaDataWriter, RowGroupMetaData,
 };
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesPtr};
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
@@ -44,6 +44,7 @@ impl Schema {
             .set_created_by(concat!("jointplay ", env!("CARGO_PKG_VERSION")).to_owned())
             .set_statistics_enabled(EnabledStatistics::Chunk)
             .set_offset_index_disabled(true)
+            .set_key_value_metadata(Some(vec![units(columns)]))
             .set_dictionary_enabled(false);
         for column in columns {
             let path = || ColumnPath::new(vec![column.name.clone()]);
@@ -67,7 +68,7 @@ impl Schema {
         }
         let schema = Schematic::group_type_builder("samples").with_fields(fields).build()?;
         let mut properties = properties.build();
-        // Units, for readers of columns with metadata.
+        // Units of columns again, for readers of Arrow.
         add_encoded_arrow_schema_to_metadata(&arrow_schema(columns), &mut properties);
         let (schema, properties) = (Arc::new(schema), Arc::new(properties));
         let writer =
@@ -116,6 +117,16 @@ impl Schema {
         ParquetMetaDataWriter::new(&mut bytes, &metadata).finish()?;
         Ok(bytes)
     }
+}
+
+/// Units of the columns as metadata of the file: a JSON object.
+fn units(columns: &[Column]) -> KeyValue {
+    let units = columns.iter().filter_map(|column| {
+        let Source::Number { unit, .. } = column.source else { return None };
+        Some((column.name.clone(), unit.code()?.into()))
+    });
+    let units: serde_json::Map<String, serde_json::Value> = units.collect();
+    KeyValue::new("units".to_owned(), serde_json::Value::from(units).to_string())
 }
 
 /// Writes one column of a chunk.
