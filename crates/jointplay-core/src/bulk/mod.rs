@@ -31,16 +31,11 @@
 mod column;
 mod forward;
 mod inverse;
-mod lanes;
 mod limits;
 mod parts;
-mod pose;
 mod quantity;
-mod shape;
 mod singular_values;
-mod solve;
 mod status;
-mod trigonometry;
 
 pub use column::Column;
 pub use parts::{Part, parts};
