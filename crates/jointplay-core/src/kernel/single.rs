@@ -11,6 +11,9 @@ use super::solve::solved;
 use crate::spatial::Pose;
 use crate::virtualization::{Sides, VirtualJoints};
 
+/// One over the cosine of the largest tilt that is computed here.
+const STEEPEST: f64 = 2.0;
+
 /// A pose by the closed equations.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SinglePose {
@@ -33,7 +36,10 @@ impl SinglePose {
         let balls = Balls::new(geometry, rods.map(|rod| Lanes::splat(Scalar, rod)));
         let found = solved::<Scalar, M>(task, &balls);
         let upright = balls.mean.like(0.0).below(found.shape.area() * geometry.base_area);
-        if !(found.met & upright).any() {
+        // Steeper triangles are slender: round-off in their sides is large in their corners.
+        let plane = Plane::new(geometry, &balls);
+        let flat = plane.area.at_most(plane.area.like(STEEPEST * geometry.base_area.abs()));
+        if !(found.met & upright & flat).any() {
             return None;
         }
         let mut virtual_joints = VirtualJoints::zeros(if M::ACROSS { 6 } else { 3 });
@@ -43,8 +49,7 @@ impl SinglePose {
                 virtual_joints[3 + k] = found.shape.b[k].number();
             }
         }
-        let placed =
-            PlatformPoses::new(geometry, &balls, &Plane::new(geometry, &balls), &found.shape);
+        let placed = PlatformPoses::new(geometry, &balls, &plane, &found.shape);
         let axes = placed.axes().map(|axis| axis.map(Lanes::number));
         let rotation = Matrix3::from_columns(&axes.map(Into::into));
         #[expect(
