@@ -206,7 +206,7 @@ impl PlatformPose {
     pub fn torsion(&self) -> f64 {
         // R Rz(−τ) is symmetric but for signs: the upper left block of R is the symmetric block of the tilt times a turn.
         let r = self.base_from_platform.rotation.matrix();
-        (r[(1, 0)] - r[(0, 1)]).atan2(r[(0, 0)] + r[(1, 1)])
+        libm::atan2(r[(1, 0)] - r[(0, 1)], r[(0, 0)] + r[(1, 1)])
     }
 
     /// Height at which the platform plane crosses the base axis (m).

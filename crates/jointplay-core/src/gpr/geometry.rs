@@ -24,7 +24,7 @@ impl Limb {
     /// A limb whose rod is below its nominal socket when the platform is level.
     #[must_use]
     pub fn under_socket(socket_radius: f64, socket_angle: f64) -> Self {
-        let (sin, cos) = socket_angle.sin_cos();
+        let (sin, cos) = libm::sincos(socket_angle);
         let base_point = Vector2::new(cos, sin) * socket_radius;
         Self { base_point, socket_radius, socket_angle }
     }
@@ -79,7 +79,7 @@ impl Gpr {
                 unit: "m",
             });
         }
-        let steepest = limits.tilt_max.tan();
+        let steepest = libm::tan(limits.tilt_max);
         let checks_limits = true;
         let ball_clearance = None;
         Ok(Self {

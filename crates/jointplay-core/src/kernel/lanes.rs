@@ -82,21 +82,18 @@ impl<S: Simd> Lanes<S> {
         Self::of(self.simd, &numbers[..Self::COUNT])
     }
 
-    /// `self · factor + addend`, rounded once where the machine can.
+    /// `self · factor + addend`, rounded once on every processor: in software where it has no fused multiply-add.
     #[inline(always)]
     pub(crate) fn times_plus(self, factor: Self, addend: Self) -> Self {
         let ([a, b], [c, d], [e, f]) = (self.value, factor.value, addend.value);
         let simd = self.simd;
-        Self { simd, value: [simd.mul_add_e_f64s(a, c, e), simd.mul_add_e_f64s(b, d, f)] }
+        Self { simd, value: [simd.mul_add_f64s(a, c, e), simd.mul_add_f64s(b, d, f)] }
     }
 
-    /// `minuend − self · factor`.
+    /// `minuend − self · factor`, rounded once.
     #[inline(always)]
     pub(crate) fn times_from(self, factor: Self, minuend: Self) -> Self {
-        let ([a, b], [c, d], [e, f]) = (self.value, factor.value, minuend.value);
-        let simd = self.simd;
-        let value = [simd.negate_mul_add_e_f64s(a, c, e), simd.negate_mul_add_e_f64s(b, d, f)];
-        Self { simd, value }
+        (-self).times_plus(factor, minuend)
     }
 
     #[inline(always)]

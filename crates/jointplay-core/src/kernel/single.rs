@@ -1,7 +1,9 @@
 //! One pose at a time.
 
+use std::marker::PhantomData;
+
 use nalgebra::{Matrix3, Rotation3, Translation3};
-use pulp::Scalar;
+use pulp::{Arch, Scalar, Simd, WithSimd};
 
 use super::geometry::Task;
 use super::lanes::Lanes;
@@ -28,10 +30,26 @@ pub(crate) struct SinglePose {
 impl SinglePose {
     /// The pose for given rods; `None` where the answer is not beyond doubt.
     ///
-    /// The same operations as for many poses, rounded after each product, so that the bits do not depend on the machine.
-    // Always: as a call of its own it would copy its result, which takes a quarter of the time of finding it.
-    #[inline(always)]
+    /// The same operations as for many poses.
+    #[inline]
     pub(crate) fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
+        Arch::new().dispatch(One { task, rods, model: PhantomData::<M> })
+    }
+}
+
+/// The computation of one pose, in scalar registers with the instructions of the processor.
+struct One<'a, M> {
+    task: &'a Task<'a>,
+    rods: &'a [f64; 3],
+    model: PhantomData<M>,
+}
+
+impl<M: Model> WithSimd for One<'_, M> {
+    type Output = Option<SinglePose>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Option<SinglePose> {
+        let Self { task, rods, .. } = self;
         let geometry = task.geometry;
         let balls = Balls::new(geometry, rods.map(|rod| Lanes::splat(Scalar, rod)));
         let found = solved::<Scalar, M>(task, &balls);
@@ -58,7 +76,7 @@ impl SinglePose {
             reason = "a small whole number"
         )]
         let iterations = found.iterations.number() as usize;
-        Some(Self {
+        Some(SinglePose {
             sides: balls.squares.map(|square| square.sqrt().number()),
             virtual_joints,
             iterations,

@@ -45,7 +45,7 @@ pub(crate) fn sin_cos<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     if !far.any() {
         return near;
     }
-    (far.select(angle.each(f64::sin), near.0), far.select(angle.each(f64::cos), near.1))
+    (far.select(angle.each(libm::sin), near.0), far.select(angle.each(libm::cos), near.1))
 }
 
 /// Sine and cosine of angles up to π/4 (rad).
