@@ -2,21 +2,20 @@
 
 use std::marker::PhantomData;
 
-use pulp::{Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
-use super::dispatch::dispatch;
-use super::lanes::{Lanes, Mask};
-use super::pose::{Plane, PlatformPoses};
-use super::shape::{Balls, Model, Offset, Planar, Polar, Radial, Robot, Shape, Three};
 use super::singular_values;
-use super::solve::{self, Found};
 use super::{Column, Quantity, Status, StatusCounts};
 use crate::Error;
 use crate::error::LARGEST_LENGTH;
 use crate::gpr::{Gpr, Limits, PlatformPose};
+use crate::kernel::{
+    self, Balls, FirstStep, Found, Geometry, Lanes, Mask, Model, Offset, Planar, Plane,
+    PlatformPoses, Polar, Radial, Shape, Task, Three,
+};
 use crate::mobility::RANK_THRESHOLD;
 use crate::sensitivity::sensitivity;
-use crate::virtualization::{BuiltIn, SolveOptions, Solver, Virtualization, signed_area};
+use crate::virtualization::{BuiltIn, SolveOptions, Virtualization, signed_area};
 
 impl Gpr {
     /// Platform poses for many sets of rods; see [`Self::forward`].
@@ -79,12 +78,16 @@ struct Work<'a, 'b> {
 
 impl Work<'_, '_> {
     fn by_kernel<M: Model>(&mut self) -> Result<(), Error> {
-        match Robot::new::<M>(self.gpr, self.virtualization, self.options)? {
+        let platform = self.gpr.platform();
+        let length = self.options.metric.characteristic_length(platform)?;
+        let task = Task::new::<M>(self.gpr.dimensions(), self.options, length);
+        match FirstStep::new(platform, self.virtualization, length) {
             // The kernel always takes one step.
-            Some(robot) if self.options.max_iterations > 0 => {
+            Some(first_step) if self.options.max_iterations > 0 => {
                 let limits = self.gpr.checks_limits().then(|| Within::of(self.gpr));
-                let (robot, model) = (&robot, PhantomData::<M>);
-                dispatch(Blocks { work: self, robot, limits, model })
+                let task = Task { first_step: Some(&first_step), ..task };
+                let model = PhantomData::<M>;
+                Arch::new().dispatch(Blocks { work: self, task, limits, model })
             }
             _ => self.one_by_one(0..self.status.len()),
         }
@@ -116,7 +119,7 @@ impl Work<'_, '_> {
 /// The work cut into blocks of as many poses as the machine computes side by side.
 struct Blocks<'w, 'a, 'b, M> {
     work: &'w mut Work<'a, 'b>,
-    robot: &'w Robot,
+    task: Task<'w>,
     /// `None` where limits are not checked.
     limits: Option<Within>,
     model: PhantomData<M>,
@@ -139,8 +142,8 @@ impl Within {
     }
 
     #[inline(always)]
-    fn holds<S: Simd>(&self, robot: &Robot, rods: &Three<S>, balls: &Balls<S>) -> Mask<S> {
-        let horizontal = Plane::new(robot, balls).horizontal_squared();
+    fn holds<S: Simd>(&self, geometry: &Geometry, rods: &Three<S>, balls: &Balls<S>) -> Mask<S> {
+        let horizontal = Plane::new(geometry, balls).horizontal_squared();
         let (least, most) = (horizontal.like(self.rod_min), horizontal.like(self.rod_max));
         let mut within = horizontal.at_most(horizontal.like(self.horizontal_squared));
         for rod in rods {
@@ -155,27 +158,28 @@ impl<M: Model> WithSimd for Blocks<'_, '_, '_, M> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Result<(), Error> {
-        let Self { work, robot, limits, .. } = self;
+        let Self { work, task, limits, .. } = self;
+        let geometry = task.geometry;
         let poses = work.status.len();
         let needs = Needs::of(work.wanted);
         let mut values = [Lanes::splat(simd, 0.0); PLACES];
         work.status.fill(Status::Solved);
         for first in (0..poses).step_by(Lanes::<S>::COUNT) {
             let rods = [
-                Lanes::load(simd, &work.rods[0], first),
-                Lanes::load(simd, &work.rods[1], first),
-                Lanes::load(simd, &work.rods[2], first),
+                work.rods[0].lanes(simd, first),
+                work.rods[1].lanes(simd, first),
+                work.rods[2].lanes(simd, first),
             ];
-            let balls = Balls::new(robot, rods);
-            let found = solved::<S, M>(robot, work.options, &balls);
-            let upright = balls.mean.like(0.0).below(found.shape.area() * robot.base_area);
-            let certain = fill::<S, M>(&mut values, &needs, robot, &balls, &found);
+            let balls = Balls::new(geometry, rods);
+            let found = kernel::solved::<S, M>(&task, &balls);
+            let upright = balls.mean.like(0.0).below(found.shape.area() * geometry.base_area);
+            let certain = fill::<S, M>(&mut values, &needs, &task, &balls, &found);
             let [l_1, l_2, l_3] = balls.squares;
             let size = balls.mean.abs() + l_1 + l_2 + l_3;
             let mut solved =
                 found.met & upright & certain & size.at_most(size.like(LARGEST_LENGTH));
             if let Some(limits) = &limits {
-                solved = solved & limits.holds(robot, &rods, &balls);
+                solved = solved & limits.holds(geometry, &rods, &balls);
             }
             for (quantity, column) in &mut *work.wanted {
                 values[place(*quantity)].store(column, first);
@@ -191,22 +195,6 @@ impl<M: Model> WithSimd for Blocks<'_, '_, '_, M> {
         }
         Ok(())
     }
-}
-
-#[inline(always)]
-fn solved<S: Simd, M: Model>(robot: &Robot, options: &SolveOptions, balls: &Balls<S>) -> Found<S> {
-    if options.solver == Solver::Newton {
-        return solve::newton::<S, M>(robot, balls, options.max_iterations);
-    }
-    if options.solver == Solver::ClosedForm {
-        if !M::TOWARD_SOCKET {
-            return solve::planar(robot, balls);
-        }
-        if !M::ACROSS && robot.equally_spaced {
-            return solve::radial(robot, balls);
-        }
-    }
-    solve::least_norm::<S, M>(robot, balls, options.relative_threshold, options.max_iterations)
 }
 
 /// Groups of quantities that are requested; no others are computed.
@@ -269,7 +257,7 @@ fn place(quantity: Quantity) -> usize {
 fn fill<S: Simd, M: Model>(
     values: &mut [Lanes<S>; PLACES],
     needs: &Needs,
-    robot: &Robot,
+    task: &Task<'_>,
     balls: &Balls<S>,
     found: &Found<S>,
 ) -> Mask<S> {
@@ -289,18 +277,19 @@ fn fill<S: Simd, M: Model>(
         }
     }
     if needs.displacement {
-        values[place(Quantity::Displacement)] = displacement::<S, M>(robot, shape);
+        values[place(Quantity::Displacement)] = displacement::<S, M>(task, shape);
     }
     if needs.ball_displacements {
-        for (k, displacement) in shape.ball_displacements(robot).into_iter().enumerate() {
+        for (k, displacement) in shape.ball_displacements(task.geometry).into_iter().enumerate() {
             values[place(Quantity::BallDisplacement(k))] = displacement;
         }
     }
     if needs.residual {
-        values[place(Quantity::Residual)] = residual(balls, found);
+        values[place(Quantity::Residual)] = found.residual(balls);
     }
     if needs.pose {
-        let placed = PlatformPoses::new(robot, balls, &Plane::new(robot, balls), shape);
+        let placed =
+            PlatformPoses::new(task.geometry, balls, &Plane::new(task.geometry, balls), shape);
         for axis in 0..3 {
             values[place(Quantity::Origin(axis))] = placed.origin[axis];
             values[place(Quantity::Normal(axis))] = placed.normal[axis];
@@ -316,7 +305,7 @@ fn fill<S: Simd, M: Model>(
     }
     if needs.sensitivity {
         let (singular_values, orthogonal) =
-            singular_values::sensitivity::<S, M>(robot, balls, shape);
+            singular_values::sensitivity::<S, M>(task, balls, shape);
         for (index, value) in singular_values.into_iter().enumerate() {
             values[place(Quantity::Sensitivity(index))] = value;
         }
@@ -325,38 +314,13 @@ fn fill<S: Simd, M: Model>(
     certain
 }
 
-/// Largest of |L − l| = |L² − l²|/(L + l), where L + l is 2 L beyond all digits.
 #[inline(always)]
-fn residual<S: Simd>(balls: &Balls<S>, found: &Found<S>) -> Lanes<S> {
-    let ([m_1, m_2, m_3], [l_1, l_2, l_3]) = (found.missing, balls.squares);
-    // The largest of three fractions, with one division.
-    let fraction = |missing: Lanes<S>, square| Fraction { above: missing.squared(), below: square };
-    let most = larger(fraction(m_1, l_1), fraction(m_2, l_2));
-    let most = larger(most, fraction(m_3, l_3));
-    (most.above / most.below).sqrt() * 0.5
-}
-
-/// A fraction with a positive denominator, not yet divided.
-#[derive(Clone, Copy)]
-struct Fraction<S: Simd> {
-    above: Lanes<S>,
-    below: Lanes<S>,
-}
-
-/// The larger of two fractions.
-#[inline(always)]
-fn larger<S: Simd>(a: Fraction<S>, b: Fraction<S>) -> Fraction<S> {
-    let more = (a.above * b.below).below(b.above * a.below);
-    Fraction { above: more.select(b.above, a.above), below: more.select(b.below, a.below) }
-}
-
-#[inline(always)]
-fn displacement<S: Simd, M: Model>(robot: &Robot, shape: &Shape<S>) -> Lanes<S> {
+fn displacement<S: Simd, M: Model>(task: &Task<'_>, shape: &Shape<S>) -> Lanes<S> {
     let mut a = shape.a;
-    for (a, start) in a.iter_mut().zip(robot.start) {
+    for (a, start) in a.iter_mut().zip(task.geometry.start::<M>()) {
         *a = *a - start;
     }
-    solve::squared::<S, M>(robot, &a, &shape.b).sqrt()
+    kernel::squared::<S, M>(task, &a, &shape.b).sqrt()
 }
 
 /// A quantity of one pose.
@@ -394,7 +358,7 @@ mod tests {
     use super::*;
     use crate::gpr::AxisHeight;
     use crate::spatial::Tilt;
-    use crate::virtualization::{self, built_in};
+    use crate::virtualization::{self, Solver, built_in};
 
     const POSES: usize = 67;
 
@@ -430,9 +394,12 @@ mod tests {
             status: &mut status,
             wanted: &mut wanted,
         };
-        let robot = Robot::new::<M>(gpr, virtualization, options).unwrap().unwrap();
+        let length = options.metric.characteristic_length(gpr.platform()).unwrap();
+        let first_step = FirstStep::new(gpr.platform(), virtualization, length);
+        let task = Task::new::<M>(gpr.dimensions(), options, length);
+        let task = Task { first_step: first_step.as_ref(), ..task };
         let model = PhantomData::<M>;
-        simd.vectorize(Blocks { work: &mut work, robot: &robot, limits: None, model }).unwrap();
+        simd.vectorize(Blocks { work: &mut work, task, limits: None, model }).unwrap();
         let bits = |column: &Vec<f64>| {
             // The bits of what is no number have no meaning.
             column.iter().map(|v| if v.is_nan() { u64::MAX } else { v.to_bits() }).collect()

@@ -5,9 +5,10 @@ use nalgebra::{Vector2, Vector3};
 use super::{AxisHeight, Gpr, ball_sides};
 use crate::Error;
 use crate::error::length;
+use crate::kernel::{self, Model, SinglePose, Task};
 use crate::spatial::{Pose, Tilt, fit_in_plane};
 use crate::virtualization::{
-    Sides, Solution, SolveOptions, VirtualJoints, Virtualization, signed_area, solve,
+    BuiltIn, Sides, Solution, SolveOptions, VirtualJoints, Virtualization, signed_area, solve,
 };
 
 /// A pose of the platform, with the rods, sides and virtual joints that determine it.
@@ -81,6 +82,16 @@ impl Gpr {
         virtualization: &V,
         options: &SolveOptions,
     ) -> Result<PlatformPose, Error> {
+        let found = match virtualization.as_built_in() {
+            Some(BuiltIn::Radial) => self.kernel_pose::<kernel::Radial>(&rods, options),
+            Some(BuiltIn::Polar) => self.kernel_pose::<kernel::Polar>(&rods, options),
+            Some(BuiltIn::Offset) => self.kernel_pose::<kernel::Offset>(&rods, options),
+            Some(BuiltIn::Planar) => self.kernel_pose::<kernel::Planar>(&rods, options),
+            None => None,
+        };
+        if let Some(pose) = found {
+            return Ok(pose);
+        }
         let balls = self.ball_centers(&rods);
         let sides = ball_sides(&balls);
         let solution = solve(virtualization, self.platform(), &sides, options)?;
@@ -93,6 +104,31 @@ impl Gpr {
         let normal = upward / upward.norm();
         let base_from_platform = fit_in_plane(&sockets, &balls, &normal);
         Ok(PlatformPose { rods, sides, solution, base_from_platform })
+    }
+
+    /// A pose by the closed equations of a built-in virtualization; `None` where they do not answer, for whatever reason.
+    #[inline(always)]
+    fn kernel_pose<M: Model>(
+        &self,
+        rods: &[f64; 3],
+        options: &SolveOptions,
+    ) -> Option<PlatformPose> {
+        // The kernel always takes one step.
+        if options.max_iterations == 0 {
+            return None;
+        }
+        let characteristic_length = options.metric.characteristic_length(self.platform()).ok()?;
+        let task = Task::new::<M>(self.dimensions(), options, characteristic_length);
+        let found = SinglePose::new::<M>(&task, rods)?;
+        let solution = Solution {
+            virtual_joints: found.virtual_joints,
+            solver: task.solver,
+            characteristic_length,
+            iterations: found.iterations,
+            residual: found.residual,
+        };
+        let SinglePose { sides, base_from_platform, .. } = found;
+        Some(PlatformPose { rods: *rods, sides, solution, base_from_platform })
     }
 }
 

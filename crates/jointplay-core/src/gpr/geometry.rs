@@ -5,6 +5,7 @@ use nalgebra::{Vector2, Vector3};
 use super::Limits;
 use crate::Error;
 use crate::error::{finite, length};
+use crate::kernel::Geometry;
 use crate::mobility::kutzbach_mobility;
 use crate::virtualization::{Platform, Sides, Sockets, signed_area};
 
@@ -43,6 +44,7 @@ pub struct Gpr {
     checks_limits: bool,
     /// Clearance of the balls, as a radius, if known (m).
     pub(super) ball_clearance: Option<f64>,
+    dimensions: Geometry,
 }
 
 impl Gpr {
@@ -81,6 +83,7 @@ impl Gpr {
         let checks_limits = true;
         let ball_clearance = None;
         Ok(Self {
+            dimensions: Geometry::new(&base_points, &platform),
             base_points,
             platform,
             limits,
@@ -136,6 +139,12 @@ impl Gpr {
     #[inline]
     pub fn checks_limits(&self) -> bool {
         self.checks_limits
+    }
+
+    /// What the kernels know of the robot.
+    #[inline]
+    pub(crate) fn dimensions(&self) -> &Geometry {
+        &self.dimensions
     }
 
     /// tan of the largest tilt.

@@ -37,9 +37,9 @@ Examples:
   jointplay study --example                            print its study file, as a template
   jointplay study misbuilt --out misbuilt-robots.csv   ten thousand robots with tolerances
   jointplay study misbuilt --dry-run                   expected duration, size and columns
-  jointplay study misbuilt --parts run --part 3/64     a share of the parts, as one task of a cluster
+  jointplay study misbuilt --parts run --part 0/64     the first of 64 shares of the parts, as a task of a cluster
   jointplay study --parts run --status                 number of finished parts, and the missing ones
-  jointplay study --parts run --gather robots.csv      the table and summary of all parts
+  jointplay study --parts run --gather robots.parquet  table and summary of all parts
 
 Ctrl-C stops a study after the current chunk; the finished chunks stay in TABLE.part, and --resume continues.
 Included examples: center-shift, misbuilt, play-over-the-workspace.

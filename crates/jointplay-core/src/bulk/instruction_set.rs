@@ -1,12 +1,6 @@
 //! The instructions with which columns are computed.
 
-use pulp::{Arch, WithSimd};
-
-/// Runs work with the widest registers of this processor.
-#[inline]
-pub(super) fn dispatch<W: WithSimd>(work: W) -> W::Output {
-    Arch::new().dispatch(work)
-}
+use pulp::Arch;
 
 /// The instruction set that this processor computes with: `"AVX-512"`, `"AVX2"`, `"NEON"`, or `"baseline"` for that which all processors of its kind have.
 ///
