@@ -82,16 +82,30 @@ impl Gpr {
         virtualization: &V,
         options: &SolveOptions,
     ) -> Result<PlatformPose, Error> {
-        let found = match virtualization.as_built_in() {
-            Some(BuiltIn::Radial) => self.kernel_pose::<kernel::Radial>(&rods, options),
-            Some(BuiltIn::Polar) => self.kernel_pose::<kernel::Polar>(&rods, options),
-            Some(BuiltIn::Offset) => self.kernel_pose::<kernel::Offset>(&rods, options),
-            Some(BuiltIn::Planar) => self.kernel_pose::<kernel::Planar>(&rods, options),
-            None => None,
-        };
-        if let Some(pose) = found {
-            return Ok(pose);
+        match virtualization.as_built_in() {
+            Some(BuiltIn::Radial) => {
+                self.kernel_pose::<kernel::Radial, V>(rods, virtualization, options)
+            }
+            Some(BuiltIn::Polar) => {
+                self.kernel_pose::<kernel::Polar, V>(rods, virtualization, options)
+            }
+            Some(BuiltIn::Offset) => {
+                self.kernel_pose::<kernel::Offset, V>(rods, virtualization, options)
+            }
+            Some(BuiltIn::Planar) => {
+                self.kernel_pose::<kernel::Planar, V>(rods, virtualization, options)
+            }
+            None => self.general_pose(rods, virtualization, options),
         }
+    }
+
+    /// A pose of any virtualization, by [`solve`].
+    fn general_pose<V: Virtualization + ?Sized>(
+        &self,
+        rods: [f64; 3],
+        virtualization: &V,
+        options: &SolveOptions,
+    ) -> Result<PlatformPose, Error> {
         let balls = self.ball_centers(&rods);
         let sides = ball_sides(&balls);
         let solution = solve(virtualization, self.platform(), &sides, options)?;
@@ -106,29 +120,34 @@ impl Gpr {
         Ok(PlatformPose { rods, sides, solution, base_from_platform })
     }
 
-    /// A pose by the closed equations of a built-in virtualization; `None` where they do not answer, for whatever reason.
-    #[inline(always)]
-    fn kernel_pose<M: Model>(
+    /// A pose by the closed equations of a built-in virtualization, or by [`solve`] where they leave a doubt.
+    #[inline]
+    fn kernel_pose<M: Model, V: Virtualization + ?Sized>(
         &self,
-        rods: &[f64; 3],
+        rods: [f64; 3],
+        virtualization: &V,
         options: &SolveOptions,
-    ) -> Option<PlatformPose> {
-        // The kernel always takes one step.
-        if options.max_iterations == 0 {
-            return None;
-        }
-        let characteristic_length = options.metric.characteristic_length(self.platform()).ok()?;
-        let task = Task::new::<M>(self.dimensions(), options, characteristic_length);
-        let found = SinglePose::new::<M>(&task, rods)?;
-        let solution = Solution {
-            virtual_joints: found.virtual_joints,
-            solver: task.solver,
-            characteristic_length,
-            iterations: found.iterations,
-            residual: found.residual,
-        };
-        let SinglePose { sides, base_from_platform, .. } = found;
-        Some(PlatformPose { rods: *rods, sides, solution, base_from_platform })
+    ) -> Result<PlatformPose, Error> {
+        let characteristic_length = options.metric.characteristic_length(self.platform())?;
+        let dimensions = self.dimensions();
+        dimensions.processor.run(
+            #[inline(always)]
+            || {
+                let task = Task::new::<M>(dimensions, options, characteristic_length);
+                let Some(found) = SinglePose::new::<M>(&task, &rods) else {
+                    return self.general_pose(rods, virtualization, options);
+                };
+                let SinglePose { sides, base_from_platform, .. } = found;
+                let solution = Solution {
+                    virtual_joints: found.virtual_joints,
+                    solver: task.solver,
+                    characteristic_length,
+                    iterations: found.iterations,
+                    residual: found.residual,
+                };
+                Ok(PlatformPose { rods, sides, solution, base_from_platform })
+            },
+        )
     }
 }
 

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::processor::Processor;
 use super::shape::Model;
 use crate::linalg::least_norm_of_three;
 use crate::virtualization::{
@@ -30,6 +31,8 @@ pub(crate) struct Geometry {
     pub(crate) equally_spaced: bool,
     radii: [f64; 3],
     directions: [[f64; 2]; 3],
+    /// That of the machine on which the robot was made.
+    pub(crate) processor: Processor,
 }
 
 impl Geometry {
@@ -48,6 +51,7 @@ impl Geometry {
             equally_spaced: platform.equally_spaced(),
             radii: *platform.radii(),
             directions: platform.directions().map(Into::into),
+            processor: Processor::new(),
         }
     }
 

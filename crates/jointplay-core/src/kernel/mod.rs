@@ -5,6 +5,7 @@
 mod geometry;
 mod lanes;
 mod pose;
+mod processor;
 mod shape;
 mod single;
 mod solve;

@@ -1,9 +1,7 @@
 //! One pose at a time.
 
-use std::marker::PhantomData;
-
 use nalgebra::{Matrix3, Rotation3, Translation3};
-use pulp::{Arch, Scalar, Simd, WithSimd};
+use pulp::Scalar;
 
 use super::geometry::Task;
 use super::lanes::Lanes;
@@ -30,26 +28,12 @@ pub(crate) struct SinglePose {
 impl SinglePose {
     /// The pose for given rods; `None` where the answer is not beyond doubt.
     ///
-    /// The same operations as for many poses.
-    #[inline]
-    pub(crate) fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
-        Arch::new().dispatch(One { task, rods, model: PhantomData::<M> })
-    }
-}
-
-/// The computation of one pose, in scalar registers with the instructions of the processor.
-struct One<'a, M> {
-    task: &'a Task<'a>,
-    rods: &'a [f64; 3],
-    model: PhantomData<M>,
-}
-
-impl<M: Model> WithSimd for One<'_, M> {
-    type Output = Option<SinglePose>;
-
+    /// The same operations as for many poses, in scalar registers: for a caller that [`Processor::run`] has given the instructions of the processor.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Option<SinglePose> {
-        let Self { task, rods, .. } = self;
+    pub(crate) fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
+        if task.max_iterations == 0 {
+            return None;
+        }
         let geometry = task.geometry;
         let balls = Balls::new(geometry, rods.map(|rod| Lanes::splat(Scalar, rod)));
         let found = solved::<Scalar, M>(task, &balls);
@@ -76,7 +60,7 @@ impl<M: Model> WithSimd for One<'_, M> {
             reason = "a small whole number"
         )]
         let iterations = found.iterations.number() as usize;
-        Some(SinglePose {
+        Some(Self {
             sides: balls.squares.map(|square| square.sqrt().number()),
             virtual_joints,
             iterations,
