@@ -2,10 +2,14 @@
 
 use super::description::FmiVersion;
 
+/// The text before the version in every shared library that runs units; elsewhere the two are not joined.
+const MARK: &str = "jointplay library of functional mock-up units";
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
 /// A text in every shared library that runs units of this version.
 #[must_use]
 pub const fn library_mark() -> &'static str {
-    concat!("jointplay library of functional mock-up units, version ", env!("CARGO_PKG_VERSION"), ".")
+    concat!("jointplay library of functional mock-up units", "\t", env!("CARGO_PKG_VERSION"), "\n")
 }
 
 /// A shared library that runs units, with the platform that its contents name.
@@ -23,9 +27,11 @@ pub enum BinaryError {
     #[error("it is not a shared library for Linux, Windows or macOS on x86-64 or AArch64")]
     Platform,
     /// Another library, or another version of it.
-    #[error("it is not the library of this version, which has the text {expected:?}: build it again")]
+    #[error(
+        "it is not jointplay's library for C of version {expected}: build it from the same source"
+    )]
     Version {
-        /// The text that was not found.
+        /// The version.
         expected: &'static str,
     },
     /// A platform for which the version of FMI has no folder.
@@ -66,21 +72,15 @@ impl Binary {
     /// \[FMI2\], section 2.3; \[FMI3\], section 2.5.1.4.2: names of folders
     pub fn new(bytes: Vec<u8>) -> Result<Self, BinaryError> {
         let platform = platform_of(&bytes).ok_or(BinaryError::Platform)?;
-        let mark = library_mark().as_bytes();
-        // Much faster than comparing every window.
         let mut rest = &bytes[..];
-        let mut found = false;
-        while let Some(at) = rest.iter().position(|&byte| byte == mark[0]) {
-            if rest[at..].starts_with(mark) {
-                found = true;
-                break;
+        // A loop over the first letter is much faster than comparing every window.
+        while let Some(at) = rest.iter().position(|&byte| byte == MARK.as_bytes()[0]) {
+            if is_mark(&rest[at..]) {
+                return Ok(Self { bytes, platform });
             }
             rest = &rest[at + 1..];
         }
-        if !found {
-            return Err(BinaryError::Version { expected: library_mark() });
-        }
-        Ok(Self { bytes, platform })
+        Err(BinaryError::Version { expected: VERSION })
     }
 
     /// Name of its platform in FMI 3.0.
@@ -94,7 +94,11 @@ impl Binary {
     }
 
     /// Its path in a unit.
-    pub(super) fn path(&self, identifier: &str, version: FmiVersion) -> Result<String, BinaryError> {
+    pub(super) fn path(
+        &self,
+        identifier: &str,
+        version: FmiVersion,
+    ) -> Result<String, BinaryError> {
         let Platform { tuple, short, extension } = self.platform;
         let folder = match version {
             FmiVersion::V2 => {
@@ -104,6 +108,12 @@ impl Binary {
         };
         Ok(format!("binaries/{folder}/{identifier}.{extension}"))
     }
+}
+
+fn is_mark(bytes: &[u8]) -> bool {
+    let version = bytes.strip_prefix(MARK.as_bytes()).and_then(|rest| rest.strip_prefix(b"\t"));
+    let end = version.and_then(|rest| rest.strip_prefix(VERSION.as_bytes()));
+    end.is_some_and(|rest| rest.starts_with(b"\n"))
 }
 
 /// The platform in the header of a library.
@@ -186,10 +196,7 @@ mod tests {
         let binary = Binary::new(bytes).unwrap();
         assert_eq!(binary.path("m", FmiVersion::V3).unwrap(), "binaries/aarch64-linux/m.so");
         let refused = binary.path("m", FmiVersion::V2).unwrap_err();
-        assert_eq!(
-            refused,
-            BinaryError::NoFolder { version: "2.0", platform: "aarch64-linux" }
-        );
+        assert_eq!(refused, BinaryError::NoFolder { version: "2.0", platform: "aarch64-linux" });
         assert_eq!(Binary::new(b"text".to_vec()).unwrap_err(), BinaryError::Platform);
     }
 }

@@ -43,16 +43,17 @@ pub fn model_description(fmu: &Fmu, name: &str, identifier: &str, version: FmiVe
             named("fmiVersion", number_of_version),
             named("modelName", name),
             named(token, fmu.token()),
-            named("description", "positions with loops closed and virtual joints at their least displacement"),
+            named(
+                "description",
+                "positions with loops closed and virtual joints at their least displacement",
+            ),
             named("generationTool", concat!("jointplay ", env!("CARGO_PKG_VERSION"))),
             named("variableNamingConvention", if structured { "structured" } else { "flat" }),
         ],
     );
     let yes = |name: &'static str| named(name, "true");
-    let common = [
-        named("modelIdentifier", identifier),
-        yes("canHandleVariableCommunicationStepSize"),
-    ];
+    let common =
+        [named("modelIdentifier", identifier), yes("canHandleVariableCommunicationStepSize")];
     let of_version = match version {
         FmiVersion::V2 => [
             yes("canGetAndSetFMUstate"),

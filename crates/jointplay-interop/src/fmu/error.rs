@@ -86,7 +86,7 @@ pub enum Error {
     )]
     TooFar {
         /// Why there is no solution.
-        source: CoreError,
+        source: Box<CoreError>,
         /// The input with the largest step.
         variable: String,
         /// Its step (m, rad).
@@ -122,7 +122,8 @@ impl Error {
     #[must_use]
     pub fn is_infeasible(&self) -> bool {
         match self {
-            Self::Core(error) | Self::TooFar { source: error, .. } => error.is_infeasible(),
+            Self::Core(error) => error.is_infeasible(),
+            Self::TooFar { source, .. } => source.is_infeasible(),
             Self::BeyondLimits { .. } => true,
             _ => false,
         }

@@ -98,7 +98,9 @@ impl MechanismModel {
     fn explained(&self, error: CoreError, drives: &[f64], near: &Solved) -> Error {
         let unreached = matches!(
             error,
-            CoreError::NotReached { .. } | CoreError::NotRelieved { .. } | CoreError::NotLeast { .. }
+            CoreError::NotReached { .. }
+                | CoreError::NotRelieved { .. }
+                | CoreError::NotLeast { .. }
         );
         let moved = drives.iter().zip(&near.drives).map(|(to, from)| (to - from).abs());
         let most = moved.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
@@ -106,7 +108,12 @@ impl MechanismModel {
             Some((k, distance)) if unreached && distance > 0.0 => {
                 let named = &self.coordinates.all()[self.drives[k]];
                 let (variable, quantity) = (drive_name(&named.name), named.quantity);
-                Error::TooFar { source: error, variable: format!("drive.{variable}"), distance, quantity }
+                Error::TooFar {
+                    source: Box::new(error),
+                    variable: format!("drive.{variable}"),
+                    distance,
+                    quantity,
+                }
             }
             _ => error.into(),
         }

@@ -63,7 +63,8 @@ impl Resources {
     #[must_use]
     pub fn files(&self) -> [(&'static str, String); 2] {
         let named = |values: &[(String, f64)]| {
-            let one = |(name, value): &(String, f64)| NamedValue { name: name.clone(), value: *value };
+            let one =
+                |(name, value): &(String, f64)| NamedValue { name: name.clone(), value: *value };
             values.iter().map(one).collect()
         };
         let settings = Settings {

@@ -1,8 +1,8 @@
 //! Three-rod robots: forward kinematics under a virtualization.
 
 use jointplay_core::Error as CoreError;
-use jointplay_core::gpr::{AxisHeight, Gpr};
-use jointplay_core::spatial::{Tilt, quaternion_rate};
+use jointplay_core::gpr::Gpr;
+use jointplay_core::spatial::quaternion_rate;
 use jointplay_core::virtualization::{
     Planar, SolveOptions, VirtualJointKind, Virtualization, built_in,
 };
@@ -28,7 +28,10 @@ pub(super) struct RobotModel {
 impl std::fmt::Debug for RobotModel {
     fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let virtualization = self.virtualization.name();
-        to.debug_struct("RobotModel").field("gpr", &self.gpr).field("virtualization", &virtualization).finish()
+        to.debug_struct("RobotModel")
+            .field("gpr", &self.gpr)
+            .field("virtualization", &virtualization)
+            .finish()
     }
 }
 
@@ -41,12 +44,16 @@ impl RobotModel {
             Error::Resource { message: errors.with_excerpt(&file), file }
         })?;
         let gpr = robot.gpr;
-        let mut rods = gpr.inverse(Tilt::LEVEL, AxisHeight(gpr.working_height()))?;
+        let mut rods = [gpr.working_height(); 3];
         for (name, value) in &resources.start {
             let k = RODS.iter().position(|rod| rod == name).ok_or_else(|| {
                 let known = RODS.map(str::to_owned).to_vec();
                 let found = name.clone();
-                Error::Coordinate(jointplay_format::coordinates::Error::Unknown { found, nearest: None, known })
+                Error::Coordinate(jointplay_format::coordinates::Error::Unknown {
+                    found,
+                    nearest: None,
+                    known,
+                })
             })?;
             rods[k] = *value;
         }
@@ -80,9 +87,9 @@ impl RobotModel {
         let rods: [f64; 3] = three(drives)?;
         let found = self.gpr.forward(rods, self.virtualization, &self.options);
         let pose = found.map_err(|error| match error {
-            CoreError::BeyondLimits(broken) => {
-                Error::BeyondLimits { messages: broken.iter().map(|one| explain_limit(&one)).collect() }
-            }
+            CoreError::BeyondLimits(broken) => Error::BeyondLimits {
+                messages: broken.iter().map(|one| explain_limit(&one)).collect(),
+            },
             other => other.into(),
         })?;
         let mut outputs = Vec::with_capacity(POSE_OUTPUTS + self.virtualization.joints().len());
@@ -106,7 +113,11 @@ impl RobotModel {
 
 fn three(values: &[f64]) -> Result<[f64; 3], CoreError> {
     let what = "the vector of rod lengths";
-    values.try_into().map_err(|_| CoreError::LengthMismatch { what, found: values.len(), expected: 3 })
+    values.try_into().map_err(|_| CoreError::LengthMismatch {
+        what,
+        found: values.len(),
+        expected: 3,
+    })
 }
 
 /// A virtualization of the library by its name; the planar one without a name.

@@ -102,8 +102,7 @@ impl Variables {
         let reference = u32::try_from(self.0.len() + 1).expect("far fewer joints and links");
         let causality = Causality::Output;
         let (start, limits) = (None, None);
-        let added =
-            Variable { name, reference, causality, quantity, description, start, limits };
+        let added = Variable { name, reference, causality, quantity, description, start, limits };
         self.0.push(added);
         self.0.last_mut().expect("it was added")
     }
