@@ -2,7 +2,7 @@
 
 use jointplay_core::Error as CoreError;
 use jointplay_core::mechanism::{
-    CommandedPositions, FrameId, JointKind, Kinematics, ReliefSolver, pose_commanded,
+    CommandedPositions, FrameId, JointKind, LinkPoses, ReliefSolver, pose_commanded,
 };
 use jointplay_core::spatial::quaternion_rate;
 use jointplay_format::coordinates::Coordinates;
@@ -24,6 +24,7 @@ pub(super) struct MechanismModel {
     /// Links other than the base, then attached frames.
     frames: Vec<FrameId>,
     positions: CommandedPositions,
+    link_poses: LinkPoses,
     /// Rates of all coordinates.
     velocities: Vec<f64>,
 }
@@ -57,8 +58,10 @@ impl MechanismModel {
         let variables = variables(&file, &coordinates, &drives, &start);
         let frames = mechanism.moving_frames().collect();
         let velocities = vec![0.0; coordinates.all().len()];
+        let link_poses = LinkPoses::new(mechanism);
         let values: Vec<f64> = drives.iter().map(|&k| start[k]).collect();
-        let mut model = Self { file, coordinates, drives, frames, positions, velocities };
+        let mut model =
+            Self { file, coordinates, drives, frames, positions, link_poses, velocities };
         let first = Solved { drives: values, coordinates: start, outputs: Vec::new() };
         let solved = model.solve(&first.drives, &first)?;
         // Motions that the drives do not determine, and drives that hinder each other, are found before a simulation.
@@ -72,9 +75,11 @@ impl MechanismModel {
     }
 
     pub(super) fn solve(&mut self, drives: &[f64], near: &Solved) -> Result<Solved, Error> {
+        for (&k, &value) in self.drives.iter().zip(drives) {
+            self.coordinates.checked(k, value)?;
+        }
         let mut coordinates = near.coordinates.clone();
-        let mechanism = &self.file.mechanism;
-        let solver = ReliefSolver::LeastNorm;
+        let (mechanism, solver) = (&self.file.mechanism, ReliefSolver::LeastNorm);
         match self.positions.solve(mechanism, drives, &mut coordinates, solver) {
             Ok(_) => self.solved(drives, coordinates, near),
             Err(error) => Err(self.explained(error, drives, near)),
@@ -132,12 +137,11 @@ impl MechanismModel {
             let messages = found.into_iter().map(|one| one.message).collect();
             return Err(Error::BeyondLimits { messages });
         }
-        let kinematics = Kinematics::new(mechanism);
-        let links = kinematics.link_poses(&coordinates)?;
+        let links = self.link_poses.compute(&coordinates)?;
         let count = POSE_OUTPUTS * self.frames.len() + mechanism.virtual_joints().len();
         let mut outputs = Vec::with_capacity(count);
         for &frame in &self.frames {
-            let pose = kinematics.frame_pose(frame, &links);
+            let pose = mechanism.frame_pose(frame, &links);
             push_pose(&mut outputs, &pose, Some(&near.outputs));
         }
         outputs.extend(coordinates.iter().skip(self.coordinates.joints()));
