@@ -307,7 +307,7 @@ fn a_start_is_the_initial_configuration() {
     fmu.set(&far).unwrap();
     fmu.initialize().unwrap();
     let platform = fmu.variables().iter().find(|one| one.name == "pose.platform.z").unwrap();
-    assert!((fmu.value(platform.reference).unwrap() - 0.1 - 0.5).abs() < 0.51);
+    assert!((fmu.value(platform.reference).unwrap() - 0.1).abs() < 1e-12);
     // Parameters replace those of the file.
     let resources =
         Resources { parameters: vec![("reach".to_owned(), 120.0)], ..Resources::of(TRIPOD) };
@@ -406,8 +406,11 @@ fn the_archive_is_the_same_for_the_same_contents() {
     let resources =
         Resources { virtualization: Some("radial".to_owned()), ..from_catalogue("gpr") };
     for (version, folder) in [(FmiVersion::V2, "linux64"), (FmiVersion::V3, "x86_64-linux")] {
-        let made = archive(&resources, "my gpr", &[binary.clone()], version).unwrap();
-        assert_eq!(made, archive(&resources, "my gpr", &[binary.clone()], version).unwrap());
+        let made = archive(&resources, "my gpr", std::slice::from_ref(&binary), version).unwrap();
+        assert_eq!(
+            made,
+            archive(&resources, "my gpr", std::slice::from_ref(&binary), version).unwrap()
+        );
         let mut zip = zip::ZipArchive::new(Cursor::new(made)).unwrap();
         let mut text = |name: &str| {
             let mut bytes = Vec::new();

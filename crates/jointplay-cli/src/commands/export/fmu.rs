@@ -145,9 +145,12 @@ impl FmuArgs {
 fn own_library() -> Result<PathBuf, Failure> {
     let command = std::env::current_exe().unwrap_or_default();
     let folder = command.parent().map(PathBuf::from).unwrap_or_default();
+    let built = format!("{DLL_PREFIX}jointplay_c{DLL_SUFFIX}");
     let installed = format!("{DLL_PREFIX}jointplay{DLL_SUFFIX}");
     let places = [
-        folder.join(format!("{DLL_PREFIX}jointplay_c{DLL_SUFFIX}")),
+        folder.join(&built),
+        // Cargo leaves it there while it builds tests.
+        folder.join("deps").join(&built),
         folder.join(&installed),
         folder.join("..").join("lib").join(&installed),
     ];

@@ -83,10 +83,7 @@ impl Export {
             input.remove_virtual_joints();
         }
         let commands = input.commands(&self.at)?;
-        let Posed { closed, .. } = input.posed(&commands)?;
-        // A model starts there, and its limits are those of the mechanism.
-        input.within_limits(&closed.coordinates)?;
-        let (mechanism, at) = (&input.file.mechanism, &closed.coordinates);
+        let mechanism = &input.file.mechanism;
         let stem = source::stem(self.mechanism.path());
         let mut formats: Vec<Format> = Vec::new();
         for &format in &self.to {
@@ -94,13 +91,30 @@ impl Export {
                 formats.push(format);
             }
         }
+        // A unit finds its initial configuration itself; a model starts at one, and its limits are those of the mechanism.
+        let at = match formats.iter().all(|&format| format == Format::Fmu) {
+            true => None,
+            false => {
+                let Posed { closed, .. } = input.posed(&commands)?;
+                input.within_limits(&closed.coordinates)?;
+                Some(closed.coordinates)
+            }
+        };
         let exports: Vec<Files> = formats
             .into_iter()
-            .map(|format| match format {
-                Format::Fmu => self.fmu.files(&input, &commands, self.rigid, &stem),
-                Format::Mjcf => simulator::files(("MJCF", "xml"), mjcf(mechanism, at), &stem),
-                Format::Sdf => simulator::files(("SDF", "sdf"), sdf(mechanism, at), &stem),
-                Format::Urdf => simulator::files(("URDF", "urdf"), urdf(mechanism, at), &stem),
+            .map(|format| match (format, &at) {
+                (Format::Mjcf, Some(at)) => {
+                    simulator::files(("MJCF", "xml"), mjcf(mechanism, at), &stem)
+                }
+                (Format::Sdf, Some(at)) => {
+                    simulator::files(("SDF", "sdf"), sdf(mechanism, at), &stem)
+                }
+                (Format::Urdf, Some(at)) => {
+                    simulator::files(("URDF", "urdf"), urdf(mechanism, at), &stem)
+                }
+                (Format::Fmu, _) | (_, None) => {
+                    self.fmu.files(&input, &commands, self.rigid, &stem)
+                }
             })
             .collect::<Result<_, _>>()?;
         let files: Vec<(String, Vec<u8>)> =
