@@ -78,7 +78,7 @@ fn units_are_written_with_the_libraries_of_their_platforms() {
     let mac = [0xcf, 0xfa, 0xed, 0xfe, 0x0c, 0, 0, 1];
     std::fs::write(sandbox.file("mac.dylib"), library(&mac)).unwrap();
     std::fs::write(sandbox.file("other.so"), &elf).unwrap();
-    sandbox.write("fixed.toml", "kind = \"mechanism\"\nname = \"Fixed\"\nbase = \"a\"\n\n[[joint]]\nname = \"j\"\nkind = \"revolute\"\nlinks = [\"a\", \"b\"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\n");
+    sandbox.write("fixed.toml", "kind = \"mechanism\"\nname = \"Fixed\"\nunits = { length = \"m\", angle = \"rad\" }\nbase = \"a\"\n\n[[joint]]\nname = \"j\"\nkind = \"revolute\"\nlinks = [\"a\", \"b\"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\n");
     let both = "--library linux.so --library mac.dylib";
     let written = sandbox.json(&format!("export hexapod --to fmu,sdf {both} --out units"));
     assert_eq!(written["exports"][0]["files"][0], "units/hexapod.fmu");
@@ -93,7 +93,7 @@ fn units_are_written_with_the_libraries_of_their_platforms() {
         "bennett --to fmu --rigid",
     ] {
         let out = command.split(' ').next().unwrap();
-        sandbox.done(&format!("export {command} --library linux.so --out {out}"));
+        sandbox.done(&format!("export {command} --library linux.so --out out-{out}"));
     }
     for (flags, code, message) in [
         ("four-bar --to sdf --fmi 3", 2, "--fmi needs --to fmu"),
