@@ -184,7 +184,7 @@ def by_robot(library: ctypes.CDLL, subject: str | Path, virtualization: int) -> 
 
 
 def check_outputs(name: str, outputs: list[float], expected: tuple[list[list[float]], list[float]]) -> None:
-    """Positions and displacements to the bit, quaternions by the rotation that they stand for."""
+    """Positions and displacements to the bit, quaternions by their rotation."""
     transforms, displacements = expected
     for k, rows in enumerate(transforms):
         *position, w, x, y, z = outputs[7 * k : 7 * k + 7]
@@ -261,7 +261,7 @@ def check(name: str, path_of_unit: Path, folder: Path, amplitude: float, compute
             saved = unit.save()
             kept = unit.through_bytes(saved)
             unit.free(saved)
-    # Another instance goes on from the bytes, and this one again from its own state.
+    # The state of the bytes leads to the same outputs again.
     assert kept is not None
     unit.restore(kept)
     again = []

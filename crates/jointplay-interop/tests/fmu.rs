@@ -192,7 +192,7 @@ fn directional_derivatives_are_those_of_the_outputs() {
 }
 
 #[test]
-fn a_state_restored_from_its_bytes_goes_on_with_the_same_bits() {
+fn a_state_restored_from_its_bytes_has_the_same_outputs_afterwards() {
     for text in [TABLE, HEAD, LAMP, TRIPOD] {
         let resources = Resources::of(text);
         let mut fmu = Fmu::new(&resources).unwrap();

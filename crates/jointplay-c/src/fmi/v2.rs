@@ -1,7 +1,7 @@
 //! Entries of FMI 2.0 for co-simulation, with the names and arguments of the standard.
 //!
 //! # Safety
-//! As the standard asks of callers: instances and states come from this library and are not used after they are freed, one thread uses an instance at a time, and arrays have as many entries as their counts say.
+//! As the standard asks of callers: instances and states come from this library and are not used after they are freed, one thread uses an instance at a time, and the count of an array is that of its entries.
 #![allow(non_snake_case, reason = "the names of the standard")]
 #![allow(clippy::missing_safety_doc, reason = "the same for all, above")]
 
@@ -34,7 +34,7 @@ pub struct Callbacks {
 const CO_SIMULATION: c_int = 1;
 /// The kind of status that is a time.
 const LAST_SUCCESSFUL_TIME: c_int = 2;
-/// The kind of status that says whether the unit asks for an end.
+/// The kind of status that is whether the unit asks for an end.
 const TERMINATED: c_int = 3;
 
 /// Types of the platform.

@@ -1,7 +1,7 @@
 //! Entries of FMI 3.0 for co-simulation, with the names and arguments of the standard.
 //!
 //! # Safety
-//! As the standard asks of callers: instances and states come from this library and are not used after they are freed, one thread uses an instance at a time, and arrays have as many entries as their counts say.
+//! As the standard asks of callers: instances and states come from this library and are not used after they are freed, one thread uses an instance at a time, and the count of an array is that of its entries.
 #![allow(non_snake_case, reason = "the names of the standard")]
 #![allow(clippy::missing_safety_doc, reason = "the same for all, above")]
 

@@ -1,8 +1,9 @@
 //! One instance of a unit.
 
 use super::error::Error;
-use super::model::{Model, Solved};
+use super::model::Model;
 use super::resources::Resources;
+use super::solved::Solved;
 use super::state::State;
 use super::variable::{Causality, Variable};
 

@@ -11,8 +11,8 @@ use jointplay_report::beyond_limits;
 use nalgebra::DVector;
 
 use super::error::Error;
-use super::model::{Solved, push_pose, quaternion};
 use super::resources::{RESOURCE_FILES, Resources};
+use super::solved::{Solved, push_pose, quaternion};
 use super::variable::{POSE_OUTPUTS, Variables, name_part};
 
 #[derive(Debug, Clone)]

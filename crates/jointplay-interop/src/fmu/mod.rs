@@ -25,6 +25,7 @@ mod mechanism_model;
 mod model;
 mod resources;
 mod robot_model;
+mod solved;
 mod state;
 mod variable;
 

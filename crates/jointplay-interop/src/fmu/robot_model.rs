@@ -11,8 +11,8 @@ use jointplay_format::robot::parse_with;
 use nalgebra::{DVector, Vector3};
 
 use super::error::Error;
-use super::model::{Solved, push_pose, quaternion};
 use super::resources::{RESOURCE_FILES, Resources};
+use super::solved::{Solved, push_pose, quaternion};
 use super::variable::{POSE_OUTPUTS, Quantity, Variables, name_part};
 
 /// Names of the rods, those of the robot as a mechanism.

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::error::Error;
-use super::model::Solved;
+use super::solved::Solved;
 
 /// Begins the bytes of a state.
 const MARK: &[u8; 8] = b"JPFMU 1\0";

@@ -141,7 +141,7 @@ impl FmuArgs {
     }
 }
 
-/// The library that was built with this command, or installed beside it.
+/// The library that was built with this command, or installed next to it.
 fn own_library() -> Result<PathBuf, Failure> {
     let command = std::env::current_exe().unwrap_or_default();
     let folder = command.parent().map(PathBuf::from).unwrap_or_default();
