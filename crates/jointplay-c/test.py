@@ -2,7 +2,8 @@
 
 Run by `cargo xtask c`, with the path of the `jointplay` command; the folder of the installed library is in
 JOINTPLAY_PREFIX. The documents of the JSON requests are compared with those that the command prints.
-With `--prepare` it only installs the C# compiler, where there is none and Debian's can be installed.
+In an environment of its own it runs `test_fmu.py`, which simulates functional mock-up units.
+With `--prepare` it only makes that environment, and installs the C# compiler where there is none and Debian's can be installed.
 Everything that it makes is in `target/c`.
 """
 
@@ -15,6 +16,7 @@ import os
 import shutil
 import subprocess
 import sys
+import venv
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -23,6 +25,8 @@ HOME = ROOT / "target" / "c"
 # Compiler and runtime of C#.
 MONO = ["mcs", "mono"]
 DEBIAN = ["mono-mcs", "mono-runtime", "libmono-system-core4.0-cil"]
+# FMPy, with those of its dependencies that reading and simulating units needs.
+PACKAGES = ["fmpy==0.3.32", "attrs==26.1.0", "lark==1.3.1", "lxml==6.1.3", "msgpack==1.2.4", "numpy==2.2.6"]
 
 
 def report(text: str) -> None:
@@ -47,7 +51,20 @@ def need(name: str, remedy: str) -> str:
     return found
 
 
+def environment() -> Path:
+    """A Python of our own with FMPy; made once."""
+    folder = HOME / "python"
+    python = folder / ("Scripts" if os.name == "nt" else "bin") / "python"
+    mark, wanted = folder / "packages.txt", "\n".join(PACKAGES)
+    if not mark.exists() or mark.read_text() != wanted:
+        venv.create(folder, with_pip=True, clear=True)
+        run([python, "-m", "pip", "install", "--quiet", "--no-compile", "--no-deps", *PACKAGES])
+        mark.write_text(wanted)
+    return python
+
+
 def prepare() -> None:
+    environment()
     if all(shutil.which(name) for name in MONO) or not shutil.which("apt-get"):
         return
     report("no C# compiler found: installing Mono of Debian by apt-get")
@@ -214,6 +231,7 @@ def main() -> None:
     prefix, command = Path(os.environ["JOINTPLAY_PREFIX"]).resolve(), Path(sys.argv[1]).resolve()
     compiled(prefix, command)
     documents(prefix, command)
+    print(run([environment(), CRATE / "test_fmu.py", command], JOINTPLAY_PREFIX=str(prefix)), end="")
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@
 //! | `python` | Does the Python package work where it is installed? |
 //! | `cell`   | Do other programs read exported motions?             |
 //! | `c-library` | Installs the library for C.                        |
-//! | `c`      | Do programs in C, C++ and C# work with it?          |
+//! | `c`      | Do programs in C, C++ and C#, and simulators, work with it? |
 //! | `studio` | Does the studio's server keep its own description?   |
 //! | `page`   | Does the studio's page work in a browser?           |
 //! | `book`   | Does the documentation build, without dead links?   |
@@ -52,7 +52,7 @@ usage: cargo xtask CHORE
   words    words to avoid, and the field's terms for them
   python   the Python package: its wheel, tested in clean environments
   cell     exported motions, read by other programs
-  c        the library for C, called by programs in C, C++ and C#
+  c        the library for C, called by programs in C, C++ and C#, and in units by FMPy
   studio   the studio's server, checked against its own description
   page     the studio's page: built, and tested in a browser
   book     the documentation as a book, with every link checked";

@@ -4,6 +4,7 @@
 //! Each entry catches panics, so that none unwinds into foreign code.
 
 mod catch;
+pub mod fmi;
 mod mechanism;
 mod pointer;
 mod request;

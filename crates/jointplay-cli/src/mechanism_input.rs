@@ -115,6 +115,8 @@ pub(crate) struct Input {
     pub(crate) coordinates: Coordinates,
     /// Text of the mechanism file; `None` for a model.
     pub(crate) text: Option<String>,
+    /// Text of the robot file, of which this is the mechanism; `None` for mechanisms and models.
+    pub(crate) robot_text: Option<String>,
     /// Accepted mismatch of the loops, in radians and characteristic lengths; `None` for loops that close exactly.
     pub(crate) tolerance: Option<f64>,
     /// Values of parameters in place of those of the file.
@@ -144,7 +146,14 @@ impl Input {
             let file = model.into_file();
             let coordinates = Coordinates::of(&file);
             let replaced = Vec::new();
-            return Ok(Self { file, coordinates, text: None, tolerance: None, replaced });
+            return Ok(Self {
+                file,
+                coordinates,
+                text: None,
+                robot_text: None,
+                tolerance: None,
+                replaced,
+            });
         }
         let replaced: Vec<(String, f64)> =
             set.iter().map(|one| (one.name.clone(), one.value)).collect();
@@ -152,7 +161,7 @@ impl Input {
             .map_err(|errors| Failure::invalid(&errors, &source.label))?;
         let coordinates = Coordinates::of(&file);
         let text = Some(source.text.clone());
-        Ok(Self { file, coordinates, text, tolerance: None, replaced })
+        Ok(Self { file, coordinates, text, robot_text: None, tolerance: None, replaced })
     }
 
     /// A three-rod robot as a mechanism, with virtual joints of the planar model, as commands for robots use by default.
@@ -164,7 +173,8 @@ impl Input {
         let file = three_rods::mechanism_file(&robot, BuiltIn::Planar)
             .expect("the planar virtualization has slides");
         let coordinates = Coordinates::of(&file);
-        Ok(Self { file, coordinates, text: None, tolerance: None, replaced })
+        let robot_text = Some(source.text.clone());
+        Ok(Self { file, coordinates, text: None, robot_text, tolerance: None, replaced })
     }
 
     /// Removes the virtual joints.

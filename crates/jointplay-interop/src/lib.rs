@@ -4,9 +4,11 @@
 //! | --- | --- |
 //! | import a model of MuJoCo, Gazebo, ROS or FreeCAD | [`import::parse`] |
 //! | export a cell's motion | [`export`] |
+//! | export a mechanism or a robot to simulators as a functional mock-up unit | [`fmu`] |
 //! | answer host software as a simulated controller | [`host`] |
 
 mod controller_text;
 pub mod export;
+pub mod fmu;
 pub mod host;
 pub mod import;

@@ -2,9 +2,9 @@
 
 use jointplay_core::Error;
 use jointplay_core::mechanism::{FrameId, Kinematics};
-use jointplay_core::spatial::Pose;
+use jointplay_core::spatial::continued_quaternion;
 use jointplay_format::mechanism::MechanismFile;
-use nalgebra::{DVector, Quaternion, UnitQuaternion};
+use nalgebra::DVector;
 
 use crate::mechanism::ByName;
 use crate::table::{Column, Values};
@@ -46,7 +46,7 @@ impl PosesReport {
                 let pose = kinematics.frame_pose(frame, &links);
                 one.position
                     .push(pose.translation.vector.map(|value| unit.from_meters(value)).into());
-                one.quaternion.push(continued(&pose, one.quaternion.last()));
+                one.quaternion.push(continued_quaternion(&pose.rotation, one.quaternion.last()));
             }
         }
         let name = |&frame: &FrameId| file.mechanism.frame_name(frame).to_owned();
@@ -71,14 +71,4 @@ impl PosesReport {
         };
         self.0.0.iter().flat_map(of_frame).collect()
     }
-}
-
-/// The unit quaternion w, x, y, z of a pose, of its two signs the one nearer to the quaternion before it.
-fn continued(pose: &Pose, before: Option<&[f64; 4]>) -> [f64; 4] {
-    let Quaternion { coords } = *UnitQuaternion::from_rotation_matrix(&pose.rotation).quaternion();
-    let found = [coords.w, coords.x, coords.y, coords.z];
-    let along =
-        before.map_or(found[0], |before| before.iter().zip(&found).map(|(a, b)| a * b).sum());
-    // Not a negative zero: it would be printed.
-    found.map(|value| if along < 0.0 { 0.0 - value } else { 0.0 + value })
 }

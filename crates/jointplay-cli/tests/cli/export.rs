@@ -1,4 +1,4 @@
-//! Mechanisms as models of simulators, and their motions as 3D scenes.
+//! Mechanisms as models of simulators and as units, and their motions as 3D scenes.
 
 use crate::sandbox::Sandbox;
 
@@ -64,4 +64,55 @@ fn a_scene_needs_its_format_and_its_folder() {
     let scene = std::fs::read(sandbox.file("scene/four-bar-motion.glb")).unwrap();
     assert!(scene.starts_with(b"glTF"));
     assert!(sandbox.file("scene/four-bar-motion.csv").exists());
+}
+
+#[test]
+fn units_are_written_with_the_libraries_of_their_platforms() {
+    let sandbox = Sandbox::new();
+    let mark = jointplay::interop::fmu::library_mark();
+    let library = |head: &[u8]| [head, mark.as_bytes()].concat();
+    let mut elf = b"\x7fELF\x02\x01".to_vec();
+    elf.resize(18, 0);
+    elf.extend([0x3e, 0]);
+    std::fs::write(sandbox.file("linux.so"), library(&elf)).unwrap();
+    let mac = [0xcf, 0xfa, 0xed, 0xfe, 0x0c, 0, 0, 1];
+    std::fs::write(sandbox.file("mac.dylib"), library(&mac)).unwrap();
+    std::fs::write(sandbox.file("other.so"), &elf).unwrap();
+    sandbox.write("fixed.toml", "kind = \"mechanism\"\nname = \"Fixed\"\nunits = { length = \"m\", angle = \"rad\" }\nbase = \"a\"\n\n[[joint]]\nname = \"j\"\nkind = \"revolute\"\nlinks = [\"a\", \"b\"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\n");
+    let both = "--library linux.so --library mac.dylib";
+    let written = sandbox.json(&format!("export hexapod --to fmu,sdf {both} --out units"));
+    assert_eq!(written["exports"][0]["files"][0], "units/hexapod.fmu");
+    let first = std::fs::read(sandbox.file("units/hexapod.fmu")).unwrap();
+    assert!(first.starts_with(b"PK"));
+    // The same bytes again.
+    sandbox.done(&format!("export hexapod --to fmu {both} --out again"));
+    assert_eq!(std::fs::read(sandbox.file("again/hexapod.fmu")).unwrap(), first);
+    for command in [
+        "gpr --to fmu --fmi 3 --virtualization offset --q-mm 500,501,502",
+        "four-bar --to fmu --at A=30 --set crank=0.09",
+        "bennett --to fmu --rigid",
+    ] {
+        let out = command.split(' ').next().unwrap();
+        sandbox.done(&format!("export {command} --library linux.so --out out-{out}"));
+    }
+    for (flags, code, message) in [
+        ("four-bar --to sdf --fmi 3", 2, "--fmi needs --to fmu"),
+        ("four-bar --to sdf --library linux.so", 2, "--library needs --to fmu"),
+        ("gpr --to mjcf --q-mm 500,500,500", 2, "--q-mm needs --to fmu"),
+        ("four-bar --to fmu --library missing.so", 2, "missing.so"),
+        ("four-bar --to fmu --library other.so", 2, "other.so: it is not jointplay's library"),
+        ("four-bar --to fmu --library fixed.toml", 2, "not a shared library"),
+        ("four-bar --to fmu --library linux.so --library linux.so", 2, "two libraries"),
+        ("four-bar --to fmu --library linux.so --virtualization polar", 2, "--virtualization"),
+        ("gpr --to fmu --library linux.so --at \"rod 1=1\"", 2, "--q-mm"),
+        ("gpr --to fmu --library linux.so --rigid", 2, "--rigid"),
+        ("gpr --to fmu --library linux.so --q-mm 900,500,500", 1, "limits exceeded"),
+        ("fixed.toml --to fmu --library linux.so", 2, "actuated = true"),
+        ("delta --to fmu --library linux.so", 1, "undetermined"),
+        ("four-bar --to fmu --library linux.so --fmi 4", 2, "possible values: 2, 3"),
+    ] {
+        let run = sandbox.run(&format!("export {flags} --out refused"));
+        assert!(run.code == code && run.stderr.contains(message), "{flags}: {}", run.stderr);
+        assert!(!sandbox.file("refused").exists(), "{flags}");
+    }
 }

@@ -81,4 +81,15 @@ impl Mechanism {
             FrameId::Attached(k) => self.frames[k].link_from_frame,
         }
     }
+    /// Pose of a frame in the base frame, from the poses of the links (m).
+    ///
+    /// # Arguments
+    /// * `base_from_link` – pose of each link
+    ///
+    /// # Panics
+    /// For a frame that the mechanism does not have.
+    #[must_use]
+    pub fn frame_pose(&self, frame: FrameId, base_from_link: &[Pose]) -> Pose {
+        base_from_link[self.link_of_frame(frame)] * self.link_from_frame(frame)
+    }
 }

@@ -5,7 +5,7 @@ use nalgebra::{DVector, Matrix3, Rotation3, Translation3, Vector3};
 use super::attached_frame::FrameId;
 use super::description::{Carrier, Mechanism, VirtualMotion};
 use super::joint::{Coordinate, Factor, Twist};
-use super::tree::{Branch, spanning_tree};
+use super::tree::{Branch, link_poses, spanning_tree};
 use crate::Error;
 use crate::constraint::Dimension;
 use crate::spatial::{Pose, rotation_vector};
@@ -189,8 +189,8 @@ impl<'a> Kinematics<'a> {
     /// [`Error::LengthMismatch`], [`Error::NotFinite`].
     pub fn link_poses(&self, coordinates: &DVector<f64>) -> Result<Vec<Pose>, Error> {
         check_coordinates(coordinates, self.dimensions.len())?;
-        let zero = DVector::zeros(coordinates.len());
-        Ok(self.placed(coordinates, &zero, &Vector3::zeros(), None).links)
+        let still = DVector::zeros(coordinates.len());
+        Ok(self.links(|j| self.chains[j].transform(coordinates, &still)))
     }
 
     /// Pose of a frame in the base frame, from the poses of the links (m).
@@ -202,7 +202,19 @@ impl<'a> Kinematics<'a> {
     /// For a frame that the mechanism does not have.
     #[must_use]
     pub fn frame_pose(&self, frame: FrameId, base_from_link: &[Pose]) -> Pose {
-        base_from_link[self.mechanism.link_of_frame(frame)] * self.mechanism.link_from_frame(frame)
+        self.mechanism.frame_pose(frame, base_from_link)
+    }
+
+    /// Joints of the tree: index, links, and whether walked from the second to the first.
+    pub(super) fn branches(&self) -> impl Iterator<Item = (usize, [usize; 2], bool)> + '_ {
+        let joints = self.mechanism.joints();
+        self.tree.iter().map(|&(j, against)| (j, joints[j].links, against))
+    }
+
+    /// Poses of the links for the displacements of the joints of the tree.
+    fn links(&self, transform: impl Fn(usize) -> Pose) -> Vec<Pose> {
+        let branches = self.branches().map(|(j, links, against)| (links, against, transform(j)));
+        link_poses(self.mechanism.links().len(), branches)
     }
 
     /// Everything at `home` displaced by `by`; with `along`, also the rates that second derivatives need.
@@ -213,25 +225,9 @@ impl<'a> Kinematics<'a> {
         reference: &Vector3<f64>,
         along: Option<&DVector<f64>>,
     ) -> KinematicState {
-        let transforms: Vec<Pose> = self
-            .chains
-            .iter()
-            .map(|chain| {
-                let start = Pose::identity();
-                chain.elements.iter().fold(start, |pose, element| {
-                    pose * element.before * element.transform(home, by)
-                }) * chain.end
-            })
-            .collect();
-        let mut links = vec![Pose::identity(); self.mechanism.links().len()];
-        for &(j, against) in &self.tree {
-            let [first, second] = self.mechanism.joints()[j].links;
-            if against {
-                links[first] = links[second] * transforms[j].inverse();
-            } else {
-                links[second] = links[first] * transforms[j];
-            }
-        }
+        let transforms: Vec<Pose> =
+            self.chains.iter().map(|chain| chain.transform(home, by)).collect();
+        let links = self.links(|j| transforms[j]);
         let mut screws = vec![(Vector3::zeros(), Vector3::zeros()); self.dimensions.len()];
         let mut rates = Vec::with_capacity(self.chains.len());
         for j in 0..self.chains.len() {
@@ -366,6 +362,17 @@ impl<'a> Kinematics<'a> {
 pub(crate) struct TwistAndRate {
     pub(crate) velocity: Twist,
     pub(crate) acceleration: Twist,
+}
+
+impl Chain {
+    /// Displacement from the first link to the second.
+    pub(super) fn transform(&self, home: &DVector<f64>, by: &DVector<f64>) -> Pose {
+        let start = Pose::identity();
+        self.elements
+            .iter()
+            .fold(start, |pose, element| pose * element.before * element.transform(home, by))
+            * self.end
+    }
 }
 
 impl Element {

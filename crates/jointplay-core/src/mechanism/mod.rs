@@ -20,6 +20,7 @@ mod frames;
 pub mod joint;
 mod kinematics;
 mod limits;
+mod link_poses;
 mod motion;
 mod nearest;
 mod posing;
@@ -60,6 +61,7 @@ pub use frame_path::{FramePath, FrameTarget, OrientationTarget};
 pub use joint::JointKind;
 pub use kinematics::Kinematics;
 pub use limits::BeyondLimits;
+pub use link_poses::LinkPoses;
 pub use motion::{DrivenMotion, SingularConfiguration, Stop, Waypoint, drive, drive_along};
 pub use nearest::nearest_closure;
 pub use posing::{

@@ -4,6 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::Mechanism;
+use crate::spatial::Pose;
 
 /// A joint of the tree, and whether it is walked from its second link to its first.
 pub(super) type Branch = (usize, bool);
@@ -36,4 +37,23 @@ pub(super) fn spanning_tree(mechanism: &Mechanism, cost: impl Fn(usize) -> usize
         }
     }
     tree
+}
+
+/// Pose of each link in the base frame, reached over the branches of a tree in their order.
+///
+/// # Arguments
+/// * `branches` – first and second link of a joint, whether it is walked from the second to the first, and its displacement from the first to the second
+pub(super) fn link_poses(
+    links: usize,
+    branches: impl Iterator<Item = ([usize; 2], bool, Pose)>,
+) -> Vec<Pose> {
+    let mut poses = vec![Pose::identity(); links];
+    for ([first, second], against, transform) in branches {
+        if against {
+            poses[first] = poses[second] * transform.inverse();
+        } else {
+            poses[second] = poses[first] * transform;
+        }
+    }
+    poses
 }

@@ -1,7 +1,9 @@
 //! Poses and tilts.
 
 mod pose;
+mod quaternion;
 mod tilt;
 
 pub use pose::{Pose, fit_in_plane, heading, rotation_vector, tilt_rotation};
+pub use quaternion::{continued_quaternion, quaternion_rate};
 pub use tilt::Tilt;

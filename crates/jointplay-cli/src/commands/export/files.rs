@@ -4,6 +4,8 @@ use clap::ValueEnum;
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
+    /// functional mock-up unit, for simulators with FMI
+    Fmu,
     /// model of MuJoCo
     Mjcf,
     /// model of Gazebo

@@ -1,25 +1,29 @@
 //! `jointplay export`: mechanisms in formats of other programs; a file for each family of formats.
 
 mod files;
+mod fmu;
 mod simulator;
 
 use std::path::PathBuf;
 
 use clap::Args;
+use jointplay::interop::export::mechanism::{mjcf, sdf, urdf};
 use jointplay::mechanism::{Mechanism, Posed};
 use serde::Serialize;
 
 use self::files::{Files, Format};
+use self::fmu::FmuArgs;
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 use crate::mechanism_input::{JointValues, MechanismArgs, joint_values};
 use crate::source;
 
-/// Export a mechanism for MuJoCo (MJCF), Gazebo (SDF) or ROS (URDF), with its play as joints
+/// Export a mechanism for MuJoCo (MJCF), Gazebo (SDF) or ROS (URDF), with its play as joints, or as a functional mock-up unit (FMI)
 ///
-/// Virtual joints become slides and hinges with a spring, and a range where the file states their clearance; actuated joints have position actuators.
+/// In MJCF, SDF and URDF virtual joints become slides and hinges with a spring, and a range where the file states their clearance; actuated joints have position actuators.
 /// The configuration nearest to the guess of the file, or that of --at, is the reference configuration of the model.
 /// Everything that a format cannot keep is listed.
+/// A functional mock-up unit for co-simulation has the drives as inputs, and as outputs the poses of links and attached frames and the displacements of virtual joints; it computes with this library, which it contains.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -27,8 +31,10 @@ Examples:
   jointplay export hexapod --to mjcf,sdf,urdf --out models
   jointplay export four-bar --to mjcf --at A=30 --out models
   jointplay export gpr-mechanism --to mjcf --rigid --out rigid
+  jointplay export hexapod --to fmu --out units
+  jointplay export gpr --to fmu --fmi 3 --virtualization polar --out units
 
-Exit codes: 0 written, 1 the loops do not close, 2 bad input or usage, or a joint that the format does not have.")]
+Exit codes: 0 written, 1 the loops do not close or drives do not determine the motion, 2 bad input or usage, or a joint that the format does not have.")]
 pub(crate) struct Export {
     #[command(flatten)]
     pub(crate) mechanism: MechanismArgs,
@@ -44,6 +50,8 @@ pub(crate) struct Export {
     /// Folder for the files
     #[arg(short, long, value_name = "FOLDER", default_value = "export")]
     out: PathBuf,
+    #[command(flatten)]
+    fmu: FmuArgs,
     #[command(flatten)]
     force: ForceArgs,
 }
@@ -66,15 +74,15 @@ struct Exported {
 
 impl Export {
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        if !self.to.contains(&Format::Fmu) {
+            self.fmu.refuse()?;
+        }
         folder::check_folder(&self.out, self.force)?;
         let mut input = self.mechanism.load()?;
         if self.rigid {
             input.remove_virtual_joints();
         }
         let commands = input.commands(&self.at)?;
-        let Posed { closed, .. } = input.posed(&commands)?;
-        // A model starts there, and its limits are those of the mechanism.
-        input.within_limits(&closed.coordinates)?;
         let mechanism = &input.file.mechanism;
         let stem = source::stem(self.mechanism.path());
         let mut formats: Vec<Format> = Vec::new();
@@ -83,11 +91,29 @@ impl Export {
                 formats.push(format);
             }
         }
+        // A unit finds its initial configuration itself; a model starts at one, and its limits are those of the mechanism.
+        let at = match formats.iter().all(|&format| format == Format::Fmu) {
+            true => None,
+            false => {
+                let Posed { closed, .. } = input.posed(&commands)?;
+                input.within_limits(&closed.coordinates)?;
+                Some(closed.coordinates)
+            }
+        };
         let exports: Vec<Files> = formats
             .into_iter()
-            .map(|format| match format {
-                Format::Mjcf | Format::Sdf | Format::Urdf => {
-                    simulator::files(format, mechanism, &closed.coordinates, &stem)
+            .map(|format| match (format, &at) {
+                (Format::Mjcf, Some(at)) => {
+                    simulator::files(("MJCF", "xml"), mjcf(mechanism, at), &stem)
+                }
+                (Format::Sdf, Some(at)) => {
+                    simulator::files(("SDF", "sdf"), sdf(mechanism, at), &stem)
+                }
+                (Format::Urdf, Some(at)) => {
+                    simulator::files(("URDF", "urdf"), urdf(mechanism, at), &stem)
+                }
+                (Format::Fmu, _) | (_, None) => {
+                    self.fmu.files(&input, &commands, self.rigid, &stem)
                 }
             })
             .collect::<Result<_, _>>()?;

@@ -1,24 +1,19 @@
 //! Models of simulators: MJCF, SDF and URDF.
 
-use jointplay::interop::export::mechanism::{self, Error, Written};
-use jointplay::mechanism::Mechanism;
-use jointplay::nalgebra::DVector;
+use jointplay::interop::export::mechanism::{Error, Written};
 
-use super::files::{Files, Format};
+use super::files::Files;
 use crate::failure::Failure;
 
-/// The files of a mechanism at a configuration in one format.
+/// The files of a model in one format.
+///
+/// # Arguments
+/// * `format` – its name, and the extension of its file
 pub(super) fn files(
-    format: Format,
-    mechanism: &Mechanism,
-    coordinates: &DVector<f64>,
+    (name, extension): (&'static str, &str),
+    written: Result<Written, Error>,
     stem: &str,
 ) -> Result<Files, Failure> {
-    let (name, extension, written) = match format {
-        Format::Mjcf => ("MJCF", "xml", mechanism::mjcf(mechanism, coordinates)),
-        Format::Sdf => ("SDF", "sdf", mechanism::sdf(mechanism, coordinates)),
-        Format::Urdf => ("URDF", "urdf", mechanism::urdf(mechanism, coordinates)),
-    };
     let Written { text, loops, lost } = written.map_err(|error| match error {
         Error::Core(error) => Failure::Core(error),
         other => Failure::Usage(other.to_string()),

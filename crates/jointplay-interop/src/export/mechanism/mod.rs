@@ -14,7 +14,7 @@ mod mjcf;
 mod sdf;
 mod skeleton;
 mod urdf;
-mod xml;
+pub(crate) mod xml;
 
 pub use error::Error;
 pub use mjcf::mjcf;

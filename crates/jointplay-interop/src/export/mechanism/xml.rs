@@ -5,13 +5,13 @@ use std::fmt::Write as _;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 /// A file in progress, with the depth of its next element.
-pub(super) struct Xml {
-    pub(super) text: String,
+pub(crate) struct Xml {
+    pub(crate) text: String,
     open: Vec<&'static str>,
 }
 
 impl Xml {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { text: "<?xml version=\"1.0\"?>\n".to_owned(), open: Vec::new() }
     }
 
@@ -25,7 +25,7 @@ impl Xml {
     }
 
     /// An element without contents.
-    pub(super) fn empty(&mut self, tag: &str, attributes: &[(&str, String)]) {
+    pub(crate) fn empty(&mut self, tag: &str, attributes: &[(&str, String)]) {
         self.start(tag, attributes, "/>\n");
     }
 
@@ -36,13 +36,13 @@ impl Xml {
     }
 
     /// Opens an element; [`Xml::close`] closes it.
-    pub(super) fn open(&mut self, tag: &'static str, attributes: &[(&str, String)]) {
+    pub(crate) fn open(&mut self, tag: &'static str, attributes: &[(&str, String)]) {
         self.start(tag, attributes, ">\n");
         self.open.push(tag);
     }
 
     /// Closes the element opened last.
-    pub(super) fn close(&mut self) {
+    pub(crate) fn close(&mut self) {
         if let Some(tag) = self.open.pop() {
             let indent = "  ".repeat(self.open.len());
             let _ = writeln!(self.text, "{indent}</{tag}>");
@@ -74,7 +74,7 @@ pub(super) fn numbers(values: &[f64]) -> String {
 }
 
 /// The shortest decimal of a value, without a negative zero.
-pub(super) fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let value = value + 0.0;
     let size = value.abs();
     if size == 0.0 || (1e-5..1e15).contains(&size) {
