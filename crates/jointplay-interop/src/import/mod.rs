@@ -19,9 +19,9 @@
 //! # Ok::<(), jointplay_interop::import::Error>(())
 //! ```
 
-mod asmt;
 mod draft;
 mod drive_table;
+mod freecad;
 mod loops;
 mod mjcf;
 mod model;

@@ -5,11 +5,12 @@ use std::collections::BTreeSet;
 use jointplay_format::mechanism::{LengthUnit, MAX_BYTES};
 
 use super::draft::Draft;
+use super::freecad::asmt;
 use super::loops::{LoopFile, LoopsError};
 use super::model::Imported;
 use super::problem::{Error, Problem};
 use super::xml::{Advice, Xml};
-use super::{asmt, mjcf, sdf, urdf, xml};
+use super::{mjcf, sdf, urdf, xml};
 
 /// Whether a text is XML or an assembly of FreeCAD, and so a model instead of a mechanism file.
 #[must_use]
