@@ -35,8 +35,8 @@ def unit_of(mechanism: jp.Mechanism, coordinate: str) -> tuple[str, float]:
 def suggestions(mechanism: jp.Mechanism, commands: Mapping[str, float]) -> jp.Suggestions:
     """Sets of virtual joints that make a displacement of the drives possible (mm, degrees)."""
     start = mechanism.assemble()
-    command = {name: start[name] + value * unit_of(mechanism, name)[1] for name, value in commands.items()}
-    return mechanism.suggest([command])
+    moved = {name: value * unit_of(mechanism, name)[1] for name, value in commands.items()}
+    return mechanism.suggest([{name: start[name] + value for name, value in moved.items()}])
 
 
 def drive(mechanism: jp.Mechanism, displacements: Mapping[str, float], steps: int = 50) -> np.ndarray:
@@ -48,7 +48,8 @@ def drive(mechanism: jp.Mechanism, displacements: Mapping[str, float], steps: in
         raise MotionError("no drive is given; give one as NAME=DISPLACEMENT")
     start = mechanism.assemble()
     share = np.linspace(0.0, 1.0, steps + 1)
-    paths = {name: start[name] + value * unit_of(mechanism, name)[1] * share for name, value in displacements.items()}
+    moved = {name: value * unit_of(mechanism, name)[1] for name, value in displacements.items()}
+    paths = {name: start[name] + value * share for name, value in moved.items()}
     return positions(mechanism, paths)
 
 
