@@ -71,6 +71,8 @@ def test_poses_of_links_and_frames_are_homogeneous_transforms():
     moved = door.drive({"hinge": (0, 1.5)}, steps=3)
     assert moved.link_poses("handle").shape == (4, 4, 4)
     assert np.array_equal(door.link_poses([1.5], "handle"), here.link_poses("handle"))
+    with pytest.raises(jp.InputError, match="exaggeration"):
+        door.link_poses([1.5], "leaf", exaggerate=math.nan)
     broken = door.positions({"hinge": [0.1, math.nan]}).link_poses("leaf")
     assert np.isfinite(broken[0]).all() and np.isnan(broken[1]).all()
     with pytest.raises(jp.UnknownNameError, match="did you mean `handle`"):

@@ -1,6 +1,6 @@
 //! Input files: from the disk, the catalogue or standard input, and their kinds.
 
-use std::io::Read as _;
+use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -13,6 +13,9 @@ use crate::failure::Failure;
 
 /// The name of standard input and of standard output.
 pub(crate) const STANDARD: &str = "-";
+
+/// Bytes that tell an archive from text.
+const ARCHIVE_START: u64 = 4;
 
 /// Set after standard input was read: it can be read only once.
 static STANDARD_INPUT_READ: AtomicBool = AtomicBool::new(false);
@@ -166,27 +169,45 @@ pub(crate) fn stem(path: &Path) -> String {
 }
 
 /// The text of a file, or of standard input for `-`; refused if longer than `allowed` bytes.
+///
+/// Of a document of FreeCAD, an archive, it is the text of the objects.
 pub(crate) fn read_text(path: &Path, allowed: u64) -> Result<String, Failure> {
     let named = PathBuf::from(label(path));
     let failed = |source| Failure::Read { path: named.clone(), source };
-    let mut text = String::new();
+    let mut bytes = Vec::new();
     // Counted while reading, since pipes and devices do not report their length.
     let read = if path == Path::new(STANDARD) {
         if STANDARD_INPUT_READ.swap(true, Ordering::Relaxed) {
             let text = "standard input can be read only once: use a file in place of the other `-`";
             return Err(Failure::Usage(text.to_owned()));
         }
-        std::io::stdin().lock().take(allowed + 1).read_to_string(&mut text)
+        std::io::stdin().lock().take(allowed + 1).read_to_end(&mut bytes)
     } else {
-        let file = std::fs::File::open(path).map_err(failed)?;
-        file.take(allowed + 1).read_to_string(&mut text)
+        let mut file = std::fs::File::open(path).map_err(failed)?;
+        file.by_ref().take(ARCHIVE_START).read_to_end(&mut bytes).map_err(failed)?;
+        if import::is_archive(&bytes) {
+            return document(file, &named);
+        }
+        file.take(allowed + 1 - bytes.len() as u64).read_to_end(&mut bytes)
     };
-    if text.len() as u64 > allowed {
+    if bytes.len() as u64 > allowed {
         return Err(Failure::TooLarge { path: named, allowed });
     }
     read.map_err(failed)?;
-    console::detail(&format!("{}: {} bytes read", named.display(), text.len()));
-    Ok(text)
+    console::detail(&format!("{}: {} bytes read", named.display(), bytes.len()));
+    if import::is_archive(&bytes) {
+        return document(std::io::Cursor::new(bytes), &named);
+    }
+    String::from_utf8(bytes).map_err(|_| {
+        let message = "stream did not contain valid UTF-8";
+        failed(std::io::Error::new(std::io::ErrorKind::InvalidData, message))
+    })
+}
+
+/// The text of the objects in a document of FreeCAD.
+fn document(archive: impl Read + Seek, named: &Path) -> Result<String, Failure> {
+    import::document_text(archive)
+        .map_err(|error| Failure::Usage(format!("{}: {error}", named.display())))
 }
 
 /// The bytes of a file; refused if longer than `allowed` bytes.

@@ -513,6 +513,12 @@ fn each_motor_of_solidworks_has_a_file_as_long_as_the_motion() {
             let (time, _) = text.lines().last().unwrap().split_once(',').unwrap();
             assert_eq!(time.parse::<f64>().unwrap(), motion_export.motion.duration(), "{name}");
             assert!(macro_text.1.contains(&format!("folder & \"{name}\"")), "{name}");
+            let load = macro_text.1.lines().find(|line| line.contains(name.as_str())).unwrap();
+            let axis = |axis: &&Axis| load.contains(&format!("Load \"{}\",", axis.name));
+            let axis = motion_export.cell.robot.axes.iter().find(axis).unwrap();
+            let is_rotary = axis.kind == AxisKind::Rotary;
+            let kind = if is_rotary { "swFmAEMRotationalMotor" } else { "swFmAEMLinearMotor" };
+            assert!(load.trim_end().ends_with(&format!(", {kind}")), "{load}");
             assert_eq!(name.starts_with("NOT-SAFE"), !motion_export.violation_notes.is_empty());
         }
         assert_eq!(

@@ -8,12 +8,26 @@ use pyo3::prelude::*;
 
 use crate::errors;
 
-/// The text of a file, refused where it is longer than `allowed` bytes.
+/// Bytes that tell an archive from text.
+const ARCHIVE_START: u64 = 4;
+
+/// The text of a file, refused where it is longer than `allowed` bytes; of a document of FreeCAD, an archive, the text of its objects.
 pub(crate) fn read_text(py: Python<'_>, path: &Path, allowed: u64) -> PyResult<String> {
     let mut bytes = Vec::new();
     // Counted while reading, since pipes and devices do not report their length.
-    let read = py.detach(|| std::fs::File::open(path)?.take(allowed + 1).read_to_end(&mut bytes));
-    read.map_err(|error| named(py, &error, path))?;
+    let read = py.detach(|| {
+        let mut file = std::fs::File::open(path)?;
+        file.by_ref().take(ARCHIVE_START).read_to_end(&mut bytes)?;
+        if import::is_archive(&bytes) {
+            return Ok(Some(import::document_text(file)));
+        }
+        file.take(allowed + 1 - bytes.len() as u64).read_to_end(&mut bytes)?;
+        Ok(None)
+    });
+    if let Some(document) = read.map_err(|error| named(py, &error, path))? {
+        return document
+            .map_err(|error| errors::input(py, &format!("{}: {error}", path.display())));
+    }
     if bytes.len() as u64 > allowed {
         let message = format!("{} is larger than {allowed} bytes", path.display());
         return Err(errors::input(py, &message));

@@ -1,7 +1,8 @@
 //! Poses of links and attached frames of a mechanism.
 
+use jointplay::Error;
 use jointplay::format::coordinates;
-use jointplay::mechanism::{FrameId, Kinematics};
+use jointplay::mechanism::{FrameId, Kinematics, exaggerated_link_poses};
 use jointplay::nalgebra::DVector;
 use numpy::ndarray::{ArrayD, IxDyn};
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
@@ -31,16 +32,20 @@ impl PyMechanism {
     ///     All coordinates, joints, then virtual joints, shape (f + M,) or (n, f + M) (m, rad).
     /// name : str
     ///     The link or the attached frame.
+    /// exaggerate : float
+    ///     Factor of the displacements of virtual joints, for pictures; with 1 the true poses.
     ///
     /// Returns
     /// -------
     /// array
     ///     Homogeneous transforms `base_from_frame`, shape (4, 4) or (n, 4, 4) (m); NaN for rows that are not finite.
+    #[pyo3(signature = (coordinates, name, *, exaggerate=1.0))]
     fn link_poses<'py>(
         &self,
         py: Python<'py>,
         coordinates: &Bound<'py, PyAny>,
         name: &str,
+        exaggerate: f64,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let width = self.coordinates.all().len();
         let expected = format!("an array of shape ({width},) or (n, {width})");
@@ -53,7 +58,9 @@ impl PyMechanism {
         let frame = self.frame(py, name)?;
         let values = given.readonly();
         let rows: Vec<f64> = values.as_array().iter().copied().collect();
-        let poses = py.detach(|| self.poses_of(frame, &rows));
+        let poses = py
+            .detach(|| self.poses_of(frame, &rows, exaggerate))
+            .map_err(|error| errors::core(py, &error))?;
         let shape = [&shape[..shape.len() - 1], &[4, 4]].concat();
         let array = ArrayD::from_shape_vec(IxDyn(&shape), poses)
             .map_err(|error| errors::internal(&error.to_string()))?;
@@ -73,19 +80,20 @@ impl PyMechanism {
     }
 
     /// Entries of the homogeneous transforms by rows, NaN for configurations that are not finite.
-    fn poses_of(&self, frame: FrameId, rows: &[f64]) -> Vec<f64> {
+    fn poses_of(&self, frame: FrameId, rows: &[f64], factor: f64) -> Result<Vec<f64>, Error> {
         let kinematics = Kinematics::new(&self.file.mechanism);
         let width = self.coordinates.all().len();
         let mut entries = Vec::with_capacity(rows.len() / width * ENTRIES);
         for row in rows.chunks_exact(width) {
-            match kinematics.link_poses(&DVector::from_column_slice(row)) {
-                Ok(links) => {
-                    let pose = kinematics.frame_pose(frame, &links).to_homogeneous();
-                    entries.extend(pose.transpose().iter());
-                }
-                Err(_) => entries.extend([f64::NAN; ENTRIES]),
+            if !row.iter().all(|value| value.is_finite()) {
+                entries.extend([f64::NAN; ENTRIES]);
+                continue;
             }
+            let row = DVector::from_column_slice(row);
+            let links = exaggerated_link_poses(&self.file.mechanism, &row, factor)?;
+            let pose = kinematics.frame_pose(frame, &links).to_homogeneous();
+            entries.extend(pose.transpose().iter());
         }
-        entries
+        Ok(entries)
     }
 }

@@ -59,7 +59,7 @@ impl std::hash::Hash for PyMechanism {
 
 #[pymethods]
 impl PyMechanism {
-    /// The mechanism of a file: TOML, or a model of MuJoCo (MJCF), Gazebo (SDF), ROS (URDF) or FreeCAD (ASMT).
+    /// The mechanism of a file: TOML, or a model of MuJoCo (MJCF), Gazebo (SDF), ROS (URDF) or FreeCAD (FCStd, ASMT).
     ///
     /// Parameters
     /// ----------
@@ -70,7 +70,7 @@ impl PyMechanism {
     /// loops : path-like, optional
     ///     For a model, a file with joints that close loops, which URDF cannot write: TOML, `loop_closures.yaml` or `robot.yaml`.
     /// units : {"m", "mm", "um", "in"}, optional
-    ///     Unit of lengths of an assembly of FreeCAD, which does not state it; FreeCAD writes mm.
+    ///     Unit of lengths of an ASMT assembly of FreeCAD, which does not state it; FreeCAD writes mm.
     ///
     /// Raises
     /// ------

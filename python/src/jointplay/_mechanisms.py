@@ -218,9 +218,12 @@ class Motion(Table):
             raise KeyError(name)
         return self.coordinates[:, self.names.index(name)]
 
-    def link_poses(self, name: str) -> Floats:
-        """Poses of a link or an attached frame in the base frame, ``base_from_frame``, shape (n, 4, 4) [m]."""
-        return self.mechanism.link_poses(self.coordinates, name)
+    def link_poses(self, name: str, *, exaggerate: float = 1.0) -> Floats:
+        """Poses of a link or an attached frame in the base frame, ``base_from_frame``, shape (n, 4, 4) [m].
+
+        Displacements of virtual joints are multiplied by ``exaggerate``, for pictures.
+        """
+        return self.mechanism.link_poses(self.coordinates, name, exaggerate=exaggerate)
 
     def to_gltf(
         self,

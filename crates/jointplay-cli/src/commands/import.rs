@@ -20,7 +20,7 @@ use crate::output::FormatArgs;
 use crate::source::{Kind, STANDARD, Source};
 use crate::{folder, output};
 
-/// Convert a model of MuJoCo (MJCF), Gazebo (SDF), ROS (URDF) or FreeCAD (ASMT) into a mechanism file
+/// Convert a model of MuJoCo (MJCF), Gazebo (SDF), ROS (URDF) or FreeCAD (FCStd, ASMT) into a mechanism file
 ///
 /// A three-rod robot also becomes a mechanism, with the virtual joints of a virtualization; with `--to
 /// gpr`, a mechanism or model that is a three-rod robot becomes a robot file.
@@ -33,6 +33,7 @@ Examples:
   jointplay import robot.urdf
   jointplay import robot.urdf --loops loops.toml --output robot.toml
   jointplay import robot.urdf --loops loop_closures.yaml
+  jointplay import assembly.FCStd
   jointplay import assembly.asmt --units mm
   jointplay import gpr --virtualization radial
   jointplay import gpr-mechanism --to gpr --tilt-limit-deg 1.5")]
@@ -41,7 +42,7 @@ pub(crate) struct Import {
     /// (TOML); or a name from `jointplay catalogue`
     #[arg(value_name = "MODEL")]
     model: PathBuf,
-    /// Unit of lengths of an assembly of FreeCAD, which does not state it; FreeCAD writes mm
+    /// Unit of lengths of an ASMT assembly of FreeCAD, which does not state it; FreeCAD writes mm
     #[arg(long, value_name = "UNIT", value_parser = unit)]
     units: Option<LengthUnit>,
     /// Kind of the file to write
@@ -139,7 +140,7 @@ impl Import {
             (self.loops.is_some() && kind != Some(Kind::Model), "--loops applies to models"),
             (
                 self.units.is_some() && !import::is_assembly(&source.text),
-                "--units applies to assemblies of FreeCAD; other files state their units",
+                "--units applies to assemblies of FreeCAD in ASMT; other files state their units",
             ),
             (
                 self.virtualization.is_some() && kind != Some(Kind::ThreeRods),

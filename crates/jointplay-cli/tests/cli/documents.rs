@@ -40,6 +40,8 @@ fn sandbox_with_a_model() -> Sandbox {
         "assembly.asmt",
         include_str!("../../../../validation/golden/models/slider-crank.asmt"),
     );
+    let archive = include_bytes!("../../../../validation/golden/models/crank-press.FCStd");
+    std::fs::write(sandbox.file("assembly.FCStd"), archive).unwrap();
     sandbox.write("one.program", crate::cell::SMALL);
     sandbox.write("robot.urdf", crate::import::URDF);
     sandbox.write("loops.toml", crate::import::LOOPS);

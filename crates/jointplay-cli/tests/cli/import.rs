@@ -222,6 +222,33 @@ fn conversions_of_robots_state_what_is_missing() {
 }
 
 #[test]
+fn a_document_of_freecad_is_a_model() {
+    let sandbox = Sandbox::new();
+    let archive = include_bytes!("../../../../validation/golden/models/crank-press.FCStd");
+    std::fs::write(sandbox.file("press.FCStd"), archive).unwrap();
+    let run = sandbox.run("import press.FCStd --output press.toml");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("ignored: 1 × suppressed joint \"old guide\""), "{}", run.stderr);
+    assert_eq!(run.stdout, "written to press.toml: 5 links, 5 joints, 1 loop\n");
+    // The limits are those of the file: the carriage stops at -40 mm.
+    let run = sandbox.run("move press.toml --drive drive=0.5:3.1:0.1");
+    assert!(
+        run.code == 1 && run.stderr.contains("its limits are -0.04 to 0.02525 m"),
+        "{}",
+        run.stderr
+    );
+    assert_eq!(sandbox.run("move press.toml --drive drive=0.5:0.9:0.1").code, 0);
+    // Other commands take it as it is.
+    assert_eq!(sandbox.json("mobility press.FCStd --quiet")["finite_mobility"], 1);
+    refused(&sandbox, "import press.FCStd --units mm", "--units applies to assemblies");
+    refused(&sandbox, "study press.FCStd", "is a model of another program");
+    std::fs::write(sandbox.file("cut.FCStd"), &archive[..5000]).unwrap();
+    refused(&sandbox, "import cut.FCStd", "cut.FCStd: the file is no archive of FreeCAD");
+    std::fs::write(sandbox.file("other.FCStd"), b"PK\x03\x04").unwrap();
+    refused(&sandbox, "mobility other.FCStd", "other.FCStd: the file is no archive of FreeCAD");
+}
+
+#[test]
 fn an_assembly_of_freecad_needs_its_unit() {
     let sandbox = Sandbox::new();
     let assembly = include_str!("../../../../validation/golden/models/slider-crank.asmt");

@@ -19,6 +19,7 @@ const MARK: &str = "NOT-SAFE-";
 /// A file `motor-NAME.csv` for each axis with lines `time,value` in s and mm or degrees, and [`MACRO`], as names and contents.
 ///
 /// The macro assigns the motions to the motors of a motion study that have the names of the axes.
+/// It makes the study and motors that are missing, motors along reference axes named `jp:AXIS` of the moved parts.
 ///
 /// # Arguments
 /// * `rate` – number of lines per second; the last line is the end of the motion (Hz)
@@ -109,7 +110,9 @@ fn quoted(text: &str) -> String {
 pub fn loader(motion_export: &MotionExport<'_>) -> (String, String) {
     let mut loads = String::new();
     for (axis, file) in motion_export.cell.robot.axes.iter().zip(&motors(motion_export)) {
-        let _ = writeln!(loads, "    Load {}, folder & {}", quoted(&axis.name), quoted(file));
+        let kind = if turns(axis.kind) { "swFmAEMRotationalMotor" } else { "swFmAEMLinearMotor" };
+        let (name, file) = (quoted(&axis.name), quoted(file));
+        let _ = writeln!(loads, "    Load {name}, folder & {file}, {kind}");
     }
     let warning = motion_export.warning().map_or_else(String::new, |warning| {
         let shown = quoted(&warning);
@@ -119,7 +122,9 @@ pub fn loader(motion_export: &MotionExport<'_>) -> (String, String) {
     let text = format!(
         r#"Attribute VB_Name = "LoadMotors"
 ' Assigns the motion in the files of this folder to the motors of a motion study.
-' The study has to be a Motion Analysis, and its motors have to have the names of the axes.
+' A study of that name has to be a Motion Analysis; without one, it is made.
+' Motors are those with the names of the axes. A missing one is made along the reference axis "jp:" and the name,
+' which has to be in the part that it moves, and to point in the direction of positive values.
 ' Times are in s, displacements in mm for linear and in degrees for rotary motors: set the units of the document so.
 ' Import this file into a new macro, whose references to the libraries of SolidWorks it needs.
 Option Explicit
@@ -127,18 +132,28 @@ Option Explicit
 Const STUDY_NAME As String = "Motion Study 1"
 ' How it interpolates between the points, as in SolidWorks' own examples.
 Const SCHEME As Long = 1
+' swMotionStudyTypeCosmosMotion
+Const MOTION_ANALYSIS As Long = 4
+Const AXIS_PREFIX As String = "jp:"
 
 Dim model As Object
 Dim study As Object
 Dim missing As String
 
 Sub main()
-    Dim app As Object, folder As String
+    Dim app As Object, manager As Object, folder As String
     Set app = Application.SldWorks
     Set model = app.ActiveDoc
     If model Is Nothing Then MsgBox "Open the assembly first.": Exit Sub
-    Set study = model.Extension.GetMotionStudyManager().GetMotionStudy(STUDY_NAME)
-    If study Is Nothing Then MsgBox "There is no " & STUDY_NAME & ".": Exit Sub
+    Set manager = model.Extension.GetMotionStudyManager()
+    If manager Is Nothing Then MsgBox "Switch the add-in SOLIDWORKS Motion on first.": Exit Sub
+    Set study = manager.GetMotionStudy(STUDY_NAME)
+    If study Is Nothing Then
+        Set study = manager.CreateMotionStudy()
+        If study Is Nothing Then MsgBox "There is no " & STUDY_NAME & ", and none can be made.": Exit Sub
+        study.Activate
+        study.StudyType = MOTION_ANALYSIS
+    End If
     study.Activate
 {warning}    folder = Left(app.GetCurrentMacroPathName(), InStrRev(app.GetCurrentMacroPathName(), "\"))
     missing = ""
@@ -146,7 +161,7 @@ Sub main()
     If missing <> "" Then MsgBox "No motor could be given its motion for:" & missing
 End Sub
 
-Private Sub Load(name As String, file As String)
+Private Sub Load(name As String, file As String, made As Long)
     Dim features As Variant, feature As Object, motor As Object, kind As String, k As Long
     features = study.GetMotionFeatures()
     If IsArray(features) Then
@@ -162,8 +177,37 @@ Private Sub Load(name As String, file As String)
             End If
         Next k
     End If
-    missing = missing & " " & name
+    If Not Created(name, file, made) Then missing = missing & " " & name
 End Sub
+
+' Makes a motor along the reference axis of its name.
+Private Function Created(name As String, file As String, made As Long) As Boolean
+    Dim components As Variant, axis As Object, motor As SldWorks.SimulationMotorFeatureData
+    Dim loaded(0) As Object, references As Variant, feature As Object, k As Long
+    components = model.GetComponents(False)
+    If Not IsArray(components) Then Exit Function
+    For k = LBound(components) To UBound(components)
+        Set axis = components(k).FeatureByName(AXIS_PREFIX & name)
+        If Not axis Is Nothing Then
+            model.ClearSelection2 True
+            If Not axis.Select2(False, 0) Then Exit Function
+            Set motor = study.CreateDefinition(made)
+            If motor Is Nothing Then Exit Function
+            motor.InterpolatedMotor swSimulationMotorDrive_Displacement, SCHEME
+            motor.DirectionReference = model.SelectionManager.GetSelectedObject6(1, -1)
+            motor.Location = model.SelectionManager.GetSelectedObject6(1, -1)
+            Set loaded(0) = model.SelectionManager.GetSelectedObject6(1, -1)
+            references = loaded
+            motor.LoadReferences = references
+            If Not motor.LoadSplineData(file) Then Exit Function
+            Set feature = study.CreateFeature(motor)
+            If feature Is Nothing Then Exit Function
+            feature.Name = name
+            Created = True
+            Exit Function
+        End If
+    Next k
+End Function
 "#,
         duration = motion_export.motion.duration(),
     );

@@ -1,4 +1,4 @@
-//! Mechanisms from model files of other programs: MJCF, SDF and URDF, distinguished by their root element, and ASMT of FreeCAD.
+//! Mechanisms from model files of other programs: MJCF, SDF, URDF and documents of FreeCAD, distinguished by their root element, and ASMT of FreeCAD.
 //!
 //! Parts that do not affect the mechanism, such as shapes and masses, are listed as ignored.
 //! An unsupported part that would affect the mechanism is an error with its place.
@@ -19,9 +19,9 @@
 //! # Ok::<(), jointplay_interop::import::Error>(())
 //! ```
 
-mod asmt;
 mod draft;
 mod drive_table;
+mod freecad;
 mod loops;
 mod mjcf;
 mod model;
@@ -34,6 +34,7 @@ mod urdf;
 mod xml;
 
 pub use drive_table::{DriveColumn, DriveTableError, MAX_COLUMNS, MAX_ROWS, drive_table};
+pub use freecad::{ArchiveError, MAX_DOCUMENT_BYTES, document_text, is_archive};
 pub use loops::LoopsError;
 pub use mjcf::{Expanded, IncludeError, expand_includes};
 pub use model::{Dialect, Imported};

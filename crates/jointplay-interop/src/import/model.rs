@@ -19,6 +19,8 @@ pub struct Imported {
 pub enum Dialect {
     /// Assemblies of FreeCAD, in the text format of its solver.
     Asmt,
+    /// Documents of FreeCAD.
+    FcStd,
     /// Models of MuJoCo.
     Mjcf,
     /// The Simulation Description Format of Gazebo.
@@ -33,6 +35,7 @@ impl Dialect {
     pub fn name(self) -> &'static str {
         match self {
             Self::Asmt => "ASMT",
+            Self::FcStd => "FCStd",
             Self::Mjcf => "MJCF",
             Self::Sdf => "SDF",
             Self::Urdf => "URDF",

@@ -5,11 +5,12 @@ use std::collections::BTreeSet;
 use jointplay_format::mechanism::{LengthUnit, MAX_BYTES};
 
 use super::draft::Draft;
+use super::freecad::{MAX_DOCUMENT_BYTES, asmt, assembly};
 use super::loops::{LoopFile, LoopsError};
 use super::model::Imported;
 use super::problem::{Error, Problem};
 use super::xml::{Advice, Xml};
-use super::{asmt, mjcf, sdf, urdf, xml};
+use super::{mjcf, sdf, urdf, xml};
 
 /// Whether a text is XML or an assembly of FreeCAD, and so a model instead of a mechanism file.
 #[must_use]
@@ -22,6 +23,20 @@ pub fn is_model(text: &str) -> bool {
 pub fn is_assembly(text: &str) -> bool {
     let first = text.trim_start_matches('\u{feff}').lines().next();
     first.is_some_and(|line| line.trim() == asmt::FIRST_LINE)
+}
+
+/// Whether a text may be that of a document of FreeCAD, which is longer than other models: before its root element it has only a declaration and comments.
+fn is_document(text: &str) -> bool {
+    let mut rest = text.trim_start_matches('\u{feff}').trim_start();
+    loop {
+        let end = match rest {
+            _ if rest.starts_with("<?") => "?>",
+            _ if rest.starts_with("<!--") => "-->",
+            _ => return rest.starts_with("<Document"),
+        };
+        let Some((_, after)) = rest.split_once(end) else { return false };
+        rest = after.trim_start();
+    }
 }
 
 /// Imports a model, whose root element determines its format.
@@ -101,8 +116,9 @@ pub fn parse_closed(
 /// # Arguments
 /// * `solved` – joints that the loops of a second file determine
 fn read(text: &str, unit: Option<LengthUnit>, solved: &BTreeSet<&str>) -> Result<Imported, Error> {
-    if text.len() > MAX_BYTES {
-        let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };
+    let allowed = if is_document(text) { MAX_DOCUMENT_BYTES } else { MAX_BYTES };
+    if text.len() > allowed {
+        let problem = Problem::TooLong { found: text.len(), allowed };
         return Err(Error::at(text, 0..0, problem));
     }
     if is_assembly(text) {
@@ -117,10 +133,13 @@ fn read(text: &str, unit: Option<LengthUnit>, solved: &BTreeSet<&str>) -> Result
         "mujoco" => mjcf::read(draft, root),
         "sdf" => sdf::read(draft, root),
         "robot" => urdf::read(draft, root, solved),
+        "Document" => assembly::read(draft, root),
         other => Err(draft.xml.unsupported(
             root,
             format!("a file of <{other}>"),
-            Advice("models are <mujoco> (MJCF), <sdf> (SDF) and <robot> (URDF)"),
+            Advice(
+                "models are <mujoco> (MJCF), <sdf> (SDF), <robot> (URDF) and <Document> (FCStd)",
+            ),
         )),
     }
 }
@@ -145,7 +164,7 @@ mod tests {
         assert_eq!(dialects.map(Dialect::name), ["SDF", "MJCF", "MJCF", "URDF"]);
         let assembly = "OndselSolver\nAssembly\n";
         assert_eq!(*parse(assembly).unwrap_err().problem, Problem::NoUnit);
-        testing::refuse("<robots/>", "<robots/>", "<svg/>", "<svg/>", "<robot> (URDF)");
+        testing::refuse("<robots/>", "<robots/>", "<svg/>", "<svg/>", "<Document> (FCStd)");
         testing::refuse("<sdf><a></sdf>", "", "", "", "not well-formed XML: expected 'a' tag");
         assert!(is_model("\u{feff}\n <robot/>") && !is_model("kind = \"mechanism\""));
     }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use nalgebra::{Quaternion, Rotation3, Unit, UnitQuaternion, Vector3};
-use roxmltree::{Document, Node};
+use roxmltree::{Document, Node, ParsingOptions};
 
 use super::problem::{Error, Problem};
 use jointplay_format::place::nearest;
@@ -17,9 +17,13 @@ pub(super) const LONGEST_NAME: usize = 1000;
 /// Greatest depth of nested elements; a chain of that many links is no robot.
 const DEEPEST: usize = 1000;
 
+/// Most elements, texts and comments, about 250 MB of memory; a document of FreeCAD has 20 for each kilobyte.
+const MOST_NODES: u32 = 3_000_000;
+
 /// The element tree of a text.
 pub(super) fn document(text: &str) -> Result<Document<'_>, Error> {
-    let document = Document::parse(text).map_err(|error| {
+    let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text, options).map_err(|error| {
         let at = error.pos();
         let (row, column) = (at.row.max(1) as usize, at.col.max(1) as usize);
         let lines = text.split_inclusive('\n').take(row);

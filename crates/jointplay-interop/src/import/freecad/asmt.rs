@@ -7,19 +7,21 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use jointplay_core::mechanism::{Joint, JointKind, Mechanism, MechanismError};
-use jointplay_core::spatial::{Pose, rotation_vector};
+use jointplay_core::spatial::Pose;
+use jointplay_format::expression::{AngleUnit, Formula};
 use jointplay_format::mechanism::LengthUnit;
 use jointplay_format::mechanism::frame::pose;
 use jointplay_format::place::nearest;
-use nalgebra::{Matrix3, Rotation3, Translation3, Unit, Vector3};
+use nalgebra::{Matrix3, Unit, Vector3};
 
-use super::draft::bare;
-use super::model::{Dialect, Imported};
-use super::problem::{Error, Problem};
-use super::xml::LONGEST_NAME;
+use super::joint_limits::{self, FrameLimit, FrameMotion, RangeEnd};
+use super::placed_joint::{PlacedFrame, placed_joint};
+use crate::import::model::{Dialect, Imported};
+use crate::import::problem::{Error, Problem};
+use crate::import::xml::LONGEST_NAME;
 
 /// First line of a file.
-pub(super) const FIRST_LINE: &str = "OndselSolver";
+pub(in crate::import) const FIRST_LINE: &str = "OndselSolver";
 /// Largest deviation of a rotation matrix from orthonormal; files have rounded numbers.
 const ROTATION_TOLERANCE: f64 = 1e-5;
 
@@ -85,6 +87,11 @@ impl<'l, 'a> Block<'l, 'a> {
         block.blocks().next().ok_or_else(|| block.value_error(label, "followed by a value"))
     }
 
+    /// The value of a label, unless it is absent or empty.
+    fn optional(self, label: &str) -> Option<Block<'l, 'a>> {
+        self.find(label)?.blocks().next()
+    }
+
     fn name(self) -> Result<&'a str, Error> {
         let value = self.value("Name")?;
         let name = value.head.text;
@@ -121,18 +128,11 @@ impl<'l, 'a> Block<'l, 'a> {
     }
 }
 
-/// A marker: its link, and its pose there and in the assembly as drawn.
-struct Marker {
-    link: usize,
-    in_link: Pose,
-    drawn: Pose,
-}
-
 /// Reads an assembly.
 ///
 /// # Arguments
 /// * `unit` – unit of lengths in the file
-pub(super) fn read(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
+pub(in crate::import) fn read(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
     let lines = lines(text);
     let Some(at) = lines.iter().position(|line| line.indent == 0 && line.text == "Assembly") else {
         let problem = Problem::Missing { whose: FIRST_LINE.to_owned(), what: "Assembly" };
@@ -146,13 +146,13 @@ pub(super) fn read(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
     // The base is the assembly itself.
     let mut links = vec![(name.to_owned(), assembly)];
     let mut markers = BTreeMap::new();
-    let ground = Marker { link: 0, in_link: Pose::identity(), drawn: Pose::identity() };
+    let ground = PlacedFrame { link: 0, in_link: Pose::identity(), drawn: Pose::identity() };
     add_markers(&mut markers, assembly, &format!("/{name}"), &ground, unit)?;
     let mut ignored: BTreeMap<String, usize> = BTreeMap::new();
     let mut ignore = |what: String| *ignored.entry(what).or_default() += 1;
     for part in assembly.list("Parts") {
         let (part_name, drawn) = (part.name()?, part.pose(unit)?);
-        let owner = Marker { link: links.len(), in_link: Pose::identity(), drawn };
+        let owner = PlacedFrame { link: links.len(), in_link: Pose::identity(), drawn };
         add_markers(&mut markers, part, &format!("/{name}/{part_name}"), &owner, unit)?;
         links.push((part_name.to_owned(), part));
         if part.find("PrincipalMassMarker").is_some() {
@@ -165,7 +165,6 @@ pub(super) fn read(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
         let what = format!("constraint {:?}", block.head.text);
         return Err(block.unsupported(what, "only joints are imported"));
     }
-    sets("Limits").for_each(|limit| ignore(limit.head.text.to_owned()));
     assembly.list("ForceTorques").for_each(|force| ignore(force.head.text.to_owned()));
 
     let mut joints: Vec<Joint> = Vec::new();
@@ -174,8 +173,7 @@ pub(super) fn read(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
         joints.push(joint(block, &markers, &mut ignore)?);
         blocks.push(block);
     }
-    let path = |(number, joint): (usize, &Joint)| (format!("/{name}/{}", joint.name), number);
-    let numbers: BTreeMap<String, usize> = joints.iter().enumerate().map(path).collect();
+    let moved = MovedJoints::new(name, &blocks, &joints)?;
     for motion in sets("Motions") {
         let driven = match motion.head.text {
             "RotationalMotion" => JointKind::Revolute,
@@ -185,9 +183,9 @@ pub(super) fn read(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
                 return Err(motion.unsupported(format!("motion {other:?}"), advice));
             }
         };
-        let path = motion.value("MotionJoint")?;
-        let Some(&number) = numbers.get(path.head.text) else {
-            return Err(unknown("joint", path, numbers.keys().cloned().collect()));
+        let Some(number) = moved.joint(motion)? else {
+            let what = format!("{} of two markers without a joint", motion.head.text);
+            return Err(motion.unsupported(what, "only motions of joints are imported"));
         };
         let moved = &mut joints[number];
         if moved.kind == driven {
@@ -195,6 +193,17 @@ pub(super) fn read(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
         } else {
             ignore(format!("{} of joint {:?}", motion.head.text, moved.name));
         }
+    }
+    let mut limits: Vec<Vec<FrameLimit>> = joints.iter().map(|_| Vec::new()).collect();
+    for block in sets("Limits") {
+        match (limit(block, unit)?, moved.joint(block)?) {
+            (Some(limit), Some(number)) => limits[number].push(limit),
+            (None, _) => ignore(format!("{} that is not a number", block.head.text)),
+            (_, None) => ignore(format!("{} of two markers without a joint", block.head.text)),
+        }
+    }
+    for (joint, limits) in joints.iter_mut().zip(&limits) {
+        joint_limits::apply(joint, limits, &mut ignore);
     }
 
     // An assembly that nothing is joined to is no link; its first part is the base.
@@ -212,7 +221,9 @@ pub(super) fn read(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
             _ => None,
         };
         let joint = match &error {
-            E::NameTwice { name } | E::JoinedToItself { joint: name, .. } => {
+            E::NameTwice { name }
+            | E::JoinedToItself { joint: name, .. }
+            | E::LimitsReversed { name, .. } => {
                 blocks.iter().rev().find(|block| block.name().is_ok_and(|found| found == name))
             }
             _ => None,
@@ -221,6 +232,66 @@ pub(super) fn read(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
     })?;
     let ignored = ignored.into_iter().map(|(what, count)| format!("{count} × {what}")).collect();
     Ok(Imported { mechanism, dialect: Dialect::Asmt, ignored })
+}
+
+/// Joints by what motions and limits name: their paths, or their two markers.
+struct MovedJoints<'a> {
+    paths: BTreeMap<String, usize>,
+    markers: BTreeMap<[&'a str; 2], usize>,
+}
+
+impl<'a> MovedJoints<'a> {
+    fn new(assembly: &str, blocks: &[Block<'_, 'a>], joints: &[Joint]) -> Result<Self, Error> {
+        let mut found = Self { paths: BTreeMap::new(), markers: BTreeMap::new() };
+        for (number, (block, joint)) in blocks.iter().zip(joints).enumerate() {
+            found.paths.insert(format!("/{assembly}/{}", joint.name), number);
+            found.markers.entry(ends(*block)?).or_insert(number);
+        }
+        Ok(found)
+    }
+
+    /// The joint of a motion or limit; `None` where it names two markers that no joint has.
+    fn joint(&self, block: Block<'_, 'a>) -> Result<Option<usize>, Error> {
+        let Some(path) = block.optional("MotionJoint") else {
+            return Ok(self.markers.get(&ends(block)?).copied());
+        };
+        match self.paths.get(path.head.text) {
+            Some(&number) => Ok(Some(number)),
+            None => Err(unknown("joint", path, self.paths.keys().cloned().collect())),
+        }
+    }
+}
+
+/// The paths of the two markers.
+fn ends<'a>(block: Block<'_, 'a>) -> Result<[&'a str; 2], Error> {
+    Ok([block.value("MarkerI")?.head.text, block.value("MarkerJ")?.head.text])
+}
+
+/// A limit of the angle or distance between two markers (rad, m); `None` where its value is not a number.
+fn limit(block: Block<'_, '_>, unit: LengthUnit) -> Result<Option<FrameLimit>, Error> {
+    let motion = match block.head.text {
+        "RotationLimit" => FrameMotion::Turn,
+        "TranslationLimit" => FrameMotion::Slide,
+        other => {
+            let advice = "imported are RotationLimit and TranslationLimit";
+            return Err(block.unsupported(format!("limit {other:?}"), advice));
+        }
+    };
+    let kind = block.value("Type")?;
+    let end = match kind.head.text {
+        "=>" => RangeEnd::Least,
+        "=<" => RangeEnd::Greatest,
+        _ => return Err(kind.value_error("Type", "\"=>\" or \"=<\"")),
+    };
+    // The solver accepts expressions: FreeCAD writes degrees as `90.000000*pi/180.0`.
+    let text = block.value("Limit")?.head.text;
+    let value = Formula::parse(text, AngleUnit::Radian)
+        .and_then(|formula| formula.evaluate_with(&|_| None))
+        .ok();
+    Ok(value.map(|value| {
+        let value = if motion == FrameMotion::Slide { unit.to_meters(value) } else { value };
+        FrameLimit { motion, end, value }
+    }))
 }
 
 fn lines(text: &str) -> Vec<Line<'_>> {
@@ -241,17 +312,17 @@ fn lines(text: &str) -> Vec<Line<'_>> {
 
 /// Adds the markers of a part or the assembly by their paths.
 fn add_markers(
-    markers: &mut BTreeMap<String, Marker>,
+    markers: &mut BTreeMap<String, PlacedFrame>,
     owner: Block,
     path: &str,
-    at: &Marker,
+    at: &PlacedFrame,
     unit: LengthUnit,
 ) -> Result<(), Error> {
     for point in owner.list("RefPoints") {
         let link_from_point = point.pose(unit)?;
         for marker in point.list("Markers") {
             let in_link = link_from_point * marker.pose(unit)?;
-            let found = Marker { link: at.link, in_link, drawn: at.drawn * in_link };
+            let found = PlacedFrame { link: at.link, in_link, drawn: at.drawn * in_link };
             let path = format!("{path}/{}", marker.name()?);
             if markers.insert(path.clone(), found).is_some() {
                 let what = format!("a second marker {path:?}");
@@ -271,7 +342,7 @@ fn unknown(what: &'static str, value: Block, known: Vec<String>) -> Error {
 /// A joint between two markers, as drawn.
 fn joint(
     block: Block,
-    markers: &BTreeMap<String, Marker>,
+    markers: &BTreeMap<String, PlacedFrame>,
     ignore: &mut impl FnMut(String),
 ) -> Result<Joint, Error> {
     let kind = match block.head.text {
@@ -292,58 +363,8 @@ fn joint(
         let known = || markers.keys().cloned().collect();
         markers.get(path.head.text).ok_or_else(|| unknown("marker", path, known()))
     };
-    let (first, second) = (end("MarkerI")?, end("MarkerJ")?);
-    let first_from_second = first.drawn.inverse() * second.drawn;
-    // The solver also accepts frames that differ by half a turn about one of their axes.
-    let turn = half_turn(kind, first_from_second.rotation);
-    let turn = if kind == JointKind::Universal {
-        // The second axis is z of the second marker, and x of our joint frame.
-        Rotation3::from_matrix_unchecked(Matrix3::new(0., 0., 1., 0., -1., 0., 1., 0., 0.))
-    } else {
-        if turn != Rotation3::identity() {
-            ignore("opposite direction of an axis".to_owned());
-        }
-        turn
-    };
-    let turn = Pose::from_parts(Translation3::identity(), turn);
-    let (drawn, in_second) = (first_from_second * turn, second.in_link * turn);
-    let mut joint =
-        bare(block.name()?.to_owned(), kind, [first.link, second.link], [first.in_link, in_second]);
-    let (rotation, shift) = (drawn.rotation, drawn.translation.vector);
-    let angle = rotation[(1, 0)].atan2(rotation[(0, 0)]);
-    joint.guess = match kind {
-        JointKind::Revolute => vec![angle],
-        JointKind::Prismatic => vec![shift.z],
-        JointKind::Cylindrical => vec![shift.z, angle],
-        JointKind::Spherical => rotation_vector(&rotation).iter().copied().collect(),
-        JointKind::Planar => vec![shift.x, shift.y, angle],
-        JointKind::Universal => vec![angle, rotation[(2, 1)].atan2(rotation[(2, 2)])],
-        _ => Vec::new(),
-    };
-    Ok(joint)
-}
-
-/// The half turn of the second frame that brings its axes next to those of the first.
-fn half_turn(kind: JointKind, first_from_second: Rotation3<f64>) -> Rotation3<f64> {
-    let about = |axis| Rotation3::from_axis_angle(&axis, std::f64::consts::PI);
-    let exact = |axis: Unit<Vector3<f64>>| {
-        // Entries are 0 and ±1 exactly.
-        Rotation3::from_matrix_unchecked(about(axis).matrix().map(f64::round))
-    };
-    let by_x = exact(Vector3::x_axis());
-    match kind {
-        JointKind::Spherical | JointKind::Universal => Rotation3::identity(),
-        JointKind::Fixed | JointKind::Prismatic => {
-            let (by_y, by_z) = (exact(Vector3::y_axis()), exact(Vector3::z_axis()));
-            let turns = [by_z, by_y, by_x, Rotation3::identity()];
-            let nearness = |turn: &Rotation3<f64>| (first_from_second * turn).matrix().trace();
-            // Of equals the last.
-            let best = turns.into_iter().max_by(|a, b| nearness(a).total_cmp(&nearness(b)));
-            best.unwrap_or_default()
-        }
-        _ if first_from_second[(2, 2)] < 0.0 => by_x,
-        _ => Rotation3::identity(),
-    }
+    let frames = [end("MarkerI")?, end("MarkerJ")?];
+    Ok(placed_joint(block.name()?.to_owned(), kind, frames, ignore))
 }
 
 #[cfg(test)]
@@ -354,11 +375,11 @@ mod tests {
     use crate::import::{parse_with_unit, testing};
 
     const SLIDER_CRANK: &str =
-        include_str!("../../../../validation/golden/models/slider-crank.asmt");
+        include_str!("../../../../../validation/golden/models/slider-crank.asmt");
     const FLIPPED: &str =
-        include_str!("../../../../validation/golden/models/flipped-four-bar.asmt");
+        include_str!("../../../../../validation/golden/models/flipped-four-bar.asmt");
 
-    const CARDAN: &str = include_str!("../../../../validation/golden/models/cardan.asmt");
+    const CARDAN: &str = include_str!("../../../../../validation/golden/models/cardan.asmt");
 
     #[test]
     fn assemblies_close_as_drawn() {
@@ -379,7 +400,7 @@ mod tests {
     /// Poses that the solver of FreeCAD finds along the motion, see `asmt_reference.py`.
     #[test]
     fn parts_move_as_in_the_solver_of_freecad() {
-        let rows = include_str!("../../../../validation/golden/asmt-poses.csv");
+        let rows = include_str!("../../../../../validation/golden/asmt-poses.csv");
         let models =
             [("slider-crank", SLIDER_CRANK), ("flipped-four-bar", FLIPPED), ("cardan", CARDAN)];
         let mut compared = 0;
@@ -419,6 +440,81 @@ mod tests {
         let m: f64 = length(parse_with_unit(SLIDER_CRANK, LengthUnit::Meter));
         let mm: f64 = length(parse_with_unit(SLIDER_CRANK, LengthUnit::Millimeter));
         assert!((m / mm - 1000.0).abs() < 1e-9);
+    }
+
+    /// Limits and a motion as FreeCAD writes them: by their markers, with an empty `MotionJoint`.
+    fn with_limits(limits: &[(&str, [&str; 2], &str, &str)]) -> String {
+        let mut block = "\t\tLimits\n".to_owned();
+        for (number, (kind, [first, second], value, comparison)) in limits.iter().enumerate() {
+            block += &format!(
+                "\t\t\t{kind}\n\t\t\t\tName\n\t\t\t\t\tl{number}\n\
+                \t\t\t\tMarkerI\n\t\t\t\t\t/slider-crank/{first}\n\t\t\t\tMarkerJ\n\t\t\t\t\t/slider-crank/{second}\n\
+                \t\t\t\tMotionJoint\n\t\t\t\t\t\n\t\t\t\tLimit\n\t\t\t\t\t{value}\n\
+                \t\t\t\tType\n\t\t\t\t\t{comparison}\n\t\t\t\tTol\n\t\t\t\t\t1.0e-9\n"
+            );
+        }
+        let general = "\t\tGeneralConstraintSets";
+        assert!(SLIDER_CRANK.contains(general));
+        SLIDER_CRANK.replacen(general, &(block + general), 1)
+    }
+
+    const DRIVE: [&str; 2] = ["pivot", "crank/hub"];
+    const GUIDE: [&str; 2] = ["guide", "slider/guided"];
+
+    #[test]
+    fn limits_of_joints_are_read_from_their_markers() {
+        let text = with_limits(&[
+            ("RotationLimit", DRIVE, "-30.000000*pi/180.0", "=>"),
+            ("RotationLimit", DRIVE, "120.000000*pi/180.0", "=<"),
+            ("TranslationLimit", GUIDE, "200.000000", "=>"),
+            ("TranslationLimit", GUIDE, "400.000000", "=<"),
+        ]);
+        let model = parse_with_unit(&text, LengthUnit::Millimeter).unwrap();
+        let limits = |name: &str| {
+            let joints = model.mechanism.joints();
+            joints.iter().find(|joint| joint.name == name).unwrap().limits.clone()
+        };
+        let close = |found: &[[f64; 2]], expected: [f64; 2]| {
+            assert_eq!(found.len(), 1);
+            assert!((found[0][0] - expected[0]).abs() + (found[0][1] - expected[1]).abs() < 1e-12);
+        };
+        close(&limits("drive"), [-30_f64.to_radians(), 120_f64.to_radians()]);
+        close(&limits("guide"), [0.2, 0.4]);
+        assert_eq!(limits("tip"), Vec::<[f64; 2]>::new());
+        assert_eq!(model.ignored, ["3 × PrincipalMassMarker"]);
+    }
+
+    #[test]
+    fn limits_without_a_counterpart_are_listed() {
+        for (limit, listed) in [
+            (("RotationLimit", DRIVE, "1", "=>"), "limits of joint \"drive\", which do not bound"),
+            (("RotationLimit", DRIVE, "sin(time)", "=>"), "RotationLimit that is not a number"),
+            (("TranslationLimit", DRIVE, "1", "=<"), "limit of joint \"drive\", which has no such"),
+            (("RotationLimit", [DRIVE[1], DRIVE[0]], "1", "=<"), "of two markers without a joint"),
+        ] {
+            let ignored = testing::read(&with_limits(&[limit])).ignored;
+            assert!(ignored.iter().any(|one| one.contains(listed)), "{ignored:?}");
+        }
+        let reversed = with_limits(&[
+            ("RotationLimit", DRIVE, "1", "=>"),
+            ("RotationLimit", DRIVE, "0.5", "=<"),
+        ]);
+        testing::refuse(&reversed, "", "", "RevoluteJoint", "the limits of \"drive\" are reversed");
+        let unknown = with_limits(&[("RotationLimit", DRIVE, "1", ">=")]);
+        testing::refuse(&unknown, "", "", ">=", "has to be \"=>\" or \"=<\"");
+    }
+
+    #[test]
+    fn motions_of_freecad_name_their_markers() {
+        let by_path = "\t\t\t\tMotionJoint\n\t\t\t\t\t/slider-crank/drive\n";
+        let by_markers = "\t\t\t\tMarkerI\n\t\t\t\t\t/slider-crank/pivot\n\
+            \t\t\t\tMarkerJ\n\t\t\t\t\t/slider-crank/crank/hub\n\t\t\t\tMotionJoint\n\t\t\t\t\t\n";
+        assert!(SLIDER_CRANK.contains(by_path));
+        let model = testing::read(&SLIDER_CRANK.replacen(by_path, by_markers, 1));
+        assert_eq!(model.mechanism, testing::read(SLIDER_CRANK).mechanism);
+        let elsewhere = by_markers.replace("pivot", "guide");
+        let text = SLIDER_CRANK.replacen(by_path, &elsewhere, 1);
+        testing::refuse(&text, "", "", "RotationalMotion", "only motions of joints are imported");
     }
 
     #[test]

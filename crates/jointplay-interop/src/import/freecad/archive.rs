@@ -1,0 +1,168 @@
+//! The document in a file of FreeCAD (`.FCStd`): an archive, of which only `Document.xml` is read.
+
+use std::cell::Cell;
+use std::io::{Error, ErrorKind, Read, Result, Seek, SeekFrom};
+use std::rc::Rc;
+
+use jointplay_format::place::listed;
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+/// Largest text of a document (bytes).
+pub const MAX_DOCUMENT_BYTES: usize = 32_000_000;
+/// Most bytes read to find the entries of an archive: the list of more than 100,000 entries.
+const MAX_DIRECTORY_BYTES: u64 = 16_000_000;
+/// The entry with the objects.
+const DOCUMENT: &str = "Document.xml";
+
+/// Error of a file of FreeCAD.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ArchiveError {
+    /// A file that is no complete archive, or cannot be read.
+    #[error("the file is no archive of FreeCAD: {message}")]
+    Damaged {
+        /// Message of the reader.
+        message: String,
+    },
+    /// An archive of something else.
+    #[error(
+        "the archive has no {DOCUMENT}, so that it is no file of FreeCAD; it has {}",
+        listed(found)
+    )]
+    NoDocument {
+        /// The first names in it.
+        found: Vec<String>,
+    },
+    /// A document that is too long, as packed files can be that are small themselves.
+    #[error("{DOCUMENT} has more than {MAX_DOCUMENT_BYTES} bytes")]
+    TooLong,
+    /// A document that is not in UTF-8.
+    #[error("{DOCUMENT} is not text in UTF-8")]
+    NoText,
+}
+
+/// Whether a file is an archive, by its first bytes.
+#[must_use]
+pub fn is_archive(start: &[u8]) -> bool {
+    start.starts_with(b"PK\x03\x04")
+}
+
+/// The text of `Document.xml` in a file of FreeCAD, for [`parse`](super::super::parse).
+///
+/// Shapes are not read: memory is that of the text and of the list of entries.
+///
+/// # Errors
+/// [`ArchiveError`].
+///
+/// # Source
+/// \[FCStd\]
+pub fn document_text(file: impl Read + Seek) -> std::result::Result<String, ArchiveError> {
+    let left = Rc::new(Cell::new(MAX_DIRECTORY_BYTES));
+    let bounded = Bounded { file, left: Rc::clone(&left) };
+    let mut archive = ZipArchive::new(bounded).map_err(damaged)?;
+    left.set(MAX_DOCUMENT_BYTES as u64 + MAX_DIRECTORY_BYTES);
+    if archive.index_for_name(DOCUMENT).is_none() {
+        let names = archive.file_names().filter_map(|name| name.ok()).take(5);
+        let found = names.map(|name| name.chars().take(60).collect()).collect();
+        return Err(ArchiveError::NoDocument { found });
+    }
+    let entry = archive.by_name(DOCUMENT).map_err(damaged)?;
+    let mut bytes = Vec::new();
+    // Counted while unpacking: the length that an archive states may be another.
+    let read = entry.take(MAX_DOCUMENT_BYTES as u64 + 1).read_to_end(&mut bytes);
+    if bytes.len() > MAX_DOCUMENT_BYTES {
+        return Err(ArchiveError::TooLong);
+    }
+    read.map_err(|error| ArchiveError::Damaged { message: error.to_string() })?;
+    String::from_utf8(bytes).map_err(|_| ArchiveError::NoText)
+}
+
+fn damaged(error: ZipError) -> ArchiveError {
+    ArchiveError::Damaged { message: error.to_string() }
+}
+
+/// A file of which a bounded number of bytes is read.
+struct Bounded<F> {
+    file: F,
+    left: Rc<Cell<u64>>,
+}
+
+impl<F: Read> Read for Bounded<F> {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
+        let count = self.file.read(buffer)?;
+        let left = self.left.get().checked_sub(count as u64);
+        self.left.set(left.ok_or_else(|| Error::new(ErrorKind::FileTooLarge, "too many entries"))?);
+        Ok(count)
+    }
+}
+
+impl<F: Seek> Seek for Bounded<F> {
+    fn seek(&mut self, position: SeekFrom) -> Result<u64> {
+        self.file.seek(position)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Cursor, Write as _};
+
+    use proptest::prelude::*;
+    use zip::ZipWriter;
+    use zip::write::SimpleFileOptions;
+
+    use super::*;
+
+    fn packed(entries: &[(&str, &[u8])]) -> Vec<u8> {
+        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, content) in entries {
+            archive.start_file(*name, SimpleFileOptions::default()).unwrap();
+            archive.write_all(content).unwrap();
+        }
+        archive.finish().unwrap().into_inner()
+    }
+
+    #[track_caller]
+    fn refuse(bytes: &[u8], message: &str) {
+        let error = document_text(Cursor::new(bytes)).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+
+    #[test]
+    fn the_document_is_unpacked_and_others_are_refused() {
+        let good = packed(&[("PartShape.brp", b"shape"), (DOCUMENT, b"<Document/>")]);
+        assert!(is_archive(&good) && !is_archive(b"<Document/>"));
+        assert_eq!(document_text(Cursor::new(&good)).unwrap(), "<Document/>");
+        refuse(&good[..good.len() / 2], "no archive of FreeCAD");
+        refuse(b"", "no archive of FreeCAD");
+        refuse(b"PK\x03\x04", "no archive of FreeCAD");
+        refuse(&packed(&[("word/document.xml", b"<w/>")]), "it has word/document.xml");
+        refuse(&packed(&[(DOCUMENT, b"\xff\xfe")]), "not text in UTF-8");
+        // An archive of 32 kB that unpacks to more than the longest document.
+        let bomb = packed(&[(DOCUMENT, &vec![b' '; MAX_DOCUMENT_BYTES + 1])]);
+        assert!(bomb.len() < 100_000);
+        refuse(&bomb, "more than 32000000 bytes");
+    }
+
+    #[test]
+    fn bytes_are_counted_while_entries_are_listed() {
+        let left = Rc::new(Cell::new(10));
+        let mut bounded = Bounded { file: Cursor::new([0; 20]), left };
+        assert!(bounded.read(&mut [0; 10]).is_ok());
+        assert_eq!(bounded.read(&mut [0; 1]).unwrap_err().kind(), ErrorKind::FileTooLarge);
+    }
+
+    proptest! {
+        #[test]
+        fn damaged_archives_do_not_panic(
+            place in 0.0..1.0_f64, bytes in prop::collection::vec(any::<u8>(), 1..8),
+        ) {
+            let mut archive = packed(&[("a", b"shape"), (DOCUMENT, b"<Document></Document>")]);
+            let start = (place * archive.len() as f64) as usize;
+            for (byte, new) in archive[start..].iter_mut().zip(bytes) {
+                *byte = new;
+            }
+            let _ = document_text(Cursor::new(archive));
+        }
+    }
+}

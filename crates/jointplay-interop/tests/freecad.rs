@@ -1,0 +1,199 @@
+//! Assemblies of FreeCAD: the document and the export of one assembly, written by FreeCAD.
+
+use std::io::Cursor;
+
+use jointplay_core::mechanism::{JointKind, Kinematics, assemble, guess};
+use jointplay_format::mechanism::LengthUnit;
+use jointplay_interop::import::{
+    Dialect, Imported, document_text, is_archive, is_assembly, is_model, parse, parse_with_unit,
+};
+
+const DOCUMENT: &[u8] = include_bytes!("../../../validation/golden/models/crank-press.FCStd");
+const EXPORT: &str = include_str!("../../../validation/golden/models/crank-press.asmt");
+
+fn text() -> String {
+    assert!(is_archive(DOCUMENT));
+    document_text(Cursor::new(DOCUMENT)).unwrap()
+}
+
+fn read(text: &str) -> Imported {
+    parse(text)
+        .map_err(|error| error.with_excerpt("Document.xml"))
+        .unwrap_or_else(|m| panic!("{m}"))
+}
+
+#[test]
+fn document_and_export_of_an_assembly_are_the_same_mechanism() {
+    let text = text();
+    assert!(is_model(&text) && !is_assembly(&text));
+    let (document, export) =
+        (read(&text), parse_with_unit(EXPORT, LengthUnit::Millimeter).unwrap());
+    assert_eq!((document.dialect, export.dialect), (Dialect::FcStd, Dialect::Asmt));
+    let (a, b) = (&document.mechanism, &export.mechanism);
+    assert_eq!((a.name(), a.links()), (b.name(), b.links()));
+    assert_eq!(a.links(), ["crank press", "frame", "crank ø6", "rod", "carriage"]);
+    assert_eq!(a.joints().len(), b.joints().len());
+    for (a, b) in a.joints().iter().zip(b.joints()) {
+        assert_eq!((&a.name, a.kind, a.links), (&b.name, b.kind, b.links));
+        assert_eq!(a.actuated, b.actuated, "{}", a.name);
+        for (a, b) in a.frames.iter().zip(&b.frames) {
+            let difference = a.to_homogeneous() - b.to_homogeneous();
+            assert!(difference.amax() < 1e-12, "{difference}");
+        }
+        let numbers = |joint: &jointplay_core::mechanism::Joint| {
+            let limits = joint.limits.iter().flatten();
+            joint.guess.iter().chain(limits).copied().collect::<Vec<f64>>()
+        };
+        let (a, b) = (numbers(a), numbers(b));
+        assert_eq!(a.len(), b.len());
+        for (a, b) in a.iter().zip(&b) {
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+    }
+    // What a file has and the other does not.
+    let own = |model: &Imported| {
+        let other = if model.dialect == Dialect::Asmt { &document } else { &export };
+        model.ignored.iter().filter(|one| !other.ignored.contains(one)).cloned().collect::<Vec<_>>()
+    };
+    assert_eq!(own(&export), Vec::<String>::new());
+    assert_eq!(
+        own(&document),
+        ["1 × part \"spare\", which has no joints", "1 × suppressed joint \"old guide\""]
+    );
+}
+
+/// Against the drawing, of which neither reader knows: crank 30 mm, rod 90 mm.
+#[test]
+fn the_assembly_is_closed_as_drawn_and_moves_as_a_slider_crank() {
+    let model = read(&text());
+    let mechanism = &model.mechanism;
+    let kinematics = Kinematics::new(mechanism);
+    let start = guess(mechanism);
+    let closed = assemble(mechanism, &start, &[], 0).unwrap().coordinates;
+    assert!((&closed - &start).amax() < 1e-12);
+    let number = |name: &str| mechanism.joints().iter().position(|j| j.name == name).unwrap();
+    let drive = number("drive");
+    assert!(mechanism.joints()[drive].actuated);
+    assert_eq!(mechanism.joints()[number("eye")].kind, JointKind::Cylindrical);
+    assert!(mechanism.joints()[number("pin")].limits.is_empty());
+    let (k, slide) =
+        (kinematics.coordinates_of(drive).start, kinematics.coordinates_of(number("slide")).start);
+    let reach =
+        |angle: f64| 0.03 * angle.cos() + (0.09_f64.powi(2) - (0.03 * angle.sin()).powi(2)).sqrt();
+    let mut at = closed.clone();
+    for step in 1..=40 {
+        let turned = 0.05 * f64::from(step);
+        at[k] = closed[k] + turned;
+        at = assemble(mechanism, &at, &[k], 0).unwrap().coordinates;
+        let expected = reach(0.7 + turned) - reach(0.7);
+        assert!((at[slide] - closed[slide] - expected).abs() < 1e-11);
+    }
+}
+
+#[track_caller]
+fn refuse(from: &str, to: &str, message: &str) {
+    let text = text();
+    assert!(text.contains(from), "{from:?} is not in the document");
+    let error = parse(&text.replace(from, to)).unwrap_err();
+    assert!(error.to_string().contains(message), "{error}");
+    let _ = error.with_excerpt("Document.xml");
+}
+
+#[test]
+fn documents_that_would_be_another_mechanism_are_refused() {
+    // Revolute joints as others, by their numbers.
+    let number = |k: usize| format!("<Integer value=\"{k}\" CustomEnum=\"true\"/>");
+    let supported = "imported are the joints Fixed, Revolute, Cylindrical, Slider and Ball";
+    for k in 5..=12 {
+        refuse(&number(1), &number(k), supported);
+    }
+    refuse(&number(1), &number(13), "the number of a choice");
+    refuse(&number(1), "<Integer value=\"-1\"/>", "the number of a choice");
+    refuse("Assembly::AssemblyObject", "App::Part", "without an assembly of FreeCAD 1.0");
+    refuse(
+        "App::PropertyBool\" group=\"Joint\" doc=\"\" attr=\"0\" ro=\"0\" hide=\"0\" status=\"2097152\">\n                    <Bool value=\"true\"",
+        "App::PropertyBool\">\n<Bool value=\"maybe\"",
+        "true or false",
+    );
+    refuse("Crank.Face3", "Krank.Face3", "without object \"Krank\"");
+    refuse("Crank.Face3", "Face3", "the parts of joints are in the assembly");
+    refuse("Crank.Face3", "Frame.Face3", "joins link \"frame\" to itself");
+    refuse(
+        "<XLink file=\"\" stamp=\"\" name=\"Column\"/>",
+        "<XLink file=\"other.FCStd\" name=\"Column\"/>",
+        "in a part of another file",
+    );
+    refuse(
+        "<XLink file=\"\" stamp=\"\" name=\"Assembly\" count",
+        "<XLink file=\"other.FCStd\" name=\"Assembly\" count",
+        "a reference to the file \"other.FCStd\"",
+    );
+    refuse("Q3=\"", "Q3=\"x", "has to be a number");
+    refuse("<Object name=\"Crank\"", "<Object", "`Object` needs `name`");
+    refuse("<Float value=\"-170.0000000000000000\"/>", "", "`Joint` needs `AngleMin`");
+    refuse("name=\"Reference2\"", "name=\"Reference3\"", "`Joint` needs `Reference2`");
+}
+
+#[test]
+fn flexible_sub_assemblies_and_several_assemblies_are_refused() {
+    let text = text();
+    let rigid = text.find("name=\"Rigid\"").unwrap();
+    let flexible = text[..rigid].to_owned() + &text[rigid..].replacen("true", "false", 1);
+    let error = parse(&flexible).unwrap_err().to_string();
+    assert!(error.contains("the flexible sub-assembly \"Carriage\""), "{error}");
+    let second = "<Object type=\"Assembly::AssemblyObject\" name=\"Other\" id=\"99999\"/>";
+    let objects = text.find("<Object type=").unwrap();
+    let two = format!("{}{second}{}", &text[..objects], &text[objects..]);
+    let error = parse(&two).unwrap_err().to_string();
+    assert!(error.contains("the assemblies \"Other\" and \"Assembly\""), "{error}");
+    let twice = format!("{}{second}{second}{}", &text[..objects], &text[objects..]);
+    assert!(parse(&twice).unwrap_err().to_string().contains("a second object \"Other\""));
+}
+
+#[test]
+fn parts_without_labels_or_with_equal_ones_have_their_names_in_the_file() {
+    let text = text();
+    let unnamed = text.replace("<String value=\"rod\"/>", "<String value=\"\"/>");
+    assert_eq!(read(&unnamed).mechanism.links()[3], "Rod");
+    let equal = text.replace("<String value=\"rod\"/>", "<String value=\"frame\"/>");
+    assert_eq!(read(&equal).mechanism.links()[3], "frame (Rod)");
+    let equal = text.replace("<String value=\"eye\"/>", "<String value=\"pin\"/>");
+    let joints = read(&equal).mechanism.joints()[3].name.clone();
+    assert!(joints.starts_with("pin (Joint"), "{joints}");
+}
+
+#[test]
+fn entities_deep_elements_and_groups_in_themselves_are_refused_or_end() {
+    let bomb = "<?xml version='1.0'?><!DOCTYPE d [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;&a;\">]><Document>&b;</Document>";
+    assert!(parse(bomb).unwrap_err().to_string().contains("not well-formed XML"));
+    let deep = format!("<Document>{}{}</Document>", "<a>".repeat(5000), "</a>".repeat(5000));
+    assert!(parse(&deep).unwrap_err().to_string().contains("more than 1000 deep"));
+    // The group of the joints contains itself.
+    let text = text();
+    let circle =
+        text.replace("<LinkList count=\"6\">", "<LinkList count=\"7\"><Link value=\"Joints\"/>");
+    assert_ne!(circle, text);
+    assert_eq!(read(&circle).mechanism, read(&text).mechanism);
+    let long = format!("<Document>{}</Document>", " ".repeat(32_000_000));
+    assert!(parse(&long).unwrap_err().to_string().contains("at most 32000000 are allowed"));
+    assert!(parse("<Document/>").unwrap_err().to_string().contains("without an assembly"));
+}
+
+#[test]
+fn truncated_and_mutated_documents_do_not_panic() {
+    let text = text();
+    let start = text.find("<ObjectData").unwrap();
+    for (number, cut) in (start..text.len()).step_by(997).enumerate() {
+        let (Some(before), Some(after)) = (text.get(..cut), text.get(cut + 40 * (number % 3)..))
+        else {
+            continue;
+        };
+        for changed in
+            [before.to_owned(), format!("{before}{after}"), format!("{before}\"/>{after}")]
+        {
+            if let Err(error) = parse(&changed) {
+                let _ = error.with_excerpt("Document.xml");
+            }
+        }
+    }
+}

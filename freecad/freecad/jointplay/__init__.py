@@ -1,0 +1,1 @@
+"""Mobility, virtual joints and motions of assemblies in FreeCAD, over the Python package ``jointplay``."""
