@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
+use super::model::Model;
 use super::processor::Processor;
-use super::shape::Model;
 use crate::linalg::least_norm_of_three;
 use crate::virtualization::{
     MAX_VIRTUAL_JOINTS, Platform, Sockets, SolveOptions, Solver, VirtualJoints, Virtualization,

@@ -4,6 +4,7 @@
 
 mod geometry;
 mod lanes;
+mod model;
 mod pose;
 mod processor;
 mod shape;
@@ -13,8 +14,9 @@ mod trigonometry;
 
 pub(crate) use geometry::{FirstStep, Geometry, Task};
 pub(crate) use lanes::{Lanes, MOST, Mask};
+pub(crate) use model::{Model, Offset, Planar, Polar, Radial};
 pub(crate) use pose::{Plane, PlatformPoses};
-pub(crate) use shape::{Balls, Model, Offset, Planar, Polar, Radial, Shape, Three};
+pub(crate) use shape::{Balls, Shape, Three};
 pub(crate) use single::SinglePose;
 pub(crate) use solve::{Found, solved, squared};
 pub(crate) use trigonometry::sin_cos;

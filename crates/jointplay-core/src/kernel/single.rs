@@ -5,8 +5,9 @@ use pulp::Scalar;
 
 use super::geometry::Task;
 use super::lanes::Lanes;
+use super::model::Model;
 use super::pose::{Plane, PlatformPoses};
-use super::shape::{Balls, Model};
+use super::shape::Balls;
 use super::solve::solved;
 use crate::spatial::Pose;
 use crate::virtualization::{Sides, VirtualJoints};

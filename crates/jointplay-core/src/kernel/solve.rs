@@ -6,8 +6,9 @@ use pulp::Simd;
 
 use super::geometry::Task;
 use super::lanes::{Lanes, Mask};
+use super::model::{self, Model};
 use super::pose::Plane;
-use super::shape::{Balls, Model, Response, Shape, Three, first_step};
+use super::shape::{Balls, Response, Shape, Three, first_step};
 use crate::virtualization::Solver;
 
 /// Shapes found, where they are, and the steps that it took.
@@ -188,7 +189,7 @@ fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         x[k] = sine.times_from(from[1], cosine * from[0]) - from_center(k, 0);
         y[k] = sine.times_plus(from[0], cosine * from[1]) - from_center(k, 1);
     }
-    closed(balls, task, Shape::of::<super::shape::Planar>(task.geometry, x, y))
+    closed(balls, task, Shape::of::<model::Planar>(task.geometry, x, y))
 }
 
 /// The only displacement, for sockets 120° apart, see [`Radial`](crate::virtualization::Radial).
@@ -208,7 +209,7 @@ fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         (square + d_32 - d_13) * third,
     ];
     let zero = sum.like(0.0);
-    let shape = Shape::of::<super::shape::Radial>(task.geometry, slides, [zero; 3]);
+    let shape = Shape::of::<model::Radial>(task.geometry, slides, [zero; 3]);
     let found = closed(balls, task, shape);
     let within = zero.below(slides[0]) & zero.below(slides[1]) & zero.below(slides[2]);
     Found { met: found.met & within, ..found }

@@ -1,0 +1,37 @@
+//! The virtualizations of this crate, as the kernels know them.
+
+/// One of the virtualizations of this crate, as a kernel knows it.
+///
+/// Every socket has a coordinate `a` that moves it along a direction, and all but [`Radial`] a coordinate `b` that moves it across.
+pub(crate) trait Model: Copy {
+    /// Whether there is a coordinate `b`.
+    const ACROSS: bool;
+    /// Whether `b` is an angle, which turns the direction.
+    const TURNS: bool;
+    /// Whether coordinates count from the nominal socket, or from O_p.
+    const FROM_SOCKET: bool;
+    /// Whether directions are those toward the sockets, or e_p1.
+    const TOWARD_SOCKET: bool;
+}
+
+macro_rules! models {
+    ($($name:ident: $across:literal, $turns:literal, $from_socket:literal, $toward_socket:literal;)*) => {$(
+        #[derive(Clone, Copy)]
+        pub(crate) struct $name;
+
+        impl Model for $name {
+            const ACROSS: bool = $across;
+            const TURNS: bool = $turns;
+            const FROM_SOCKET: bool = $from_socket;
+            const TOWARD_SOCKET: bool = $toward_socket;
+        }
+    )*};
+}
+
+// across, turns, from socket, toward socket
+models! {
+    Radial: false, false, false, true;
+    Polar: true, true, false, true;
+    Offset: true, true, true, true;
+    Planar: true, false, true, false;
+}
