@@ -1,4 +1,4 @@
-"""The same study on other people's engines: every one gives the bytes of a run on one machine.
+"""The same study on several engines: every one gives the bytes of a run on one machine.
 
     python3 validation/engines.py path/to/jointplay [--only slurm,s3,ray,processors,kubernetes]
 

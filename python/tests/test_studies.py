@@ -172,7 +172,7 @@ def test_any_file_system_has_the_parts(kind, format, tmp_path):
     other = "csv" if format == "parquet" else "parquet"
     with pytest.raises(jp.PartsError, match=f"the parts are {format} tables"):
         plan.parts(**options, format=other).missing()  # type: ignore[arg-type]
-    # A part that changed is refused, and computed again once its record is gone.
+    # A part that changed is refused, and computed again once its record is deleted.
     parts._store.write(f"part-000001.{format}", b"PAR1")
     with pytest.raises(jp.PartsError, match="delete part-000001.json, and the part is computed again"):
         parts.gather(tmp_path / f"t.{format}")

@@ -55,7 +55,7 @@ pub(crate) enum Failure {
     #[error("cannot resume from {}: {why}", path.display())]
     Marker { path: PathBuf, why: String },
     #[error("{}: {source}", folder.display())]
-    Parts { folder: PathBuf, source: report::study_parts::PartsError },
+    Parts { folder: PathBuf, source: Box<report::study_parts::PartsError> },
     #[error(transparent)]
     Coordinate(#[from] coordinates::Error),
     #[error("--azimuth-step-deg {}: {source}", number(*.step))]
@@ -230,6 +230,11 @@ pub(crate) const BAD_INPUT: u8 = 2;
 /// Exit code after Ctrl-C, by the convention of shells.
 pub(crate) const INTERRUPTED: u8 = 130;
 
+/// Whether parts of a study are missing, which is no error of the input.
+fn is_missing(error: &report::study_parts::PartsError) -> bool {
+    matches!(error, report::study_parts::PartsError::Missing { .. })
+}
+
 impl Failure {
     /// An error at one position of a file.
     pub(crate) fn at<P: std::fmt::Display>(error: &place::Error<P>, file: &str) -> Self {
@@ -260,9 +265,7 @@ impl Failure {
             | Self::Infeasible(_)
             | Self::Unexpected(_)
             | Self::Unsolved(_) => INFEASIBLE,
-            Self::Parts { source: report::study_parts::PartsError::Missing { .. }, .. } => {
-                INFEASIBLE
-            }
+            Self::Parts { source, .. } if is_missing(source) => INFEASIBLE,
             Self::Interrupted(_) => INTERRUPTED,
             Self::Core(error) => core(error),
             Self::Study(study::Error::Pose { source, .. }) => core(source),
@@ -276,10 +279,8 @@ impl Failure {
             Self::OverClearance(_) => "clearance",
             Self::Stopped(_) => "stopped",
             Self::Unexpected(_) => "unexpected",
+            Self::Parts { source, .. } if is_missing(source) => "missing",
             Self::Interrupted(_) => "interrupted",
-            Self::Parts { source: report::study_parts::PartsError::Missing { .. }, .. } => {
-                "missing"
-            }
             _ if self.exit_code() == INFEASIBLE => "unsolved",
             Self::Write { .. } | Self::Print(_) => "output",
             _ => "input",

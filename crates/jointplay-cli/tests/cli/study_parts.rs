@@ -163,7 +163,8 @@ fn parts_that_changed_are_refused_and_computed_again() {
         sandbox.write(file, &contents);
         fails(&sandbox, gather, 2, &message);
         assert!(!sandbox.file("t.csv").exists());
-        (sandbox.write(table, &whole), sandbox.write(record, &first));
+        sandbox.write(table, &whole);
+        sandbox.write(record, &first);
     }
     // Either file is enough to delete.
     for file in [table, record] {

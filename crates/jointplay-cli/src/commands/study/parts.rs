@@ -164,7 +164,7 @@ fn status(
         Some(&[first, _]) => {
             let (missing, parts) = (report.missing, report.parts);
             let source = study_parts::PartsError::Missing { missing, parts, first };
-            Err(Failure::Parts { folder: path.to_owned(), source })
+            Err(within(path)(source))
         }
     }
 }

@@ -177,5 +177,5 @@ impl PartsFolder {
 /// An error in a folder of parts.
 pub(super) fn within(folder: &Path) -> impl Fn(PartsError) -> Failure + use<> {
     let folder = folder.to_owned();
-    move |source| Failure::Parts { folder: folder.clone(), source }
+    move |source| Failure::Parts { folder: folder.clone(), source: Box::new(source) }
 }
