@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import importlib.util
 import re
 
 import pytest
@@ -19,6 +20,22 @@ def test_code_of_documents_runs(name, monkeypatch, tmp_path):
     names: dict = {}
     for block in blocks:
         exec(compile(block, name, "exec"), names)
+
+
+@pytest.mark.filterwarnings("default")
+def test_code_for_clusters_runs(monkeypatch, tmp_path):
+    text = (ROOT / "docs" / "how-to" / "run-a-study-on-a-cluster.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    (saved,) = re.findall(r"^Save this as `(.*)`:\n\n```toml\n(.*?)^```", text, re.M | re.S)
+    (tmp_path / saved[0]).write_text(saved[1])
+    run = []
+    for block in re.findall(r"^```python\n(.*?)^```", text, re.M | re.S):
+        imported = re.findall(r"^(?:import|from) (\w+)", block, re.M)
+        # Ray and Spark are large; they run where they are installed.
+        if all(importlib.util.find_spec(name) for name in imported):
+            exec(compile(block, "run-a-study-on-a-cluster.md", "exec"), {"__name__": "__main__"})
+            run += imported
+    assert {"distributed", "concurrent", "duckdb", "polars"} <= set(run)
 
 
 @pytest.mark.parametrize("name", ["export-to-simulators.md", "show-motion-on-parts.md"])

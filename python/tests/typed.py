@@ -43,6 +43,19 @@ def tilt_angles(gpr: jp.Gpr) -> NDArray[np.float64]:
     return poses.tilt_rad
 
 
+def parts_of_a_study(plan: jp.study.Plan) -> list[int]:
+    parts: jp.study.Parts = plan.parts("run", format="csv", threads=1)
+    chunk: jp.study.Chunk = plan.chunk(0)
+    schema: jp.study.Schema = plan.schema
+    units: dict[str, str] = plan.units
+    assert len(chunk) <= plan.samples and schema and units
+    try:
+        parts.gather("table.csv")
+    except jp.MissingPartsError as error:
+        assert error.missing <= error.parts
+    return [parts.write(part) for part in parts.missing()]
+
+
 def refused() -> str:
     try:
         jp.Gpr.from_toml("")

@@ -54,6 +54,8 @@ pub(crate) enum Failure {
     Interrupted(String),
     #[error("cannot resume from {}: {why}", path.display())]
     Marker { path: PathBuf, why: String },
+    #[error("{}: {source}", folder.display())]
+    Parts { folder: PathBuf, source: report::study_parts::PartsError },
     #[error(transparent)]
     Coordinate(#[from] coordinates::Error),
     #[error("--azimuth-step-deg {}: {source}", number(*.step))]
@@ -258,6 +260,9 @@ impl Failure {
             | Self::Infeasible(_)
             | Self::Unexpected(_)
             | Self::Unsolved(_) => INFEASIBLE,
+            Self::Parts { source: report::study_parts::PartsError::Missing { .. }, .. } => {
+                INFEASIBLE
+            }
             Self::Interrupted(_) => INTERRUPTED,
             Self::Core(error) => core(error),
             Self::Study(study::Error::Pose { source, .. }) => core(source),
@@ -272,6 +277,9 @@ impl Failure {
             Self::Stopped(_) => "stopped",
             Self::Unexpected(_) => "unexpected",
             Self::Interrupted(_) => "interrupted",
+            Self::Parts { source: report::study_parts::PartsError::Missing { .. }, .. } => {
+                "missing"
+            }
             _ if self.exit_code() == INFEASIBLE => "unsolved",
             Self::Write { .. } | Self::Print(_) => "output",
             _ => "input",

@@ -22,6 +22,9 @@ pub(crate) struct ForceArgs {
 }
 
 impl ForceArgs {
+    /// No permission to replace files.
+    pub(crate) const KEEP: Self = Self { force: false };
+
     /// Permission to change a file given by the user, as `--write` does.
     pub(crate) const REPLACE: Self = Self { force: true };
 
@@ -192,6 +195,12 @@ impl From<std::io::Error> for Contents {
     }
 }
 
+impl From<Failure> for Contents {
+    fn from(failure: Failure) -> Self {
+        Self::Other(failure)
+    }
+}
+
 impl From<jointplay::interop::export::Error> for Contents {
     fn from(error: jointplay::interop::export::Error) -> Self {
         Self::Other(error.into())
@@ -206,6 +215,21 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8], force: ForceArgs) -> Result<
     };
     check_file(path, force)?;
     persist(partial(folder, path, bytes)?, path, force)
+}
+
+/// Writes one file and waits until the disk has it, so that it is complete even after a power cut.
+pub(crate) fn write_durable(path: &Path, bytes: &[u8], force: ForceArgs) -> Result<(), Failure> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
+    check_file(path, force)?;
+    let file = partial(folder, path, bytes)?;
+    file.as_file().sync_all().map_err(failed(path))?;
+    persist(file, path, force)?;
+    if let Ok(folder) = std::fs::File::open(folder) {
+        // Systems that cannot sync folders return an error; the file is complete all the same.
+        drop(folder.sync_all());
+    }
+    Ok(())
 }
 
 /// The contents of the future file at `path`, complete, under a temporary name.

@@ -36,6 +36,7 @@ pub mod decimal;
 mod error;
 pub mod expression;
 pub mod gpr;
+mod kernel;
 pub mod linalg;
 pub mod mechanism;
 pub mod mobility;

@@ -83,6 +83,12 @@ impl Unit {
         }
     }
 
+    /// The unit in the codes of UCUM, such as `mm` or `urad`; `None` without a unit.
+    #[must_use]
+    pub fn code(self) -> Option<&'static str> {
+        self.suffix().strip_prefix('_')
+    }
+
     /// Number of this unit in one SI unit.
     #[must_use]
     pub fn in_si(self) -> f64 {

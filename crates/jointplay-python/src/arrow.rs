@@ -8,6 +8,7 @@ use arrow_array::{
     StringArray, UInt8Array,
 };
 use arrow_schema::Schema;
+use arrow_schema::ffi::FFI_ArrowSchema;
 use numpy::prelude::*;
 use numpy::{PyArray1, PyUntypedArray};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -28,10 +29,25 @@ pub(crate) fn arrow_stream<'py>(
     } else {
         RecordBatch::try_from_iter(arrays).map_err(refused)?
     };
+    batch_stream(py, batch)
+}
+
+/// An Arrow stream of one batch.
+pub(crate) fn batch_stream(py: Python<'_>, batch: RecordBatch) -> PyResult<Bound<'_, PyCapsule>> {
     let schema = batch.schema();
     let batches = RecordBatchIterator::new([Ok(batch)], schema);
     let stream = FFI_ArrowArrayStream::new(Box::new(batches));
     PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
+}
+
+/// A schema of Arrow.
+pub(crate) fn schema_capsule<'py>(
+    py: Python<'py>,
+    schema: &Schema,
+) -> PyResult<Bound<'py, PyCapsule>> {
+    let schema = FFI_ArrowSchema::try_from(schema);
+    let schema = schema.map_err(|error| PyValueError::new_err(error.to_string()))?;
+    PyCapsule::new_with_value(py, schema, c"arrow_schema")
 }
 
 fn arrow_array(values: &Bound<'_, PyAny>) -> PyResult<ArrayRef> {

@@ -4,6 +4,7 @@ use jointplay::Error;
 use jointplay::format::place;
 use jointplay::gpr::BrokenLimit;
 use jointplay::linalg::LinalgError;
+use jointplay::report::study_parts::PartsError;
 use jointplay::study;
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
@@ -195,6 +196,19 @@ pub(crate) fn study(py: Python<'_>, error: &study::Error) -> PyErr {
         new(py, class, &message, fields_of_pose())
     });
     made.unwrap_or_else(|failed| failed)
+}
+
+/// An error of a folder of parts.
+pub(crate) fn parts(py: Python<'_>, error: &PartsError) -> PyErr {
+    let message = error.to_string();
+    match error {
+        PartsError::Missing { missing, parts, first } => {
+            let facts = || Ok(fields!(py; missing = *missing, parts = *parts, first = *first));
+            new(py, "MissingPartsError", &message, facts())
+        }
+        PartsError::Study(found) => study(py, found),
+        _ => new(py, "PartsError", &message, Ok(PyDict::new(py))),
+    }
 }
 
 /// That a configuration of a mechanism is beyond joint limits, with the result that has it.

@@ -30,6 +30,8 @@ mod pose;
 mod posed;
 mod quantities;
 mod skin;
+mod study_gathering;
+mod study_plan;
 mod symbol;
 mod threads;
 
@@ -42,6 +44,10 @@ fn _jointplay(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(mechanism::catalogue_of_names, module)?)?;
     module.add_class::<cell::PyCell>()?;
     module.add_class::<cell_plan::PyCellPlan>()?;
+    module.add_class::<study_plan::PyPlan>()?;
+    module.add_class::<study_plan::PyChunk>()?;
+    module.add_class::<study_plan::PySchema>()?;
+    module.add_class::<study_gathering::PyGathering>()?;
     module.add_class::<pose::PyForward>()?;
     module.add_class::<pose::PyInverse>()?;
     module.add_function(wrap_pyfunction!(arrow::arrow_stream, module)?)?;

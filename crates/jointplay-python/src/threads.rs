@@ -33,15 +33,25 @@ pub(crate) enum Threads {
 impl Threads {
     /// The threads asked for; without a number as many as there are cores, if there is enough to do for them.
     pub(crate) fn of(threads: Option<&Bound<'_, PyAny>>, poses: usize) -> PyResult<Self> {
-        let count = match threads {
-            None => std::thread::available_parallelism().map_or(1, usize::from).min(MOST),
-            Some(given) => given
-                .extract::<usize>()
-                .ok()
-                .filter(|count| (1..=MOST).contains(count))
-                .ok_or_else(|| refused(given))?,
-        };
+        let count = checked_count(threads)?;
         if count == 1 || poses <= FEW { Ok(Self::Here) } else { pool(count).map(Self::Pool) }
+    }
+}
+
+/// A pool of the threads asked for; without a number as many as there are cores.
+pub(crate) fn pool_of(threads: Option<&Bound<'_, PyAny>>) -> PyResult<Arc<ThreadPool>> {
+    pool(checked_count(threads)?)
+}
+
+/// The number of threads asked for; without a number as many as there are cores.
+pub(crate) fn checked_count(threads: Option<&Bound<'_, PyAny>>) -> PyResult<usize> {
+    match threads {
+        None => Ok(std::thread::available_parallelism().map_or(1, usize::from).min(MOST)),
+        Some(given) => given
+            .extract::<usize>()
+            .ok()
+            .filter(|count| (1..=MOST).contains(count))
+            .ok_or_else(|| refused(given)),
     }
 }
 

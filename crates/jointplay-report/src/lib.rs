@@ -7,6 +7,7 @@
 //! | report a result as JSON | a function named like the command, such as [`mobility`](fn@mobility), and `serde` |
 //! | write samples as a table | [`table`] |
 //! | write the table of a study chunk by chunk, and resume it | [`study_table`] |
+//! | compute a study in parts, and gather them | [`study_parts`] |
 
 mod ball_clearance;
 mod beyond;
@@ -32,6 +33,7 @@ mod segment;
 mod sensitivity;
 mod station;
 mod study;
+pub mod study_parts;
 pub mod study_table;
 mod suggest;
 pub mod table;

@@ -67,6 +67,14 @@ pub enum Error {
         /// How many there are.
         count: u64,
     },
+    /// A chunk beyond the end of the study.
+    #[error("there is no chunk {found}: they are numbered from 0, and there are {count}")]
+    NoSuchChunk {
+        /// Which one.
+        found: u64,
+        /// How many there are.
+        count: u64,
+    },
     /// A virtualization that the study does not have.
     #[error("there is no virtualization {found}: they are numbered from 0, and there are {count}")]
     NoSuchModel {

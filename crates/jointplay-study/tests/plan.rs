@@ -203,7 +203,7 @@ fn samples_without_an_answer_say_why() {
     let samples: Vec<u64> = (0..3000).collect();
     let block = compute(&plan, &samples).unwrap();
     let mut totals = Totals::new(2, 2);
-    totals.add(&block);
+    totals.add(&Totals::of_chunk(std::slice::from_ref(&block)));
     let tally = totals.outcomes[1];
     assert!(tally.no_robot > 0 && tally.poses[Status::TiltTooLarge as usize] > 0);
     assert_eq!(tally.solved() + tally.failed(), 3000);
@@ -224,8 +224,8 @@ fn moments_are_those_of_the_whole_column() {
         0,
         |_| Ok(()),
         |blocks, ()| {
+            totals.add(&Totals::of_chunk(blocks));
             for block in blocks {
-                totals.add(block);
                 values.iter_mut().zip(&block.columns).for_each(|(all, more)| all.extend(more));
             }
             Ok(true)

@@ -6,11 +6,12 @@ import html
 import keyword
 import os
 import re
-import tempfile
+import uuid
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -244,13 +245,22 @@ AXES: dict[str, tuple[str, ...]] = {
 """Names of the columns of arrays with a last axis of their own."""
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Writes a file whole or not at all."""
-    handle, partial = tempfile.mkstemp(dir=path.parent, prefix=path.name)
+@contextmanager
+def writing(path: Path) -> Iterator[BinaryIO]:
+    """A file to write, which has its name once it is complete, and leaves nothing behind if it fails."""
+    partial = path.with_name(f".jointplay-partial-{uuid.uuid4().hex}")
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
+        with open(partial, "xb") as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
         os.replace(partial, path)
     except BaseException:
-        os.unlink(partial)
+        partial.unlink(missing_ok=True)
         raise
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Writes a file whole or not at all."""
+    with writing(path) as file:
+        file.write(content)

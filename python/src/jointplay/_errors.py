@@ -76,6 +76,10 @@ class FileError(InputError):
     """Column, counted from 1."""
 
 
+class PartsError(InputError):
+    """A folder has the parts of another study, or its files have changed."""
+
+
 class NotFiniteError(InputError):
     """A number is NaN or infinite."""
 
@@ -124,6 +128,17 @@ class TooLargeError(InputError):
 
 class NoAnswerError(JointplayError):
     """A valid request has no solution, or none was found."""
+
+
+class MissingPartsError(NoAnswerError):
+    """Parts of a study are missing."""
+
+    missing: int
+    """How many are missing."""
+    parts: int
+    """How many there are."""
+    first: int
+    """Number of the first missing part."""
 
 
 class BeyondLimitsError(NoAnswerError):

@@ -1,4 +1,4 @@
-"""Studies over rasters of tilts, as in the paper."""
+"""Studies: rasters of tilts, as in the paper, and plans of any length in chunks."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ from typing import TYPE_CHECKING, Literal
 
 from numpy.typing import ArrayLike
 
-from ._jointplay import Gpr
+from ._jointplay import Chunk, Gpr, Plan, Schema
+from ._parts import Parts
 
 if TYPE_CHECKING:
     from ._analyses import BoundsCheck, Study
     from ._virtualization import Virtualization
 
-__all__ = ["check_bounds", "simulate"]
+__all__ = ["Chunk", "Parts", "Plan", "Schema", "check_bounds", "simulate"]
+
+Parts.__module__ = __name__
 
 
 def simulate(

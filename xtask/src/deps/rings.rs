@@ -45,8 +45,9 @@ const STUDIO: &str = "jointplay-studio";
 const FILES: &str = "jointplay-files";
 
 /// `zmij` finds the shortest decimal of a number.
-const MATHEMATICS: Outside = Outside::Only(&["nalgebra", "thiserror", "pulp", "faer", "zmij"]);
-const STUDIES: Outside = Outside::Only(&["rayon", "nalgebra", "thiserror", "chacha20"]);
+const MATHEMATICS: Outside =
+    Outside::Only(&["nalgebra", "thiserror", "pulp", "faer", "libm", "zmij"]);
+const STUDIES: Outside = Outside::Only(&["rayon", "nalgebra", "thiserror", "chacha20", "libm"]);
 /// Jerk-limited profiles and distances of bodies are others' crafts.
 const CELLS: Outside =
     Outside::Only(&["nalgebra", "thiserror", "rsruckig", "parry3d-f64", "rayon"]);

@@ -23,3 +23,4 @@ mod studio;
 mod study;
 #[cfg(unix)]
 mod study_interrupted;
+mod study_parts;

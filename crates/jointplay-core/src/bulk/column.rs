@@ -2,7 +2,10 @@
 
 use std::ops::Range;
 
+use pulp::Simd;
+
 use crate::Error;
+use crate::kernel::{Lanes, MOST};
 
 /// Numbers to be read, one for each pose: contiguous, every n-th of a slice, or one for all.
 #[derive(Debug, Clone, Copy)]
@@ -59,17 +62,20 @@ impl<'a> Column<'a> {
         self.values[index * self.stride]
     }
 
-    /// From one number to the next in memory.
+    /// The entries from `first` on, side by side; beyond the end the last one again.
     #[inline(always)]
-    pub(super) fn stride(&self) -> usize {
-        self.stride
-    }
-
-    /// The numbers of a column without gaps.
-    #[inline(always)]
-    pub(super) fn contiguous(&self) -> &'a [f64] {
-        debug_assert_eq!(self.stride, 1);
-        &self.values[..self.len]
+    pub(super) fn lanes<S: Simd>(&self, simd: S, first: usize) -> Lanes<S> {
+        if self.stride == 1 && first + Lanes::<S>::COUNT <= self.len {
+            return Lanes::of(simd, &self.values[..self.len][first..first + Lanes::<S>::COUNT]);
+        }
+        if self.stride == 0 {
+            return Lanes::splat(simd, self.at(0));
+        }
+        let mut numbers = [0.0; MOST];
+        for (lane, number) in numbers[..Lanes::<S>::COUNT].iter_mut().enumerate() {
+            *number = self.at((first + lane).min(self.len - 1));
+        }
+        Lanes::of(simd, &numbers[..Lanes::<S>::COUNT])
     }
 
     /// Some of the numbers.

@@ -4,12 +4,11 @@ use std::f64::consts::FRAC_PI_2;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::lanes::Lanes;
-use super::trigonometry::sin_cos;
 use super::{Column, Status, StatusCounts};
 use crate::Error;
 use crate::error::LARGEST_LENGTH;
 use crate::gpr::{AxisHeight, Gpr};
+use crate::kernel::{Lanes, sin_cos};
 use crate::spatial::Tilt;
 
 impl Gpr {
@@ -75,9 +74,9 @@ impl WithSimd for Blocks<'_> {
     fn with_simd<S: Simd>(mut self, simd: S) -> Result<(), Error> {
         let tilts = self.status.len();
         for first in (0..tilts).step_by(Lanes::<S>::COUNT) {
-            let azimuth = Lanes::load(simd, &self.given[0], first);
-            let tilt_angle = Lanes::load(simd, &self.given[1], first);
-            let height = Lanes::load(simd, &self.given[2], first);
+            let azimuth = self.given[0].lanes(simd, first);
+            let tilt_angle = self.given[1].lanes(simd, first);
+            let height = self.given[2].lanes(simd, first);
             let ((sin, cos), (rise, run)) = (sin_cos(azimuth), sin_cos(tilt_angle));
             let slope = rise / run;
             let (slope_x, slope_y) = (slope * cos, slope * sin);

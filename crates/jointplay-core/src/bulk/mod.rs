@@ -9,6 +9,7 @@
 //! | find the limits that many poses exceed | [`Gpr::broken_limits_many`](crate::gpr::Gpr::broken_limits_many) |
 //! | find the poses without a solution, and the reasons | [`Status`], [`StatusCounts`] |
 //! | split the work | [`parts`] |
+//! | know the instructions of the processor | [`instruction_set`] |
 //!
 //! Each pose equals that of [`Gpr::forward`](crate::gpr::Gpr::forward) to 10⁻¹² of the platform's size, and is independent of the other poses.
 //! A pose without a solution, or beyond the limits of a robot that checks them, is NaN in every column of numbers, and the column of statuses holds its reason; the other poses are computed.
@@ -30,19 +31,16 @@
 
 mod column;
 mod forward;
+mod instruction_set;
 mod inverse;
-mod lanes;
 mod limits;
 mod parts;
-mod pose;
 mod quantity;
-mod shape;
 mod singular_values;
-mod solve;
 mod status;
-mod trigonometry;
 
 pub use column::Column;
+pub use instruction_set::instruction_set;
 pub use parts::{Part, parts};
 pub use quantity::Quantity;
 pub use status::{Status, StatusCounts};

@@ -2,8 +2,7 @@
 
 use pulp::Simd;
 
-use super::lanes::{Lanes, Mask};
-use super::shape::{Balls, Model, Robot, Shape, Three};
+use crate::kernel::{Balls, Lanes, Mask, Model, Shape, Task, Three};
 
 /// Sweeps over the three pairs of columns; four are enough for six digits more than there are.
 const SWEEPS: usize = 10;
@@ -21,7 +20,7 @@ const ORTHOGONAL: f64 = 1e-15;
 /// \[Virtualization\], eq. (3); the form is own derivation, `docs/explanation/kinematics.md`. One-sided Jacobi rotations: \[GolubVanLoan\], 8.6
 #[inline(always)]
 pub(super) fn sensitivity<S: Simd, M: Model>(
-    robot: &Robot,
+    task: &Task<'_>,
     balls: &Balls<S>,
     shape: &Shape<S>,
 ) -> (Three<S>, Mask<S>) {
@@ -40,7 +39,7 @@ pub(super) fn sensitivity<S: Simd, M: Model>(
     let i_2 = l_21.times_from(l_21, l_20.times_from(l_20, diagonal[2])).sqrt().inverse();
 
     let response = shape.response::<M>();
-    let across = robot.compliance.sqrt();
+    let across = task.compliance.sqrt();
     let mut columns = [[zero; 6]; 3];
     for k in 0..3 {
         let before = (k + 2) % 3;

@@ -5,9 +5,10 @@ use nalgebra::{Vector2, Vector3};
 use super::{AxisHeight, Gpr, ball_sides};
 use crate::Error;
 use crate::error::length;
+use crate::kernel::{self, Model, SinglePose, Task};
 use crate::spatial::{Pose, Tilt, fit_in_plane};
 use crate::virtualization::{
-    Sides, Solution, SolveOptions, VirtualJoints, Virtualization, signed_area, solve,
+    BuiltIn, Sides, Solution, SolveOptions, VirtualJoints, Virtualization, signed_area, solve,
 };
 
 /// A pose of the platform, with the rods, sides and virtual joints that determine it.
@@ -81,6 +82,30 @@ impl Gpr {
         virtualization: &V,
         options: &SolveOptions,
     ) -> Result<PlatformPose, Error> {
+        match virtualization.as_built_in() {
+            Some(BuiltIn::Radial) => {
+                self.kernel_pose::<kernel::Radial, V>(rods, virtualization, options)
+            }
+            Some(BuiltIn::Polar) => {
+                self.kernel_pose::<kernel::Polar, V>(rods, virtualization, options)
+            }
+            Some(BuiltIn::Offset) => {
+                self.kernel_pose::<kernel::Offset, V>(rods, virtualization, options)
+            }
+            Some(BuiltIn::Planar) => {
+                self.kernel_pose::<kernel::Planar, V>(rods, virtualization, options)
+            }
+            None => self.general_pose(rods, virtualization, options),
+        }
+    }
+
+    /// A pose of any virtualization, by [`solve`].
+    fn general_pose<V: Virtualization + ?Sized>(
+        &self,
+        rods: [f64; 3],
+        virtualization: &V,
+        options: &SolveOptions,
+    ) -> Result<PlatformPose, Error> {
         let balls = self.ball_centers(&rods);
         let sides = ball_sides(&balls);
         let solution = solve(virtualization, self.platform(), &sides, options)?;
@@ -93,6 +118,36 @@ impl Gpr {
         let normal = upward / upward.norm();
         let base_from_platform = fit_in_plane(&sockets, &balls, &normal);
         Ok(PlatformPose { rods, sides, solution, base_from_platform })
+    }
+
+    /// A pose by the closed equations of a built-in virtualization, or by [`solve`] where they leave a doubt.
+    #[inline]
+    fn kernel_pose<M: Model, V: Virtualization + ?Sized>(
+        &self,
+        rods: [f64; 3],
+        virtualization: &V,
+        options: &SolveOptions,
+    ) -> Result<PlatformPose, Error> {
+        let characteristic_length = options.metric.characteristic_length(self.platform())?;
+        let dimensions = self.dimensions();
+        dimensions.processor.run(
+            #[inline(always)]
+            || {
+                let task = Task::new::<M>(dimensions, options, characteristic_length);
+                let Some(found) = SinglePose::new::<M>(&task, &rods) else {
+                    return self.general_pose(rods, virtualization, options);
+                };
+                let SinglePose { sides, base_from_platform, .. } = found;
+                let solution = Solution {
+                    virtual_joints: found.virtual_joints,
+                    solver: task.solver,
+                    characteristic_length,
+                    iterations: found.iterations,
+                    residual: found.residual,
+                };
+                Ok(PlatformPose { rods, sides, solution, base_from_platform })
+            },
+        )
     }
 }
 
@@ -170,7 +225,7 @@ impl PlatformPose {
     pub fn torsion(&self) -> f64 {
         // R Rz(−τ) is symmetric but for signs: the upper left block of R is the symmetric block of the tilt times a turn.
         let r = self.base_from_platform.rotation.matrix();
-        (r[(1, 0)] - r[(0, 1)]).atan2(r[(0, 0)] + r[(1, 1)])
+        libm::atan2(r[(1, 0)] - r[(0, 1)], r[(0, 0)] + r[(1, 1)])
     }
 
     /// Height at which the platform plane crosses the base axis (m).

@@ -5,6 +5,7 @@ use nalgebra::{Vector2, Vector3};
 use super::Limits;
 use crate::Error;
 use crate::error::{finite, length};
+use crate::kernel::Geometry;
 use crate::mobility::kutzbach_mobility;
 use crate::virtualization::{Platform, Sides, Sockets, signed_area};
 
@@ -23,7 +24,7 @@ impl Limb {
     /// A limb whose rod is below its nominal socket when the platform is level.
     #[must_use]
     pub fn under_socket(socket_radius: f64, socket_angle: f64) -> Self {
-        let (sin, cos) = socket_angle.sin_cos();
+        let (sin, cos) = libm::sincos(socket_angle);
         let base_point = Vector2::new(cos, sin) * socket_radius;
         Self { base_point, socket_radius, socket_angle }
     }
@@ -43,6 +44,7 @@ pub struct Gpr {
     checks_limits: bool,
     /// Clearance of the balls, as a radius, if known (m).
     pub(super) ball_clearance: Option<f64>,
+    dimensions: Geometry,
 }
 
 impl Gpr {
@@ -77,10 +79,11 @@ impl Gpr {
                 unit: "m",
             });
         }
-        let steepest = limits.tilt_max.tan();
+        let steepest = libm::tan(limits.tilt_max);
         let checks_limits = true;
         let ball_clearance = None;
         Ok(Self {
+            dimensions: Geometry::new(&base_points, &platform),
             base_points,
             platform,
             limits,
@@ -136,6 +139,12 @@ impl Gpr {
     #[inline]
     pub fn checks_limits(&self) -> bool {
         self.checks_limits
+    }
+
+    /// What the kernels know of the robot.
+    #[inline]
+    pub(crate) fn dimensions(&self) -> &Geometry {
+        &self.dimensions
     }
 
     /// tan of the largest tilt.

@@ -45,8 +45,8 @@ impl Gpr {
         if !usable || !tilt.azimuth.is_finite() {
             return Err(unreached(tilt, height));
         }
-        let slope = tilt.angle.tan();
-        let (sin, cos) = tilt.azimuth.sin_cos();
+        let slope = libm::tan(tilt.angle);
+        let (sin, cos) = libm::sincos(tilt.azimuth);
         let (slope_x, slope_y) = (slope * cos, slope * sin);
         Ok(self.base_points().map(|point| height.0 - (slope_x * point.x + slope_y * point.y)))
     }

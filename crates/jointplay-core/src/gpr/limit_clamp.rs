@@ -35,7 +35,7 @@ impl Gpr {
             (balls[1] - balls[0]).cross(&(balls[2] - balls[0]))
         });
         let (a, d) = (start.xy(), end.xy() - start.xy());
-        let r = start.z * limits.tilt_max.tan();
+        let r = start.z * libm::tan(limits.tilt_max);
         if end.xy().norm_squared() > r * r {
             let (along, room) = (a.dot(&d), r * r - a.norm_squared());
             let root = (along * along + d.norm_squared() * room).max(0.0).sqrt();

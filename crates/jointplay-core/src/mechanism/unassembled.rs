@@ -45,14 +45,14 @@ pub struct OpenLoop {
 impl Unassembled {
     /// The closure to accept in place of one from the guess: within a tolerance of the dimensions, or the nearest closed configuration.
     ///
-    /// A near miss is no reason to move far: where there is one and no tolerance, nothing is accepted.
+    /// A near miss is no reason to move far: where one is not within the tolerance, nothing is accepted.
     ///
     /// # Arguments
     /// * `tolerance` – as for [`Unassembled::within`]; `None` for loops that close exactly
     #[must_use]
     pub fn accepted(&self, tolerance: Option<f64>) -> Option<&Closure> {
         let within = tolerance.and_then(|tolerance| self.within(tolerance));
-        let is_far = tolerance.is_some() || self.near_miss().is_none();
+        let is_far = self.near_miss().is_none();
         within.or(self.nearest.as_ref().filter(|_| is_far))
     }
 

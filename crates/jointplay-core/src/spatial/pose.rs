@@ -99,7 +99,7 @@ pub fn fit_in_plane(
 pub fn heading(frame: &Pose) -> f64 {
     let normal = frame.rotation * Vector3::z();
     let along = tilt_rotation(&normal).inverse() * (frame.rotation * Vector3::x());
-    along.y.atan2(along.x)
+    libm::atan2(along.y, along.x)
 }
 
 #[cfg(test)]

@@ -26,8 +26,8 @@ impl Tilt {
     /// Platform normal in the base frame, a unit vector.
     #[must_use]
     pub fn normal(self) -> Vector3<f64> {
-        let (sin_azimuth, cos_azimuth) = self.azimuth.sin_cos();
-        let (sin_angle, cos_angle) = self.angle.sin_cos();
+        let (sin_azimuth, cos_azimuth) = libm::sincos(self.azimuth);
+        let (sin_angle, cos_angle) = libm::sincos(self.angle);
         Vector3::new(sin_angle * cos_azimuth, sin_angle * sin_azimuth, cos_angle)
     }
 
@@ -37,9 +37,9 @@ impl Tilt {
     /// Full precision for small tilts, where an arc cosine would lose half the digits.
     #[must_use]
     pub fn from_normal(normal: &Vector3<f64>) -> Self {
-        let horizontal = normal.x.hypot(normal.y);
-        let azimuth = if horizontal == 0.0 { 0.0 } else { normal.y.atan2(normal.x) };
-        Self { azimuth, angle: horizontal.atan2(normal.z) }
+        let horizontal = libm::hypot(normal.x, normal.y);
+        let azimuth = if horizontal == 0.0 { 0.0 } else { libm::atan2(normal.y, normal.x) };
+        Self { azimuth, angle: libm::atan2(horizontal, normal.z) }
     }
 
     /// The same tilt as one rotation vector in the base plane: angles about e_b1 and about e_b2 (rad).
@@ -50,15 +50,15 @@ impl Tilt {
     /// Machine controllers describe tilt like this; to leading order the two are independent turns.
     #[must_use]
     pub fn about_x_and_y(self) -> (f64, f64) {
-        let (sin_azimuth, cos_azimuth) = self.azimuth.sin_cos();
+        let (sin_azimuth, cos_azimuth) = libm::sincos(self.azimuth);
         (-self.angle * sin_azimuth, self.angle * cos_azimuth)
     }
 
     /// The tilt of a rotation vector in the base plane, see [`Self::about_x_and_y`] (rad).
     #[must_use]
     pub fn from_about_x_and_y(about_x: f64, about_y: f64) -> Self {
-        let tilt_angle = about_x.hypot(about_y);
-        let azimuth = if tilt_angle == 0.0 { 0.0 } else { (-about_x).atan2(about_y) };
+        let tilt_angle = libm::hypot(about_x, about_y);
+        let azimuth = if tilt_angle == 0.0 { 0.0 } else { libm::atan2(-about_x, about_y) };
         Self { azimuth, angle: tilt_angle }
     }
 }

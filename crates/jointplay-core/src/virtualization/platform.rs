@@ -92,7 +92,7 @@ impl Platform {
 /// u(θ) = (cos θ, sin θ).
 #[inline]
 pub(crate) fn unit(angle: f64) -> Vector2<f64> {
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = libm::sincos(angle);
     Vector2::new(cos, sin)
 }
 

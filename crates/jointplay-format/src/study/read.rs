@@ -367,7 +367,8 @@ fn first_random(top: &Table, pose: &Table, plan: &Plan) -> std::ops::Range<usize
 
 impl StudyFile {
     /// What decides the numbers of this study, by key; two studies that agree in all have the same table.
-    fn facts(&self) -> Vec<(&'static str, String)> {
+    #[must_use]
+    pub fn facts(&self) -> Vec<(&'static str, String)> {
         let plan = &self.plan;
         let names: Vec<&str> = plan.models.iter().map(|model| model.name()).collect();
         let columns: Vec<&str> = self.columns.iter().map(|column| column.name.as_str()).collect();

@@ -15,11 +15,13 @@ impl TableKind {
     /// The format that belongs to a file name's extension; `None` for any other.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
-        match path.extension()?.to_str()? {
-            "csv" => Some(Self::Csv),
-            "parquet" => Some(Self::Parquet),
-            _ => None,
-        }
+        Self::of_ending(path.extension()?.to_str()?)
+    }
+
+    /// The format with this extension; `None` for any other.
+    #[must_use]
+    pub fn of_ending(ending: &str) -> Option<Self> {
+        [Self::Csv, Self::Parquet].into_iter().find(|kind| kind.ending() == ending)
     }
 
     /// Extension of the file name.

@@ -1,11 +1,12 @@
 //! Progress of an interrupted run, from which another run continues.
 
-use jointplay_study::plan::{Moments, Outcomes, Totals};
+use jointplay_study::plan::Totals;
 use serde::{Deserialize, Serialize};
 
 use jointplay_format::study::StudyFile;
 
 use super::kind::TableKind;
+use super::totals_document::TotalsDocument;
 
 /// Progress file next to an incomplete table.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,12 +56,7 @@ struct Document {
     chunks: u64,
     bytes: u64,
     seed: u64,
-    samples: u64,
-    beyond_rods: u64,
-    beyond_tilt: u64,
-    outcomes: Vec<Vec<u64>>,
-    /// Count, then least, greatest, mean and sum of squares as the bits of doubles: no digit may be lost.
-    columns: Vec<(u64, [String; 4])>,
+    totals: TotalsDocument,
     foot: String,
     study: String,
     robot: String,
@@ -80,27 +76,13 @@ impl Marker {
     /// * `seed` – written for readers of the file
     #[must_use]
     pub fn to_json(&self, seed: u64) -> String {
-        let bits = |value: f64| format!("{:016x}", value.to_bits());
-        let totals = &self.totals;
         let document = Document {
             jointplay: VERSION.to_owned(),
             format: self.kind.ending().to_owned(),
             chunks: self.chunks,
             bytes: self.bytes,
             seed,
-            samples: totals.samples,
-            beyond_rods: totals.beyond_rods,
-            beyond_tilt: totals.beyond_tilt,
-            outcomes: totals
-                .outcomes
-                .iter()
-                .map(|tally| tally.poses.iter().copied().chain([tally.no_robot]).collect())
-                .collect(),
-            columns: totals
-                .columns
-                .iter()
-                .map(|m| (m.count, [m.min, m.max, m.mean, m.squares].map(bits)))
-                .collect(),
+            totals: TotalsDocument::new(&self.totals),
             foot: self.foot.iter().map(|byte| format!("{byte:02x}")).collect(),
             study: self.study.clone(),
             robot: self.robot.clone(),
@@ -125,38 +107,9 @@ impl Marker {
         }
         let document: Document = serde_json::from_value(version)
             .map_err(|_| malformed("a key is missing, or has a value of another kind"))?;
-        let kind = [TableKind::Csv, TableKind::Parquet]
-            .into_iter()
-            .find(|kind| kind.ending() == document.format)
+        let kind = TableKind::of_ending(&document.format)
             .ok_or_else(|| malformed("its format is neither csv nor parquet"))?;
-        let columns = document.columns.iter().map(|(count, numbers)| {
-            let number = |k: usize| {
-                let bits = u64::from_str_radix(&numbers[k], 16);
-                bits.map(f64::from_bits)
-                    .map_err(|_| malformed("a number of a column is not 16 hexadecimal digits"))
-            };
-            Ok(Moments {
-                count: *count,
-                min: number(0)?,
-                max: number(1)?,
-                mean: number(2)?,
-                squares: number(3)?,
-            })
-        });
-        let outcomes = document.outcomes.iter().map(|counts| {
-            let (no_robot, poses) =
-                counts.split_last().ok_or_else(|| malformed("outcomes without counts"))?;
-            let poses =
-                poses.try_into().map_err(|_| malformed("an incorrect number of outcomes"))?;
-            Ok(Outcomes { poses, no_robot: *no_robot })
-        });
-        let totals = Totals {
-            samples: document.samples,
-            columns: columns.collect::<Result<_, MarkerError>>()?,
-            outcomes: outcomes.collect::<Result<_, MarkerError>>()?,
-            beyond_rods: document.beyond_rods,
-            beyond_tilt: document.beyond_tilt,
-        };
+        let totals = document.totals.read().map_err(malformed)?;
         let foot = hex(&document.foot).ok_or_else(|| malformed("its foot is not hexadecimal"))?;
         let Document { study, robot, chunks, bytes, .. } = document;
         Ok(Self { study, robot, kind, chunks, bytes, totals, foot })

@@ -3,17 +3,19 @@
 use std::sync::Arc;
 
 use jointplay_study::plan::Block;
+use parquet::arrow::add_encoded_arrow_schema_to_metadata;
 use parquet::basic::{Compression, ConvertedType, Encoding, Repetition, Type};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{
-    ParquetMetaData, ParquetMetaDataReader, ParquetMetaDataWriter, RowGroupMetaData,
+    KeyValue, ParquetMetaData, ParquetMetaDataReader, ParquetMetaDataWriter, RowGroupMetaData,
 };
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesPtr};
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{ColumnPath, Type as Schematic, TypePtr};
 
-use super::value::value_in_table;
+use super::arrow::arrow_schema;
+use super::value::{Values, values};
 use crate::table_error::TableError;
 use jointplay_format::study::{Column, Source};
 
@@ -42,6 +44,7 @@ impl Schema {
             .set_created_by(concat!("jointplay ", env!("CARGO_PKG_VERSION")).to_owned())
             .set_statistics_enabled(EnabledStatistics::Chunk)
             .set_offset_index_disabled(true)
+            .set_key_value_metadata(Some(vec![units(columns)]))
             .set_dictionary_enabled(false);
         for column in columns {
             let path = || ColumnPath::new(vec![column.name.clone()]);
@@ -64,7 +67,10 @@ impl Schema {
             };
         }
         let schema = Schematic::group_type_builder("samples").with_fields(fields).build()?;
-        let (schema, properties) = (Arc::new(schema), Arc::new(properties.build()));
+        let mut properties = properties.build();
+        // Units of columns again, for readers of Arrow.
+        add_encoded_arrow_schema_to_metadata(&arrow_schema(columns), &mut properties);
+        let (schema, properties) = (Arc::new(schema), Arc::new(properties));
         let writer =
             SerializedFileWriter::new(Vec::new(), Arc::clone(&schema), Arc::clone(&properties))?;
         let empty = writer.close()?;
@@ -87,11 +93,9 @@ impl Schema {
         group.close()?;
         writer.close()?;
         // Read back from the written bytes: a resumed study has only these.
-        let group = groups(&bytes)?.swap_remove(0);
-        let ends =
-            group.columns().iter().map(|column| column.byte_range()).map(|(at, len)| at + len);
-        let end = ends.max().unwrap_or(MAGIC.len() as u64);
-        bytes.truncate(usize::try_from(end).expect("it lies in memory"));
+        let (chunk, group) = chunk_of(&bytes)?;
+        let end = MAGIC.len() + chunk.len();
+        bytes.truncate(end);
         bytes.drain(..MAGIC.len());
         Ok((bytes, group))
     }
@@ -115,6 +119,16 @@ impl Schema {
     }
 }
 
+/// Units of the columns as metadata of the file: a JSON object.
+fn units(columns: &[Column]) -> KeyValue {
+    let units = columns.iter().filter_map(|column| {
+        let Source::Number { unit, .. } = column.source else { return None };
+        Some((column.name.clone(), unit.code()?.into()))
+    });
+    let units: serde_json::Map<String, serde_json::Value> = units.collect();
+    KeyValue::new("units".to_owned(), serde_json::Value::from(units).to_string())
+}
+
 /// Writes one column of a chunk.
 fn write(
     group: &mut SerializedRowGroupWriter<'_, &mut Vec<u8>>,
@@ -123,28 +137,30 @@ fn write(
 ) -> Result<(), TableError> {
     let mut target = group.next_column()?.ok_or(TableError::Encoding)?;
     for block in blocks {
-        match column.source {
-            Source::Sample | Source::Draw => {
-                let counts =
-                    if column.source == Source::Sample { &block.samples } else { &block.draws };
-                let signed: Vec<i64> = counts.iter().map(|&count| count.cast_signed()).collect();
-                target.typed::<Int64Type>().write_batch(&signed, None, None)?;
+        match values(column, block) {
+            Values::Counts(counts) => {
+                target.typed::<Int64Type>().write_batch(&counts, None, None)?;
             }
-            Source::Number { index, unit, typed, .. } => {
-                let values: Vec<f64> =
-                    block.columns[index].iter().map(|&v| value_in_table(v, unit, typed)).collect();
-                target.typed::<DoubleType>().write_batch(&values, None, None)?;
+            Values::Numbers(numbers) => {
+                target.typed::<DoubleType>().write_batch(&numbers, None, None)?;
             }
-            Source::Status { model } => {
-                let words: Vec<ByteArray> = block.outcomes[model]
-                    .iter()
-                    .map(|outcome| ByteArray::from(outcome.name()))
-                    .collect();
+            Values::Words(words) => {
+                let words: Vec<ByteArray> = words.into_iter().map(ByteArray::from).collect();
                 target.typed::<ByteArrayType>().write_batch(&words, None, None)?;
             }
         }
     }
     Ok(target.close()?)
+}
+
+/// The bytes and the metadata of the chunk of a file with one.
+pub(super) fn chunk_of(file: &[u8]) -> Result<(&[u8], Group), TableError> {
+    let mut groups = groups(file)?;
+    let group = groups.pop().filter(|_| groups.is_empty()).ok_or(TableError::Footer)?;
+    let ends = group.columns().iter().map(|column| column.byte_range()).map(|(at, len)| at + len);
+    let end = usize::try_from(ends.max().unwrap_or_default()).map_err(|_| TableError::Footer)?;
+    let chunk = file.get(MAGIC.len()..end).ok_or(TableError::Footer)?;
+    Ok((chunk, group))
 }
 
 /// Metadata of the chunks from the end of a file.

@@ -89,6 +89,42 @@ impl Table {
         }
     }
 
+    /// A table of one chunk, as a file of its own.
+    ///
+    /// # Errors
+    /// [`TableError::Encoding`].
+    pub fn of_chunk(&self, blocks: &[Block]) -> Result<Vec<u8>, TableError> {
+        let (mut bytes, mut index) = (self.head(), Index::default());
+        let encoded = self.encode(blocks)?;
+        self.note(&mut index, &encoded, bytes.len() as u64)?;
+        bytes.extend(encoded.parts.concat());
+        bytes.extend(self.foot(&index)?);
+        Ok(bytes)
+    }
+
+    /// The chunk of a file written by [`Self::of_chunk`].
+    ///
+    /// # Errors
+    /// [`TableError::Footer`] for anything else.
+    pub fn chunk_of(&self, file: &[u8]) -> Result<Encoded, TableError> {
+        let rest = file.strip_prefix(self.head().as_slice()).ok_or(TableError::Footer)?;
+        match &self.kind {
+            Kind::Csv => {
+                #[cfg_attr(
+                    not(feature = "parquet"),
+                    expect(clippy::needless_update, reason = "only Parquet has groups")
+                )]
+                let encoded = Encoded { parts: vec![rest.to_vec()], ..Encoded::default() };
+                Ok(encoded)
+            }
+            #[cfg(feature = "parquet")]
+            Kind::Parquet(_) => {
+                let (bytes, group) = super::parquet::chunk_of(file)?;
+                Ok(Encoded { parts: vec![bytes.to_vec()], group: Some(group) })
+            }
+        }
+    }
+
     /// Adds a chunk that begins at byte `at` of the file to the index.
     ///
     /// # Errors

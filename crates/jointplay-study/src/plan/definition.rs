@@ -1,11 +1,12 @@
 //! Definition of a study.
 
+use jointplay_core::bulk::Quantity;
 use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 
 use super::as_built::{RodsFrom, Tolerances};
-use super::block::BLOCK;
-use super::output::OutputQuantity;
+use super::block::{BLOCK, CHUNK};
+use super::output::{OutputQuantity, PlatformQuantity};
 use super::variation::Variation;
 use crate::Error;
 
@@ -93,11 +94,29 @@ impl Plan {
         samples.filter(|&samples| i64::try_from(samples).is_ok()).ok_or_else(|| self.too_many())
     }
 
+    /// Number of chunks of [`CHUNK`] samples, the last of which may be shorter.
+    ///
+    /// # Errors
+    /// As [`Self::grid`].
+    pub fn chunks(&self) -> Result<u64, Error> {
+        Ok(self.samples()?.div_ceil(CHUNK))
+    }
+
     /// Whether anything is random.
     #[must_use]
     pub fn draws_anything(&self) -> bool {
         let poses = [&self.height, &self.tilt.first, &self.tilt.second];
         poses.into_iter().any(Variation::is_random) || self.tolerances.any()
+    }
+
+    /// Whether samples have other bits on another kind of processor, see [`instruction_set`](jointplay_core::bulk::instruction_set).
+    #[must_use]
+    pub fn depends_on_processor(&self) -> bool {
+        let of_processor = |wanted: &OutputQuantity| {
+            let OutputQuantity::Model { measure, .. } = wanted else { return false };
+            matches!(measure, PlatformQuantity::Quantity(Quantity::Sensitivity(_)))
+        };
+        self.wanted.iter().any(of_processor)
     }
 
     fn too_many(&self) -> Error {

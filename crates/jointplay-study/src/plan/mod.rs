@@ -4,7 +4,8 @@
 //! | --- | --- |
 //! | define what is varied, and what is computed | [`Plan`], [`Variation`], [`Tolerances`], [`OutputQuantity`] |
 //! | compute some samples | [`compute`] → [`Block`] |
-//! | compute all of them over all cores, in order, in memory that does not grow | [`run`] |
+//! | compute a chunk of them | [`compute_chunk`] |
+//! | compute all of them over all cores, in order, in memory that does not grow | [`run`]; some chunks [`run_chunks`] |
 //! | accumulate columns | [`Totals`], [`Moments`] |
 //! | compute medians and other quantiles | [`quantiles`] |
 //!
@@ -51,6 +52,6 @@ pub use definition::{Plan, TiltForm, Tilts};
 pub use moments::Moments;
 pub use output::{OutputQuantity, PlatformQuantity};
 pub use quantiles::{QUANTILE_SAMPLES, quantiles};
-pub use run::run;
+pub use run::{compute_chunk, run, run_chunks};
 pub use totals::{Outcomes, Totals};
 pub use variation::Variation;

@@ -82,14 +82,14 @@ impl PlatformQuantity {
         let about = |i: usize| Tilt { azimuth: parts[0][i], angle: parts[1][i] }.about_x_and_y();
         match self {
             Self::Quantity(_) => parts[0].to_vec(),
-            Self::CenterShift => each(&|i| parts[0][i].hypot(parts[1][i])),
+            Self::CenterShift => each(&|i| libm::hypot(parts[0][i], parts[1][i])),
             Self::TiltX => each(&|i| about(i).0),
             Self::TiltY => each(&|i| about(i).1),
             Self::TiltError => each(&|i| {
                 let normal = Vector3::new(parts[0][i], parts[1][i], parts[2][i]);
                 let asked = commanded(i).normal();
                 // An arc cosine would lose half the digits of a small angle.
-                normal.cross(&asked).norm().atan2(normal.dot(&asked))
+                libm::atan2(normal.cross(&asked).norm(), normal.dot(&asked))
             }),
         }
     }

@@ -58,8 +58,8 @@ impl Stream {
     /// \[BoxMuller\]
     pub(super) fn normal(&mut self, draw: u64) -> f64 {
         let [first, second] = self.pair(draw);
-        let radius = (-2.0 * (1.0 - fraction(first)).ln()).sqrt();
-        radius * (std::f64::consts::TAU * fraction(second)).cos()
+        let radius = (-2.0 * libm::log(1.0 - fraction(first))).sqrt();
+        radius * libm::cos(std::f64::consts::TAU * fraction(second))
     }
 }
 

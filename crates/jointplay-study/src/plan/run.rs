@@ -1,7 +1,5 @@
 //! A whole plan over all cores.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 
 use super::block::{BLOCK, Block, CHUNK};
@@ -29,46 +27,73 @@ pub fn run<T: Send, E: From<Error> + Send>(
     encode: impl Fn(&[Block]) -> Result<T, E> + Sync,
     mut take: impl FnMut(&[Block], T) -> Result<bool, E> + Send,
 ) -> Result<(), E> {
-    let chunks = plan.samples()?.div_ceil(CHUNK);
-    let wave = rayon::current_num_threads().div_ceil(CORES_OF_A_CHUNK) as u64;
-    let mut here = from..(from + wave).min(chunks);
-    let mut ready = computed(plan, here.clone())?;
+    let chunks = from..plan.chunks()?;
+    run_chunks(plan, chunks, |_, blocks| encode(blocks), |_, blocks, encoded| take(blocks, encoded))
+}
+
+/// Computes some chunks of a plan, as [`run`] computes all.
+///
+/// # Arguments
+/// * `chunks` – their numbers, counted from 0
+/// * `encode`, `take` – as of [`run`], with the number of the chunk
+///
+/// # Errors
+/// [`Error::NoSuchChunk`], and as [`run`].
+pub fn run_chunks<T: Send, E: From<Error> + Send>(
+    plan: &Plan,
+    mut chunks: impl Iterator<Item = u64> + Send,
+    encode: impl Fn(u64, &[Block]) -> Result<T, E> + Sync,
+    mut take: impl FnMut(u64, &[Block], T) -> Result<bool, E> + Send,
+) -> Result<(), E> {
+    let wave = rayon::current_num_threads().div_ceil(CORES_OF_A_CHUNK);
+    let mut next = || computed(plan, chunks.by_ref().take(wave).collect());
+    let mut ready = next()?;
     while !ready.is_empty() {
-        let next = here.end..(here.end + wave).min(chunks);
         let (taken, computed) = rayon::join(
             || -> Result<bool, E> {
-                let encoded: Vec<T> =
-                    ready.par_iter().map(|blocks| encode(blocks)).collect::<Result<_, E>>()?;
-                for (blocks, encoded) in ready.iter().zip(encoded) {
-                    if !take(blocks, encoded)? {
+                let encoded: Vec<T> = ready
+                    .par_iter()
+                    .map(|(chunk, blocks)| encode(*chunk, blocks))
+                    .collect::<Result<_, E>>()?;
+                for ((chunk, blocks), encoded) in ready.iter().zip(encoded) {
+                    if !take(*chunk, blocks, encoded)? {
                         return Ok(false);
                     }
                 }
                 Ok(true)
             },
-            || computed(plan, next.clone()),
+            &mut next,
         );
         if !taken? {
             return Ok(());
         }
-        (ready, here) = (computed?, next);
+        ready = computed?;
     }
     Ok(())
 }
 
-/// The blocks of some chunks.
-fn computed(plan: &Plan, chunks: Range<u64>) -> Result<Vec<Vec<Block>>, Error> {
-    let count = plan.samples()?;
-    let block = |first: u64, end: u64| {
+/// The blocks of a chunk, in order, over the cores of the current thread pool.
+///
+/// # Arguments
+/// * `chunk` – its number, counted from 0
+///
+/// # Errors
+/// [`Error::NoSuchChunk`], and as [`compute`].
+pub fn compute_chunk(plan: &Plan, chunk: u64) -> Result<Vec<Block>, Error> {
+    let (samples, count) = (plan.samples()?, plan.chunks()?);
+    if chunk >= count {
+        return Err(Error::NoSuchChunk { found: chunk, count });
+    }
+    let (first, end) = (chunk * CHUNK, ((chunk + 1) * CHUNK).min(samples));
+    let block = |k: u64| {
+        let first = first + k * BLOCK as u64;
         let samples: Vec<u64> = (first..(first + BLOCK as u64).min(end)).collect();
         compute(plan, &samples)
     };
-    chunks
-        .into_par_iter()
-        .map(|chunk| {
-            let (first, end) = (chunk * CHUNK, ((chunk + 1) * CHUNK).min(count));
-            let blocks = (end - first).div_ceil(BLOCK as u64);
-            (0..blocks).into_par_iter().map(|k| block(first + k * BLOCK as u64, end)).collect()
-        })
-        .collect()
+    (0..(end - first).div_ceil(BLOCK as u64)).into_par_iter().map(block).collect()
+}
+
+/// Some chunks with their blocks.
+fn computed(plan: &Plan, chunks: Vec<u64>) -> Result<Vec<(u64, Vec<Block>)>, Error> {
+    chunks.into_par_iter().map(|chunk| Ok((chunk, compute_chunk(plan, chunk)?))).collect()
 }

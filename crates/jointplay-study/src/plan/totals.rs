@@ -1,4 +1,4 @@
-//! Totals of columns that are accumulated block by block.
+//! Totals of columns that are accumulated chunk by chunk.
 
 use jointplay_core::bulk::Status;
 
@@ -15,6 +15,13 @@ pub struct Outcomes {
 }
 
 impl Outcomes {
+    fn add(&mut self, more: &Self) {
+        for (sum, more) in self.poses.iter_mut().zip(more.poses) {
+            *sum += more;
+        }
+        self.no_robot += more.no_robot;
+    }
+
     fn count(&mut self, outcome: Outcome) {
         match outcome {
             Outcome::Pose(status) => self.poses[status as usize] += 1,
@@ -43,6 +50,8 @@ impl Outcomes {
 }
 
 /// Samples summed up.
+///
+/// Totals of a study are those of its chunks, added in order: rounding then does not depend on where the chunks were computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Totals {
     /// How many samples.
@@ -70,8 +79,30 @@ impl Totals {
         }
     }
 
-    /// Adds the samples that follow.
-    pub fn add(&mut self, block: &Block) {
+    /// Of a chunk.
+    #[must_use]
+    pub fn of_chunk(blocks: &[Block]) -> Self {
+        let (columns, models) =
+            blocks.first().map_or((0, 0), |block| (block.columns.len(), block.outcomes.len()));
+        let mut totals = Self::new(columns, models);
+        blocks.iter().for_each(|block| totals.add_block(block));
+        totals
+    }
+
+    /// Adds the totals of the chunk that follows.
+    pub fn add(&mut self, chunk: &Self) {
+        self.samples += chunk.samples;
+        for (sum, more) in self.columns.iter_mut().zip(&chunk.columns) {
+            sum.add(more);
+        }
+        for (sum, more) in self.outcomes.iter_mut().zip(&chunk.outcomes) {
+            sum.add(more);
+        }
+        self.beyond_rods += chunk.beyond_rods;
+        self.beyond_tilt += chunk.beyond_tilt;
+    }
+
+    fn add_block(&mut self, block: &Block) {
         self.samples += block.samples.len() as u64;
         for (sum, more) in self.columns.iter_mut().zip(&block.moments) {
             sum.add(more);

@@ -196,7 +196,7 @@ fn finish(
     session: &mut HostSession<'_>,
     now: &impl Fn() -> f64,
 ) -> io::Result<()> {
-    // Whether the host has gone or only sends no more is not known: the wait is limited.
+    // A closed connection cannot be distinguished from one that only sends no more: the wait is limited.
     let last = now() + LAST_ANSWER_TIME.as_secs_f64();
     while let Some(time) = session.next_event().filter(|&time| time <= last) {
         thread::sleep(Duration::from_secs_f64((time - now()).max(0.0)));

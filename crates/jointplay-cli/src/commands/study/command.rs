@@ -1,7 +1,6 @@
 //! The flags of `jointplay study`, and the run from study file to table.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use jointplay::format::study::{self, StudyFile};
@@ -9,11 +8,13 @@ use jointplay::report::TableError;
 use jointplay::report::study_table::{Table, TableKind};
 use jointplay::report::{self, SHARES, TotalsReport};
 use jointplay::study::parallel::MOST_THREADS;
-use jointplay::study::plan::{self, Block};
+use jointplay::study::plan::{self, Block, Plan};
 
 use super::destination::Destination;
 use super::estimate::{Estimate, rough_size};
+use super::interrupt;
 use super::part_file::{self, PartFile};
+use super::parts::PartsArgs;
 use super::source::StudySource;
 use super::text;
 use crate::console;
@@ -36,32 +37,39 @@ Examples:
   jointplay study --example                            print its study file, as a template
   jointplay study misbuilt --out misbuilt-robots.csv   ten thousand robots with tolerances
   jointplay study misbuilt --dry-run                   expected duration, size and columns
+  jointplay study misbuilt --parts run --part 0/64     the first of 64 shares of the parts, as a task of a cluster
+  jointplay study --parts run --status                 number of finished parts, and the missing ones
+  jointplay study --parts run --gather robots.parquet  table and summary of all parts
 
 Ctrl-C stops a study after the current chunk; the finished chunks stay in TABLE.part, and --resume continues.
 Included examples: center-shift, misbuilt, play-over-the-workspace.
-Exit codes: 0 done, 1 no sample could be solved, 2 bad input or usage, 130 interrupted.")]
+With --parts, chunks of 65,536 samples become files of their own, on any number of machines; finished ones are not computed again.
+The gathered table has the bytes of a run on one machine.
+Exit codes: 0 done, 1 no sample could be solved or parts are missing, 2 bad input or usage, 130 interrupted.")]
 pub(crate) struct StudyCommand {
     /// Study file (TOML), or the name of an included example [default: the first example]
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
     /// Table to write: a file ending in .csv or .parquet, or - for CSV on standard output [default: STUDY.csv]
-    #[arg(long, value_name = "TABLE")]
+    #[arg(long, value_name = "TABLE", conflicts_with = "parts")]
     out: Option<PathBuf>,
     /// Number of threads, from 1 to 1024; at most one per 4096 samples is used [default: one per core]
     #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<usize>,
     /// Continue an interrupted run
-    #[arg(long, conflicts_with_all = ["force", "dry_run", "example"])]
+    #[arg(long, conflicts_with_all = ["force", "dry_run", "example", "parts"])]
     resume: bool,
     /// Replace an existing table or the table of an interrupted run; start even if the disk is too small
     #[arg(long)]
     force: bool,
     /// Report the number of samples, the columns, and the expected size and duration; compute nothing
-    #[arg(long, conflicts_with = "example")]
+    #[arg(long, conflicts_with_all = ["example", "parts"])]
     dry_run: bool,
     /// Print the study file and exit
-    #[arg(long)]
+    #[arg(long, conflicts_with = "parts")]
     example: bool,
+    #[command(flatten)]
+    parts: PartsArgs,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
 }
@@ -69,11 +77,13 @@ pub(crate) struct StudyCommand {
 /// Tables of at least this size are announced before the computation starts (bytes).
 const ANNOUNCED_SIZE: f64 = 1e10;
 
-/// Set by Ctrl-C.
-static STOP: AtomicBool = AtomicBool::new(false);
-
 impl StudyCommand {
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        if let Some(folder) = self.parts.folder() {
+            let threads = |plan: &Plan| self.pool(plan);
+            let file = self.file.as_deref();
+            return self.parts.run(folder, file, threads, self.force, self.format);
+        }
         let first = Path::new(study::examples()[0].name);
         let source = StudySource::read(self.file.as_deref().unwrap_or(first))?;
         if self.example {
@@ -88,12 +98,7 @@ impl StudyCommand {
             Failure::Usage(format!("--out {shown}: the name of a table ends in .csv or .parquet"))
         })?;
         let table = Table::new(kind, file.columns.clone())?;
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let threads = self.threads.unwrap_or(cores).min(file.plan.most_threads()?);
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|error| Failure::Usage(format!("cannot start the threads: {error}")))?;
+        let pool = self.pool(&file.plan)?;
         if self.dry_run {
             let estimate = pool.install(|| Estimate::measure(&file, &table))?;
             return text::dry_run(&file, &out, &estimate, self.format.json());
@@ -113,22 +118,19 @@ impl StudyCommand {
             };
             Destination::File(Box::new(part))
         };
-        stop_on_interrupt()?;
+        interrupt::listen()?;
         let report = pool.install(|| compute(&file, &table, &mut destination))?;
         destination.finish(&table)?;
-        match (self.format.json(), to_standard_output) {
-            (true, true) => console::print(&output::to_json(&report)),
-            (true, false) => output::json(&report)?,
-            (false, true) => console::note(text::summary(&report, None).trim_end()),
-            (false, false) => output::text(&text::summary(&report, Some(&out)))?,
-        }
-        if report.virtualizations.iter().all(|model| model.solved == 0) {
-            return Err(Failure::Unsolved(format!(
-                "no sample could be solved; the reasons are in {}",
-                if to_standard_output { "the table".to_owned() } else { out.display().to_string() }
-            )));
-        }
-        Ok(())
+        text::print_summary(&report, (!to_standard_output).then_some(&*out), self.format.json())
+    }
+
+    /// The threads of a computation.
+    fn pool(&self, plan: &Plan) -> Result<rayon::ThreadPool, Failure> {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads.unwrap_or(cores).min(plan.most_threads()?))
+            .build()
+            .map_err(|error| Failure::Usage(format!("cannot start the threads: {error}")))
     }
 
     /// Refuses a table that does not fit on its disk.
@@ -165,18 +167,6 @@ fn threads(text: &str) -> Result<usize, String> {
     count.ok_or_else(|| format!("the number of threads must be from 1 to {MOST_THREADS}"))
 }
 
-/// Makes Ctrl-C stop the study after the current chunk, and a second Ctrl-C at once.
-fn stop_on_interrupt() -> Result<(), Failure> {
-    ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::SeqCst) {
-            // The marker on the disk covers the finished chunks; the next run resumes from it.
-            #[expect(clippy::exit, reason = "a second Ctrl-C asks for an immediate end")]
-            std::process::exit(130);
-        }
-    })
-    .map_err(|error| Failure::Usage(format!("cannot listen for Ctrl-C: {error}")))
-}
-
 /// Computes the remaining samples of a study.
 fn compute(
     file: &StudyFile,
@@ -198,7 +188,7 @@ fn compute(
         |blocks, encoded| {
             destination.append(table, blocks, &encoded)?;
             progress.samples(destination.samples());
-            Ok(!STOP.load(Ordering::SeqCst) || destination.samples() == count)
+            Ok(!interrupt::requested() || destination.samples() == count)
         },
     );
     let (rate, time) = progress.pace();

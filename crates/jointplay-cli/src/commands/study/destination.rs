@@ -58,7 +58,7 @@ impl Destination {
             Self::File(part) => part.append(table, blocks, encoded),
             Self::StandardOutput { chunks, totals } => {
                 encoded.parts.iter().try_for_each(|bytes| print(bytes))?;
-                blocks.iter().for_each(|block| totals.add(block));
+                totals.add(&Totals::of_chunk(blocks));
                 *chunks += 1;
                 Ok(())
             }

@@ -199,7 +199,7 @@ impl PartFile {
             }
         }
         table.note(&mut self.index, encoded, at)?;
-        blocks.iter().for_each(|block| self.marker.totals.add(block));
+        self.marker.totals.add(&Totals::of_chunk(blocks));
         self.marker.chunks += 1;
         if self.marked.elapsed() >= MARK_EVERY.max(self.marking * MARK_PAUSE) {
             self.mark(table)?;

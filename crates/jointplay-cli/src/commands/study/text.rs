@@ -5,14 +5,37 @@ use std::path::Path;
 
 use jointplay::format::number::fixed;
 use jointplay::format::study::StudyFile;
+use jointplay::report::study_parts::StatusReport;
 use jointplay::report::{ColumnReport, OutcomeReport, TotalsReport};
 
 use super::estimate::Estimate;
+use crate::console;
 use crate::failure::Failure;
 use crate::output;
 
+/// Prints the summary of a completed study; without a file of its table, on standard error.
+pub(super) fn print_summary(
+    report: &TotalsReport,
+    out: Option<&Path>,
+    json: bool,
+) -> Result<(), Failure> {
+    match (json, out) {
+        (true, None) => console::print(&output::to_json(report)),
+        (true, Some(_)) => output::json(report)?,
+        (false, None) => console::note(summary(report, None).trim_end()),
+        (false, Some(_)) => output::text(&summary(report, out))?,
+    }
+    if report.virtualizations.iter().all(|model| model.solved == 0) {
+        return Err(Failure::Unsolved(format!(
+            "no sample could be solved; the reasons are in {}",
+            out.map_or("the table".to_owned(), |out| out.display().to_string())
+        )));
+    }
+    Ok(())
+}
+
 /// The summary of a completed study, and the file of its table.
-pub(super) fn summary(report: &TotalsReport, out: Option<&Path>) -> String {
+fn summary(report: &TotalsReport, out: Option<&Path>) -> String {
     let samples = report.samples;
     let mut text = format!("{}, {}: {}\n", report.study, report.robot, sample_count(samples));
     for model in &report.virtualizations {
@@ -86,6 +109,28 @@ fn number(value: f64) -> String {
     } else {
         format!("{value:.4e}")
     }
+}
+
+/// Largest number of runs of missing parts that are listed in text; JSON lists all.
+const MOST_RUNS: usize = 12;
+
+/// What is finished of a study in parts.
+pub(super) fn status(report: &StatusReport) -> String {
+    let StatusReport { study, parts, done, missing, missing_ranges, .. } = report;
+    let mut text = format!("{study}: {done} of {parts} parts are finished\n");
+    if *missing > 0 {
+        let runs = missing_ranges.iter().take(MOST_RUNS);
+        let run = |[first, last]: &[u64; 2]| match first == last {
+            true => first.to_string(),
+            false => format!("{first} to {last}"),
+        };
+        let mut listed: Vec<String> = runs.map(run).collect();
+        if missing_ranges.len() > MOST_RUNS {
+            listed.push("… (--format json lists all)".to_owned());
+        }
+        let _ = writeln!(text, "  missing  {missing}: {}", listed.join(", "));
+    }
+    text
 }
 
 /// Prints the expected size and duration of a study, as text or as JSON.

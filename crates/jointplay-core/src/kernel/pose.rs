@@ -2,36 +2,37 @@
 
 use pulp::Simd;
 
+use super::geometry::Geometry;
 use super::lanes::Lanes;
-use super::shape::{Balls, Robot, Shape, Three};
+use super::shape::{Balls, Shape, Three};
 use super::trigonometry::angle_of;
 
 /// The plane through the balls of many poses.
 #[derive(Clone, Copy)]
-pub(super) struct Plane<S: Simd> {
+pub(crate) struct Plane<S: Simd> {
     /// Its upward normal times twice the area of the triangle (m²).
     across: Three<S>,
     /// Twice the area of the triangle (m²).
-    pub(super) area: Lanes<S>,
+    pub(crate) area: Lanes<S>,
 }
 
 impl<S: Simd> Plane<S> {
     #[inline(always)]
-    pub(super) fn new(robot: &Robot, balls: &Balls<S>) -> Self {
-        let [[x_1, y_1], _, [x_3, y_3]] = robot.base_edges;
-        let sense = robot.base_area.signum();
+    pub(crate) fn new(geometry: &Geometry, balls: &Balls<S>) -> Self {
+        let [[x_1, y_1], _, [x_3, y_3]] = geometry.base_edges;
+        let sense = geometry.base_area.signum();
         let (z_1, z_3) = (balls.rises[0], balls.rises[2]);
         // (P_2 − P_1) × (P_3 − P_1), whose third entry is that of the base.
         let x = z_3.times_from(z_3.like(y_1 * sense), z_1 * (y_3 * sense));
         let y = z_1.times_from(z_1.like(x_3 * sense), z_3 * (x_1 * sense));
-        let z = x.like(robot.base_area.abs());
+        let z = x.like(geometry.base_area.abs());
         let area = x.times_plus(x, y.times_plus(y, z * z)).sqrt();
         Self { across: [x, y, z], area }
     }
 
     /// Square of the horizontal part of the normal times twice the area (m⁴).
     #[inline(always)]
-    pub(super) fn horizontal_squared(&self) -> Lanes<S> {
+    pub(crate) fn horizontal_squared(&self) -> Lanes<S> {
         let [x, y, _] = self.across;
         x.times_plus(x, y * y)
     }
@@ -39,19 +40,26 @@ impl<S: Simd> Plane<S> {
 
 /// The platforms of many poses.
 #[derive(Clone, Copy)]
-pub(super) struct PlatformPoses<S: Simd> {
+pub(crate) struct PlatformPoses<S: Simd> {
     /// O_p in the base frame (m).
-    pub(super) origin: Three<S>,
+    pub(crate) origin: Three<S>,
     /// Platform normal in the base frame.
-    pub(super) normal: Three<S>,
+    pub(crate) normal: Three<S>,
     /// Cosine and sine of the turn about the normal.
     turn: [Lanes<S>; 2],
+    /// n/(1 + n_z), its horizontal part.
+    slope: [Lanes<S>; 2],
 }
 
 impl<S: Simd> PlatformPoses<S> {
     /// What [`fit_in_plane`](crate::spatial::fit_in_plane) does, for triangles that are equal to the threshold.
     #[inline(always)]
-    pub(super) fn new(robot: &Robot, balls: &Balls<S>, plane: &Plane<S>, shape: &Shape<S>) -> Self {
+    pub(crate) fn new(
+        geometry: &Geometry,
+        balls: &Balls<S>,
+        plane: &Plane<S>,
+        shape: &Shape<S>,
+    ) -> Self {
         let [x, y, z] = plane.across;
         let area = plane.area;
         // With n the normal: 1/(area (area + z)) gives both n and n/(1 + n_z) in one division.
@@ -63,7 +71,7 @@ impl<S: Simd> PlatformPoses<S> {
         let (mut cosine, mut sine) = (x.like(0.0), x.like(0.0));
         for k in 0..3 {
             let rise = balls.rises[k];
-            let [base_x, base_y] = robot.base_edges[k];
+            let [base_x, base_y] = geometry.base_edges[k];
             // The edge between the balls, in axes of the plane.
             let onto_x = slope[0].times_from(rise, x.like(base_x));
             let onto_y = slope[1].times_from(rise, x.like(base_y));
@@ -90,16 +98,35 @@ impl<S: Simd> PlatformPoses<S> {
         let along_slope = slope[0].times_plus(turned[0], slope[1] * turned[1]);
         let rise = normal[0].times_plus(turned[0], normal[1] * turned[1]);
         let origin = [
-            normal[0].times_plus(along_slope, x.like(robot.base_center[0]) - turned[0]),
-            normal[1].times_plus(along_slope, x.like(robot.base_center[1]) - turned[1]),
+            normal[0].times_plus(along_slope, x.like(geometry.base_center[0]) - turned[0]),
+            normal[1].times_plus(along_slope, x.like(geometry.base_center[1]) - turned[1]),
             balls.mean + rise,
         ];
-        Self { origin, normal, turn: [cosine, sine] }
+        Self { origin, normal, turn: [cosine, sine], slope }
+    }
+
+    /// Axes of the platform frame in the base frame: columns of the rotation.
+    #[inline(always)]
+    pub(crate) fn axes(&self) -> [Three<S>; 3] {
+        let ([n_x, n_y, n_z], [slope_x, slope_y]) = (self.normal, self.slope);
+        let one = n_x.like(1.0);
+        let slope_z = one + n_z;
+        // The axes of a platform without torsion, then turned about the normal.
+        let first = [slope_x.times_from(n_x, one), -(slope_x * n_y), -(slope_x * slope_z)];
+        let second = [-(slope_y * n_x), slope_y.times_from(n_y, one), -(slope_y * slope_z)];
+        let [cosine, sine] = self.turn;
+        let mut axes = [first, second, self.normal];
+        for axis in 0..3 {
+            let (a, b) = (first[axis], second[axis]);
+            axes[0][axis] = sine.times_plus(b, cosine * a);
+            axes[1][axis] = sine.times_from(a, cosine * b);
+        }
+        axes
     }
 
     /// Azimuth toward which the platform tilts (rad).
     #[inline(always)]
-    pub(super) fn azimuth(&self) -> Lanes<S> {
+    pub(crate) fn azimuth(&self) -> Lanes<S> {
         let [x, y, _] = self.normal;
         // A level platform has no azimuth, and no sign of a zero.
         let level = (x.abs() + y.abs()).at_most(x.like(0.0));
@@ -108,21 +135,21 @@ impl<S: Simd> PlatformPoses<S> {
 
     /// Tilt angle (rad).
     #[inline(always)]
-    pub(super) fn tilt_angle(&self) -> Lanes<S> {
+    pub(crate) fn tilt_angle(&self) -> Lanes<S> {
         let [x, y, z] = self.normal;
         angle_of(x.times_plus(x, y * y).sqrt(), z)
     }
 
     /// Turn about the normal beyond the shortest rotation to it (rad).
     #[inline(always)]
-    pub(super) fn torsion(&self) -> Lanes<S> {
+    pub(crate) fn torsion(&self) -> Lanes<S> {
         let [cosine, sine] = self.turn;
         angle_of(sine, cosine)
     }
 
     /// Axis height: height at which the platform plane crosses the base axis (m).
     #[inline(always)]
-    pub(super) fn axis_height(&self) -> Lanes<S> {
+    pub(crate) fn axis_height(&self) -> Lanes<S> {
         let ([x, y, z], [o_x, o_y, o_z]) = (self.normal, self.origin);
         x.times_plus(o_x, y * o_y) / z + o_z
     }

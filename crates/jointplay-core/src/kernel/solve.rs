@@ -4,18 +4,48 @@
 
 use pulp::Simd;
 
+use super::geometry::Task;
 use super::lanes::{Lanes, Mask};
 use super::pose::Plane;
-use super::shape::{Balls, Model, Response, Robot, Shape, Three, first_step};
+use super::shape::{Balls, Model, Response, Shape, Three, first_step};
+use crate::virtualization::Solver;
 
 /// Shapes found, where they are, and the steps that it took.
 #[derive(Clone, Copy)]
-pub(super) struct Found<S: Simd> {
-    pub(super) shape: Shape<S>,
-    pub(super) missing: Three<S>,
-    pub(super) iterations: Lanes<S>,
+pub(crate) struct Found<S: Simd> {
+    pub(crate) shape: Shape<S>,
+    pub(crate) missing: Three<S>,
+    pub(crate) iterations: Lanes<S>,
     /// Where the sides are met.
-    pub(super) met: Mask<S>,
+    pub(crate) met: Mask<S>,
+}
+
+impl<S: Simd> Found<S> {
+    /// Largest of |L − l| = |L² − l²|/(L + l), where L + l is 2 L beyond all digits.
+    #[inline(always)]
+    pub(crate) fn residual(&self, balls: &Balls<S>) -> Lanes<S> {
+        let ([m_1, m_2, m_3], [l_1, l_2, l_3]) = (self.missing, balls.squares);
+        // The largest of three fractions, with one division.
+        let fraction =
+            |missing: Lanes<S>, square| Fraction { above: missing.squared(), below: square };
+        let most = larger(fraction(m_1, l_1), fraction(m_2, l_2));
+        let most = larger(most, fraction(m_3, l_3));
+        (most.above / most.below).sqrt() * 0.5
+    }
+}
+
+/// A fraction with a positive denominator, not yet divided.
+#[derive(Clone, Copy)]
+struct Fraction<S: Simd> {
+    above: Lanes<S>,
+    below: Lanes<S>,
+}
+
+/// The larger of two fractions.
+#[inline(always)]
+fn larger<S: Simd>(a: Fraction<S>, b: Fraction<S>) -> Fraction<S> {
+    let more = (a.above * b.below).below(b.above * a.below);
+    Fraction { above: more.select(b.above, a.above), below: more.select(b.below, a.below) }
 }
 
 /// Steps of Newton's method that are done here: it doubles its digits, and starts with five or more.
@@ -25,32 +55,43 @@ const LEAST_NORM_STEPS: usize = 40;
 /// Least share of a pivot that elimination may leave here: less is nearly dependent, and taken with more care elsewhere.
 const LEAST_PIVOT: f64 = 1e-6;
 
+/// The virtual joints by the solver of a task.
+#[inline(always)]
+pub(crate) fn solved<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    match task.solver {
+        Solver::Newton => newton::<S, M>(task, balls),
+        Solver::LeastNorm => least_norm::<S, M>(task, balls),
+        Solver::ClosedForm if M::TOWARD_SOCKET => radial(task, balls),
+        Solver::ClosedForm => planar(task, balls),
+    }
+}
+
 /// Newton's method from nominal, see [`Solver::Newton`](crate::virtualization::Solver::Newton).
 #[inline(always)]
-pub(super) fn newton<S: Simd, M: Model>(robot: &Robot, balls: &Balls<S>, most: usize) -> Found<S> {
+fn newton<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     let zero = balls.mean.like(0.0);
     let one = balls.mean.like(1.0);
-    let at_start = balls.missing_at_start(robot);
-    let mut met = balls.met(robot, &at_start);
-    let mut shape = Shape::start::<M>(robot, zero);
-    let (by_a, by_b) = first_step::<S, M>(robot, &unless(met, at_start));
-    shape.advance::<M>(robot, by_a, by_b);
+    let at_start = balls.missing_at_start(task.geometry);
+    let mut met = balls.met(task.threshold, &at_start);
+    let mut shape = Shape::start::<M>(task.geometry, zero);
+    let (by_a, by_b, independent) = begin::<S, M>(task, &shape, &unless(met, at_start));
+    let mut doubtful = !(independent | met);
+    shape.advance::<M>(task.geometry, by_a, by_b);
     let mut iterations = met.select(zero, one);
     let mut missing = shape.missing(balls);
-    met = met | balls.met(robot, &missing);
-    let mut doubtful = one.below(zero);
-    for _ in 1..most.min(NEWTON_STEPS) {
+    met = met | balls.met(task.threshold, &missing);
+    for _ in 1..task.max_iterations.min(NEWTON_STEPS) {
         if met.all() {
             break;
         }
         let response = shape.response::<M>();
         // Nothing is missing where the sides are met, so that the step is none.
-        let (by_a, by_b, independent) = step::<S, M>(robot, &response, &unless(met, missing), 0.5);
+        let (by_a, by_b, independent) = step::<S, M>(task, &response, &unless(met, missing), 0.5);
         doubtful = doubtful | !(independent | met);
-        shape.advance::<M>(robot, by_a, by_b);
+        shape.advance::<M>(task.geometry, by_a, by_b);
         iterations = iterations + met.select(zero, one);
         missing = shape.missing(balls);
-        met = met | balls.met(robot, &missing);
+        met = met | balls.met(task.threshold, &missing);
     }
     Found { shape, missing, iterations, met: met & !doubtful }
 }
@@ -59,28 +100,23 @@ pub(super) fn newton<S: Simd, M: Model>(robot: &Robot, balls: &Balls<S>, most: u
 ///
 /// Only where full steps do not overshoot; displacements of millimetres do.
 #[inline(always)]
-pub(super) fn least_norm<S: Simd, M: Model>(
-    robot: &Robot,
-    balls: &Balls<S>,
-    relative_threshold: f64,
-    most: usize,
-) -> Found<S> {
+fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     let zero = balls.mean.like(0.0);
     let one = balls.mean.like(1.0);
     let [l_1, l_2, l_3] = balls.squares;
-    let least_step = l_1.max(l_2).max(l_3) * relative_threshold.powi(2);
-    let at_start = balls.missing_at_start(robot);
-    let mut shape = Shape::start::<M>(robot, zero);
-    let (by_a, by_b) = first_step::<S, M>(robot, &at_start);
-    shape.advance::<M>(robot, by_a, by_b);
+    let least_step = l_1.max(l_2).max(l_3) * (0.25 * task.threshold);
+    let at_start = balls.missing_at_start(task.geometry);
+    let mut shape = Shape::start::<M>(task.geometry, zero);
+    let (by_a, by_b, independent) = begin::<S, M>(task, &shape, &at_start);
+    shape.advance::<M>(task.geometry, by_a, by_b);
     let (mut last_a, mut last_b) = (by_a, by_b);
-    let mut last_squared = squared::<S, M>(robot, &by_a, &by_b);
+    let mut last_squared = squared::<S, M>(task, &by_a, &by_b);
     let mut iterations = one;
     let mut missing = shape.missing(balls);
-    let mut met = last_squared.at_most(least_step) & balls.met(robot, &missing);
+    let mut met = last_squared.at_most(least_step) & balls.met(task.threshold, &missing);
     // Where a step turned back on the last one, or the sides were nearly dependent.
-    let mut doubtful = one.below(zero);
-    for _ in 1..most.min(LEAST_NORM_STEPS) {
+    let mut doubtful = !independent;
+    for _ in 1..task.max_iterations.min(LEAST_NORM_STEPS) {
         if (met | doubtful).all() {
             break;
         }
@@ -88,7 +124,7 @@ pub(super) fn least_norm<S: Simd, M: Model>(
         let mut target = missing;
         let (mut from_a, from_b) = (shape.a, shape.b);
         for k in 0..3 {
-            from_a[k] = from_a[k] - robot.start[k];
+            from_a[k] = from_a[k] - task.geometry.start::<M>()[k];
             target[k] = target[k] * 0.5;
         }
         for k in 0..3 {
@@ -100,7 +136,7 @@ pub(super) fn least_norm<S: Simd, M: Model>(
             target[k] = target[k] - gained(response.leaving[k]);
             target[before] = target[before] + gained(response.arriving[k]);
         }
-        let (mut by_a, mut by_b, independent) = step::<S, M>(robot, &response, &target, 1.0);
+        let (mut by_a, mut by_b, independent) = step::<S, M>(task, &response, &target, 1.0);
         for k in 0..3 {
             by_a[k] = by_a[k] - from_a[k];
             by_b[k] = by_b[k] - from_b[k];
@@ -110,17 +146,17 @@ pub(super) fn least_norm<S: Simd, M: Model>(
         for k in 0..3 {
             along = by_a[k].times_plus(last_a[k], along);
             if M::ACROSS {
-                along = (by_b[k] * (1.0 / robot.compliance)).times_plus(last_b[k], along);
+                along = (by_b[k] * (1.0 / task.compliance)).times_plus(last_b[k], along);
             }
         }
         let overshot = along.below(last_squared * -0.5);
         doubtful = doubtful | ((overshot | !independent) & !met);
-        shape.advance::<M>(robot, by_a, by_b);
+        shape.advance::<M>(task.geometry, by_a, by_b);
         iterations = iterations + met.select(zero, one);
         missing = shape.missing(balls);
-        last_squared = squared::<S, M>(robot, &by_a, &by_b);
+        last_squared = squared::<S, M>(task, &by_a, &by_b);
         (last_a, last_b) = (by_a, by_b);
-        let now = last_squared.at_most(least_step) & balls.met(robot, &missing);
+        let now = last_squared.at_most(least_step) & balls.met(task.threshold, &missing);
         met = met | (now & !doubtful);
     }
     Found { shape, missing, iterations, met }
@@ -128,15 +164,16 @@ pub(super) fn least_norm<S: Simd, M: Model>(
 
 /// The least displacement of all, see [`Planar`](crate::virtualization::Planar).
 #[inline(always)]
-pub(super) fn planar<S: Simd>(robot: &Robot, balls: &Balls<S>) -> Found<S> {
-    let area = Plane::new(robot, balls).area;
+fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    let area = Plane::new(task.geometry, balls).area;
     let [l_12, l_23, l_31] = balls.squares;
     // The triangle of the balls laid out along its first side, everything times that side: corners (0, 0), (l_12, 0), (along, up).
     let along = (l_12 + l_31 - l_23) * 0.5;
-    let up = area * robot.base_area.signum();
+    let up = area * task.geometry.base_area.signum();
     let corners = [[l_12.like(0.0); 2], [l_12, l_12.like(0.0)], [along, up]];
     let center = [(l_12 + along) * (1.0 / 3.0), up * (1.0 / 3.0)];
-    let from_center = |k: usize, axis: usize| robot.sockets[k][axis] - robot.socket_center[axis];
+    let from_center =
+        |k: usize, axis: usize| task.geometry.sockets[k][axis] - task.geometry.socket_center[axis];
     let (mut cosine, mut sine) = (l_12 * from_center(1, 0), l_12 * from_center(1, 1));
     cosine = along.times_plus(along.like(from_center(2, 0)), cosine);
     cosine = up.times_plus(up.like(from_center(2, 1)), cosine);
@@ -151,13 +188,13 @@ pub(super) fn planar<S: Simd>(robot: &Robot, balls: &Balls<S>) -> Found<S> {
         x[k] = sine.times_from(from[1], cosine * from[0]) - from_center(k, 0);
         y[k] = sine.times_plus(from[0], cosine * from[1]) - from_center(k, 1);
     }
-    closed(balls, robot, Shape::of::<super::shape::Planar>(robot, x, y))
+    closed(balls, task, Shape::of::<super::shape::Planar>(task.geometry, x, y))
 }
 
 /// The only displacement, for sockets 120° apart, see [`Radial`](crate::virtualization::Radial).
 #[inline(always)]
-pub(super) fn radial<S: Simd>(robot: &Robot, balls: &Balls<S>) -> Found<S> {
-    let area = Plane::new(robot, balls).area;
+fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    let area = Plane::new(task.geometry, balls).area;
     let [l_12, l_23, l_31] = balls.squares;
     let half = (l_12 + l_23 + l_31) * 0.5;
     let square = area.times_plus(area.like(3.0_f64.sqrt()), half);
@@ -171,17 +208,32 @@ pub(super) fn radial<S: Simd>(robot: &Robot, balls: &Balls<S>) -> Found<S> {
         (square + d_32 - d_13) * third,
     ];
     let zero = sum.like(0.0);
-    let shape = Shape::of::<super::shape::Radial>(robot, slides, [zero; 3]);
-    let found = closed(balls, robot, shape);
+    let shape = Shape::of::<super::shape::Radial>(task.geometry, slides, [zero; 3]);
+    let found = closed(balls, task, shape);
     let within = zero.below(slides[0]) & zero.below(slides[1]) & zero.below(slides[2]);
     Found { met: found.met & within, ..found }
 }
 
 #[inline(always)]
-fn closed<S: Simd>(balls: &Balls<S>, robot: &Robot, shape: Shape<S>) -> Found<S> {
+fn closed<S: Simd>(balls: &Balls<S>, task: &Task<'_>, shape: Shape<S>) -> Found<S> {
     let missing = shape.missing(balls);
-    let met = balls.met(robot, &missing);
+    let met = balls.met(task.threshold, &missing);
     Found { shape, missing, iterations: balls.mean.like(0.0), met }
+}
+
+/// The first step from nominal, and where the sides are independent there.
+#[inline(always)]
+fn begin<S: Simd, M: Model>(
+    task: &Task<'_>,
+    start: &Shape<S>,
+    missing: &Three<S>,
+) -> (Three<S>, Three<S>, Mask<S>) {
+    if let Some(matrix) = task.first_step {
+        let zero = missing[0].like(0.0);
+        let (by_a, by_b) = first_step::<S, M>(matrix, missing);
+        return (by_a, by_b, zero.at_most(zero));
+    }
+    step::<S, M>(task, &start.response::<M>(), missing, 0.5)
 }
 
 /// Three numbers, and zero where the sides are met already.
@@ -199,9 +251,9 @@ fn unless<S: Simd>(met: Mask<S>, numbers: Three<S>) -> Three<S> {
 
 /// ‖(a, b)‖² in the metric.
 #[inline(always)]
-pub(super) fn squared<S: Simd, M: Model>(robot: &Robot, a: &Three<S>, b: &Three<S>) -> Lanes<S> {
+pub(crate) fn squared<S: Simd, M: Model>(task: &Task<'_>, a: &Three<S>, b: &Three<S>) -> Lanes<S> {
     let sum = |v: &Three<S>| v[0].times_plus(v[0], v[1].times_plus(v[1], v[2] * v[2]));
-    if M::ACROSS { sum(b).times_plus(a[0].like(1.0 / robot.compliance), sum(a)) } else { sum(a) }
+    if M::ACROSS { sum(b).times_plus(a[0].like(1.0 / task.compliance), sum(a)) } else { sum(a) }
 }
 
 /// The least step that gives each edge what it lacks: C Eᵀ (E C Eᵀ)⁻¹ · target · share.
@@ -209,12 +261,12 @@ pub(super) fn squared<S: Simd, M: Model>(robot: &Robot, a: &Three<S>, b: &Three<
 /// With it, where the three sides are independent beyond doubt.
 #[inline(always)]
 fn step<S: Simd, M: Model>(
-    robot: &Robot,
+    task: &Task<'_>,
     response: &Response<S>,
     target: &Three<S>,
     share: f64,
 ) -> (Three<S>, Three<S>, Mask<S>) {
-    let [n_00, n_11, n_22, n_01, n_12, n_20] = normal_matrix::<S, M>(robot, response);
+    let [n_00, n_11, n_22, n_01, n_12, n_20] = normal_matrix::<S, M>(task, response);
     // The inverse by cofactors: one division, and none of it waits for another.
     let c_00 = n_12.times_from(n_12, n_11 * n_22);
     let c_11 = n_20.times_from(n_20, n_00 * n_22);
@@ -238,7 +290,7 @@ fn step<S: Simd, M: Model>(
         if M::ACROSS {
             by_b[k] = leaving[1].times_from(y[k], arriving[1] * before);
             if M::TURNS {
-                by_b[k] = by_b[k] * robot.compliance;
+                by_b[k] = by_b[k] * task.compliance;
             }
         }
     }
@@ -249,7 +301,7 @@ fn step<S: Simd, M: Model>(
 
 /// E C Eᵀ, symmetric: its diagonal, then the entries (0,1), (1,2), (2,0).
 #[inline(always)]
-fn normal_matrix<S: Simd, M: Model>(robot: &Robot, response: &Response<S>) -> [Lanes<S>; 6] {
+fn normal_matrix<S: Simd, M: Model>(task: &Task<'_>, response: &Response<S>) -> [Lanes<S>; 6] {
     let zero = response.leaving[0][0].like(0.0);
     let (mut diagonal, mut off_diagonal) = ([zero; 3], [zero; 3]);
     for k in 0..3 {
@@ -260,11 +312,8 @@ fn normal_matrix<S: Simd, M: Model>(robot: &Robot, response: &Response<S>) -> [L
         // Entry (k − 1, k).
         off_diagonal[before] = -(l_a * r_a);
         if M::ACROSS {
-            let (l_c, r_c) = if M::TURNS {
-                (l_b * robot.compliance, r_b * robot.compliance)
-            } else {
-                (l_b, r_b)
-            };
+            let (l_c, r_c) =
+                if M::TURNS { (l_b * task.compliance, r_b * task.compliance) } else { (l_b, r_b) };
             diagonal[k] = l_c.times_plus(l_b, diagonal[k]);
             diagonal[before] = r_c.times_plus(r_b, diagonal[before]);
             off_diagonal[before] = l_c.times_from(r_b, off_diagonal[before]);

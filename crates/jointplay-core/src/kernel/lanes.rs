@@ -2,9 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use pulp::Simd;
-
-use super::Column;
+use pulp::{Scalar, Simd};
 
 /// One number of each pose in a block, in two registers: sixteen with AVX-512, eight with AVX2, four with NEON, else two.
 ///
@@ -13,62 +11,47 @@ use super::Column;
 /// In memory they begin where a line of the cache begins: a register that lies across two lines takes both.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub(super) struct Lanes<S: Simd> {
+pub(crate) struct Lanes<S: Simd> {
     simd: S,
     value: [S::f64s; 2],
 }
 
 /// A Boolean for each pose in a block.
 #[derive(Clone, Copy)]
-pub(super) struct Mask<S: Simd> {
+pub(crate) struct Mask<S: Simd> {
     simd: S,
     value: [S::m64s; 2],
 }
 
 /// The most lanes that any machine has.
-const MOST: usize = 16;
+pub(crate) const MOST: usize = 16;
 
 // Everything here is inlined, always: what is not would be compiled without the machine's wide instructions.
 impl<S: Simd> Lanes<S> {
     /// Poses in a block.
-    pub(super) const COUNT: usize = 2 * S::F64_LANES;
+    pub(crate) const COUNT: usize = 2 * S::F64_LANES;
 
     #[inline(always)]
-    pub(super) fn splat(simd: S, value: f64) -> Self {
+    pub(crate) fn splat(simd: S, value: f64) -> Self {
         Self { simd, value: [simd.splat_f64s(value); 2] }
     }
 
     /// The same number as another, of the same machine.
     #[inline(always)]
-    pub(super) fn like(self, value: f64) -> Self {
+    pub(crate) fn like(self, value: f64) -> Self {
         Self::splat(self.simd, value)
     }
 
-    /// The entries of a column from `first` on; beyond its end the last one again.
+    /// The first numbers of a slice, of which there are as many as lanes.
     #[inline(always)]
-    pub(super) fn load(simd: S, column: &Column<'_>, first: usize) -> Self {
-        if column.stride() == 1 && first + Self::COUNT <= column.len() {
-            return Self::of(simd, &column.contiguous()[first..first + Self::COUNT]);
-        }
-        if column.stride() == 0 {
-            return Self::splat(simd, column.at(0));
-        }
-        let mut numbers = [0.0; MOST];
-        for (lane, number) in numbers[..Self::COUNT].iter_mut().enumerate() {
-            *number = column.at((first + lane).min(column.len() - 1));
-        }
-        Self::of(simd, &numbers[..Self::COUNT])
-    }
-
-    #[inline(always)]
-    fn of(simd: S, numbers: &[f64]) -> Self {
+    pub(crate) fn of(simd: S, numbers: &[f64]) -> Self {
         let (whole, _) = S::as_simd_f64s(numbers);
         Self { simd, value: [whole[0], whole[1]] }
     }
 
     /// Writes the lanes to a column from `first` on, up to its end.
     #[inline(always)]
-    pub(super) fn store(&self, column: &mut [f64], first: usize) {
+    pub(crate) fn store(&self, column: &mut [f64], first: usize) {
         if first + Self::COUNT <= column.len() {
             let (whole, _) = S::as_mut_simd_f64s(&mut column[first..first + Self::COUNT]);
             let [a, b] = self.value;
@@ -82,7 +65,7 @@ impl<S: Simd> Lanes<S> {
 
     /// The numbers of all lanes; those that the machine does not have are zero.
     #[inline(always)]
-    pub(super) fn numbers(self) -> [f64; MOST] {
+    pub(crate) fn numbers(self) -> [f64; MOST] {
         let mut numbers = [0.0; MOST];
         let (whole, _) = S::as_mut_simd_f64s(&mut numbers[..Self::COUNT]);
         [whole[0], whole[1]] = self.value;
@@ -91,7 +74,7 @@ impl<S: Simd> Lanes<S> {
 
     /// A scalar function of each lane, for rare cases.
     #[inline(always)]
-    pub(super) fn each(self, function: impl Fn(f64) -> f64) -> Self {
+    pub(crate) fn each(self, function: impl Fn(f64) -> f64) -> Self {
         let mut numbers = self.numbers();
         for number in &mut numbers[..Self::COUNT] {
             *number = function(*number);
@@ -99,63 +82,60 @@ impl<S: Simd> Lanes<S> {
         Self::of(self.simd, &numbers[..Self::COUNT])
     }
 
-    /// `self · factor + addend`, rounded once where the machine can.
+    /// `self · factor + addend`, rounded once on every processor: in software where it has no fused multiply-add.
     #[inline(always)]
-    pub(super) fn times_plus(self, factor: Self, addend: Self) -> Self {
+    pub(crate) fn times_plus(self, factor: Self, addend: Self) -> Self {
         let ([a, b], [c, d], [e, f]) = (self.value, factor.value, addend.value);
         let simd = self.simd;
-        Self { simd, value: [simd.mul_add_e_f64s(a, c, e), simd.mul_add_e_f64s(b, d, f)] }
+        Self { simd, value: [simd.mul_add_f64s(a, c, e), simd.mul_add_f64s(b, d, f)] }
     }
 
-    /// `minuend − self · factor`.
+    /// `minuend − self · factor`, rounded once.
     #[inline(always)]
-    pub(super) fn times_from(self, factor: Self, minuend: Self) -> Self {
-        let ([a, b], [c, d], [e, f]) = (self.value, factor.value, minuend.value);
-        let simd = self.simd;
-        let value = [simd.negate_mul_add_e_f64s(a, c, e), simd.negate_mul_add_e_f64s(b, d, f)];
-        Self { simd, value }
+    pub(crate) fn times_from(self, factor: Self, minuend: Self) -> Self {
+        (-self).times_plus(factor, minuend)
     }
 
     #[inline(always)]
-    pub(super) fn squared(self) -> Self {
+    pub(crate) fn squared(self) -> Self {
         self * self
     }
 
     #[inline(always)]
-    pub(super) fn sqrt(self) -> Self {
+    pub(crate) fn sqrt(self) -> Self {
         let [a, b] = self.value;
         Self { value: [self.simd.sqrt_f64s(a), self.simd.sqrt_f64s(b)], ..self }
     }
 
     #[inline(always)]
-    pub(super) fn abs(self) -> Self {
+    pub(crate) fn abs(self) -> Self {
         let [a, b] = self.value;
         Self { value: [self.simd.abs_f64s(a), self.simd.abs_f64s(b)], ..self }
     }
 
     /// One over it.
     #[inline(always)]
-    pub(super) fn inverse(self) -> Self {
+    pub(crate) fn inverse(self) -> Self {
         self.like(1.0) / self
     }
 
     /// The larger of two; either where one is not a number.
     #[inline(always)]
-    pub(super) fn max(self, other: Self) -> Self {
+    pub(crate) fn max(self, other: Self) -> Self {
         let ([a, b], [c, d]) = (self.value, other.value);
         Self { value: [self.simd.max_f64s(a, c), self.simd.max_f64s(b, d)], ..self }
     }
 
     /// The smaller of two; either where one is not a number.
     #[inline(always)]
-    pub(super) fn min(self, other: Self) -> Self {
+    pub(crate) fn min(self, other: Self) -> Self {
         let ([a, b], [c, d]) = (self.value, other.value);
         Self { value: [self.simd.min_f64s(a, c), self.simd.min_f64s(b, d)], ..self }
     }
 
     /// Where `self ≤ other`; false where either is not a number.
     #[inline(always)]
-    pub(super) fn at_most(self, other: Self) -> Mask<S> {
+    pub(crate) fn at_most(self, other: Self) -> Mask<S> {
         let ([a, b], [c, d], simd) = (self.value, other.value, self.simd);
         let value = [simd.less_than_or_equal_f64s(a, c), simd.less_than_or_equal_f64s(b, d)];
         Mask { simd, value }
@@ -163,14 +143,14 @@ impl<S: Simd> Lanes<S> {
 
     /// Where `self < other`; false where either is not a number.
     #[inline(always)]
-    pub(super) fn below(self, other: Self) -> Mask<S> {
+    pub(crate) fn below(self, other: Self) -> Mask<S> {
         let ([a, b], [c, d], simd) = (self.value, other.value, self.simd);
         Mask { simd, value: [simd.less_than_f64s(a, c), simd.less_than_f64s(b, d)] }
     }
 
     /// Where this bit of the number's representation is set.
     #[inline(always)]
-    pub(super) fn bit(self, bit: u64) -> Mask<S> {
+    pub(crate) fn bit(self, bit: u64) -> Mask<S> {
         let ([a, b], simd, bit) = (self.value, self.simd, self.simd.splat_u64s(bit));
         let bits = [
             simd.and_u64s(simd.transmute_u64s_f64s(a), bit),
@@ -180,10 +160,18 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
+impl Lanes<Scalar> {
+    /// The number of a machine with one lane.
+    #[inline(always)]
+    pub(crate) fn number(self) -> f64 {
+        self.value[0]
+    }
+}
+
 impl<S: Simd> Mask<S> {
     /// `yes` where the mask is true, `no` elsewhere.
     #[inline(always)]
-    pub(super) fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
+    pub(crate) fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
         let ([a, b], [c, d], [e, f]) = (self.value, yes.value, no.value);
         let simd = self.simd;
         Lanes { simd, value: [simd.select_f64s(a, c, e), simd.select_f64s(b, d, f)] }
@@ -191,20 +179,20 @@ impl<S: Simd> Mask<S> {
 
     /// Whether all lanes are true.
     #[inline(always)]
-    pub(super) fn all(self) -> bool {
+    pub(crate) fn all(self) -> bool {
         !(!self).any()
     }
 
     /// Whether any lane is true.
     #[inline(always)]
-    pub(super) fn any(self) -> bool {
+    pub(crate) fn any(self) -> bool {
         let [a, b] = self.value;
         self.simd.first_true_m64s(self.simd.or_m64s(a, b)) < S::F64_LANES
     }
 
     /// The value of each lane; false for lanes that the machine does not have.
     #[inline(always)]
-    pub(super) fn answers(self) -> [bool; MOST] {
+    pub(crate) fn answers(self) -> [bool; MOST] {
         let (one, zero) = (Lanes::splat(self.simd, 1.0), Lanes::splat(self.simd, 0.0));
         let numbers = self.select(one, zero).numbers();
         let mut answers = [false; MOST];

@@ -1,25 +1,19 @@
 //! The triangle of the sockets of many poses, and how the virtual joints move it.
 
-use nalgebra::Vector3;
 use pulp::Simd;
 
+use super::geometry::{FirstStep, Geometry};
 use super::lanes::{Lanes, Mask};
-use crate::Error;
-use crate::gpr::Gpr;
-use crate::linalg::least_norm_of_three;
-use crate::virtualization::{
-    MAX_VIRTUAL_JOINTS, Sockets, SolveOptions, VirtualJoints, Virtualization, sides_of, signed_area,
-};
 
 /// Three numbers of each pose.
-pub(super) type Three<S> = [Lanes<S>; 3];
+pub(crate) type Three<S> = [Lanes<S>; 3];
 /// Three vectors of the platform plane of each pose.
-pub(super) type Vectors<S> = [[Lanes<S>; 2]; 3];
+pub(crate) type Vectors<S> = [[Lanes<S>; 2]; 3];
 
 /// One of the virtualizations of this crate, as a kernel knows it.
 ///
 /// Every socket has a coordinate `a` that moves it along a direction, and all but [`Radial`] a coordinate `b` that moves it across.
-pub(super) trait Model: Copy {
+pub(crate) trait Model: Copy {
     /// Whether there is a coordinate `b`.
     const ACROSS: bool;
     /// Whether `b` is an angle, which turns the direction.
@@ -33,7 +27,7 @@ pub(super) trait Model: Copy {
 macro_rules! models {
     ($($name:ident: $across:literal, $turns:literal, $from_socket:literal, $toward_socket:literal;)*) => {$(
         #[derive(Clone, Copy)]
-        pub(super) struct $name;
+        pub(crate) struct $name;
 
         impl Model for $name {
             const ACROSS: bool = $across;
@@ -52,135 +46,45 @@ models! {
     Planar: true, false, true, false;
 }
 
-/// Data of a robot under a virtualization that all poses share.
-pub(super) struct Robot {
-    /// B_j − B_i in the base plane (m).
-    pub(super) base_edges: [[f64; 2]; 3],
-    /// Their squared lengths (m²).
-    pub(super) base_squares: [f64; 3],
-    /// Centroid of the base points (m).
-    pub(super) base_center: [f64; 2],
-    /// Twice the signed area of the base points (m²).
-    pub(super) base_area: f64,
-    /// Nominal sockets (m).
-    pub(super) sockets: [[f64; 2]; 3],
-    /// Centroid of the nominal sockets (m).
-    pub(super) socket_center: [f64; 2],
-    /// Directions along which `a` moves a socket.
-    directions: [[f64; 2]; 3],
-    /// Nominal `a`; nominal `b` is zero.
-    pub(super) start: [f64; 3],
-    /// Squared sides of the nominal sockets (m²).
-    start_squares: [f64; 3],
-    /// The first step from nominal: joints by sides, per change of a squared side.
-    first_step: [[f64; 3]; 6],
-    /// Compliance of `b` relative to `a`: 1/ρ², or 1.
-    pub(super) compliance: f64,
-    /// 4 · relative threshold².
-    threshold: f64,
-    /// Whether sockets are 120° apart.
-    pub(super) equally_spaced: bool,
-}
-
-impl Robot {
-    /// `None` where the first step from nominal does not exist, so that no pose is for the kernel.
-    pub(super) fn new<M: Model>(
-        gpr: &Gpr,
-        virtualization: &dyn Virtualization,
-        options: &SolveOptions,
-    ) -> Result<Option<Self>, Error> {
-        let platform = gpr.platform();
-        let characteristic_length = options.metric.characteristic_length(platform)?;
-        let joints = virtualization.joints();
-        let mut nominal = VirtualJoints::zeros(joints.len());
-        virtualization.nominal(platform, &mut nominal);
-        let mut velocities = [Sockets::default(); MAX_VIRTUAL_JOINTS];
-        virtualization.socket_velocities(platform, &nominal, &mut velocities[..joints.len()]);
-        let sockets = platform.sockets();
-        let mut columns = [Vector3::zeros(); 6];
-        let mut compliance = [1.0; 6];
-        for (m, joint) in joints.iter().enumerate() {
-            for k in 0..3 {
-                let next = (k + 1) % 3;
-                let edge = (sockets[next] - sockets[k]) * 2.0;
-                columns[m][k] = edge.dot(&(velocities[m][next] - velocities[m][k]));
-            }
-            let weight = joint.motion.weight(characteristic_length);
-            compliance[m] = 1.0 / (weight * weight);
-        }
-        let mut first_step = [[0.0; 3]; 6];
-        for side in 0..3 {
-            let (mut unit, mut step) = (Vector3::zeros(), [0.0; 6]);
-            unit[side] = 1.0;
-            let count = joints.len();
-            let (columns, compliance) = (&columns[..count], &compliance[..count]);
-            if !least_norm_of_three(columns, compliance, &unit, &mut step[..count]) {
-                return Ok(None);
-            }
-            for (row, value) in first_step.iter_mut().zip(step) {
-                row[side] = value;
-            }
-        }
-        let points = gpr.base_points();
-        let base_edges = [0, 1, 2].map(|k| (points[(k + 1) % 3] - points[k]).into());
-        let toward = platform.directions().map(Into::into);
-        Ok(Some(Self {
-            base_edges,
-            base_squares: base_edges.map(|[x, y]: [f64; 2]| x * x + y * y),
-            base_center: ((points[0] + points[1] + points[2]) / 3.0).into(),
-            base_area: signed_area(points),
-            sockets: sockets.map(Into::into),
-            socket_center: ((sockets[0] + sockets[1] + sockets[2]) / 3.0).into(),
-            directions: if M::TOWARD_SOCKET { toward } else { [[1.0, 0.0]; 3] },
-            start: if M::FROM_SOCKET { [0.0; 3] } else { *platform.radii() },
-            start_squares: sides_of(sockets).map(|side| side * side),
-            first_step,
-            compliance: if M::TURNS { 1.0 / characteristic_length.powi(2) } else { 1.0 },
-            threshold: 4.0 * options.relative_threshold.powi(2),
-            equally_spaced: platform.equally_spaced(),
-        }))
-    }
-}
-
 /// The triangle of the balls of many poses.
 #[derive(Clone, Copy)]
-pub(super) struct Balls<S: Simd> {
+pub(crate) struct Balls<S: Simd> {
     /// Mean rod (m).
-    pub(super) mean: Lanes<S>,
+    pub(crate) mean: Lanes<S>,
     /// Differences of rods, q_j − q_i (m).
-    pub(super) rises: Three<S>,
+    pub(crate) rises: Three<S>,
     /// Squared sides L_ij² (m²).
-    pub(super) squares: Three<S>,
+    pub(crate) squares: Three<S>,
 }
 
 impl<S: Simd> Balls<S> {
     #[inline(always)]
-    pub(super) fn new(robot: &Robot, rods: Three<S>) -> Self {
+    pub(crate) fn new(geometry: &Geometry, rods: Three<S>) -> Self {
         let [q_1, q_2, q_3] = rods;
         let rises = [q_2 - q_1, q_3 - q_2, q_1 - q_3];
         let mut squares = rises;
         for k in 0..3 {
-            squares[k] = rises[k].times_plus(rises[k], q_1.like(robot.base_squares[k]));
+            squares[k] = rises[k].times_plus(rises[k], q_1.like(geometry.base_squares[k]));
         }
         Self { mean: (q_1 + q_2 + q_3) * (1.0 / 3.0), rises, squares }
     }
 
     /// Difference of each squared side from that of the nominal sockets (m²).
     #[inline(always)]
-    pub(super) fn missing_at_start(&self, robot: &Robot) -> Three<S> {
+    pub(crate) fn missing_at_start(&self, geometry: &Geometry) -> Three<S> {
         let mut missing = self.squares;
         for (k, missing) in missing.iter_mut().enumerate() {
-            *missing = *missing - robot.start_squares[k];
+            *missing = *missing - geometry.socket_squares[k];
         }
         missing
     }
 
-    /// Lanes where the difference of all squared sides is within the threshold.
+    /// Lanes where the difference of all squared sides is within the threshold of a task.
     #[inline(always)]
-    pub(super) fn met(&self, robot: &Robot, missing: &Three<S>) -> Mask<S> {
+    pub(crate) fn met(&self, threshold: f64, missing: &Three<S>) -> Mask<S> {
         // |L − l| ≤ ε max L, squared and with (L + l)² = 4 L², for which no root is needed.
         let [l_1, l_2, l_3] = self.squares;
-        let most = l_1.max(l_2).max(l_3) * robot.threshold;
+        let most = l_1.max(l_2).max(l_3) * threshold;
         missing[0].squared().at_most(most * l_1)
             & missing[1].squared().at_most(most * l_2)
             & missing[2].squared().at_most(most * l_3)
@@ -189,32 +93,32 @@ impl<S: Simd> Balls<S> {
 
 /// The triangle of the sockets of many poses, with the virtual joints that make it.
 #[derive(Clone, Copy)]
-pub(super) struct Shape<S: Simd> {
+pub(crate) struct Shape<S: Simd> {
     /// Coordinates along the directions (m).
-    pub(super) a: Three<S>,
+    pub(crate) a: Three<S>,
     /// Coordinates across ((m), (rad)).
-    pub(super) b: Three<S>,
+    pub(crate) b: Three<S>,
     /// Directions along which `a` moves the sockets.
     directions: Vectors<S>,
     /// p_j − p_i (m).
-    pub(super) edges: Vectors<S>,
+    pub(crate) edges: Vectors<S>,
     /// p_k (m).
-    pub(super) sockets: Vectors<S>,
+    pub(crate) sockets: Vectors<S>,
 }
 
 /// How the sides of the triangle answer to the virtual joints.
 #[derive(Clone, Copy)]
-pub(super) struct Response<S: Simd> {
+pub(crate) struct Response<S: Simd> {
     /// Effect of `a` and `b` of limb k on the edge that leaves socket k.
-    pub(super) leaving: Vectors<S>,
+    pub(crate) leaving: Vectors<S>,
     /// Effect of `a` and `b` of limb k on the edge that arrives at socket k.
-    pub(super) arriving: Vectors<S>,
+    pub(crate) arriving: Vectors<S>,
 }
 
 impl<S: Simd> Shape<S> {
     /// The nominal sockets.
     #[inline(always)]
-    pub(super) fn start<M: Model>(robot: &Robot, any: Lanes<S>) -> Self {
+    pub(crate) fn start<M: Model>(geometry: &Geometry, any: Lanes<S>) -> Self {
         let zero = any.like(0.0);
         let mut shape = Self {
             a: [zero; 3],
@@ -224,26 +128,32 @@ impl<S: Simd> Shape<S> {
             sockets: [[zero; 2]; 3],
         };
         for k in 0..3 {
-            shape.a[k] = any.like(robot.start[k]);
+            shape.a[k] = any.like(geometry.start::<M>()[k]);
             for axis in 0..2 {
-                shape.directions[k][axis] = any.like(robot.directions[k][axis]);
+                shape.directions[k][axis] = any.like(geometry.directions::<M>()[k][axis]);
             }
         }
+        shape.lay_out::<M>(geometry);
         shape
     }
 
     /// A shape from its virtual joints, for virtualizations without angles.
     #[inline(always)]
-    pub(super) fn of<M: Model>(robot: &Robot, a: Three<S>, b: Three<S>) -> Self {
-        let mut shape = Self::start::<M>(robot, a[0]);
+    pub(crate) fn of<M: Model>(geometry: &Geometry, a: Three<S>, b: Three<S>) -> Self {
+        let mut shape = Self::start::<M>(geometry, a[0]);
         (shape.a, shape.b) = (a, b);
-        shape.lay_out::<M>(robot);
+        shape.lay_out::<M>(geometry);
         shape
     }
 
     /// Moves the virtual joints.
     #[inline(always)]
-    pub(super) fn advance<M: Model>(&mut self, robot: &Robot, by_a: Three<S>, by_b: Three<S>) {
+    pub(crate) fn advance<M: Model>(
+        &mut self,
+        geometry: &Geometry,
+        by_a: Three<S>,
+        by_b: Three<S>,
+    ) {
         for k in 0..3 {
             self.a[k] = self.a[k] + by_a[k];
             if M::ACROSS {
@@ -256,12 +166,12 @@ impl<S: Simd> Shape<S> {
                     [sine.times_from(y, x * cosine), sine.times_plus(x, y * cosine)];
             }
         }
-        self.lay_out::<M>(robot);
+        self.lay_out::<M>(geometry);
     }
 
     /// Sockets and edges for the coordinates and directions.
     #[inline(always)]
-    fn lay_out<M: Model>(&mut self, robot: &Robot) {
+    fn lay_out<M: Model>(&mut self, geometry: &Geometry) {
         for k in 0..3 {
             let [x, y] = self.directions[k];
             let moved = if M::TOWARD_SOCKET {
@@ -270,7 +180,7 @@ impl<S: Simd> Shape<S> {
                 [self.a[k], self.b[k]]
             };
             self.sockets[k] = if M::FROM_SOCKET {
-                let [start_x, start_y] = robot.sockets[k];
+                let [start_x, start_y] = geometry.sockets[k];
                 [moved[0] + start_x, moved[1] + start_y]
             } else {
                 moved
@@ -285,7 +195,7 @@ impl<S: Simd> Shape<S> {
 
     /// Difference of each squared side from that of this triangle (m²).
     #[inline(always)]
-    pub(super) fn missing(&self, balls: &Balls<S>) -> Three<S> {
+    pub(crate) fn missing(&self, balls: &Balls<S>) -> Three<S> {
         let mut missing = balls.squares;
         for (k, missing) in missing.iter_mut().enumerate() {
             let [x, y] = self.edges[k];
@@ -296,10 +206,10 @@ impl<S: Simd> Shape<S> {
 
     /// Distance of each ball from the centre of its nominal socket (m).
     #[inline(always)]
-    pub(super) fn ball_displacements(&self, robot: &Robot) -> Three<S> {
+    pub(crate) fn ball_displacements(&self, geometry: &Geometry) -> Three<S> {
         let mut displacements = self.a;
         for (k, displacement) in displacements.iter_mut().enumerate() {
-            let [x, y] = [0, 1].map(|axis| self.sockets[k][axis] - robot.sockets[k][axis]);
+            let [x, y] = [0, 1].map(|axis| self.sockets[k][axis] - geometry.sockets[k][axis]);
             *displacement = x.times_plus(x, y * y).sqrt();
         }
         displacements
@@ -307,14 +217,14 @@ impl<S: Simd> Shape<S> {
 
     /// Twice the signed area (m²).
     #[inline(always)]
-    pub(super) fn area(&self) -> Lanes<S> {
+    pub(crate) fn area(&self) -> Lanes<S> {
         let ([x_1, y_1], [x_2, y_2]) = (self.edges[0], self.edges[1]);
         y_1.times_from(x_2, x_1 * y_2)
     }
 
     /// Products of the edges with the velocities of the sockets.
     #[inline(always)]
-    pub(super) fn response<M: Model>(&self) -> Response<S> {
+    pub(crate) fn response<M: Model>(&self) -> Response<S> {
         let zero = self.a[0].like(0.0);
         let mut response = Response { leaving: [[zero; 2]; 3], arriving: [[zero; 2]; 3] };
         for k in 0..3 {
@@ -338,16 +248,16 @@ impl<S: Simd> Shape<S> {
 
 /// The first step from nominal, which is the same linear map for all poses.
 #[inline(always)]
-pub(super) fn first_step<S: Simd, M: Model>(
-    robot: &Robot,
+pub(crate) fn first_step<S: Simd, M: Model>(
+    first_step: &FirstStep,
     missing: &Three<S>,
 ) -> (Three<S>, Three<S>) {
     let zero = missing[0].like(0.0);
     let (mut by_a, mut by_b) = ([zero; 3], [zero; 3]);
     for k in 0..3 {
-        by_a[k] = row(&robot.first_step[k], missing);
+        by_a[k] = row(&first_step.0[k], missing);
         if M::ACROSS {
-            by_b[k] = row(&robot.first_step[3 + k], missing);
+            by_b[k] = row(&first_step.0[3 + k], missing);
         }
     }
     (by_a, by_b)

@@ -28,7 +28,7 @@ const ROUNDING: f64 = 6_755_399_441_055_744.0;
 /// # Source
 /// Reduction and polynomials of \[fdlibm\], `e_rem_pio2.c`, `k_sin.c`, `k_cos.c`
 #[inline(always)]
-pub(super) fn sin_cos<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+pub(crate) fn sin_cos<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let shifted = angle.times_plus(angle.like(FRAC_2_PI), angle.like(ROUNDING));
     let quarters = shifted - ROUNDING;
     let mut rest = angle;
@@ -45,7 +45,7 @@ pub(super) fn sin_cos<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     if !far.any() {
         return near;
     }
-    (far.select(angle.each(f64::sin), near.0), far.select(angle.each(f64::cos), near.1))
+    (far.select(angle.each(libm::sin), near.0), far.select(angle.each(libm::cos), near.1))
 }
 
 /// Sine and cosine of angles up to π/4 (rad).
@@ -82,7 +82,7 @@ fn within_an_eighth<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
 /// # Numerics
 /// Exact to round-off; a short series where the angle is small, else [`sin_cos`].
 #[inline(always)]
-pub(super) fn sin_cos_of_step<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+pub(crate) fn sin_cos_of_step<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     const SINE: [f64; 3] = [-1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0];
     const COSINE: [f64; 3] = [-1.0 / 720.0, 1.0 / 24.0, -0.5];
     let square = angle.squared();
@@ -104,7 +104,7 @@ pub(super) fn sin_cos_of_step<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) 
 /// # Source
 /// \[Cephes\], `atan.c`
 #[inline(always)]
-pub(super) fn angle_of<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
+pub(crate) fn angle_of<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
     const ABOVE: [f64; 5] = [
         -8.750_608_600_031_904_122_785e-1,
         -1.615_753_718_733_365_076_637e1,
@@ -166,11 +166,17 @@ mod tests {
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> Vec<f64> {
+            let count = Lanes::<S>::COUNT;
+            let lanes = |numbers: &[f64]| {
+                let mut all = numbers.to_vec();
+                all.resize(count, 0.0);
+                Lanes::of(simd, &all)
+            };
             let mut found = vec![0.0; self.0.len()];
-            for first in (0..self.0.len()).step_by(Lanes::<S>::COUNT) {
-                let a = Lanes::load(simd, &self.0.into(), first);
-                let b = Lanes::load(simd, &self.1.into(), first);
-                self.2.call(a, b).store(&mut found, first);
+            for ((a, b), found) in
+                self.0.chunks(count).zip(self.1.chunks(count)).zip(found.chunks_mut(count))
+            {
+                self.2.call(lanes(a), lanes(b)).store(found, 0);
             }
             found
         }

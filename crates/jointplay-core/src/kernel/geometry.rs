@@ -1,0 +1,158 @@
+//! What a kernel knows of a robot.
+
+use nalgebra::Vector3;
+
+use super::processor::Processor;
+use super::shape::Model;
+use crate::linalg::least_norm_of_three;
+use crate::virtualization::{
+    MAX_VIRTUAL_JOINTS, Platform, Sockets, SolveOptions, Solver, VirtualJoints, Virtualization,
+    sides_of, signed_area,
+};
+
+/// Dimensions of a robot that all poses share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Geometry {
+    /// B_j − B_i in the base plane (m).
+    pub(crate) base_edges: [[f64; 2]; 3],
+    /// Their squared lengths (m²).
+    pub(crate) base_squares: [f64; 3],
+    /// Centroid of the base points (m).
+    pub(crate) base_center: [f64; 2],
+    /// Twice the signed area of the base points (m²).
+    pub(crate) base_area: f64,
+    /// Nominal sockets (m).
+    pub(crate) sockets: [[f64; 2]; 3],
+    /// Centroid of the nominal sockets (m).
+    pub(crate) socket_center: [f64; 2],
+    /// Squared sides of the nominal sockets (m²).
+    pub(crate) socket_squares: [f64; 3],
+    /// Whether sockets are 120° apart.
+    pub(crate) equally_spaced: bool,
+    radii: [f64; 3],
+    directions: [[f64; 2]; 3],
+    /// That of the machine on which the robot was made.
+    pub(crate) processor: Processor,
+}
+
+impl Geometry {
+    pub(crate) fn new(base_points: &Sockets, platform: &Platform) -> Self {
+        let sockets = platform.sockets();
+        let base_edges = [0, 1, 2].map(|k| (base_points[(k + 1) % 3] - base_points[k]).into());
+        let center = |points: &Sockets| ((points[0] + points[1] + points[2]) / 3.0).into();
+        Self {
+            base_edges,
+            base_squares: base_edges.map(|[x, y]: [f64; 2]| x * x + y * y),
+            base_center: center(base_points),
+            base_area: signed_area(base_points),
+            sockets: sockets.map(Into::into),
+            socket_center: center(sockets),
+            socket_squares: sides_of(sockets).map(|side| side * side),
+            equally_spaced: platform.equally_spaced(),
+            radii: *platform.radii(),
+            directions: platform.directions().map(Into::into),
+            processor: Processor::new(),
+        }
+    }
+
+    /// Nominal coordinates along the directions (m); those across are zero.
+    #[inline(always)]
+    pub(crate) fn start<M: Model>(&self) -> [f64; 3] {
+        if M::FROM_SOCKET { [0.0; 3] } else { self.radii }
+    }
+
+    /// Directions of the coordinates along, at nominal.
+    #[inline(always)]
+    pub(crate) fn directions<M: Model>(&self) -> [[f64; 2]; 3] {
+        if M::TOWARD_SOCKET { self.directions } else { [[1.0, 0.0]; 3] }
+    }
+}
+
+/// What a kernel is asked: the robot, and how its virtual joints are found.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Task<'a> {
+    pub(crate) geometry: &'a Geometry,
+    /// The requested solver, or least norm where a closed form does not exist.
+    pub(crate) solver: Solver,
+    pub(crate) max_iterations: usize,
+    /// Compliance of coordinates across relative to those along: 1/ρ² for angles, 1 for lengths.
+    pub(crate) compliance: f64,
+    /// 4 · relative threshold².
+    pub(crate) threshold: f64,
+    /// The first step from nominal, where it pays to compute it once.
+    pub(crate) first_step: Option<&'a FirstStep>,
+}
+
+impl<'a> Task<'a> {
+    /// # Arguments
+    /// * `characteristic_length` – ρ of the metric (m)
+    #[inline(always)]
+    pub(crate) fn new<M: Model>(
+        geometry: &'a Geometry,
+        options: &SolveOptions,
+        characteristic_length: f64,
+    ) -> Self {
+        let weight = characteristic_length * characteristic_length;
+        // Planar, and radial where the sockets are 120° apart.
+        let has_closed_form = !M::TOWARD_SOCKET || (!M::ACROSS && geometry.equally_spaced);
+        Self {
+            geometry,
+            solver: match options.solver {
+                Solver::ClosedForm if !has_closed_form => Solver::LeastNorm,
+                solver => solver,
+            },
+            max_iterations: options.max_iterations,
+            compliance: if M::TURNS { 1.0 / weight } else { 1.0 },
+            threshold: 4.0 * options.relative_threshold * options.relative_threshold,
+            first_step: None,
+        }
+    }
+}
+
+/// The first step from nominal, which is the same linear map for all poses: joints by sides, per change of a squared side.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FirstStep(pub(super) [[f64; 3]; 6]);
+
+impl FirstStep {
+    /// `None` where the sides are dependent at nominal.
+    ///
+    /// # Arguments
+    /// * `characteristic_length` – ρ of the metric (m)
+    pub(crate) fn new(
+        platform: &Platform,
+        virtualization: &dyn Virtualization,
+        characteristic_length: f64,
+    ) -> Option<Self> {
+        let joints = virtualization.joints();
+        let count = joints.len();
+        let mut nominal = VirtualJoints::zeros(count);
+        virtualization.nominal(platform, &mut nominal);
+        let mut velocities = [Sockets::default(); MAX_VIRTUAL_JOINTS];
+        virtualization.socket_velocities(platform, &nominal, &mut velocities[..count]);
+        let sockets = platform.sockets();
+        let mut columns = [Vector3::zeros(); 6];
+        let mut compliance = [1.0; 6];
+        for (m, joint) in joints.iter().enumerate() {
+            for k in 0..3 {
+                let next = (k + 1) % 3;
+                let edge = (sockets[next] - sockets[k]) * 2.0;
+                columns[m][k] = edge.dot(&(velocities[m][next] - velocities[m][k]));
+            }
+            let weight = joint.motion.weight(characteristic_length);
+            compliance[m] = 1.0 / (weight * weight);
+        }
+        let mut first_step = [[0.0; 3]; 6];
+        for side in 0..3 {
+            let (mut unit, mut step) = (Vector3::zeros(), [0.0; 6]);
+            unit[side] = 1.0;
+            let (columns, compliance) = (&columns[..count], &compliance[..count]);
+            if !least_norm_of_three(columns, compliance, &unit, &mut step[..count]) {
+                return None;
+            }
+            for (row, value) in first_step.iter_mut().zip(step) {
+                row[side] = value;
+            }
+        }
+        Some(Self(first_step))
+    }
+}

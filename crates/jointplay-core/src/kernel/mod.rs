@@ -1,0 +1,20 @@
+//! The closed equations of the three-rod robot under the virtualizations of this crate, for one pose or for many side by side.
+//!
+//! A kernel answers where the answer is beyond doubt; all else, errors included, is left to [`solve`](crate::virtualization::solve).
+
+mod geometry;
+mod lanes;
+mod pose;
+mod processor;
+mod shape;
+mod single;
+mod solve;
+mod trigonometry;
+
+pub(crate) use geometry::{FirstStep, Geometry, Task};
+pub(crate) use lanes::{Lanes, MOST, Mask};
+pub(crate) use pose::{Plane, PlatformPoses};
+pub(crate) use shape::{Balls, Model, Offset, Planar, Polar, Radial, Shape, Three};
+pub(crate) use single::SinglePose;
+pub(crate) use solve::{Found, solved, squared};
+pub(crate) use trigonometry::sin_cos;

@@ -1,0 +1,40 @@
+//! Digests of studies and files.
+
+use std::fmt::Write as _;
+
+use jointplay_core::bulk::instruction_set;
+use jointplay_format::study::StudyFile;
+use jointplay_study::plan::CHUNK;
+use sha2::{Digest as _, Sha256};
+
+/// Version of this program.
+pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// SHA-256, in hexadecimal, of everything that decides the numbers of a study, with the version of the program and the rows of a part.
+///
+/// Studies with sensitivities include the instruction set of the processor, see [`Plan::depends_on_processor`](jointplay_study::plan::Plan::depends_on_processor).
+/// Names and comments of the study file are not included.
+#[must_use]
+pub fn digest(study: &StudyFile) -> String {
+    let mut text = format!("jointplay {VERSION}\nrows {CHUNK}\n");
+    if let Some(instructions) = instructions(study) {
+        let _ = writeln!(text, "instructions {instructions}");
+    }
+    for (key, value) in study.facts() {
+        let _ = writeln!(text, "{key} {} {value}", value.len());
+    }
+    sha256(text.as_bytes())
+}
+
+/// The instruction set of this processor, if the numbers of a study depend on it.
+pub(super) fn instructions(study: &StudyFile) -> Option<&'static str> {
+    study.plan.depends_on_processor().then(instruction_set)
+}
+
+/// SHA-256 in hexadecimal.
+pub(super) fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().fold(String::with_capacity(64), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}

@@ -1,0 +1,83 @@
+//! The table of a study from its parts.
+
+use jointplay_study::plan::Totals;
+
+use super::digest::sha256;
+use super::error::PartsError;
+use super::manifest::Manifest;
+use super::names::PartNames;
+use super::totals_of_parts::TotalsOfParts;
+use crate::study_table::{Index, Table, TableKind};
+
+/// Puts parts together to the bytes of a run on one machine.
+pub struct Gathering {
+    kind: TableKind,
+    table: Table,
+    index: Index,
+    /// Length of the table so far (bytes).
+    at: u64,
+    totals: TotalsOfParts,
+}
+
+impl Gathering {
+    /// Of no parts yet.
+    ///
+    /// # Errors
+    /// [`PartsError::Table`], [`PartsError::Study`].
+    pub fn new(manifest: &Manifest) -> Result<Self, PartsError> {
+        let Manifest { study, kind } = manifest;
+        let table = Table::new(*kind, study.columns.clone())?;
+        let at = table.head().len() as u64;
+        let totals = TotalsOfParts::new(study)?;
+        Ok(Self { kind: *kind, table, index: Index::default(), at, totals })
+    }
+
+    /// Bytes of the table before those of the parts.
+    #[must_use]
+    pub fn head(&self) -> Vec<u8> {
+        self.table.head()
+    }
+
+    /// Names of the files of the part that follows.
+    #[must_use]
+    pub fn next(&self) -> PartNames {
+        PartNames::of(self.totals.next(), self.kind)
+    }
+
+    /// Adds the part that follows; its bytes in the table.
+    ///
+    /// # Arguments
+    /// * `record`, `table` – contents of its two files
+    ///
+    /// # Errors
+    /// As [`TotalsOfParts::add`]; [`PartsError::Changed`].
+    pub fn add(&mut self, record: &str, table: &[u8]) -> Result<Vec<u8>, PartsError> {
+        let names = self.next();
+        let record = self.totals.add_record(record)?;
+        let (found, found_sha256) = (table.len() as u64, sha256(table));
+        if (found, &found_sha256) != (record.bytes, &record.sha256) {
+            return Err(PartsError::Changed {
+                file: names.table,
+                record: names.record,
+                found,
+                found_sha256,
+                bytes: record.bytes,
+                sha256: record.sha256,
+            });
+        }
+        let chunk = self.table.chunk_of(table)?;
+        self.table.note(&mut self.index, &chunk, self.at)?;
+        let bytes = chunk.parts.concat();
+        self.at += bytes.len() as u64;
+        Ok(bytes)
+    }
+
+    /// Bytes of the table after those of the parts, and the totals of all.
+    ///
+    /// # Errors
+    /// [`PartsError::Missing`].
+    pub fn finish(self) -> Result<(Vec<u8>, Totals), PartsError> {
+        let totals = self.totals.finish()?;
+        Ok((self.table.foot(&self.index)?, totals))
+    }
+}

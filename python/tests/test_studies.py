@@ -1,0 +1,254 @@
+"""Studies in chunks and parts: every engine and every file system gives the bytes of one run."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import contextlib
+import functools
+import hashlib
+import json
+import multiprocessing
+import os
+import pickle
+import signal
+import subprocess
+import tempfile
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.fs
+import pyarrow.parquet as pq
+import pytest
+
+import jointplay as jp
+
+STUDY = """kind = "study"
+name = "robots as built"
+virtualizations = ["planar"]
+samples = {samples}
+seed = 12
+quantities = ["tilt_error_urad", "origin_x_um", "q1_mm"]
+
+[pose]
+tilt_x_deg = {{ normal = [0, 0.5] }}
+tilt_y_deg = {{ uniform = [-1, 1] }}
+"""
+# Two parts and a short one.
+SMALL = STUDY.format(samples=131_073)
+# Seven parts, some seconds of work of a core.
+LARGE = STUDY.format(samples=400_000)
+
+
+@functools.cache
+def whole(text: str, ending: str = "parquet") -> tuple[str, dict[str, Any], bytes]:
+    """Digest of the table, the summary, and the table of the command on one machine."""
+    with tempfile.TemporaryDirectory() as name:
+        table = Path(name, f"whole.{ending}")
+        command = [os.environ["JOINTPLAY_COMMAND"], "study", "-", "--out", table, "--format", "json"]
+        done = subprocess.run(command, check=True, capture_output=True, text=True, input=text)
+        return digest(table), json.loads(done.stdout), table.read_bytes()
+
+
+def digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def gathered(parts: jp.study.Parts, folder: Path) -> tuple[str, dict[str, Any]]:
+    """The same of parts."""
+    table = folder / f"gathered.{parts.format}"
+    parts.gather(table)
+    return digest(table), parts.summary()
+
+
+def test_a_plan_is_its_text():
+    plan = jp.study.Plan.from_toml(SMALL)
+    assert (plan.name, plan.samples, plan.chunks, plan.text) == ("robots as built", 131_073, 3, SMALL)
+    assert plan.columns[:4] == ("sample", "tilt_x_deg", "tilt_y_deg", "height_mm")
+    assert plan.units["planar_tilt_error_urad"] == "urad" and "sample" not in plan.units
+    again = pickle.loads(pickle.dumps(plan))
+    assert again == plan and hash(again) == hash(plan) and again.digest == plan.digest
+    # Comments and names change no number.
+    assert jp.study.Plan.from_toml("# mine\n" + SMALL.replace("robots", "my robots")) == plan
+    assert jp.study.Plan.from_toml(SMALL.replace("seed = 12", "seed = 13")) != plan
+    assert [jp.study.Plan.example(name).samples for name in ("center-shift", "misbuilt")] == [2232, 10_000]
+    with pytest.raises(jp.UnknownNameError, match="misbuilt"):
+        jp.study.Plan.example("missbuilt")  # type: ignore[arg-type]
+    with pytest.raises(jp.FileError, match="seed"):
+        jp.study.Plan.from_toml(SMALL.replace("seed = 12", "seed = -1"))
+
+
+def test_a_robot_file_is_pickled_with_its_plan(tmp_path):
+    robot = Path(__file__).resolve().parents[2] / "robots" / "gpr.toml"
+    (tmp_path / "mine.toml").write_text(robot.read_text().replace("height_mm = 500.0", "height_mm = 400.0"))
+    (tmp_path / "s.toml").write_text(SMALL.replace("seed", 'robot = "mine.toml"\nseed'))
+    plan = jp.study.Plan.from_file(tmp_path / "s.toml")
+    text = pickle.dumps(plan)
+    (tmp_path / "mine.toml").unlink()
+    assert pickle.loads(text).digest == plan.digest
+    table = pa.table(pickle.loads(text).chunk(2))
+    assert table["height_mm"].to_pylist() == [400.0]
+    with pytest.raises(jp.FileError, match="cannot read the robot file"):
+        jp.study.Plan.from_file(tmp_path / "s.toml")
+    with pytest.raises(jp.FileError, match="not in the catalogue"):
+        jp.study.Plan.from_toml((tmp_path / "s.toml").read_text())
+
+
+def test_chunks_are_the_rows_of_the_table():
+    plan = jp.study.Plan.from_toml(SMALL)
+    table = pq.read_table(pa.BufferReader(whole(SMALL)[2]))
+    chunks = [pa.table(plan.chunk(number, threads=1 + number)) for number in range(3)]
+    assert pa.concat_tables(chunks).equals(table.cast(pa.schema(plan.schema)))
+    assert [len(plan.chunk(2)), plan.chunk(2).__repr__()] == [1, "Chunk(1 samples, 8 columns)"]
+    # Units are in the metadata of the columns, here and in the file.
+    for schema in (pa.schema(plan.schema), chunks[0].schema, table.schema):
+        units = {field.name: (field.metadata or {}).get(b"unit") for field in schema}
+        assert {name: unit.decode() for name, unit in units.items() if unit} == plan.units
+    for number in (-1, 3, 1.5, 10**40, None, "0"):
+        with pytest.raises(jp.InputError, match="there is no chunk"):
+            plan.chunk(number)  # type: ignore[arg-type]
+    with pytest.raises(jp.InputError, match="threads"):
+        plan.chunk(0, threads=0)
+
+
+def test_a_chunk_is_computed_without_the_gil():
+    plan = jp.study.Plan.from_toml(SMALL)
+    done = threading.Event()
+    counts: list[int] = []
+
+    def compute() -> None:
+        plan.chunk(0, threads=1)
+        done.set()
+
+    thread = threading.Thread(target=compute)
+    start = time.process_time()
+    thread.start()
+    count = 0
+    while not done.is_set():
+        count += 1
+    thread.join()
+    counts.append(count)
+    # Both threads used a processor, or this one had its turn all the while.
+    assert time.process_time() > start and counts[0] > 1000
+
+
+def arrow_local(folder: Path) -> dict[str, Any]:
+    (folder / "arrow").mkdir()
+    return {"location": str(folder / "arrow" / "run"), "filesystem": pyarrow.fs.LocalFileSystem()}
+
+
+LOCATIONS = {
+    "local": lambda folder: {"location": folder / "run"},
+    "file": lambda folder: {"location": f"file://{folder}/run"},
+    "memory": lambda folder: {"location": f"memory://{folder.name}/run"},
+    "arrow": arrow_local,
+}
+
+
+@pytest.mark.parametrize(("kind", "format"), [*((kind, "parquet") for kind in LOCATIONS), ("local", "csv")])
+def test_any_file_system_has_the_parts(kind, format, tmp_path):
+    plan = jp.study.Plan.from_toml(SMALL)
+    options = LOCATIONS[kind](tmp_path)
+    parts = plan.parts(**options, format=format)
+    assert parts.missing() == [0, 1, 2] and parts.status()["done"] == 0
+    # In any order, and twice.
+    assert [parts.write(part) for part in (2, 0, 2)] == [2, 0, 2]
+    assert parts.missing() == [1] and parts.status()["missing_ranges"] == [[1, 1]]
+    for call in (parts.summary, lambda: parts.gather(tmp_path / f"t.{format}")):
+        with pytest.raises(jp.MissingPartsError, match="1 of 3 parts are missing, the first is part 1") as caught:
+            call()
+        assert (caught.value.missing, caught.value.parts, caught.value.first) == (1, 3, 1)
+    # From elsewhere.
+    again = pickle.loads(pickle.dumps(parts))
+    assert again == parts and again.write(1) == 1 and again.missing() == []
+    assert gathered(parts, tmp_path) == whole(SMALL, format)[:2]
+    names = parts._store.names()
+    expected = {"study.json"} | {f"part-{part:06}.{end}" for part in range(3) for end in (format, "json")}
+    assert names == expected
+    with pytest.raises(jp.PartsError, match="seed: 12 there, 13 here"):
+        jp.study.Plan.from_toml(SMALL.replace("seed = 12", "seed = 13")).parts(**options, format=format).write(0)
+    other = "csv" if format == "parquet" else "parquet"
+    with pytest.raises(jp.PartsError, match=f"the parts are {format} tables"):
+        plan.parts(**options, format=other).missing()  # type: ignore[arg-type]
+    # A part that changed is refused, and computed again once its record is gone.
+    parts._store.write(f"part-000001.{format}", b"PAR1")
+    with pytest.raises(jp.PartsError, match="delete part-000001.json, and the part is computed again"):
+        parts.gather(tmp_path / f"t.{format}")
+    assert not (tmp_path / f"t.{format}").exists()
+
+
+def test_command_and_package_share_a_folder(tmp_path):
+    plan = jp.study.Plan.from_toml(SMALL)
+    parts = plan.parts(tmp_path / "run")
+    parts.write(1)
+    (tmp_path / "s.toml").write_text(SMALL)
+    command = [os.environ["JOINTPLAY_COMMAND"], "study", "--parts", tmp_path / "run", "--quiet", "--format", "json"]
+    report = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert json.loads(report.stdout)["computed"] == 2
+    assert parts.missing() == [] and gathered(parts, tmp_path) == whole(SMALL)[:2]
+
+
+def test_invalid_folders_are_refused(tmp_path):
+    plan = jp.study.Plan.from_toml(SMALL)
+    with pytest.raises(jp.UnknownNameError, match="parquet"):
+        plan.parts(tmp_path, format="arrow")  # type: ignore[arg-type]
+    with pytest.raises(jp.InputError, match="threads"):
+        plan.parts(tmp_path, threads=-1)
+    with pytest.raises(jp.InputError, match="storage_options"):
+        plan.parts(tmp_path, storage_options={"key": "value"})
+    (tmp_path / "study.json").write_text("[]")
+    with pytest.raises(jp.PartsError, match="study.json was not written by jointplay"):
+        plan.parts(tmp_path).write(0)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OSError):
+        plan.parts(tmp_path / "file").write(0)
+
+
+def kill_one(parts: jp.study.Parts, pids: list[int], after: int) -> int:
+    """Kills a process once so many parts are finished; their number then."""
+    while (done := parts.status()["done"]) < after:
+        time.sleep(0.01)
+    os.kill(pids[0], signal.SIGKILL)
+    return int(done)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="processes of Windows have no SIGKILL")
+def test_processes_that_are_killed_are_made_up_for(tmp_path):
+    plan = jp.study.Plan.from_toml(LARGE)
+    parts = plan.parts(tmp_path / "run")
+    context = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as pool:
+        futures = [pool.submit(parts.write, part) for part in parts.missing()]
+        done = kill_one(parts, list(pool._processes or {}), after=2)
+        assert 2 <= done < plan.chunks
+        with pytest.raises(concurrent.futures.process.BrokenProcessPool):
+            for future in futures:
+                future.result()
+    assert parts.missing()
+    with concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as pool:
+        list(pool.map(parts.write, parts.missing()))
+    assert gathered(parts, tmp_path) == whole(LARGE)[:2]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="processes of Windows have no SIGKILL")
+@pytest.mark.filterwarnings("default")
+def test_dask_with_a_worker_killed(tmp_path):
+    import dask
+    from distributed import Client, LocalCluster
+
+    plan = jp.study.Plan.from_toml(LARGE)
+    parts = plan.parts(tmp_path / "run")
+    settings = {"distributed.scheduler.allowed-failures": 10, "temporary-directory": str(tmp_path)}
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(dask.config.set(settings))
+        cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50)
+        client = stack.enter_context(Client(stack.enter_context(cluster)))
+        pids = list(client.run(os.getpid).values())
+        futures = client.map(parts.write, parts.missing(), pure=False, retries=3)
+        done = kill_one(parts, pids, after=2)
+        assert 2 <= done < plan.chunks
+        assert sorted(client.gather(futures)) == list(range(plan.chunks))
+        assert pids[0] not in client.run(os.getpid).values()
+    assert gathered(parts, tmp_path) == whole(LARGE)[:2]
