@@ -5,8 +5,12 @@
 //! | import a model of MuJoCo, Gazebo, ROS or FreeCAD | [`import::parse`] |
 //! | export a cell's motion | [`export`] |
 //! | answer host software as a simulated controller | [`host`] |
+//! | recognise the kind of a file | [`FileKind`] |
 
 mod controller_text;
 pub mod export;
+mod file_kind;
 pub mod host;
 pub mod import;
+
+pub use file_kind::FileKind;

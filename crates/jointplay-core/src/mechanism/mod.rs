@@ -10,6 +10,7 @@ mod closing;
 mod closure;
 mod commanded_positions;
 mod description;
+mod drive_from;
 mod drive_path;
 mod elementary;
 mod evidence;
@@ -30,6 +31,7 @@ mod relieved_motion;
 mod self_stress;
 mod single_commands;
 mod singular;
+mod small_commands;
 mod sparse;
 mod suggest;
 mod suggest_options;
@@ -51,6 +53,7 @@ pub use description::{
     Carrier, Joint, LinearAndAngular, MAX_LINKS, Mechanism, MechanismError, VirtualJoint,
     VirtualMotion,
 };
+pub use drive_from::{drive_from, held_actuators};
 pub use drive_path::{Drive, DrivePath};
 pub use elementary::{ElementaryChain, ElementaryMotion};
 pub use evidence::{LinkMotion, MobilityClass, ScrewAxis, link_motion};
@@ -73,6 +76,7 @@ pub use relief::{CommandedJoints, Relief, ReliefSolver, relieve, virtual_weights
 pub use relieved_motion::drive_relieved;
 pub use self_stress::{JointWrench, SelfStress, SelfStresses, StressScrew, self_stresses};
 pub use single_commands::{SingleCommand, single_commands};
+pub use small_commands::{Commands, SMALL_COMMAND, small_commands};
 pub use sparse::{SparseMobility, SparseSystem};
 pub use suggest::{Suggestion, Suggestions, suggest};
 pub use suggest_options::{SuggestOptions, SuggestionRank};

@@ -54,6 +54,8 @@ pub(crate) fn bars(points: &[Vector3<f64>], shortest: f64) -> Vec<[Vector3<f64>;
 
 /// Radius of a bar, as a share of the size of the mechanism.
 pub(crate) const BAR: f64 = 0.015;
+/// Radius of a joint, as a share of the size of the mechanism.
+pub(crate) const JOINT: f64 = 0.025;
 
 /// Half of the largest extent of the joints of the links at their poses; 1 if there is none (m).
 pub(crate) fn size(points: &[Vec<Vector3<f64>>], poses: &[Pose]) -> f64 {
