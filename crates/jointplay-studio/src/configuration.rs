@@ -8,14 +8,15 @@ use jointplay::mechanism::{
     close_sparse, exaggerated_link_poses, guess, pose_commanded,
 };
 use jointplay::nalgebra::DVector;
+use jointplay::plot::MechanismPicture;
 use jointplay::report;
 
 use crate::mechanism_source::ReadMechanism;
 use crate::problem::Problem;
 use crate::wire::Triple;
 use crate::wire::mechanism_view::{
-    BarDocument, ConfigurationDocument, CoordinateInfo, JointDocument, LinkDocument,
-    MechanismDocument, MechanismParameter, VirtualJointDocument,
+    BarDocument, ConfigurationDocument, CoordinateInfo, LinkDocument, MechanismDocument,
+    MechanismJoint, MechanismParameter, VirtualJointDocument,
 };
 
 impl ReadMechanism {
@@ -105,7 +106,7 @@ impl ReadMechanism {
                 })
                 .collect(),
         });
-        let joints = mechanism.joints().iter().map(|joint| JointDocument {
+        let joints = mechanism.joints().iter().map(|joint| MechanismJoint {
             name: joint.name.clone(),
             kind: joint.kind.name(),
             links: joint.links,
@@ -131,6 +132,10 @@ impl ReadMechanism {
                 .map(|(name, value)| MechanismParameter { name: name.clone(), value: *value })
                 .collect(),
             size_m: shapes.size,
+            view_direction: MechanismPicture::new(mechanism, at)
+                .toward_viewer()
+                .ok()
+                .map(|toward| Triple(toward.into())),
             bar_radius_m: shapes.bar_radius,
             joint_radius_m: shapes.joint_radius,
             configuration,

@@ -16,8 +16,8 @@ use crate::page;
 use crate::problem::Problem;
 use crate::routes::{
     cell, cell_jog, cell_parts, cell_plan, cell_samples, cell_station, compare, forward, inverse,
-    mechanism, mechanism_file, mechanism_mobility, mechanism_open, mesh, mobility, pose, robot,
-    sensitivity, study,
+    mechanism, mechanism_file, mechanism_mobility, mechanism_motions, mechanism_open,
+    mechanism_suggest, mesh, mobility, pose, robot, sensitivity, study,
 };
 use crate::state::AppState;
 
@@ -50,6 +50,9 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(mechanism_open::mechanism_open))
         .routes(routes!(mechanism_open::mechanism_drive))
         .routes(routes!(mechanism_mobility::mobility_of_mechanism))
+        .routes(routes!(mechanism_motions::instantaneous_motions))
+        .routes(routes!(mechanism_motions::assembly_modes))
+        .routes(routes!(mechanism_suggest::suggest_virtual_joints))
         .routes(routes!(study::study))
         .routes(routes!(study::study_csv))
         .routes(routes!(study::study_parquet))

@@ -56,7 +56,7 @@ pub use description::{
 pub use drive_from::{drive_from, held_actuators};
 pub use drive_path::{Drive, DrivePath};
 pub use elementary::{ElementaryChain, ElementaryMotion};
-pub use evidence::{LinkMotion, MobilityClass, ScrewAxis, link_motion};
+pub use evidence::{LinkMotion, MobilityClass, ScrewAxis, link_motion, poses_along_motion};
 pub use exaggeration::{ExaggeratedPlay, exaggerate_play, exaggerated_link_poses};
 pub use frame_drive::drive_frames;
 pub use frame_path::{FramePath, FrameTarget, OrientationTarget};

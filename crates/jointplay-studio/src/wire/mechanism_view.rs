@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use jointplay::report::{
     FirstBeyondReport, LimitReport, MechanismMobilityReport, SingularReport, SparseMobilityReport,
+    SuggestReport,
 };
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -148,7 +149,7 @@ pub(crate) struct MechanismDocument {
     /// Links; the first is the base.
     pub(crate) links: Vec<LinkDocument>,
     /// Joints.
-    pub(crate) joints: Vec<JointDocument>,
+    pub(crate) joints: Vec<MechanismJoint>,
     /// Virtual joints.
     pub(crate) virtual_joints: Vec<VirtualJointDocument>,
     /// Coordinates of the joints, then of the virtual joints.
@@ -157,6 +158,9 @@ pub(crate) struct MechanismDocument {
     pub(crate) parameters: Vec<MechanismParameter>,
     /// Half of the largest extent (m).
     pub(crate) size_m: f64,
+    /// Unit vector to the viewer in the view that separates the joints best, in the frame of the base.
+    #[schema(required = true)]
+    pub(crate) view_direction: Option<Triple>,
     /// Radius of the bars of links (m).
     pub(crate) bar_radius_m: f64,
     /// Radius of joints (m).
@@ -189,7 +193,7 @@ pub(crate) struct BarDocument {
 
 /// A joint.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
-pub(crate) struct JointDocument {
+pub(crate) struct MechanismJoint {
     /// Name of the joint.
     pub(crate) name: String,
     /// Kind, as in files.
@@ -337,4 +341,49 @@ pub(crate) struct CatalogueEntry {
     pub(crate) title: String,
     /// Text of the file (TOML).
     pub(crate) text: String,
+}
+
+/// Request of virtual joints that make a motion possible.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SuggestRequest {
+    /// The mechanism; its virtual joints are replaced.
+    #[serde(deserialize_with = "strict::object")]
+    pub(crate) mechanism: MechanismSource,
+    /// Commanded joint coordinates by name: expressions in the units of the file. Without any, each actuated joint is displaced by a small amount.
+    #[serde(default)]
+    #[schema(required = false)]
+    pub(crate) command: BTreeMap<String, String>,
+}
+
+/// Virtual joints that make a motion possible.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct SuggestDocument {
+    /// The sets of virtual joints.
+    pub(crate) report: SuggestReport,
+    /// Text of the mechanism file with the virtual joints of each of the first ten sets.
+    pub(crate) texts: Vec<String>,
+}
+
+/// The instantaneous motions of a mechanism.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct MotionsDocument {
+    /// One for each dimension of the instantaneous mobility; an orthonormal basis.
+    pub(crate) motions: Vec<MotionDocument>,
+}
+
+/// An instantaneous motion as poses, from one side through the configuration to the other.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct MotionDocument {
+    /// Poses of all links at each step.
+    pub(crate) steps: Vec<Vec<PlacedDocument>>,
+}
+
+/// The assembly modes of a mechanism.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct BranchesDocument {
+    /// Actuated joint coordinates that have the same values in all of them.
+    pub(crate) held: Vec<String>,
+    /// The closed configurations, the one nearest the request first.
+    pub(crate) branches: Vec<ConfigurationDocument>,
 }
