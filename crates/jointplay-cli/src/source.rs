@@ -81,7 +81,9 @@ impl Source {
 fn used_by(kind: Kind, label: &str) -> String {
     match kind {
         Kind::Mechanism | Kind::Model => {
-            format!("commands for it: jointplay mobility, assemble, move, draw or suggest {label}")
+            format!(
+                "commands for it: jointplay mobility, assemble, move, draw, suggest or studio {label}"
+            )
         }
         Kind::ThreeRods => format!(
             "commands for it: jointplay forward, inverse, mobility, sensitivity, compare, simulate or studio --robot {label}; jointplay draw, move, suggest or jacobian {label}"

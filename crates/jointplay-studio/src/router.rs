@@ -48,6 +48,7 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(mechanism_file::catalogue_entries))
         .routes(routes!(mechanism_file::catalogue_picture))
         .routes(routes!(mechanism_open::mechanism_open))
+        .routes(routes!(mechanism_open::mechanism_configuration))
         .routes(routes!(mechanism_open::mechanism_drive))
         .routes(routes!(mechanism_mobility::mobility_of_mechanism))
         .routes(routes!(mechanism_motions::instantaneous_motions))

@@ -265,6 +265,11 @@ export async function driveMechanism(mechanism: MechanismSource, from: number[],
   return json(request('mechanism/drive', { mechanism, from, to, play_scale }));
 }
 
+/** A configuration with its poses at another play scale. */
+export async function mechanismConfiguration(mechanism: MechanismSource, coordinates: number[], play_scale: number): Promise<ConfigurationDocument> {
+  return json(request('mechanism/configuration', { mechanism, coordinates, play_scale }));
+}
+
 export async function mechanismMobility(mechanism: MechanismSource, coordinates: number[], signal: AbortSignal): Promise<MobilityOfMechanism> {
   return json(request('mechanism/mobility', { mechanism, coordinates }, signal));
 }

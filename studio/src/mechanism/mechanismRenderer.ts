@@ -163,7 +163,7 @@ export class MechanismRenderer extends SceneRenderer {
   /** Shows the mechanism from a standard direction; `home` is the direction that separates the joints best. */
   showView(view: SceneView): void {
     const best = view === 'home' ? this.#document?.view_direction : null;
-    this.lookAtBox(this.#eye, this.#box(), new Vector3(...(best ?? STANDARD_VIEWS[view])));
+    this.lookAtBox(this.#eye, this.#box(), new Vector3(...(best ?? STANDARD_VIEWS[view])), 1.02);
   }
 
   /** Position and target of the camera [sizes]. */

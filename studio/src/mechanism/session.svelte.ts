@@ -55,6 +55,8 @@ class MechanismSession {
   /** The last mechanism without errors. */
   document = $state.raw<MechanismDocument | null>(null);
   configuration = $state.raw<ConfigurationDocument | null>(null);
+  /** Poses of the links at the play scale, once they differ from those of the configuration. */
+  poses = $state.raw<ConfigurationDocument['poses'] | null>(null);
   /** Number of texts shown; the camera is placed anew for each. */
   shown = $state(0);
   entries = $state.raw<api.CatalogueEntry[]>([]);
@@ -104,6 +106,7 @@ class MechanismSession {
   #mobilityAbort: AbortController | null = null;
   /** Wanted values of driven coordinates that were not sent yet. */
   #wanted: Record<string, string> = {};
+  #scaling = false;
 
   constructor() {
     connection.onReconnect(() => {
@@ -166,6 +169,7 @@ class MechanismSession {
     this.#abort = abort;
     this.notice = null;
     this.otherView = null;
+    this.playScale = 1;
     this.reading = true;
     try {
       const opened = await api.openMechanism(loops === null ? { text } : { text, loops }, null, this.playScale, abort.signal);
@@ -189,7 +193,6 @@ class MechanismSession {
       this.#updateHistory();
       this.notice = opened.note ?? null;
       this.selected = null;
-      this.playScale = 1;
       this.#take(opened, true);
       this.tab = diagnostics.length > 0 ? 'text' : 'tree';
     } catch (error) {
@@ -229,7 +232,7 @@ class MechanismSession {
     const { mechanism } = opened;
     if (fresh || mechanism) {
       this.document = mechanism ?? null;
-      this.configuration = mechanism?.configuration ?? null;
+      this.#setConfiguration(mechanism?.configuration ?? null);
       this.stopped = null;
       this.met = [];
       this.refused = {};
@@ -359,7 +362,29 @@ class MechanismSession {
 
   setPlayScale(scale: number): void {
     this.playScale = scale;
-    if (!this.moving && this.configuration) void this.#read(true);
+    if (!this.moving && !this.#scaling) void this.#scale();
+  }
+
+  /** Requests the poses at the last play scale; the configuration stays, and so do its analyses. */
+  async #scale(): Promise<void> {
+    this.#scaling = true;
+    try {
+      for (let scale = NaN; scale !== this.playScale && this.configuration && !this.moving; ) {
+        scale = this.playScale;
+        const { configuration } = this;
+        const { poses } = await api.mechanismConfiguration(this.#source, configuration.coordinates, scale);
+        if (this.configuration === configuration) this.poses = poses;
+      }
+    } catch (error) {
+      this.failed(error);
+    } finally {
+      this.#scaling = false;
+    }
+  }
+
+  #setConfiguration(configuration: ConfigurationDocument | null): void {
+    this.configuration = configuration;
+    this.poses = configuration?.poses ?? null;
   }
 
   /** Shows another closed configuration. */
@@ -367,7 +392,7 @@ class MechanismSession {
     this.animated = null;
     this.stopped = null;
     this.met = [];
-    this.configuration = configuration;
+    this.#setConfiguration(configuration);
     this.#settled();
   }
 
@@ -381,7 +406,7 @@ class MechanismSession {
         try {
           const found = await api.driveMechanism(this.#source, this.configuration.coordinates, to, this.playScale);
           if (document !== this.document) break;
-          this.configuration = found.configuration;
+          this.#setConfiguration(found.configuration);
           this.stopped = found.message ?? null;
           this.refused = {};
           this.#note(found);

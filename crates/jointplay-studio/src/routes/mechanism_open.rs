@@ -1,8 +1,11 @@
-//! `POST /api/v1/mechanism/open` and `drive`: mechanisms of texts, and motions of their joints.
+//! `POST /api/v1/mechanism/open`, `configuration` and `drive`: mechanisms of texts, and motions of their joints.
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::mechanism::{Closure, Drive, DrivePath, drive_from, held_actuators};
+use jointplay::constraint::{CLOSURE_TOLERANCE, System as _};
+use jointplay::mechanism::{
+    Closure, Drive, DrivePath, MechanismSystem, SparseSystem, drive_from, held_actuators,
+};
 use jointplay::report;
 
 use crate::body::Body;
@@ -10,7 +13,8 @@ use crate::mechanism_source::{self, Unread, how_to_open, play_scale};
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::mechanism_view::{
-    DriveDocument, DriveRequest, FileKindName, OpenRequest, OpenedDocument,
+    ConfigurationDocument, ConfigurationRequest, DriveDocument, DriveRequest, FileKindName,
+    OpenRequest, OpenedDocument,
 };
 
 /// Number of steps of a motion, between which limits are examined.
@@ -67,6 +71,44 @@ fn open(request: OpenRequest) -> Result<OpenedDocument, Problem> {
         diagnostics: Vec::new(),
         mechanism: Some(mechanism),
     })
+}
+
+/// A configuration with the poses of its links at another play scale
+#[utoipa::path(
+    post,
+    path = "/api/v1/mechanism/configuration",
+    operation_id = "mechanism_configuration",
+    request_body = ConfigurationRequest,
+    responses(
+        (status = 200, description = "The configuration", body = ConfigurationDocument),
+        (status = 409, description = "The loops are not closed", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn mechanism_configuration(
+    State(state): State<AppState>,
+    Body(request): Body<ConfigurationRequest>,
+) -> Result<Json<ConfigurationDocument>, Problem> {
+    state.work.run(move || configuration(&request)).await.map(Json)
+}
+
+fn configuration(request: &ConfigurationRequest) -> Result<ConfigurationDocument, Problem> {
+    let scale = play_scale(request.play_scale)?;
+    let read = mechanism_source::required(&request.mechanism)?;
+    let coordinates = read.checked(&request.coordinates, "coordinates")?;
+    let mechanism = &read.file.mechanism;
+    let residual = if MechanismSystem::fits(mechanism) {
+        let system = MechanismSystem::new(mechanism, coordinates.clone())?;
+        system.mismatch(&system.at_home())
+    } else {
+        SparseSystem::new(mechanism, coordinates.clone())?.residual()
+    };
+    let closed = Closure { coordinates, residual, iterations: 0, is_searched: false };
+    if !closed.is_closed() {
+        return Err(jointplay::Error::NotClosed { residual, allowed: CLOSURE_TOLERANCE }.into());
+    }
+    read.configuration(&closed, scale)
 }
 
 /// Drive joints of a mechanism from a configuration

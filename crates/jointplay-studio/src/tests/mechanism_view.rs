@@ -189,7 +189,19 @@ fn a_suggested_set_applied_makes_the_motion_possible() {
     let start = &mechanism["configuration"]["coordinates"];
     let moved = drive(applied, start, &json!({ "rod 1": "2" }));
     assert_eq!(moved["stopped"], Value::Null, "{moved}");
-    assert_eq!(moved["configuration"]["displaced"], true);
+    let configuration = &moved["configuration"];
+    assert_eq!(configuration["displaced"], true);
+    // The play scale changes poses, and nothing else.
+    let at = |scale: f64| {
+        let body = json!({ "mechanism": source(applied), "coordinates": configuration["coordinates"], "play_scale": scale });
+        answered("/api/v1/mechanism/configuration", &body.to_string())
+    };
+    assert_eq!(at(1.0)["poses"], configuration["poses"]);
+    let exaggerated = at(200.0);
+    assert_eq!(exaggerated["values"], configuration["values"]);
+    assert_ne!(exaggerated["poses"], configuration["poses"]);
+    let open_loops = json!({ "mechanism": source(applied), "coordinates": vec![0.01; configuration["coordinates"].as_array().unwrap().len()] });
+    refused("/api/v1/mechanism/configuration", &open_loops.to_string(), 409, None, "");
 }
 
 #[test]
