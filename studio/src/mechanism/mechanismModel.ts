@@ -166,7 +166,13 @@ export class MechanismModel {
     }
   }
 
-  /** Positions of the joints by name, in the frame of the group. */
+  /** Origins of the links by name, in the scene. */
+  linkOrigins(): { name: string; position: Vector3 }[] {
+    this.group.updateMatrixWorld(true);
+    return this.#document.links.map(({ name }, i) => ({ name, position: this.#links[i]!.getWorldPosition(new Vector3()) }));
+  }
+
+  /** Positions of the joints by name, in the scene. */
   jointPositions(): { name: string; actuated: boolean; position: Vector3 }[] {
     this.group.updateMatrixWorld(true);
     return this.#document.joints.map(({ name, actuated }, i) => ({ name, actuated, position: this.#joints[i]!.getWorldPosition(new Vector3()) }));

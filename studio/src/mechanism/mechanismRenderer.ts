@@ -15,6 +15,8 @@ export interface MechanismRendererEvents extends RendererEvents {
 
 /** Up to this number of joints, all of them have labels. */
 const MANY = 16;
+/** The view is larger than the mechanism by this factor, for labels and buttons. */
+const MARGIN = 1.22;
 /** Period of an animated motion [ms]. */
 const PERIOD_MS = 2600;
 
@@ -163,7 +165,24 @@ export class MechanismRenderer extends SceneRenderer {
   /** Shows the mechanism from a standard direction; `home` is the direction that separates the joints best. */
   showView(view: SceneView): void {
     const best = view === 'home' ? this.#document?.view_direction : null;
-    this.lookAtBox(this.#eye, this.#box(), new Vector3(...(best ?? STANDARD_VIEWS[view])), 1.02);
+    this.#fit(new Vector3(...(best ?? STANDARD_VIEWS[view])).normalize());
+  }
+
+  /** Moves the camera along a direction to where the corners of all bars fit into the view, with a margin. */
+  #fit(toward: Vector3): void {
+    const box = this.#box();
+    const center = box.getCenter(new Vector3());
+    const right = new Vector3().crossVectors(this.#eye.up, toward).normalize();
+    const up = new Vector3().crossVectors(toward, right);
+    const slope = Math.tan((this.#eye.fov * Math.PI) / 360);
+    const needed = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => {
+      const corner = new Vector3(i & 1 ? box.min.x : box.max.x, i & 2 ? box.min.y : box.max.y, i & 4 ? box.min.z : box.max.z).sub(center);
+      return corner.dot(toward) + (MARGIN * Math.max(Math.abs(corner.dot(right)) / this.#eye.aspect, Math.abs(corner.dot(up)))) / slope;
+    });
+    this.controls.target.copy(center);
+    this.#eye.position.copy(center).addScaledVector(toward, Math.max(...needed));
+    this.controls.update();
+    this.invalidate();
   }
 
   /** Position and target of the camera [sizes]. */
@@ -182,6 +201,12 @@ export class MechanismRenderer extends SceneRenderer {
   jointPositions(): Record<string, number[]> {
     const size = this.#document?.size_m ?? 1;
     return Object.fromEntries((this.#model?.jointPositions() ?? []).map(({ name, position }) => [name, position.multiplyScalar(size).toArray()]));
+  }
+
+  /** Origins of the links in the base frame [m]. */
+  linkOrigins(): Record<string, number[]> {
+    const size = this.#document?.size_m ?? 1;
+    return Object.fromEntries((this.#model?.linkOrigins() ?? []).map(({ name, position }) => [name, position.multiplyScalar(size).toArray()]));
   }
 
   /** Position of a joint on the page [px]. */

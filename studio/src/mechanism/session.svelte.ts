@@ -107,6 +107,10 @@ class MechanismSession {
   /** Wanted values of driven coordinates that were not sent yet. */
   #wanted: Record<string, string> = {};
   #scaling = false;
+  /** Play scale of the poses. */
+  #posesScale = 1;
+  /** Play scale of the assembly modes. */
+  #modesScale = 1;
 
   constructor() {
     connection.onReconnect(() => {
@@ -172,7 +176,7 @@ class MechanismSession {
     this.playScale = 1;
     this.reading = true;
     try {
-      const opened = await api.openMechanism(loops === null ? { text } : { text, loops }, null, this.playScale, abort.signal);
+      const opened = await api.openMechanism(loops === null ? { text } : { text, loops }, null, 1, abort.signal);
       if (abort.signal.aborted) return;
       const { kind, diagnostics, mechanism } = opened;
       if (!mechanism && diagnostics.length === 0) {
@@ -193,7 +197,7 @@ class MechanismSession {
       this.#updateHistory();
       this.notice = opened.note ?? null;
       this.selected = null;
-      this.#take(opened, true);
+      this.#take(opened, true, 1);
       this.tab = diagnostics.length > 0 ? 'text' : 'tree';
     } catch (error) {
       this.failed(error);
@@ -227,19 +231,19 @@ class MechanismSession {
   }
 
   /** Takes over the answer to a text. */
-  #take(opened: OpenedDocument, fresh: boolean): void {
+  #take(opened: OpenedDocument, fresh: boolean, scale: number): void {
     this.opened = opened;
     const { mechanism } = opened;
     if (fresh || mechanism) {
       this.document = mechanism ?? null;
-      this.#setConfiguration(mechanism?.configuration ?? null);
+      this.#setConfiguration(mechanism?.configuration ?? null, scale);
       this.stopped = null;
       this.met = [];
       this.refused = {};
       this.singularValues = {};
       this.redundant = null;
       this.animated = null;
-      this.#wanted = {};
+      if (fresh) this.#wanted = {};
     }
     if (fresh) this.shown += 1;
     this.#settled();
@@ -270,10 +274,12 @@ class MechanismSession {
     this.reading = true;
     try {
       const from = near ? (this.configuration?.coordinates ?? null) : null;
-      const opened = await api.openMechanism(this.#source, from, this.playScale, abort.signal);
+      const { playScale } = this;
+      const opened = await api.openMechanism(this.#source, from, playScale, abort.signal);
       if (abort.signal.aborted) return;
-      this.#take(opened, false);
+      this.#take(opened, false, playScale);
       this.reading = false;
+      if (Object.keys(this.#wanted).length > 0 && !this.moving) void this.#drive();
     } catch (error) {
       // Without a connection, the state stays outdated until the text is read again.
       if (this.#abort === abort && !(error instanceof ConnectionError)) this.reading = false;
@@ -352,7 +358,8 @@ class MechanismSession {
   drive(name: string, value: string): void {
     this.animated = null;
     this.#wanted = { ...this.#wanted, [name]: value };
-    if (!this.moving) void this.#drive();
+    // A text that is being read may change the coordinates: the motion begins afterwards.
+    if (!this.moving && !this.reading && !this.#typing) void this.#drive();
   }
 
   /** Returns to the closed configuration near the guess of the file. */
@@ -369,11 +376,12 @@ class MechanismSession {
   async #scale(): Promise<void> {
     this.#scaling = true;
     try {
-      for (let scale = NaN; scale !== this.playScale && this.configuration && !this.moving; ) {
-        scale = this.playScale;
-        const { configuration } = this;
-        const { poses } = await api.mechanismConfiguration(this.#source, configuration.coordinates, scale);
-        if (this.configuration === configuration) this.poses = poses;
+      while (this.#posesScale !== this.playScale && this.configuration && !this.moving) {
+        const { configuration, playScale } = this;
+        const { poses } = await api.mechanismConfiguration(this.#source, configuration.coordinates, playScale);
+        if (this.configuration !== configuration) continue;
+        this.poses = poses;
+        this.#posesScale = playScale;
       }
     } catch (error) {
       this.failed(error);
@@ -382,9 +390,11 @@ class MechanismSession {
     }
   }
 
-  #setConfiguration(configuration: ConfigurationDocument | null): void {
+  #setConfiguration(configuration: ConfigurationDocument | null, scale: number): void {
     this.configuration = configuration;
     this.poses = configuration?.poses ?? null;
+    this.#posesScale = scale;
+    if (scale !== this.playScale && !this.#scaling) void this.#scale();
   }
 
   /** Shows another closed configuration. */
@@ -392,21 +402,26 @@ class MechanismSession {
     this.animated = null;
     this.stopped = null;
     this.met = [];
-    this.#setConfiguration(configuration);
+    this.#setConfiguration(configuration, this.#modesScale);
     this.#settled();
   }
 
   async #drive(): Promise<void> {
     this.moving = true;
     try {
-      while (Object.keys(this.#wanted).length > 0 && this.configuration) {
+      while (Object.keys(this.#wanted).length > 0 && this.configuration && !this.reading && !this.#typing) {
         const to = this.#wanted;
         this.#wanted = {};
         const { document } = this;
         try {
-          const found = await api.driveMechanism(this.#source, this.configuration.coordinates, to, this.playScale);
-          if (document !== this.document) break;
-          this.#setConfiguration(found.configuration);
+          const { playScale } = this;
+          const found = await api.driveMechanism(this.#source, this.configuration.coordinates, to, playScale);
+          if (document !== this.document) {
+            // Another mechanism: its configuration is the start.
+            this.#wanted = { ...to, ...this.#wanted };
+            continue;
+          }
+          this.#setConfiguration(found.configuration, playScale);
           this.stopped = found.message ?? null;
           this.refused = {};
           this.#note(found);
@@ -419,6 +434,7 @@ class MechanismSession {
       }
     } finally {
       this.moving = false;
+      this.setPlayScale(this.playScale);
       this.#settled();
     }
   }
@@ -490,6 +506,7 @@ class MechanismSession {
   }
 
   async computeModes(): Promise<void> {
+    this.#modesScale = this.playScale;
     this.modes = await this.#analyse('modes', ({ coordinates }) => api.mechanismBranches(this.#source, coordinates, this.playScale));
   }
 

@@ -160,12 +160,12 @@ export abstract class SceneRenderer {
     this.render();
   }
 
-  /** Moves a camera so that it sees a box from a direction; with a share of 1, the sphere around the box fits into the view. */
-  protected lookAtBox(camera: PerspectiveCamera, box: Box3, direction: Vector3, share = 0.82): void {
+  /** Moves a camera so that it sees a box from a direction. */
+  protected lookAtBox(camera: PerspectiveCamera, box: Box3, direction: Vector3): void {
     const center = box.getCenter(new Vector3());
     const reach = box.getSize(new Vector3()).length() / 2;
     const aspect = Math.min(camera.aspect, 1);
-    const distance = (share * reach) / Math.sin((camera.fov * Math.PI) / 360) / aspect;
+    const distance = (0.82 * reach) / Math.sin((camera.fov * Math.PI) / 360) / aspect;
     this.controls.target.copy(center);
     camera.position.copy(center).addScaledVector(direction.clone().normalize(), distance);
     this.controls.update();

@@ -23,6 +23,8 @@ export interface CellProbe {
 export interface MechanismProbe {
   /** Positions of the joints in the base frame [m]. */
   joints: () => Record<string, number[]>;
+  /** Origins of the links in the base frame [m]. */
+  links: () => Record<string, number[]>;
   /** Position of a joint on the page [px]. */
   onPage: (joint: string) => { x: number; y: number } | null;
 }
