@@ -226,6 +226,41 @@ fn motions_and_modes_are_those_of_the_configuration() {
     assert_eq!(modes["branches"].as_array().unwrap().len(), 2, "{modes}");
 }
 
+/// Place of a point of a link, for a pose of the link.
+fn place(pose: &Value, point: &Value) -> [f64; 3] {
+    let number = |value: &Value| value.as_f64().unwrap();
+    std::array::from_fn(|i| {
+        let turned = (0..3).map(|j| number(&pose["rotation"][i][j]) * number(&point[j]));
+        number(&pose["origin_m"][i]) + turned.sum::<f64>()
+    })
+}
+
+#[test]
+fn joints_open_to_second_order_only_along_an_instantaneous_motion() {
+    // All three motions of the level robot, two of which are only instantaneous.
+    let text = entry("gpr-mechanism");
+    let mechanism = open(&text)["mechanism"].clone();
+    let body = json!({ "mechanism": source(&text), "coordinates": mechanism["configuration"]["coordinates"] });
+    let motions = answered("/api/v1/mechanism/motions", &body.to_string());
+    let motions = motions["motions"].as_array().unwrap();
+    assert_eq!(motions.len(), 3);
+    let balls =
+        mechanism["joints"].as_array().unwrap().iter().filter(|joint| joint["kind"] == "spherical");
+    for (ball, motion) in balls.flat_map(|ball| motions.iter().map(move |motion| (ball, motion))) {
+        let end = |step: usize, side: usize| {
+            let link = usize::try_from(ball["links"][side].as_u64().unwrap()).unwrap();
+            place(&motion["steps"][step][link], &ball["frames"][side]["origin_m"])
+        };
+        let apart =
+            |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+        let [near, far] = [10, 12].map(|step| apart(end(step, 0), end(step, 1)));
+        let moved = apart(end(12, 0), end(8, 0)).max(apart(end(12, 1), end(8, 1)));
+        assert!(far < 0.2 * moved + 1e-12, "{far} of {moved}");
+        // Twice the displacement, four times the opening.
+        assert!((far - 4.0 * near).abs() < 0.05 * far + 1e-12, "{near} {far}");
+    }
+}
+
 #[test]
 fn the_catalogue_has_pictures_of_mechanisms_only() {
     let all = get("/api/v1/catalogue").json();
