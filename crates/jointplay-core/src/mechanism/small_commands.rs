@@ -29,11 +29,11 @@ pub fn small_commands(
     mechanism: &Mechanism,
     home: &DVector<f64>,
 ) -> Result<Option<Commands>, Error> {
+    let system = MechanismSystem::new(mechanism, home.clone())?;
     let commanded = mechanism.actuated_coordinates();
     if commanded.is_empty() {
         return Ok(None);
     }
-    let system = MechanismSystem::new(mechanism, home.clone())?;
     let length = system.characteristic_length();
     let at_home = DVector::from_iterator(commanded.len(), commanded.iter().map(|&k| home[k]));
     let command = |(n, &k): (usize, &usize)| {
