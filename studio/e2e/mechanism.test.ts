@@ -126,7 +126,7 @@ test('the robot of the paper is relieved by a suggestion, and its play is exagge
   });
 });
 
-test('files of all kinds are opened or say what they are', async () => {
+test('files of all kinds are opened, or their kind is reported', async () => {
   const cell = join(folder, 'cell.toml');
   writeFileSync(cell, EXAMPLE_CELL);
   await at(['--cell', cell], async (page) => {
@@ -184,7 +184,7 @@ test('a text with errors keeps no result, and a file is saved unless it changed 
     expect(readFileSync(file, 'utf8')).toContain('another editor');
     await page.getByRole('button', { name: 'Overwrite' }).click();
     await until('overwritten', async () => readFileSync(file, 'utf8').includes('Third linkage'));
-    // A server that is gone: no number stays.
+    // Without a server, no number remains.
     await until('the mobility', async () => (await page.getByTestId('m-finite').count()) === 1);
     await server.stop();
     await page.getByTestId('mechanism-outdated').waitFor();

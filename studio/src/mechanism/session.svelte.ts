@@ -57,7 +57,7 @@ class MechanismSession {
   configuration = $state.raw<ConfigurationDocument | null>(null);
   /** Poses of the links at the play scale, once they differ from those of the configuration. */
   poses = $state.raw<ConfigurationDocument['poses'] | null>(null);
-  /** Number of texts shown; the camera is placed anew for each. */
+  /** Number of texts shown; the camera is placed again for each. */
   shown = $state(0);
   entries = $state.raw<api.CatalogueEntry[]>([]);
   playScale = $state(1);
@@ -439,14 +439,14 @@ class MechanismSession {
     }
   }
 
-  /** Notes what was met on the way. */
+  /** Notes what was met during a motion. */
   #note({ singular, first_beyond_limits, configuration }: api.DriveDocument): void {
     const met = singular.map(({ drives, branches }) => {
       const at = Object.entries(drives).map(([name, value]) => `${name} = ${this.format(name, value)}`).join(', ');
       const meet = branches === null || branches === undefined ? 'the number of branches is undecided' : branches === 1 ? 'no other branch crosses' : `${branches} branches meet`;
       return `Singular configuration at ${at}: ${meet}.`;
     });
-    if (first_beyond_limits && configuration.limits_broken.length === 0) met.push(`Beyond limits on the way, at ${first_beyond_limits.place}: ${first_beyond_limits.limits_broken.map(({ message }) => message).join('; ')}.`);
+    if (first_beyond_limits && configuration.limits_broken.length === 0) met.push(`Beyond limits during the motion, at ${first_beyond_limits.place}: ${first_beyond_limits.limits_broken.map(({ message }) => message).join('; ')}.`);
     this.met = met;
     const values = { ...this.singularValues };
     for (const { drives } of singular)

@@ -9,7 +9,7 @@ export interface Label {
   /** The text is placed on the side of its point that faces away from this point. */
   awayFrom?: Vector3;
   strong?: boolean;
-  /** The label is left out where it would overlap another one. */
+  /** The label is omitted where it would overlap another one. */
   optional?: boolean;
 }
 

@@ -285,7 +285,7 @@ pub(crate) struct DriveDocument {
     /// Why and where it stopped.
     #[schema(required = true)]
     pub(crate) message: Option<String>,
-    /// Singular configurations on the way.
+    /// Singular configurations during the motion.
     pub(crate) singular: Vec<SingularReport>,
     /// The first configuration beyond limits or clearances.
     #[schema(required = true)]
