@@ -38,8 +38,10 @@ def main() -> int:
     cell.parent.mkdir(exist_ok=True)
     shutil.copy(ROOT / "cells" / "example.toml", cell)
     cell.with_suffix(".program").write_text("HOME\n")
+    mechanism = HOME / "cell" / "linkage.toml"
+    shutil.copy(ROOT / "robots" / "bennett.toml", mechanism)
     server = subprocess.Popen(
-        [command, "studio", "--no-open", "--port", "0", "--cell", cell],
+        [command, "studio", "--no-open", "--port", "0", "--cell", cell, "--mechanism", mechanism],
         stdout=subprocess.PIPE,
         text=True,
     )

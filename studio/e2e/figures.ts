@@ -39,6 +39,17 @@ test('the robot and its motion', async () => {
   await server.stop();
 });
 
+test('a mechanism', async () => {
+  const [browser, server] = await Promise.all([browse(), serve(0, ['gpr-mechanism'])]);
+  const page = await visit(browser);
+  await page.goto(server.address);
+  await page.getByTestId('redundant').getByRole('button').first().click();
+  await page.getByText('Highlighted:').scrollIntoViewIfNeeded();
+  await save(page, 'studio-mechanism');
+  await browser.close();
+  await server.stop();
+});
+
 test('the cell', async () => {
   const fixture = await cellFixture(PROGRAM);
   const page = await visit(fixture.browser);

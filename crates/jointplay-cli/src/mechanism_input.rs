@@ -357,7 +357,7 @@ impl Input {
     }
 
     /// An assembly error with the configurations found, in the units of the file.
-    fn unassembled(&self, error: Error) -> Failure {
+    pub(crate) fn unassembled(&self, error: Error) -> Failure {
         if let Error::NotReached { .. } = &error {
             return Failure::NotAssembled(format::explain::explain(&error));
         }

@@ -4,9 +4,8 @@ use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use jointplay::format::cell::robot::KIND as ARMS;
-use jointplay::format::{catalogue, mechanism, place};
-use jointplay::interop::import;
+use jointplay::format::{catalogue, place};
+pub(crate) use jointplay::interop::FileKind as Kind;
 
 use crate::console;
 use crate::failure::Failure;
@@ -65,7 +64,7 @@ impl Source {
         match self.kind().filter(|kind| !kinds.contains(kind)) {
             None => Ok(()),
             Some(kind) => {
-                let (label, noun, used) = (&self.label, kind.noun(), kind.used_by(&self.label));
+                let (label, noun, used) = (&self.label, kind.noun(), used_by(kind, &self.label));
                 let hint = if kind == Kind::Mechanism && kinds.contains(&Kind::ThreeRods) {
                     format!(
                         "\n  a mechanism that is a three-rod robot becomes a robot file by `jointplay import {label} --to gpr --tilt-limit-deg DEG`"
@@ -81,68 +80,27 @@ impl Source {
     }
 }
 
-/// Kinds of input files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    Mechanism,
-    Model,
-    ThreeRods,
-    Arms,
-    Cell,
-    Study,
-    Loops,
-}
-
-impl Kind {
-    fn of(text: &str) -> Option<Self> {
-        if import::is_model(text) {
-            return Some(Self::Model);
+/// The commands that accept a file of a kind.
+fn used_by(kind: Kind, label: &str) -> String {
+    match kind {
+        Kind::Mechanism | Kind::Model => {
+            format!(
+                "commands for it: jointplay mobility, assemble, move, draw, suggest or studio {label}"
+            )
         }
-        match mechanism::kind_of(text)?.as_str() {
-            "mechanism" => Some(Self::Mechanism),
-            "gpr" => Some(Self::ThreeRods),
-            ARMS => Some(Self::Arms),
-            "cell" => Some(Self::Cell),
-            "study" => Some(Self::Study),
-            "loops" => Some(Self::Loops),
-            _ => None,
+        Kind::ThreeRods => format!(
+            "commands for it: jointplay forward, inverse, mobility, sensitivity, compare, simulate or studio --robot {label}; jointplay draw, move, suggest or jacobian {label}"
+        ),
+        Kind::Arms => format!(
+            "a work cell refers to it by robot = \"{label}\"; use `jointplay cell example` for an example"
+        ),
+        Kind::Cell => {
+            format!(
+                "commands for it: jointplay cell check {label}, jointplay studio --cell {label}"
+            )
         }
-    }
-
-    fn noun(self) -> &'static str {
-        match self {
-            Self::Mechanism => "a mechanism",
-            Self::Model => "a model of another program",
-            Self::ThreeRods => "a three-rod robot",
-            Self::Arms => "a robot with arms",
-            Self::Cell => "a work cell",
-            Self::Study => "a study",
-            Self::Loops => "a file of loops",
-        }
-    }
-
-    /// The commands that accept such a file.
-    fn used_by(self, label: &str) -> String {
-        match self {
-            Self::Mechanism | Self::Model => {
-                format!(
-                    "commands for it: jointplay mobility, assemble, move, draw or suggest {label}"
-                )
-            }
-            Self::ThreeRods => format!(
-                "commands for it: jointplay forward, inverse, mobility, sensitivity, compare, simulate or studio --robot {label}; jointplay draw, move, suggest or jacobian {label}"
-            ),
-            Self::Arms => format!(
-                "a work cell refers to it by robot = \"{label}\"; use `jointplay cell example` for an example"
-            ),
-            Self::Cell => {
-                format!(
-                    "commands for it: jointplay cell check {label}, jointplay studio --cell {label}"
-                )
-            }
-            Self::Study => format!("the command for it: jointplay study {label}"),
-            Self::Loops => format!("the command for it: jointplay import MODEL --loops {label}"),
-        }
+        Kind::Study => format!("the command for it: jointplay study {label}"),
+        Kind::Loops => format!("the command for it: jointplay import MODEL --loops {label}"),
     }
 }
 

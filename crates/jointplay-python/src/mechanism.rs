@@ -424,16 +424,6 @@ impl PyMechanism {
             mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect();
         kutzbach_mobility(mechanism.links().len(), &freedoms)
     }
-
-    /// Motors that are not driven; none where something is driven that has no motor.
-    pub(crate) fn held(&self, driven: &[usize]) -> Vec<usize> {
-        let motors = self.file.mechanism.actuated_coordinates();
-        if driven.iter().all(|k| motors.contains(k)) {
-            motors.into_iter().filter(|k| !driven.contains(k)).collect()
-        } else {
-            Vec::new()
-        }
-    }
 }
 
 /// Values for parameters, as given.

@@ -1,7 +1,7 @@
 //! Paths of driven joints.
 
 use jointplay::Error;
-use jointplay::mechanism::{Drive, DrivePath, DrivenMotion};
+use jointplay::mechanism::{Drive, DrivePath, DrivenMotion, held_actuators};
 use jointplay::nalgebra::DVector;
 use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -81,7 +81,7 @@ impl PyMechanism {
         driven: &[usize],
         free: &[String],
     ) -> PyResult<Vec<usize>> {
-        let mut held = self.held(driven);
+        let mut held = held_actuators(&self.file.mechanism, driven);
         for name in free {
             let of_joint = |k: &usize| {
                 let named = &self.coordinates.all()[*k];

@@ -2,8 +2,8 @@
 
 use jointplay::Error;
 use jointplay::mechanism::{
-    Closure, DrivePath, DrivenMotion, MechanismSystem, Relief, SparseSystem, close_commanded,
-    drive_along, drive_relieved, pose_commanded, relieve_commanded,
+    Closure, DrivePath, DrivenMotion, MechanismSystem, Relief, close_commanded, drive_from,
+    pose_commanded, relieve_commanded,
 };
 use jointplay::nalgebra::DVector;
 
@@ -46,21 +46,6 @@ impl PyMechanism {
         held: &[usize],
         steps: usize,
     ) -> Result<DrivenMotion, Error> {
-        let mechanism = &self.file.mechanism;
-        if !self.is_dense() {
-            let system = SparseSystem::new(mechanism, from.clone())?;
-            return system.drive_along(path, held, steps, &mut |_| ());
-        }
-        let driven = path.coordinates();
-        let free: Vec<usize> = (0..mechanism.joint_freedoms())
-            .filter(|k| !driven.contains(k) && !held.contains(k))
-            .collect();
-        let system = MechanismSystem::new(mechanism, from.clone())?;
-        if mechanism.virtual_joints().is_empty() {
-            drive_along(&system, path, &free, steps, &mut |_| ())
-        } else {
-            let home = MechanismSystem::new(mechanism, self.assembled(&[], None)?.coordinates)?;
-            drive_relieved(&home, &system, path, &free, steps, &mut |_| ())
-        }
+        drive_from(&self.file.mechanism, from, path, held, steps, None, &mut |_| ())
     }
 }

@@ -20,6 +20,7 @@ use jointplay_format::units::mm;
 
 /// Units of the numbers of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct UnitsReport {
     /// `m`, `mm`, `um` or `in`.
     pub length: &'static str,
@@ -46,8 +47,10 @@ impl<T: Serialize> Serialize for ByName<T> {
 
 /// A closed configuration.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct ConfigurationReport {
     /// Coordinates by name, in the units of the file.
+    #[cfg_attr(feature = "schema", schema(value_type = std::collections::BTreeMap<String, f64>))]
     pub coordinates: ByName<f64>,
     /// Largest closure residual of a loop, in radians and characteristic lengths.
     pub residual: f64,
@@ -167,15 +170,18 @@ pub fn assembly(
 
 /// Result of `mobility` for a mechanism.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct MechanismMobilityReport {
     /// Name of the mechanism.
     pub name: String,
     /// Units of the coordinates.
     pub units: UnitsReport,
     /// Coordinates of the configuration by name.
+    #[cfg_attr(feature = "schema", schema(value_type = std::collections::BTreeMap<String, f64>))]
     pub coordinates: ByName<f64>,
     /// Displacements of the virtual joints by name, if any were necessary for the configuration.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schema(value_type = Option<std::collections::BTreeMap<String, f64>>))]
     pub virtual_joints: Option<ByName<f64>>,
     /// Coordinates beyond their limits or clearance.
     pub limits_broken: Vec<LimitReport>,
@@ -191,6 +197,7 @@ pub struct MechanismMobilityReport {
     pub branch_dimensions: Option<Vec<usize>>,
     /// Mobility within a given tolerance of the dimensions.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schema(value_type = NearReport))]
     pub near: Option<NearReport>,
     /// Mobility within a tolerance of up to 1e-4, if it exceeds the exact mobility and no tolerance was given.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -205,6 +212,7 @@ pub struct MechanismMobilityReport {
     /// Quality of that basis.
     pub redundant_constraint_basis: RedundancyBasisReport,
     /// Instantaneous motion of each link except the base.
+    #[cfg_attr(feature = "schema", schema(value_type = std::collections::BTreeMap<String, LinkMotionReport>))]
     pub link_motions: ByName<LinkMotionReport>,
     /// Singular values of the scaled constraint Jacobian, largest first.
     pub singular_values: Vec<f64>,
@@ -220,21 +228,28 @@ pub struct MechanismMobilityReport {
 
 /// Mobility within a tolerance of the dimensions; all in radians and characteristic lengths.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct NearReport {
     /// Tolerance that was given.
+    #[cfg_attr(feature = "schema", schema(required = false))]
     pub tolerance: f64,
     /// Largest closure residual of a loop in this configuration, which is treated as closed for all other numbers; `null` if it closes exactly.
+    #[cfg_attr(feature = "schema", schema(required = false))]
     pub forced_shut: Option<f64>,
     /// Freedoms within the tolerance.
+    #[cfg_attr(feature = "schema", schema(required = false))]
     pub near_mobility: usize,
     /// The smallest tolerance with these freedoms.
+    #[cfg_attr(feature = "schema", schema(required = false))]
     pub near_tolerance_needed: f64,
     /// Approximate tolerance for one more freedom; `null` if none is near.
+    #[cfg_attr(feature = "schema", schema(required = false))]
     pub near_tolerance_for_one_more: Option<f64>,
 }
 
 /// Freedoms in addition to the exact ones, within a small tolerance; all in radians and characteristic lengths.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct NearMissReport {
     /// Freedoms within the tolerance.
     pub near_mobility: usize,
@@ -246,12 +261,14 @@ pub struct NearMissReport {
 
 /// Result of `mobility` for a mechanism with too many loops for dense algebra, without the quantities that need dense matrices.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct SparseMobilityReport {
     /// Name of the mechanism.
     pub name: String,
     /// Units of the coordinates.
     pub units: UnitsReport,
     /// Coordinates of the configuration by name.
+    #[cfg_attr(feature = "schema", schema(value_type = std::collections::BTreeMap<String, f64>))]
     pub coordinates: ByName<f64>,
     /// Freedoms of all joints together.
     pub joint_freedoms: usize,
@@ -318,6 +335,7 @@ fn counted(mechanism: &Mechanism) -> i64 {
 
 /// Instantaneous motion of a link.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct LinkMotionReport {
     /// Number of independent motions.
     pub dimension: usize,

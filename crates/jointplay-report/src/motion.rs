@@ -84,6 +84,7 @@ impl MotionParameter {
 
 /// The first configuration of a motion beyond joint limits or clearances.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct FirstBeyondReport {
     /// Place along the motion: the parameter of the curve, or the driven coordinates.
     pub place: String,
@@ -93,8 +94,10 @@ pub struct FirstBeyondReport {
 
 /// A singular configuration.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct SingularReport {
     /// Value of each driven coordinate, by name.
+    #[cfg_attr(feature = "schema", schema(value_type = std::collections::BTreeMap<String, f64>))]
     pub drives: ByName<f64>,
     /// Value of the parameter of the curve, if the drives follow one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -106,6 +109,7 @@ pub struct SingularReport {
     /// Number of branches of the motion that meet here; `null` if second order does not determine it.
     pub branches: Option<usize>,
     /// Values of all coordinates, by name.
+    #[cfg_attr(feature = "schema", schema(value_type = std::collections::BTreeMap<String, f64>))]
     pub coordinates: ByName<f64>,
 }
 

@@ -11,6 +11,7 @@ const NO_FORCE: f64 = 1e-6;
 
 /// A redundant constraint as a self-stress: forces and moments of joints in equilibrium without an external load.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct RedundantConstraintReport {
     /// Description such as `ball 1 against ball 2 along their line` or `moment about x`.
     pub what: String,
@@ -26,6 +27,7 @@ pub struct RedundantConstraintReport {
 
 /// Load of a joint in a self-stress, on the second link of the joint.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct CarriedReport {
     /// Name of the joint.
     pub joint: String,
@@ -39,6 +41,7 @@ pub struct CarriedReport {
 
 /// Quality of a basis of self-stresses.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct RedundancyBasisReport {
     /// Whether no basis has fewer joints in total; otherwise it is the best one found.
     pub sparsest: bool,

@@ -13,6 +13,7 @@ use jointplay_format::mechanism::MechanismFile;
 
 /// Result of `suggest`.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct SuggestReport {
     /// Name of the mechanism.
     pub name: String,
@@ -25,6 +26,7 @@ pub struct SuggestReport {
     /// Whether the mechanism has no loops, so that no command can require play.
     pub open_chain: bool,
     /// Joint coordinates for each command, in the units of the file, if no play is required.
+    #[cfg_attr(feature = "schema", schema(value_type = Vec<std::collections::BTreeMap<String, f64>>))]
     pub without_play: Vec<ByName<f64>>,
     /// Joint coordinates that exceed their limits in these configurations.
     pub limits_broken: Vec<LimitReport>,
@@ -50,6 +52,7 @@ pub struct SuggestReport {
 
 /// A mechanism file with the virtual joints of one set.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct WrittenSet {
     /// Name of the file.
     pub file: String,
@@ -61,6 +64,7 @@ pub struct WrittenSet {
 
 /// One set of virtual joints.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct SetReport {
     /// Largest displacement over the commands, with rotations multiplied by the characteristic length (mm).
     pub size_mm: f64,
@@ -77,6 +81,7 @@ pub struct SetReport {
     /// Its virtual joints.
     pub virtual_joints: Vec<SuggestedJoint>,
     /// Joint coordinates for each command, in the units of the file.
+    #[cfg_attr(feature = "schema", schema(value_type = Vec<std::collections::BTreeMap<String, f64>>))]
     pub configurations: Vec<ByName<f64>>,
     /// Joint coordinates that exceed their limits for a command.
     pub limits_broken: Vec<LimitReport>,
@@ -84,6 +89,7 @@ pub struct SetReport {
 
 /// A displacement of one coordinate to either side of its start, with the other motors or commanded coordinates held.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct SingleCommandReport {
     /// Name of the coordinate.
     pub coordinate: String,
@@ -115,6 +121,7 @@ pub fn add_single_commands(
 
 /// One virtual joint of a set, with all that its table in a mechanism file has.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct SuggestedJoint {
     /// The virtual joint.
     #[serde(flatten)]
@@ -131,6 +138,7 @@ pub struct SuggestedJoint {
 
 /// The keys of a virtual joint in a mechanism file.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct SuggestedTable {
     /// Description of the virtual joint.
     pub name: String,

@@ -63,17 +63,13 @@ impl CellFiles {
 
     /// Hash of both texts.
     pub(crate) fn version(&self) -> String {
-        let mut hasher = DefaultHasher::new();
-        (&self.cell, &self.program).hash(&mut hasher);
-        format!("{:016x}", hasher.finish())
+        hash(&(&self.cell, &self.program))
     }
 
     /// Hash of the absolute path of the cell file; constant for the example, which is not a file.
     pub(crate) fn identity(&self) -> String {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        let mut hasher = DefaultHasher::new();
-        self.path.as_deref().map(absolute).hash(&mut hasher);
-        format!("{:016x}", hasher.finish())
+        hash(&self.path.as_deref().map(absolute))
     }
 
     /// The texts of cell and program.
@@ -120,8 +116,15 @@ fn program_path(cell: &Path) -> PathBuf {
     cell.with_extension("program")
 }
 
+/// Hash of a value, as hexadecimal digits.
+pub(crate) fn hash(value: &impl Hash) -> String {
+    let mut hasher = DefaultHasher::new();
+    value.hash(&mut hasher);
+    format!("{:016x}", hasher.finish())
+}
+
 /// Writes a text to a temporary file in the folder of the file that it is to replace.
-fn write_temporary(path: &Path, text: &str) -> Result<PathBuf, String> {
+pub(crate) fn write_temporary(path: &Path, text: &str) -> Result<PathBuf, String> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".new");
     let temporary = path.with_file_name(name);
@@ -133,7 +136,7 @@ fn write_temporary(path: &Path, text: &str) -> Result<PathBuf, String> {
 }
 
 /// Replaces a file by a temporary one.
-fn replace(temporary: &Path, path: &Path) -> Result<(), String> {
+pub(crate) fn replace(temporary: &Path, path: &Path) -> Result<(), String> {
     std::fs::rename(temporary, path).map_err(|error| {
         let _ = std::fs::remove_file(temporary);
         format!("cannot write {}: {error}", path.display())

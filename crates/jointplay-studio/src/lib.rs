@@ -14,6 +14,8 @@
 //! | `plan.rs` | the plan of a program in a cell |
 //! | `wire/` | the documents of requests and responses |
 //! | `cell_files.rs` | cell file and program file |
+//! | `mechanism_file.rs` | the mechanism that the server was started with |
+//! | `mechanism_source.rs`, `configuration.rs` | mechanisms of requests, and their configurations as documents |
 //! | `meshes.rs` | mesh files named in the robot file |
 //! | `body.rs`, `strict.rs` | strict JSON bodies, each error with its field |
 //! | `guard.rs` | access control: hosts, origins, security headers, deadline |
@@ -23,7 +25,10 @@
 
 mod body;
 mod cell_files;
+mod configuration;
 mod guard;
+mod mechanism_file;
+mod mechanism_source;
 mod meshes;
 mod page;
 mod plan;
@@ -41,5 +46,6 @@ mod wire;
 mod work;
 
 pub use cell_files::{CellFiles, EXAMPLE};
+pub use mechanism_file::MechanismFileOnDisk;
 pub use router::description;
 pub use server::{DEFAULT_PORT, Error, Server};

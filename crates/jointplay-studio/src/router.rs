@@ -16,7 +16,8 @@ use crate::page;
 use crate::problem::Problem;
 use crate::routes::{
     cell, cell_jog, cell_parts, cell_plan, cell_samples, cell_station, compare, forward, inverse,
-    mechanism, mesh, mobility, pose, robot, sensitivity, study,
+    mechanism, mechanism_file, mechanism_mobility, mechanism_motions, mechanism_open,
+    mechanism_suggest, mesh, mobility, pose, robot, sensitivity, study,
 };
 use crate::state::AppState;
 
@@ -43,6 +44,16 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(sensitivity::sensitivity))
         .routes(routes!(compare::compare))
         .routes(routes!(mechanism::mechanism_poses))
+        .routes(routes!(mechanism_file::mechanism_file, mechanism_file::save_mechanism))
+        .routes(routes!(mechanism_file::catalogue_entries))
+        .routes(routes!(mechanism_file::catalogue_picture))
+        .routes(routes!(mechanism_open::mechanism_open))
+        .routes(routes!(mechanism_open::mechanism_configuration))
+        .routes(routes!(mechanism_open::mechanism_drive))
+        .routes(routes!(mechanism_mobility::mobility_of_mechanism))
+        .routes(routes!(mechanism_motions::instantaneous_motions))
+        .routes(routes!(mechanism_motions::assembly_modes))
+        .routes(routes!(mechanism_suggest::suggest_virtual_joints))
         .routes(routes!(study::study))
         .routes(routes!(study::study_csv))
         .routes(routes!(study::study_parquet))

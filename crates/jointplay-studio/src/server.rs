@@ -10,6 +10,7 @@ use tokio::runtime::{Builder, Runtime};
 use tokio::task::JoinHandle;
 
 use crate::cell_files::CellFiles;
+use crate::mechanism_file::{MechanismFileOnDisk, MechanismSession};
 use crate::meshes::MeshFolder;
 use crate::router;
 use crate::session::WorkcellSession;
@@ -83,6 +84,13 @@ impl Server {
     #[must_use]
     pub fn with_cell(mut self, files: CellFiles) -> Self {
         self.state.cell = Some(WorkcellSession::new(files));
+        self
+    }
+
+    /// Adds a mechanism, which the page opens.
+    #[must_use]
+    pub fn with_mechanism(mut self, file: MechanismFileOnDisk) -> Self {
+        self.state.mechanism = Some(MechanismSession::new(file));
         self
     }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use axum::http::StatusCode;
 use jointplay::format::robot::Robot;
 
+use crate::mechanism_file::MechanismSession;
 use crate::meshes::MeshFolder;
 use crate::problem::Problem;
 use crate::session::WorkcellSession;
@@ -18,13 +19,32 @@ pub(crate) struct AppState {
     pub(crate) meshes: MeshFolder,
     /// The work cell; `None` for a server that was started without one.
     pub(crate) cell: Option<WorkcellSession>,
+    /// The mechanism; `None` for a server that was started without one.
+    pub(crate) mechanism: Option<MechanismSession>,
 }
 
 impl AppState {
     pub(crate) fn new(robot: Robot, meshes: MeshFolder, deadlines: Deadlines) -> Self {
         // Each endpoint checks the limits itself, unless the request asks to ignore them.
         let robot = Robot { gpr: robot.gpr.without_limit_checks(), ..robot };
-        Self { robot: Arc::new(robot), work: WorkerPool::new(deadlines), meshes, cell: None }
+        Self {
+            robot: Arc::new(robot),
+            work: WorkerPool::new(deadlines),
+            meshes,
+            cell: None,
+            mechanism: None,
+        }
+    }
+
+    /// The mechanism that the server was started with.
+    ///
+    /// # Errors
+    /// 404 for a server without a mechanism.
+    pub(crate) fn mechanism(&self) -> Result<MechanismSession, Problem> {
+        self.mechanism.clone().ok_or_else(|| {
+            let detail = "this server was started without a mechanism; start it with `jointplay studio FILE`";
+            Problem::request(StatusCode::NOT_FOUND, detail)
+        })
     }
 
     /// The session of the work cell.

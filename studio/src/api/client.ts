@@ -221,3 +221,70 @@ export async function cellInstructions(plan: string, page: number): Promise<Sche
 export async function setStation(text: string, station: string, change: StationChange): Promise<CellText> {
   return json(request('cell/station', { cell: text, station, ...change }));
 }
+
+// Mechanisms
+
+export type MechanismSource = Schemas['MechanismSource'];
+export type MechanismDocument = Schemas['MechanismDocument'];
+export type OpenedDocument = Schemas['OpenedDocument'];
+export type ConfigurationDocument = Schemas['ConfigurationDocument'];
+export type DriveDocument = Schemas['DriveDocument'];
+export type MobilityOfMechanism = Schemas['MobilityOfMechanism'];
+export type SuggestDocument = Schemas['SuggestDocument'];
+export type MotionsDocument = Schemas['MotionsDocument'];
+export type BranchesDocument = Schemas['BranchesDocument'];
+export type CatalogueEntry = Schemas['CatalogueEntry'];
+export type PlacedDocument = Schemas['PlacedDocument'];
+export type RedundantConstraint = Schemas['RedundantConstraintReport'];
+
+/** The included mechanisms. */
+export async function catalogue(): Promise<CatalogueEntry[]> {
+  return json(request('catalogue'));
+}
+
+/** Address of the picture of an included mechanism. */
+export const cataloguePicture = (name: string): string => `${ROOT}/catalogue/${encodeURIComponent(name)}/picture`;
+
+/** The mechanism that the server was started with. */
+export async function mechanismFile(): Promise<Schemas['MechanismFileDocument']> {
+  return json(request('mechanism'));
+}
+
+/** Saves the text of the mechanism file; with `replaces`, only if the file on disk still has this version. */
+export async function saveMechanism(text: string, replaces: string | null): Promise<Schemas['MechanismFileDocument']> {
+  return json(request('mechanism', replaces === null ? { text } : { text, replaces }, undefined, 'PUT'));
+}
+
+/** A mechanism from the text of a file, closed near the given coordinates [m, rad]. */
+export async function openMechanism(mechanism: MechanismSource, from: number[] | null, play_scale: number, signal: AbortSignal): Promise<OpenedDocument> {
+  return json(request('mechanism/open', from ? { mechanism, from, play_scale } : { mechanism, play_scale }, signal));
+}
+
+/** Drives joints to values in the units of the file, from given coordinates [m, rad]. */
+export async function driveMechanism(mechanism: MechanismSource, from: number[], to: Record<string, string>, play_scale: number): Promise<DriveDocument> {
+  return json(request('mechanism/drive', { mechanism, from, to, play_scale }));
+}
+
+/** A configuration with its poses at another play scale. */
+export async function mechanismConfiguration(mechanism: MechanismSource, coordinates: number[], play_scale: number): Promise<ConfigurationDocument> {
+  return json(request('mechanism/configuration', { mechanism, coordinates, play_scale }));
+}
+
+export async function mechanismMobility(mechanism: MechanismSource, coordinates: number[], signal: AbortSignal): Promise<MobilityOfMechanism> {
+  return json(request('mechanism/mobility', { mechanism, coordinates }, signal));
+}
+
+/** The instantaneous motions in a configuration. */
+export async function mechanismMotions(mechanism: MechanismSource, coordinates: number[]): Promise<MotionsDocument> {
+  return json(request('mechanism/motions', { mechanism, coordinates }));
+}
+
+/** Closed configurations with the actuated joints at their values. */
+export async function mechanismBranches(mechanism: MechanismSource, coordinates: number[], play_scale: number): Promise<BranchesDocument> {
+  return json(request('mechanism/branches', { mechanism, coordinates, play_scale }));
+}
+
+/** Virtual joints that make a motion possible. */
+export async function suggestVirtualJoints(mechanism: MechanismSource, signal: AbortSignal): Promise<SuggestDocument> {
+  return json(request('mechanism/suggest', { mechanism }, signal));
+}

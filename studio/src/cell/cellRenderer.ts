@@ -19,11 +19,8 @@ import { slotNames } from '../lib/slots';
 import { disposeGeometries, disposeMaterials } from '../scene/dispose';
 import { Handles, type Freedom } from '../scene/handles';
 import { SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
+import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
 
-const VIEWS = { home: [-0.75, -1, 0.9], top: [0, -1e-3, 1], front: [0, -1, 0.12], left: [-1, 0, 0.12] } as const;
-export type CellView = keyof typeof VIEWS;
-/** Standard views with their titles, in the order of their buttons and shortcuts. */
-export const CELL_VIEWS: [CellView, string][] = [['home', 'Fit'], ['top', 'Top'], ['front', 'Front'], ['left', 'Left']];
 /** Color and emission of parts in violation, for a current and for an outdated check. */
 const VIOLATION_COLORS = { checked: [0xd62f1f, 0x8a1208], outdated: [0x8a9099, 0x30343a] } as const;
 
@@ -263,19 +260,10 @@ export class CellRenderer extends SceneRenderer {
   }
 
   /** Shows the cell from a standard direction. */
-  showView(view: CellView): void {
+  showView(view: SceneView): void {
     const box = this.#cell ? new Box3().setFromObject(this.#cell) : new Box3();
     if (box.isEmpty()) box.set(new Vector3(-0.8, -0.8, 0), new Vector3(0.8, 0.8, 1));
-    const center = box.getCenter(new Vector3());
-    const reach = box.getSize(new Vector3()).length() / 2;
-    const [x, y, z] = VIEWS[view];
-    const direction = new Vector3(x, y, z).normalize();
-    const aspect = Math.min(this.#eye.aspect, 1);
-    const distance = (0.82 * reach) / Math.sin((this.#eye.fov * Math.PI) / 360) / aspect;
-    this.controls.target.copy(center);
-    this.#eye.position.copy(center).addScaledVector(direction, distance);
-    this.controls.update();
-    this.invalidate();
+    this.lookAtBox(this.#eye, box, new Vector3(...STANDARD_VIEWS[view]));
   }
 
   #highlight(): void {

@@ -4,7 +4,7 @@ import { layout } from '../state/layout.svelte';
 import { shortcutOf, type ShortcutSheet, type Shortcut } from '../state/shortcuts';
 import { studio } from '../state/studio.svelte';
 import { session } from './session.svelte';
-import { CELL_VIEWS } from './cellRenderer';
+import { SCENE_VIEWS } from '../scene/standardViews';
 
 /** Time steps of the arrow keys [s]. */
 const STEP = { short: 0.04, long: 1 } as const;
@@ -16,7 +16,7 @@ const SHORTCUTS: Shortcut[] = [
   { group: 'Program', keys: ['Home'], description: 'start of the program', run: () => session.seek(0) },
   { group: 'Program', keys: ['End'], description: 'end of the program', run: () => session.seek(session.duration) },
   { group: 'Program', keys: ['l'], description: 'loop on or off', run: () => (session.loop = !session.loop) },
-  ...CELL_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], description: `view: ${title.toLowerCase()}`, run: () => session.showView?.(view) })),
+  ...SCENE_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], description: `view: ${title.toLowerCase()}`, run: () => session.showView?.(view) })),
   { group: 'Page', keys: ['?'], description: 'keyboard shortcuts', run: () => (layout.helpOpen = !layout.helpOpen) },
   { group: 'Page', keys: ['t'], description: 'light or dark theme', run: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
 ];

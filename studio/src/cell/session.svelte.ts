@@ -9,7 +9,7 @@ import { slotNames, stationOf } from '../lib/slots';
 import { CONTACT_FIELD, contactNoteLine, type ContactRequest } from './contactNote';
 import { JogController } from './jogController.svelte';
 import { UnknownPlan, Timeline } from './timeline.svelte';
-import type { CellView } from './cellRenderer';
+import type { SceneView } from '../scene/standardViews';
 
 interface Texts {
   cell: string;
@@ -70,7 +70,7 @@ export class WorkcellSession {
   /** The open text or list. */
   tab = $state<'program' | 'steps' | 'parts' | 'cell'>('program');
   /** Shows a standard view; `null` while there is no 3D view. */
-  showView: ((view: CellView) => void) | null = null;
+  showView: ((view: SceneView) => void) | null = null;
   /** The camera of the 3D view when it was last closed. */
   camera: { eye: number[]; target: number[] } | null = null;
   /** Current time [s]. */

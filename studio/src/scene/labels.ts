@@ -9,6 +9,8 @@ export interface Label {
   /** The text is placed on the side of its point that faces away from this point. */
   awayFrom?: Vector3;
   strong?: boolean;
+  /** The label is omitted where it would overlap another one. */
+  optional?: boolean;
 }
 
 /** Paints labels between the covered margins of the view; an overlapping label is moved down. */
@@ -25,7 +27,7 @@ export function paintLabels(
   context.textBaseline = 'middle';
   context.lineJoin = 'round';
   const from = new Vector3();
-  for (const { position, text, colour, offset, awayFrom, strong } of labels) {
+  for (const { position, text, colour, offset, awayFrom, strong, optional } of labels) {
     projected.copy(position).project(camera);
     if (projected.z > 1 || projected.z < -1) continue;
     let [right, down] = offset ?? [0, 0];
@@ -43,6 +45,7 @@ export function paintLabels(
     let y = ((1 - projected.y) / 2) * size.height + down;
     const overlaps = () => occupied.some(([l, t, r, b]) => x < r && x + width > l && y - 8 < b && y + 8 > t);
     for (let tries = 0; tries < 6 && overlaps(); tries++) y += 15;
+    if (optional && overlaps()) continue;
     occupied.push([x - 2, y - 8, x + width + 2, y + 8]);
     context.lineWidth = 4;
     context.strokeStyle = ink.halo;

@@ -21,6 +21,11 @@ export interface SceneColours {
   handle: number;
   handleActive: number;
   shadow: number;
+  /** Actuated joints, virtual joints, and the selection. */
+  actuated: number;
+  virtual: number;
+  selected: number;
+  load: number;
   axes: [string, string, string];
   light: number;
 }
@@ -40,6 +45,10 @@ export const SCENE: Record<Theme, SceneColours> = {
     handle: 0x2a6fb0,
     handleActive: 0xd55e00,
     shadow: 0.2,
+    actuated: 0xc44e00,
+    virtual: 0xb0479a,
+    selected: 0xf0b000,
+    load: 0xb3261e,
     axes: ['#b3261e', '#1e7d34', '#1f5fb4'],
     light: 1,
   },
@@ -57,6 +66,10 @@ export const SCENE: Record<Theme, SceneColours> = {
     handle: 0x6db3f2,
     handleActive: 0xff9d4d,
     shadow: 0.45,
+    actuated: 0xf08a3c,
+    virtual: 0xd98cb6,
+    selected: 0xf0b000,
+    load: 0xff6b5e,
     axes: ['#ff8a80', '#7ddf92', '#82b8ff'],
     light: 0.85,
   },

@@ -3,6 +3,7 @@
 
 import {
   Color,
+  Vector3,
   DirectionalLight,
   GridHelper,
   HemisphereLight,
@@ -10,6 +11,7 @@ import {
   Scene,
   Vector2,
   WebGLRenderer,
+  type Box3,
   type Intersection,
   type LineBasicMaterial,
   type Object3D,
@@ -156,6 +158,18 @@ export abstract class SceneRenderer {
     // Resizing clears the canvas.
     cancelAnimationFrame(this.#frame);
     this.render();
+  }
+
+  /** Moves a camera so that it sees a box from a direction. */
+  protected lookAtBox(camera: PerspectiveCamera, box: Box3, direction: Vector3): void {
+    const center = box.getCenter(new Vector3());
+    const reach = box.getSize(new Vector3()).length() / 2;
+    const aspect = Math.min(camera.aspect, 1);
+    const distance = (0.82 * reach) / Math.sin((camera.fov * Math.PI) / 360) / aspect;
+    this.controls.target.copy(center);
+    camera.position.copy(center).addScaledVector(direction.clone().normalize(), distance);
+    this.controls.update();
+    this.invalidate();
   }
 
   protected render(): void {

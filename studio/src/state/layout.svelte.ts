@@ -14,13 +14,35 @@ export type PanelName = (typeof PANELS)[number];
 export const CELL_PANELS = ['check', 'jog', 'stations'] as const;
 export type CellPanelName = (typeof CELL_PANELS)[number];
 
+/** Panels of the view of mechanisms in their initial order. */
+export const MECHANISM_PANELS = ['joints', 'mobility', 'motions', 'suggest', 'modes', 'parameters'] as const;
+export type MechanismPanelName = (typeof MECHANISM_PANELS)[number];
+
+/** Views of the page. */
+export type Part = 'robot' | 'mechanism' | 'cell';
+const isPart = (value: unknown): value is Part => value === 'robot' || value === 'mechanism' || value === 'cell';
+const PART_OF_TAB = 'jointplay.studio.part';
+
+/** The view that was chosen in this tab, which survives a reload. */
+function partOfTab(): Part | null {
+  try {
+    const part = sessionStorage.getItem(PART_OF_TAB);
+    return isPart(part) ? part : null;
+  } catch {
+    return null;
+  }
+}
+
 class Layout {
   plots = $state(true);
-  /** The current view, if there is a cell. */
-  part = $state<'robot' | 'cell'>(load('part', 'cell', (value) => value === 'robot' || value === 'cell'));
+  /** The view that was chosen in this tab; `null` until one is. */
+  chosenPart = $state<Part | null>(partOfTab());
+  /** The view that was last chosen in any tab. */
+  readonly #lastPart = load<Part>('part', 'cell', isPart);
   plotsHeight = $state(load('plotsHeight', 300, (value) => typeof value === 'number' && value >= 160));
   readonly panels = new PanelLayout('', PANELS, ['left', 'right']);
   readonly cellPanels = new PanelLayout('cell.', CELL_PANELS, ['right']);
+  readonly mechanismPanels = new PanelLayout('mechanism.', MECHANISM_PANELS, ['right']);
   docksShown = $state(load('docksShown', true, flag));
   /** Whether the axis plots of the cell are visible, and the height of chart and plots [px]. */
   cellPlots = $state(load('cell.plots', false, flag));
@@ -36,9 +58,20 @@ class Layout {
   /** The maximized plot. */
   maximizedPlot = $state<string | null>(null);
 
-  setPart(part: 'robot' | 'cell'): void {
-    this.part = part;
+  /** The view for a server with or without a mechanism and a cell. */
+  part({ mechanism, cell }: { mechanism: boolean; cell: boolean }): Part {
+    const part = this.chosenPart ?? (mechanism ? 'mechanism' : this.#lastPart === 'robot' ? 'robot' : 'cell');
+    return part === 'cell' && !cell ? 'robot' : part;
+  }
+
+  setPart(part: Part): void {
+    this.chosenPart = part;
     save('part', part);
+    try {
+      sessionStorage.setItem(PART_OF_TAB, part);
+    } catch {
+      // Storage may be unavailable, for example in private windows.
+    }
   }
 
   toggleDocks(): void {
@@ -50,6 +83,7 @@ class Layout {
   reset(): void {
     this.panels.reset();
     this.cellPanels.reset();
+    this.mechanismPanels.reset();
     this.setPlotsHeight(300);
     if (!this.docksShown) this.toggleDocks();
   }

@@ -19,6 +19,16 @@ export interface CellProbe {
   violationColor: () => string;
 }
 
+/** Contents of the 3D view of a mechanism. */
+export interface MechanismProbe {
+  /** Positions of the joints in the base frame [m]. */
+  joints: () => Record<string, number[]>;
+  /** Origins of the links in the base frame [m]. */
+  links: () => Record<string, number[]>;
+  /** Position of a joint on the page [px]. */
+  onPage: (joint: string) => { x: number; y: number } | null;
+}
+
 class TestProbe {
   /** Number of frames rendered in the robot view. */
   frames = 0;
@@ -39,6 +49,11 @@ class TestProbe {
   /** Contents of the cell view, while it is open. */
   cell: CellProbe | null = null;
 
+  /** Number of frames rendered in the view of mechanisms. */
+  mechanismFrames = 0;
+  /** Contents of the view of mechanisms, while it is open. */
+  mechanism: MechanismProbe | null = null;
+
   /** Number of check results shown, and the time of the last one, from `performance.now` [ms]. */
   checks = 0;
   checkShownAt = 0;
@@ -46,6 +61,11 @@ class TestProbe {
   checkShown(): void {
     this.checks += 1;
     this.checkShownAt = performance.now();
+  }
+
+  mechanismRendered(took_ms: number): void {
+    this.took_ms = took_ms;
+    this.mechanismFrames += 1;
   }
 
   cellRendered(took_ms: number): void {

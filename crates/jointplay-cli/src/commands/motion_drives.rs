@@ -8,7 +8,7 @@ use jointplay::format::command::{CommandValue, Names, PoseCommand};
 use jointplay::format::steps::spread;
 use jointplay::interop::import;
 use jointplay::mechanism::joint::Coordinate;
-use jointplay::mechanism::{DrivePath, MechanismSystem, SparseSystem};
+use jointplay::mechanism::{DrivePath, MechanismSystem, SparseSystem, held_actuators};
 use jointplay::nalgebra::DVector;
 use jointplay::report::MotionParameter;
 
@@ -177,7 +177,7 @@ impl DriveArgs {
 
     /// Indices of the actuated coordinates that are held.
     pub(super) fn held(&self, input: &Input, driven: &[usize]) -> Result<Vec<usize>, Failure> {
-        let mut held = held(input, driven);
+        let mut held = held_actuators(&input.file.mechanism, driven);
         for name in &self.free {
             let of_joint = |k: &usize| {
                 let named = &input.coordinates.all()[*k];
@@ -416,16 +416,6 @@ fn names_of(input: &Input, coordinates: &[usize]) -> String {
     let names = coordinates.iter().map(|&k| input.coordinates.all()[k].name.as_str());
     let names = names.collect::<Vec<_>>().join(", ");
     if names.is_empty() { "none".to_owned() } else { names }
-}
-
-/// Coordinates of the actuators that are held: those not driven, or none if a joint without an actuator is driven.
-pub(super) fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
-    let actuated = input.file.mechanism.actuated_coordinates();
-    if driven.iter().all(|k| actuated.contains(k)) {
-        actuated.into_iter().filter(|k| !driven.contains(k)).collect()
-    } else {
-        Vec::new()
-    }
 }
 
 /// The first actuated joint between its limits, or over a default range.

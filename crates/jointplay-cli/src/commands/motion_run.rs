@@ -1,13 +1,10 @@
 //! Running a motion: to the start of its path, then along it.
 
-use jointplay::mechanism::{
-    Drive, DrivePath, DrivenMotion, MechanismSystem, SparseSystem, drive_along, drive_relieved,
-};
+use jointplay::mechanism::{Drive, DrivePath, DrivenMotion, drive_from, held_actuators};
 use jointplay::nalgebra::DVector;
 use jointplay::report;
 
 use super::motion_course::{Course, STEPS};
-use super::motion_drives::held;
 use crate::failure::Failure;
 use crate::mechanism_input::Input;
 use crate::progress::Progress;
@@ -34,7 +31,7 @@ pub(super) fn driven(
     place: &str,
 ) -> Result<DVector<f64>, Failure> {
     let driven: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-    driven_to(input, from, commands, &held(input, &driven), place)
+    driven_to(input, from, commands, &held_actuators(&input.file.mechanism, &driven), place)
 }
 
 /// The configuration with coordinates driven to their values; `place` is its name in messages.
@@ -70,19 +67,6 @@ pub(super) fn follow(
     let mut progress = Progress::new(steps);
     progress.stage(stage);
     let mut progress = |done| progress.at(done);
-    if !MechanismSystem::fits(mechanism) {
-        let system = SparseSystem::new(mechanism, from.clone())?;
-        return Ok(system.drive_along(path, held, steps, &mut progress)?);
-    }
-    let driven = path.coordinates();
-    let free: Vec<usize> = (0..mechanism.joint_freedoms())
-        .filter(|k| !driven.contains(k) && !held.contains(k))
-        .collect();
-    let system = MechanismSystem::new(mechanism, from.clone())?;
-    if mechanism.virtual_joints().is_empty() {
-        Ok(drive_along(&system, path, &free, steps, &mut progress)?)
-    } else {
-        let home = MechanismSystem::new(mechanism, input.assembled(&[])?.coordinates)?;
-        Ok(drive_relieved(&home, &system, path, &free, steps, &mut progress)?)
-    }
+    drive_from(mechanism, from, path, held, steps, input.tolerance, &mut progress)
+        .map_err(|error| input.unassembled(error))
 }

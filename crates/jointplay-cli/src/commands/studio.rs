@@ -5,15 +5,17 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::format::cell::MAX_BYTES;
-use jointplay_studio::{CellFiles, EXAMPLE, Error, Server};
+use jointplay::format::mechanism::MAX_BYTES as MAX_MECHANISM_BYTES;
+use jointplay_studio::{CellFiles, EXAMPLE, Error, MechanismFileOnDisk, Server};
 use serde::Serialize;
 
 use crate::arguments::{RobotArgs, whole};
 use crate::failure::Failure;
+use crate::model_input::expanded;
 use crate::output::FormatArgs;
 use crate::source::{Kind, Source};
 
-/// Show robots and work cells in the browser: pose, jog, compare models, edit and check programs
+/// Show robots, mechanisms and work cells in the browser: pose, drive, compare models, edit and check
 ///
 /// Serves the page on this machine only, until Ctrl-C.
 /// The server has an HTTP API; it is described in /api/v1/openapi.json.
@@ -21,10 +23,14 @@ use crate::source::{Kind, Source};
 #[command(after_help = "\
 Examples:
   jointplay studio
+  jointplay studio hexapod
+  jointplay studio my-mechanism.toml
+  jointplay studio arm.urdf --loops arm-loops.toml
   jointplay studio --cell
   jointplay studio --robot my-robot.toml --port 8080 --no-open")]
 pub(crate) struct Studio {
-    /// Robot or work cell file (TOML), or a robot from `jointplay catalogue`
+    /// Robot, mechanism or work cell file (TOML), model (MJCF, SDF, URDF), or a name from `jointplay
+    /// catalogue`
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
     #[command(flatten)]
@@ -35,6 +41,13 @@ pub(crate) struct Studio {
     /// Also show a work cell (TOML) and the program with the same name that ends in .program; without FILE, the included example
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = EXAMPLE)]
     cell: Option<PathBuf>,
+    /// Also show a mechanism (TOML), a model (MJCF, SDF, URDF), or a mechanism from `jointplay
+    /// catalogue`
+    #[arg(long, value_name = "FILE")]
+    mechanism: Option<PathBuf>,
+    /// File that closes the loops of the model (TOML or YAML), as in `jointplay import`
+    #[arg(long, value_name = "FILE")]
+    loops: Option<PathBuf>,
     /// Do not open the browser
     #[arg(long)]
     no_open: bool,
@@ -50,20 +63,40 @@ struct Address<'a> {
 
 impl Studio {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let Some(file) = &self.file else { return self.serve(&self.robot, self.cell.as_deref()) };
+        let Some(file) = &self.file else {
+            return self.serve(&self.robot, self.cell.as_deref(), self.mechanism.as_deref());
+        };
         let source = Source::read(file, MAX_BYTES)?;
-        source.require(&[Kind::ThreeRods, Kind::Cell], "a three-rod robot or a work cell")?;
-        if source.kind() != Some(Kind::Cell) {
-            return self.serve(&self.robot.or(file)?, self.cell.as_deref());
+        let kinds = [Kind::ThreeRods, Kind::Mechanism, Kind::Model, Kind::Cell];
+        source.require(&kinds, "a robot, a mechanism or a work cell")?;
+        let twice = |what: &str, flag: &str| {
+            let text = format!("the {what} is given twice: by FILE and by {flag}");
+            Err(Failure::Usage(text))
+        };
+        match source.kind() {
+            Some(Kind::Cell) if self.cell.is_some() => twice("work cell", "--cell"),
+            Some(Kind::Cell) => self.serve(&self.robot, Some(file), self.mechanism.as_deref()),
+            Some(Kind::Mechanism | Kind::Model) if self.mechanism.is_some() => {
+                twice("mechanism", "--mechanism")
+            }
+            Some(Kind::Mechanism | Kind::Model) => {
+                self.serve(&self.robot, self.cell.as_deref(), Some(file))
+            }
+            _ => self.serve(&self.robot.or(file)?, self.cell.as_deref(), self.mechanism.as_deref()),
         }
-        if self.cell.is_some() {
-            let text = "the work cell is given twice: by FILE and by --cell";
-            return Err(Failure::Usage(text.to_owned()));
-        }
-        self.serve(&self.robot, Some(file))
     }
 
-    fn serve(&self, robot: &RobotArgs, cell: Option<&Path>) -> Result<(), Failure> {
+    fn serve(
+        &self,
+        robot: &RobotArgs,
+        cell: Option<&Path>,
+        mechanism: Option<&Path>,
+    ) -> Result<(), Failure> {
+        let mechanism = mechanism.map(|path| self.mechanism_file(path)).transpose()?;
+        if self.loops.is_some() && mechanism.is_none() {
+            let text = "--loops closes the loops of a model: name its file too";
+            return Err(Failure::Usage(text.to_owned()));
+        }
         let file = robot.file();
         let folder = file.map(|file| match file.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -76,23 +109,11 @@ impl Studio {
         })?;
         let server = match cell {
             None => server,
-            Some(path) if path == Path::new(EXAMPLE) && !path.exists() => {
-                server.with_cell(CellFiles::example())
-            }
-            Some(path) => {
-                if path.exists() || path.extension().is_none() {
-                    Source::read(path, MAX_BYTES)?.require(&[Kind::Cell], "a work cell")?;
-                }
-                let files = CellFiles::open(path).map_err(Failure::Robot)?;
-                let errors = files.errors();
-                if !errors.is_empty() {
-                    let text =
-                        format!("{}\nthe errors can be fixed in the studio", errors.join("\n"));
-                    // If standard error is closed, the page still shows them.
-                    let _ = writeln!(anstream::stderr(), "{text}");
-                }
-                server.with_cell(files)
-            }
+            Some(path) => server.with_cell(cell_files(path)?),
+        };
+        let server = match mechanism {
+            None => server,
+            Some(file) => server.with_mechanism(file),
         };
         let url = server.url();
         self.format.print(&Address { url: &url }, |Address { url }| {
@@ -106,4 +127,39 @@ impl Studio {
         }
         Ok(server.run()?)
     }
+
+    /// A mechanism for the page; errors in its text are shown there.
+    fn mechanism_file(&self, path: &Path) -> Result<MechanismFileOnDisk, Failure> {
+        let source = Source::read(path, MAX_MECHANISM_BYTES)?;
+        source.require(&[Kind::Mechanism, Kind::Model, Kind::ThreeRods], "a mechanism")?;
+        let is_model = source.kind() == Some(Kind::Model);
+        if self.loops.is_some() && !is_model {
+            let text = format!("--loops closes the loops of a model, and {} is none", source.label);
+            return Err(Failure::Usage(text));
+        }
+        let read = |path: &PathBuf| Ok::<_, Failure>(Source::read(path, MAX_MECHANISM_BYTES)?.text);
+        let loops = self.loops.as_ref().map(read).transpose()?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let on_disk = path.is_file() && source.kind() == Some(Kind::Mechanism);
+        let text = if is_model { expanded(&source)?.text } else { source.text };
+        Ok(MechanismFileOnDisk { name, path: on_disk.then(|| path.to_owned()), text, loops })
+    }
+}
+
+/// The files of a work cell; errors in the cell file are reported on standard error and shown on the page.
+fn cell_files(path: &Path) -> Result<CellFiles, Failure> {
+    if path == Path::new(EXAMPLE) && !path.exists() {
+        return Ok(CellFiles::example());
+    }
+    if path.exists() || path.extension().is_none() {
+        Source::read(path, MAX_BYTES)?.require(&[Kind::Cell], "a work cell")?;
+    }
+    let files = CellFiles::open(path).map_err(Failure::Robot)?;
+    let errors = files.errors();
+    if !errors.is_empty() {
+        let text = format!("{}\nthe errors can be fixed in the studio", errors.join("\n"));
+        // If standard error is closed, the page still shows them.
+        let _ = writeln!(anstream::stderr(), "{text}");
+    }
+    Ok(files)
 }

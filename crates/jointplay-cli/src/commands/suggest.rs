@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::mechanism::{self, MechanismFile, Units};
 use jointplay::mechanism::{
-    LinearAndAngular, MechanismSystem, SingleCommand, SuggestOptions, Suggestion, SuggestionRank,
-    Suggestions, VirtualJoint, single_commands, suggest,
+    Commands, LinearAndAngular, MechanismSystem, SMALL_COMMAND, SingleCommand, SuggestOptions,
+    Suggestion, SuggestionRank, Suggestions, VirtualJoint, single_commands, small_commands,
+    suggest,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::report::{self, ByName, SetReport, SingleCommandReport, SuggestReport, WrittenSet};
@@ -21,8 +22,6 @@ use jointplay::format::number::{counted, fixed, number};
 
 /// Number of sets listed in text; JSON lists all.
 const LISTED: usize = 10;
-/// Default displacement of each actuator: in radians, or as a share of the characteristic length.
-const SMALL_TURN: f64 = 0.05;
 
 /// Find the virtual joints with the least displacement that make a commanded motion possible
 ///
@@ -121,14 +120,6 @@ fn chosen(number: u32, sets: usize) -> Result<usize, Failure> {
     }
 }
 
-/// Commands to the same coordinates.
-struct Commands {
-    /// Indices of the commanded coordinates.
-    commanded: Vec<usize>,
-    /// Values of the commanded coordinates, for each command (m, rad).
-    values: Vec<DVector<f64>>,
-}
-
 impl Suggest {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         if self.stiffness.is_some() && !matches!(self.rank, Rank::Stiffness) {
@@ -216,7 +207,7 @@ impl Suggest {
         let displacements: Vec<(usize, f64)> = moved
             .iter()
             .map(|&k| match away(k) {
-                0.0 => (k, SMALL_TURN * system.kinematics().dimensions()[k].unit(length)),
+                0.0 => (k, SMALL_COMMAND * system.kinematics().dimensions()[k].unit(length)),
                 by => (k, by),
             })
             .collect();
@@ -273,7 +264,9 @@ impl Suggest {
     /// The commands of the flags, or the default ones.
     fn commands(&self, input: &Input, home: &DVector<f64>) -> Result<Commands, Failure> {
         let Some((first, others)) = self.command.split_first() else {
-            return small_steps(input, home);
+            let text = "the file has no actuated joint; use --command to command joints";
+            let small = small_commands(&input.file.mechanism, home)?;
+            return small.ok_or_else(|| Failure::Usage(text.to_owned()));
         };
         let first = input.commands(std::slice::from_ref(first))?;
         let commanded: Vec<usize> = first.iter().map(|&(k, _)| k).collect();
@@ -293,29 +286,6 @@ impl Suggest {
         }
         Ok(Commands { commanded, values: commands })
     }
-}
-
-/// One command for each actuator: a small displacement, with the others held.
-fn small_steps(input: &Input, home: &DVector<f64>) -> Result<Commands, Failure> {
-    let system = MechanismSystem::new(&input.file.mechanism, home.clone())?;
-    let joints = input.file.mechanism.joints().iter().enumerate();
-    let motors: Vec<usize> = joints
-        .filter(|(_, joint)| joint.actuated)
-        .flat_map(|(j, _)| system.kinematics().coordinates_of(j))
-        .collect();
-    if motors.is_empty() {
-        let text = "the file has no actuated joint; use --command to command joints";
-        return Err(Failure::Usage(text.to_owned()));
-    }
-    let length = jointplay::constraint::System::characteristic_length(&system);
-    let at_home = DVector::from_iterator(motors.len(), motors.iter().map(|&k| home[k]));
-    let commands = motors.iter().enumerate().map(|(n, &k)| {
-        let mut command = at_home.clone();
-        command[n] += SMALL_TURN * system.kinematics().dimensions()[k].unit(length);
-        command
-    });
-    let values = commands.collect();
-    Ok(Commands { commanded: motors, values })
 }
 
 /// Coordinates that describe the configuration: actuators that are not commanded, or joints with one freedom if there are no actuators.

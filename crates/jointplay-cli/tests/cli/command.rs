@@ -62,7 +62,13 @@ fn a_file_of_another_kind_is_refused_with_its_commands() {
         refused(&sandbox, line, &parts);
     }
     #[cfg(feature = "studio")]
-    refused(&sandbox, "studio hexapod --no-open", &["is a mechanism", "draw"]);
+    refused(&sandbox, "studio --cell hexapod --no-open", &["is a mechanism", "studio hexapod"]);
+    #[cfg(feature = "studio")]
+    refused(&sandbox, "studio hexapod --mechanism bennett --no-open", &["given twice"]);
+    #[cfg(feature = "studio")]
+    refused(&sandbox, "studio hexapod --loops x.toml --no-open", &["is none"]);
+    #[cfg(feature = "studio")]
+    refused(&sandbox, "studio --loops x.toml --no-open", &["name its file too"]);
 }
 
 #[test]

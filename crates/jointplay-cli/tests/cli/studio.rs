@@ -72,6 +72,32 @@ impl Drop for Studio {
 }
 
 #[test]
+fn a_mechanism_a_model_with_its_loops_and_a_name_are_opened() {
+    let sandbox = Sandbox::new();
+    let opened = |flags: &str| {
+        let studio = Studio::start(&sandbox, flags);
+        let answer = studio.ask("GET /api/v1/mechanism HTTP/1.1\r\n");
+        let (_, json) = answer.split_once("\r\n\r\n").unwrap();
+        let file: serde_json::Value = serde_json::from_str(json).unwrap();
+        let body =
+            serde_json::json!({ "mechanism": { "text": file["text"], "loops": file["loops"] } });
+        let opened = studio.post("mechanism/open", &body.to_string());
+        (file, opened["mechanism"]["joints"].as_array().map_or(0, Vec::len))
+    };
+    let (file, joints) = opened("hexapod --port 0");
+    assert_eq!((&file["name"], &file["writable"]), (&"hexapod".into(), &false.into()));
+    assert_eq!(joints, 18);
+    let text = jointplay::format::catalogue::find("bennett").unwrap().text;
+    sandbox.write("mine.toml", text);
+    let (file, joints) = opened("--mechanism mine.toml --port 0");
+    assert_eq!((&file["writable"], joints), (&true.into(), 4));
+    sandbox.write("arm.urdf", r#"<robot name="arm"><link name="base"/><link name="a"/><joint name="A" type="continuous"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/></joint></robot>"#);
+    sandbox.write("loops.toml", "kind = \"loops\"\nunits = { length = \"m\", angle = \"rad\" }\n[[joint]]\nname = \"B\"\nkind = \"revolute\"\nlinks = [\"base\", \"a\"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\n");
+    let (file, joints) = opened("arm.urdf --loops loops.toml --port 0");
+    assert_eq!((&file["writable"], joints), (&false.into(), 2));
+}
+
+#[test]
 fn it_serves_until_it_is_interrupted() {
     let sandbox = Sandbox::new();
     let studio = Studio::start(&sandbox, "--port 0");

@@ -1,11 +1,12 @@
 //! Evidence of mobility: motion of a link, class of the mechanism.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Rotation3, Translation3, Vector3};
 
 use super::MechanismSystem;
 use crate::Error;
 use crate::linalg::svd;
 use crate::mobility::{FiniteMobility, InstantaneousMobility};
+use crate::spatial::Pose;
 
 /// Twists below this share of the largest count as zero.
 const NOTHING: f64 = 1e-9;
@@ -100,15 +101,12 @@ pub struct ScrewAxis {
     pub point: Vector3<f64>,
 }
 
-/// The instantaneous motions of a link: dimension, translations among them, the screw of a single freedom.
-///
-/// # Errors
-/// [`Error::Linalg`] (never seen).
-pub fn link_motion(
+/// (6, mobility) twist of a link in each instantaneous motion (angular, linear over the characteristic length) at the reference point, in the base frame.
+fn link_twists(
     system: &MechanismSystem<'_>,
     first: &InstantaneousMobility,
     link: usize,
-) -> Result<LinkMotion, Error> {
+) -> DMatrix<f64> {
     let kinematics = system.kinematics();
     let total = system.home().len();
     let placed =
@@ -128,6 +126,60 @@ pub fn link_motion(
             }
         }
     }
+    twists
+}
+
+/// Largest twist of a link in a drawn motion, in radians and characteristic lengths.
+const DRAWN: f64 = 0.15;
+
+/// Poses of the links displaced along an instantaneous motion, each link as a rigid body: for pictures, in which joints open where the motion is only instantaneous.
+///
+/// # Arguments
+/// * `motion` – index of the motion in the null space
+/// * `share` – -1 to 1: at 1 the largest twist of a link is 0.15, in radians and characteristic lengths
+///
+/// # Errors
+/// [`Error::NoSuchQuantity`] for an unknown motion; those of [`super::Kinematics::link_poses`].
+pub fn poses_along_motion(
+    system: &MechanismSystem<'_>,
+    first: &InstantaneousMobility,
+    motion: usize,
+    share: f64,
+) -> Result<Vec<Pose>, Error> {
+    if motion >= first.mobility {
+        let (what, count) = ("instantaneous motion", first.mobility);
+        return Err(Error::NoSuchQuantity { what, index: motion, count });
+    }
+    let links = system.kinematics().link_poses(system.home())?;
+    let twist = |link: usize| link_twists(system, first, link).column(motion).into_owned();
+    let twists: Vec<_> = (0..links.len()).map(twist).collect();
+    let size =
+        |twist: &DVector<f64>| twist.fixed_rows::<3>(0).norm().max(twist.fixed_rows::<3>(3).norm());
+    let largest = twists.iter().map(size).fold(0.0, f64::max);
+    if largest == 0.0 {
+        return Ok(links);
+    }
+    let (reference, length) = (system.reference(), first.characteristic_length);
+    let displaced = links.iter().zip(&twists).map(|(pose, twist)| {
+        let by = twist * (share * DRAWN / largest);
+        let rotation = Rotation3::new(by.fixed_rows::<3>(0).into_owned());
+        let shift = reference + by.fixed_rows::<3>(3) * length - rotation * reference;
+        Pose::from_parts(Translation3::from(shift), rotation) * pose
+    });
+    Ok(displaced.collect())
+}
+
+/// The instantaneous motions of a link: dimension, translations among them, the screw of a single freedom.
+///
+/// # Errors
+/// [`Error::Linalg`] (never seen).
+pub fn link_motion(
+    system: &MechanismSystem<'_>,
+    first: &InstantaneousMobility,
+    link: usize,
+) -> Result<LinkMotion, Error> {
+    let length = first.characteristic_length;
+    let twists = link_twists(system, first, link);
     let decomposition = svd(&twists)?;
     let dimension = decomposition.singular_values.iter().filter(|&&s| s > NOTHING).count();
     let twists = decomposition.u.columns(0, dimension).into_owned();

@@ -30,7 +30,8 @@ impl Mechanism {
     }
 
     /// (f + M) limits of every coordinate, see [`Mechanism::beyond_limits`] (m, rad).
-    pub(super) fn limits(&self) -> Vec<Option<[f64; 2]>> {
+    #[must_use]
+    pub fn limits(&self) -> Vec<Option<[f64; 2]>> {
         self.all_limits().collect()
     }
 

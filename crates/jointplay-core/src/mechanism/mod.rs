@@ -10,6 +10,7 @@ mod closing;
 mod closure;
 mod commanded_positions;
 mod description;
+mod drive_from;
 mod drive_path;
 mod elementary;
 mod evidence;
@@ -31,6 +32,7 @@ mod relieved_motion;
 mod self_stress;
 mod single_commands;
 mod singular;
+mod small_commands;
 mod sparse;
 mod suggest;
 mod suggest_options;
@@ -52,9 +54,10 @@ pub use description::{
     Carrier, Joint, LinearAndAngular, MAX_LINKS, Mechanism, MechanismError, VirtualJoint,
     VirtualMotion,
 };
+pub use drive_from::{drive_from, held_actuators};
 pub use drive_path::{Drive, DrivePath};
 pub use elementary::{ElementaryChain, ElementaryMotion};
-pub use evidence::{LinkMotion, MobilityClass, ScrewAxis, link_motion};
+pub use evidence::{LinkMotion, MobilityClass, ScrewAxis, link_motion, poses_along_motion};
 pub use exaggeration::{ExaggeratedPlay, exaggerate_play, exaggerated_link_poses};
 pub use frame_drive::drive_frames;
 pub use frame_path::{FramePath, FrameTarget, OrientationTarget};
@@ -75,6 +78,7 @@ pub use relief::{CommandedJoints, Relief, ReliefSolver, relieve, virtual_weights
 pub use relieved_motion::drive_relieved;
 pub use self_stress::{JointWrench, SelfStress, SelfStresses, StressScrew, self_stresses};
 pub use single_commands::{SingleCommand, single_commands};
+pub use small_commands::{Commands, SMALL_COMMAND, small_commands};
 pub use sparse::{SparseMobility, SparseSystem};
 pub use suggest::{Suggestion, Suggestions, suggest};
 pub use suggest_options::{SuggestOptions, SuggestionRank};

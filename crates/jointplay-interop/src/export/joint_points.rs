@@ -19,24 +19,38 @@ pub(crate) fn joint_points(mechanism: &Mechanism) -> Vec<Vec<Vector3<f64>>> {
     points
 }
 
-/// Points between which bodies of links are drawn: those of their joints, and for a slide whose joints coincide a second one on its axis, at a distance of `size` (m).
+/// Points between which bodies of links are drawn: those of their joints, and for a slide whose joints coincide a second one on its axis.
+///
+/// The second point is at half the length of the other link, where that is a bar along the axis, as for the cylinder around a rod; otherwise at a distance of `size` (m).
 pub(crate) fn drawn_points(
     mechanism: &Mechanism,
     mut points: Vec<Vec<Vector3<f64>>>,
     size: f64,
 ) -> Vec<Vec<Vector3<f64>>> {
+    let of_joints = points.clone();
     for joint in mechanism.joints() {
         if !matches!(joint.kind, JointKind::Prismatic | JointKind::Cylindrical) {
             continue;
         }
-        for (link, frame) in joint.links.into_iter().zip(&joint.frames) {
-            if let [only] = points[link][..] {
-                points[link].push(only - frame.rotation * Vector3::z() * size);
-            }
+        for (side, (link, frame)) in joint.links.into_iter().zip(&joint.frames).enumerate() {
+            let [only] = points[link][..] else { continue };
+            let axis = frame.rotation * Vector3::z();
+            let other = joint.frames[1 - side];
+            let to_end = match of_joints[joint.links[1 - side]][..] {
+                [a, b] => {
+                    (a + b - other.translation.vector * 2.0).dot(&(other.rotation * Vector3::z()))
+                }
+                _ => 0.0,
+            };
+            let along = if to_end.abs() > SHORTEST * size { 0.5 * to_end } else { -size };
+            points[link].push(only + axis * along);
         }
     }
     points
 }
+
+/// Bars shorter than this share of the size of the mechanism are not drawn.
+const SHORTEST: f64 = 0.05;
 
 /// Bars that draw a link: between two points, or from the middle of more points to each of those that are at a distance from it.
 pub(crate) fn bars(points: &[Vector3<f64>], shortest: f64) -> Vec<[Vector3<f64>; 2]> {
@@ -54,6 +68,8 @@ pub(crate) fn bars(points: &[Vector3<f64>], shortest: f64) -> Vec<[Vector3<f64>;
 
 /// Radius of a bar, as a share of the size of the mechanism.
 pub(crate) const BAR: f64 = 0.015;
+/// Radius of a joint, as a share of the size of the mechanism.
+pub(crate) const JOINT: f64 = 0.025;
 
 /// Half of the largest extent of the joints of the links at their poses; 1 if there is none (m).
 pub(crate) fn size(points: &[Vec<Vector3<f64>>], poses: &[Pose]) -> f64 {
@@ -74,6 +90,26 @@ mod tests {
     use jointplay_format::{catalogue, mechanism};
 
     use super::*;
+
+    #[test]
+    fn cylinders_are_drawn_around_their_rods() {
+        let file = mechanism::parse(catalogue::find("hexapod").unwrap().text).unwrap();
+        let mechanism = &file.mechanism;
+        let points = joint_points(mechanism);
+        let drawn = drawn_points(mechanism, points.clone(), 0.2);
+        let [cylinder, rod] = ["cylinder 1", "rod 1"].map(|name| mechanism.link(name).unwrap());
+        let joint = &mechanism.joints()[mechanism.joint("P1").unwrap()];
+        // With the slide at zero, the frames of both links meet: from the rod's frame to that of the cylinder.
+        let cylinder_from_rod = joint.frames[0] * joint.frames[1].inverse();
+        let ends: Vec<_> = points[rod]
+            .iter()
+            .map(|&at| (cylinder_from_rod * nalgebra::Point3::from(at)).coords)
+            .collect();
+        let [bottom, top] = drawn[cylinder][..] else { panic!("{:?}", drawn[cylinder]) };
+        let [a, b] = ends[..] else { panic!("{ends:?}") };
+        let far = if (a - bottom).norm() > (b - bottom).norm() { a } else { b };
+        assert!((top - (bottom + far) * 0.5).norm() < 1e-12, "{top} {bottom} {far}");
+    }
 
     #[test]
     fn rods_whose_joints_coincide_are_drawn_along_their_slides() {

@@ -20,6 +20,7 @@ mod joint_points;
 #[cfg(feature = "mcap")]
 pub mod mcap;
 pub mod mechanism;
+mod mechanism_shapes;
 mod motion_export;
 mod sample_columns;
 mod samples;
@@ -34,6 +35,7 @@ pub use error::Error;
 pub use gltf::{
     AnimatedParts, KEY_TOLERANCE, MechanismMotion, PartsError, PartsFile, UpAxis, gltf, gltf_within,
 };
+pub use mechanism_shapes::MechanismShapes;
 pub use motion_export::{MOST_SAMPLES, MotionExport};
 pub use sample_columns::{
     COLUMN_GROUPS, DEFAULT_COLUMNS, SampleColumn, sample_columns, select_columns,

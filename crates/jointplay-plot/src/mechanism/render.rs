@@ -1,10 +1,12 @@
 //! Pictures of mechanisms as SVG and PNG.
 
 use jointplay_core::mechanism::{Kinematics, exaggerate_play};
+use nalgebra::Vector3;
 
 use super::page;
 use super::picture::MechanismPicture;
 use super::scene::Scene;
+use super::view::View;
 use crate::{Error, png};
 
 impl MechanismPicture<'_> {
@@ -35,6 +37,20 @@ impl MechanismPicture<'_> {
             }
         };
         Ok(page::draw(self, &scene, ghost.as_ref()))
+    }
+
+    /// Unit vector from the mechanism toward the viewer of the picture, in the frame of the base.
+    ///
+    /// # Errors
+    /// [`Error::Coordinates`], [`Error::Unplaced`] as [`Self::to_svg`].
+    pub fn toward_viewer(&self) -> Result<Vector3<f64>, Error> {
+        let poses = Kinematics::new(self.mechanism).link_poses(&self.coordinates)?;
+        let view = match self.view {
+            Some(view) => view,
+            None => View::of(&Scene::of(self.mechanism, &poses, None)?),
+        };
+        let [_, _, eye] = view.frame();
+        Ok(eye)
     }
 
     /// The SVG painted as PNG, `width_px` pixels wide, with the embedded DejaVu Sans.

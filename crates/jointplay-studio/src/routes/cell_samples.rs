@@ -45,6 +45,7 @@ pub(crate) async fn samples(
     Body(request): Body<SamplesRequest>,
 ) -> Result<Response, Problem> {
     let (session, rate, peaks) = (state.session()?, request.rate()?, request.peaks);
+    request.check_columns()?;
     let (from, to) = (request.from_s.unwrap_or(0.0), request.to_s.unwrap_or(f64::INFINITY));
     let names = request.columns;
     let (cell, program) = session.texts(request.cell, request.program);

@@ -18,7 +18,7 @@ use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::mechanism::{
-    CoordinateDocument, FrameDocument, MechanismPosesDocument, MechanismPosesRequest,
+    CoordinateDocument, MechanismFrame, MechanismPosesDocument, MechanismPosesRequest,
 };
 
 /// The poses of all links and attached frames of a mechanism
@@ -89,7 +89,7 @@ fn document(
     let mechanism = &file.mechanism;
     let kinematics = Kinematics::new(mechanism);
     let links = kinematics.link_poses(closed)?;
-    let frames = mechanism.moving_frames().map(|frame| FrameDocument {
+    let frames = mechanism.moving_frames().map(|frame| MechanismFrame {
         name: mechanism.frame_name(frame).to_owned(),
         pose: (&kinematics.frame_pose(frame, &links)).into(),
     });

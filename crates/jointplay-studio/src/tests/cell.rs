@@ -155,6 +155,11 @@ fn a_plan_has_report_windows_and_scene() {
         (answer.status, &answer.json()["field"]),
         (StatusCode::UNPROCESSABLE_ENTITY, &"columns".into())
     );
+    let none = chosen(json!([]));
+    assert_eq!(
+        (none.status, &none.json()["field"]),
+        (StatusCode::UNPROCESSABLE_ENTITY, &"columns".into())
+    );
 }
 
 #[test]

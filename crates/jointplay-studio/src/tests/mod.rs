@@ -4,6 +4,7 @@ mod cell;
 mod cell_jog;
 mod cell_windows;
 mod mechanism;
+mod mechanism_view;
 mod meshes;
 mod pose;
 mod questions;

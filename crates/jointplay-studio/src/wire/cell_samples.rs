@@ -37,6 +37,7 @@ pub(crate) struct SamplesRequest {
     pub(crate) to_s: Option<f64>,
     /// Columns by name or group, as for `jointplay cell export --columns`; default: those of `jointplay cell run`.
     #[serde(default)]
+    #[schema(min_items = 1)]
     pub(crate) columns: Option<Vec<String>>,
 }
 
@@ -45,6 +46,16 @@ fn default_rate() -> f64 {
 }
 
 impl SamplesRequest {
+    /// Refuses an empty list of columns, of which no table can be made.
+    pub(crate) fn check_columns(&self) -> Result<(), Problem> {
+        match &self.columns {
+            Some(columns) if columns.is_empty() => {
+                Err(Problem::field("columns", "name at least one column, or omit `columns`"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The sampling rate, checked (Hz).
     pub(crate) fn rate(&self) -> Result<f64, Problem> {
         if (0.1..=10_000.0).contains(&self.rate_hz) {

@@ -32,7 +32,7 @@ pub(crate) struct MechanismPosesDocument {
     /// The link in whose frame the poses are.
     pub(crate) base: String,
     /// Poses of all links but the base, then of all attached frames.
-    pub(crate) frames: Vec<FrameDocument>,
+    pub(crate) frames: Vec<MechanismFrame>,
     /// Coordinates of the joints, then of the virtual joints.
     pub(crate) coordinates: Vec<CoordinateDocument>,
     /// Coordinates beyond their limits or clearances, in the units of the file.
@@ -41,7 +41,7 @@ pub(crate) struct MechanismPosesDocument {
 
 /// Pose of a link or attached frame in the base frame.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
-pub(crate) struct FrameDocument {
+pub(crate) struct MechanismFrame {
     /// Name of the link or frame.
     pub(crate) name: String,
     /// Its pose.

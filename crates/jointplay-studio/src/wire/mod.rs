@@ -11,6 +11,7 @@ pub(crate) mod cell_pose;
 pub(crate) mod cell_samples;
 mod command;
 pub(crate) mod mechanism;
+pub(crate) mod mechanism_view;
 mod model;
 pub(crate) mod pose;
 pub(crate) mod program_parameters;

@@ -38,6 +38,8 @@ pub(crate) struct RobotDocument {
     pub(crate) default_model: ModelChoice,
     /// Whether this server has a work cell.
     pub(crate) cell: bool,
+    /// Whether this server was started with a mechanism.
+    pub(crate) mechanism: bool,
     /// File formats of time series that this build supports.
     pub(crate) series_formats: Vec<SeriesFormat>,
 }
@@ -152,7 +154,7 @@ pub(crate) enum MotionName {
 }
 
 impl RobotDocument {
-    pub(crate) fn new(robot: &Robot, cell: bool) -> Self {
+    pub(crate) fn new(robot: &Robot, cell: bool, mechanism: bool) -> Self {
         let gpr = &robot.gpr;
         let limbs = gpr.limbs().into_iter().zip(gpr.platform().sockets());
         let limits = gpr.limits();
@@ -189,6 +191,7 @@ impl RobotDocument {
             ),
             default_model: ModelChoice::default(),
             cell,
+            mechanism,
             series_formats: SeriesFormat::available(),
         }
     }

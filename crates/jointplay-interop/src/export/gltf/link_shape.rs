@@ -7,10 +7,8 @@ use nalgebra::Vector3;
 
 use super::document::Document;
 use super::material::Material;
-use crate::export::joint_points::{BAR, bars};
+use crate::export::joint_points::{BAR, JOINT, bars};
 
-/// Radius of a joint, as a share of the size of the mechanism.
-const JOINT: f64 = 0.025;
 /// Length of the capsule that draws a joint as a ball, as a share of its radius.
 const BALL: f64 = 1e-3;
 

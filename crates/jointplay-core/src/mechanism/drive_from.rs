@@ -1,0 +1,57 @@
+//! Driving a mechanism of any size, with or without virtual joints.
+
+use nalgebra::DVector;
+
+use super::posing::close_commanded;
+use super::{
+    DrivePath, DrivenMotion, Mechanism, MechanismSystem, SparseSystem, drive_along, drive_relieved,
+};
+use crate::Error;
+
+/// Drives joint coordinates along a path: by dense algebra, with the least displacements of virtual joints if there are any, or by sparse algebra if there are many loops.
+///
+/// # Arguments
+/// * `from` – (f + M) a closed configuration, the driven coordinates at the first point of the path (m, rad)
+/// * `held` – indices of other joint coordinates that keep their values, see [`held_actuators`]
+/// * `steps` – number of steps to report
+/// * `tolerance` – largest mismatch of the configuration at rest that counts as closed; `None` for loops that close exactly
+/// * `progress` – called with the number of steps done after each
+///
+/// # Errors
+/// Those of [`drive_along`], [`drive_relieved`] and [`SparseSystem::drive_along`]; of a mechanism with virtual joints those of [`close_commanded`].
+pub fn drive_from(
+    mechanism: &Mechanism,
+    from: &DVector<f64>,
+    path: &DrivePath,
+    held: &[usize],
+    steps: usize,
+    tolerance: Option<f64>,
+    progress: &mut dyn FnMut(usize),
+) -> Result<DrivenMotion, Error> {
+    if !MechanismSystem::fits(mechanism) {
+        let system = SparseSystem::new(mechanism, from.clone())?;
+        return system.drive_along(path, held, steps, progress);
+    }
+    let driven = path.coordinates();
+    let free: Vec<usize> = (0..mechanism.joint_freedoms())
+        .filter(|k| !driven.contains(k) && !held.contains(k))
+        .collect();
+    let system = MechanismSystem::new(mechanism, from.clone())?;
+    if mechanism.virtual_joints().is_empty() {
+        return drive_along(&system, path, &free, steps, progress);
+    }
+    let at_rest = close_commanded(mechanism, &[], tolerance)?.coordinates;
+    let home = MechanismSystem::new(mechanism, at_rest)?;
+    drive_relieved(&home, &system, path, &free, steps, progress)
+}
+
+/// Coordinates of the actuators that are held while others are driven: those that are not driven, or none if a joint without an actuator is driven.
+#[must_use]
+pub fn held_actuators(mechanism: &Mechanism, driven: &[usize]) -> Vec<usize> {
+    let actuated = mechanism.actuated_coordinates();
+    if driven.iter().all(|k| actuated.contains(k)) {
+        actuated.into_iter().filter(|k| !driven.contains(k)).collect()
+    } else {
+        Vec::new()
+    }
+}

@@ -1,1 +1,0 @@
-export{t as GLTFLoader}from"./GLTFLoader-n1f4bHiG.js";

@@ -1,0 +1,1 @@
+export{t as GLTFLoader}from"./GLTFLoader-lb1nFy_O.js";

@@ -1,2 +1,0 @@
-const __vite__mapDeps=(i,m=__vite__mapDeps,d=(m.f||(m.f=["./page-CeiNQPP7.js","./sceneRenderer-BuQnLa-k.js","./webgl-07Nl3DKu.js","./three-BSgDWeeR.js","./sceneRenderer-DDaOJhUA.css","./preload-helper-BQUUbbNx.js","./page-BvewmTEP.css"])))=>i.map(i=>d[i]);
-import{n as e}from"./webgl-07Nl3DKu.js";import{t}from"./preload-helper-BQUUbbNx.js";var n=t(()=>import(`./page-CeiNQPP7.js`),__vite__mapDeps([0,1,2,3,4,5,6]),import.meta.url);e(),await n;

@@ -1,0 +1,309 @@
+//! The view of mechanisms: opening, driving, analyses, the catalogue and the file.
+
+use axum::body::Body;
+use axum::http::{Request, StatusCode, header};
+use serde_json::{Value, json};
+
+use super::{HOST, PORT, answered, get, refused, send_to, state};
+use crate::mechanism_file::{MechanismFileOnDisk, MechanismSession};
+use crate::router;
+
+const OPEN: &str = "/api/v1/mechanism/open";
+const DRIVE: &str = "/api/v1/mechanism/drive";
+
+/// A slider crank: crank 40 mm, connecting rod 120 mm, slider along x with limits.
+const CRANK: &str = r#"kind = "mechanism"
+name = "press"
+units = { length = "mm", angle = "deg" }
+base = "ground"
+[parameters]
+r = 40.0
+[[joint]]
+name = "A"
+kind = "revolute"
+links = ["ground", "crank"]
+point = [0, 0, 0]
+axis = [0, 0, 1]
+actuated = true
+[[joint]]
+name = "B"
+kind = "revolute"
+links = ["crank", "rod"]
+point = ["r", 0, 0]
+axis = [0, 0, 1]
+[[joint]]
+name = "C"
+kind = "revolute"
+links = ["rod", "slider"]
+point = ["r + 120", 0, 0]
+axis = [0, 0, 1]
+[[joint]]
+name = "D"
+kind = "prismatic"
+links = ["ground", "slider"]
+axis = [1, 0, 0]
+limits = [-60, 5]
+"#;
+
+fn source(text: &str) -> Value {
+    json!({ "text": text })
+}
+
+fn open(text: &str) -> Value {
+    answered(OPEN, &json!({ "mechanism": source(text) }).to_string())
+}
+
+fn drive(text: &str, from: &Value, to: &Value) -> Value {
+    let body = json!({ "mechanism": source(text), "from": from, "to": to });
+    answered(DRIVE, &body.to_string())
+}
+
+fn entry(name: &str) -> String {
+    let all = get("/api/v1/catalogue").json();
+    let all = all.as_array().unwrap();
+    let found = all.iter().find(|entry| entry["name"] == name).unwrap();
+    found["text"].as_str().unwrap().to_owned()
+}
+
+#[test]
+fn an_opened_mechanism_has_its_joints_limits_and_parameters() {
+    let opened = open(CRANK);
+    assert_eq!(opened["kind"], "mechanism");
+    assert_eq!(opened["text"], CRANK);
+    let mechanism = &opened["mechanism"];
+    assert_eq!(mechanism["joints"][3]["kind"], "prismatic");
+    assert_eq!(mechanism["coordinates"][0]["actuated"], true);
+    assert_eq!(mechanism["coordinates"][3]["limits"], json!([-60.0, 5.0]));
+    assert_eq!(mechanism["coordinates"][3]["unit"], "mm");
+    assert_eq!(mechanism["parameters"], json!([{ "name": "r", "value": 40.0 }]));
+    assert!(mechanism["configuration"]["residual"].as_f64().unwrap() < 1e-10);
+    // One bar for each link between two joints at different places.
+    let bars = |k: usize| mechanism["links"][k]["bars"].as_array().unwrap().len();
+    assert_eq!((bars(1), bars(2)), (1, 1));
+}
+
+#[test]
+fn a_crank_is_driven_by_expressions_to_where_trigonometry_places_its_slider() {
+    let start = open(CRANK)["mechanism"]["configuration"]["coordinates"].clone();
+    let moved = drive(CRANK, &start, &json!({ "A": "180/3 deg" }));
+    assert_eq!(moved["stopped"], Value::Null);
+    let (sine, cosine) = 60_f64.to_radians().sin_cos();
+    let slider = 40.0 * cosine + (120.0_f64.powi(2) - (40.0 * sine).powi(2)).sqrt() - 160.0;
+    let found = moved["configuration"]["values"][3].as_f64().unwrap();
+    assert!((found - slider).abs() < 1e-9, "{found} {slider}");
+    // It continues from there, beyond the limit of the slider at -60 mm.
+    let from = &moved["configuration"]["coordinates"];
+    let beyond = drive(CRANK, from, &json!({ "A": "150" }));
+    let broken = &beyond["configuration"]["limits_broken"][0];
+    assert_eq!(broken["limit"], "D");
+    assert!(beyond["first_beyond_limits"]["place"].as_str().unwrap().starts_with("A = "));
+}
+
+#[test]
+fn a_dead_point_stops_the_slider_and_its_configuration_is_reported() {
+    let text = CRANK
+        .replace("axis = [0, 0, 1]\nactuated = true", "axis = [0, 0, 1]\nguess = 30")
+        .replace("axis = [1, 0, 0]\n", "axis = [1, 0, 0]\nactuated = true\n");
+    let start = open(&text)["mechanism"]["configuration"]["coordinates"].clone();
+    let moved = drive(&text, &start, &json!({ "D": "10" }));
+    assert_eq!(moved["stopped"], "locked", "{moved}");
+    // The slider cannot be farther than both links in line.
+    let reached = moved["configuration"]["values"][3].as_f64().unwrap();
+    assert!(reached.abs() < 1e-3, "{reached}");
+    assert!(moved["message"].as_str().unwrap().contains("dead point"));
+}
+
+#[test]
+fn a_changed_parameter_keeps_the_crank_where_it_was() {
+    let start = open(CRANK)["mechanism"]["configuration"]["coordinates"].clone();
+    let at = drive(CRANK, &start, &json!({ "A": "70" }))["configuration"]["coordinates"].clone();
+    let body = json!({ "mechanism": { "text": CRANK, "parameters": { "r": 30 } }, "from": at });
+    let changed = answered(OPEN, &body.to_string());
+    let values = &changed["mechanism"]["configuration"]["values"];
+    assert!((values[0].as_f64().unwrap() - 70.0).abs() < 1e-9);
+    let (sine, cosine) = 70_f64.to_radians().sin_cos();
+    let slider = 30.0 * cosine + (120.0_f64.powi(2) - (30.0 * sine).powi(2)).sqrt() - 150.0;
+    assert!((values[3].as_f64().unwrap() - slider).abs() < 1e-9, "{values}");
+}
+
+#[test]
+fn invalid_texts_and_other_kinds_of_files_are_answers() {
+    let opened = open(&CRANK.replace("\"prismatic\"", "\"prismatik\""));
+    assert_eq!(opened["mechanism"], Value::Null);
+    assert_eq!(opened["diagnostics"][0]["line"], 28);
+    let cell = open("kind = \"cell\"\n");
+    assert_eq!((&cell["kind"], &cell["mechanism"]), (&"cell".into(), &Value::Null));
+    assert!(cell["note"].as_str().unwrap().contains("a work cell"));
+    assert_eq!(open("a,b\n1,2\n")["kind"], "unknown");
+    let bad = |body: Value, field: &str, detail: &str| {
+        refused(DRIVE, &body.to_string(), 422, Some(field), detail);
+    };
+    let start = open(CRANK)["mechanism"]["configuration"]["coordinates"].clone();
+    let request =
+        |from: Value, to: Value| json!({ "mechanism": source(CRANK), "from": from, "to": to });
+    bad(request(start.clone(), json!({ "Z": "1" })), "to.Z", "is not known");
+    bad(request(start.clone(), json!({ "A": "1 +" })), "to.A", "");
+    bad(request(start.clone(), json!({ "A": "3 mm" })), "to.A", "");
+    bad(request(start.clone(), json!({})), "to", "at least one");
+    bad(request(json!([0.0]), json!({ "A": "1" })), "from", "expected 4 coordinates");
+    refused(
+        OPEN,
+        &json!({ "mechanism": source(CRANK), "play_scale": 0.5 }).to_string(),
+        422,
+        Some("play_scale"),
+        "from 1 to 1e9",
+    );
+}
+
+#[test]
+fn a_model_is_converted_and_closed_by_its_loops() {
+    let urdf = r#"<robot name="two"><link name="base"/><link name="a"/><link name="b"/><link name="c"/>
+<joint name="A" type="continuous"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/></joint>
+<joint name="B" type="continuous"><parent link="a"/><child link="b"/><origin xyz="0.1 0 0"/><axis xyz="0 0 1"/></joint>
+<joint name="D" type="continuous"><parent link="base"/><child link="c"/><origin xyz="0.3 0 0"/><axis xyz="0 0 1"/></joint></robot>"#;
+    let tree = open(urdf);
+    assert_eq!(tree["kind"], "model");
+    assert!(tree["note"].as_str().unwrap().contains("URDF"), "{tree}");
+    assert!(tree["text"].as_str().unwrap().contains("kind = \"mechanism\""));
+    let loops = "kind = \"loops\"\nunits = { length = \"m\", angle = \"rad\" }\n[[joint]]\nname = \"C\"\nkind = \"revolute\"\nlinks = [\"b\", \"c\"]\npoint = [0.3, 0.2, 0]\naxis = [0, 0, 1]\n";
+    let closed =
+        answered(OPEN, &json!({ "mechanism": { "text": urdf, "loops": loops } }).to_string());
+    assert_eq!(closed["mechanism"]["joints"].as_array().unwrap().len(), 4, "{closed}");
+    // The converted text is the same mechanism.
+    let again = open(closed["text"].as_str().unwrap());
+    assert_eq!(again["mechanism"]["joints"].as_array().unwrap().len(), 4);
+}
+
+#[test]
+fn a_suggested_set_applied_makes_the_motion_possible() {
+    let text = entry("gpr-mechanism");
+    let body = json!({ "mechanism": source(&text) }).to_string();
+    let found = answered("/api/v1/mechanism/suggest", &body);
+    let sets = found["report"]["sets"].as_array().unwrap();
+    assert!(!sets.is_empty() && found["texts"].as_array().unwrap().len() <= sets.len());
+    let applied = found["texts"][0].as_str().unwrap();
+    let opened = open(applied);
+    let mechanism = &opened["mechanism"];
+    let virtual_joints = mechanism["virtual_joints"].as_array().unwrap();
+    assert_eq!(virtual_joints.len(), sets[0]["virtual_joints"].as_array().unwrap().len());
+    let start = &mechanism["configuration"]["coordinates"];
+    let moved = drive(applied, start, &json!({ "rod 1": "2" }));
+    assert_eq!(moved["stopped"], Value::Null, "{moved}");
+    let configuration = &moved["configuration"];
+    assert_eq!(configuration["displaced"], true);
+    // The play scale changes poses, and nothing else.
+    let at = |scale: f64| {
+        let body = json!({ "mechanism": source(applied), "coordinates": configuration["coordinates"], "play_scale": scale });
+        answered("/api/v1/mechanism/configuration", &body.to_string())
+    };
+    assert_eq!(at(1.0)["poses"], configuration["poses"]);
+    let exaggerated = at(200.0);
+    assert_eq!(exaggerated["values"], configuration["values"]);
+    assert_ne!(exaggerated["poses"], configuration["poses"]);
+    let open_loops = json!({ "mechanism": source(applied), "coordinates": vec![0.01; configuration["coordinates"].as_array().unwrap().len()] });
+    refused("/api/v1/mechanism/configuration", &open_loops.to_string(), 409, None, "");
+}
+
+#[test]
+fn motions_and_modes_are_those_of_the_configuration() {
+    let text = entry("four-bar");
+    let opened = open(&text);
+    let at = &opened["mechanism"]["configuration"]["coordinates"];
+    let body = json!({ "mechanism": source(&text), "coordinates": at }).to_string();
+    let mobility = answered("/api/v1/mechanism/mobility", &body);
+    assert_eq!(mobility["dense"]["finite_mobility"], 1);
+    assert_eq!(mobility["sparse"], Value::Null);
+    let motions = answered("/api/v1/mechanism/motions", &body);
+    let motions = motions["motions"].as_array().unwrap();
+    assert_eq!(motions.len(), 1);
+    let steps = motions[0]["steps"].as_array().unwrap();
+    // The middle step is the configuration itself, and the base stays.
+    assert_eq!(steps[8], opened["mechanism"]["configuration"]["poses"]);
+    assert_eq!(steps[0][0], steps[16][0]);
+    assert_ne!(steps[0][1], steps[16][1]);
+    let modes = answered("/api/v1/mechanism/branches", &body);
+    // A four-bar linkage has two, mirrored at the diagonal.
+    assert_eq!(modes["branches"].as_array().unwrap().len(), 2, "{modes}");
+}
+
+/// Place of a point of a link, for a pose of the link.
+fn place(pose: &Value, point: &Value) -> [f64; 3] {
+    let number = |value: &Value| value.as_f64().unwrap();
+    std::array::from_fn(|i| {
+        let turned = (0..3).map(|j| number(&pose["rotation"][i][j]) * number(&point[j]));
+        number(&pose["origin_m"][i]) + turned.sum::<f64>()
+    })
+}
+
+#[test]
+fn joints_open_to_second_order_only_along_an_instantaneous_motion() {
+    // All three motions of the level robot, two of which are only instantaneous.
+    let text = entry("gpr-mechanism");
+    let mechanism = open(&text)["mechanism"].clone();
+    let body = json!({ "mechanism": source(&text), "coordinates": mechanism["configuration"]["coordinates"] });
+    let motions = answered("/api/v1/mechanism/motions", &body.to_string());
+    let motions = motions["motions"].as_array().unwrap();
+    assert_eq!(motions.len(), 3);
+    let balls =
+        mechanism["joints"].as_array().unwrap().iter().filter(|joint| joint["kind"] == "spherical");
+    for (ball, motion) in balls.flat_map(|ball| motions.iter().map(move |motion| (ball, motion))) {
+        let end = |step: usize, side: usize| {
+            let link = usize::try_from(ball["links"][side].as_u64().unwrap()).unwrap();
+            place(&motion["steps"][step][link], &ball["frames"][side]["origin_m"])
+        };
+        let apart =
+            |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+        let [near, far] = [10, 12].map(|step| apart(end(step, 0), end(step, 1)));
+        // Twice the displacement, four times the opening.
+        assert!((far - 4.0 * near).abs() < 0.05 * far + 1e-12, "{near} {far}");
+    }
+}
+
+#[test]
+fn the_catalogue_has_pictures_of_mechanisms_only() {
+    let all = get("/api/v1/catalogue").json();
+    let names: Vec<&str> =
+        all.as_array().unwrap().iter().map(|one| one["name"].as_str().unwrap()).collect();
+    assert!(names.contains(&"bennett") && names.contains(&"gpr") && !names.contains(&"scara-3r"));
+    let picture = get("/api/v1/catalogue/bennett/picture");
+    assert_eq!(picture.header("content-type"), "image/svg+xml");
+    assert!(String::from_utf8(picture.bytes).unwrap().contains("<svg"));
+    assert_eq!(get("/api/v1/catalogue/scara-3r/picture").status, StatusCode::NOT_FOUND);
+    assert_eq!(get("/api/v1/catalogue/none/picture").status, StatusCode::NOT_FOUND);
+}
+
+#[test]
+fn the_file_of_the_server_is_read_saved_and_not_overwritten_unseen() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml");
+    std::fs::write(&path, CRANK).unwrap();
+    let file = MechanismFileOnDisk {
+        name: "mine.toml".to_owned(),
+        path: Some(path.clone()),
+        text: CRANK.to_owned(),
+        loops: None,
+    };
+    let mut state = state(jointplay::format::robot::paper(), None).unwrap();
+    state.mechanism = Some(MechanismSession::new(file));
+    let send = |method: &str, body: Option<Value>| {
+        let request = Request::builder().method(method).uri("/api/v1/mechanism");
+        let request =
+            request.header(header::HOST, HOST).header(header::CONTENT_TYPE, "application/json");
+        let body = body.map_or_else(Body::empty, |body| Body::from(body.to_string()));
+        send_to(router::router(state.clone(), PORT), request.body(body).unwrap())
+    };
+    let read = send("GET", None).json();
+    assert_eq!((&read["text"], &read["writable"]), (&CRANK.into(), &true.into()));
+    let changed = CRANK.replace("press", "pump");
+    let save =
+        |replaces: &Value| send("PUT", Some(json!({ "text": changed, "replaces": replaces })));
+    let saved = save(&read["version"]);
+    assert_eq!(saved.status, StatusCode::OK);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), changed);
+    std::fs::write(&path, "# another editor\n").unwrap();
+    let conflict = save(&saved.json()["version"]);
+    assert_eq!(conflict.status, StatusCode::CONFLICT);
+    assert_eq!(conflict.json()["field"], "replaces");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "# another editor\n");
+    assert_eq!(get("/api/v1/mechanism").status, StatusCode::NOT_FOUND);
+}

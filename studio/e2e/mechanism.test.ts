@@ -1,0 +1,247 @@
+// The view of mechanisms: open, drive, analyse, relieve, edit, save.
+
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
+import type { Browser, Page } from 'playwright-core';
+import { afterAll, beforeAll, expect, test } from 'vitest';
+import { accessibilityViolations, browse, complaints, EXAMPLE_CELL, frames, ROOT, serve, unhandled, until, visit, type Server } from './studio';
+
+let browser: Browser;
+let folder: string;
+const FOUR_BAR = readFileSync(resolve(ROOT, 'robots/four-bar.toml'), 'utf8');
+
+beforeAll(async () => {
+  browser = await browse();
+  folder = mkdtempSync(join(tmpdir(), 'studio-'));
+});
+afterAll(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true });
+});
+
+async function at(words: string[], does: (page: Page, server: Server, heard: string[]) => Promise<void>): Promise<void> {
+  const server = await serve(0, words);
+  const page = await visit(browser, { viewport: { width: 1440, height: 900 } });
+  const heard = complaints(page);
+  try {
+    await page.goto(server.address);
+    await does(page, server, heard);
+  } finally {
+    await page.context().close();
+    await server.stop();
+  }
+}
+
+const joints = (page: Page) => page.evaluate(() => window.jointplay.probe.mechanism?.joints() ?? {});
+const text = (page: Page, id: string) => page.getByTestId(id).textContent();
+const shows = (page: Page, id: string, expected: string | RegExp) => page.getByTestId(id).filter({ hasText: expected }).first().waitFor();
+async function openEntry(page: Page, name: string, title: string): Promise<void> {
+  await page.getByRole('tab', { name: 'Catalogue' }).click();
+  await page.getByTestId(`entry-${name}`).click();
+  await shows(page, 'mechanism-name', title);
+}
+/** Replaces the text in the editor. */
+async function type(page: Page, change: (text: string) => string): Promise<void> {
+  await page.getByRole('tab', { name: /^Text/ }).click();
+  const editor = page.locator('.cm-content');
+  await editor.waitFor();
+  await editor.click();
+  await page.keyboard.press('Control+a');
+  await page.keyboard.insertText(change(''));
+}
+
+test('a mechanism of the command is opened, driven and analysed', async () => {
+  await at(['four-bar'], async (page, _, heard) => {
+    await shows(page, 'mechanism-name', 'Four-bar linkage');
+    await until('the mobility', async () => (await page.getByTestId('m-finite').count()) === 1);
+    expect([await text(page, 'm-kutzbach'), await text(page, 'm-instantaneous'), await text(page, 'm-finite'), await text(page, 'm-redundant')]).toEqual(['-2', '1', '1', '3']);
+    // The crank turns about A: its end B is where trigonometry places it.
+    const before = await joints(page);
+    const crank = Math.hypot(...[0, 1, 2].map((k) => before['B']![k]! - before['A']![k]!));
+    const field = page.getByTestId('value-A');
+    await field.fill('180/2');
+    await field.press('Enter');
+    // The coordinate is zero in the reference configuration, with the crank at 70°.
+    const [x, y] = [Math.cos((160 * Math.PI) / 180) * crank, Math.sin((160 * Math.PI) / 180) * crank];
+    await until('the crank at 160°', async () => Math.hypot((await joints(page))['B']![0]! - x, (await joints(page))['B']![1]! - y) < 1e-9);
+    expect(await field.inputValue()).toBe('90');
+    // Keyboard: the slider moves by the arrow keys.
+    await page.getByTestId('slide-A').press('ArrowRight');
+    await until('the crank moved on', async () => (await field.inputValue()) !== '90');
+    // A value that is no expression is refused next to its field, and nothing moves.
+    const kept = await joints(page);
+    await field.fill('4 mm');
+    await field.press('Enter');
+    await page.getByRole('alert').filter({ hasText: 'mm' }).waitFor();
+    expect(await joints(page)).toEqual(kept);
+    expect(unhandled(heard).filter((line) => !/status of 422/.test(line))).toEqual([]);
+  });
+});
+
+test('a dead point stops the drive, and is reported with its place', async () => {
+  await at(['four-bar'], async (page) => {
+    await shows(page, 'mechanism-name', 'Four-bar linkage');
+    // Driven from the rocker, the crank and coupler come in line.
+    await type(page, () => FOUR_BAR.replace('actuated = true\n', '').replace('name = "D"\n', 'name = "D"\nactuated = true\n'));
+    const field = page.getByTestId('value-D');
+    await field.waitFor();
+    await field.fill('170');
+    await field.press('Enter');
+    await shows(page, 'stopped', 'dead point');
+    expect(Number(await field.inputValue())).toBeLessThan(170);
+  });
+});
+
+test('the robot of the paper is relieved by a suggestion, and its play is exaggerated', async () => {
+  await at([], async (page, _, heard) => {
+    await page.getByRole('button', { name: 'Mechanism' }).click();
+    await openEntry(page, 'gpr-mechanism', 'as a mechanism');
+    await until('the mobility', async () => (await page.getByTestId('m-finite').count()) === 1);
+    // Redundant constraints highlight their joints.
+    await page.getByTestId('redundant').getByRole('button').first().click();
+    await page.getByText('Highlighted: rod 1, rod 2, S1, S2').waitFor();
+    // Of three instantaneous motions, one is finite.
+    await page.getByTestId('wiggle').click();
+    await shows(page, 'animated', 'Instantaneous motion 1 of 3');
+    await page.keyboard.press('Escape');
+    expect(await page.getByTestId('animated').count()).toBe(0);
+    await page.getByTestId('suggest').click();
+    await page.getByTestId('apply-0').click();
+    // A joint that is driven while the text is still being read moves afterwards.
+    const drive = page.getByTestId('value-rod 1');
+    await drive.fill('2');
+    await drive.press('Enter');
+    await until('displaced', async () => !(await page.getByText('All virtual joints are at rest.').isVisible()));
+    const links = () => page.evaluate(() => window.jointplay.probe.mechanism?.links() ?? {});
+    const truth = await links();
+    await page.getByTestId('play-scale').press('End');
+    await until('exaggerated', async () => JSON.stringify(await links()) !== JSON.stringify(truth));
+    await page.getByTestId('play-scale').press('Home');
+    await until('true again', async () => JSON.stringify(await links()) === JSON.stringify(truth));
+    // Undo returns to the text without the suggestion.
+    await page.getByRole('button', { name: 'Undo' }).click();
+    await until('undone', async () => page.getByTestId('redundant').isVisible());
+    expect(unhandled(heard)).toEqual([]);
+  });
+});
+
+test('files of all kinds are opened, or their kind is reported', async () => {
+  const cell = join(folder, 'cell.toml');
+  writeFileSync(cell, EXAMPLE_CELL);
+  await at(['--cell', cell], async (page) => {
+    await page.getByRole('button', { name: 'Mechanism' }).click();
+    const input = page.getByTestId('mechanism-file');
+    const file = (name: string, content: string) => ({ name, mimeType: 'text/plain', buffer: Buffer.from(content) });
+    await input.setInputFiles(file('study.toml', 'kind = "study"\n'));
+    await shows(page, 'mechanism-notice', 'This is a study');
+    await input.setInputFiles(file('big.urdf', `<robot name="a">${' '.repeat(1_000_000)}</robot>`));
+    await shows(page, 'mechanism-notice', '1.0 MB');
+    await input.setInputFiles(file('broken.toml', FOUR_BAR.slice(0, FOUR_BAR.length / 2)));
+    await page.getByTestId('mechanism-diagnostics').waitFor();
+    const urdf = '<robot name="arm"><link name="base"/><link name="a"/><link name="b"/><joint name="A" type="continuous"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/></joint><joint name="B" type="prismatic"><parent link="a"/><child link="b"/><origin xyz="0.2 0 0"/><axis xyz="0 0 1"/><limit lower="0" upper="0.1" effort="1" velocity="1"/></joint></robot>';
+    const loops = 'kind = "loops"\nunits = { length = "m", angle = "rad" }\n[[joint]]\nname = "C"\nkind = "cylindrical"\nlinks = ["base", "b"]\npoint = [0.2, 0, 0]\naxis = [0, 0, 1]\n';
+    await input.setInputFiles([file('arm.urdf', urdf), file('arm-loops.toml', loops)]);
+    await shows(page, 'mechanism-notice', 'Converted from URDF');
+    await page.getByTestId('tree-joint-C').click();
+    await shows(page, 'properties', 'cylindrical');
+    // Dropped files.
+    const dropped = await page.evaluateHandle((content) => {
+      const data = new DataTransfer();
+      data.items.add(new File([content], 'mine.toml'));
+      return data;
+    }, FOUR_BAR);
+    await page.dispatchEvent('.mechanism', 'drop', { dataTransfer: dropped });
+    await shows(page, 'mechanism-name', 'Four-bar linkage');
+    // A cell is offered to its own view.
+    await input.setInputFiles(file('other.toml', EXAMPLE_CELL.replace(/name = "[^"]*"/, 'name = "dropped cell"')));
+    await shows(page, 'mechanism-notice', 'This is a work cell');
+    await page.getByRole('button', { name: 'Open it in the cell view' }).click();
+    await page.getByRole('region', { name: 'Work cell' }).waitFor();
+    await page.getByRole('tab', { name: 'Cell file' }).click();
+    await page.locator('.cm-content').filter({ hasText: 'dropped cell' }).waitFor();
+  });
+});
+
+test('a text with errors keeps no result, and a file is saved unless it changed on disk', async () => {
+  const file = join(folder, 'linkage.toml');
+  writeFileSync(file, FOUR_BAR);
+  await at([file], async (page, server) => {
+    await shows(page, 'mechanism-name', 'Four-bar linkage');
+    await until('the mobility', async () => (await page.getByTestId('m-finite').count()) === 1);
+    await type(page, () => FOUR_BAR.replace('kind = "revolute"', 'kind = "revolut"'));
+    await page.getByTestId('mechanism-diagnostics').waitFor();
+    await page.getByTestId('mechanism-outdated').waitFor();
+    expect(await page.getByTestId('m-finite').count()).toBe(0);
+    await type(page, () => FOUR_BAR.replace('Planar four-bar linkage', 'Renamed linkage'));
+    await shows(page, 'mechanism-name', 'Renamed');
+    await page.keyboard.press('Control+s');
+    await until('saved', async () => readFileSync(file, 'utf8').includes('Renamed linkage'));
+    writeFileSync(file, `${FOUR_BAR}# another editor\n`);
+    await type(page, () => FOUR_BAR.replace('Planar four-bar linkage', 'Third linkage'));
+    await page.keyboard.press('Control+s');
+    await page.getByTestId('mechanism-conflict').waitFor();
+    expect(readFileSync(file, 'utf8')).toContain('another editor');
+    await page.getByRole('button', { name: 'Overwrite' }).click();
+    await until('overwritten', async () => readFileSync(file, 'utf8').includes('Third linkage'));
+    // Without a server, no number remains.
+    await until('the mobility', async () => (await page.getByTestId('m-finite').count()) === 1);
+    await server.stop();
+    await page.getByTestId('mechanism-outdated').waitFor();
+    expect(await page.getByTestId('m-finite').count()).toBe(0);
+  });
+});
+
+test('parameters and assembly modes change the configuration', async () => {
+  await at(['four-bar'], async (page) => {
+    await shows(page, 'mechanism-name', 'Four-bar linkage');
+    const before = await joints(page);
+    await page.getByTestId('find-modes').click();
+    const modes = page.getByTestId('modes').getByRole('button');
+    await until('two modes', async () => (await modes.count()) === 2);
+    await modes.nth(1).click();
+    await until('the other mode', async () => Math.abs((await joints(page))['C']![1]! - before['C']![1]!) > 1e-3);
+    expect((await joints(page))['B']![0]).toBeCloseTo(before['B']![0]!, 9);
+    const length = async () => {
+      const { B, C } = await joints(page);
+      return Math.hypot(...[0, 1, 2].map((k) => B![k]! - C![k]!));
+    };
+    const field = page.getByTestId('parameter-rocker');
+    const coupler = await length();
+    await field.fill(String(Number(await field.inputValue()) * 1.1));
+    await field.press('Enter');
+    await until('a longer rocker', async () => {
+      const { C, D } = await joints(page);
+      return Math.abs(Math.hypot(...[0, 1, 2].map((k) => C![k]! - D![k]!)) - 0.22) < 1e-9;
+    });
+    expect(await length()).toBeCloseTo(coupler, 9);
+  });
+});
+
+test.each([
+  ['light', 1440, 900],
+  ['dark', 1440, 900],
+  ['light', 1024, 700],
+  ['dark', 390, 844],
+] as const)('accessible and complete: %s, %i × %i', async (colorScheme, width, height) => {
+  const server = await serve(0, ['gpr-mechanism']);
+  const page = await visit(browser, { viewport: { width, height }, colorScheme });
+  try {
+    await page.goto(server.address);
+    await shows(page, 'mechanism-name', 'as a mechanism');
+    await until('the mobility', async () => (await page.getByTestId('m-finite').count()) === 1);
+    for (const tab of ['Catalogue', 'Tree', 'Text']) {
+      await page.getByRole('tab', { name: tab }).click();
+      await frames(page);
+      expect(await accessibilityViolations(page), tab).toEqual([]);
+    }
+    // Nothing is wider than the window, and the view has a size.
+    expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
+    const view = await page.locator('.mechanism .scene').boundingBox();
+    expect(view!.width).toBeGreaterThan(300);
+    expect(view!.height).toBeGreaterThan(250);
+  } finally {
+    await page.context().close();
+    await server.stop();
+  }
+});

@@ -1,0 +1,239 @@
+// 3D model of a mechanism: bars of links, joints by kind, virtual joints. Units: m, as the server sends them.
+
+import {
+  BoxGeometry,
+  ConeGeometry,
+  CylinderGeometry,
+  Group,
+  Matrix4,
+  Mesh,
+  MeshStandardMaterial,
+  OctahedronGeometry,
+  Quaternion,
+  SphereGeometry,
+  TorusGeometry,
+  Vector3,
+  type BufferGeometry,
+  type Material,
+} from 'three';
+import type { MechanismDocument, PlacedDocument, RedundantConstraint } from '../api/client';
+import { disposeGeometries, disposeMaterials } from '../scene/dispose';
+import type { SceneColours } from '../scene/palette';
+
+const UP = new Vector3(0, 1, 0);
+
+/** The matrix of a pose. */
+export function matrixOf({ origin_m: [x, y, z], rotation: [a, b, c] }: PlacedDocument): Matrix4 {
+  return new Matrix4().set(a![0]!, a![1]!, a![2]!, x!, b![0]!, b![1]!, b![2]!, y!, c![0]!, c![1]!, c![2]!, z!, 0, 0, 0, 1);
+}
+
+/** Materials of a scene. */
+export class MechanismMaterials {
+  readonly base = new MeshStandardMaterial({ metalness: 0.1, roughness: 0.6 });
+  readonly links = [new MeshStandardMaterial({ metalness: 0.1, roughness: 0.45 }), new MeshStandardMaterial({ metalness: 0.15, roughness: 0.4 })];
+  readonly joint = new MeshStandardMaterial({ metalness: 0.2, roughness: 0.35 });
+  readonly actuated = new MeshStandardMaterial({ metalness: 0.1, roughness: 0.4 });
+  readonly virtual = new MeshStandardMaterial({ metalness: 0, roughness: 0.5 });
+  readonly selected = new MeshStandardMaterial({ metalness: 0, roughness: 0.5, emissive: 0x5a3d00 });
+  readonly load = new MeshStandardMaterial({ metalness: 0, roughness: 0.5 });
+
+  paint(colours: SceneColours): void {
+    this.base.color.setHex(colours.base);
+    this.links[0]!.color.setHex(colours.platform);
+    this.links[1]!.color.setHex(colours.rod);
+    this.joint.color.setHex(colours.guide);
+    this.actuated.color.setHex(colours.actuated);
+    this.virtual.color.setHex(colours.virtual);
+    this.selected.color.setHex(colours.selected);
+    this.load.color.setHex(colours.load);
+  }
+
+  dispose(): void {
+    disposeMaterials([this.base, ...this.links, this.joint, this.actuated, this.virtual, this.selected, this.load]);
+  }
+}
+
+/** What a part draws. */
+export interface PartOf {
+  kind: 'link' | 'joint' | 'virtual';
+  name: string;
+}
+
+export class MechanismModel {
+  readonly group = new Group();
+  readonly #links: Group[];
+  readonly #joints: Group[];
+  readonly #loads = new Group();
+  readonly #materials: MechanismMaterials;
+  readonly #document: MechanismDocument;
+
+  constructor(document: MechanismDocument, materials: MechanismMaterials) {
+    this.#document = document;
+    this.#materials = materials;
+    const { bar_radius_m: bar, joint_radius_m: radius } = document;
+    this.#links = document.links.map(({ name, bars }, i) => {
+      const group = new Group();
+      const material = i === 0 ? materials.base : materials.links[i % 2]!;
+      for (const { from_m, to_m } of bars) group.add(part({ kind: 'link', name }, rod(new Vector3(...from_m), new Vector3(...to_m), i === 0 ? 0.7 * bar : bar), material));
+      const ends = bars.flatMap(({ from_m, to_m }) => [from_m, to_m]);
+      for (const end of distinct(ends)) {
+        const ball = part({ kind: 'link', name }, new SphereGeometry(i === 0 ? 0.7 * bar : bar, 16, 12), material);
+        ball.position.fromArray(end);
+        group.add(ball);
+      }
+      group.matrixAutoUpdate = false;
+      this.group.add(group);
+      return group;
+    });
+    this.#joints = document.joints.map(({ name, kind, links, frames, actuated }) => {
+      const group = new Group();
+      const material = actuated ? materials.actuated : materials.joint;
+      for (const geometry of glyph(kind, radius)) group.add(part({ kind: 'joint', name }, geometry, material));
+      group.applyMatrix4(matrixOf(frames[0]!));
+      this.#links[links[0]!]!.add(group);
+      return group;
+    });
+    for (const { name, joint, link, motion, direction } of document.virtual_joints) {
+      const of = document.joints[joint]!;
+      const group = new Group();
+      for (const geometry of motion === 'slide' ? slideArrow(radius) : turnArrow(radius)) group.add(part({ kind: 'virtual', name }, geometry, materials.virtual));
+      const side = of.links[0] === link ? 0 : 1;
+      group.position.setFromMatrixPosition(matrixOf(of.frames[side]!));
+      group.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...direction).normalize());
+      this.#links[link]!.add(group);
+    }
+    this.group.add(this.#loads);
+  }
+
+  dispose(): void {
+    disposeGeometries(this.group);
+  }
+
+  /** Moves the links. */
+  place(poses: readonly PlacedDocument[]): void {
+    this.#links.forEach((group, i) => {
+      const pose = poses[i];
+      if (!pose) return;
+      group.matrix.copy(matrixOf(pose));
+      group.matrixWorldNeedsUpdate = true;
+    });
+  }
+
+  /** Moves the links between two sets of poses. */
+  placeBetween(from: readonly PlacedDocument[], to: readonly PlacedDocument[], share: number): void {
+    const [a, b, scale] = [new Quaternion(), new Quaternion(), new Vector3()];
+    const [p, q] = [new Vector3(), new Vector3()];
+    this.#links.forEach((group, i) => {
+      matrixOf(from[i]!).decompose(p, a, scale);
+      matrixOf(to[i]!).decompose(q, b, scale);
+      group.matrix.compose(p.lerp(q, share), a.slerp(b, share), scale.set(1, 1, 1));
+      group.matrixWorldNeedsUpdate = true;
+    });
+  }
+
+  /** Highlights parts. */
+  highlight(selected: (part: PartOf) => boolean): void {
+    this.group.traverse((object) => {
+      if (!(object instanceof Mesh) || !object.userData.part) return;
+      const own = object.userData as { part: PartOf; material: Material };
+      object.material = selected(own.part) ? this.#materials.selected : own.material;
+    });
+  }
+
+  /** Draws the forces and moments of a redundant constraint; `null` draws none. */
+  showLoads(constraint: RedundantConstraint | null): void {
+    disposeGeometries(this.#loads);
+    this.#loads.clear();
+    const { joint_radius_m: radius, size_m } = this.#document;
+    for (const { place_mm, force_n, moment_nmm } of constraint?.remove_any_one_of ?? []) {
+      const place = new Vector3(...place_mm).divideScalar(1000);
+      const force = new Vector3(...force_n);
+      if (force.length() > 1e-6) this.#arrow(place, force.multiplyScalar(0.35 * size_m), radius, 1);
+      else if (new Vector3(...moment_nmm).length() > 0) this.#arrow(place, new Vector3(...moment_nmm).setLength(0.35 * size_m), radius, 2);
+    }
+  }
+
+  #arrow(from: Vector3, vector: Vector3, radius: number, heads: number): void {
+    const length = vector.length();
+    const direction = vector.clone().normalize();
+    const head = Math.min(2 * radius, 0.5 * length);
+    this.#loads.add(new Mesh(rod(from, from.clone().addScaledVector(direction, length - head), 0.28 * radius), this.#materials.load));
+    for (let k = 0; k < heads; k++) {
+      const cone = new Mesh(new ConeGeometry(0.75 * radius, head, 16), this.#materials.load);
+      cone.position.copy(from).addScaledVector(direction, length - head / 2 - k * head);
+      cone.quaternion.setFromUnitVectors(UP, direction);
+      this.#loads.add(cone);
+    }
+  }
+
+  /** Origins of the links by name, in the scene. */
+  linkOrigins(): { name: string; position: Vector3 }[] {
+    this.group.updateMatrixWorld(true);
+    return this.#document.links.map(({ name }, i) => ({ name, position: this.#links[i]!.getWorldPosition(new Vector3()) }));
+  }
+
+  /** Positions of the joints by name, in the scene. */
+  jointPositions(): { name: string; actuated: boolean; position: Vector3 }[] {
+    this.group.updateMatrixWorld(true);
+    return this.#document.joints.map(({ name, actuated }, i) => ({ name, actuated, position: this.#joints[i]!.getWorldPosition(new Vector3()) }));
+  }
+}
+
+function part(of: PartOf, geometry: BufferGeometry, material: Material): Mesh {
+  const mesh = new Mesh(geometry, material);
+  mesh.userData = { part: of, material };
+  mesh.castShadow = true;
+  return mesh;
+}
+
+function distinct(points: readonly number[][]): number[][] {
+  const found = new Map(points.map((point) => [point.join(), point]));
+  return [...found.values()];
+}
+
+/** A cylinder between two points. */
+function rod(from: Vector3, to: Vector3, radius: number): BufferGeometry {
+  const along = to.clone().sub(from);
+  const geometry = new CylinderGeometry(radius, radius, along.length(), 20);
+  const turn = new Quaternion().setFromUnitVectors(UP, along.clone().normalize());
+  return geometry.applyQuaternion(turn).translate(...from.clone().add(to).divideScalar(2).toArray());
+}
+
+/** A cylinder along z. */
+const along = (radius: number, length: number, at = 0) => new CylinderGeometry(radius, radius, length, 28).rotateX(Math.PI / 2).translate(0, 0, at);
+
+/** Shapes of a joint in its frame, whose z axis is that of the joint. */
+function glyph(kind: string, r: number): BufferGeometry[] {
+  switch (kind) {
+    case 'revolute':
+      return [along(r, 2.6 * r), along(0.55 * r, 3.6 * r), new TorusGeometry(r, 0.16 * r, 8, 28).translate(0, 0, 1.3 * r), new TorusGeometry(r, 0.16 * r, 8, 28).translate(0, 0, -1.3 * r)];
+    case 'prismatic':
+      return [new BoxGeometry(1.9 * r, 1.9 * r, 3.4 * r), along(0.45 * r, 9 * r)];
+    case 'cylindrical':
+      return [along(1.1 * r, 3 * r), along(0.55 * r, 9 * r), new TorusGeometry(1.1 * r, 0.16 * r, 8, 28)];
+    case 'helical':
+      return [along(0.55 * r, 8 * r), along(1.1 * r, 2 * r), ...[-2, -1, 0, 1, 2].map((k) => new TorusGeometry(0.7 * r, 0.12 * r, 8, 24).translate(0, 0, 1.3 * k * r))];
+    case 'universal':
+      return [along(0.5 * r, 3.6 * r), along(0.5 * r, 3.6 * r).rotateY(Math.PI / 2), new SphereGeometry(0.9 * r, 20, 14)];
+    case 'spherical':
+      return [new SphereGeometry(1.25 * r, 28, 20), new TorusGeometry(1.35 * r, 0.2 * r, 10, 32)];
+    case 'planar':
+      return [new BoxGeometry(4 * r, 4 * r, 0.5 * r)];
+    case 'fixed':
+      return [new BoxGeometry(1.3 * r, 1.3 * r, 1.3 * r)];
+    default:
+      return [new OctahedronGeometry(1.3 * r)];
+  }
+}
+
+/** A double arrow along z. */
+function slideArrow(r: number): BufferGeometry[] {
+  const cone = () => new ConeGeometry(0.6 * r, 1.4 * r, 16).rotateX(Math.PI / 2);
+  return [along(0.22 * r, 5.6 * r), cone().translate(0, 0, 3.4 * r), cone().rotateX(Math.PI).translate(0, 0, -3.4 * r)];
+}
+
+/** A ring about z. */
+function turnArrow(r: number): BufferGeometry[] {
+  const cone = new ConeGeometry(0.55 * r, 1.2 * r, 16).translate(2.2 * r, 0.4 * r, 0);
+  return [new TorusGeometry(2.2 * r, 0.2 * r, 8, 40, 1.5 * Math.PI).rotateZ(0.5 * Math.PI), cone];
+}

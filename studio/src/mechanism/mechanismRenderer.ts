@@ -1,0 +1,242 @@
+// 3D view of a mechanism. The scene is scaled so that every mechanism has the same size; units of the scene: sizes.
+
+import { Box3, Mesh, PCFShadowMap, PerspectiveCamera, PlaneGeometry, ShadowMaterial, Vector3 } from 'three';
+import type { MechanismDocument, PlacedDocument, RedundantConstraint } from '../api/client';
+import { SCENE, type Theme } from '../scene/palette';
+import { SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
+import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
+import type { Label } from '../scene/labels';
+import { MechanismMaterials, MechanismModel, type PartOf } from './mechanismModel';
+
+export interface MechanismRendererEvents extends RendererEvents {
+  /** A part was clicked; `null` for the background. */
+  picked: (part: PartOf | null) => void;
+}
+
+/** Up to this number of joints, all of them have labels. */
+const MANY = 16;
+/** The view is larger than the mechanism by this factor, for labels and buttons. */
+const MARGIN = 1.22;
+/** Period of an animated motion [ms]. */
+const PERIOD_MS = 2600;
+
+export class MechanismRenderer extends SceneRenderer {
+  readonly #events: MechanismRendererEvents;
+  readonly #eye: PerspectiveCamera;
+  readonly #materials = new MechanismMaterials();
+  readonly #ground = new Mesh(new PlaneGeometry(12, 12), new ShadowMaterial());
+  #model: MechanismModel | null = null;
+  #document: MechanismDocument | null = null;
+  #poses: readonly PlacedDocument[] = [];
+  #selected: (part: PartOf) => boolean = () => false;
+  #animation = 0;
+
+  constructor(host: HTMLElement, events: MechanismRendererEvents) {
+    const eye = new PerspectiveCamera(30, 1, 0.02, 80);
+    eye.up.set(0, 0, 1);
+    super(
+      host,
+      {
+        camera: eye,
+        description: '3D view of the mechanism; its links, joints and values are in the panels',
+        unit_mm: 1000,
+        lights: { key: { intensity: 2.1, position: [1.6, -2.2, 4.2] }, fill: { intensity: 0.9, position: [-2.6, 1, 1.6] }, sky: 1.6 },
+        grid: { size: 6, divisions: 30 },
+      },
+      events,
+    );
+    this.#eye = eye;
+    this.#events = events;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    // Shadows depend on the mechanism, not on the camera.
+    this.renderer.shadowMap.autoUpdate = false;
+    this.keyLight.castShadow = true;
+    this.keyLight.shadow.mapSize.set(1024, 1024);
+    this.keyLight.shadow.bias = -0.001;
+    this.keyLight.shadow.normalBias = 0.01;
+    Object.assign(this.keyLight.shadow.camera, { left: -2, right: 2, top: 2, bottom: -2, near: 0.5, far: 12 });
+    this.#ground.receiveShadow = true;
+    this.scene.add(this.#ground);
+    this.canvas.addEventListener('click', (event) => this.#pick(event));
+    this.measure();
+  }
+
+  override dispose(): void {
+    cancelAnimationFrame(this.#animation);
+    this.#model?.dispose();
+    this.#materials.dispose();
+    super.dispose();
+  }
+
+  /** Draws another mechanism; without one, the view is empty. */
+  load(document: MechanismDocument | null, poses: readonly PlacedDocument[]): void {
+    this.stop();
+    if (this.#model) {
+      this.scene.remove(this.#model.group);
+      this.#model.dispose();
+    }
+    this.#document = document;
+    this.#model = document && new MechanismModel(document, this.#materials);
+    if (!document || !this.#model) {
+      this.invalidate();
+      return;
+    }
+    this.#model.group.scale.setScalar(1 / document.size_m);
+    this.scene.add(this.#model.group);
+    this.place(poses);
+    this.#model.highlight(this.#selected);
+    const box = this.#box();
+    const floor = box.min.z - 0.04;
+    this.#ground.position.z = floor;
+    this.grid.position.z = floor - 0.002;
+    const center = box.getCenter(new Vector3());
+    this.keyLight.target.position.copy(center);
+    this.keyLight.position.set(1.6, -2.2, 4.2).add(center);
+  }
+
+  /** Moves the links to their poses. */
+  place(poses: readonly PlacedDocument[]): void {
+    this.#poses = poses;
+    this.#model?.place(poses);
+    this.#changed();
+  }
+
+  #changed(): void {
+    this.renderer.shadowMap.needsUpdate = true;
+    this.invalidate();
+  }
+
+  /** Animates poses of a motion, from one side to the other and back; without movement, shows its end. */
+  play(steps: readonly (readonly PlacedDocument[])[], moving: boolean): void {
+    this.stop();
+    const model = this.#model;
+    if (!model || steps.length < 2) return;
+    const at = (share: number) => {
+      const along = ((share + 1) / 2) * (steps.length - 1);
+      const first = Math.min(Math.floor(along), steps.length - 2);
+      model.placeBetween(steps[first]!, steps[first + 1]!, along - first);
+      this.#changed();
+    };
+    if (!moving) {
+      at(1);
+      return;
+    }
+    const start = performance.now();
+    const next = () => {
+      at(Math.sin(((performance.now() - start) / PERIOD_MS) * 2 * Math.PI));
+      this.#animation = requestAnimationFrame(next);
+    };
+    next();
+  }
+
+  /** Ends an animation. */
+  stop(): void {
+    if (this.#animation) cancelAnimationFrame(this.#animation);
+    this.#animation = 0;
+    this.#model?.place(this.#poses);
+    this.#changed();
+  }
+
+  /** Highlights the parts for which a condition holds. */
+  highlight(selected: (part: PartOf) => boolean): void {
+    this.#selected = selected;
+    this.#model?.highlight(selected);
+    this.invalidate();
+  }
+
+  /** Draws the forces and moments of a redundant constraint. */
+  showLoads(constraint: RedundantConstraint | null): void {
+    this.#model?.showLoads(constraint);
+    this.invalidate();
+  }
+
+  override setTheme(theme: Theme): void {
+    this.#materials.paint(SCENE[theme]);
+    (this.#ground.material as ShadowMaterial).opacity = SCENE[theme].shadow;
+    super.setTheme(theme);
+  }
+
+  #box(): Box3 {
+    const box = this.#model ? new Box3().setFromObject(this.#model.group) : new Box3();
+    return box.isEmpty() ? new Box3(new Vector3(-1, -1, -1), new Vector3(1, 1, 1)) : box;
+  }
+
+  /** Shows the mechanism from a standard direction; `home` is the direction that separates the joints best. */
+  showView(view: SceneView): void {
+    const best = view === 'home' ? this.#document?.view_direction : null;
+    this.#fit(new Vector3(...(best ?? STANDARD_VIEWS[view])).normalize());
+  }
+
+  /** Moves the camera along a direction to where the corners of all bars fit into the view, with a margin. */
+  #fit(toward: Vector3): void {
+    const box = this.#box();
+    const center = box.getCenter(new Vector3());
+    const right = new Vector3().crossVectors(this.#eye.up, toward).normalize();
+    const up = new Vector3().crossVectors(toward, right);
+    const slope = Math.tan((this.#eye.fov * Math.PI) / 360);
+    const needed = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => {
+      const corner = new Vector3(i & 1 ? box.min.x : box.max.x, i & 2 ? box.min.y : box.max.y, i & 4 ? box.min.z : box.max.z).sub(center);
+      return corner.dot(toward) + (MARGIN * Math.max(Math.abs(corner.dot(right)) / this.#eye.aspect, Math.abs(corner.dot(up)))) / slope;
+    });
+    this.controls.target.copy(center);
+    this.#eye.position.copy(center).addScaledVector(toward, Math.max(...needed));
+    this.controls.update();
+    this.invalidate();
+  }
+
+  /** Position and target of the camera [sizes]. */
+  get cameraPose(): { eye: number[]; target: number[] } {
+    return { eye: this.#eye.position.toArray(), target: this.controls.target.toArray() };
+  }
+
+  set cameraPose({ eye, target }: { eye: number[]; target: number[] }) {
+    this.#eye.position.fromArray(eye);
+    this.controls.target.fromArray(target);
+    this.controls.update();
+    this.invalidate();
+  }
+
+  /** Positions of the joints in the base frame [m]. */
+  jointPositions(): Record<string, number[]> {
+    const size = this.#document?.size_m ?? 1;
+    return Object.fromEntries((this.#model?.jointPositions() ?? []).map(({ name, position }) => [name, position.multiplyScalar(size).toArray()]));
+  }
+
+  /** Origins of the links in the base frame [m]. */
+  linkOrigins(): Record<string, number[]> {
+    const size = this.#document?.size_m ?? 1;
+    return Object.fromEntries((this.#model?.linkOrigins() ?? []).map(({ name, position }) => [name, position.multiplyScalar(size).toArray()]));
+  }
+
+  /** Position of a joint on the page [px]. */
+  onPage(name: string): { x: number; y: number } | null {
+    const found = this.#model?.jointPositions().find((one) => one.name === name);
+    if (!found) return null;
+    const { x, y } = found.position.project(this.#eye);
+    const box = this.canvas.getBoundingClientRect();
+    return { x: box.left + ((x + 1) / 2) * box.width, y: box.top + ((1 - y) / 2) * box.height };
+  }
+
+  protected resized(): void {
+    this.#eye.aspect = this.size.width / this.size.height;
+    this.#eye.updateProjectionMatrix();
+  }
+
+  protected update(): Overlay | null {
+    const joints = this.#model?.jointPositions() ?? [];
+    const all = joints.length <= MANY;
+    const isSelected = (name: string) => this.#selected({ kind: 'joint', name });
+    const shown = joints.filter(({ name, actuated }) => all || actuated || isSelected(name));
+    // Labels that are painted first have the best places.
+    const rank = ({ name, actuated }: (typeof joints)[number]) => (isSelected(name) ? 0 : actuated ? 1 : 2);
+    const labels = shown.sort((a, b) => rank(a) - rank(b)).map(({ name, actuated, position }): Label => ({ position, text: name, offset: [12, -10], strong: actuated || isSelected(name), optional: !isSelected(name) }));
+    return { labels, covered: { left: 8, right: 8 } };
+  }
+
+  #pick(event: MouseEvent): void {
+    if (!this.#model || this.isDragOrHandle(event)) return;
+    const hit = this.intersection(event, this.#model.group);
+    this.#events.picked((hit?.object.userData.part as PartOf | undefined) ?? null);
+  }
+}

@@ -1,0 +1,540 @@
+// State of the view of mechanisms: the text, its mechanism, the configuration, and the analyses of that configuration.
+
+import * as api from '../api/client';
+import { ConnectionError, type ConfigurationDocument, type MechanismDocument, type MechanismSource, type OpenedDocument } from '../api/client';
+import { connection } from '../api/connection.svelte';
+import { History } from '../lib/history';
+import { shownNumber } from '../lib/shownNumber';
+
+/** Pause in typing after which a text is read [ms]. */
+const TYPING_PAUSE_MS = 350;
+/** Pause in a motion after which the mobility is computed [ms]. */
+const SETTLED_MS = 150;
+/** Largest text that the server accepts in a request [bytes]. */
+export const MAX_TEXT_BYTES = 900_000;
+
+/** The edited text, and what belongs to it. */
+interface Work {
+  /** Name of the file or entry. */
+  name: string;
+  text: string;
+  /** Values of parameters in place of those of the text. */
+  parameters: Record<string, number>;
+  /** Whether the text is that of the file of the server. */
+  ofServer: boolean;
+  /** The text as it was opened or saved. */
+  saved: string;
+}
+
+/** The model that a text was converted from: a second file may close its loops. */
+interface Model {
+  name: string;
+  text: string;
+}
+
+/** An analysis of one configuration, or why there is none. */
+export interface Analysis<T> {
+  of: ConfigurationDocument;
+  result: T | null;
+  problem: string | null;
+}
+
+export type MechanismTab = 'catalogue' | 'tree' | 'text';
+export interface Selection {
+  kind: 'link' | 'joint' | 'virtual';
+  name: string;
+}
+
+const EMPTY: Work = { name: '', text: '', parameters: {}, ofServer: false, saved: '' };
+
+class MechanismSession {
+  tab = $state<MechanismTab>('catalogue');
+  work = $state.raw<Work>(EMPTY);
+  /** The answer to the last text. */
+  opened = $state.raw<OpenedDocument | null>(null);
+  /** The last mechanism without errors. */
+  document = $state.raw<MechanismDocument | null>(null);
+  configuration = $state.raw<ConfigurationDocument | null>(null);
+  /** Poses of the links at the play scale, once they differ from those of the configuration. */
+  poses = $state.raw<ConfigurationDocument['poses'] | null>(null);
+  /** Number of texts shown; the camera is placed again for each. */
+  shown = $state(0);
+  entries = $state.raw<api.CatalogueEntry[]>([]);
+  playScale = $state(1);
+  selected = $state.raw<Selection | null>(null);
+  /** Index of the redundant constraint whose joints are highlighted. */
+  redundant = $state<number | null>(null);
+  /** Why the last motion stopped, or what it met. */
+  stopped = $state<string | null>(null);
+  met = $state.raw<string[]>([]);
+  /** Values of driven coordinates at singular configurations that were met, by name. */
+  singularValues = $state.raw<Record<string, number[]>>({});
+  /** Errors by coordinate: values that cannot be commanded. */
+  refused = $state.raw<Record<string, string>>({});
+  notice = $state<string | null>(null);
+  /** Text of a file of another kind that another view shows. */
+  otherView = $state.raw<{ kind: 'cell'; text: string } | null>(null);
+  diskConflict = $state(false);
+  moving = $state(false);
+  reading = $state(false);
+  canUndo = $state(false);
+  canRedo = $state(false);
+  mobility = $state.raw<Analysis<api.MobilityOfMechanism> | null>(null);
+  motions = $state.raw<Analysis<api.MotionsDocument> | null>(null);
+  modes = $state.raw<Analysis<api.BranchesDocument> | null>(null);
+  /** Virtual joints for a text; they do not depend on the configuration. */
+  suggestion = $state.raw<{ of: string; result: api.SuggestDocument | null; problem: string | null } | null>(null);
+  /** The running analysis, for its button. */
+  computing = $state<'motions' | 'modes' | 'suggestion' | null>(null);
+  /** The animated instantaneous motion. */
+  animated = $state<number | null>(null);
+  #typing = $state(false);
+  changed = $derived(this.work.text !== this.work.saved || Object.keys(this.work.parameters).length > 0);
+  diagnostics = $derived(this.opened?.diagnostics ?? []);
+  /** Whether mechanism and configuration may differ from those of the text. */
+  outdated = $derived(this.document !== null && (this.reading || this.#typing || this.diagnostics.length > 0 || connection.state === 'disconnected'));
+  /** Whether an analysis is that of the shown configuration. */
+  current = (analysis: Analysis<unknown> | null): boolean => analysis !== null && analysis.of === this.configuration && !this.outdated && !this.moving;
+
+  #model: Model | null = null;
+  #version: string | null = null;
+  #started = false;
+  #history = new History<Work>(EMPTY);
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #settle: ReturnType<typeof setTimeout> | undefined;
+  #abort: AbortController | null = null;
+  #mobilityAbort: AbortController | null = null;
+  /** Wanted values of driven coordinates that were not sent yet. */
+  #wanted: Record<string, string> = {};
+  #scaling = false;
+  /** Play scale of the poses. */
+  #posesScale = 1;
+  /** Play scale of the assembly modes. */
+  #modesScale = 1;
+
+  constructor() {
+    connection.onReconnect(() => {
+      if (!this.#started) return;
+      if (this.entries.length === 0) void this.#loadCatalogue();
+      if (this.work.text !== '') void this.#read(this.configuration !== null);
+    });
+    window.addEventListener('beforeunload', (event) => {
+      if (this.changed) event.preventDefault();
+    });
+  }
+
+  /** The mechanism of requests. */
+  get #source(): MechanismSource {
+    return { text: this.work.text, parameters: this.work.parameters };
+  }
+
+  failed(error: unknown): void {
+    if (error instanceof DOMException && error.name === 'AbortError') return;
+    // Disconnection is shown in the header, and requests are repeated.
+    if (error instanceof ConnectionError) return;
+    this.notice = error instanceof Error ? error.message : String(error);
+  }
+
+  /** Opens the mechanism of the server, if it has one. */
+  async start(ofServer: boolean): Promise<void> {
+    if (this.#started) return;
+    this.#started = true;
+    void this.#loadCatalogue();
+    if (ofServer) await this.reload();
+  }
+
+  async #loadCatalogue(): Promise<void> {
+    try {
+      this.entries = await api.catalogue();
+    } catch (error) {
+      this.failed(error);
+    }
+  }
+
+  /** Opens the mechanism of the server again. */
+  async reload(): Promise<void> {
+    this.diskConflict = false;
+    try {
+      const { name, text, loops, writable, version } = await api.mechanismFile();
+      this.#version = version;
+      await this.open(name, text, loops ?? null, writable);
+    } catch (error) {
+      if (error instanceof ConnectionError) this.#started = false;
+      this.failed(error);
+    }
+  }
+
+  // Opening
+
+  /** Opens a text; the previous one is restored by undo. */
+  async open(name: string, text: string, loops: string | null = null, ofServer = false): Promise<void> {
+    this.#abort?.abort();
+    const abort = new AbortController();
+    this.#abort = abort;
+    this.notice = null;
+    this.otherView = null;
+    this.playScale = 1;
+    this.reading = true;
+    try {
+      const opened = await api.openMechanism(loops === null ? { text } : { text, loops }, null, 1, abort.signal);
+      if (abort.signal.aborted) return;
+      const { kind, diagnostics, mechanism } = opened;
+      if (!mechanism && diagnostics.length === 0) {
+        this.notice = `${name}: ${opened.note ?? ''}`;
+        if (kind === 'cell') this.otherView = { kind, text };
+        return;
+      }
+      if (loops !== null && diagnostics.some(({ in_loops }) => in_loops)) {
+        this.notice = `The file of loops has errors: ${diagnostics.map(({ line, message }) => `line ${line}: ${message}`).join('; ')}`;
+        return;
+      }
+      this.#model = kind === 'model' ? { name, text } : null;
+      const title = kind === 'model' || kind === 'three_rods' ? name.replace(/\.\w+$/, '') + '.toml' : name;
+      this.work = { name: title, text: opened.text, parameters: {}, ofServer, saved: opened.text };
+      // The first text has no predecessor.
+      if (this.#history.present.text === '') this.#history = new History(this.work);
+      else this.#history.commit(this.work);
+      this.#updateHistory();
+      this.notice = opened.note ?? null;
+      this.selected = null;
+      this.#take(opened, true, 1);
+      this.tab = diagnostics.length > 0 ? 'text' : 'tree';
+    } catch (error) {
+      this.failed(error);
+    } finally {
+      if (this.#abort === abort) this.reading = false;
+    }
+  }
+
+  /** Opens files that were chosen or dropped: a file, or a model with the file that closes its loops. */
+  async openFiles(files: readonly File[]): Promise<void> {
+    const large = files.find(({ size }) => size > MAX_TEXT_BYTES);
+    if (large) {
+      this.notice = `${large.name} has ${(large.size / 1e6).toFixed(1)} MB; the studio opens texts of up to ${MAX_TEXT_BYTES / 1e6} MB. Use \`jointplay import\` for a larger model.`;
+      return;
+    }
+    if (files.length > 2) {
+      this.notice = 'Open one file, or a model with the file that closes its loops.';
+      return;
+    }
+    try {
+      const texts = await Promise.all(files.map(async (file) => ({ name: file.name, text: await file.text() })));
+      const isLoops = ({ name, text }: Model) => /\.ya?ml$/i.test(name) || /^\s*kind\s*=\s*["']loops["']/m.test(text);
+      const loops = texts.find(isLoops);
+      const other = texts.find((one) => one !== loops);
+      if (other) await this.open(other.name, other.text, loops?.text ?? null);
+      else if (loops && this.#model) await this.open(this.#model.name, this.#model.text, loops.text);
+      else if (loops) this.notice = `${loops.name} closes the loops of a model: open the model first, or both together.`;
+    } catch (error) {
+      this.failed(error);
+    }
+  }
+
+  /** Takes over the answer to a text. */
+  #take(opened: OpenedDocument, fresh: boolean, scale: number): void {
+    this.opened = opened;
+    const { mechanism } = opened;
+    if (fresh || mechanism) {
+      this.document = mechanism ?? null;
+      this.#setConfiguration(mechanism?.configuration ?? null, scale);
+      this.stopped = null;
+      this.met = [];
+      this.refused = {};
+      this.singularValues = {};
+      this.redundant = null;
+      this.animated = null;
+      if (fresh) this.#wanted = {};
+    }
+    if (fresh) this.shown += 1;
+    this.#settled();
+  }
+
+  // The text
+
+  edit(text: string): void {
+    this.work = { ...this.work, text };
+    this.#typing = true;
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => void this.commit(), TYPING_PAUSE_MS);
+  }
+
+  /** Completes an edit: adds it to the undo history and reads the text. */
+  async commit(): Promise<void> {
+    clearTimeout(this.#timer);
+    this.#typing = false;
+    if (this.#history.commit(this.work)) this.#updateHistory();
+    await this.#read(true);
+  }
+
+  /** Reads the text again, near the shown configuration or from its guess. */
+  async #read(near: boolean): Promise<void> {
+    this.#abort?.abort();
+    const abort = new AbortController();
+    this.#abort = abort;
+    this.reading = true;
+    try {
+      const from = near ? (this.configuration?.coordinates ?? null) : null;
+      const { playScale } = this;
+      const opened = await api.openMechanism(this.#source, from, playScale, abort.signal);
+      if (abort.signal.aborted) return;
+      this.#take(opened, false, playScale);
+      this.reading = false;
+      if (Object.keys(this.#wanted).length > 0 && !this.moving) void this.#drive();
+    } catch (error) {
+      // Without a connection, the state stays outdated until the text is read again.
+      if (this.#abort === abort && !(error instanceof ConnectionError)) this.reading = false;
+      this.failed(error);
+    }
+  }
+
+  #updateHistory(): void {
+    this.canUndo = this.#history.canUndo;
+    this.canRedo = this.#history.canRedo;
+  }
+
+  undo(): void {
+    if (this.#typing) void this.commit();
+    this.#restore(this.#history.undo());
+  }
+
+  redo(): void {
+    this.#restore(this.#history.redo());
+  }
+
+  #restore(work: Work | undefined): void {
+    if (!work) return;
+    // Another file has another configuration.
+    const near = work.name === this.work.name;
+    this.work = near ? { ...work, saved: this.work.saved } : work;
+    this.#updateHistory();
+    void this.#read(near).then(() => {
+      if (!near) this.shown += 1;
+    });
+  }
+
+  /** Sets a parameter; `null` restores the value of the file. */
+  setParameter(name: string, value: number | null): void {
+    const { [name]: _, ...others } = this.work.parameters;
+    this.work = { ...this.work, parameters: value === null ? others : { ...others, [name]: value } };
+    this.#updateHistory();
+    void this.#read(true);
+  }
+
+  /** Adds the parameters to the undo history, at the end of a drag of a slider. */
+  commitParameters(): void {
+    if (this.#history.commit(this.work)) this.#updateHistory();
+  }
+
+  /** Saves the text to the file of the server. */
+  async save(overwrite = false): Promise<void> {
+    if (!this.work.ofServer) return this.download();
+    const { text } = this.work;
+    try {
+      const { version } = await api.saveMechanism(text, overwrite ? null : this.#version);
+      this.#version = version;
+      this.diskConflict = false;
+      this.work = { ...this.work, saved: text };
+    } catch (error) {
+      if (error instanceof api.ApiError && error.field === 'replaces') this.diskConflict = true;
+      else if (error instanceof ConnectionError) this.notice = 'The text was not saved: the server does not respond. Save again after reconnection.';
+      else this.failed(error);
+    }
+  }
+
+  /** Downloads the text as a file. */
+  download(): void {
+    const { name, text } = this.work;
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(new Blob([text], { type: 'application/toml' }));
+    link.download = /\.toml$/.test(name) ? name : `${name || 'mechanism'}.toml`;
+    link.click();
+    URL.revokeObjectURL(link.href);
+    this.work = { ...this.work, saved: text };
+  }
+
+  // The configuration
+
+  /** Drives a coordinate to a value: an expression in the units of the file. */
+  drive(name: string, value: string): void {
+    this.animated = null;
+    this.#wanted = { ...this.#wanted, [name]: value };
+    // A text that is being read may change the coordinates: the motion begins afterwards.
+    if (!this.moving && !this.reading && !this.#typing) void this.#drive();
+  }
+
+  /** Returns to the closed configuration near the guess of the file. */
+  home(): void {
+    void this.#read(false);
+  }
+
+  setPlayScale(scale: number): void {
+    this.playScale = scale;
+    if (!this.moving && !this.#scaling) void this.#scale();
+  }
+
+  /** Requests the poses at the last play scale; the configuration stays, and so do its analyses. */
+  async #scale(): Promise<void> {
+    this.#scaling = true;
+    try {
+      while (this.#posesScale !== this.playScale && this.configuration && !this.moving) {
+        const { configuration, playScale } = this;
+        const { poses } = await api.mechanismConfiguration(this.#source, configuration.coordinates, playScale);
+        if (this.configuration !== configuration) continue;
+        this.poses = poses;
+        this.#posesScale = playScale;
+      }
+    } catch (error) {
+      this.failed(error);
+    } finally {
+      this.#scaling = false;
+    }
+  }
+
+  #setConfiguration(configuration: ConfigurationDocument | null, scale: number): void {
+    this.configuration = configuration;
+    this.poses = configuration?.poses ?? null;
+    this.#posesScale = scale;
+    if (scale !== this.playScale && !this.#scaling) void this.#scale();
+  }
+
+  /** Shows another closed configuration. */
+  show(configuration: ConfigurationDocument): void {
+    this.animated = null;
+    this.stopped = null;
+    this.met = [];
+    this.#setConfiguration(configuration, this.#modesScale);
+    this.#settled();
+  }
+
+  async #drive(): Promise<void> {
+    this.moving = true;
+    try {
+      while (Object.keys(this.#wanted).length > 0 && this.configuration && !this.reading && !this.#typing) {
+        const to = this.#wanted;
+        this.#wanted = {};
+        const { document } = this;
+        try {
+          const { playScale } = this;
+          const found = await api.driveMechanism(this.#source, this.configuration.coordinates, to, playScale);
+          if (document !== this.document) {
+            // Another mechanism: its configuration is the start.
+            this.#wanted = { ...to, ...this.#wanted };
+            continue;
+          }
+          this.#setConfiguration(found.configuration, playScale);
+          this.stopped = found.message ?? null;
+          this.refused = {};
+          this.#note(found);
+        } catch (error) {
+          const name = error instanceof api.ApiError && error.field?.startsWith('to.') ? error.field.slice(3) : null;
+          if (name !== null && error instanceof Error) this.refused = { ...this.refused, [name]: error.message };
+          else if (error instanceof api.ApiError) this.stopped = error.message;
+          else this.failed(error);
+        }
+      }
+    } finally {
+      this.moving = false;
+      this.setPlayScale(this.playScale);
+      this.#settled();
+    }
+  }
+
+  /** Notes what was met during a motion. */
+  #note({ singular, first_beyond_limits, configuration }: api.DriveDocument): void {
+    const met = singular.map(({ drives, branches }) => {
+      const at = Object.entries(drives).map(([name, value]) => `${name} = ${this.format(name, value)}`).join(', ');
+      const meet = branches === null || branches === undefined ? 'the number of branches is undecided' : branches === 1 ? 'no other branch crosses' : `${branches} branches meet`;
+      return `Singular configuration at ${at}: ${meet}.`;
+    });
+    if (first_beyond_limits && configuration.limits_broken.length === 0) met.push(`Beyond limits during the motion, at ${first_beyond_limits.place}: ${first_beyond_limits.limits_broken.map(({ message }) => message).join('; ')}.`);
+    this.met = met;
+    const values = { ...this.singularValues };
+    for (const { drives } of singular)
+      for (const [name, value] of Object.entries(drives)) values[name] = [...new Set([...(values[name] ?? []), value])].slice(-8);
+    this.singularValues = values;
+  }
+
+  /** A value of a coordinate with its unit. */
+  format(name: string, value: number): string {
+    const found = this.document?.coordinates.find((one) => one.name === name);
+    return found ? `${shownNumber(value, found.decimals)} ${found.unit}` : String(value);
+  }
+
+  // Analyses
+
+  /** Computes the mobility after a pause. */
+  #settled(): void {
+    clearTimeout(this.#settle);
+    this.#mobilityAbort?.abort();
+    if (this.configuration) this.#settle = setTimeout(() => void this.#computeMobility(), SETTLED_MS);
+  }
+
+  async #computeMobility(): Promise<void> {
+    const { configuration } = this;
+    if (!configuration || this.moving) return;
+    const abort = new AbortController();
+    this.#mobilityAbort = abort;
+    const done = (result: api.MobilityOfMechanism | null, problem: string | null) => {
+      if (!abort.signal.aborted && this.configuration === configuration) this.mobility = { of: configuration, result, problem };
+    };
+    try {
+      done(await api.mechanismMobility(this.#source, configuration.coordinates, abort.signal), null);
+    } catch (error) {
+      if (error instanceof api.ApiError) done(null, error.message);
+      else this.failed(error);
+    }
+  }
+
+  async #analyse<T>(what: 'motions' | 'modes', ask: (configuration: ConfigurationDocument) => Promise<T>): Promise<Analysis<T> | null> {
+    const { configuration } = this;
+    if (!configuration) return null;
+    this.computing = what;
+    try {
+      return { of: configuration, result: await ask(configuration), problem: null };
+    } catch (error) {
+      if (error instanceof api.ApiError) return { of: configuration, result: null, problem: error.message };
+      this.failed(error);
+      return null;
+    } finally {
+      this.computing = null;
+    }
+  }
+
+  async computeMotions(): Promise<void> {
+    this.motions = await this.#analyse('motions', ({ coordinates }) => api.mechanismMotions(this.#source, coordinates));
+    if (this.motions?.result?.motions.length) this.animated = 0;
+  }
+
+  async computeModes(): Promise<void> {
+    this.#modesScale = this.playScale;
+    this.modes = await this.#analyse('modes', ({ coordinates }) => api.mechanismBranches(this.#source, coordinates, this.playScale));
+  }
+
+  async computeSuggestion(): Promise<void> {
+    const of = this.sourceKey;
+    this.computing = 'suggestion';
+    try {
+      this.suggestion = { of, result: await api.suggestVirtualJoints(this.#source, new AbortController().signal), problem: null };
+    } catch (error) {
+      if (error instanceof api.ApiError) this.suggestion = { of, result: null, problem: error.message };
+      else this.failed(error);
+    } finally {
+      this.computing = null;
+    }
+  }
+
+  /** Identifies the text with its parameters. */
+  get sourceKey(): string {
+    return JSON.stringify([this.work.text, this.work.parameters]);
+  }
+
+  /** Replaces the virtual joints of the text by those of a suggested set. */
+  async apply(set: number): Promise<void> {
+    const text = this.suggestion?.result?.texts[set];
+    if (text === undefined || this.suggestion?.of !== this.sourceKey) return;
+    this.work = { ...this.work, text };
+    await this.commit();
+  }
+}
+
+export const mechanismSession = new MechanismSession();
