@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use jointplay::format::{catalogue, place};
 pub(crate) use jointplay::interop::FileKind as Kind;
+use jointplay::interop::import;
 
 use crate::console;
 use crate::failure::Failure;

@@ -245,7 +245,40 @@ impl PlatformPose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::virtualization::Planar;
+    use crate::virtualization::{Planar, Solver, built_in};
+
+    fn kernel_answers<M: Model>(gpr: &Gpr, rods: &[f64; 3], options: &SolveOptions) -> bool {
+        let length = options.metric.characteristic_length(gpr.platform()).unwrap();
+        SinglePose::new::<M>(&Task::new::<M>(gpr.dimensions(), options, length), rods).is_some()
+    }
+
+    /// The closed equations answer for all usual poses, and what they answer is what the general solver finds.
+    #[test]
+    fn closed_equations_and_the_general_solver_agree() {
+        let gpr = Gpr::paper().without_limit_checks();
+        for i in 0..200 {
+            let tilt = Tilt { azimuth: 0.7 * f64::from(i), angle: 2e-4 * f64::from(i) };
+            let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
+            for solver in [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm] {
+                let options = SolveOptions { solver, ..SolveOptions::default() };
+                for model in built_in() {
+                    let found = gpr.forward(rods, model, &options).unwrap();
+                    let expected = gpr.general_pose(rods, model, &options).unwrap();
+                    assert_eq!(found.solution.solver, expected.solution.solver);
+                    let (a, b) = (found.base_from_platform, expected.base_from_platform);
+                    let off = (a.to_homogeneous() - b.to_homogeneous()).amax();
+                    assert!(off < 1e-13, "{} {solver} {i}: {off}", model.name());
+                    let answers = match model.as_built_in().unwrap() {
+                        BuiltIn::Radial => kernel_answers::<kernel::Radial>(&gpr, &rods, &options),
+                        BuiltIn::Polar => kernel_answers::<kernel::Polar>(&gpr, &rods, &options),
+                        BuiltIn::Offset => kernel_answers::<kernel::Offset>(&gpr, &rods, &options),
+                        BuiltIn::Planar => kernel_answers::<kernel::Planar>(&gpr, &rods, &options),
+                    };
+                    assert!(answers, "{} {solver} {i}", model.name());
+                }
+            }
+        }
+    }
 
     #[test]
     fn a_rod_that_is_no_number() {

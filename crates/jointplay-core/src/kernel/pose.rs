@@ -114,7 +114,10 @@ impl<S: Simd> PlatformPoses<S> {
         // The axes of a platform without torsion, then turned about the normal.
         let first = [slope_x.times_from(n_x, one), -(slope_x * n_y), -(slope_x * slope_z)];
         let second = [-(slope_y * n_x), slope_y.times_from(n_y, one), -(slope_y * slope_z)];
+        // To the last digit, so that a platform without torsion has none.
         let [cosine, sine] = self.turn;
+        let length = cosine.times_plus(cosine, sine * sine).sqrt();
+        let (cosine, sine) = (cosine / length, sine / length);
         let mut axes = [first, second, self.normal];
         for axis in 0..3 {
             let (a, b) = (first[axis], second[axis]);

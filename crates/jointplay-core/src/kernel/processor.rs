@@ -27,9 +27,10 @@ impl PartialEq for Processor {
     }
 }
 
+/// The same text on all processors.
 impl std::fmt::Debug for Processor {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.0.fmt(formatter)
+        formatter.write_str("Processor")
     }
 }
 

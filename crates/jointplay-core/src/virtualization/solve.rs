@@ -322,7 +322,12 @@ mod tests {
         for sides in [[0.1, 0.1, 0.3], [0.1, -0.1, 0.1], [0.1, 0.1, f64::NAN]] {
             for model in built_in() {
                 for solver in SOLVERS {
-                    check(model, sides, &SolveOptions { solver, ..SolveOptions::default() });
+                    let options = SolveOptions { solver, ..SolveOptions::default() };
+                    let found = solve(model, Gpr::paper().platform(), &sides, &options);
+                    // Iterates may end where the sides are dependent.
+                    let refused =
+                        matches!(found, Err(Error::NotConverged(_) | Error::DependentSides { .. }));
+                    assert!(refused, "{} gives {found:?}", model.name());
                 }
             }
         }
