@@ -154,8 +154,10 @@ fn own_library() -> Result<PathBuf, Failure> {
         folder.join(&installed),
         folder.join("..").join("lib").join(&installed),
     ];
-    if let Some(found) = places.iter().find(|path| path.is_file()) {
-        return Ok(found.clone());
+    // Of several the newest: Cargo does not renew all of them with every build.
+    let dated = |path: &PathBuf| Some((path.metadata().ok()?.modified().ok()?, path.clone()));
+    if let Some((_, found)) = places.iter().filter_map(dated).max() {
+        return Ok(found);
     }
     let listed: Vec<String> = places.iter().map(|path| path.display().to_string()).collect();
     Err(Failure::Usage(format!(
