@@ -184,12 +184,12 @@ def test_an_assembly_of_twenty_parts_is_read_and_answered_in_less_than_a_second(
     spent = time.perf_counter() - start
     print(f"    mobility of 20 parts after {spent:.3f} s")
     assert spent < 1.0, spent
-    # A planar loop of n hinges moves in n − 3 ways, and the plane is redundant three times.
+    # A planar loop of n hinges has n − 3 degrees of freedom and three redundant constraints.
     found = mechanism.mobility()
     assert (len(mechanism.links), found.finite_mobility, found.redundancy) == (21, 17, 3), text
     linkage = linkages.linkage(SavedAsAssembly(document))
     assert linkage.unmatched == []
-    # Parts stand where the mechanism has them before anything moves.
+    # Parts are in the places of the mechanism before anything moves.
     for link, placed in linkage.placements(mechanism.assemble().coordinates).items():
         assert is_same(placed, linkage.drawn[link]), link
 

@@ -14,7 +14,7 @@ use crate::failure::Failure;
 /// The name of standard input and of standard output.
 pub(crate) const STANDARD: &str = "-";
 
-/// Bytes that tell an archive from text.
+/// Bytes by which an archive differs from text.
 const ARCHIVE_START: u64 = 4;
 
 /// Set after standard input was read: it can be read only once.

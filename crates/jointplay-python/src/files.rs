@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use crate::errors;
 
-/// Bytes that tell an archive from text.
+/// Bytes by which an archive differs from text.
 const ARCHIVE_START: u64 = 4;
 
 /// The text of a file, refused where it is longer than `allowed` bytes; of a document of FreeCAD, an archive, the text of its objects.

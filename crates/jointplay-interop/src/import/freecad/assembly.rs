@@ -385,11 +385,11 @@ fn end_of<'a>(
         Ok::<bool, Error>(found.is_some_and(|inner| is_datum(inner)))
     };
     let within = |object: &Object<'a>| {
-        let goes_on = match object.kind {
+        let continues = match object.kind {
             "PartDesign::Body" => has_next_as_datum(object)?,
             _ => is_container(object) || is_group(object),
         };
-        Ok(if goes_on { PathEnd::Inside } else { PathEnd::Here })
+        Ok(if continues { PathEnd::Inside } else { PathEnd::Here })
     };
     if !matches!(object.kind, "App::Link" | "App::LinkPython" | "App::LinkElement") {
         return within(object);

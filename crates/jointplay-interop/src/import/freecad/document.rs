@@ -30,7 +30,7 @@ pub(super) struct Object<'a> {
     properties: BTreeMap<&'a str, Node<'a, 'a>>,
 }
 
-/// A link to a place in an object: the names of objects on the way there, without those of faces and edges.
+/// A link to a place in an object: the names of the objects that contain it, without those of faces and edges.
 pub(super) struct Reference<'a> {
     /// File of the object; empty for the document itself.
     pub(super) file: &'a str,
