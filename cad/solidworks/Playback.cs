@@ -180,7 +180,7 @@ namespace Jointplay.SolidWorks
                 for (int k = 0; k < Count; k++) poses[k] = link.Value[k] * fromFirst;
                 if (found.IsFixed())
                 {
-                    if (Moves(poses)) throw new PlaybackException("the component " + found.Name2 + " is fixed: let it float");
+                    if (Moves(poses)) throw new PlaybackException("the component " + found.Name2 + " is fixed: set it to float");
                     continue;
                 }
                 moved.Add(new KeyValuePair<Component2, Pose[]>(found, poses));

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Compiles the playback against stubs with Mono, and runs it with recording stubs: test.sh JOINTPLAY
 set -eu
+[ $# -gt 0 ] && set -- "$(realpath "$1")"
 cd "$(dirname "$0")"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,5 +1,7 @@
 //! Assemblies of FreeCAD: the document and the export of one assembly, written by FreeCAD.
 
+#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
+
 use std::io::Cursor;
 
 use jointplay_core::mechanism::{JointKind, Kinematics, assemble, guess};
@@ -13,7 +15,7 @@ const EXPORT: &str = include_str!("../../../validation/golden/models/crank-press
 
 fn text() -> String {
     assert!(is_archive(DOCUMENT));
-    document_text(Cursor::new(DOCUMENT)).unwrap()
+    document_text(Cursor::new(DOCUMENT)).expect("the document is an archive of FreeCAD")
 }
 
 fn read(text: &str) -> Imported {
@@ -94,7 +96,7 @@ fn the_assembly_is_closed_as_drawn_and_moves_as_a_slider_crank() {
 fn refuse(from: &str, to: &str, message: &str) {
     let text = text();
     assert!(text.contains(from), "{from:?} is not in the document");
-    let error = parse(&text.replace(from, to)).unwrap_err();
+    let error = parse(&text.replace(from, to)).expect_err("the document is refused");
     assert!(error.to_string().contains(message), "{error}");
     let _ = error.with_excerpt("Document.xml");
 }
