@@ -1,7 +1,5 @@
 //! Assemblies of FreeCAD: the document and the export of one assembly, written by FreeCAD.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
-
 use std::io::Cursor;
 
 use jointplay_core::mechanism::{JointKind, Kinematics, assemble, guess};
