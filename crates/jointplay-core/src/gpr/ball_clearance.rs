@@ -87,11 +87,11 @@ impl Gpr {
         let nominal = self.platform().sockets();
         let sides = sides_of(nominal);
         let largest = pose.sides.iter().zip(sides).map(|(side, nominal)| (side - nominal).abs());
-        BallClearance {
-            displacements: self.ball_displacements(pose, virtualization),
-            lower_bound: 0.5 * largest.fold(0.0, f64::max),
-            available: self.ball_clearance,
-        }
+        let displacements = self.ball_displacements(pose, virtualization);
+        // The pose is a placement; where it is the best one, the two differ by round-off.
+        let lower_bound =
+            (0.5 * largest.fold(0.0, f64::max)).min(displacements.into_iter().fold(0.0, f64::max));
+        BallClearance { displacements, lower_bound, available: self.ball_clearance }
     }
 
     /// Distance of each ball from the centre of its nominal socket (m).

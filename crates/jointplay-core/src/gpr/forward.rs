@@ -137,7 +137,8 @@ impl Gpr {
                 let Some(found) = SinglePose::new::<M>(&task, &rods) else {
                     return self.general_pose(rods, virtualization, options);
                 };
-                let SinglePose { sides, base_from_platform, .. } = found;
+                let sides = ball_sides(&self.ball_centers(&rods));
+                let base_from_platform = found.base_from_platform;
                 let solution = Solution {
                     virtual_joints: found.virtual_joints,
                     solver: task.solver,

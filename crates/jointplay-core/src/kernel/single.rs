@@ -10,7 +10,7 @@ use super::pose::{Plane, PlatformPoses};
 use super::shape::Balls;
 use super::solve::solved;
 use crate::spatial::Pose;
-use crate::virtualization::{Sides, VirtualJoints};
+use crate::virtualization::VirtualJoints;
 
 /// One over the cosine of the largest tilt that is computed here.
 const STEEPEST: f64 = 2.0;
@@ -18,7 +18,6 @@ const STEEPEST: f64 = 2.0;
 /// A pose by the closed equations.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SinglePose {
-    pub(crate) sides: Sides,
     pub(crate) virtual_joints: VirtualJoints,
     pub(crate) iterations: usize,
     /// Largest difference between a side and its virtual length (m).
@@ -62,7 +61,6 @@ impl SinglePose {
         )]
         let iterations = found.iterations.number() as usize;
         Some(Self {
-            sides: balls.squares.map(|square| square.sqrt().number()),
             virtual_joints,
             iterations,
             residual: found.residual(&balls).number(),
