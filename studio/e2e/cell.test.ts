@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
-import { accessibilityViolations, cellFixture, complaints, EXAMPLE_CELL, frames, partNames, serve, SHORT_PROGRAM, unhandled, until, visit, waitForCheck, type CellFixture } from './studio';
+import { EXAMPLE_CELL, SHORT_PROGRAM, accessibilityViolations, cellFixture, complaints, frames, load, partNames, serve, unhandled, until, visit, waitForCheck, type CellFixture } from './studio';
 
 let fixture: CellFixture;
 let page: Page;
@@ -14,7 +14,7 @@ beforeAll(async () => {
   fixture = await cellFixture();
   page = await visit(fixture.browser);
   heard = complaints(page);
-  await page.goto(fixture.server.address);
+  await load(page, fixture.server.address);
 });
 afterAll(() => fixture?.close());
 afterEach(() => {
@@ -377,7 +377,7 @@ test('an invalid cell is opened, its error is marked, and it is fixed', async ()
   const second = await page.context().newPage();
   const messages = complaints(second);
   try {
-    await second.goto(other.address);
+    await load(second, other.address);
     await second.getByTestId('diagnostics').getByText('tilts 2.000°').waitFor();
     await second.getByText('Fix the errors in the cell file to display the cell.').waitFor();
     const line = EXAMPLE_CELL.split('\n').findIndex((text) => text.startsWith('tilt = {')) + 1;

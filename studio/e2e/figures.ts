@@ -6,7 +6,7 @@ import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import type { Page } from 'playwright-core';
 import { test } from 'vitest';
-import { browse, cellFixture, COMMAND, drawn, EXAMPLE_CELL, frames, partNames, ROOT, serve, until, visit, waitForCheck } from './studio';
+import { COMMAND, EXAMPLE_CELL, ROOT, browse, cellFixture, drawn, frames, load, partNames, serve, until, visit, waitForCheck } from './studio';
 
 const PROGRAM = `# One wafer through aligner and process station.
 HOME
@@ -25,11 +25,11 @@ async function save(page: Page, name: string): Promise<void> {
 test('the robot and its motion', async () => {
   const [browser, server] = await Promise.all([browse(), serve()]);
   const page = await visit(browser);
-  await page.goto(`${server.address}#pose=tilt,0,1.5,500,axis&model=polar,newton,paper&play=500&show=joints,arrows,frames,labels`);
+  await load(page, `${server.address}#pose=tilt,0,1.5,500,axis&model=polar,newton,paper&play=500&show=joints,arrows,frames,labels`);
   await drawn(page, 'Math.abs(pose.tilt.angle_rad - 1.5 * Math.PI / 180) < 1e-9');
   await save(page, 'studio');
   await page.goto('about:blank');
-  await page.goto(server.address);
+  await load(page, server.address);
   await drawn(page);
   await page.getByTestId('figure').selectOption('6');
   await until('samples', async () => Number(await page.getByTestId('sample').getAttribute('data-count')) > 0);
@@ -42,7 +42,7 @@ test('the robot and its motion', async () => {
 test('a mechanism', async () => {
   const [browser, server] = await Promise.all([browse(), serve(0, ['gpr-mechanism'])]);
   const page = await visit(browser);
-  await page.goto(server.address);
+  await load(page, server.address);
   await page.getByTestId('redundant').getByRole('button').first().click();
   await page.getByText('Highlighted:').scrollIntoViewIfNeeded();
   await save(page, 'studio-mechanism');
@@ -53,7 +53,7 @@ test('a mechanism', async () => {
 test('the cell', async () => {
   const fixture = await cellFixture(PROGRAM);
   const page = await visit(fixture.browser);
-  await page.goto(fixture.server.address);
+  await load(page, fixture.server.address);
   await waitForCheck(page, 'passed');
   await until('the cell is drawn', async () => (await partNames(page)).length > 0 && (await page.evaluate(() => window.jointplay.probe.cellFrames > 0)));
 

@@ -2,7 +2,7 @@
 
 import type { Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
-import { accessibilityViolations, cellFixture, complaints, partNames, unhandled, until, visit, type CellFixture } from './studio';
+import { accessibilityViolations, cellFixture, complaints, load, partNames, unhandled, until, visit, type CellFixture } from './studio';
 
 const NOTE = '# Taught in contact: ';
 
@@ -14,7 +14,7 @@ beforeAll(async () => {
   fixture = await cellFixture();
   page = await visit(fixture.browser);
   heard = complaints(page);
-  await page.goto(fixture.server.address);
+  await load(page, fixture.server.address);
 });
 afterAll(() => fixture?.close());
 afterEach(() => {

@@ -6,7 +6,7 @@ import { join, resolve } from 'node:path';
 import { readFileSync } from 'node:fs';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { browse, complaints, drawn, ROOT, serve, until, visit, type Server } from './studio';
+import { ROOT, browse, complaints, drawn, load, serve, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let server: Server;
@@ -29,7 +29,7 @@ async function at(width: number, height: number, part: 'robot' | 'cell', does: (
   const heard = complaints(page);
   try {
     await page.addInitScript((shown) => localStorage.setItem('jointplay.studio.part', JSON.stringify(shown)), part);
-    await page.goto(server.address);
+    await load(page, server.address);
     if (part === 'robot') await drawn(page);
     else await until('the result is there', async () => (await page.getByTestId('check-result').getAttribute('data-state')) === 'passed');
     await does(page);

@@ -7,7 +7,7 @@ import type { Browser, Page, Route } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
 import { frames, type Frame } from '../src/lib/kinematics';
 import { MotionWindow, type WaferPlacement } from '../src/lib/motion';
-import { browse, complaints, ROOT, serve, until, type Server } from './studio';
+import { ROOT, browse, complaints, load, serve, until, type Server } from './studio';
 
 const CELL = readFileSync(resolve(ROOT, 'cells/example.toml'), 'utf8');
 const LINES = 2000;
@@ -96,7 +96,7 @@ test('an edit of a long program transfers only changed data', async () => {
     seen.push(request.url());
     void request.sizes().then(({ requestBodySize, responseBodySize }) => (bytes += requestBodySize + responseBodySize));
   });
-  await page.goto(server.address);
+  await load(page, server.address);
   await until('it is sound', () => sound(page));
   await until('it is drawn', () => page.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0 && window.jointplay.probe.cellFrames > 0));
   await until('all of it is there', async () => (await planned(page)) && (await page.getByTestId('loading').count()) === 0);
@@ -127,7 +127,7 @@ test('an edit of a long program transfers only changed data', async () => {
 
 test('the page shows that a part of the motion is loading', async () => {
   const page = await (await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' })).newPage();
-  await page.goto(server.address);
+  await load(page, server.address);
   await until('it is sound', () => sound(page));
   await until('all of it is there', async () => (await planned(page)) && (await page.getByTestId('loading').count()) === 0);
   const waiting: Route[] = [];

@@ -5,7 +5,7 @@ import { cpus } from 'node:os';
 import { resolve } from 'node:path';
 import { gzipSync } from 'node:zlib';
 import { afterAll, test } from 'vitest';
-import { browse, drawn, ROOT, serve, until } from './studio';
+import { ROOT, browse, drawn, load, serve, until } from './studio';
 
 const median = (values: number[]) => [...values].sort((a, b) => a - b)[values.length >> 1] as number;
 const rows: [string, string][] = [];
@@ -31,7 +31,7 @@ test('the robot alone', async () => {
   const server = await serve();
   const up = performance.now();
   const page = await browser.newPage({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' });
-  await page.goto(server.address);
+  await load(page, server.address);
   await until('panels', () => page.evaluate(() => document.querySelector('aside') !== null));
   const panels = performance.now();
   await drawn(page);
@@ -161,7 +161,7 @@ test('plans of the example cell', async () => {
 test('the example cell in a browser', async () => {
   const [browser, server] = await Promise.all([browse(), serve(0, ['--cell', 'example'])]);
   const page = await browser.newPage({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' });
-  await page.goto(server.address);
+  await load(page, server.address);
   const calm = (pictures = 0) =>
     until('the cell as it moves', () =>
       page.evaluate((seen) => {

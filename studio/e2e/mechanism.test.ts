@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { accessibilityViolations, browse, complaints, EXAMPLE_CELL, frames, ROOT, serve, unhandled, until, visit, type Server } from './studio';
+import { EXAMPLE_CELL, ROOT, accessibilityViolations, browse, complaints, frames, load, serve, unhandled, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let folder: string;
@@ -25,7 +25,7 @@ async function at(words: string[], does: (page: Page, server: Server, heard: str
   const page = await visit(browser, { viewport: { width: 1440, height: 900 } });
   const heard = complaints(page);
   try {
-    await page.goto(server.address);
+    await load(page, server.address);
     await does(page, server, heard);
   } finally {
     await page.context().close();
@@ -227,7 +227,7 @@ test.each([
   const server = await serve(0, ['gpr-mechanism']);
   const page = await visit(browser, { viewport: { width, height }, colorScheme });
   try {
-    await page.goto(server.address);
+    await load(page, server.address);
     await shows(page, 'mechanism-name', 'as a mechanism');
     await until('the mobility', async () => (await page.getByTestId('m-finite').count()) === 1);
     for (const tab of ['Catalogue', 'Tree', 'Text']) {

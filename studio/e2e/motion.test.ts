@@ -4,7 +4,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
-import { browse, COMMAND, complaints, drawn, frames, serve, until, visit, type Server } from './studio';
+import { COMMAND, browse, complaints, drawn, frames, load, serve, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let server: Server;
@@ -15,7 +15,7 @@ beforeAll(async () => {
   [browser, server] = await Promise.all([browse(), serve()]);
   page = await visit(browser);
   heard = complaints(page);
-  await page.goto(server.address);
+  await load(page, server.address);
   await drawn(page);
 });
 afterAll(async () => {
@@ -166,7 +166,7 @@ test('Parquet export is offered only by servers that support it', async () => {
       const robot = (await (await route.fetch()).json()) as object;
       await route.fulfill({ json: { ...robot, series_formats: ['csv'] } });
     });
-    await other.goto(server.address);
+    await load(other, server.address);
     await drawn(other);
     await other.getByTestId('export').click();
     await other.getByTestId('export-csv').waitFor();
@@ -219,7 +219,7 @@ test('a link restores motion and sample', async () => {
   await until('the link contains the sample', () => page.evaluate(() => window.location.hash.includes('sample=123')));
   const link = page.url();
   await page.goto('about:blank');
-  await page.goto(link);
+  await load(page, link);
   await loaded(777);
   await until('the sample is shown', async () => (await at()) === 123);
 });

@@ -1,7 +1,7 @@
 import { execFileSync } from 'node:child_process';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
-import { accessibilityViolations, browse, COMMAND, complaints, drawn, serve, until, visit, type Server } from './studio';
+import { COMMAND, accessibilityViolations, browse, complaints, drawn, load, reload, serve, until, visit, type Server } from './studio';
 
 const CLIPBOARD = { permissions: ['clipboard-read', 'clipboard-write'] };
 
@@ -14,7 +14,7 @@ beforeAll(async () => {
   [browser, server] = await Promise.all([browse(), serve()]);
   page = await visit(browser, CLIPBOARD);
   heard = complaints(page);
-  await page.goto(server.address);
+  await load(page, server.address);
 });
 afterAll(async () => {
   await browser?.close();
@@ -133,9 +133,9 @@ test('the robot stops at limits with a message', async () => {
 test('the initial pose is within the tilt limit, and jogging follows the limit', async () => {
   const fresh = await visit(browser);
   try {
-    await fresh.goto(server.address);
+    await load(fresh, server.address);
     await drawn(fresh, 'Math.abs(pose.tilt.angle_rad - Math.PI / 180) < 1e-9');
-    await fresh.goto(`${server.address}#pose=xy,0,1.5,500,axis`);
+    await load(fresh, `${server.address}#pose=xy,0,1.5,500,axis`);
     await drawn(fresh, 'Math.abs(pose.tilt.about_y_rad - 1.5 * Math.PI / 180) < 1e-9');
     await fresh.keyboard.press('k');
     // Toward x by as much as the circle of the limit allows, and off y.
@@ -242,7 +242,7 @@ test('panels are collapsed, resized and moved, and the layout persists', async (
   expect((await page.locator('aside.left').boundingBox())!.width).toBeCloseTo(392, 0);
   await page.getByRole('button', { name: 'Mobility', exact: true }).click();
   expect(await page.getByTestId('kutzbach').count()).toBe(0);
-  await page.reload();
+  await reload(page);
   await drawn(page);
   expect(await panels('left')).toEqual(['Virtualization', 'Mobility']);
   expect((await page.locator('aside.left').boundingBox())!.width).toBeCloseTo(392, 0);
@@ -295,7 +295,7 @@ test('a link restores pose, model, play scale and view', async () => {
   expect(link).toMatch(/#robot=GPR%20of%20the%20paper,[0-9a-f]{8}&pose=/);
   expect(link).toContain('&pose=tilt,30,1,480,center&model=radial,newton,paper&play=50&show=joints,arrows&view=o,300,-500,800,0,0,450,2');
   const other = await visit(browser, CLIPBOARD);
-  await other.goto(link);
+  await load(other, link);
   await drawn(other, "Math.abs(pose.tilt.angle_rad - Math.PI / 180) < 1e-9 && pose.models[0].model.virtualization === 'radial'");
   await other.context().close();
 });
@@ -307,7 +307,7 @@ test('settings persist between visits', async () => {
   await type('azimuth', '77');
   await until('the link contains the number', () => page.evaluate(() => window.location.hash.includes('77')));
   await page.goto('about:blank');
-  await page.goto(server.address);
+  await load(page, server.address);
   await drawn(page);
   expect(await page.evaluate(() => document.documentElement.dataset.theme)).toBe('dark');
   expect(await page.getByTestId('joints').textContent()).toContain('mil');

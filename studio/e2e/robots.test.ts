@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { browse, complaints, drawn, ROOT, serve, until, visit } from './studio';
+import { ROOT, browse, complaints, drawn, load, reload, serve, until, visit } from './studio';
 
 let browser: Browser;
 let folder: string;
@@ -120,7 +120,7 @@ test('meshes of the robot file are displayed at their size', async () => {
   ] as const;
   for (const [base, baseSize, platform, platformSize] of cases)
     await at(robot({ base_mesh: base, platform_mesh: platform }), async (page, address) => {
-      await page.goto(`${address}#pose=rods,500,500,500&play=1`);
+      await load(page, `${address}#pose=rods,500,500,500&play=1`);
       await drawn(page);
       await until('both shapes', async () => Object.keys(await shown(page)).length === 2);
       const found = await shown(page);
@@ -132,7 +132,7 @@ test('meshes of the robot file are displayed at their size', async () => {
 test('an invalid mesh is reported, and the generated part stays', async () => {
   writeFileSync(join(folder, 'base.stl'), 'solid nothing\nendsolid nothing\n');
   await at(robot({ base_mesh: 'base.stl' }), async (page, address) => {
-    await page.goto(address);
+    await load(page, address);
     await drawn(page);
     await page.getByRole('alert').filter({ hasText: 'The mesh of the base cannot be displayed: the file has no triangles.' }).waitFor();
     expect(await shown(page)).toEqual({});
@@ -143,17 +143,17 @@ test('a link of another robot is reported, and stored settings are separate for 
   const other = (text: string) => text.replace(/name = "[^"]*"/, 'name = "Taller, “2nd” & last"').replace("height_mm = 500.0", "height_mm = 480.0");
   let link = '';
   await at(robot({}), async (page, address) => {
-    await page.goto(`${address}#pose=tilt,20,1,490,axis`);
+    await load(page, `${address}#pose=tilt,20,1,490,axis`);
     await drawn(page);
     await page.getByRole('button', { name: 'Copy link' }).click();
     await until('the link names the robot', () => page.evaluate(() => window.location.hash.includes('robot=GPR%20of%20the%20paper,')));
     link = new URL(page.url()).hash;
-    await page.reload();
+    await reload(page);
     await drawn(page, 'Math.abs(pose.tilt.angle_rad - Math.PI / 180) < 1e-9');
     expect(await page.getByTestId('foreign-robot').count()).toBe(0);
   });
   await at(robot({}, other), async (page, address) => {
-    await page.goto(address + link);
+    await load(page, address + link);
     await page.getByTestId('foreign-robot').filter({ hasText: 'another robot, “GPR of the paper”' }).waitFor();
     await drawn(page, 'Math.abs(pose.tilt.angle_rad - Math.PI / 180) < 1e-9');
     await page.getByRole('button', { name: 'Dismiss the note about the link' }).click();

@@ -3,7 +3,7 @@
 import { readFileSync, writeFileSync } from 'node:fs';
 import type { Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from 'vitest';
-import { cellFixture, checkState, complaints, EXAMPLE_CELL, frames, partNames, serve, SHORT_PROGRAM, unhandled, until, visit, waitForCheck, type CellFixture } from './studio';
+import { EXAMPLE_CELL, SHORT_PROGRAM, cellFixture, checkState, complaints, frames, load, partNames, reload, serve, unhandled, until, visit, waitForCheck, type CellFixture } from './studio';
 
 let fixture: CellFixture;
 let page: Page;
@@ -19,7 +19,7 @@ beforeEach(async () => {
   writeFileSync(fixture.programFile, SHORT_PROGRAM);
   page = await visit(fixture.browser);
   heard = complaints(page);
-  await page.goto(fixture.server.address);
+  await load(page, fixture.server.address);
   await checkResult('passed');
 });
 afterEach(async () => {
@@ -194,12 +194,12 @@ test('closing with unsaved changes requires a confirmation, and reloading restor
     asked.push(dialog.type());
     void dialog.accept();
   });
-  await page.reload();
+  await reload(page);
   await checkResult('passed');
   expect(asked, 'nothing unsaved, nothing asked').toEqual([]);
   await append('# draft\n');
   // At once: the text has not rested yet.
-  await page.reload();
+  await reload(page);
   expect(asked).toEqual(['beforeunload']);
   await page.getByTestId('draft').filter({ hasText: 'were restored' }).waitFor();
   expect(await text()).toContain('# draft');
@@ -213,7 +213,7 @@ test('closing with unsaved changes requires a confirmation, and reloading restor
   await page.getByTestId('save').click();
   await until('it is saved', () => page.getByTestId('save').isDisabled());
   asked.length = 0;
-  await page.reload();
+  await reload(page);
   await checkResult('passed');
   expect(asked).toEqual([]);
   expect(await page.getByTestId('draft').count()).toBe(0);
@@ -225,12 +225,12 @@ test('a draft of changed files is offered and not applied', async () => {
   await append('# mine\n');
   await checkResult('passed');
   writeFileSync(fixture.programFile, `${SHORT_PROGRAM}# theirs\n`);
-  await page.reload();
+  await reload(page);
   await page.getByTestId('draft').filter({ hasText: 'another version of the files' }).waitFor();
   expect(await text()).toContain('# theirs');
   await append('# more\n');
   await checkResult('passed');
-  await page.reload();
+  await reload(page);
   await page.getByTestId('draft').filter({ hasText: 'were restored' }).waitFor();
   expect(await text()).toContain('# more');
   await page.getByRole('button', { name: 'Discard' }).click();
@@ -243,7 +243,7 @@ test('a draft of another version is restored on request, and undo reverts it', a
   await append('# mine\n');
   await checkResult('passed');
   writeFileSync(fixture.programFile, `${SHORT_PROGRAM}# theirs\n`);
-  await page.reload();
+  await reload(page);
   await page.getByTestId('draft').filter({ hasText: 'another version of the files' }).waitFor();
   await page.getByRole('button', { name: 'Restore' }).click();
   await until('mine is there', async () => (await text()).includes('# mine'));

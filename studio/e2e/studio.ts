@@ -74,6 +74,20 @@ export async function visit(browser: Browser, more: BrowserContextOptions = {}):
   return context.newPage();
 }
 
+/** Opens the page, and waits until its scripts have run: the browser reports it as loaded before. */
+export async function load(page: Page, address: string): Promise<void> {
+  await page.goto(address);
+  await scripts(page);
+}
+
+/** Loads the page again, and waits until its scripts have run. */
+export async function reload(page: Page): Promise<void> {
+  await page.reload();
+  await scripts(page);
+}
+
+const scripts = (page: Page) => until('the scripts of the page have run', () => page.evaluate(() => 'jointplay' in window));
+
 /** Waits for a number of animation frames. */
 export async function frames(page: Page, count = 6): Promise<void> {
   await page.evaluate(
