@@ -229,6 +229,14 @@ pub enum Error {
         /// Steps done.
         iterations: usize,
     },
+    /// Commanded values that no motion leads to: it ends at a dead point, or leaves its branch.
+    #[error(
+        "the motion toward the commanded values ends after a share of {share:.6} of the way; command values nearer to the start"
+    )]
+    NotFollowed {
+        /// Share of the way that is possible, from 0 to 1.
+        share: f64,
+    },
     /// One or two of the three coordinates of a ball are commanded.
     #[error(
         "some coordinates of the ball at coordinate {coordinate} are commanded, but a rotation vector is commanded whole or not at all"
@@ -305,6 +313,7 @@ impl Error {
                 | Self::NotRelieved { .. }
                 | Self::NotLeast { .. }
                 | Self::NotReached { .. }
+                | Self::NotFollowed { .. }
                 | Self::Undetermined(_)
                 | Self::DependentCommands { .. }
         )

@@ -17,9 +17,9 @@ const LARGEST_CORRECTION: f64 = 0.2;
 /// Steps below this, in radians and characteristic lengths, are corrected by round-off as large as they are.
 const SHORT: f64 = 1e-9;
 /// The longest step of all coordinates together, in radians and characteristic lengths.
-const LONGEST_STEP: f64 = 0.5;
+pub(super) const LONGEST_STEP: f64 = 0.5;
 /// The shortest step, as a share of the whole path: drives that cannot move so far are locked.
-const SHORTEST_STEP: f64 = 1e-7;
+pub(super) const SHORTEST_STEP: f64 = 1e-7;
 /// Singular values up to this share of the largest are not used for a step.
 pub(super) const STEP_THRESHOLD: f64 = 1e-9;
 /// A singular configuration is looked for no closer than to this least singular value, as a share of the largest.
