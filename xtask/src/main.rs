@@ -14,6 +14,7 @@
 //! | `studio` | Does the studio's server keep its own description?   |
 //! | `page`   | Does the studio's page work in a browser?           |
 //! | `book`   | Does the documentation build, without dead links?   |
+//! | `package` | Do the archives of the published crates have all they need? |
 
 #![allow(
     clippy::print_stdout,
@@ -29,7 +30,9 @@ mod command;
 mod deps;
 mod finding;
 mod markdown;
+mod package;
 mod page;
+mod process;
 mod python;
 mod root;
 mod rust_source;
@@ -55,7 +58,8 @@ usage: cargo xtask CHORE
   c        the library for C, called by programs in C, C++ and C#, and in units by FMPy
   studio   the studio's server, checked against its own description
   page     the studio's page: built, and tested in a browser
-  book     the documentation as a book, with every link checked";
+  book     the documentation as a book, with every link checked
+  package  the archives of the published crates; with --build, compiled and run from the archives alone";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -73,6 +77,8 @@ fn main() -> ExitCode {
         ["studio"] => studio::run(&root),
         ["page"] => page::run(&root),
         ["book"] => book::run(&root),
+        ["package"] => package::run(&root, false),
+        ["package", "--build"] => package::run(&root, true),
         // Asked by mdbook alone.
         ["chapters"] => book::chapters(),
         ["chapters", "supports", renderer] => renderer == "html",
