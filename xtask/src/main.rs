@@ -14,6 +14,7 @@
 //! | `studio` | Does the studio's server keep its own description?   |
 //! | `page`   | Does the studio's page work in a browser?           |
 //! | `book`   | Does the documentation build, without dead links?   |
+//! | `release --dry-run` | Can everything that a release consists of be built, installed and run? |
 //! | `package` | Do the archives of the published crates have all they need? |
 
 #![allow(
@@ -34,6 +35,7 @@ mod package;
 mod page;
 mod process;
 mod python;
+mod release;
 mod root;
 mod rust_source;
 mod studio;
@@ -47,6 +49,7 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 usage: cargo xtask CHORE
        cargo xtask c-library --prefix FOLDER    install the library for C
+       cargo xtask release --dry-run [STEP…]    all that a release consists of; nothing is uploaded
 
   test     everything a change must pass, stopping at the first failure
   tidy     paths, links, source keys, sizes and unfinished code
@@ -76,6 +79,7 @@ fn main() -> ExitCode {
         ["c-library", "--prefix", prefix] => c_library::install(prefix, &root),
         ["studio"] => studio::run(&root),
         ["page"] => page::run(&root),
+        ["release", "--dry-run", ref steps @ ..] => release::dry_run(steps, &root),
         ["book"] => book::run(&root),
         ["package"] => package::run(&root, false),
         ["package", "--build"] => package::run(&root, true),

@@ -78,7 +78,12 @@ const TABLE: [Rule; 16] = [
     Rule { name: COMMAND, ring: "ring 4", ours: &[FACADE, FILES, STUDIO], outside: ANY },
     Rule { name: STUDIO, ring: "ring 4", ours: &[FACADE, FILES], outside: ANY },
     // Its package includes the command.
-    Rule { name: "jointplay-python", ring: "ring 4", ours: &[FACADE, FILES, COMMAND], outside: ANY },
+    Rule {
+        name: "jointplay-python",
+        ring: "ring 4",
+        ours: &[FACADE, FILES, COMMAND],
+        outside: ANY,
+    },
     Rule { name: "jointplay-c", ring: "ring 4", ours: &[FACADE], outside: ANY },
     Rule { name: "jointplay-bench", ring: "ring 4", ours: &[FACADE], outside: ANY },
     Rule { name: "jointplay-validation", ring: "ring 4", ours: &[FACADE], outside: ANY },

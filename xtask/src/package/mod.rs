@@ -10,6 +10,9 @@ use std::path::Path;
 
 use crate::finding;
 
+pub(crate) use archives::archives;
+pub(crate) use trial::exercise;
+
 /// Packages the published crates of the workspace at `root` and checks the contents; with `build`, also compiles and runs them. True if all passed.
 pub(crate) fn run(root: &Path, build: bool) -> bool {
     let unpacked = match archives::unpack(root) {
