@@ -45,17 +45,21 @@ impl Component {
 /// # Errors
 /// If cargo fails, or packages of the page are not installed.
 pub(super) fn components(root: &Path, platform: &str) -> io::Result<Vec<Component>> {
-    let mut found = crates(root, platform)?;
+    let mut found = crates(root, Some(platform))?;
     found.extend(packages_of_page(&root.join("studio"))?);
     found.sort();
     Ok(found)
 }
 
-fn crates(root: &Path, platform: &str) -> io::Result<Vec<Component>> {
+/// The crates in the binaries, for one platform or for all.
+pub(super) fn crates(root: &Path, platform: Option<&str>) -> io::Result<Vec<Component>> {
+    let platform = platform.into_iter().flat_map(|platform| ["--filter-platform", platform]);
     let metadata = MetadataCommand::new()
         .current_dir(root)
         .features(CargoOpt::AllFeatures)
-        .other_options(["--locked", "--filter-platform", platform].map(str::to_owned))
+        .other_options(
+            ["--locked"].into_iter().chain(platform).map(str::to_owned).collect::<Vec<_>>(),
+        )
         .exec()
         .map_err(io::Error::other)?;
     let checksums = checksums(&fs::read_to_string(root.join("Cargo.lock"))?)?;
@@ -174,7 +178,7 @@ mod tests {
     #[test]
     fn libraries_in_binaries_are_found() {
         let root = crate::root::find();
-        let found = crates(&root, "x86_64-unknown-linux-gnu").unwrap();
+        let found = crates(&root, Some("x86_64-unknown-linux-gnu")).unwrap();
         let has = |name: &str| found.iter().any(|one| one.name == name);
         // In each binary, in the command, in the Python package; a macro, a test's library, our own.
         for (name, expect) in [

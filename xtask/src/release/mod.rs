@@ -3,6 +3,7 @@
 //! | file | role |
 //! | --- | --- |
 //! | `components.rs`, `notices.rs`, `sbom.rs` | libraries of others in the binaries, their licences, and their list |
+//! | `licences.rs` | whether `deny.toml` allows these licences |
 //! | `program.rs` | the command for Linux, with manuals and completions, as an archive |
 //! | `debian.rs` | the Debian package |
 //! | `python.rs` | wheels and the source distribution |
@@ -13,6 +14,7 @@ mod artefacts;
 mod components;
 mod container;
 mod debian;
+mod licences;
 mod notices;
 mod place;
 mod program;
@@ -74,6 +76,7 @@ pub(crate) fn dry_run(chosen: &[&str], root: &Path) -> bool {
 /// Licences and notices of the libraries in the binaries, and their list.
 fn write_notices(place: &Place) -> io::Result<()> {
     let components = components::components(&place.root, place::PLATFORM)?;
+    licences::check(&components, &place.root)?;
     fs::write(place.notices(), notices::text(&components, &place.root)?)?;
     fs::write(place.bill(), sbom::document(&components, place::VERSION))?;
     println!("release: {} libraries of others", components.len());
