@@ -52,6 +52,7 @@ __all__ = [
     "picture_as_latex",
     "picture_as_pdf",
     "picture_as_png",
+    "run_command",
     "catalogue",
 ]
 
