@@ -8,6 +8,7 @@
 //! | `debian.rs` | the Debian package |
 //! | `python.rs` | wheels and the source distribution |
 //! | `container.rs` | the container image, or the same files in an empty root |
+//! | `source.rs` | the source with that of all libraries |
 //! | `artefacts.rs` | checksums, and the table of what would be uploaded |
 
 mod artefacts;
@@ -20,6 +21,7 @@ mod place;
 mod program;
 mod python;
 mod sbom;
+mod source;
 
 use std::path::Path;
 use std::{fs, io};
@@ -34,7 +36,8 @@ struct Step {
 }
 
 /// All steps, in order: later ones use the files of earlier ones.
-const STEPS: [Step; 6] = [
+const STEPS: [Step; 7] = [
+    Step { name: "source", run: source::build },
     Step { name: "notices", run: write_notices },
     Step { name: "crates", run: package_crates },
     Step { name: "command", run: program::build },

@@ -75,6 +75,15 @@ impl Place {
         Ok(folder)
     }
 
+    /// Packs a folder among the intermediate files for upload, so that the same files give the same bytes.
+    pub(super) fn pack(&self, name: &str, end: &str, compressor: &str) -> io::Result<()> {
+        let mut tar = Command::new("tar");
+        tar.args(["--sort=name", "--owner=0", "--group=0", "--numeric-owner", "--mode=go-w,a+rX"]);
+        tar.arg(format!("--mtime=@{}", self.time)).args(["--use-compress-program", compressor]);
+        tar.arg("-cf").arg(self.out.join(format!("{name}.{end}"))).arg("-C").arg(&self.work);
+        process::succeed(tar.arg(name))
+    }
+
     /// Makes the binaries of a build independent of folders and time.
     pub(super) fn reproducible<'a>(&self, build: &'a mut Command, flags: &str) -> &'a mut Command {
         let libraries = env::var_os("CARGO_HOME")

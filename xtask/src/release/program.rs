@@ -33,7 +33,8 @@ pub(super) fn build(place: &Place) -> io::Result<()> {
     }
     fs::copy(place.notices(), folder.join("THIRD-PARTY.txt"))?;
     fs::copy(place.bill(), folder.join(file_name(&place.bill())))?;
-    pack(place, &folder)
+    println!("release: jointplay {VERSION}, {} bytes", fs::metadata(&command)?.len());
+    place.pack(&file_name(&folder), "tar.gz", "gzip -n -9")
 }
 
 /// The command, optimised; its C library is part of it.
@@ -70,22 +71,6 @@ fn manuals(command: &Path, share: &Path) -> io::Result<()> {
         fs::create_dir_all(path.parent().unwrap_or(share))?;
         fs::write(path, script)?;
     }
-    Ok(())
-}
-
-/// Packs a folder so that the same files give the same bytes.
-fn pack(place: &Place, folder: &Path) -> io::Result<()> {
-    let name = file_name(folder);
-    let archive = place.out.join(format!("{name}.tar.gz"));
-    let mut tar = Command::new("tar");
-    tar.args(["--sort=name", "--owner=0", "--group=0", "--numeric-owner", "--mode=go-w,a+rX"]);
-    tar.arg(format!("--mtime=@{}", place.time)).args(["--use-compress-program", "gzip -n -9"]);
-    tar.arg("-cf").arg(&archive).arg("-C").arg(&place.work).arg(&name);
-    process::succeed(&mut tar)?;
-    println!(
-        "release: jointplay {VERSION}, {} bytes",
-        fs::metadata(folder.join("bin/jointplay"))?.len()
-    );
     Ok(())
 }
 
