@@ -18,8 +18,7 @@ pub(super) fn build(place: &Place) -> io::Result<()> {
     process::succeed(&mut archive)?;
     process::succeed(Command::new("tar").arg("xf").arg(&committed).arg("-C").arg(&folder))?;
     let mut vendor = process::cargo();
-    let settings =
-        process::output(vendor.args(["vendor", "--quiet", "--locked"]).current_dir(&folder))?;
+    let settings = process::output(vendor.args(["vendor", "--locked"]).current_dir(&folder))?;
     let configuration = folder.join(".cargo").join("config.toml");
     write!(OpenOptions::new().append(true).open(configuration)?, "\n{settings}")?;
     try_out(place, &folder)?;
