@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn the_whole_catalogue_is_read_and_written() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/robots");
         let mut count = 0;
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();

@@ -11,7 +11,7 @@ pub struct Example {
 
 macro_rules! entry {
     ($name:literal) => {
-        Example { name: $name, text: include_str!(concat!("../../../../studies/", $name, ".toml")) }
+        Example { name: $name, text: include_str!(concat!("../../studies/", $name, ".toml")) }
     };
 }
 
@@ -41,7 +41,7 @@ mod tests {
 
     #[test]
     fn the_table_is_the_folder() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../studies");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/studies");
         let mut names: Vec<String> = std::fs::read_dir(folder)
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
