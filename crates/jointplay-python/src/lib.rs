@@ -9,6 +9,7 @@ mod cell;
 mod cell_plan;
 mod errors;
 mod files;
+mod fmu;
 mod gpr;
 mod gpr_analyses;
 mod gpr_derivatives;
