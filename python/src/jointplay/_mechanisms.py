@@ -256,15 +256,20 @@ class Motion(Table):
         tolerance_um : float
             Largest deviation from the configurations, between which the motion is interpolated.
         """
-        is_file = isinstance(table, (str, os.PathLike))
+        pairs: list[tuple[str, str]] = []
+        file: tuple[str, str] | None = None
+        if isinstance(table, (str, os.PathLike)):
+            file = (os.fspath(table), Path(table).read_text(encoding="utf-8"))
+        elif table is not None:
+            pairs = list(table.items())
         contents, missing = self.mechanism._gltf(
             self.coordinates,
             duration_s,
             exaggerate,
             tolerance_um,
             None if parts is None else Path(parts).read_bytes(),
-            None if is_file else list((table or {}).items()),
-            (os.fspath(table), Path(table).read_text(encoding="utf-8")) if is_file else None,
+            pairs,
+            file,
             parts_up,
         )
         write_whole(Path(path), contents)
