@@ -335,6 +335,11 @@ impl PyMechanism {
         Ok(Self { file, coordinates, text, parameters, closing, units, ignored })
     }
 
+    /// The text of the file, and the parameters that replace those in it.
+    pub(crate) fn source(&self) -> (&str, &[(String, f64)]) {
+        (&self.text, &self.parameters)
+    }
+
     /// A model, with the name and the text of a file of joints that close its loops.
     fn model(
         py: Python<'_>,
