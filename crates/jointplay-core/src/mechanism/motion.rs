@@ -407,9 +407,8 @@ impl<'a> DriveProblem<'a> {
             && beyond <= AT_ONCE * whole
         {
             let there = self.system.at(coordinates)?;
-            let residual = there.loop_residuals().into_iter().map(|(_, size)| size);
             let closed = Closure {
-                residual: residual.fold(0.0, f64::max),
+                residual: there.mismatch(&there.at_home()),
                 coordinates: there.home().clone(),
                 iterations: 0,
                 is_searched: false,
