@@ -94,7 +94,7 @@ mod tests {
             let parents: Vec<Option<usize>> = shape
                 .iter()
                 .enumerate()
-                .map(|(node, &(_, _, part))| (node > 0 && part < 0.8).then(|| (part * node as f64) as usize))
+                .map(|(node, &(_, _, part))| (node > 0 && part < 0.8).then_some((part * node as f64) as usize))
                 .collect();
             let found = NodeNames::new(&names, &parents);
             let expected = |is_name: &dyn Fn(&str) -> bool| -> Vec<usize> {
