@@ -143,11 +143,11 @@ export interface CellFixture {
   close(): Promise<void>;
 }
 
-export async function cellFixture(program = SHORT_PROGRAM): Promise<CellFixture> {
+export async function cellFixture(program = SHORT_PROGRAM, cell = EXAMPLE_CELL): Promise<CellFixture> {
   const folder = mkdtempSync(join(tmpdir(), 'studio-'));
   const cellFile = join(folder, 'mine.toml');
   const programFile = join(folder, 'mine.program');
-  writeFileSync(cellFile, EXAMPLE_CELL);
+  writeFileSync(cellFile, cell);
   writeFileSync(programFile, program);
   const [browser, server] = await Promise.all([browse(), serve(0, ['--cell', cellFile])]);
   const fixture: CellFixture = {
