@@ -324,7 +324,7 @@ test('a selected part is highlighted in the 3D view, and its properties are list
 test('positions and velocities are plotted over the time range of the chart', async () => {
   await page.getByTestId('cell-plots-toggle').click();
   await page.getByTestId('plot-revolute').locator('canvas').waitFor();
-  expect(await page.getByTestId('cell-plots').locator('figure').count()).toBe(6);
+  expect(await page.getByTestId('cell-plots').locator('figure').count()).toBe(7);
   const box = (await page.getByTestId('plot-revolute').locator('.u-over').boundingBox())!;
   await page.getByTestId('plot-revolute').locator('.u-over').click({ position: { x: box.width / 2, y: box.height / 2 } });
   const at = await now();

@@ -14,8 +14,8 @@ use utoipa::ToSchema;
 
 use super::Triple;
 use super::cell_chain::HeldDocument;
-use super::robot::{VirtualizationDocument, virtualizations};
 use super::cell_jogged::{AxisDocument, axes};
+use super::robot::{VirtualizationDocument, virtualizations};
 
 /// The parts of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
