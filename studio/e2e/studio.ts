@@ -143,11 +143,11 @@ export interface CellFixture {
   close(): Promise<void>;
 }
 
-export async function cellFixture(program = SHORT_PROGRAM): Promise<CellFixture> {
+export async function cellFixture(program = SHORT_PROGRAM, cell = EXAMPLE_CELL): Promise<CellFixture> {
   const folder = mkdtempSync(join(tmpdir(), 'studio-'));
   const cellFile = join(folder, 'mine.toml');
   const programFile = join(folder, 'mine.program');
-  writeFileSync(cellFile, EXAMPLE_CELL);
+  writeFileSync(cellFile, cell);
   writeFileSync(programFile, program);
   const [browser, server] = await Promise.all([browse(), serve(0, ['--cell', cellFile])]);
   const fixture: CellFixture = {
@@ -174,12 +174,12 @@ export const waitForCheck = (page: Page, state: string) => until(`check result $
 /** Names of all parts in the 3D view of the cell. */
 export const partNames = (page: Page) => page.evaluate(() => window.jointplay.probe.cell?.parts() ?? []);
 
-/** Violations of accessibility rules found by axe. */
-export async function accessibilityViolations(page: Page): Promise<string[]> {
+/** Violations of accessibility rules found by axe, in the page or in a part of it. */
+export async function accessibilityViolations(page: Page, part = 'html'): Promise<string[]> {
   await page.evaluate(axe.source);
-  return page.evaluate(async () => {
+  return page.evaluate(async (part) => {
     const { axe } = window as unknown as { axe: typeof import('axe-core') };
-    const { violations } = await axe.run(document, { resultTypes: ['violations'], rules: { 'target-size': { enabled: true } } });
+    const { violations } = await axe.run(part, { resultTypes: ['violations'], rules: { 'target-size': { enabled: true } } });
     return violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
-  });
+  }, part);
 }

@@ -88,6 +88,8 @@ pub(crate) enum Failure {
     Export(#[from] jointplay::interop::export::Error),
     #[error(transparent)]
     Cell(#[from] jointplay::cell::CellError),
+    #[error(transparent)]
+    Picture(#[from] jointplay::interop::export::PictureError),
     #[error("cannot draw {figure}: {source}")]
     Figure { figure: String, source: plot::Error },
     #[cfg(feature = "studio")]

@@ -61,14 +61,6 @@ drawable!(
     Gantt
 );
 
-/// A figure as SVG text.
-///
-/// # Arguments
-/// * `name` – in messages
-pub(crate) fn svg(name: &str, figure: &impl Drawable) -> Result<String, Failure> {
-    figure.svg().map_err(|source| Failure::Figure { figure: name.to_owned(), source })
-}
-
 /// A figure as the files `NAME.svg` and `NAME.png`.
 pub(crate) fn svg_and_png(
     name: &str,

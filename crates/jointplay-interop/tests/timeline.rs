@@ -6,7 +6,7 @@ use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Pose;
-use jointplay_core::virtualization::BuiltIn;
+use jointplay_core::virtualization::{BuiltIn, Planar, Polar, Virtualization};
 use jointplay_format::{cell, program};
 use jointplay_interop::export::{MotionExport, Timeline};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
@@ -59,6 +59,7 @@ fn check(cell: &Cell, text: &str) {
     let timeline = Timeline::new(&motion_export, &[], None).unwrap();
     let axes = cell.robot.axes.len();
     let (mut worst, mut worst_axis, mut looks) = (0_f64, 0_f64, 0);
+    let (mut worst_play, mut largest) = (0_f64, 0_f64);
     for (index, window) in timeline.windows.iter().enumerate() {
         let (description, numbers) =
             unpacked(&timeline.content(&motion_export, &[], index).unwrap());
@@ -93,6 +94,14 @@ fn check(cell: &Cell, text: &str) {
                 }
                 let real =
                     cell.forward_with_deflection(&sample.positions, &described.loaded).unwrap();
+                let robot = &cell.robot;
+                let virtualization: &dyn Virtualization = match robot.model.virtualization {
+                    BuiltIn::Polar => &Polar,
+                    _ => &Planar,
+                };
+                let displacement = robot.gpr.displacement(&real.platform, virtualization);
+                largest = largest.max(displacement);
+                worst_play = worst_play.max((displacement - all.last().unwrap()).abs());
                 let rigid = cell.robot.forward(&sample.positions).unwrap();
                 let poses: Vec<Pose> = all[axes..].chunks_exact(6).map(pose).collect();
                 worst = worst.max(off(&poses[0], &real.platform.base_from_platform));
@@ -116,6 +125,8 @@ fn check(cell: &Cell, text: &str) {
     }
     assert!(looks > 300, "{looks}");
     assert!(worst_axis < 1e-7 && worst < 1e-6, "{worst_axis} {worst}");
+    // The displacement has a corner where the platform is level, between keys that are a millisecond apart.
+    assert!(largest > 1e-6 && worst_play < 2e-8, "{largest} {worst_play}");
 }
 
 #[test]

@@ -36,6 +36,8 @@ pub(crate) struct Plan {
     /// All errors that prevent a motion.
     pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) motion: Option<Trajectory>,
+    /// The check of the motion.
+    pub(crate) check: Option<Report>,
     /// Report as from `jointplay cell check`.
     pub(crate) report: Option<report::CellReport>,
     pub(crate) timeline: Option<Timeline>,
@@ -90,6 +92,7 @@ impl Plan {
             scene: None,
             diagnostics: Vec::new(),
             motion: None,
+            check: None,
             report: None,
             timeline: None,
             violation_notes: Vec::new(),
@@ -126,7 +129,7 @@ impl Plan {
         let options = PlanOptions { stop, ..PlanOptions::default() };
         let error = match memory.plan(cell, &program, &options) {
             Ok((motion, report)) => {
-                plan.take(motion, &report, last, stop)?;
+                plan.take(motion, report, last, stop)?;
                 return Ok(plan);
             }
             Err(PlanError::Interrupted(interrupted)) => return Err(interrupted),
@@ -141,15 +144,15 @@ impl Plan {
     fn take(
         &mut self,
         motion: Trajectory,
-        report: &Report,
+        report: Report,
         last: Option<&Self>,
         stop: StopRequested<'_>,
     ) -> Result<(), Interrupted> {
         let go_on = || if stop() { Err(Interrupted) } else { Ok(()) };
         go_on()?;
         let Some(cell) = &self.cell else { return Ok(()) };
-        self.violation_notes = export::violation_notes(cell, report);
-        let document = report::cell(cell, &self.program_text, &motion, report);
+        self.violation_notes = export::violation_notes(cell, &report);
+        let document = report::cell(cell, &self.program_text, &motion, &report);
         go_on()?;
         let violation_notes = self.violation_notes.as_slice();
         let motion_export =
@@ -157,7 +160,7 @@ impl Plan {
         let last = last.and_then(|last| last.timeline.as_ref());
         // Without a timeline if the platform has no pose at some time; the report lists this.
         self.timeline = Timeline::new(&motion_export, &document.violations, last).ok();
-        (self.motion, self.report) = (Some(motion), Some(document));
+        (self.motion, self.check, self.report) = (Some(motion), Some(report), Some(document));
         go_on()
     }
 

@@ -202,6 +202,15 @@ export async function cellScene(key: string, signal: AbortSignal): Promise<Array
   return buffer(request(`cell/scenes/${key}`, undefined, signal));
 }
 
+export type CellExportFormat = Schemas['CellExportFormat'];
+
+/** The motion of a program as a file, with its name. */
+export async function cellExport(what: Schemas['CellExportRequest']): Promise<{ blob: Blob; name: string }> {
+  const response = await request('cell/export', what);
+  const name = /filename="([^"]+)"/.exec(response.headers.get('content-disposition') ?? '')?.[1] ?? 'export';
+  return { blob: await blob(Promise.resolve(response)), name };
+}
+
 /** Contents of a window of a motion. */
 export async function cellWindow(key: string): Promise<ArrayBuffer> {
   return buffer(request(`cell/windows/${key}`));

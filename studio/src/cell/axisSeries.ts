@@ -9,6 +9,8 @@ export interface AxisSeries {
   times: Float64Array;
   /** Positions, velocities and accelerations of each axis [m, rad, s]. */
   values: [Float64Array, Float64Array, Float64Array][];
+  /** Displacement of the virtual joints [m]; `null` for ranges that are displayed by their overview. */
+  displacement: Float64Array | null;
 }
 
 /** Time series of all axes over a time range [s]; `null` while nothing is loaded. */
@@ -34,17 +36,19 @@ export function axisSeries(timeline: Timeline, range: readonly [number, number])
       const [start] = timeline.bounds(index);
       if (!window) {
         // A gap: what is not loaded is not drawn as a straight line.
-        rows.push([start, ...Array<number>(3 * axes).fill(NaN)]);
+        rows.push([start, ...Array<number>(3 * axes + 1).fill(NaN)]);
         continue;
       }
       window.steps.forEach((step, k) => {
         const width = step.end_s - step.start_s;
         const sinces = new Set<number>([0, width]);
         for (const axis of step.moving) for (const key of window.keys(k, axis)) sinces.add(key);
+        for (const key of window.displacementKeys(k)) sinces.add(key);
         if (step.moving.length > 0) for (let since = SPACING_S; since < width; since += SPACING_S) sinces.add(since);
         for (const since of [...sinces].sort((a, b) => a - b)) {
           const row = [start + step.start_s + since];
           for (let axis = 0; axis < axes; axis += 1) row.push(...window.state(k, axis, since));
+          row.push(window.displacement(k, since));
           rows.push(row);
         }
       });
@@ -52,5 +56,5 @@ export function axisSeries(timeline: Timeline, range: readonly [number, number])
   if (rows.every((row) => Number.isNaN(row[1]))) return null;
   const column = (place: number) => Float64Array.from(rows, (row) => row[place]!);
   const values = Array.from({ length: axes }, (_, axis): [Float64Array, Float64Array, Float64Array] => [column(1 + 3 * axis), column(2 + 3 * axis), column(3 + 3 * axis)]);
-  return { times: column(0), values };
+  return { times: column(0), values, displacement: after - first > MAX_WINDOWS_SHOWN ? null : column(1 + 3 * axes) };
 }

@@ -2,14 +2,22 @@
 
 import {
   Box3,
+  BufferGeometry,
+  Float32BufferAttribute,
   Group,
+  LineBasicMaterial,
+  LineSegments,
   Matrix4,
   Mesh,
   MeshStandardMaterial,
   Object3D,
   PerspectiveCamera,
+  Plane,
   Quaternion,
+  Raycaster,
+  Vector2,
   Vector3,
+  type Intersection,
   type Material,
 } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
@@ -18,6 +26,8 @@ import type { Frame } from '../lib/kinematics';
 import { slotNames } from '../lib/slots';
 import { disposeGeometries, disposeMaterials } from '../scene/dispose';
 import { Handles, type Freedom } from '../scene/handles';
+import { SCENE } from '../scene/palette';
+import { SECTION_AXES, type Section } from './viewTools.svelte';
 import { SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
 import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
 
@@ -25,10 +35,14 @@ import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
 const VIOLATION_COLORS = { checked: [0xd62f1f, 0x8a1208], outdated: [0x8a9099, 0x30343a] } as const;
 
 export interface CellRendererEvents extends RendererEvents {
-  /** A part was clicked; `null` for the background. */
-  picked: (name: string | null) => void;
+  /** A part was clicked at a point of the base frame [m]; `null` for the background. */
+  picked: (name: string | null, point: number[] | null) => void;
+  /** A cell was loaded, with the corners of the box around it [m]. */
+  loaded: (extent: [number[], number[]]) => void;
 }
 
+/** Layer of hidden parts. */
+const HIDDEN_LAYER = 31;
 /** Radius of the drag handles of a station before scaling, and their largest size on the screen [px]. */
 const HANDLES = { radius: 40, size: 130 } as const;
 
@@ -52,6 +66,13 @@ export class CellRenderer extends SceneRenderer {
   #displayedFrames: readonly Frame[] | null = null;
   /** Preview of a dragged station: the parts that move with it. */
   #preview: { station: string; slots: Set<string>; group: Group } | null = null;
+  readonly #path = lineSegments(0xc2410c);
+  readonly #measure = lineSegments(0x7c3aed);
+  #measured: Vector3[] = [];
+  #measuredText = '';
+  #hidden: ReadonlySet<string> = new Set();
+  #followed: string | null = null;
+  #followedAt: Vector3 | null = null;
   #loads = 0;
   /** Whether the camera was restored before the first cell was loaded. */
   #cameraRestored = false;
@@ -73,11 +94,16 @@ export class CellRenderer extends SceneRenderer {
     );
     this.#eye = eye;
     this.#events = events;
+    this.scene.add(this.#path, this.#measure);
     this.canvas.addEventListener('click', (event) => this.#pick(event));
     this.measure();
   }
 
   override dispose(): void {
+    for (const lines of [this.#path, this.#measure]) {
+      lines.geometry.dispose();
+      lines.material.dispose();
+    }
     this.#clear();
     super.dispose();
   }
@@ -124,6 +150,9 @@ export class CellRenderer extends SceneRenderer {
     this.#stations = stations.map(({ name, position_mm: [x, y, z] }) => ({ name, position: new Vector3(x! / 1000, y! / 1000, z! / 1000 + 0.02) }));
     this.place(this.#displayedFrames, this.#restingWafers);
     this.#highlight();
+    this.hide(this.#hidden);
+    const box = new Box3().setFromObject(scene);
+    if (!box.isEmpty()) this.#events.loaded([box.min.toArray(), box.max.toArray()]);
     if (first && !this.#cameraRestored) this.showView('home');
   }
 
@@ -137,6 +166,7 @@ export class CellRenderer extends SceneRenderer {
       part?.quaternion.fromArray(quaternion);
     }
     this.#attachWafers();
+    this.#moveCameraAlong();
     this.invalidate();
   }
 
@@ -179,6 +209,44 @@ export class CellRenderer extends SceneRenderer {
     this.#cameraRestored = true;
     this.controls.update();
     this.invalidate();
+  }
+
+  /** Called after each frame. */
+  onFrame: (() => void) | null = null;
+
+  protected override frameRendered(): void {
+    this.onFrame?.();
+  }
+
+  /** Copies the last frame to a canvas, with a note at the lower left. */
+  copyTo(canvas: HTMLCanvasElement, note: string): void {
+    const source = this.canvas;
+    if (canvas.width !== source.width || canvas.height !== source.height) Object.assign(canvas, { width: source.width, height: source.height });
+    const context = canvas.getContext('2d');
+    if (!context) return;
+    const ratio = this.renderer.getPixelRatio();
+    const { background, ink } = SCENE[this.theme];
+    context.fillStyle = background;
+    context.fillRect(0, 0, canvas.width, canvas.height);
+    context.drawImage(source, 0, 0);
+    context.drawImage(this.labelCanvas, 0, 0);
+    context.font = `600 ${14 * ratio}px system-ui, sans-serif`;
+    context.fillStyle = ink;
+    context.fillText(note, 14 * ratio, canvas.height - 14 * ratio);
+  }
+
+  /** The view as PNG, without handles, with a note. */
+  snapshot(note: string): Promise<Blob | null> {
+    const { onFrame, handles } = this;
+    this.onFrame = null;
+    if (handles) handles.group.visible = false;
+    this.render();
+    const canvas = document.createElement('canvas');
+    this.copyTo(canvas, note);
+    if (handles) handles.group.visible = true;
+    this.onFrame = onFrame;
+    this.invalidate();
+    return new Promise((done) => canvas.toBlob(done, 'image/png'));
   }
 
   /** Shows drag handles at a position [m] for the given degrees of freedom; hides them without a position. */
@@ -295,6 +363,8 @@ export class CellRenderer extends SceneRenderer {
     if (!this.#cell) return null;
     this.#scaleHandles();
     const labels = this.#stations.map(({ name, position }) => ({ position: this.#labelPosition(name, position), text: name, strong: true }));
+    const [from, to] = this.#measured;
+    if (from && to) labels.push({ position: from.clone().add(to).multiplyScalar(0.5), text: this.#measuredText, strong: true });
     return { labels, covered: { left: 8, right: 8 } };
   }
 
@@ -305,11 +375,99 @@ export class CellRenderer extends SceneRenderer {
     return position.clone().applyQuaternion(group.quaternion).add(group.position);
   }
 
+  // Tools of the view
+
+  /** Hides parts by name. */
+  hide(hidden: ReadonlySet<string>): void {
+    this.#hidden = hidden;
+    // The layer also hides the part from the pointer.
+    for (const mesh of this.#materials.keys()) mesh.layers.set(hidden.has(nameOf(mesh)) ? HIDDEN_LAYER : 0);
+    this.invalidate();
+  }
+
+  /** Names of the parts that are drawn. */
+  get shownParts(): string[] {
+    return [...new Set([...this.#materials.keys()].filter(({ layers }) => layers.mask === 1).map((mesh) => nameOf(mesh)))];
+  }
+
+  /** Cuts the view by a plane; `null` for none. */
+  cut(section: Section | null): void {
+    const normal = new Vector3();
+    if (section) normal.setComponent(SECTION_AXES.indexOf(section.axis), -1);
+    this.renderer.clippingPlanes = section ? [new Plane(normal, section.at)] : [];
+    this.invalidate();
+  }
+
+  /** Moves the camera along with a part; `null` for none. */
+  follow(name: string | null): void {
+    this.#followed = name;
+    this.#followedAt = name === null ? null : this.#place(name);
+  }
+
+  #moveCameraAlong(): void {
+    if (this.#followed === null) return;
+    const now = this.#place(this.#followed);
+    if (now && this.#followedAt) {
+      const by = now.clone().sub(this.#followedAt);
+      this.#eye.position.add(by);
+      this.controls.target.add(by);
+      this.controls.update();
+    }
+    this.#followedAt = now;
+  }
+
+  /** Position of a named part in the base frame [m]. */
+  #place(name: string): Vector3 | null {
+    const part = this.#frames.get(name);
+    if (!part) return null;
+    this.#cell?.updateMatrixWorld(true);
+    return part.getWorldPosition(new Vector3());
+  }
+
+  /** Draws a path: pairs of points [m]. */
+  showPath(points: readonly number[]): void {
+    this.#setLines(this.#path, points);
+  }
+
+  /** Draws the clicked points of a measurement [m], and the line between two of them with a text. */
+  showMeasured(points: readonly number[][], text: string): void {
+    this.#measured = points.map((point) => new Vector3().fromArray(point));
+    this.#measuredText = text;
+    const arm = 0.012;
+    const crosses = points.flatMap(([x, y, z]) => [x! - arm, y!, z!, x! + arm, y!, z!, x!, y! - arm, z!, x!, y! + arm, z!, x!, y!, z! - arm, x!, y!, z! + arm]);
+    this.#setLines(this.#measure, points.length === 2 ? [...crosses, ...points.flat()] : crosses);
+  }
+
+  #setLines(lines: LineSegments<BufferGeometry, LineBasicMaterial>, points: readonly number[]): void {
+    lines.geometry.dispose();
+    lines.geometry = new BufferGeometry().setAttribute('position', new Float32BufferAttribute(points, 3));
+    lines.visible = points.length > 0;
+    this.invalidate();
+  }
+
+  /** The first visible part under the pointer. */
+  #hit(event: MouseEvent, cell: Object3D): Intersection | null {
+    const box = this.canvas.getBoundingClientRect();
+    const ray = new Raycaster();
+    ray.setFromCamera(new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2), this.#eye);
+    const planes = this.renderer.clippingPlanes as Plane[];
+    return ray.intersectObject(cell, true).find(({ point }) => planes.every((plane) => plane.distanceToPoint(point) >= 0)) ?? null;
+  }
+
   #pick(event: MouseEvent): void {
     if (!this.#cell || this.isDragOrHandle(event)) return;
-    const hit = this.intersection(event, this.#cell);
-    this.#events.picked(hit ? nameOf(hit.object) : null);
+    const hit = this.#hit(event, this.#cell);
+    this.#events.picked(hit ? nameOf(hit.object) : null, hit ? hit.point.toArray() : null);
   }
+}
+
+/** Line segments that are drawn over all parts. */
+function lineSegments(color: number): LineSegments<BufferGeometry, LineBasicMaterial> {
+  const lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color, depthTest: false, transparent: true }));
+  lines.renderOrder = 2;
+  lines.visible = false;
+  lines.frustumCulled = false;
+  return lines;
 }
 
 /** Name of a part in the document of the server; the loader replaces some characters of node names. */

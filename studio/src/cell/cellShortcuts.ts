@@ -16,7 +16,11 @@ const SHORTCUTS: Shortcut[] = [
   { group: 'Program', keys: ['Home'], description: 'start of the program', run: () => session.seek(0) },
   { group: 'Program', keys: ['End'], description: 'end of the program', run: () => session.seek(session.duration) },
   { group: 'Program', keys: ['l'], description: 'loop on or off', run: () => (session.loop = !session.loop) },
-  ...SCENE_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], description: `view: ${title.toLowerCase()}`, run: () => session.showView?.(view) })),
+  ...SCENE_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], description: `view: ${title.toLowerCase()}`, run: () => session.view?.showView(view) })),
+  { group: 'View', keys: ['h'], description: 'hide or show the selected part', run: () => session.selected !== null && session.tools.toggleHidden(session.highlighted) },
+  { group: 'View', keys: ['i'], description: 'isolate the selected part, or show all parts', run: () => session.isolate() },
+  { group: 'View', keys: ['f'], description: 'follow the selected part, or stop following', run: () => (session.tools.followed = session.tools.followed === null ? session.selected : null) },
+  { group: 'View', keys: ['m'], description: 'measure the distance of two clicked points', run: () => session.tools.setMeasuring(!session.tools.measuring) },
   { group: 'Page', keys: ['?'], description: 'keyboard shortcuts', run: () => (layout.helpOpen = !layout.helpOpen) },
   { group: 'Page', keys: ['t'], description: 'light or dark theme', run: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
 ];
@@ -32,7 +36,7 @@ export const CELL_SHORTCUTS: ShortcutSheet = {
   ],
   pointer: [
     'Drag with the left button to orbit, with the right button to pan; use the wheel to zoom. Click a part to select it. Drag the handles of the selected station to move it.',
-    'Click in the axis chart to go to that time. Use the wheel to zoom the chart, Shift and the wheel to scroll it.',
+    'Click in the axis chart to go to that time. Use the wheel to zoom the chart, Shift and the wheel to scroll it. Drag in the strip below the chart to choose the displayed time range.',
   ],
 };
 

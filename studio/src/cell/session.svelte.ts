@@ -4,12 +4,25 @@ import * as api from '../api/client';
 import { ConnectionError, ApiError, type PlanDocument, type StationDocument } from '../api/client';
 import { connection } from '../api/connection.svelte';
 import { readDrafts, removeDraft, removeOlderDraft, storeDraft, type Draft } from '../lib/draft';
+import { toCellHash, type CellLink, type CellTab } from '../lib/cellLink';
 import { History } from '../lib/history';
 import { slotNames, stationOf } from '../lib/slots';
 import { CONTACT_FIELD, contactNoteLine, type ContactRequest } from './contactNote';
 import { JogController } from './jogController.svelte';
 import { UnknownPlan, Timeline } from './timeline.svelte';
+import { ViewTools } from './viewTools.svelte';
 import type { SceneView } from '../scene/standardViews';
+import type { RecordedView } from '../state/recorder.svelte';
+
+/** The 3D view, as far as other parts of the page use it. */
+export interface CellSceneView extends RecordedView {
+  showView(view: SceneView): void;
+  /** The view as PNG, with a note. */
+  snapshot(note: string): Promise<Blob | null>;
+  cameraPose: { eye: number[]; target: number[] };
+  /** Names of all parts. */
+  readonly parts: string[];
+}
 
 interface Texts {
   cell: string;
@@ -38,6 +51,8 @@ export class WorkcellSession {
   plan = $state.raw<PlanDocument | null>(null);
   /** Reserved words of the program language. */
   keywords: readonly string[] = [];
+  /** Names of the dialects of controller text. */
+  dialects = $state.raw<readonly string[]>([]);
   /** The stations of the last valid cell; errors in their values can be fixed in the panel. */
   stations = $state.raw<StationDocument[]>([]);
   /** The cell with the robot at home, as glTF. */
@@ -67,10 +82,15 @@ export class WorkcellSession {
   /** The line that the editor is requested to show. */
   requestedLine = $state.raw<{ line: number; kind: 'program' | 'cell' } | null>(null);
   readonly jog = new JogController(this);
+  readonly tools = new ViewTools();
+  /** Corners of the box around the displayed cell [m]; `null` without one. */
+  extent = $state.raw<[number[], number[]] | null>(null);
   /** The open text or list. */
-  tab = $state<'program' | 'steps' | 'parts' | 'cell'>('program');
-  /** Shows a standard view; `null` while there is no 3D view. */
-  showView: ((view: SceneView) => void) | null = null;
+  tab = $state<CellTab>('program');
+  /** Number of the instruction that is open in the list of steps. */
+  instruction = $state<number | null>(null);
+  /** The 3D view, while there is one. */
+  view: CellSceneView | null = null;
   /** The camera of the 3D view when it was last closed. */
   camera: { eye: number[]; target: number[] } | null = null;
   /** Current time [s]. */
@@ -83,8 +103,10 @@ export class WorkcellSession {
   /** The selected station, or the station of the selected slot. */
   station = $derived(stationOf(this.stations, this.selected));
   /** Names of all parts of the selection. */
-  highlighted = $derived.by((): ReadonlySet<string> => {
-    const { selected } = this;
+  highlighted = $derived.by(() => this.partsOf(this.selected));
+
+  /** Names of all parts of a named part: slots of a station, links of an arm. */
+  partsOf(selected: string | null): ReadonlySet<string> {
     if (selected === null) return new Set();
     const station = this.stations.find(({ name }) => name === selected);
     const named = station ? slotNames(station) : [];
@@ -96,7 +118,7 @@ export class WorkcellSession {
     }
     if (whole) named.push('platform', ...robot!.axes.slice(0, 3).map(({ name }) => name));
     return new Set([selected, ...named]);
-  });
+  }
   /** The pending request to teach a station in contact. */
   #contact = $state.raw<ContactRequest | null>(null);
   /** The pending request to teach in contact, while text and pose are those that were checked. */
@@ -146,19 +168,22 @@ export class WorkcellSession {
   #timer: ReturnType<typeof setTimeout> | undefined;
   #abort: AbortController | null = null;
   #frame = 0;
+  /** Called at the end of the range that is played once. */
+  #once: (() => void) | null = null;
   #last = 0;
 
   /** Loads the texts when the view is opened for the first time. */
   async start(): Promise<void> {
     if (this.state !== 'starting') return;
     try {
-      const { file, identity, cell, program, version, keywords } = await api.cell();
+      const { file, identity, cell, program, version, keywords, dialects } = await api.cell();
       if (this.state !== 'starting') return;
       this.state = 'planning';
       this.file = file;
       this.#identity = identity;
       this.#version = version;
       this.keywords = keywords;
+      this.dialects = dialects;
       this.texts = this.saved = { cell, program };
       this.points = {};
       this.#history = new History({ texts: this.texts, points: this.points });
@@ -435,11 +460,51 @@ export class WorkcellSession {
     }
   }
 
+  /** Hides all parts but the selected one, or shows all parts again. */
+  isolate(): void {
+    if (this.tools.hidden.size > 0) this.tools.showAll();
+    else if (this.selected !== null) this.tools.isolate(this.highlighted, this.view?.parts ?? []);
+  }
+
   select(name: string | null): void {
     this.selected = name;
   }
 
+  // Links
+
+  get #name(): string {
+    return this.file ?? 'example';
+  }
+
+  /** Fragment of a URL that opens this view. */
+  get link(): string {
+    const { time, tab, instruction, selected, range, tools } = this;
+    return toCellHash({ cell: this.#name, time, tab, instruction, selected, range, play: tools.playScale, camera: this.view?.cameraPose ?? this.camera });
+  }
+
+  /** Takes over the state of a link, once the motion is planned. */
+  open({ cell, time, tab, instruction, selected, range, play, camera }: CellLink): void {
+    if (cell !== this.#name) this.notice = `This link was created with another cell, “${cell}”. Its time and selection may not apply to this cell.`;
+    this.pause();
+    this.tab = tab;
+    this.instruction = instruction;
+    this.selected = selected;
+    this.range = range && range[1] <= this.duration ? range : null;
+    this.tools.playScale = play;
+    this.seek(time);
+    if (!camera) return;
+    this.camera = camera;
+    if (this.view) this.view.cameraPose = camera;
+  }
+
   // Playback
+
+  /** Plays the shown time range once; calls `done` at its end. */
+  playOnce(done: () => void): void {
+    this.seek(this.range?.[0] ?? 0);
+    this.#once = done;
+    this.play();
+  }
 
   seek(time: number): void {
     this.time = Math.min(Math.max(time, 0), this.duration);
@@ -464,6 +529,7 @@ export class WorkcellSession {
   pause(): void {
     if (!this.playing) return;
     this.playing = false;
+    this.#once = null;
     cancelAnimationFrame(this.#frame);
     this.jog.refresh();
   }
@@ -472,6 +538,14 @@ export class WorkcellSession {
     const passed = Math.min(Math.max(now - this.#last, 0), 250) / 1000;
     this.#last = now;
     let to = this.time + passed * this.speed;
+    const end = this.range?.[1] ?? this.duration;
+    if (this.#once && to >= end) {
+      const done = this.#once;
+      this.seek(end);
+      this.pause();
+      done();
+      return;
+    }
     if (to >= this.duration) {
       if (this.loop) to %= this.duration || 1;
       else {

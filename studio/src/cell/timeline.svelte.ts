@@ -17,7 +17,9 @@ export interface MotionState {
 }
 
 /** A step with times since the start of the program [s] and names of axes. */
-export interface ProgramStep extends Omit<Step, 'moving' | 'loaded'> {
+export interface ProgramStep extends Omit<Step, 'moving' | 'loaded' | 'station'> {
+  /** Name of the station that an effector reaches into. */
+  station: string | null;
   moving: string[];
   loaded: string[];
 }
@@ -30,6 +32,8 @@ export const MAX_WINDOWS_SHOWN = 16;
 /** Maximum size of the cache of windows [bytes]. */
 const MAX_BYTES = 48e6;
 const MAX_REQUESTS = 3;
+/** Distance of the points of a path [s]. */
+const TRACE_SPACING_S = 0.04;
 /** Time ahead of the current time for which windows are prefetched [s]. */
 const AHEAD_S = 30;
 
@@ -108,13 +112,14 @@ export class Timeline {
   #stepInProgram(at: number, window: MotionWindow, index: number): ProgramStep {
     const { start_s, instruction, line } = this.plan!.windows[at]!;
     const step = window.steps[index]!;
-    const { robot, effectors } = this.plan!;
+    const { robot, effectors, stations } = this.plan!;
     return {
       ...step,
       instruction: instruction + step.instruction,
       line: line + step.line,
       start_s: start_s + step.start_s,
       end_s: start_s + step.end_s,
+      station: step.station === null ? null : stations[step.station]!.name,
       moving: step.moving.map((axis) => robot!.axes[axis]!.name),
       loaded: step.loaded.map((effector) => effectors[effector]!),
     };
@@ -147,6 +152,36 @@ export class Timeline {
       if (slot) restingWafers.set(names.wafers[k]!, slotName(plan.stations[slot[0]]!.name, slot[1]));
     });
     return { frames: frames(plan.chain, names, moment.window.values(moment.index, moment.since), held), restingWafers };
+  }
+
+  /** Path of the centre of a wafer over a time range [s], as far as it is loaded: pairs of points in the base frame [m]. */
+  waferPath(name: string, range: readonly [number, number]): number[] {
+    void this.version;
+    const { plan } = this;
+    const wafer = plan?.wafers.findIndex((one) => one.name === name) ?? -1;
+    if (!plan?.chain || !plan.robot || wafer < 0) return [];
+    const { chain } = plan;
+    const names: Names = { axes: plan.robot.axes.map(({ name }) => name), links: plan.robot.arms.map(({ links }) => links), wafers: [name] };
+    const start = plan.wafers.map(({ held }, wafer) => ({ wafer, ...held }) as WaferPlacement);
+    const points: number[] = [];
+    const [first, after] = this.windowsIn(range);
+    for (let index = first; index < after; index += 1) {
+      const window = this.window(index);
+      const [from] = this.bounds(index);
+      window?.steps.forEach(({ start_s, end_s, moving }, step) => {
+        const held = window.held(start, step)[wafer]!;
+        if (held.effector === null || moving.length === 0 || from + end_s < range[0] || from + start_s > range[1]) return;
+        const width = end_s - start_s;
+        const count = Math.max(1, Math.ceil(width / TRACE_SPACING_S));
+        let last: number[] | null = null;
+        for (let k = 0; k <= count; k += 1) {
+          const next: number[] = frames(chain, names, window.values(step, (width * k) / count), [held]).at(-1)!.origin_m;
+          if (last) points.push(...last, ...next);
+          last = next;
+        }
+      });
+    }
+    return points;
   }
 
   /** Loads the window at a time [s] and the following ones, then those of a time range, or their overview. */

@@ -100,3 +100,39 @@ export function frames(chain: Chain, names: Names, values: ArrayLike<number>, he
   });
   return found;
 }
+
+/** The pose of the platform without play: level about its own normal, over the base axis. */
+function withoutPlay([x, y, z, p, q, r, w]: Pose): Pose {
+  const normal = [2 * (p * r + w * q), 2 * (q * r - w * p), 1 - 2 * (p * p + q * q)] as const;
+  // The shortest rotation that tilts z to the normal.
+  const half = Math.sqrt(Math.max(0, (1 + normal[2]) / 2));
+  const height = z + (normal[0] * x + normal[1] * y) / normal[2];
+  return [0, 0, height, -normal[1] / (2 * half), normal[0] / (2 * half), 0, half];
+}
+
+/** The inverse of a pose. */
+export function inverse([x, y, z, p, q, r, w]: Pose): Pose {
+  const turn: Pose = [0, 0, 0, -p, -q, -r, w];
+  const [a, b, c] = compose(turn, moved(-x, -y, -z));
+  return [a, b, c, -p, -q, -r, w];
+}
+
+/**
+ * Frames with the play of the platform enlarged: its displacement from the base axis and its twist about its normal.
+ *
+ * Everything on the platform moves with it, and so do the wafers that an effector holds.
+ */
+export function exaggerated(frames: readonly Frame[], scale: number, held: (wafer: string) => boolean): Frame[] {
+  const platform = frames.find(({ name }) => name === 'platform');
+  if (!platform || scale === 1) return [...frames];
+  const pose = [...platform.origin_m, ...platform.quaternion] as unknown as Pose;
+  const ideal = withoutPlay(pose);
+  const [x, y, z, , , r, w] = compose(inverse(ideal), pose);
+  const shown = compose(ideal, compose(moved(x * scale, y * scale, z * scale), turned(2 * scale * Math.atan2(r, w))));
+  const by = compose(shown, inverse(pose));
+  return frames.map((one) => {
+    if (one.name === 'platform') return frame(one.name, shown);
+    if (!held(one.name)) return one;
+    return frame(one.name, compose(by, [...one.origin_m, ...one.quaternion] as unknown as Pose));
+  });
+}

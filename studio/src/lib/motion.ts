@@ -22,7 +22,7 @@ export interface WindowViolation {
 }
 
 interface Description {
-  steps: { segment: number; instruction: number; line: number; phase: string; loaded: number[] }[];
+  steps: { segment: number; instruction: number; line: number; phase: string; station: number | null; loaded: number[] }[];
   segments: { duration_s: number; channels: number[]; moving: number[] }[];
   channels: [number, number][];
   wafers: WaferPlacement[];
@@ -38,6 +38,8 @@ export interface Step {
   /** Relative to that of the window. */
   line: number;
   phase: string;
+  /** Index of the station that an effector reaches into. */
+  station: number | null;
   loaded: number[];
   /** Indices of the moving axes. */
   moving: number[];
@@ -98,6 +100,16 @@ export class MotionWindow {
   values(step: number, since: number): Float64Array {
     const { channels } = this.#segments[this.steps[step]!.segment]!;
     return Float64Array.from(channels, (channel) => this.#state(channel, since)[0]);
+  }
+
+  /** Displacement of the virtual joints in a step at a time since its start [m]: the last channel. */
+  displacement(step: number, since: number): number {
+    return this.#state(this.#segments[this.steps[step]!.segment]!.channels.at(-1)!, since)[0];
+  }
+
+  /** Times of the keys of this displacement, since the start of the step [s]. */
+  displacementKeys(step: number): Float64Array {
+    return this.keys(step, this.#segments[this.steps[step]!.segment]!.channels.length - 1);
   }
 
   /** Value of a channel of a step at a time since its start [s], with its first and second derivative. */

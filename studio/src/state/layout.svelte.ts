@@ -1,5 +1,6 @@
 // Layout of the page; stored in the browser and not part of undo.
 
+import type { CellLink } from '../lib/cellLink';
 import { load, save } from '../lib/settings';
 import type { ShortcutSheet } from './shortcuts';
 import { PanelLayout } from './panelLayout.svelte';
@@ -11,7 +12,7 @@ export const PANELS = ['pose', 'virtualization', 'displacement', 'mobility', 'se
 export type PanelName = (typeof PANELS)[number];
 
 /** Panels of the cell view in their initial order. */
-export const CELL_PANELS = ['check', 'jog', 'stations'] as const;
+export const CELL_PANELS = ['check', 'play', 'jog', 'stations'] as const;
 export type CellPanelName = (typeof CELL_PANELS)[number];
 
 /** Panels of the view of mechanisms in their initial order. */
@@ -53,6 +54,8 @@ class Layout {
   /** Shortcuts of the current view; `null` for those of the robot view. */
   shortcuts = $state.raw<ShortcutSheet | null>(null);
   explainOpen = $state(false);
+  /** A link to the cell view that is still to be opened. */
+  cellLink = $state.raw<CellLink | null>(null);
   introductionShown = $state(load('introduction', true, flag));
   handles = $state(load('handles', true, flag));
   /** The maximized plot. */

@@ -13,6 +13,10 @@ export interface CellProbe {
   grip: (freedom: Freedom) => { x: number; y: number } | null;
   /** Names of the highlighted parts: the selected ones. */
   selected: () => string[];
+  /** Names of the parts that are not hidden. */
+  shown: () => string[];
+  /** Position and target of the camera [m]. */
+  camera: () => { eye: number[]; target: number[] } | null;
   /** Names of the parts highlighted as in violation. */
   violating: () => string[];
   /** Color of these parts, as hexadecimal digits. */

@@ -1,6 +1,14 @@
 // Records the 3D view as a video with the encoder of the browser.
 
-import type { RobotRenderer } from '../scene/robotRenderer';
+/** A 3D view that can be recorded. */
+export interface RecordedView {
+  /** Called after each frame. */
+  onFrame: (() => void) | null;
+  /** Requests a frame. */
+  invalidate(): void;
+  /** Copies the last frame to a canvas, with a note. */
+  copyTo(canvas: HTMLCanvasElement, note: string): void;
+}
 
 const KINDS = [
   ['video/mp4;codecs=avc1', 'mp4'],
@@ -19,7 +27,7 @@ export class VideoRecorder {
   #end: (() => Promise<void>) | null = null;
 
   /** Starts recording; resolves after the first frames are encoded, to `false` if the recording was stopped before. */
-  async start(renderer: RobotRenderer, note: () => string, done: (blob: Blob, extension: string) => void): Promise<boolean> {
+  async start(renderer: RecordedView, note: () => string, done: (blob: Blob, extension: string) => void): Promise<boolean> {
     const kind = KINDS.find(([type]) => MediaRecorder.isTypeSupported(type));
     if (!kind) throw new Error('this browser does not support video encoding');
     const [type, extension] = kind;

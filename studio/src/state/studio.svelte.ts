@@ -16,11 +16,13 @@ import {
   type Virtualization,
 } from '../lib/document';
 import { History } from '../lib/history';
+import { fromCellHash } from '../lib/cellLink';
 import { fingerprint, fromHash, toHash, type RobotIdentity, type View } from '../lib/link';
 import { withinTilt } from '../lib/limits';
 import { load, save } from '../lib/settings';
 import { degrees, millimetres, type LengthUnit } from '../lib/units';
 import type { Theme } from '../scene/palette';
+import { layout } from './layout.svelte';
 import { probe } from './probe';
 import { Player } from './player.svelte';
 import { Study } from './study.svelte';
@@ -135,6 +137,12 @@ export class Studio {
   /** Takes over the contents of a link. */
   #openLink(hash: string): void {
     clearTimeout(this.#linkTimer);
+    const cellLink = fromCellHash(hash);
+    if (cellLink) {
+      layout.cellLink = cellLink;
+      if (this.robot?.cell) layout.setPart('cell');
+      hash = load(this.#linkKey, '', (value) => typeof value === 'string');
+    }
     const initial = this.robot ? initialDocument(millimetres(this.robot.working_height_m), degrees(this.robot.limits.tilt_max_rad)) : initialDocument(500);
     const { robot, document, view, sample } = fromHash(hash, initial);
     const own = this.#identity;

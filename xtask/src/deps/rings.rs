@@ -64,7 +64,12 @@ const TABLE: [Rule; 16] = [
     Rule { name: CELL, ring: "ring 1", ours: &[CORE], outside: CELLS },
     Rule { name: FORMAT, ring: "ring 2", ours: &[CORE, STUDY, CELL], outside: LIBRARIES },
     Rule { name: REPORT, ring: "ring 2", ours: &[CORE, STUDY, CELL, FORMAT], outside: LIBRARIES },
-    Rule { name: INTEROP, ring: "ring 2", ours: &[CORE, CELL, FORMAT, REPORT], outside: LIBRARIES },
+    Rule {
+        name: INTEROP,
+        ring: "ring 2",
+        ours: &[CORE, CELL, FORMAT, PLOT, REPORT],
+        outside: LIBRARIES,
+    },
     Rule { name: PLOT, ring: "ring 2", ours: &[CORE, STUDY, CELL], outside: LIBRARIES },
     Rule {
         name: FACADE,

@@ -55,7 +55,8 @@ impl PlatformModel {
     }
 
     /// Displacement of the virtual joints of a pose from nominal, see [`Gpr::displacement`] (m).
-    pub(crate) fn displacement(&self, gpr: &Gpr, pose: &PlatformPose) -> f64 {
+    #[must_use]
+    pub fn displacement(&self, gpr: &Gpr, pose: &PlatformPose) -> f64 {
         gpr.displacement(pose, self.virtualization())
     }
 

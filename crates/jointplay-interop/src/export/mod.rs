@@ -8,6 +8,7 @@
 //! | Foxglove, PlotJuggler or ROS 2 | `mcap::write`: JointState, JointTrajectory and transforms | m, rad |
 //! | SolidWorks | [`solidworks`](fn@solidworks): a file for each motor, and a macro that loads them | mm, degrees |
 //! | a controller | [`dialect::Dialect`]: lines from templates | those of the dialect |
+//! | a reader | [`report_page`](fn@report_page): one page of HTML; [`top_view`], [`timing_diagram`]: pictures | mm, degrees |
 //!
 //! Each export begins at 0 and ends at the exact duration of the motion.
 //! Each export reports the violations of the motion.
@@ -23,6 +24,8 @@ pub mod mcap;
 pub mod mechanism;
 mod mechanism_shapes;
 mod motion_export;
+mod pictures;
+mod report_page;
 mod sample_columns;
 mod samples;
 mod scene;
@@ -39,6 +42,8 @@ pub use gltf::{
 };
 pub use mechanism_shapes::MechanismShapes;
 pub use motion_export::{MOST_SAMPLES, MotionExport};
+pub use pictures::{PictureError, postures_view, taught_planes, timing_diagram, top_view};
+pub use report_page::report_page;
 pub use sample_columns::{
     COLUMN_GROUPS, DEFAULT_COLUMNS, SampleColumn, sample_columns, select_columns,
 };

@@ -13,6 +13,8 @@ use super::scene::rounded;
 const AXIS: f64 = 1e-8;
 /// Tolerance of the cubics of poses (m), and of the vector part of a unit quaternion.
 const POSE: f64 = 2e-8;
+/// Tolerance of the cubics of the displacement of the virtual joints (m).
+const DISPLACEMENT: f64 = 1e-8;
 /// Interval before and after a time over which rates are differences (s).
 const MOMENT: f64 = 1e-5;
 /// Numbers of a pose: origin x, y, z, then the vector part x, y, z of a unit quaternion whose scalar part is positive.
@@ -20,7 +22,7 @@ pub(super) const POSE_NUMBERS: usize = 6;
 
 /// The channels of one step, by time since its start.
 ///
-/// In order: positions of all axes; [`POSE_NUMBERS`] of the platform in the base frame; for each arm, the frame of its deflected last link in the rigid one; for each effector, arm by arm, the frame of its last link by which its wafer is deflected, in the rigid one.
+/// In order: positions of all axes; [`POSE_NUMBERS`] of the platform in the base frame; for each arm, the frame of its deflected last link in the rigid one; for each effector, arm by arm, the frame of its last link by which its wafer is deflected, in the rigid one; the displacement of the virtual joints from nominal (m).
 pub(super) struct Segment {
     pub(super) duration: f64,
     pub(super) channels: Vec<Channel>,
@@ -54,6 +56,7 @@ impl Segment {
                     numbers.extend(numbers_of(&pose));
                 }
             }
+            numbers.push(cell.robot.model.displacement(&cell.robot.gpr, &pose.platform));
             Ok::<_, Error>(numbers)
         };
         let at = |since: f64| {
@@ -79,6 +82,7 @@ impl Segment {
         let poses = 1 + cell.robot.arms.len() + cell.robot.effectors().count();
         let mut tolerances = vec![AXIS; axes];
         tolerances.resize(axes + poses * POSE_NUMBERS, POSE);
+        tolerances.push(DISPLACEMENT);
         let breaks = motion.jerk_discontinuities(step);
         let channels = channels(&breaks, &tolerances, &at)?;
         Ok(Self { duration: motion.intrinsic_step_duration(step), channels })

@@ -30,6 +30,8 @@ pub use held_at::{HeldAt, wafers_at_start};
 
 /// Steps of a window, unless a motion has so many that there would be more than [`MOST_WINDOWS`].
 const STEPS: usize = 96;
+/// Number of the encoding of windows, as a part of their keys; browsers keep the content of a key.
+const ENCODING: u32 = 2;
 /// Approximate largest number of windows of a motion.
 const MOST_WINDOWS: usize = 2048;
 
@@ -179,7 +181,7 @@ impl Timeline {
     ) -> String {
         let digits = |seed: u64| {
             let mut hasher = DefaultHasher::new();
-            (seed, shared, env!("CARGO_PKG_VERSION")).hash(&mut hasher);
+            (seed, shared, ENCODING, env!("CARGO_PKG_VERSION")).hash(&mut hasher);
             for step in window.steps.clone() {
                 let described = &motion.steps[step];
                 self.marks[step].hash(&mut hasher);
@@ -263,6 +265,7 @@ fn mark(motion: &Trajectory, axes: u64, index: usize) -> u64 {
     let step = &motion.steps[index];
     let mut hasher = DefaultHasher::new();
     (axes, phase_name(step.phase), &step.loaded).hash(&mut hasher);
+    step.slot.map(|slot| slot.station).hash(&mut hasher);
     step.handoff.is_some().hash(&mut hasher);
     motion.has_duration(index).hash(&mut hasher);
     let begins = index == 0 || motion.steps[index - 1].instruction != step.instruction;

@@ -11,20 +11,26 @@ use jointplay::cell::jog::{JogOutcome, StopReason};
 use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
 use jointplay::cell::wafer::Unreachable;
+use jointplay::cell::workcell::Cell;
+use jointplay::format::explain::explain;
 use jointplay::gpr::AxisHeight;
 use jointplay::interop::export::{MotionExport, frames};
 
 use super::lookup::{
     cell_error, interrupted, named_effector, named_slot, robot_motion, unknown_key,
 };
+use super::pose::answer;
 use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::cell_jog::{JogRequest, JogTarget, positions};
 use crate::wire::cell_jogged::{
-    BranchDocument, JogDocument, StoppedDocument, axes, effector, from_slot, platform,
+    BranchDocument, JogDocument, PlatformPlayDocument, StoppedDocument, axes, effector, from_slot,
+    platform,
 };
 use crate::wire::cell_pose::PoseCheckDocument;
+use crate::wire::pose::ModelDocument;
+use crate::wire::{ModelChoice, VirtualizationName};
 
 /// Jog the robot of the cell up to its limits, with the reasons of a stop and the resulting state
 ///
@@ -155,7 +161,27 @@ fn document(
             .map(|branch| BranchDocument::new(cell, branch))
             .collect(),
         stopped: jogged.stopped.as_ref().map(|stopped| StoppedDocument::new(cell, stopped)),
+        play: play(cell, at),
         frames: frames.into_iter().map(Into::into).collect(),
         check: PoseCheckDocument::new(cell, &report),
     })
+}
+
+/// The platform at the rods of given axis positions, under all virtualizations.
+fn play(cell: &Cell, positions: &[f64]) -> PlatformPlayDocument {
+    let (gpr, options) = (&cell.robot.gpr, &cell.robot.model.options);
+    let rods = [positions[0], positions[1], positions[2]];
+    let model = |virtualization: VirtualizationName| {
+        let found = answer(gpr, rods, virtualization.model(), options, false, false);
+        let model = ModelChoice::of(virtualization, options);
+        match found {
+            Ok(answer) => ModelDocument { model, answer: Some(answer), problem: None },
+            Err(error) => ModelDocument { model, answer: None, problem: Some(explain(&error)) },
+        }
+    };
+    PlatformPlayDocument {
+        virtualization: VirtualizationName::of(cell.robot.model.virtualization),
+        budget_m: cell.play_budget,
+        models: VirtualizationName::ALL.map(model).into(),
+    }
 }

@@ -80,6 +80,7 @@ fn document(plan: &Plan) -> PlanDocument {
         scene: plan.scene.as_ref().map(|scene| scene.key.clone()),
         stations: cell.map(stations).unwrap_or_default(),
         robot: cell.map(RobotParts::new),
+        play_budget_m: cell.map(|cell| cell.play_budget),
         chain: cell.map(ChainDocument::new),
         wafers: cell.map(wafers).unwrap_or_default(),
         zones: cell.map(zones).unwrap_or_default(),

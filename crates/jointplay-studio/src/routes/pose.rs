@@ -85,7 +85,8 @@ fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
     Ok(document)
 }
 
-fn answer(
+/// The platform at given rods under a model.
+pub(super) fn answer(
     gpr: &Gpr,
     rods: [f64; 3],
     model: &(dyn Virtualization + Sync),

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use jointplay::format::cell::Change;
 use jointplay::format::place::Place;
 use jointplay::format::program::keywords;
+use jointplay::interop::export::dialect::DIALECTS;
 use jointplay::nalgebra::Vector3;
 use jointplay::report::{CellReport, InstructionReport, ScheduleReport, ViolationReport};
 use jointplay::spatial::Tilt;
@@ -35,13 +36,16 @@ pub(crate) struct CellDocument {
     pub(crate) version: String,
     /// Reserved words of the program language, in upper case.
     pub(crate) keywords: Vec<&'static str>,
+    /// Names of the dialects of controller text.
+    pub(crate) dialects: Vec<&'static str>,
 }
 
 impl CellDocument {
     pub(crate) fn new(files: CellFiles) -> Self {
         let (file, identity, version) = (files.name(), files.identity(), files.version());
         let (cell, program) = files.into_texts();
-        Self { file, identity, cell, program, version, keywords: keywords().collect() }
+        let dialects = DIALECTS.map(|entry| entry.name).into();
+        Self { file, identity, cell, program, version, keywords: keywords().collect(), dialects }
     }
 }
 
@@ -176,6 +180,9 @@ pub(crate) struct PlanDocument {
     /// Parts of the robot; `null` for an invalid cell.
     #[schema(required = true)]
     pub(crate) robot: Option<RobotParts>,
+    /// Largest displacement of the virtual joints that the cell allows (m); `null` for an invalid cell.
+    #[schema(required = true)]
+    pub(crate) play_budget_m: Option<f64>,
     /// Kinematic chain of the robot; `null` for an invalid cell.
     #[schema(required = true)]
     pub(crate) chain: Option<ChainDocument>,

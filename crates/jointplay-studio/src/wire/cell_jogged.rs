@@ -16,6 +16,8 @@ use utoipa::ToSchema;
 
 use super::Triple;
 use super::cell_pose::PoseCheckDocument;
+use super::model::VirtualizationName;
+use super::pose::ModelDocument;
 
 /// State of a jogged robot.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
@@ -34,6 +36,8 @@ pub(crate) struct JogDocument {
     /// Why the robot did not reach its target; `null` if it did.
     #[schema(required = true)]
     pub(crate) stopped: Option<StoppedDocument>,
+    /// The play of the platform.
+    pub(crate) play: PlatformPlayDocument,
     /// Poses of all moving frames, with the names and parents of the 3D scene.
     pub(crate) frames: Vec<FrameDocument>,
     /// Minimum distances and violations of this pose, by the rules of program checks.
@@ -80,6 +84,17 @@ pub(crate) struct PlatformDocument {
     pub(crate) tilt_rad: f64,
     /// Tilt limit (rad).
     pub(crate) tilt_max_rad: f64,
+}
+
+/// The play of the platform: the displacement of its virtual joints under all virtualizations.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct PlatformPlayDocument {
+    /// The virtualization of the cell's robot.
+    pub(crate) virtualization: VirtualizationName,
+    /// Largest displacement of the virtual joints that the cell allows (m).
+    pub(crate) budget_m: f64,
+    /// The platform under each virtualization, with the solver and metric of the cell's robot.
+    pub(crate) models: Vec<ModelDocument>,
 }
 
 /// An effector with its wafer frame, including the droop of the arm.

@@ -15,6 +15,7 @@ use utoipa::ToSchema;
 use super::Triple;
 use super::cell_chain::HeldDocument;
 use super::cell_jogged::{AxisDocument, axes};
+use super::robot::{VirtualizationDocument, virtualizations};
 
 /// The parts of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
@@ -27,6 +28,8 @@ pub(crate) struct RobotParts {
     pub(crate) axes: Vec<AxisDocument>,
     /// Its arms.
     pub(crate) arms: Vec<ArmParts>,
+    /// Available virtualizations of its platform.
+    pub(crate) virtualizations: Vec<VirtualizationDocument>,
 }
 
 /// An arm.
@@ -196,6 +199,7 @@ impl RobotParts {
             tilt_max_rad: robot.gpr.limits().tilt_max,
             axes: axes(cell, &home),
             arms: arms.collect(),
+            virtualizations: virtualizations(&robot.gpr),
         }
     }
 }

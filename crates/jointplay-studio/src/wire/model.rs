@@ -1,7 +1,7 @@
 //! Selection of a model: virtualization, solver, metric.
 
 use jointplay::virtualization::{
-    Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
+    BuiltIn, Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
 };
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -24,6 +24,18 @@ pub(crate) enum VirtualizationName {
 }
 
 impl VirtualizationName {
+    /// All names.
+    pub(crate) const ALL: [Self; 4] = [Self::Radial, Self::Polar, Self::Offset, Self::Planar];
+
+    pub(crate) fn of(virtualization: BuiltIn) -> Self {
+        match virtualization {
+            BuiltIn::Radial => Self::Radial,
+            BuiltIn::Polar => Self::Polar,
+            BuiltIn::Offset => Self::Offset,
+            BuiltIn::Planar => Self::Planar,
+        }
+    }
+
     pub(crate) fn model(self) -> &'static (dyn Virtualization + Sync) {
         match self {
             Self::Radial => &Radial,
@@ -98,6 +110,17 @@ pub(crate) struct ModelChoice {
 }
 
 impl ModelChoice {
+    /// The model with a virtualization and the given options of its solver.
+    pub(crate) fn of(virtualization: VirtualizationName, options: &SolveOptions) -> Self {
+        let (metric, characteristic_length_m) = match options.metric {
+            Metric::PlatformRadius => (MetricName::Radius, None),
+            Metric::Length(length) => (MetricName::Paper, Some(length)),
+            Metric::Paper => (MetricName::Paper, None),
+        };
+        let solver = options.solver.into();
+        Self { virtualization, solver, metric, characteristic_length_m }
+    }
+
     pub(crate) fn model(&self) -> &'static (dyn Virtualization + Sync) {
         self.virtualization.model()
     }

@@ -130,6 +130,15 @@ pub(crate) struct VirtualizationDocument {
     pub(crate) joints: Vec<JointDocument>,
 }
 
+/// The available virtualizations of a robot.
+pub(crate) fn virtualizations(gpr: &Gpr) -> Vec<VirtualizationDocument> {
+    let document = |virtualization: &dyn Virtualization| VirtualizationDocument {
+        name: virtualization.name().to_owned(),
+        joints: joints(gpr, virtualization),
+    };
+    built_in().into_iter().map(|one| document(one)).collect()
+}
+
 /// One virtual joint.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct JointDocument {
@@ -177,13 +186,7 @@ impl RobotDocument {
             working_height_m: gpr.working_height(),
             mean_socket_radius_m: gpr.platform().mean_radius(),
             kutzbach_mobility: gpr.kutzbach_mobility(),
-            virtualizations: built_in()
-                .into_iter()
-                .map(|virtualization| VirtualizationDocument {
-                    name: virtualization.name().to_owned(),
-                    joints: joints(gpr, virtualization),
-                })
-                .collect(),
+            virtualizations: virtualizations(gpr),
             base_mesh: MeshDocument::new(robot.base_mesh.as_ref(), "/api/v1/meshes/base"),
             platform_mesh: MeshDocument::new(
                 robot.platform_mesh.as_ref(),

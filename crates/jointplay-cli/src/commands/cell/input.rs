@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::cell::check::{CheckOptions, CheckResult, Report, remedies};
 use jointplay::cell::program::{Program, ProgramError, SourceLocation, name_errors};
-use jointplay::cell::robot::EffectorId;
 use jointplay::cell::trajectory::{StepError, Trajectory};
 use jointplay::cell::workcell::Cell;
 use jointplay::cell::{
@@ -377,11 +376,6 @@ impl Planned {
         let remedies = remedies.map(|found| report::remedy_reports(cell, &found));
         let document = report::cell(cell, &self.input.text, &self.motion, &self.report);
         report::CellReport { remedies, ..document }
-    }
-
-    /// All effectors of the robot.
-    pub(super) fn effectors(&self) -> Vec<EffectorId> {
-        self.cell().robot.effectors().collect()
     }
 
     /// Fails if the report has violations.

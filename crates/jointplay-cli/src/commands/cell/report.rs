@@ -3,24 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::format::number::fixed;
 use jointplay::format::program::Setting;
-use jointplay::report::{
-    CellPage, CellReport, KeyFigure, PagePicture, PageProgram, TableColumn, TextTable, key_figures,
-};
+use jointplay::interop::export::report_page;
+use jointplay::report::{CellReport, KeyFigure, PageProgram, TableColumn, TextTable, key_figures};
 use serde::Serialize;
 
 use super::input::{InputArgs, Planned, setting};
-use super::pictures;
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 use crate::output;
 use crate::print_page::{Browser, print_page};
-
-/// Duration of a part of the timing diagram (s), number of its bands, and largest number of parts: a part fits on a printed page.
-const PART: f64 = 240.0;
-const BANDS: u32 = 4;
-const MAX_PARTS: f64 = 6.0;
 
 /// Write a report on a program: cell, schedule, margins, accuracy, violations and assumptions on one page
 ///
@@ -151,15 +143,6 @@ fn text(written: &ReportDocument) -> String {
     format!("{}written: {}\n", table.to_text(), written.file.display())
 }
 
-/// Two periods in the middle of the longest periodic part, where neither its start nor its end matter (s).
-fn middle_periods(document: &CellReport) -> Option<[f64; 2]> {
-    let parts = document.schedule.periodic_parts.iter();
-    let part = parts.max_by(|a, b| (a.end_s - a.start_s).total_cmp(&(b.end_s - b.start_s)))?;
-    let periods = 2.0 * part.period_s;
-    let start = (0.5 * (part.start_s + part.end_s - periods)).max(part.start_s);
-    Some([start, (start + periods).min(part.end_s)])
-}
-
 /// Name of the file of a program.
 fn file_name(planned: &Planned) -> &str {
     let label = &planned.input.label;
@@ -171,35 +154,6 @@ fn page(
     document: &CellReport,
     before: Option<(&Planned, &CellReport)>,
 ) -> Result<String, Failure> {
-    let picture = |caption: &str, svg: String| PagePicture { caption: caption.to_owned(), svg };
-    let cell = vec![
-        picture(
-            "From above: stations with their entries, bodies, zones, reach of the arms and paths of the wafer centres.",
-            pictures::top_view_svg(planned)?,
-        ),
-        picture(
-            "The arms at the first hand-off at each station.",
-            pictures::postures_svg(planned)?,
-        ),
-    ];
-    let mut timing = Vec::new();
-    if let Some(window) = middle_periods(document) {
-        let parts = pictures::gantt_svgs(planned, &[window], 1)?;
-        let caption = "Two periods in the middle of the longest periodic part.";
-        timing.extend(parts.into_iter().map(|svg| picture(caption, svg)));
-    }
-    let duration = planned.motion.duration();
-    let parts = (duration / PART).ceil().clamp(1.0, MAX_PARTS);
-    let windows: Vec<[f64; 2]> = (0..MAX_PARTS as u32)
-        .map(f64::from)
-        .take_while(|&part| part < parts)
-        .map(|part| [part / parts * duration, (part + 1.0) / parts * duration])
-        .collect();
-    for (svg, [from, to]) in
-        pictures::gantt_svgs(planned, &windows, BANDS)?.into_iter().zip(&windows)
-    {
-        timing.push(picture(&format!("From {} to {} s.", fixed(*from, 0), fixed(*to, 0)), svg));
-    }
     let name = file_name(planned);
     // Without folders, unless the names are equal.
     let names = match before {
@@ -207,20 +161,11 @@ fn page(
         Some((before, _)) => [planned.input.label.as_str(), before.input.label.as_str()],
         None => [name, ""],
     };
-    let text = &planned.input.text;
-    let page = CellPage {
-        program: PageProgram { name: names[0], text, report: document },
-        before: before.map(|(planned, report)| PageProgram {
-            name: names[1],
-            text: &planned.input.text,
-            report,
-        }),
-        cell,
-        timing,
-        stations: pictures::taught_svg(planned)?.map(|svg| {
-            picture("Planes of the taught stations, with exaggerated tilt and distances.", svg)
-        }),
-        version: env!("CARGO_PKG_VERSION"),
-    };
-    Ok(page.to_html())
+    let program = PageProgram { name: names[0], text: &planned.input.text, report: document };
+    let before = before.map(|(planned, report)| PageProgram {
+        name: names[1],
+        text: &planned.input.text,
+        report,
+    });
+    Ok(report_page(&planned.motion_export(), &planned.report, program, before)?)
 }

@@ -97,6 +97,7 @@ impl Timeline {
                 "instruction": described.instruction - window.instruction,
                 "line": described.place.line as i64 - window.line as i64,
                 "phase": phase_name(described.phase),
+                "station": described.slot.map(|slot| slot.station),
                 "loaded": described.loaded.iter().filter_map(|&id| number(id)).collect::<Vec<_>>(),
             }));
         }

@@ -1,0 +1,1 @@
+export{r as session}from"./session.svelte-XQN9O1JI.js";

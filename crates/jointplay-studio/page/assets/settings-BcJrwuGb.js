@@ -1,1 +1,0 @@
-var e=`jointplay.studio.`;function t(t,n,r){try{let i=localStorage.getItem(e+t);if(i===null)return n;let a=JSON.parse(i);return r(a)?a:n}catch{return n}}function n(t,n){try{localStorage.setItem(e+t,JSON.stringify(n))}catch{}}function r(t){try{localStorage.removeItem(e+t)}catch{}}export{r as n,n as r,t};

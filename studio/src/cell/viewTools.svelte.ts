@@ -1,0 +1,68 @@
+// Tools of the 3D view of a cell: play scale, hidden parts, section plane, followed part, path of a wafer, measuring.
+
+export const SECTION_AXES = ['x', 'y', 'z'] as const;
+export type SectionAxis = (typeof SECTION_AXES)[number];
+
+/** A plane normal to an axis of the base frame; the part beyond it is not drawn. */
+export interface Section {
+  axis: SectionAxis;
+  /** Position along the axis [m]. */
+  at: number;
+}
+
+export class ViewTools {
+  /** Factor by which the picture enlarges the play of the platform. */
+  playScale = $state(1);
+  /** Names of the hidden parts. */
+  hidden = $state.raw<ReadonlySet<string>>(new Set());
+  section = $state.raw<Section | null>(null);
+  /** Name of the part that the camera follows. */
+  followed = $state<string | null>(null);
+  /** Name of the wafer whose path is drawn. */
+  traced = $state<string | null>(null);
+  /** Whether clicks measure distances. */
+  measuring = $state(false);
+  /** The clicked points [m], at most two, with the parts they are on. */
+  points = $state.raw<{ part: string; point: number[] }[]>([]);
+  /** Distance of the two clicked points, and its components [m]. */
+  distance = $derived.by(() => {
+    const [from, to] = this.points;
+    if (!from || !to) return null;
+    const by = to.point.map((value, k) => value - from.point[k]!);
+    return { length: Math.hypot(...by), by };
+  });
+
+  isHidden(names: Iterable<string>): boolean {
+    return [...names].every((name) => this.hidden.has(name));
+  }
+
+  /** Hides the given parts, or shows them again. */
+  toggleHidden(names: Iterable<string>): void {
+    const parts = [...names];
+    const hide = !this.isHidden(parts);
+    const hidden = new Set(this.hidden);
+    for (const name of parts) if (hide) hidden.add(name);
+    else hidden.delete(name);
+    this.hidden = hidden;
+  }
+
+  /** Hides all parts but the given ones. */
+  isolate(names: Iterable<string>, all: Iterable<string>): void {
+    const shown = new Set(names);
+    this.hidden = new Set([...all].filter((name) => !shown.has(name)));
+  }
+
+  showAll(): void {
+    this.hidden = new Set();
+  }
+
+  /** Adds a clicked point; a third one begins another measurement. */
+  measure(part: string, point: number[]): void {
+    this.points = this.points.length >= 2 ? [{ part, point }] : [...this.points, { part, point }];
+  }
+
+  setMeasuring(measuring: boolean): void {
+    this.measuring = measuring;
+    this.points = [];
+  }
+}
