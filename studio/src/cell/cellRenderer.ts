@@ -66,8 +66,7 @@ export class CellRenderer extends SceneRenderer {
         camera: eye,
         description: '3D view of the cell; its stations, steps and violations are listed in the panels',
         unit_mm: 1000,
-        lights: { key: { intensity: 2, position: [1.2, -1.6, 3] }, fill: { intensity: 0.9, position: [-2, 1, 1.4] }, sky: 1.6 },
-        grid: { size: 3, divisions: 30 },
+        grid: { step: 0.1, radius: 2.4 },
       },
       events,
     );

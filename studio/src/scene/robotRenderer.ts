@@ -1,16 +1,10 @@
 // 3D view of the three-rod robot: cameras, shadows, standard views, snapshots.
 
 import {
-  ACESFilmicToneMapping,
   Box3,
-  DirectionalLight,
-  Mesh,
   Object3D,
   OrthographicCamera,
-  PCFShadowMap,
   PerspectiveCamera,
-  PlaneGeometry,
-  ShadowMaterial,
   Vector3,
   type Material,
 } from 'three';
@@ -37,13 +31,12 @@ export const STANDARD_VIEWS = {
 export type StandardView = keyof typeof STANDARD_VIEWS;
 
 const FIELD_OF_VIEW = 28;
+/** Height of the ground [mm]. */
+const FLOOR = -SIZES.flange - SIZES.housing;
 
 export interface RobotRendererEvents extends RendererEvents {
   viewChanged: () => void;
 }
-
-/** Intensity of the light from behind, which separates the robot from the background. */
-const RIM_INTENSITY = 0.9;
 
 export class RobotRenderer extends SceneRenderer {
   readonly #events: RobotRendererEvents;
@@ -51,8 +44,6 @@ export class RobotRenderer extends SceneRenderer {
   readonly #orthographic = new OrthographicCamera(-1, 1, 1, -1, -5000, 20000);
   readonly #materials = new RobotMaterials();
   readonly #annotations = new Annotations();
-  readonly #rimLight = new DirectionalLight(0xffffff, RIM_INTENSITY);
-  readonly #ground = new Mesh(new PlaneGeometry(4000, 4000), new ShadowMaterial({ opacity: 0.2 }));
   #robot: RobotModel | null = null;
   #picture: RobotPicture | null = null;
   #animation = 0;
@@ -71,32 +62,15 @@ export class RobotRenderer extends SceneRenderer {
         camera,
         description: '3D view of the robot; its values are in the panels',
         unit_mm: 1,
-        // Directional lights instead of an environment map: without a graphics card, its generation alone takes seconds.
-        lights: { key: { intensity: 2.1, position: [380, -520, 1100] }, fill: { intensity: 0.8, position: [-620, -260, 420] }, sky: 1.5 },
-        grid: { size: 1600, divisions: 32 },
+        grid: { step: 50, radius: 1100 },
       },
       events,
     );
     this.#perspective = camera;
     this.#events = events;
-    this.renderer.shadowMap.enabled = true;
-    this.renderer.shadowMap.type = PCFShadowMap;
-    // Shadows depend on the robot, not on the camera.
-    this.renderer.shadowMap.autoUpdate = false;
-    this.renderer.toneMapping = ACESFilmicToneMapping;
-    this.renderer.toneMappingExposure = 1.05;
     this.controls.addEventListener('start', () => (this.#initialView = false));
     this.controls.addEventListener('change', () => this.#events.viewChanged());
-    this.#rimLight.position.set(120, 760, 520);
-    this.keyLight.castShadow = true;
-    this.keyLight.shadow.mapSize.set(1024, 1024);
-    this.keyLight.shadow.bias = -0.0006;
-    this.keyLight.shadow.normalBias = 0.6;
-    this.#ground.receiveShadow = true;
-    const floor = -SIZES.flange - SIZES.housing;
-    this.#ground.position.z = floor;
-    this.grid.position.z = floor + 0.2;
-    this.scene.add(this.#rimLight, this.#ground, this.#annotations.group);
+    this.scene.add(this.#annotations.group);
     this.canvas.addEventListener('dblclick', (event) => this.#center(event));
     this.measure();
   }
@@ -117,16 +91,15 @@ export class RobotRenderer extends SceneRenderer {
     this.scene.add(this.#robot.group);
     const radius = Math.max(...sockets.map((socket) => Math.hypot(...socket)));
     this.setHandles(new Handles(radius));
-    const reach = radius * 3;
-    Object.assign(this.keyLight.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 50, far: 2600 });
-    this.keyLight.shadow.camera.updateProjectionMatrix();
+    const reach = radius + SIZES.rim;
+    const height = this.#picture?.pose.axis_height_m ?? 0.5;
+    this.placeGround(new Box3(new Vector3(-reach, -reach, FLOOR), new Vector3(reach, reach, 1000 * height + 60)), FLOOR);
   }
 
   /** Replaces a generated part by a mesh of the robot file. */
   setMesh(part: 'base' | 'platform', mesh: Object3D): void {
     this.#robot?.setMesh(part, mesh);
-    this.renderer.shadowMap.needsUpdate = true;
-    this.invalidate();
+    this.partsMoved();
     if (this.#initialView && this.#picture) this.showInitialView();
   }
 
@@ -156,15 +129,13 @@ export class RobotRenderer extends SceneRenderer {
   override setTheme(theme: Theme): void {
     const colours = SCENE[theme];
     this.#materials.paint(colours);
-    this.#rimLight.intensity = RIM_INTENSITY * colours.light;
-    (this.#ground.material as ShadowMaterial).opacity = colours.shadow;
     super.setTheme(theme);
   }
 
   /** Displays a pose. */
   show(picture: RobotPicture): void {
     if (picture.pose !== this.#picture?.pose || picture.exaggeration !== this.#picture.exaggeration || picture.model !== this.#picture.model)
-      this.renderer.shadowMap.needsUpdate = true;
+      this.partsMoved();
     this.#picture = picture;
     if (this.handles) this.handles.group.position.z = picture.pose.axis_height_m * 1000;
     this.invalidate();

@@ -1,28 +1,29 @@
-// Common base of all 3D views: canvas, labels, lights, grid, camera controls, drag handles, picking.
-// A frame is rendered only after a change.
+// Common base of all 3D views: canvas, labels, lights, ground, camera controls, drag handles, picking, pictures for export.
+// A frame is rendered only after a change; when nothing moves any more, a still picture with smooth edges follows.
 
 import {
-  Color,
-  Vector3,
   DirectionalLight,
-  GridHelper,
-  HemisphereLight,
+  NeutralToneMapping,
+  PCFShadowMap,
   Raycaster,
   Scene,
   Vector2,
+  Vector3,
   WebGLRenderer,
   type Box3,
   type Intersection,
-  type LineBasicMaterial,
   type Object3D,
   type OrthographicCamera,
   type PerspectiveCamera,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { environmentLight, installEnvironment } from './environment';
+import { Ground } from './ground';
 import { DESCRIPTIONS, type Freedom, type Handles } from './handles';
 import { paintLabels, type Label } from './labels';
 import { SCENE, type Theme } from './palette';
-import { CONTEXT_ATTRIBUTES, takeContext } from './webgl';
+import { Resolution } from './resolution';
+import { takeContext } from './webgl';
 
 export type Camera = PerspectiveCamera | OrthographicCamera;
 
@@ -50,47 +51,61 @@ export interface SceneOptions {
   description: string;
   /** Length of a unit of the scene [mm]. */
   unit_mm: number;
-  /** Intensity and position of the key light and the fill light, and the intensity of the sky. */
-  lights: { key: Light; fill: Light; sky: number };
-  /** Edge length and number of divisions of the ground grid. */
-  grid: { size: number; divisions: number };
+  /** Distance of the lines of the ground grid, and the radius in which they fade. */
+  grid: { step: number; radius: number };
 }
 
-interface Light {
-  intensity: number;
-  position: [number, number, number];
-}
+/** Direction to the key light. */
+const KEY_LIGHT = new Vector3(0.31, -0.424, 0.851);
+/** Intensities of the key light and of the environment. */
+const INTENSITY = { key: 1.9, environment: 0.62 } as const;
+/** Pixels of the shadow map along an edge, and the radius over which shadows are soft [pixels of the map]. */
+const SHADOW = { pixels: 1024, radius: 2.4 } as const;
+/** Time without changes before the still picture [ms]. */
+const STILL_AFTER_MS = 220;
 
 /** Pointer movement up to which a click is a click and not a drag [px]. */
 const CLICK_DISTANCE = 4;
 
 export abstract class SceneRenderer {
-  protected readonly renderer = new WebGLRenderer({ ...CONTEXT_ATTRIBUTES, ...takeContext() });
+  protected readonly renderer: WebGLRenderer;
   protected readonly scene = new Scene();
   protected readonly controls: OrbitControls;
   protected readonly labelCanvas = document.createElement('canvas');
-  protected readonly keyLight: DirectionalLight;
-  protected readonly grid: GridHelper;
   protected camera: Camera;
   protected size = { width: 1, height: 1 };
   protected theme: Theme = 'light';
   readonly #host: HTMLElement;
   readonly #events: RendererEvents;
   readonly #options: SceneOptions;
-  readonly #fillLight: DirectionalLight;
-  readonly #sky: HemisphereLight;
+  readonly #keyLight = new DirectionalLight(0xffffff);
+  readonly #environment = environmentLight();
+  readonly #ground: Ground;
+  readonly #resolution: Resolution;
   readonly #observer: ResizeObserver;
   #handles: Handles | null = null;
   #drag: { freedom: Freedom; start: Vector2 } | null = null;
   #pointerDown = new Vector2();
   #frame = 0;
+  #still: ReturnType<typeof setTimeout> | undefined;
+  #shadowsOutdated = true;
+  #lastFrame = 0;
 
   constructor(host: HTMLElement, options: SceneOptions, events: RendererEvents) {
     this.#host = host;
     this.#options = options;
     this.#events = events;
     this.camera = options.camera;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    installEnvironment();
+    const context = takeContext();
+    this.renderer = new WebGLRenderer({ alpha: true, ...(context && { canvas: context.canvas, context: context.context }) });
+    this.#resolution = new Resolution(window.devicePixelRatio, context?.software ?? false);
+    this.renderer.setPixelRatio(this.#resolution.moving);
+    this.renderer.toneMapping = NeutralToneMapping;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    // Shadows depend on the parts, not on the camera.
+    this.renderer.shadowMap.autoUpdate = false;
     // Checking each shader for errors blocks until it is compiled.
     this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
     const { canvas } = this;
@@ -99,16 +114,12 @@ export abstract class SceneRenderer {
     canvas.setAttribute('aria-label', options.description);
     this.labelCanvas.className = 'labels';
     host.append(canvas, this.labelCanvas);
-    const { key, fill, sky } = options.lights;
-    this.keyLight = new DirectionalLight(0xffffff, key.intensity);
-    this.keyLight.position.set(...key.position);
-    this.#fillLight = new DirectionalLight(0xdce8ff, fill.intensity);
-    this.#fillLight.position.set(...fill.position);
-    this.#sky = new HemisphereLight(0xffffff, 0x94a0ac, sky);
-    this.grid = new GridHelper(options.grid.size, options.grid.divisions);
-    // GridHelper lies in the plane y = 0; here z is up.
-    this.grid.rotation.x = Math.PI / 2;
-    this.scene.add(this.keyLight, this.keyLight.target, this.#fillLight, this.#sky, this.grid);
+    const light = this.#keyLight;
+    light.castShadow = true;
+    light.shadow.mapSize.set(SHADOW.pixels, SHADOW.pixels);
+    light.shadow.radius = SHADOW.radius;
+    this.#ground = new Ground(options.grid.step, options.grid.radius);
+    this.scene.add(light, light.target, this.#environment, this.#ground.mesh);
     this.controls = new OrbitControls(options.camera, canvas);
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
@@ -123,6 +134,9 @@ export abstract class SceneRenderer {
   dispose(): void {
     this.#observer.disconnect();
     cancelAnimationFrame(this.#frame);
+    clearTimeout(this.#still);
+    this.#ground.dispose();
+    this.#keyLight.dispose();
     this.setHandles(null);
     this.controls.dispose();
     this.renderer.dispose();
@@ -142,7 +156,29 @@ export abstract class SceneRenderer {
 
   /** Requests a frame. */
   invalidate(): void {
+    clearTimeout(this.#still);
     if (!this.#frame) this.#frame = requestAnimationFrame(() => this.render());
+  }
+
+  /** Requests a frame after parts have moved. */
+  protected partsMoved(): void {
+    this.#shadowsOutdated = true;
+    this.invalidate();
+  }
+
+  /** Places ground and key light for a scene within a box. */
+  protected placeGround(box: Box3, floor: number): void {
+    this.#ground.place(box, floor);
+    const center = box.getCenter(new Vector3());
+    const reach = 0.5 * box.getSize(new Vector3()).length();
+    const light = this.#keyLight;
+    light.target.position.copy(center);
+    light.position.copy(center).addScaledVector(KEY_LIGHT, 2 * reach);
+    Object.assign(light.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.8 * reach, far: 3.2 * reach });
+    light.shadow.camera.updateProjectionMatrix();
+    // A part does not cast a shadow on itself within one pixel of the map.
+    light.shadow.normalBias = (3 * reach) / SHADOW.pixels;
+    this.partsMoved();
   }
 
   /** Takes over the size of the host element; to be called at the end of the constructor of a subclass. */
@@ -151,7 +187,7 @@ export abstract class SceneRenderer {
     if (width < 2 || height < 2 || (width === this.size.width && height === this.size.height)) return;
     this.size = { width, height };
     this.renderer.setSize(width, height);
-    const ratio = this.renderer.getPixelRatio();
+    const ratio = Math.min(window.devicePixelRatio, 2);
     this.labelCanvas.width = Math.round(width * ratio);
     this.labelCanvas.height = Math.round(height * ratio);
     this.resized();
@@ -174,34 +210,54 @@ export abstract class SceneRenderer {
 
   protected render(): void {
     this.#frame = 0;
+    clearTimeout(this.#still);
     const start = performance.now();
+    this.#resolution.observe(start - this.#lastFrame);
+    this.#lastFrame = start;
+    this.#useRatio(this.#resolution.moving);
+    if (!this.#draw()) return;
+    if (this.#resolution.still > this.#resolution.moving) this.#still = setTimeout(() => this.#drawStill(), STILL_AFTER_MS);
+    this.frameRendered();
+    this.#events.rendered(performance.now() - start);
+  }
+
+  #useRatio(ratio: number): void {
+    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+  }
+
+  #drawStill(): void {
+    this.#useRatio(this.#resolution.still);
+    this.#draw();
+  }
+
+  /** Renders the scene and its labels; returns whether there is a scene. */
+  #draw(): boolean {
     const overlay = this.update();
-    if (!overlay) return;
+    if (!overlay) return false;
+    if (this.#shadowsOutdated) {
+      this.#shadowsOutdated = false;
+      this.renderer.shadowMap.needsUpdate = true;
+      this.#ground.cast(this.renderer, this.scene);
+    }
     this.renderer.render(this.scene, this.camera);
     const context = this.labelCanvas.getContext('2d');
     if (context) {
-      const ratio = this.renderer.getPixelRatio();
+      const ratio = this.labelCanvas.width / this.size.width;
       const { ink, background } = SCENE[this.theme];
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       context.clearRect(0, 0, this.size.width, this.size.height);
       paintLabels(context, overlay.labels, this.camera, this.size, overlay.covered, { text: ink, halo: background });
     }
-    this.frameRendered();
-    this.#events.rendered(performance.now() - start);
+    return true;
   }
 
   setTheme(theme: Theme): void {
     this.theme = theme;
     const colours = SCENE[theme];
-    const { key, fill, sky } = this.#options.lights;
-    this.keyLight.intensity = key.intensity * colours.light;
-    this.#fillLight.intensity = fill.intensity * colours.light;
-    this.#sky.intensity = sky * colours.light;
+    this.#keyLight.intensity = INTENSITY.key * colours.light;
+    this.#environment.intensity = INTENSITY.environment * colours.light;
     this.#handles?.paint(colours.handle, colours.handleActive);
-    const material = this.grid.material as LineBasicMaterial;
-    material.vertexColors = false;
-    material.color = new Color(colours.grid);
-    material.needsUpdate = true;
+    this.#ground.paint(colours.grid, colours.shadow);
     this.invalidate();
   }
 
