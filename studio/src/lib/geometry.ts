@@ -29,7 +29,7 @@ export function outline(points: Point[], radius: number, steps = 24): Point[] {
 }
 
 /** The largest half-angle of a cut-out [rad]. */
-const CUT_HALF_ANGLE = 0.95;
+const CUT_HALF_ANGLE = 0.7;
 
 /**
  * The outline of a plate around points, cut open to a round hole at each of its corners, counter-clockwise; the cuts face outwards.

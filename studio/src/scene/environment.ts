@@ -9,6 +9,7 @@ import { AmbientLight, ShaderChunk } from 'three';
 const FUNCTIONS = /* glsl */ `
 const vec3 KEY_BOX = vec3( 0.310, -0.424, 0.851 );
 const vec3 RIM_BOX = vec3( -0.530, 0.740, 0.414 );
+const vec3 SIDE_BOX = vec3( 0.858, - 0.429, - 0.283 );
 
 float softBox( vec3 direction, vec3 box, float size, float blur ) {
   return smoothstep( size - blur, size + 0.35 * blur, dot( direction, box ) );
@@ -17,10 +18,14 @@ float softBox( vec3 direction, vec3 box, float size, float blur ) {
 // Radiance from a direction, averaged over a lobe that grows with the roughness.
 vec3 environmentRadiance( vec3 direction, float roughness ) {
   float blur = 0.05 + 0.75 * roughness;
-  vec3 sky = mix( vec3( 0.95, 0.97, 1.0 ), vec3( 0.62, 0.68, 0.76 ), smoothstep( 0.05, 1.0, direction.z ) );
-  vec3 all = mix( vec3( 0.36, 0.38, 0.41 ), sky, smoothstep( - blur, blur, direction.z ) );
+  // A bright and a dark side give upright parts their shape.
+  float side = dot( direction.xy, vec2( 0.59, - 0.807 ) );
+  vec3 sky = mix( vec3( 0.86, 0.89, 0.93 ), vec3( 0.62, 0.68, 0.76 ), smoothstep( 0.05, 1.0, direction.z ) );
+  vec3 all = mix( vec3( 0.52, 0.53, 0.55 ), sky, smoothstep( - 0.1 - blur, blur, direction.z ) );
+  all *= 1.0 + 0.32 * side;
   float strength = 2.4 / ( 1.0 + 2.5 * roughness );
-  return all + strength * softBox( direction, KEY_BOX, 0.86, blur ) + 0.7 * strength * softBox( direction, RIM_BOX, 0.9, blur );
+  all += strength * ( softBox( direction, KEY_BOX, 0.86, blur ) + 0.7 * softBox( direction, RIM_BOX, 0.9, blur ) );
+  return all + 0.5 * strength * softBox( direction, SIDE_BOX, 0.93, blur );
 }
 
 // Mean radiance over the hemisphere about a normal, weighted by the cosine.

@@ -177,7 +177,8 @@ export class Ground {
   /** Renders the shadow of the parts of a scene that cast one. */
   cast(renderer: WebGLRenderer, scene: Scene): void {
     scene.traverse((part) => {
-      if (part instanceof Mesh && part.castShadow) part.layers.enable(CASTERS);
+      // Transparent parts darken the ground, but not the parts within.
+      if (part instanceof Mesh && (part.castShadow || part.userData['onGround'])) part.layers.enable(CASTERS);
     });
     const [first, second] = this.#targets as [WebGLRenderTarget, WebGLRenderTarget];
     const before = { color: renderer.getClearColor(new Color()), alpha: renderer.getClearAlpha(), shadows: renderer.shadowMap.needsUpdate };

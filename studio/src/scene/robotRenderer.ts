@@ -206,7 +206,7 @@ export class RobotRenderer extends SceneRenderer {
     const height = (this.#picture?.pose.axis_height_m ?? 0.5) * 1000;
     const sockets = this.#picture?.robot.limbs.map((limb) => limb.socket_radius_m * 1000) ?? [93];
     const reach = Math.max(...sockets) + SIZES.rim + 12;
-    this.look(side, new Box3(new Vector3(-reach, -reach, height - 40), new Vector3(reach, reach, height + 40)));
+    this.look(side, new Box3(new Vector3(-reach, -reach, height - 30), new Vector3(reach, reach, height + 16)));
   }
 
   /** The part of the robot that standard views show: all above a plane slightly below the flange. */
