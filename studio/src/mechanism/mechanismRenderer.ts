@@ -15,6 +15,8 @@ export interface MechanismRendererEvents extends RendererEvents {
 
 /** Up to this number of joints, all of them have labels. */
 const MANY = 16;
+/** Length of a joint and its surroundings [sizes]: joints have no labels in views from far away. */
+const LABELLED = 0.18;
 /** The view is larger than the mechanism by this factor, for labels and buttons. */
 const MARGIN = 1.22;
 /** Period of an animated motion [ms]. */
@@ -206,7 +208,7 @@ export class MechanismRenderer extends SceneRenderer {
     const shown = joints.filter(({ name, actuated }) => all || actuated || isSelected(name));
     // Labels that are painted first have the best places.
     const rank = ({ name, actuated }: (typeof joints)[number]) => (isSelected(name) ? 0 : actuated ? 1 : 2);
-    const labels = shown.sort((a, b) => rank(a) - rank(b)).map(({ name, actuated, position }): Label => ({ position, text: name, offset: [12, -10], strong: actuated || isSelected(name), optional: !isSelected(name) }));
+    const labels = shown.sort((a, b) => rank(a) - rank(b)).map(({ name, actuated, position }): Label => ({ position, text: name, offset: [12, -10], strong: actuated || isSelected(name), extent: isSelected(name) ? undefined : LABELLED }));
     return { labels, covered: { left: 8, right: 8 } };
   }
 

@@ -17,7 +17,7 @@ export class CellMaterials {
   readonly robot = new MeshStandardMaterial({ color: 0xc3cad1, metalness: 0.85, roughness: 0.3 });
   readonly arm = new MeshStandardMaterial({ color: 0x3f7fbf, metalness: 0.45, roughness: 0.36 });
   readonly 'other arm' = new MeshStandardMaterial({ color: 0xd98a3d, metalness: 0.45, roughness: 0.36 });
-  readonly wafer = new MeshStandardMaterial({ color: 0x6d6784, metalness: 0.85, roughness: 0.16 });
+  readonly wafer = new MeshStandardMaterial({ color: 0x9d95bd, metalness: 0.7, roughness: 0.2 });
   readonly station = new MeshStandardMaterial({ color: 0x4f8f5f, metalness: 0.1, roughness: 0.6 });
   /** Bodies of stations are transparent, because wafers are within. */
   readonly carrier = new MeshPhysicalMaterial({ color: 0x9fb4c6, metalness: 0, roughness: 0.14, transparent: true, opacity: 0.3, depthWrite: false });
@@ -42,7 +42,8 @@ export class CellMaterials {
     mesh.material = material === 'body' && ofStation ? this.carrier : this[material];
     const solid = !['keep out', 'safe', 'station'].includes(material);
     mesh.castShadow = solid && mesh.material !== this.carrier;
-    mesh.receiveShadow = solid;
+    // Shadows of the wafers above would hide the slots of a carrier.
+    mesh.receiveShadow = solid && material !== 'wafer';
     mesh.userData['onGround'] = solid;
   }
 

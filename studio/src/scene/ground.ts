@@ -41,7 +41,7 @@ const heightMaterial = () =>
       varying float height;
       void main() {
         float near = 1.0 - height;
-        gl_FragColor = vec4( near * near, 0.0, 0.0, 1.0 );
+        gl_FragColor = vec4( near * sqrt( near ), 0.0, 0.0, 1.0 );
       }`,
   });
 
@@ -190,7 +190,7 @@ export class Ground {
     renderer.render(scene, this.#camera);
     scene.overrideMaterial = null;
     const { uniforms } = this.#blur;
-    for (const width of [2.2, 5.5])
+    for (const width of [1.2, 2.2, 3.4])
       for (const [source, target, x, y] of [[first, second, width, 0], [second, first, 0, width]] as const) {
         uniforms['picture']!.value = source.texture;
         (uniforms['stride']!.value as Vector2).set(x / PIXELS, y / PIXELS);

@@ -99,7 +99,7 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
       rails(picture.model, socket, delta).forEach((rail) => annotations.path(rail.map(inBase), 0.45, colour, 9));
       paths.forEach((path) => annotations.path(path.map(inBase), 1.5, colour));
       annotations.dot(start, 2.6, colour);
-      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: jointTexts[k] as string, awayFrom: displayed.center, colour: legible(colour, theme), strong: true });
+      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: jointTexts[k] as string, extent: 60, awayFrom: displayed.center, colour: legible(colour, theme), strong: true });
     });
   }
   if (shown.ghost) {
@@ -113,7 +113,7 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
       const to = ghost.sockets[k] as Vector3;
       annotations.arrow(ball, to, 1, grey, 9);
       const gap = new Vector3(...(pose.approximate.gaps_m[k] as Triple)).length();
-      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: `gap ${small(gap, unit)}`, awayFrom: displayed.center, colour: legible(grey, theme) });
+      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: `gap ${small(gap, unit)}`, extent: 60, awayFrom: displayed.center, colour: legible(grey, theme) });
     });
   }
   const axis = new Vector3(0, 0, pose.axis_height_m * MM);
@@ -125,7 +125,7 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
       const own = models[model.virtualization] as string;
       const strong = model.virtualization === picture.model;
       annotations.arrow(axis, tip, strong ? 1.7 : 1.2, own, strong ? 14 : 12);
-      if (shown.labels) labels.push({ position: tip, text: small(Math.hypot(x, y), unit), awayFrom: axis, colour: legible(own, theme), strong });
+      if (shown.labels) labels.push({ position: tip, text: `${model.virtualization} ${small(Math.hypot(x, y), unit)}`, awayFrom: axis, extent: 60, colour: legible(own, theme), strong });
     }
     annotations.dot(axis, 1.8, colours.ink, 15);
   }
@@ -221,7 +221,7 @@ function frame(
     const colour = colours[i] as string;
     const tip = origin.clone().add(toBase(axis).multiplyScalar(name === 'b' ? 46 : 38));
     annotations.arrow(origin, tip, 0.9, colour, 8);
-    if (labelled && name === 'b') labels.push({ position: tip, text: names[i] as string, colour, offset: [6, 0] });
+    if (labelled && name === 'b') labels.push({ position: tip, text: names[i] as string, colour, offset: [6, 0], extent: 46 });
   });
-  if (labelled && name === 'b') labels.push({ position: origin, text: 'O_b', offset: [-8, 10] });
+  if (labelled && name === 'b') labels.push({ position: origin, text: 'O_b', offset: [-8, 10], extent: 46 });
 }

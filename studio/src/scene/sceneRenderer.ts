@@ -19,6 +19,7 @@ import {
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { environmentLight, installEnvironment } from './environment';
 import { Ground } from './ground';
+import type { Box } from '../lib/labelLayout';
 import { DESCRIPTIONS, type Freedom, type Handles } from './handles';
 import { paintLabels, type Label } from './labels';
 import { SCENE, type Theme } from './palette';
@@ -61,6 +62,8 @@ const KEY_LIGHT = new Vector3(0.31, -0.424, 0.851);
 const INTENSITY = { key: 1.9, environment: 0.62 } as const;
 /** Pixels of the shadow map along an edge, and the radius over which shadows are soft [pixels of the map]. */
 const SHADOW = { pixels: 1024, radius: 2.4 } as const;
+/** Area of a drag handle that labels leave free [px]. */
+const GRIP = { width: 26, height: 64 } as const;
 /** Time without changes before the still picture [ms]. */
 const STILL_AFTER_MS = 220;
 
@@ -246,9 +249,18 @@ export abstract class SceneRenderer {
       const { ink, background } = SCENE[this.theme];
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       context.clearRect(0, 0, this.size.width, this.size.height);
-      paintLabels(context, overlay.labels, this.camera, this.size, overlay.covered, { text: ink, halo: background });
+      paintLabels(context, overlay.labels, this.camera, this.size, overlay.covered, this.#gripBoxes(), { text: ink, halo: background });
     }
     return true;
+  }
+
+  /** Areas of the view around the drag handles [px]. */
+  #gripBoxes(): Box[] {
+    return (this.#handles?.grips() ?? []).map((grip) => {
+      const { x, y } = grip.project(this.camera);
+      const [across, down] = [((x + 1) / 2) * this.size.width, ((1 - y) / 2) * this.size.height];
+      return { left: across - GRIP.width / 2, right: across + GRIP.width / 2, top: down - GRIP.height / 2, bottom: down + GRIP.height / 2 };
+    });
   }
 
   setTheme(theme: Theme): void {
