@@ -1,4 +1,4 @@
-// 3D view of the three-rod robot: cameras, shadows, standard views, snapshots.
+// 3D view of the three-rod robot: cameras and standard views.
 
 import {
   Box3,
@@ -225,7 +225,7 @@ export class RobotRenderer extends SceneRenderer {
     const right = reference.clone().cross(direction).normalize();
     const up = direction.clone().cross(right);
     const halfHeight = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * 0.8;
-    const halfWidth = (halfHeight * Math.max(this.size.width - this.#covered, 200)) / this.size.height;
+    const halfWidth = (halfHeight * Math.max(this.size.width - (this.exporting ? 0 : this.#covered), 200)) / this.size.height;
     let distance = 1;
     for (let index = 0; index < 8; index++) {
       const corner = new Vector3(...([1, 2, 4].map((bit, i) => ((index & bit) > 0 ? box.max : box.min).getComponent(i)) as [number, number, number]));
@@ -278,7 +278,7 @@ export class RobotRenderer extends SceneRenderer {
     if (this.camera === this.#orthographic)
       Object.assign(this.#orthographic, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
     const { width, height } = this.size;
-    this.camera.setViewOffset(width, height, -this.#covered / 2, 0, width, height);
+    this.camera.setViewOffset(width, height, this.exporting ? 0 : -this.#covered / 2, 0, width, height);
     this.camera.updateProjectionMatrix();
   }
 
@@ -297,38 +297,6 @@ export class RobotRenderer extends SceneRenderer {
 
   protected override frameRendered(): void {
     this.onFrame?.();
-  }
-
-  /** Copies the last frame to a canvas, with a note on the play scale. */
-  copyTo(canvas: HTMLCanvasElement, note: string): void {
-    const source = this.renderer.domElement;
-    if (canvas.width !== source.width || canvas.height !== source.height) {
-      canvas.width = source.width;
-      canvas.height = source.height;
-    }
-    const context = canvas.getContext('2d');
-    if (!context || !this.#picture) return;
-    const colours = SCENE[this.theme];
-    const ratio = this.renderer.getPixelRatio();
-    context.fillStyle = colours.background;
-    context.fillRect(0, 0, canvas.width, canvas.height);
-    context.drawImage(source, 0, 0);
-    context.drawImage(this.labelCanvas, 0, 0);
-    context.font = `600 ${14 * ratio}px system-ui, sans-serif`;
-    context.fillStyle = colours.ink;
-    context.fillText(note, 14 * ratio, canvas.height - 14 * ratio);
-  }
-
-  /** The view as PNG, with a note. */
-  snapshot(note: string): Promise<Blob | null> {
-    const { onFrame } = this;
-    this.onFrame = null;
-    this.render();
-    const canvas = document.createElement('canvas');
-    this.copyTo(canvas, note);
-    this.onFrame = onFrame;
-    this.invalidate();
-    return new Promise((done) => canvas.toBlob(done, 'image/png'));
   }
 
   // The pointer

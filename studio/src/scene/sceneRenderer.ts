@@ -56,6 +56,19 @@ export interface SceneOptions {
   grid: { step: number; radius: number };
 }
 
+/** A picture of a view for export. */
+export interface Picture {
+  /** Pixels. */
+  width: number;
+  height: number;
+  /** Pixels of the picture per pixel of texts on the screen. */
+  scale: number;
+  transparent: boolean;
+  labels: boolean;
+  /** Text at the lower left. */
+  note: string;
+}
+
 /** Direction to the key light. */
 const KEY_LIGHT = new Vector3(0.31, -0.424, 0.851);
 /** Intensities of the key light and of the environment. */
@@ -85,6 +98,8 @@ export abstract class SceneRenderer {
   readonly #environment = environmentLight();
   readonly #ground: Ground;
   readonly #resolution: Resolution;
+  /** Whether the processor renders the pictures. */
+  readonly #software: boolean;
   readonly #observer: ResizeObserver;
   #handles: Handles | null = null;
   #drag: { freedom: Freedom; start: Vector2 } | null = null;
@@ -102,7 +117,8 @@ export abstract class SceneRenderer {
     installEnvironment();
     const context = takeContext();
     this.renderer = new WebGLRenderer({ alpha: true, ...(context && { canvas: context.canvas, context: context.context }) });
-    this.#resolution = new Resolution(window.devicePixelRatio, context?.software ?? false);
+    this.#software = context?.software ?? false;
+    this.#resolution = new Resolution(window.devicePixelRatio, this.#software);
     this.renderer.setPixelRatio(this.#resolution.moving);
     this.renderer.toneMapping = NeutralToneMapping;
     this.renderer.shadowMap.enabled = true;
@@ -144,6 +160,11 @@ export abstract class SceneRenderer {
     this.controls.dispose();
     this.renderer.dispose();
     this.#host.replaceChildren();
+  }
+
+  /** Size of the view [px]. */
+  get viewSize(): { width: number; height: number } {
+    return this.size;
   }
 
   get canvas(): HTMLCanvasElement {
@@ -219,13 +240,69 @@ export abstract class SceneRenderer {
     this.#lastFrame = start;
     this.#useRatio(this.#resolution.moving);
     if (!this.#draw()) return;
-    if (this.#resolution.still > this.#resolution.moving) this.#still = setTimeout(() => this.#drawStill(), STILL_AFTER_MS);
+    this.#scheduleStill();
     this.frameRendered();
     this.#events.rendered(performance.now() - start);
   }
 
+  /** Whether a picture for export is being rendered. */
+  protected exporting = false;
+
+  /**
+   * Renders the view to another canvas, in another size and without drag handles.
+   *
+   * `smooth` renders it at twice the resolution where the graphics card does not smooth edges.
+   */
+  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth = true): void {
+    const { width, height, scale, transparent, labels, note } = picture;
+    const context = canvas.getContext('2d');
+    const largest = this.renderer.capabilities.maxTextureSize;
+    if (!context) throw new Error('this browser cannot render the picture');
+    if (!(Math.max(width, height) <= largest && Math.min(width, height) >= 16))
+      throw new Error(`pictures have 16 to ${largest} pixels along each edge, got ${width} × ${height}`);
+    const factor = smooth && this.#software && 2 * Math.max(width, height) <= largest ? 2 : 1;
+    const before = { size: this.size, handles: this.#handles?.group.visible ?? false };
+    const { background, ink } = SCENE[this.theme];
+    try {
+      this.exporting = true;
+      if (this.#handles) this.#handles.group.visible = false;
+      this.size = { width: width / scale, height: height / scale };
+      this.renderer.setPixelRatio(1);
+      this.renderer.setSize(width * factor, height * factor, false);
+      this.resized();
+      const overlay = this.#renderScene();
+      if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+      context.setTransform(1, 0, 0, 1, 0, 0);
+      context.clearRect(0, 0, width, height);
+      if (!transparent) {
+        context.fillStyle = background;
+        context.fillRect(0, 0, width, height);
+      }
+      context.imageSmoothingQuality = 'high';
+      context.drawImage(this.renderer.domElement, 0, 0, width, height);
+      context.setTransform(scale, 0, 0, scale, 0, 0);
+      if (labels && overlay) paintLabels(context, overlay.labels, this.camera, this.size, { left: 8, right: 8 }, [], { text: ink, halo: background });
+      context.font = '600 14px system-ui, sans-serif';
+      context.fillStyle = ink;
+      context.fillText(note, 14, height / scale - 14);
+    } finally {
+      this.exporting = false;
+      if (this.#handles) this.#handles.group.visible = before.handles;
+      this.size = before.size;
+      this.renderer.setPixelRatio(this.#resolution.moving);
+      this.renderer.setSize(this.size.width, this.size.height);
+      this.resized();
+      if (this.#draw()) this.#scheduleStill();
+    }
+  }
+
   #useRatio(ratio: number): void {
     if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+  }
+
+  #scheduleStill(): void {
+    clearTimeout(this.#still);
+    if (this.#resolution.still > this.#resolution.moving) this.#still = setTimeout(() => this.#drawStill(), STILL_AFTER_MS);
   }
 
   #drawStill(): void {
@@ -233,16 +310,23 @@ export abstract class SceneRenderer {
     this.#draw();
   }
 
-  /** Renders the scene and its labels; returns whether there is a scene. */
-  #draw(): boolean {
+  /** Renders the scene; returns its labels, and `null` without a scene. */
+  #renderScene(): Overlay | null {
     const overlay = this.update();
-    if (!overlay) return false;
+    if (!overlay) return null;
     if (this.#shadowsOutdated) {
       this.#shadowsOutdated = false;
       this.renderer.shadowMap.needsUpdate = true;
       this.#ground.cast(this.renderer, this.scene);
     }
     this.renderer.render(this.scene, this.camera);
+    return overlay;
+  }
+
+  /** Renders the scene and its labels; returns whether there is a scene. */
+  #draw(): boolean {
+    const overlay = this.#renderScene();
+    if (!overlay) return false;
     const context = this.labelCanvas.getContext('2d');
     if (context) {
       const ratio = this.labelCanvas.width / this.size.width;
