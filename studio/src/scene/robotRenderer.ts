@@ -31,6 +31,9 @@ export const STANDARD_VIEWS = {
 export type StandardView = keyof typeof STANDARD_VIEWS;
 
 const FIELD_OF_VIEW = 28;
+/** Height of the play scale below the view, and the area of the button at its upper left [px]. */
+const FOOTER = 76;
+const BUTTON = { left: 0, right: 136, top: 0, bottom: 46 } as const;
 /** Height of the ground [mm]. */
 const FLOOR = -SIZES.flange - SIZES.housing;
 
@@ -224,8 +227,10 @@ export class RobotRenderer extends SceneRenderer {
     const reference = Math.abs(direction.z) > 0.999 ? new Vector3(0, 1, 0) : new Vector3(0, 0, 1);
     const right = reference.clone().cross(direction).normalize();
     const up = direction.clone().cross(right);
-    const halfHeight = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * 0.8;
-    const halfWidth = (halfHeight * Math.max(this.size.width - (this.exporting ? 0 : this.#covered), 200)) / this.size.height;
+    const full = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * 0.82;
+    const { left, bottom } = this.#coveredNow;
+    const halfWidth = (full * Math.max(this.size.width - left, 200)) / this.size.height;
+    const halfHeight = (full * Math.max(this.size.height - bottom, 120)) / this.size.height;
     let distance = 1;
     for (let index = 0; index < 8; index++) {
       const corner = new Vector3(...([1, 2, 4].map((bit, i) => ((index & bit) > 0 ? box.max : box.min).getComponent(i)) as [number, number, number]));
@@ -270,6 +275,11 @@ export class RobotRenderer extends SceneRenderer {
     this.controls.object = camera;
   }
 
+  /** What other elements cover of the view [px]; nothing in pictures for export. */
+  get #coveredNow(): { left: number; bottom: number } {
+    return this.exporting ? { left: 0, bottom: 0 } : { left: this.#covered, bottom: FOOTER };
+  }
+
   #updateProjection(): void {
     const aspect = this.size.width / this.size.height;
     this.#perspective.aspect = aspect;
@@ -278,7 +288,7 @@ export class RobotRenderer extends SceneRenderer {
     if (this.camera === this.#orthographic)
       Object.assign(this.#orthographic, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
     const { width, height } = this.size;
-    this.camera.setViewOffset(width, height, this.exporting ? 0 : -this.#covered / 2, 0, width, height);
+    this.camera.setViewOffset(width, height, -this.#coveredNow.left / 2, this.#coveredNow.bottom / 2, width, height);
     this.camera.updateProjectionMatrix();
   }
 
@@ -292,7 +302,7 @@ export class RobotRenderer extends SceneRenderer {
   protected update(): Overlay | null {
     if (!this.#picture || !this.#robot) return null;
     const labels = updateRobotScene(this.#picture, this.#robot, this.#annotations);
-    return { labels, covered: { left: this.#covered + 10, right: 104 } };
+    return { labels, covered: { left: this.#covered + 10, right: 104 }, occupied: [BUTTON, { left: 0, right: this.size.width, top: this.size.height - FOOTER, bottom: this.size.height }] };
   }
 
   protected override frameRendered(): void {

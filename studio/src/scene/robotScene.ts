@@ -125,7 +125,7 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
       const own = models[model.virtualization] as string;
       const strong = model.virtualization === picture.model;
       annotations.arrow(axis, tip, strong ? 1.7 : 1.2, own, strong ? 14 : 12);
-      if (shown.labels) labels.push({ position: tip, text: `${model.virtualization} ${small(Math.hypot(x, y), unit)}`, awayFrom: axis, extent: 60, colour: legible(own, theme), strong });
+      if (shown.labels) labels.push({ position: tip, text: `${model.virtualization} ${small(Math.hypot(x, y), unit)}`, awayFrom: axis, extent: 26, colour: legible(own, theme), strong });
     }
     annotations.dot(axis, 1.8, colours.ink, 15);
   }

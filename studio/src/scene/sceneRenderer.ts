@@ -39,10 +39,11 @@ export interface RendererEvents {
   rendered: (took_ms: number) => void;
 }
 
-/** Labels of a frame, and the widths at its left and right that are covered by other elements [px]. */
+/** Labels of a frame, and what other elements cover: widths at its left and right, and further areas [px]. */
 export interface Overlay {
   labels: Label[];
   covered: { left: number; right: number };
+  occupied?: Box[];
 }
 
 /** What differs between the scenes of the views. */
@@ -333,7 +334,7 @@ export abstract class SceneRenderer {
       const { ink, background } = SCENE[this.theme];
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       context.clearRect(0, 0, this.size.width, this.size.height);
-      paintLabels(context, overlay.labels, this.camera, this.size, overlay.covered, this.#gripBoxes(), { text: ink, halo: background });
+      paintLabels(context, overlay.labels, this.camera, this.size, overlay.covered, [...this.#gripBoxes(), ...(overlay.occupied ?? [])], { text: ink, halo: background });
     }
     return true;
   }
