@@ -61,9 +61,9 @@ test('the tour has three steps, each with what it is about, and ends for good', 
     expect(await outlined()).toBe('');
     await page.getByTestId('tour-next').press('Enter');
     await page.getByText('1 of 3').waitFor();
-    await until('the pose is outlined', async () => (await outlined()).includes('Tilt angle'));
+    await until('the pose is outlined', async () => (await outlined()).includes('Pose'));
     await page.getByTestId('tour-next').click();
-    await until('the models are outlined', async () => (await outlined()).includes('planar'));
+    await until('the models are outlined', async () => (await outlined()).includes('Virtualization'));
     await page.getByTestId('tour-next').click();
     await until('the motions are outlined', async () => (await outlined()).includes('No motion'));
     expect(await accessibilityViolations(page)).toEqual([]);

@@ -53,7 +53,7 @@ export const SCENE: Record<Theme, SceneColours> = {
     contact: '#d55e00',
     handle: 0x2a6fb0,
     handleActive: 0xd55e00,
-    shadow: 0.62,
+    shadow: 0.55,
     actuated: 0xc44e00,
     virtual: 0xb0479a,
     selected: 0xf0b000,
