@@ -314,7 +314,7 @@ export class CellRenderer extends SceneRenderer {
     if (!this.#cell) return null;
     this.#scaleHandles();
     this.#seeThroughWalls();
-    const labels = this.#stations.map(({ name, position }) => ({ position: this.#labelPosition(name, position), text: name, strong: true, extent: 0.15 }));
+    const labels = this.#stations.map(({ name, position }) => ({ position: this.#labelPosition(name, position), text: name, strong: true, extent: 0.3 }));
     return { labels, covered: { left: 8, right: 8 } };
   }
 

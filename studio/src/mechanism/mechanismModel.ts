@@ -5,6 +5,7 @@ import {
   ConeGeometry,
   CylinderGeometry,
   Group,
+  LatheGeometry,
   Matrix4,
   Mesh,
   MeshStandardMaterial,
@@ -12,6 +13,7 @@ import {
   Quaternion,
   SphereGeometry,
   TorusGeometry,
+  Vector2,
   Vector3,
   type BufferGeometry,
   type Material,
@@ -29,10 +31,10 @@ export function matrixOf({ origin_m: [x, y, z], rotation: [a, b, c] }: PlacedDoc
 
 /** Materials of a scene. */
 export class MechanismMaterials {
-  readonly base = new MeshStandardMaterial({ metalness: 0.1, roughness: 0.6 });
-  readonly links = [new MeshStandardMaterial({ metalness: 0.1, roughness: 0.45 }), new MeshStandardMaterial({ metalness: 0.15, roughness: 0.4 })];
-  readonly joint = new MeshStandardMaterial({ metalness: 0.2, roughness: 0.35 });
-  readonly actuated = new MeshStandardMaterial({ metalness: 0.1, roughness: 0.4 });
+  readonly base = new MeshStandardMaterial({ metalness: 0.55, roughness: 0.45 });
+  readonly links = [new MeshStandardMaterial({ metalness: 0.45, roughness: 0.38 }), new MeshStandardMaterial({ metalness: 0.5, roughness: 0.34 })];
+  readonly joint = new MeshStandardMaterial({ metalness: 0.8, roughness: 0.26 });
+  readonly actuated = new MeshStandardMaterial({ metalness: 0.35, roughness: 0.36 });
   readonly virtual = new MeshStandardMaterial({ metalness: 0, roughness: 0.5 });
   readonly selected = new MeshStandardMaterial({ metalness: 0, roughness: 0.5, emissive: 0x5a3d00 });
   readonly load = new MeshStandardMaterial({ metalness: 0, roughness: 0.5 });
@@ -202,6 +204,12 @@ function rod(from: Vector3, to: Vector3, radius: number): BufferGeometry {
 /** A cylinder along z. */
 const along = (radius: number, length: number, at = 0) => new CylinderGeometry(radius, radius, length, 28).rotateX(Math.PI / 2).translate(0, 0, at);
 
+/** The race of a spherical bearing about z. */
+function race(r: number): BufferGeometry {
+  const profile = [[0.97, -0.8], [1.22, -0.35], [1.28, 0], [1.22, 0.35], [0.97, 0.8], [1.5, 0.8], [1.62, 0.68], [1.62, -0.68], [1.5, -0.8], [0.97, -0.8]];
+  return new LatheGeometry(profile.map(([radius, z]) => new Vector2(radius! * r, z! * r)), 36).rotateX(Math.PI / 2);
+}
+
 /** Shapes of a joint in its frame, whose z axis is that of the joint. */
 function glyph(kind: string, r: number): BufferGeometry[] {
   switch (kind) {
@@ -216,7 +224,7 @@ function glyph(kind: string, r: number): BufferGeometry[] {
     case 'universal':
       return [along(0.5 * r, 3.6 * r), along(0.5 * r, 3.6 * r).rotateY(Math.PI / 2), new SphereGeometry(0.9 * r, 20, 14)];
     case 'spherical':
-      return [new SphereGeometry(1.25 * r, 28, 20), new TorusGeometry(1.35 * r, 0.2 * r, 10, 32)];
+      return [new SphereGeometry(1.2 * r, 28, 20), race(r)];
     case 'planar':
       return [new BoxGeometry(4 * r, 4 * r, 0.5 * r)];
     case 'fixed':

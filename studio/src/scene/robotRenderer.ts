@@ -15,19 +15,12 @@ import { Handles } from './handles';
 import { SCENE, type Theme } from './palette';
 import { RobotMaterials, RobotModel, SIZES } from './robotModel';
 import { updateRobotScene, type RobotPicture } from './robotScene';
+import { CUBE_SIDES } from './standardViews';
 import { SceneRenderer, type Camera, type Overlay, type RendererEvents } from './sceneRenderer';
 
 Object3D.DEFAULT_UP.set(0, 0, 1);
 
-export const STANDARD_VIEWS = {
-  home: [0.6, -1, 0.62],
-  front: [0, -1, 0],
-  back: [0, 1, 0],
-  left: [-1, 0, 0],
-  right: [1, 0, 0],
-  top: [0, -1e-4, 1],
-  bottom: [0, -1e-4, -1],
-} as const;
+export const STANDARD_VIEWS = { home: [0.6, -1, 0.62], ...CUBE_SIDES } as const;
 export type StandardView = keyof typeof STANDARD_VIEWS;
 
 const FIELD_OF_VIEW = 28;
@@ -187,15 +180,10 @@ export class RobotRenderer extends SceneRenderer {
   }
 
   /** Rotates the camera about its target to a standard direction. */
-  turnTo(side: StandardView): void {
+  override turnTo(side: StandardView): void {
     const [x, y, z] = STANDARD_VIEWS[side];
     const distance = this.camera.position.distanceTo(this.controls.target);
     this.#moveCamera(new Vector3(x, y, z).normalize(), this.controls.target.clone(), distance, this.camera.zoom);
-  }
-
-  /** Rotation from the base frame to the camera frame, by columns, as the view cube shows it. */
-  get rotation(): number[] {
-    return this.camera.matrixWorldInverse.toArray();
   }
 
   /** Shows the whole robot in the current direction. */

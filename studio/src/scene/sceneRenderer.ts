@@ -24,6 +24,7 @@ import { DESCRIPTIONS, type Freedom, type Handles } from './handles';
 import { paintLabels, type Label } from './labels';
 import { SCENE, type Theme } from './palette';
 import { Resolution } from './resolution';
+import { CUBE_SIDES, type CubeSide } from './standardViews';
 import { takeContext } from './webgl';
 
 export type Camera = PerspectiveCamera | OrthographicCamera;
@@ -229,6 +230,20 @@ export abstract class SceneRenderer {
     const distance = (0.82 * reach) / Math.sin((camera.fov * Math.PI) / 360) / aspect;
     this.controls.target.copy(center);
     camera.position.copy(center).addScaledVector(direction.clone().normalize(), distance);
+    this.controls.update();
+    this.invalidate();
+  }
+
+  /** Rotation from the base frame to the camera frame, by columns, as the view cube shows it. */
+  get rotation(): number[] {
+    return this.camera.matrixWorldInverse.toArray();
+  }
+
+  /** Rotates the camera about its target to a side. */
+  turnTo(side: CubeSide): void {
+    const { target } = this.controls;
+    const distance = this.camera.position.distanceTo(target);
+    this.camera.position.copy(target).addScaledVector(new Vector3(...CUBE_SIDES[side]).normalize(), distance);
     this.controls.update();
     this.invalidate();
   }
