@@ -72,14 +72,16 @@ export class MechanismModel {
   constructor(document: MechanismDocument, materials: MechanismMaterials) {
     this.#document = document;
     this.#materials = materials;
-    const { bar_radius_m: bar, joint_radius_m: radius } = document;
+    const { bar_radius_m: bar, joint_radius_m: jointRadius } = document;
     this.#links = document.links.map(({ name, bars }, i) => {
       const group = new Group();
+      // Coaxial bars of neighbouring links have different radii.
+      const radius = i === 0 ? 0.7 * bar : i % 2 === 0 ? bar : 0.88 * bar;
       const material = i === 0 ? materials.base : materials.links[i % 2]!;
-      for (const { from_m, to_m } of bars) group.add(part({ kind: 'link', name }, rod(new Vector3(...from_m), new Vector3(...to_m), i === 0 ? 0.7 * bar : bar), material));
+      for (const { from_m, to_m } of bars) group.add(part({ kind: 'link', name }, rod(new Vector3(...from_m), new Vector3(...to_m), radius), material));
       const ends = bars.flatMap(({ from_m, to_m }) => [from_m, to_m]);
       for (const end of distinct(ends)) {
-        const ball = part({ kind: 'link', name }, new SphereGeometry(i === 0 ? 0.7 * bar : bar, 16, 12), material);
+        const ball = part({ kind: 'link', name }, new SphereGeometry(radius, 16, 12), material);
         ball.position.fromArray(end);
         group.add(ball);
       }
@@ -90,7 +92,7 @@ export class MechanismModel {
     this.#joints = document.joints.map(({ name, kind, links, frames, actuated }) => {
       const group = new Group();
       const material = actuated ? materials.actuated : materials.joint;
-      for (const geometry of glyph(kind, radius)) group.add(part({ kind: 'joint', name }, geometry, material));
+      for (const geometry of glyph(kind, jointRadius)) group.add(part({ kind: 'joint', name }, geometry, material));
       group.applyMatrix4(matrixOf(frames[0]!));
       this.#links[links[0]!]!.add(group);
       return group;
@@ -98,7 +100,7 @@ export class MechanismModel {
     for (const { name, joint, link, motion, direction } of document.virtual_joints) {
       const of = document.joints[joint]!;
       const group = new Group();
-      for (const geometry of motion === 'slide' ? slideArrow(radius) : turnArrow(radius)) group.add(part({ kind: 'virtual', name }, geometry, materials.virtual));
+      for (const geometry of motion === 'slide' ? slideArrow(jointRadius) : turnArrow(jointRadius)) group.add(part({ kind: 'virtual', name }, geometry, materials.virtual));
       const side = of.links[0] === link ? 0 : 1;
       group.position.setFromMatrixPosition(matrixOf(of.frames[side]!));
       group.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...direction).normalize());

@@ -92,7 +92,7 @@ function mesh(geometry: BufferGeometry, material: Material, parent: Object3D): M
 }
 
 /** A body of revolution about z with chamfered edges, its lower end at z = 0. */
-function turned(radius: number, height: number, chamfer = 1.2, segments = 48): BufferGeometry {
+function turned(radius: number, height: number, chamfer = 1.2, segments = 36): BufferGeometry {
   const c = Math.min(chamfer, 0.4 * radius, 0.4 * height);
   const profile = [[0, 0], [radius - c, 0], [radius, c], [radius, height - c], [radius - c, height], [0, height]];
   // Doubled points keep edges sharp between the smooth surfaces.
@@ -107,7 +107,7 @@ function plateShape(line: Point[], holes: [Point, number][]): Shape {
 }
 
 function plate(shape: Shape, height: number, bevel: number): BufferGeometry {
-  const made = new ExtrudeGeometry(shape, { depth: height - 2 * bevel, bevelThickness: bevel, bevelSize: bevel, bevelOffset: -bevel, bevelSegments: 3, curveSegments: 40 });
+  const made = new ExtrudeGeometry(shape, { depth: height - 2 * bevel, bevelThickness: bevel, bevelSize: bevel, bevelOffset: -bevel, bevelSegments: 2, curveSegments: 40 });
   return made.translate(0, 0, bevel);
 }
 
@@ -124,16 +124,16 @@ function race(gap: number, open: { from: number; to: number }): { ring: BufferGe
   const outer = inner + BEARING.wall;
   // The race encloses the ball up to this angle above and below its equator.
   const limit = 0.72;
-  const arc = Array.from({ length: 17 }, (_, i) => {
-    const angle = limit - (2 * limit * i) / 16;
+  const arc = Array.from({ length: 11 }, (_, i) => {
+    const angle = limit - (2 * limit * i) / 10;
     return new Vector2(inner * Math.cos(angle), inner * Math.sin(angle));
   });
   const height = Math.max(inner * Math.sin(limit), SIZES.plate / 2 + 0.6);
   const corners = [[outer - 0.8, -height], [outer, 0.8 - height], [outer, height - 0.8], [outer - 0.8, height], [arc[0]!.x, height]] as const;
-  const profile = [...arc, new Vector2(arc[16]!.x, -height), ...corners.map(([r, z]) => new Vector2(r, z)), arc[0]!.clone()];
+  const profile = [...arc, new Vector2(arc[10]!.x, -height), ...corners.map(([r, z]) => new Vector2(r, z)), arc[0]!.clone()];
   const angle = 2 * Math.PI - (open.to - open.from);
-  const doubled = profile.flatMap((point, i) => (i > 0 && i < 16 ? [point] : [point, point]));
-  const ring = new LatheGeometry(doubled, 64, 0, angle).rotateX(Math.PI / 2).rotateZ(Math.PI / 2 + open.to);
+  const doubled = profile.flatMap((point, i) => (i > 0 && i < 10 ? [point] : [point, point]));
+  const ring = new LatheGeometry(doubled, 44, 0, angle).rotateX(Math.PI / 2).rotateZ(Math.PI / 2 + open.to);
   const section = (at: number) => new ShapeGeometry(new Shape(profile)).rotateX(Math.PI / 2).rotateZ(at);
   return { ring, sections: [section(open.from), section(open.to)] };
 }
@@ -154,9 +154,9 @@ export class RobotModel {
   constructor({ bases, sockets }: RobotGeometry, materials: RobotMaterials) {
     this.#sockets = sockets;
     this.#materials = materials;
-    const flange = plate(plateShape(outline(bases, SIZES.housingRadius + 8, 32), []), SIZES.flange, 2);
+    const flange = plate(plateShape(outline(bases, SIZES.housingRadius + 8, 16), []), SIZES.flange, 2);
     mesh(flange.translate(0, 0, -SIZES.flange), materials.base, this.base);
-    const foot = plate(plateShape(outline(bases, SIZES.housingRadius + 4, 32), []), 10, 2);
+    const foot = plate(plateShape(outline(bases, SIZES.housingRadius + 4, 16), []), 10, 2);
     mesh(foot.translate(0, 0, -SIZES.flange - SIZES.housing), materials.base, this.base);
     for (const [x, y] of bases) {
       // The actuator moves with its rod when play is exaggerated.
@@ -168,9 +168,9 @@ export class RobotModel {
       mesh(turned(SIZES.rod + 3.4, 4, 1), materials.motor, guides).position.z = SIZES.guide - 1;
       guides.position.set(x, y, 0);
       this.base.add(guides);
-      const rod = mesh(new CylinderGeometry(SIZES.rod, SIZES.rod, 1, 40).rotateX(Math.PI / 2).translate(0, 0, 0.5), materials.rod, this.group);
-      const neck = mesh(new CylinderGeometry(SIZES.neck, SIZES.rod, 16, 40).rotateX(Math.PI / 2).translate(0, 0, -8), materials.rod, this.group);
-      const ball = mesh(new SphereGeometry(SIZES.ball, 48, 32), materials.ball, this.group);
+      const rod = mesh(new CylinderGeometry(SIZES.rod, SIZES.rod, 1, 32).rotateX(Math.PI / 2).translate(0, 0, 0.5), materials.rod, this.group);
+      const neck = mesh(new CylinderGeometry(SIZES.neck, SIZES.rod, 16, 32).rotateX(Math.PI / 2).translate(0, 0, -8), materials.rod, this.group);
+      const ball = mesh(new SphereGeometry(SIZES.ball, 36, 24), materials.ball, this.group);
       this.#limbs.push({ guides, rod, neck, ball });
     }
     const column = outline(bases.map(([x, y]) => [0.35 * x, 0.35 * y]), 12, 16);
