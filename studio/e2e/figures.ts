@@ -18,6 +18,7 @@ HOME
 `;
 
 async function save(page: Page, name: string): Promise<void> {
+  await until('the motion is loaded', async () => (await page.getByTestId('loading').count()) === 0);
   // Pictures and texts have settled after some frames.
   await frames(page, 60);
   await page.screenshot({ path: resolve(ROOT, 'docs/figures', `${name}.png`) });
@@ -73,7 +74,6 @@ test('a tool of parts', async () => {
   await waitForCheck(page, 'passed');
   await until('the cell is drawn', async () => (await partNames(page)).length > 0 && (await page.evaluate(() => window.jointplay.probe.cellFrames > 0)));
   await page.getByTestId('cell-time').fill('11.4');
-  await until('the motion is loaded', async () => (await page.getByText('Loading the motion').count()) === 0);
   await save(page, 'studio-tool');
   await browser.close();
   await server.stop();
