@@ -23,7 +23,7 @@ async function open(does: (page: Page) => Promise<void>): Promise<void> {
   await load(page, server.address);
   await drawn(page);
   await does(page);
-  // The server refuses the expressions that are wrong.
+  // The server refuses invalid expressions.
   expect(unhandled(heard).filter((line) => !/status of 422/.test(line))).toEqual([]);
   await page.context().close();
 }

@@ -59,7 +59,7 @@ export class CellMaterials {
   }
 }
 
-/** Two arcs beside the place of a wafer, in the plane of the loaded disk: a mark of a slot, not a body. */
+/** Two arcs at the edge of a wafer in its slot, in the plane of the loaded disk: a mark of a slot, not a body. */
 function slotMark(disk: BufferGeometry): BufferGeometry {
   disk.computeBoundingBox();
   const { min, max } = disk.boundingBox!;
