@@ -79,6 +79,8 @@ const INTENSITY = { key: 1.9, environment: 0.62 } as const;
 const SHADOW = { pixels: 1024, radius: 2.4 } as const;
 /** Area of a drag handle that labels leave free [px]. */
 const GRIP = { width: 26, height: 64 } as const;
+/** Largest number of pixels of a still picture, which takes the processor about a second. */
+const STILL_PIXELS = 9e6;
 /** Time without changes before the still picture [ms]. */
 const STILL_AFTER_MS = 220;
 
@@ -322,7 +324,9 @@ export abstract class SceneRenderer {
   }
 
   #drawStill(): void {
-    this.#useRatio(this.#resolution.still);
+    const { width, height } = this.size;
+    const largest = Math.sqrt(STILL_PIXELS / (width * height));
+    this.#useRatio(Math.max(Math.min(this.#resolution.still, largest), this.#resolution.moving));
     this.#draw();
   }
 
