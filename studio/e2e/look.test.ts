@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { inflateSync } from 'node:zlib';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { accessibilityViolations, browse, complaints, drawn, load, serve, unhandled, until, visit, type Server } from './studio';
+import { accessibilityViolations, browse, cellFixture, complaints, drawn, load, partNames, serve, unhandled, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let server: Server;
@@ -125,3 +125,23 @@ test('pictures have any size and resolution, without background and handles', ()
     await page.getByTestId('export-view').click();
     await page.getByRole('alert').filter({ hasText: 'pixels along each edge, got 400000 × 400' }).waitFor();
   }));
+
+test('the view cube rotates the view of a cell, and zones have a legend', async () => {
+  const fixture = await cellFixture();
+  const page = await visit(fixture.browser);
+  await load(page, fixture.server.address);
+  await until('the cell is drawn', async () => (await partNames(page)).length > 0 && (await page.evaluate(() => window.jointplay.probe.cellFrames > 0)));
+  const cube = page.getByTestId('cube').locator('.cube');
+  const orientation = () => cube.evaluate((element) => element.style.transform);
+  await until('the cube shows the orientation', async () => (await orientation()).startsWith('matrix3d'));
+  const before = await orientation();
+  await page.getByTestId('cube').getByText('Top', { exact: true }).click();
+  await until('the view has turned', async () => (await orientation()) !== before);
+  // From above, the third row of the rotation is the direction up.
+  const [, , x, , , , y, , , , z] = (await orientation()).slice('matrix3d('.length).split(',').map(Number);
+  expect(Math.hypot(x!, y!)).toBeLessThan(0.01);
+  expect(z).toBeGreaterThan(0.99);
+  const legend = page.getByRole('list', { name: 'Legend' });
+  for (const text of ['keep-out zone', 'safe zone', 'slots']) expect(await legend.getByText(text).isVisible()).toBe(true);
+  await fixture.close();
+});
