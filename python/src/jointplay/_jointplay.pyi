@@ -52,6 +52,7 @@ __all__ = [
     "picture_as_latex",
     "picture_as_pdf",
     "picture_as_png",
+    "run_command",
     "catalogue",
 ]
 
@@ -101,6 +102,15 @@ class Gpr:
     def from_file(path: str | PathLike[str]) -> Gpr: ...
     @staticmethod
     def from_toml(text: str) -> Gpr: ...
+    def to_fmu(
+        self,
+        rods_m: ArrayLike | None = None,
+        *,
+        virtualization: Literal["radial", "polar", "offset", "planar"] | None = None,
+        fmi: Literal[2, 3] = 2,
+        name: str | None = None,
+        library: str | PathLike[str] | Sequence[str | PathLike[str]] | None = None,
+    ) -> bytes: ...
     @property
     def name(self) -> str: ...
     @property
@@ -464,6 +474,14 @@ class Mechanism:
     def to_model(
         self, format: Literal["mjcf", "sdf", "urdf"], at: dict[str, float] | None = None
     ) -> SimulatorModel: ...
+    def to_fmu(
+        self,
+        at: dict[str, float] | None = None,
+        *,
+        fmi: Literal[2, 3] = 2,
+        name: str | None = None,
+        library: str | PathLike[str] | Sequence[str | PathLike[str]] | None = None,
+    ) -> bytes: ...
     def _gltf(
         self,
         coordinates: ArrayLike,
@@ -472,6 +490,7 @@ class Mechanism:
         tolerance_um: float,
         parts: bytes | None = None,
         table: Sequence[tuple[str, str]] | None = None,
+        table_file: tuple[str, str] | None = None,
         parts_up: str | None = None,
     ) -> tuple[bytes, list[str]]: ...
     def __copy__(self) -> Mechanism: ...
@@ -621,6 +640,7 @@ class Plan:
     def __hash__(self) -> int: ...
 
 def catalogue() -> dict[str, str]: ...
+def run_command(arguments: Sequence[str], /) -> int: ...
 def picture_as_png(svg: str, width_px: int) -> bytes: ...
 def picture_as_pdf(svg: str) -> bytes: ...
 def picture_as_latex(svg: str, pdf_name: str, own_texts: Sequence[str]) -> tuple[str, bytes]: ...
