@@ -1,7 +1,8 @@
 // The screenshots of the documentation, in docs/figures: `npm run figures`, with target/debug/jointplay. Look at them afterwards.
 
 import { execFileSync } from 'node:child_process';
-import { writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import type { Page } from 'playwright-core';
@@ -17,6 +18,7 @@ HOME
 `;
 
 async function save(page: Page, name: string): Promise<void> {
+  await until('the motion is loaded', async () => (await page.getByTestId('loading').count()) === 0);
   // Pictures and texts have settled after some frames.
   await frames(page, 60);
   await page.screenshot({ path: resolve(ROOT, 'docs/figures', `${name}.png`) });
@@ -37,6 +39,45 @@ test('the robot and its motion', async () => {
   await save(page, 'studio-motion');
   await browser.close();
   await server.stop();
+});
+
+test('the robot as a picture for publications', async () => {
+  const [browser, server] = await Promise.all([browse(), serve()]);
+  const page = await visit(browser, { viewport: { width: 1400, height: 800 } });
+  await load(page, `${server.address}#pose=tilt,20,1.5,500,axis&model=polar,newton,paper&play=400&show=joints,labels`);
+  await drawn(page, 'Math.abs(pose.tilt.angle_rad - 1.5 * Math.PI / 180) < 1e-9');
+  // The panels would narrow the view.
+  await page.getByRole('button', { name: 'Close this explanation' }).click();
+  await page.keyboard.press('b');
+  await page.getByRole('button', { name: 'Platform', exact: true }).click();
+  await page.getByTestId('export').click();
+  await page.getByTestId('picture-size').selectOption('other');
+  for (const [key, value] of [['width', '1600'], ['height', '800'], ['dpi', '192']] as const) {
+    await page.getByTestId(`picture-${key}`).fill(value);
+    await page.getByTestId(`picture-${key}`).press('Tab');
+  }
+  const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-view').click()]);
+  await download.saveAs(resolve(ROOT, 'docs/figures/robot-play.png'));
+  await browser.close();
+  await server.stop();
+});
+
+test('a tool of parts', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'studio-'));
+  const guide = readFileSync(resolve(ROOT, 'docs/how-to/build-a-cell.md'), 'utf8');
+  const block = (kind: string) => new RegExp(`\`\`\`${kind}\\n([\\s\\S]*?)\`\`\``).exec(guide)![1]!;
+  writeFileSync(join(folder, 'tool.toml'), block('toml').replaceAll('part = "blade"', 'part = "fork-blade"'));
+  writeFileSync(join(folder, 'tool.program'), block('program'));
+  const [browser, server] = await Promise.all([browse(), serve(0, ['--cell', join(folder, 'tool.toml')])]);
+  const page = await visit(browser, { viewport: { width: 1440, height: 900 } });
+  await load(page, server.address);
+  await waitForCheck(page, 'passed');
+  await until('the cell is drawn', async () => (await partNames(page)).length > 0 && (await page.evaluate(() => window.jointplay.probe.cellFrames > 0)));
+  await page.getByTestId('cell-time').fill('11.4');
+  await save(page, 'studio-tool');
+  await browser.close();
+  await server.stop();
+  rmSync(folder, { recursive: true });
 });
 
 test('a mechanism', async () => {

@@ -125,6 +125,59 @@ test('the robot alone', async () => {
   await server.stop();
 });
 
+/** CPU time of the browser's graphics process [ms]: it renders the pictures where there is no graphics card. Linux only. */
+function graphicsCpu(): number {
+  let sum = 0;
+  for (const id of readdirSync('/proc').filter((name) => /^\d+$/.test(name)))
+    try {
+      if (!readFileSync(`/proc/${id}/cmdline`, 'utf8').includes('--type=gpu-process') || !descends(Number(id))) continue;
+      const fields = stat(Number(id));
+      // Clock ticks of 10 ms in user and kernel mode.
+      sum += 10 * (Number(fields[11]) + Number(fields[12]));
+    } catch {
+      // The process has ended.
+    }
+  return sum;
+}
+const stat = (id: number) => readFileSync(`/proc/${id}/stat`, 'utf8').replace(/^.*\) /, '').split(' ');
+/** Whether a process was started by this one. */
+function descends(id: number): boolean {
+  for (let at = id; at > 1; at = Number(stat(at)[1])) if (at === process.pid) return true;
+  return false;
+}
+
+for (const [name, words, counter] of [['robot', [], 'frames'], ['mechanism', ['gpr-mechanism'], 'mechanismFrames'], ['cell', ['--cell', 'example'], 'cellFrames']] as const)
+  test(`rotation of the view: ${name}`, async () => {
+    const [browser, server] = await Promise.all([browse(), serve(0, [...words])]);
+    const page = await browser.newPage({ viewport: { width: 1440, height: 900 }, reducedMotion: 'reduce' });
+    await load(page, server.address);
+    await until('a picture', () => page.evaluate((of) => window.jointplay.probe[of] > 0, counter));
+    await new Promise((wait) => setTimeout(wait, 3000));
+    const before = graphicsCpu();
+    const found = await page.evaluate(async (of) => {
+      const canvas = document.querySelector<HTMLCanvasElement>('canvas[role=img]')!;
+      const { left, top, width, height } = canvas.getBoundingClientRect();
+      canvas.setPointerCapture = canvas.releasePointerCapture = () => undefined;
+      const send = (type: string, x: number, buttons: number) =>
+        canvas.dispatchEvent(new PointerEvent(type, { clientX: left + 0.3 * width + x, clientY: top + 0.75 * height, buttons, pointerId: 1, bubbles: true, isPrimary: true }));
+      send('pointerdown', 0, 1);
+      const [start, first] = [performance.now(), window.jointplay.probe[of]];
+      for (let i = 0; performance.now() - start < 6000; i++) {
+        send('pointermove', 3 * (i % 60), 1);
+        await new Promise((next) => requestAnimationFrame(next));
+      }
+      const pictures = window.jointplay.probe[of] - first;
+      const seconds = (performance.now() - start) / 1000;
+      const resolution = canvas.width / width;
+      send('pointerup', 0, 0);
+      return { pictures, seconds, resolution };
+    }, counter);
+    const cpu = (graphicsCpu() - before) / found.pictures;
+    report(`rotation of the ${name} in a window of 1440 × 900`, `${(found.pictures / found.seconds).toFixed(0)} pictures/s at ${(100 * found.resolution).toFixed(0)} % of the resolution, ${cpu.toFixed(0)} ms of CPU each`);
+    await browser.close();
+    await server.stop();
+  });
+
 const STATIONS = ['LP1', 'LP2', 'ALIGN', 'PM1'];
 
 test('plans of the example cell', async () => {

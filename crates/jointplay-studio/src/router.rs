@@ -17,7 +17,7 @@ use crate::problem::Problem;
 use crate::routes::{
     cell, cell_export, cell_jog, cell_parts, cell_plan, cell_samples, cell_station, compare,
     forward, inverse, mechanism, mechanism_file, mechanism_mobility, mechanism_motions,
-    mechanism_open, mechanism_suggest, mesh, mobility, pose, robot, sensitivity, study,
+    mechanism_open, mechanism_suggest, mesh, mobility, pose, quantity, robot, sensitivity, study,
 };
 use crate::state::AppState;
 
@@ -38,6 +38,7 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(mesh::base_mesh))
         .routes(routes!(mesh::platform_mesh))
         .routes(routes!(pose::pose))
+        .routes(routes!(quantity::quantity))
         .routes(routes!(forward::forward))
         .routes(routes!(inverse::inverse))
         .routes(routes!(mobility::mobility))

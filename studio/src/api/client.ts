@@ -82,6 +82,11 @@ const json = <T>(pending: Promise<Response>) => body<T>(pending, (response) => r
 const buffer = (pending: Promise<Response>) => body<ArrayBuffer>(pending, (response) => response.arrayBuffer());
 const blob = (pending: Promise<Response>) => body<Blob>(pending, (response) => response.blob());
 
+/** The value of a length [m] or an angle [rad] as typed: an expression, with or without a unit of its own. */
+export async function quantity(text: string, unit: Schemas['TypedUnit']): Promise<number> {
+  return (await json<Schemas['QuantityDocument']>(request('quantity', { text, unit }))).value;
+}
+
 export async function robot(): Promise<RobotDocument> {
   return json(request('robot'));
 }

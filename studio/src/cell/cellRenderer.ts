@@ -14,6 +14,7 @@ import {
   PerspectiveCamera,
   Plane,
   Quaternion,
+  Ray,
   Raycaster,
   Vector2,
   Vector3,
@@ -24,8 +25,9 @@ import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import type { StationDocument } from '../api/client';
 import type { Frame } from '../lib/kinematics';
 import { slotNames } from '../lib/slots';
-import { disposeGeometries, disposeMaterials } from '../scene/dispose';
+import { CellMaterials, type CellMaterial } from '../scene/cellMaterials';
 import { Handles, type Freedom } from '../scene/handles';
+import type { Label } from '../scene/labels';
 import { SCENE } from '../scene/palette';
 import { SECTION_AXES, type Section } from './viewTools.svelte';
 import { SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
@@ -46,6 +48,9 @@ const HIDDEN_LAYER = 31;
 /** Radius of the drag handles of a station before scaling, and their largest size on the screen [px]. */
 const HANDLES = { radius: 40, size: 130 } as const;
 
+/** Walls within this share of the viewing distance from the line of sight are transparent. */
+const WALL_MARGIN = 0.08;
+
 export class CellRenderer extends SceneRenderer {
   readonly #events: CellRendererEvents;
   readonly #eye: PerspectiveCamera;
@@ -53,7 +58,10 @@ export class CellRenderer extends SceneRenderer {
   readonly #violating = new MeshStandardMaterial({ color: VIOLATION_COLORS.checked[0], emissive: VIOLATION_COLORS.checked[1], roughness: 0.6, transparent: true, opacity: 0.7, depthWrite: false });
   readonly #selected = new MeshStandardMaterial({ color: 0xf0b000, emissive: 0x5a3d00, roughness: 0.6, transparent: true, opacity: 0.55, depthWrite: false });
   #cell: Object3D | null = null;
+  readonly #look = new CellMaterials();
   #materials = new Map<Mesh, Material | Material[]>();
+  /** Stationary bodies that may be between the viewer and the robot, with their extents. */
+  #walls: { mesh: Mesh; box: Box3 }[] = [];
   /** Moving parts by name. */
   #frames = new Map<string, Object3D>();
   /** Slots and bodies of each station, by its name. */
@@ -74,6 +82,8 @@ export class CellRenderer extends SceneRenderer {
   #followed: string | null = null;
   #followedAt: Vector3 | null = null;
   #loads = 0;
+  readonly #around = new Box3();
+  readonly #seen = new Vector3();
   /** Whether the camera was restored before the first cell was loaded. */
   #cameraRestored = false;
   #highlighted: { violating: ReadonlySet<string>; selected: ReadonlySet<string> } = { violating: new Set(), selected: new Set() };
@@ -87,8 +97,7 @@ export class CellRenderer extends SceneRenderer {
         camera: eye,
         description: '3D view of the cell; its stations, steps and violations are listed in the panels',
         unit_mm: 1000,
-        lights: { key: { intensity: 2, position: [1.2, -1.6, 3] }, fill: { intensity: 0.9, position: [-2, 1, 1.4] }, sky: 1.6 },
-        grid: { size: 3, divisions: 30 },
+        grid: { step: 0.1, radius: 2.4 },
       },
       events,
     );
@@ -105,6 +114,7 @@ export class CellRenderer extends SceneRenderer {
       lines.material.dispose();
     }
     this.#clear();
+    this.#look.dispose();
     super.dispose();
   }
 
@@ -137,7 +147,13 @@ export class CellRenderer extends SceneRenderer {
     // glTF has y up.
     scene.rotation.x = Math.PI / 2;
     scene.traverse((part) => {
-      if (part instanceof Mesh) this.#materials.set(part, part.material as Material);
+      if (part instanceof Mesh) {
+        const material = (part.material as Material).name as CellMaterial;
+        (part.material as Material).dispose();
+        this.#look.finish(part, material, Boolean((part.userData as { station?: string }).station));
+        this.#materials.set(part, part.material as Material);
+        if (part.material === this.#look.body) this.#walls.push({ mesh: part, box: new Box3() });
+      }
       const { name } = part.userData as { name?: string };
       // A body may have the name of its frame, which comes first.
       if (name && !this.#frames.has(name)) this.#frames.set(name, part);
@@ -146,12 +162,15 @@ export class CellRenderer extends SceneRenderer {
     });
     this.#cell = scene;
     this.scene.add(scene);
+    scene.updateMatrixWorld(true);
+    for (const { mesh, box } of this.#walls) box.setFromObject(mesh);
+    const box = new Box3().setFromObject(scene);
+    this.placeGround(box, box.min.z);
     this.#home = [...this.#frames].map(([name, { position, quaternion }]) => ({ name, origin_m: position.toArray(), quaternion: quaternion.toArray() }));
     this.#stations = stations.map(({ name, position_mm: [x, y, z] }) => ({ name, position: new Vector3(x! / 1000, y! / 1000, z! / 1000 + 0.02) }));
     this.place(this.#displayedFrames, this.#restingWafers);
     this.#highlight();
     this.hide(this.#hidden);
-    const box = new Box3().setFromObject(scene);
     if (!box.isEmpty()) this.#events.loaded([box.min.toArray(), box.max.toArray()]);
     if (first && !this.#cameraRestored) this.showView('home');
   }
@@ -167,7 +186,7 @@ export class CellRenderer extends SceneRenderer {
     }
     this.#attachWafers();
     this.#moveCameraAlong();
-    this.invalidate();
+    this.partsMoved();
   }
 
   /** Origin of a frame in the base frame [m]. */
@@ -293,7 +312,7 @@ export class CellRenderer extends SceneRenderer {
     }
     const { position, quaternion, scale } = this.#preview!.group;
     frameOf(to).multiply(frameOf(from).invert()).decompose(position, quaternion, scale);
-    this.invalidate();
+    this.partsMoved();
   }
 
   /** Ends the preview of a station. */
@@ -303,7 +322,7 @@ export class CellRenderer extends SceneRenderer {
     for (const part of [...group.children]) this.#attach(part, false);
     group.removeFromParent();
     this.#preview = null;
-    this.invalidate();
+    this.partsMoved();
   }
 
   /** The node of the base frame. */
@@ -344,8 +363,8 @@ export class CellRenderer extends SceneRenderer {
   }
 
   #clear(): void {
-    for (const own of this.#materials.values()) disposeMaterials(own);
-    if (this.#cell) disposeGeometries(this.#cell);
+    this.#look.clear();
+    this.#walls = [];
     this.#materials = new Map();
     this.#frames = new Map();
     this.#stationParts = new Map();
@@ -362,10 +381,27 @@ export class CellRenderer extends SceneRenderer {
   protected update(): Overlay | null {
     if (!this.#cell) return null;
     this.#scaleHandles();
-    const labels = this.#stations.map(({ name, position }) => ({ position: this.#labelPosition(name, position), text: name, strong: true }));
+    this.#seeThroughWalls();
+    const labels: Label[] = this.#stations.map(({ name, position }) => ({ position: this.#labelPosition(name, position), text: name, strong: true, extent: 0.3 }));
     const [from, to] = this.#measured;
     if (from && to) labels.push({ position: from.clone().add(to).multiplyScalar(0.5), text: this.#measuredText, strong: true });
     return { labels, covered: { left: 8, right: 8 } };
+  }
+
+  /** Makes walls transparent that are between the viewer and the point that is looked at. */
+  #seeThroughWalls(): void {
+    const eye = this.#eye.position;
+    const toTarget = this.controls.target.clone().sub(eye);
+    const distance = toTarget.length();
+    const ray = new Ray(eye, toTarget.normalize());
+    for (const { mesh, box } of this.#walls) {
+      const hit = ray.intersectBox(this.#around.copy(box).expandByScalar(WALL_MARGIN * distance), this.#seen);
+      const obstructing = hit !== null && hit.distanceTo(eye) < 0.8 * distance;
+      const own = obstructing ? this.#look.obstructing : this.#look.body;
+      if (this.#materials.get(mesh) === own) continue;
+      if (mesh.material === this.#materials.get(mesh)) mesh.material = own;
+      this.#materials.set(mesh, own);
+    }
   }
 
   /** Position of the label of a station, with the preview of a dragged station. */

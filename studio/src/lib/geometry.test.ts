@@ -1,21 +1,38 @@
 import { describe, expect, test } from 'vitest';
-import { hull, jointPaths, outline, planeMap, displayedSocket, type Point, type Triple } from './geometry';
+import { cutPlate, displayedBall, hull, jointPaths, outline, type Point } from './geometry';
 
-function apply(matrix: number[], [x, y]: Point): Triple {
-  const at = (row: number) => (matrix[row] as number) * x + (matrix[4 + row] as number) * y + (matrix[12 + row] as number);
-  return [at(0), at(1), at(2)];
-}
-
-test('the plane map transforms each point to its displayed position', () => {
-  const from: [Point, Point, Point] = [[93, 0], [-46, 80], [-47, -81]];
-  const to: [Triple, Triple, Triple] = [[90, 1, 497], [-46, 79, 501], [-40, -85, 502]];
-  const matrix = planeMap(from, to, [0, 0, 1]);
-  from.forEach((point, i) => apply(matrix, point).forEach((value, k) => expect(value).toBeCloseTo(to[i]![k]!, 10)));
-  expect(matrix.slice(8, 12)).toEqual([0, 0, 1, 0]);
+test('the displacement of a displayed ball from its socket is scaled', () => {
+  expect(displayedBall([93, -2], [93.007, -2.001], 1)).toEqual([93.007, -2.001]);
+  const [x, y] = displayedBall([93, -2], [93.007, -2.001], 500);
+  expect(x - 93).toBeCloseTo(3.5, 9);
+  expect(y + 2).toBeCloseTo(-0.5, 9);
 });
 
-test('a displayed socket differs from its ball by the scaled gap', () => {
-  expect(displayedSocket([1, 2, 3], [0.5, 0, -0.25], 4)).toEqual([-1, 2, 4]);
+describe('a plate is cut open at its corners', () => {
+  // A regular triangle, an oblique one, and a quadrilateral with a point inside.
+  for (const points of [[[100, 0], [-50, 86], [-50, -86]], [[140, 10], [-60, 70], [-90, -60]], [[90, 0], [0, 80], [-85, 5], [5, -95], [3, 4]]] as Point[][])
+    test(JSON.stringify(points), () => {
+      const { line, holes, cuts } = cutPlate(points, 34, 18);
+      const inside = ([x, y]: Point) =>
+        line.filter(([x0, y0], i) => {
+          const [x1, y1] = line[(i + 1) % line.length]!;
+          return y0 > y !== y1 > y && x < x0 + ((y - y0) / (y1 - y0)) * (x1 - x0);
+        }).length % 2 === 1;
+      const around = ([x, y]: Point, radius: number, angle: number): Point => [x + radius * Math.cos(angle), y + radius * Math.sin(angle)];
+      const corners = hull(points);
+      expect(holes).toEqual(points.filter((point) => !corners.includes(point)));
+      for (const corner of corners) {
+        const { from, to } = cuts[points.indexOf(corner)]!;
+        const middle = (from + to) / 2;
+        // The hole and its cut are open, the rest of the rim is closed.
+        for (const angle of [0, 1, 2, 3, 4, 5, 6]) expect(inside(around(corner, 17, angle))).toBe(false);
+        expect(inside(around(corner, 26, middle))).toBe(false);
+        for (const side of [from - 0.1, to + 0.1]) expect(inside(around(corner, 26, side))).toBe(true);
+        // The cut faces away from the other points.
+        for (const other of points) expect((other[0] - corner[0]) * Math.cos(middle) + (other[1] - corner[1]) * Math.sin(middle)).toBeLessThanOrEqual(1e-9);
+        expect(inside(around(corner, 26, middle + Math.PI))).toBe(true);
+      }
+    });
 });
 
 test('the hull excludes inner points', () => {

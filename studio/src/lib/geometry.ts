@@ -3,32 +3,9 @@
 export type Point = [number, number];
 export type Triple = [number, number, number];
 
-/** Displayed position of a nominal socket: the gap to its ball is scaled by `exaggeration`. */
-export function displayedSocket(ball: Triple, gap: Triple, exaggeration: number): Triple {
-  return [ball[0] - exaggeration * gap[0], ball[1] - exaggeration * gap[1], ball[2] - exaggeration * gap[2]];
-}
-
-/**
- * The affine map, as a matrix by columns, of three points of the platform plane to their displayed positions.
- * At a play scale above 1, the displayed platform is not congruent with the real one.
- */
-export function planeMap(from: [Point, Point, Point], to: [Triple, Triple, Triple], normal: Triple): number[] {
-  const [a, b, c] = from;
-  const [p, q, r] = to;
-  const u: Point = [b[0] - a[0], b[1] - a[1]];
-  const v: Point = [c[0] - a[0], c[1] - a[1]];
-  const area = u[0] * v[1] - u[1] * v[0];
-  const x: number[] = [];
-  const y: number[] = [];
-  const origin: number[] = [];
-  for (let i = 0; i < 3; i++) {
-    const along = (q[i] as number) - (p[i] as number);
-    const across = (r[i] as number) - (p[i] as number);
-    x[i] = (along * v[1] - across * u[1]) / area;
-    y[i] = (across * u[0] - along * v[0]) / area;
-    origin[i] = (p[i] as number) - (x[i] as number) * a[0] - (y[i] as number) * a[1];
-  }
-  return [...x, 0, ...y, 0, ...normal, 0, ...origin, 1];
+/** Displayed position of a ball in the platform plane: its displacement from the nominal socket is scaled by the play scale. */
+export function displayedBall(nominal: Point, actual: Point, playScale: number): Point {
+  return [nominal[0] + playScale * (actual[0] - nominal[0]), nominal[1] + playScale * (actual[1] - nominal[1])];
 }
 
 /** The convex outline of circles of one radius about given points, counter-clockwise. */
@@ -49,6 +26,40 @@ export function outline(points: Point[], radius: number, steps = 24): Point[] {
     }
   }
   return line;
+}
+
+/** The largest half-angle of a cut-out [rad]. */
+const CUT_HALF_ANGLE = 0.7;
+
+/**
+ * The outline of a plate around points, cut open to a round hole at each of its corners, counter-clockwise; the cuts face outwards.
+ * Points that are no corners get a closed hole.
+ */
+export function cutPlate(points: Point[], radius: number, hole: number, steps = 24): { line: Point[]; holes: Point[]; cuts: { from: number; to: number }[] } {
+  const corners = hull(points);
+  const line: Point[] = [];
+  const cuts: { from: number; to: number }[] = points.map(() => ({ from: 0, to: 0 }));
+  corners.forEach((at, i) => {
+    const before = corners[(i + corners.length - 1) % corners.length] as Point;
+    const after = corners[(i + 1) % corners.length] as Point;
+    const start = Math.atan2(at[1] - before[1], at[0] - before[0]) - Math.PI / 2;
+    let end = Math.atan2(after[1] - at[1], after[0] - at[0]) - Math.PI / 2;
+    if (end < start) end += 2 * Math.PI;
+    const middle = (start + end) / 2;
+    const half = Math.min(CUT_HALF_ANGLE, 0.45 * (end - start));
+    const arc = (of: number, from: number, to: number) => {
+      for (let step = 0; step <= steps; step++) {
+        const angle = from + ((to - from) * step) / steps;
+        line.push([at[0] + of * Math.cos(angle), at[1] + of * Math.sin(angle)]);
+      }
+    };
+    arc(radius, start, middle - half);
+    // Around the hole on its inner side.
+    arc(hole, middle - half, middle + half - 2 * Math.PI);
+    arc(radius, middle + half, end);
+    cuts[points.indexOf(at)] = { from: middle - half, to: middle + half };
+  });
+  return { line, holes: points.filter((point) => !corners.includes(point)), cuts };
 }
 
 /** Convex hull, counter-clockwise. */

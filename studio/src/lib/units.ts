@@ -40,7 +40,7 @@ export const inUnit = (mm: number, unit: LengthUnit): number => (unit === 'mm' ?
 export const fromUnit = (value: number, unit: LengthUnit): number => (unit === 'mm' ? value : Number((value * INCH_MM).toFixed(9)));
 
 /** Symbol of the unit in number fields. */
-export const unitName = (unit: LengthUnit): string => (unit === 'mm' ? 'mm' : 'in');
+export const unitName = (unit: LengthUnit): 'mm' | 'in' => (unit === 'mm' ? 'mm' : 'in');
 
 /** A small length [m] in µm or thousandths of an inch. */
 export function small(m: number, unit: LengthUnit, decimals = 1, plus = false): string {

@@ -5,6 +5,7 @@ import {
   ConeGeometry,
   CylinderGeometry,
   Group,
+  LatheGeometry,
   Matrix4,
   Mesh,
   MeshStandardMaterial,
@@ -12,6 +13,7 @@ import {
   Quaternion,
   SphereGeometry,
   TorusGeometry,
+  Vector2,
   Vector3,
   type BufferGeometry,
   type Material,
@@ -29,10 +31,10 @@ export function matrixOf({ origin_m: [x, y, z], rotation: [a, b, c] }: PlacedDoc
 
 /** Materials of a scene. */
 export class MechanismMaterials {
-  readonly base = new MeshStandardMaterial({ metalness: 0.1, roughness: 0.6 });
-  readonly links = [new MeshStandardMaterial({ metalness: 0.1, roughness: 0.45 }), new MeshStandardMaterial({ metalness: 0.15, roughness: 0.4 })];
-  readonly joint = new MeshStandardMaterial({ metalness: 0.2, roughness: 0.35 });
-  readonly actuated = new MeshStandardMaterial({ metalness: 0.1, roughness: 0.4 });
+  readonly base = new MeshStandardMaterial({ metalness: 0.55, roughness: 0.45 });
+  readonly links = [new MeshStandardMaterial({ metalness: 0.45, roughness: 0.38 }), new MeshStandardMaterial({ metalness: 0.5, roughness: 0.34 })];
+  readonly joint = new MeshStandardMaterial({ metalness: 0.8, roughness: 0.26 });
+  readonly actuated = new MeshStandardMaterial({ metalness: 0.35, roughness: 0.36 });
   readonly virtual = new MeshStandardMaterial({ metalness: 0, roughness: 0.5 });
   readonly selected = new MeshStandardMaterial({ metalness: 0, roughness: 0.5, emissive: 0x5a3d00 });
   readonly load = new MeshStandardMaterial({ metalness: 0, roughness: 0.5 });
@@ -70,14 +72,16 @@ export class MechanismModel {
   constructor(document: MechanismDocument, materials: MechanismMaterials) {
     this.#document = document;
     this.#materials = materials;
-    const { bar_radius_m: bar, joint_radius_m: radius } = document;
+    const { bar_radius_m: bar, joint_radius_m: jointRadius } = document;
     this.#links = document.links.map(({ name, bars }, i) => {
       const group = new Group();
+      // Coaxial bars of neighbouring links have different radii.
+      const radius = i === 0 ? 0.7 * bar : i % 2 === 0 ? bar : 0.88 * bar;
       const material = i === 0 ? materials.base : materials.links[i % 2]!;
-      for (const { from_m, to_m } of bars) group.add(part({ kind: 'link', name }, rod(new Vector3(...from_m), new Vector3(...to_m), i === 0 ? 0.7 * bar : bar), material));
+      for (const { from_m, to_m } of bars) group.add(part({ kind: 'link', name }, rod(new Vector3(...from_m), new Vector3(...to_m), radius), material));
       const ends = bars.flatMap(({ from_m, to_m }) => [from_m, to_m]);
       for (const end of distinct(ends)) {
-        const ball = part({ kind: 'link', name }, new SphereGeometry(i === 0 ? 0.7 * bar : bar, 16, 12), material);
+        const ball = part({ kind: 'link', name }, new SphereGeometry(radius, 16, 12), material);
         ball.position.fromArray(end);
         group.add(ball);
       }
@@ -88,7 +92,7 @@ export class MechanismModel {
     this.#joints = document.joints.map(({ name, kind, links, frames, actuated }) => {
       const group = new Group();
       const material = actuated ? materials.actuated : materials.joint;
-      for (const geometry of glyph(kind, radius)) group.add(part({ kind: 'joint', name }, geometry, material));
+      for (const geometry of glyph(kind, jointRadius)) group.add(part({ kind: 'joint', name }, geometry, material));
       group.applyMatrix4(matrixOf(frames[0]!));
       this.#links[links[0]!]!.add(group);
       return group;
@@ -96,7 +100,7 @@ export class MechanismModel {
     for (const { name, joint, link, motion, direction } of document.virtual_joints) {
       const of = document.joints[joint]!;
       const group = new Group();
-      for (const geometry of motion === 'slide' ? slideArrow(radius) : turnArrow(radius)) group.add(part({ kind: 'virtual', name }, geometry, materials.virtual));
+      for (const geometry of motion === 'slide' ? slideArrow(jointRadius) : turnArrow(jointRadius)) group.add(part({ kind: 'virtual', name }, geometry, materials.virtual));
       const side = of.links[0] === link ? 0 : 1;
       group.position.setFromMatrixPosition(matrixOf(of.frames[side]!));
       group.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...direction).normalize());
@@ -202,6 +206,12 @@ function rod(from: Vector3, to: Vector3, radius: number): BufferGeometry {
 /** A cylinder along z. */
 const along = (radius: number, length: number, at = 0) => new CylinderGeometry(radius, radius, length, 28).rotateX(Math.PI / 2).translate(0, 0, at);
 
+/** The race of a spherical bearing about z. */
+function race(r: number): BufferGeometry {
+  const profile = [[0.97, -0.8], [1.22, -0.35], [1.28, 0], [1.22, 0.35], [0.97, 0.8], [1.5, 0.8], [1.62, 0.68], [1.62, -0.68], [1.5, -0.8], [0.97, -0.8]];
+  return new LatheGeometry(profile.map(([radius, z]) => new Vector2(radius! * r, z! * r)), 36).rotateX(Math.PI / 2);
+}
+
 /** Shapes of a joint in its frame, whose z axis is that of the joint. */
 function glyph(kind: string, r: number): BufferGeometry[] {
   switch (kind) {
@@ -216,7 +226,7 @@ function glyph(kind: string, r: number): BufferGeometry[] {
     case 'universal':
       return [along(0.5 * r, 3.6 * r), along(0.5 * r, 3.6 * r).rotateY(Math.PI / 2), new SphereGeometry(0.9 * r, 20, 14)];
     case 'spherical':
-      return [new SphereGeometry(1.25 * r, 28, 20), new TorusGeometry(1.35 * r, 0.2 * r, 10, 32)];
+      return [new SphereGeometry(1.2 * r, 28, 20), race(r)];
     case 'planar':
       return [new BoxGeometry(4 * r, 4 * r, 0.5 * r)];
     case 'fixed':

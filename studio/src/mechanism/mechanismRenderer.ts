@@ -1,6 +1,6 @@
 // 3D view of a mechanism. The scene is scaled so that every mechanism has the same size; units of the scene: sizes.
 
-import { Box3, Mesh, PCFShadowMap, PerspectiveCamera, PlaneGeometry, ShadowMaterial, Vector3 } from 'three';
+import { Box3, PerspectiveCamera, Vector3 } from 'three';
 import type { MechanismDocument, PlacedDocument, RedundantConstraint } from '../api/client';
 import { SCENE, type Theme } from '../scene/palette';
 import { SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
@@ -15,6 +15,8 @@ export interface MechanismRendererEvents extends RendererEvents {
 
 /** Up to this number of joints, all of them have labels. */
 const MANY = 16;
+/** Length of a joint and its surroundings [sizes]: joints have no labels in views from far away. */
+const LABELLED = 0.18;
 /** The view is larger than the mechanism by this factor, for labels and buttons. */
 const MARGIN = 1.22;
 /** Period of an animated motion [ms]. */
@@ -24,7 +26,6 @@ export class MechanismRenderer extends SceneRenderer {
   readonly #events: MechanismRendererEvents;
   readonly #eye: PerspectiveCamera;
   readonly #materials = new MechanismMaterials();
-  readonly #ground = new Mesh(new PlaneGeometry(12, 12), new ShadowMaterial());
   #model: MechanismModel | null = null;
   #document: MechanismDocument | null = null;
   #poses: readonly PlacedDocument[] = [];
@@ -40,24 +41,12 @@ export class MechanismRenderer extends SceneRenderer {
         camera: eye,
         description: '3D view of the mechanism; its links, joints and values are in the panels',
         unit_mm: 1000,
-        lights: { key: { intensity: 2.1, position: [1.6, -2.2, 4.2] }, fill: { intensity: 0.9, position: [-2.6, 1, 1.6] }, sky: 1.6 },
-        grid: { size: 6, divisions: 30 },
+        grid: { step: 0.1, radius: 3 },
       },
       events,
     );
     this.#eye = eye;
     this.#events = events;
-    this.renderer.shadowMap.enabled = true;
-    this.renderer.shadowMap.type = PCFShadowMap;
-    // Shadows depend on the mechanism, not on the camera.
-    this.renderer.shadowMap.autoUpdate = false;
-    this.keyLight.castShadow = true;
-    this.keyLight.shadow.mapSize.set(1024, 1024);
-    this.keyLight.shadow.bias = -0.001;
-    this.keyLight.shadow.normalBias = 0.01;
-    Object.assign(this.keyLight.shadow.camera, { left: -2, right: 2, top: 2, bottom: -2, near: 0.5, far: 12 });
-    this.#ground.receiveShadow = true;
-    this.scene.add(this.#ground);
     this.canvas.addEventListener('click', (event) => this.#pick(event));
     this.measure();
   }
@@ -87,24 +76,14 @@ export class MechanismRenderer extends SceneRenderer {
     this.place(poses);
     this.#model.highlight(this.#selected);
     const box = this.#box();
-    const floor = box.min.z - 0.04;
-    this.#ground.position.z = floor;
-    this.grid.position.z = floor - 0.002;
-    const center = box.getCenter(new Vector3());
-    this.keyLight.target.position.copy(center);
-    this.keyLight.position.set(1.6, -2.2, 4.2).add(center);
+    this.placeGround(box, box.min.z - 0.04);
   }
 
   /** Moves the links to their poses. */
   place(poses: readonly PlacedDocument[]): void {
     this.#poses = poses;
     this.#model?.place(poses);
-    this.#changed();
-  }
-
-  #changed(): void {
-    this.renderer.shadowMap.needsUpdate = true;
-    this.invalidate();
+    this.partsMoved();
   }
 
   /** Animates poses of a motion, from one side to the other and back; without movement, shows its end. */
@@ -116,7 +95,7 @@ export class MechanismRenderer extends SceneRenderer {
       const along = ((share + 1) / 2) * (steps.length - 1);
       const first = Math.min(Math.floor(along), steps.length - 2);
       model.placeBetween(steps[first]!, steps[first + 1]!, along - first);
-      this.#changed();
+      this.partsMoved();
     };
     if (!moving) {
       at(1);
@@ -135,7 +114,7 @@ export class MechanismRenderer extends SceneRenderer {
     if (this.#animation) cancelAnimationFrame(this.#animation);
     this.#animation = 0;
     this.#model?.place(this.#poses);
-    this.#changed();
+    this.partsMoved();
   }
 
   /** Highlights the parts for which a condition holds. */
@@ -153,7 +132,6 @@ export class MechanismRenderer extends SceneRenderer {
 
   override setTheme(theme: Theme): void {
     this.#materials.paint(SCENE[theme]);
-    (this.#ground.material as ShadowMaterial).opacity = SCENE[theme].shadow;
     super.setTheme(theme);
   }
 
@@ -230,7 +208,7 @@ export class MechanismRenderer extends SceneRenderer {
     const shown = joints.filter(({ name, actuated }) => all || actuated || isSelected(name));
     // Labels that are painted first have the best places.
     const rank = ({ name, actuated }: (typeof joints)[number]) => (isSelected(name) ? 0 : actuated ? 1 : 2);
-    const labels = shown.sort((a, b) => rank(a) - rank(b)).map(({ name, actuated, position }): Label => ({ position, text: name, offset: [12, -10], strong: actuated || isSelected(name), optional: !isSelected(name) }));
+    const labels = shown.sort((a, b) => rank(a) - rank(b)).map(({ name, actuated, position }): Label => ({ position, text: name, offset: [12, -10], strong: actuated || isSelected(name), extent: isSelected(name) ? undefined : LABELLED }));
     return { labels, covered: { left: 8, right: 8 } };
   }
 

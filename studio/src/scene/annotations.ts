@@ -5,7 +5,8 @@ import {
   ConeGeometry,
   CylinderGeometry,
   Group,
-  Mesh,
+  InstancedMesh,
+  Matrix4,
   MeshBasicMaterial,
   Quaternion,
   SphereGeometry,
@@ -13,32 +14,41 @@ import {
 } from 'three';
 
 const Z = new Vector3(0, 0, 1);
-const unitCylinder = new CylinderGeometry(1, 1, 1, 14).rotateX(Math.PI / 2).translate(0, 0, 0.5);
-const unitCone = new ConeGeometry(1, 1, 20).rotateX(Math.PI / 2).translate(0, 0, 0.5);
-const unitSphere = new SphereGeometry(1, 20, 14);
+const unitCylinder = new CylinderGeometry(1, 1, 1, 8, 1, true).rotateX(Math.PI / 2).translate(0, 0, 0.5);
+const unitCone = new ConeGeometry(1, 1, 14).rotateX(Math.PI / 2).translate(0, 0, 0.5);
+const unitSphere = new SphereGeometry(1, 14, 10);
+
+/** Parts of one shape, color and order: a single draw call. */
+interface Batch {
+  mesh: InstancedMesh;
+  used: number;
+}
+
+const FIRST_CAPACITY = 16;
 
 /** Annotations of a frame; the meshes are reused from frame to frame. */
 export class Annotations {
   readonly group = new Group();
-  readonly #parts: Mesh[] = [];
+  readonly #batches = new Map<string, Batch>();
   readonly #materials = new Map<string, MeshBasicMaterial>();
-  #used = 0;
 
   begin(): void {
-    this.#used = 0;
+    for (const batch of this.#batches.values()) batch.used = 0;
   }
 
   end(): void {
-    for (let i = this.#used; i < this.#parts.length; i++) (this.#parts[i] as Mesh).visible = false;
+    for (const { mesh, used } of this.#batches.values()) {
+      mesh.count = used;
+      mesh.visible = used > 0;
+      mesh.instanceMatrix.needsUpdate = true;
+    }
   }
 
   line(from: Vector3, to: Vector3, radius: number, colour: string, order = 10): void {
     const length = from.distanceTo(to);
     if (length < 1e-6) return;
-    const part = this.#next(unitCylinder, colour, order);
-    part.position.copy(from);
-    part.quaternion.setFromUnitVectors(Z, direction(from, to));
-    part.scale.set(radius, radius, length);
+    const rotation = new Quaternion().setFromUnitVectors(Z, direction(from, to));
+    this.#add(unitCylinder, colour, order, new Matrix4().compose(from, rotation, new Vector3(radius, radius, length)));
   }
 
   path(points: Vector3[], radius: number, colour: string, order = 10): void {
@@ -46,10 +56,7 @@ export class Annotations {
   }
 
   dot(at: Vector3, radius: number, colour: string, order = 11): void {
-    const part = this.#next(unitSphere, colour, order);
-    part.position.copy(at);
-    part.quaternion.identity();
-    part.scale.setScalar(radius);
+    this.#add(unitSphere, colour, order, new Matrix4().makeScale(radius, radius, radius).setPosition(at));
   }
 
   arrow(from: Vector3, to: Vector3, radius: number, colour: string, order = 12): void {
@@ -64,25 +71,28 @@ export class Annotations {
     const along = direction(from, to);
     const neck = to.clone().addScaledVector(along, -head);
     this.line(from, neck, radius, colour, order);
-    const part = this.#next(unitCone, colour, order);
-    part.position.copy(neck);
-    part.quaternion.copy(new Quaternion().setFromUnitVectors(Z, along));
-    part.scale.set(radius * 2.4, radius * 2.4, head);
+    const rotation = new Quaternion().setFromUnitVectors(Z, along);
+    this.#add(unitCone, colour, order, new Matrix4().compose(neck, rotation, new Vector3(radius * 2.4, radius * 2.4, head)));
   }
 
-  #next(geometry: BufferGeometry, colour: string, order: number): Mesh {
-    let part = this.#parts[this.#used];
-    if (!part) {
-      part = new Mesh(geometry, this.#material(colour));
-      this.#parts.push(part);
-      this.group.add(part);
+  #add(geometry: BufferGeometry, colour: string, order: number, matrix: Matrix4): void {
+    const key = `${geometry.id} ${colour} ${order}`;
+    let batch = this.#batches.get(key);
+    if (!batch || batch.used === batch.mesh.instanceMatrix.count) {
+      const mesh = new InstancedMesh(geometry, this.#material(colour), batch ? 2 * batch.used : FIRST_CAPACITY);
+      mesh.renderOrder = order;
+      mesh.frustumCulled = false;
+      if (batch) {
+        mesh.instanceMatrix.array.set(batch.mesh.instanceMatrix.array);
+        this.group.remove(batch.mesh);
+        batch.mesh.dispose();
+      }
+      this.group.add(mesh);
+      batch = { mesh, used: batch?.used ?? 0 };
+      this.#batches.set(key, batch);
     }
-    this.#used += 1;
-    part.geometry = geometry;
-    part.material = this.#material(colour);
-    part.renderOrder = order;
-    part.visible = true;
-    return part;
+    batch.mesh.setMatrixAt(batch.used, matrix);
+    batch.used += 1;
   }
 
   #material(colour: string): MeshBasicMaterial {

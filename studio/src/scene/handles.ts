@@ -89,6 +89,12 @@ export class Handles {
     return handle ? this.group.localToWorld(handle.position.clone()) : null;
   }
 
+  /** Positions of all grips in the scene; none while the handles are hidden. */
+  grips(): Vector3[] {
+    if (!this.group.visible) return [];
+    return this.#handles.map(({ position }) => this.group.localToWorld(position.clone()));
+  }
+
   /** Disposes of geometries and materials. */
   dispose(): void {
     disposeGeometries(this.group);

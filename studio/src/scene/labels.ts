@@ -1,7 +1,11 @@
+// Labels of points of a scene: they do not overlap, and have lines to their points where these are not next to them.
+
 import { Vector3, type Camera } from 'three';
+import { distanceTo, placeLabels, textParts, type Box, type TextPart } from '../lib/labelLayout';
 
 export interface Label {
   position: Vector3;
+  /** `O_b` and `l₁` have subscripts. */
   text: string;
   colour?: string;
   /** Offset of the text from the point [px]. */
@@ -9,48 +13,97 @@ export interface Label {
   /** The text is placed on the side of its point that faces away from this point. */
   awayFrom?: Vector3;
   strong?: boolean;
-  /** The label is omitted where it would overlap another one. */
-  optional?: boolean;
+  /** Length of the labelled part [units of the scene]: the label is hidden while it appears smaller than a text. */
+  extent?: number;
 }
 
-/** Paints labels between the covered margins of the view; an overlapping label is moved down. */
+const FONT = { size: 12, subscript: 9, drop: 3, height: 16 } as const;
+/** A part that appears shorter has no label [px]. */
+const SMALLEST = 26;
+
+interface Size {
+  width: number;
+  height: number;
+}
+
+const font = (strong: boolean, size: number) => `${strong ? 600 : 400} ${size}px system-ui, sans-serif`;
+
+function measure(context: CanvasRenderingContext2D, parts: TextPart[], strong: boolean): number {
+  return parts.reduce((sum, { text, subscript }) => {
+    context.font = font(strong, subscript ? FONT.subscript : FONT.size);
+    return sum + context.measureText(text).width;
+  }, 0);
+}
+
+/** Paints labels between the covered margins of the view, and outside of occupied areas. */
 export function paintLabels(
   context: CanvasRenderingContext2D,
-  labels: Label[],
+  labels: readonly Label[],
   camera: Camera,
-  size: { width: number; height: number },
+  size: Size,
   covered: { left: number; right: number },
+  occupied: readonly Box[],
   ink: { text: string; halo: string },
 ): void {
-  const occupied: [number, number, number, number][] = [];
-  const projected = new Vector3();
   context.textBaseline = 'middle';
   context.lineJoin = 'round';
-  const from = new Vector3();
-  for (const { position, text, colour, offset, awayFrom, strong, optional } of labels) {
-    projected.copy(position).project(camera);
-    if (projected.z > 1 || projected.z < -1) continue;
+  const toPixels = (position: Vector3) => {
+    const projected = position.clone().project(camera);
+    return { x: ((projected.x + 1) / 2) * size.width, y: ((1 - projected.y) / 2) * size.height, visible: projected.z <= 1 && projected.z >= -1 };
+  };
+  const sideways = new Vector3().setFromMatrixColumn(camera.matrixWorld, 0);
+  const shown = labels.flatMap((label) => {
+    const { position, text, offset, awayFrom, strong = false, extent } = label;
+    const { x, y, visible } = toPixels(position);
+    if (!visible || x < 0 || y < 0 || x > size.width || y > size.height) return [];
+    if (extent !== undefined) {
+      const side = toPixels(position.clone().addScaledVector(sideways, extent));
+      if (Math.hypot(side.x - x, side.y - y) < SMALLEST) return [];
+    }
+    const parts = textParts(text);
+    const width = measure(context, parts, strong);
     let [right, down] = offset ?? [0, 0];
     if (awayFrom) {
-      from.copy(awayFrom).project(camera);
-      const away = [(projected.x - from.x) * size.width, (from.y - projected.y) * size.height] as const;
+      const from = toPixels(awayFrom);
+      const away = [x - from.x, y - from.y] as const;
       const distance = Math.hypot(...away) || 1;
       right = Math.abs(away[0]) > 0.25 * distance ? Math.sign(away[0]) * 10 : 0;
       down = (away[1] / distance) * 12;
     }
-    context.font = `${strong ? 600 : 400} 12px system-ui, sans-serif`;
-    const width = context.measureText(text).width;
-    const preferred = ((projected.x + 1) / 2) * size.width + right - (right < 0 ? width : right === 0 ? width / 2 : 0);
-    const x = Math.max(Math.min(preferred, size.width - covered.right - width), covered.left);
-    let y = ((1 - projected.y) / 2) * size.height + down;
-    const overlaps = () => occupied.some(([l, t, r, b]) => x < r && x + width > l && y - 8 < b && y + 8 > t);
-    for (let tries = 0; tries < 6 && overlaps(); tries++) y += 15;
-    if (optional && overlaps()) continue;
-    occupied.push([x - 2, y - 8, x + width + 2, y + 8]);
-    context.lineWidth = 4;
-    context.strokeStyle = ink.halo;
-    context.strokeText(text, x, y);
-    context.fillStyle = colour ?? ink.text;
-    context.fillText(text, x, y);
+    // The offset is that of the near end of the text.
+    return [{ label, parts, strong, x, y, width, height: FONT.height, offset: [right + Math.sign(right) * (width / 2), down] as [number, number] }];
+  });
+  // Strong labels get the best places.
+  shown.sort((a, b) => Number(b.strong) - Number(a.strong));
+  const view: Box = { left: covered.left, top: 2, right: size.width - covered.right, bottom: size.height - 2 };
+  const placed = placeLabels(shown, view, occupied);
+  for (const { index, box, leader } of placed) {
+    if (!leader) continue;
+    const { x, y, label } = shown[index]!;
+    context.lineWidth = 1;
+    context.strokeStyle = label.colour ?? ink.text;
+    context.beginPath();
+    context.moveTo(x, y);
+    context.lineTo(Math.min(Math.max(x, box.left), box.right), Math.min(Math.max(y, box.top), box.bottom));
+    context.stroke();
+    context.beginPath();
+    context.arc(x, y, Math.min(2, distanceTo(box, x, y)), 0, 2 * Math.PI);
+    context.fillStyle = label.colour ?? ink.text;
+    context.fill();
+  }
+  for (const { index, box } of placed) {
+    const { label, parts, strong } = shown[index]!;
+    let x = box.left;
+    const y = (box.top + box.bottom) / 2;
+    for (const { text, subscript } of parts) {
+      context.font = font(strong, subscript ? FONT.subscript : FONT.size);
+      const line = y + (subscript ? FONT.drop : 0);
+      context.lineWidth = 4;
+      context.strokeStyle = ink.halo;
+      context.strokeText(text, x, line);
+      context.fillStyle = label.colour ?? ink.text;
+      context.fillText(text, x, line);
+      x += context.measureText(text).width;
+    }
   }
 }

@@ -1,10 +1,9 @@
 // Reads the mesh files of a robot. The loader of a format is fetched only if the robot uses it.
 
-import { BufferGeometry, Group, Mesh, MeshStandardMaterial, type Material, type Object3D } from 'three';
+import { BufferGeometry, Group, Mesh, type Material, type Object3D } from 'three';
 
 export type MeshFormat = 'stl' | 'obj' | 'gltf' | 'glb';
 
-const MAX_METALNESS = 0.2;
 /** The shortest binary STL [bytes]. */
 const STL_HEAD = 84;
 
@@ -43,11 +42,6 @@ async function read(format: MeshFormat, bytes: ArrayBuffer, material: Material):
       const { GLTFLoader } = await import('three/examples/jsm/loaders/GLTFLoader.js');
       const { scene } = await new GLTFLoader().parseAsync(bytes, '');
       // glTF is in metres and has y up.
-      scene.traverse((part) => {
-        if (!(part instanceof Mesh)) return;
-        // Metallic materials reflect the environment; without one they would be black.
-        for (const own of [part.material].flat()) if (own instanceof MeshStandardMaterial) own.metalness = Math.min(own.metalness, MAX_METALNESS);
-      });
       const rotated = new Group();
       rotated.rotation.x = Math.PI / 2;
       rotated.scale.setScalar(1000);

@@ -13,11 +13,16 @@ export interface SceneColours {
   paper: string;
   base: number;
   guide: number;
+  motor: number;
   rod: number;
   ball: number;
+  race: number;
+  section: number;
   platform: number;
   ghost: number;
   grid: number;
+  /** Contact of a ball with its bearing. */
+  contact: string;
   handle: number;
   handleActive: number;
   shadow: number;
@@ -35,16 +40,20 @@ export const SCENE: Record<Theme, SceneColours> = {
     background: '#eef2f6',
     ink: '#1c2733',
     paper: '#ffffff',
-    base: 0x5d6b79,
-    guide: 0x8794a1,
-    rod: 0xb9c3cc,
-    ball: 0xd6dde3,
-    platform: 0x6f9ac2,
+    base: 0x7e8893,
+    guide: 0xaab3bc,
+    motor: 0x59636d,
+    rod: 0xd9dfe4,
+    ball: 0xe6eaee,
+    race: 0x9099a3,
+    section: 0xd9694a,
+    platform: 0x6f9fd0,
     ghost: 0x6f7b87,
-    grid: 0xc6d0da,
+    grid: 0xb4c1ce,
+    contact: '#d55e00',
     handle: 0x2a6fb0,
     handleActive: 0xd55e00,
-    shadow: 0.2,
+    shadow: 0.55,
     actuated: 0xc44e00,
     virtual: 0xb0479a,
     selected: 0xf0b000,
@@ -56,16 +65,20 @@ export const SCENE: Record<Theme, SceneColours> = {
     background: '#141a21',
     ink: '#e6edf3',
     paper: '#0b1016',
-    base: 0x46525e,
-    guide: 0x6a7784,
-    rod: 0x9aa6b1,
-    ball: 0xc4ced7,
-    platform: 0x4f7da8,
+    base: 0x66717c,
+    guide: 0x97a2ad,
+    motor: 0x46505a,
+    rod: 0xd0d7dd,
+    ball: 0xe0e5ea,
+    race: 0x848e98,
+    section: 0xd9694a,
+    platform: 0x5b8fc4,
     ghost: 0xaab4be,
-    grid: 0x2a3440,
+    grid: 0x384550,
+    contact: '#ff9d4d',
     handle: 0x6db3f2,
     handleActive: 0xff9d4d,
-    shadow: 0.45,
+    shadow: 0.85,
     actuated: 0xf08a3c,
     virtual: 0xd98cb6,
     selected: 0xf0b000,

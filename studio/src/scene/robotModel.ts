@@ -1,4 +1,6 @@
-// 3D model of the three-rod robot: flange, guides, rods, balls, platform. Units: mm.
+// 3D model of the three-rod robot: base with actuators, guides, rods, balls, bearings, platform. Units: mm.
+//
+// All parts are rigid at every play scale: rods with their guides are displaced against the platform, and bearings are larger.
 
 import {
   BufferGeometry,
@@ -6,19 +8,20 @@ import {
   DoubleSide,
   ExtrudeGeometry,
   Group,
+  LatheGeometry,
   Mesh,
   MeshStandardMaterial,
   Path,
-  Quaternion,
   Shape,
+  ShapeGeometry,
   SphereGeometry,
-  TorusGeometry,
   Vector2,
   Vector3,
   type Material,
+  type Matrix4,
   type Object3D,
 } from 'three';
-import { outline, type Point } from '../lib/geometry';
+import { cutPlate, outline, type Point } from '../lib/geometry';
 import { disposeGeometries } from './dispose';
 import type { SceneColours } from './palette';
 
@@ -29,7 +32,10 @@ export const SIZES = {
   housingRadius: 26,
   guide: 44,
   guideRadius: 15,
+  motor: 62,
+  motorRadius: 21,
   rod: 6.5,
+  neck: 4.4,
   ball: 8.5,
   plate: 9,
   rim: 34,
@@ -37,7 +43,8 @@ export const SIZES = {
   tail: 96,
 } as const;
 
-const UP = new Vector3(0, 0, 1);
+/** Thickness of the race of a bearing, least and largest gap around its ball [mm]: the largest one leaves a rim of the platform. */
+const BEARING = { wall: 3.2, gap: { min: 0.25, max: SIZES.rim - SIZES.ball - 7 }, step: 0.25 } as const;
 
 export interface RobotGeometry {
   /** Intersections of the rod axes with the base plane [mm]. */
@@ -47,12 +54,14 @@ export interface RobotGeometry {
 }
 
 export class RobotMaterials {
-  // Low metalness: metallic materials reflect the environment, and there is none.
-  readonly base = new MeshStandardMaterial({ metalness: 0.1, roughness: 0.6 });
-  readonly guide = new MeshStandardMaterial({ metalness: 0.15, roughness: 0.5 });
-  readonly rod = new MeshStandardMaterial({ metalness: 0.2, roughness: 0.35 });
-  readonly ball = new MeshStandardMaterial({ metalness: 0.2, roughness: 0.22 });
-  readonly platform = new MeshStandardMaterial({ metalness: 0.05, roughness: 0.5 });
+  readonly base = new MeshStandardMaterial({ metalness: 0.55, roughness: 0.46 });
+  readonly guide = new MeshStandardMaterial({ metalness: 0.8, roughness: 0.38 });
+  readonly motor = new MeshStandardMaterial({ metalness: 0.35, roughness: 0.5 });
+  readonly rod = new MeshStandardMaterial({ metalness: 0.95, roughness: 0.2 });
+  readonly ball = new MeshStandardMaterial({ metalness: 0.95, roughness: 0.1 });
+  readonly race = new MeshStandardMaterial({ metalness: 0.75, roughness: 0.3, side: DoubleSide });
+  readonly section = new MeshStandardMaterial({ metalness: 0, roughness: 0.8, side: DoubleSide });
+  readonly platform = new MeshStandardMaterial({ metalness: 0.35, roughness: 0.42 });
   readonly ghost = new MeshStandardMaterial({
     transparent: true,
     opacity: 0.28,
@@ -64,8 +73,11 @@ export class RobotMaterials {
   paint(colours: SceneColours): void {
     this.base.color.set(colours.base);
     this.guide.color.set(colours.guide);
+    this.motor.color.set(colours.motor);
     this.rod.color.set(colours.rod);
     this.ball.color.set(colours.ball);
+    this.race.color.set(colours.race);
+    this.section.color.set(colours.section);
     this.platform.color.set(colours.platform);
     this.ghost.color.set(colours.ghost);
   }
@@ -79,12 +91,13 @@ function mesh(geometry: BufferGeometry, material: Material, parent: Object3D): M
   return made;
 }
 
-/** A cylinder along z, its lower end at z = 0. */
-function pillar(radius: number, height: number, segments = 48): CylinderGeometry {
-  const geometry = new CylinderGeometry(radius, radius, height, segments);
-  geometry.rotateX(Math.PI / 2);
-  geometry.translate(0, 0, height / 2);
-  return geometry;
+/** A body of revolution about z with chamfered edges, its lower end at z = 0. */
+function turned(radius: number, height: number, chamfer = 1.2, segments = 36): BufferGeometry {
+  const c = Math.min(chamfer, 0.4 * radius, 0.4 * height);
+  const profile = [[0, 0], [radius - c, 0], [radius, c], [radius, height - c], [radius - c, height], [0, height]];
+  // Doubled points keep edges sharp between the smooth surfaces.
+  const points = profile.flatMap(([r, z]) => [new Vector2(r, z), new Vector2(r, z)]);
+  return new LatheGeometry(points, segments).rotateX(Math.PI / 2);
 }
 
 function plateShape(line: Point[], holes: [Point, number][]): Shape {
@@ -93,13 +106,36 @@ function plateShape(line: Point[], holes: [Point, number][]): Shape {
   return shape;
 }
 
-/** Outline and holes of the nominal platform. */
-export function platePlan(sockets: Point[]): { line: Point[]; holes: [Point, number][] } {
+function plate(shape: Shape, height: number, bevel: number): BufferGeometry {
+  const made = new ExtrudeGeometry(shape, { depth: height - 2 * bevel, bevelThickness: bevel, bevelSize: bevel, bevelOffset: -bevel, bevelSegments: 2, curveSegments: 40 });
+  return made.translate(0, 0, bevel);
+}
+
+/** Radius of the hole in the middle of the platform; 0 without one. */
+function middleHole(sockets: Point[]): number {
   const reach = Math.min(...sockets.map(([x, y]) => Math.hypot(x, y)));
-  const holes: [Point, number][] = sockets.map((socket) => [socket, SIZES.hole]);
-  const middle = Math.max(0, Math.min(32, reach - SIZES.hole - 14));
-  if (middle > 4) holes.push([[0, 0], middle]);
-  return { line: outline(sockets, SIZES.rim), holes };
+  const radius = Math.max(0, Math.min(32, reach - SIZES.rim - 16));
+  return radius > 4 ? radius : 0;
+}
+
+/** The race of a spherical bearing, open in a sector; the gap is that around the ball. */
+function race(gap: number, open: { from: number; to: number }): { ring: BufferGeometry; sections: BufferGeometry[] } {
+  const inner = SIZES.ball + gap;
+  const outer = inner + BEARING.wall;
+  // The race encloses the ball up to this angle above and below its equator.
+  const limit = 0.72;
+  const arc = Array.from({ length: 11 }, (_, i) => {
+    const angle = limit - (2 * limit * i) / 10;
+    return new Vector2(inner * Math.cos(angle), inner * Math.sin(angle));
+  });
+  const height = Math.max(inner * Math.sin(limit), SIZES.plate / 2 + 0.6);
+  const corners = [[outer - 0.8, -height], [outer, 0.8 - height], [outer, height - 0.8], [outer - 0.8, height], [arc[0]!.x, height]] as const;
+  const profile = [...arc, new Vector2(arc[10]!.x, -height), ...corners.map(([r, z]) => new Vector2(r, z)), arc[0]!.clone()];
+  const angle = 2 * Math.PI - (open.to - open.from);
+  const doubled = profile.flatMap((point, i) => (i > 0 && i < 10 ? [point] : [point, point]));
+  const ring = new LatheGeometry(doubled, 44, 0, angle).rotateX(Math.PI / 2).rotateZ(Math.PI / 2 + open.to);
+  const section = (at: number) => new ShapeGeometry(new Shape(profile)).rotateX(Math.PI / 2).rotateZ(at);
+  return { ring, sections: [section(open.from), section(open.to)] };
 }
 
 export class RobotModel {
@@ -109,62 +145,51 @@ export class RobotModel {
   readonly ghost = new Group();
   /** Outlines of the nominal platform, in its plane. */
   readonly lines: Point[][];
-  readonly #rods: Mesh[] = [];
-  readonly #balls: Mesh[] = [];
-  readonly #rings: Mesh[] = [];
-  readonly #bases: Point[];
+  readonly #limbs: { guides: Group; rod: Mesh; neck: Mesh; ball: Mesh }[] = [];
+  readonly #sockets: Point[];
+  readonly #materials: RobotMaterials;
+  #gap = -1;
+  #generatedPlatform = true;
 
   constructor({ bases, sockets }: RobotGeometry, materials: RobotMaterials) {
-    this.#bases = bases;
-    const line = outline(bases, SIZES.housingRadius + 8);
-    const flange = new ExtrudeGeometry(plateShape(line, []), {
-      depth: SIZES.flange,
-      bevelThickness: 1.5,
-      bevelSize: 1.5,
-      bevelSegments: 2,
-      curveSegments: 32,
-    });
-    flange.translate(0, 0, -SIZES.flange - 1.5);
-    mesh(flange, materials.base, this.base);
-    const housing = new ExtrudeGeometry(plateShape(outline(bases, SIZES.housingRadius - 4), []), {
-      depth: SIZES.housing,
-      bevelEnabled: false,
-    });
-    housing.translate(0, 0, -SIZES.flange - SIZES.housing);
-    mesh(housing, materials.base, this.base);
+    this.#sockets = sockets;
+    this.#materials = materials;
+    const flange = plate(plateShape(outline(bases, SIZES.housingRadius + 8, 16), []), SIZES.flange, 2);
+    mesh(flange.translate(0, 0, -SIZES.flange), materials.base, this.base);
+    const foot = plate(plateShape(outline(bases, SIZES.housingRadius + 4, 16), []), 10, 2);
+    mesh(foot.translate(0, 0, -SIZES.flange - SIZES.housing), materials.base, this.base);
     for (const [x, y] of bases) {
-      const guide = mesh(pillar(SIZES.guideRadius, SIZES.guide), materials.guide, this.base);
-      guide.position.set(x, y, 0);
-      const collar = mesh(pillar(SIZES.guideRadius + 6, 8), materials.guide, this.base);
-      collar.position.set(x, y, 0);
-      const rod = mesh(pillar(SIZES.rod, 1, 32), materials.rod, this.group);
-      this.#rods.push(rod);
-      this.#balls.push(mesh(new SphereGeometry(SIZES.ball, 40, 24), materials.ball, this.group));
-      this.#rings.push(mesh(new TorusGeometry(SIZES.ball + 2.2, 1.9, 16, 48), materials.guide, this.group));
+      // The actuator moves with its rod when play is exaggerated.
+      const guides = new Group();
+      mesh(turned(SIZES.motorRadius, SIZES.housing - 10), materials.motor, guides).position.z = -SIZES.flange - SIZES.housing + 10;
+      mesh(turned(SIZES.motorRadius + 1.6, 7), materials.guide, guides).position.z = -SIZES.flange - 12;
+      mesh(turned(SIZES.guideRadius + 6, 8), materials.guide, guides);
+      mesh(turned(SIZES.guideRadius, SIZES.guide, 2.4), materials.guide, guides);
+      mesh(turned(SIZES.rod + 3.4, 4, 1), materials.motor, guides).position.z = SIZES.guide - 1;
+      guides.position.set(x, y, 0);
+      this.base.add(guides);
+      const rod = mesh(new CylinderGeometry(SIZES.rod, SIZES.rod, 1, 32).rotateX(Math.PI / 2).translate(0, 0, 0.5), materials.rod, this.group);
+      const neck = mesh(new CylinderGeometry(SIZES.neck, SIZES.rod, 16, 32).rotateX(Math.PI / 2).translate(0, 0, -8), materials.rod, this.group);
+      const ball = mesh(new SphereGeometry(SIZES.ball, 36, 24), materials.ball, this.group);
+      this.#limbs.push({ guides, rod, neck, ball });
     }
+    const column = outline(bases.map(([x, y]) => [0.35 * x, 0.35 * y]), 12, 16);
+    mesh(new ExtrudeGeometry(plateShape(column, []), { depth: SIZES.housing - 10, bevelEnabled: false }), materials.base, this.base).position.z = -SIZES.flange - SIZES.housing + 10;
     this.group.add(this.base);
-
-    const plan = platePlan(sockets);
-    const bevel = 1.2;
-    const plate = new ExtrudeGeometry(plateShape(plan.line, plan.holes), {
-      depth: SIZES.plate - 2 * bevel,
-      bevelThickness: bevel,
-      bevelSize: bevel,
-      bevelOffset: -bevel,
-      bevelSegments: 2,
-      curveSegments: 40,
-    });
-    plate.translate(0, 0, bevel - SIZES.plate / 2);
-    mesh(plate, materials.platform, this.platform);
     this.platform.matrixAutoUpdate = false;
     this.group.add(this.platform);
+    this.#fitBearings(BEARING.gap.min);
 
-    const thinPlate = new ExtrudeGeometry(plateShape(plan.line, plan.holes), { depth: 1, bevelEnabled: false, curveSegments: 40 });
+    const holes: [Point, number][] = sockets.map((socket) => [socket, SIZES.ball + BEARING.wall]);
+    const middle = middleHole(sockets);
+    if (middle > 0) holes.push([[0, 0], middle]);
+    const line = outline(sockets, SIZES.rim);
+    const thinPlate = new ExtrudeGeometry(plateShape(line, holes), { depth: 1, bevelEnabled: false, curveSegments: 40 });
     thinPlate.translate(0, 0, -0.5);
     const ghost = new Mesh(thinPlate, materials.ghost);
     ghost.renderOrder = 2;
     this.ghost.add(ghost);
-    this.lines = [plan.line, ...plan.holes.map(([center, radius]) => circle(center, radius))];
+    this.lines = [line, ...holes.map(([center, radius]) => circle(center, radius))];
     this.ghost.matrixAutoUpdate = false;
     this.ghost.visible = false;
     this.group.add(this.ghost);
@@ -175,20 +200,47 @@ export class RobotModel {
     disposeGeometries(this[part]);
     this[part].clear();
     this[part].add(mesh);
+    if (part === 'platform') this.#generatedPlatform = false;
   }
 
-  /** Moves rods and balls to given ball centres [mm]. */
-  place(balls: Vector3[], normal: Vector3): void {
-    const rotation = new Quaternion().setFromUnitVectors(UP, normal);
+  /** Radius of the displayed race of a bearing for a displayed gap [mm]. */
+  static raceRadius(gap: number): number {
+    return SIZES.ball + Math.min(Math.max(gap, BEARING.gap.min), BEARING.gap.max);
+  }
+
+  /** Builds platform and bearings for a gap around the balls. */
+  #fitBearings(gap: number): void {
+    if (!this.#generatedPlatform) return;
+    const rounded = Math.ceil(Math.min(Math.max(gap, BEARING.gap.min), BEARING.gap.max) / BEARING.step) * BEARING.step;
+    if (rounded === this.#gap) return;
+    this.#gap = rounded;
+    disposeGeometries(this.platform);
+    this.platform.clear();
+    const hole = SIZES.ball + rounded + BEARING.wall;
+    const { line, holes, cuts } = cutPlate(this.#sockets, SIZES.rim, hole);
+    const middle = middleHole(this.#sockets);
+    const all: [Point, number][] = [...holes.map((point): [Point, number] => [point, hole]), ...(middle > 0 ? [[[0, 0], middle] as [Point, number]] : [])];
+    mesh(plate(plateShape(line, all), SIZES.plate, 1.1).translate(0, 0, -SIZES.plate / 2), this.#materials.platform, this.platform);
+    this.#sockets.forEach(([x, y], k) => {
+      const { ring, sections } = race(rounded, cuts[k]!);
+      mesh(ring.translate(x, y, 0), this.#materials.race, this.platform);
+      for (const section of sections) mesh(section.translate(x, y, 0), this.#materials.section, this.platform);
+    });
+  }
+
+  /** Moves rods and balls to ball centres, and the platform to its pose; the bearings have a gap around the balls [mm]. */
+  place(balls: Vector3[], platform: Matrix4, gap: number): void {
+    this.#fitBearings(gap);
+    this.platform.matrix.copy(platform);
+    this.platform.matrixWorldNeedsUpdate = true;
     balls.forEach((ball, k) => {
-      const [x, y] = this.#bases[k] as Point;
-      const rod = this.#rods[k] as Mesh;
-      rod.position.set(x, y, -SIZES.tail);
-      rod.scale.set(1, 1, Math.max(ball.z + SIZES.tail, 1));
-      (this.#balls[k] as Mesh).position.copy(ball);
-      const ring = this.#rings[k] as Mesh;
-      ring.position.copy(ball);
-      ring.quaternion.copy(rotation);
+      const { guides, rod, neck, ball: sphere } = this.#limbs[k]!;
+      guides.position.set(ball.x, ball.y, 0);
+      const end = ball.z - SIZES.ball - 12;
+      rod.position.set(ball.x, ball.y, -SIZES.tail);
+      rod.scale.set(1, 1, Math.max(end + SIZES.tail, 1));
+      neck.position.set(ball.x, ball.y, end + 16);
+      sphere.position.copy(ball);
     });
   }
 

@@ -1,16 +1,10 @@
-// 3D view of the three-rod robot: cameras, shadows, standard views, snapshots.
+// 3D view of the three-rod robot: cameras and standard views.
 
 import {
-  ACESFilmicToneMapping,
   Box3,
-  DirectionalLight,
-  Mesh,
   Object3D,
   OrthographicCamera,
-  PCFShadowMap,
   PerspectiveCamera,
-  PlaneGeometry,
-  ShadowMaterial,
   Vector3,
   type Material,
 } from 'three';
@@ -21,29 +15,24 @@ import { Handles } from './handles';
 import { SCENE, type Theme } from './palette';
 import { RobotMaterials, RobotModel, SIZES } from './robotModel';
 import { updateRobotScene, type RobotPicture } from './robotScene';
+import { CUBE_SIDES } from './standardViews';
 import { SceneRenderer, type Camera, type Overlay, type RendererEvents } from './sceneRenderer';
 
 Object3D.DEFAULT_UP.set(0, 0, 1);
 
-export const STANDARD_VIEWS = {
-  home: [0.6, -1, 0.62],
-  front: [0, -1, 0],
-  back: [0, 1, 0],
-  left: [-1, 0, 0],
-  right: [1, 0, 0],
-  top: [0, -1e-4, 1],
-  bottom: [0, -1e-4, -1],
-} as const;
+export const STANDARD_VIEWS = { home: [0.6, -1, 0.62], ...CUBE_SIDES } as const;
 export type StandardView = keyof typeof STANDARD_VIEWS;
 
 const FIELD_OF_VIEW = 28;
+/** Height of the play scale below the view, and the area of the button at its upper left [px]. */
+const FOOTER = 76;
+const BUTTON = { left: 0, right: 136, top: 0, bottom: 46 } as const;
+/** Height of the ground [mm]. */
+const FLOOR = -SIZES.flange - SIZES.housing;
 
 export interface RobotRendererEvents extends RendererEvents {
   viewChanged: () => void;
 }
-
-/** Intensity of the light from behind, which separates the robot from the background. */
-const RIM_INTENSITY = 0.9;
 
 export class RobotRenderer extends SceneRenderer {
   readonly #events: RobotRendererEvents;
@@ -51,8 +40,6 @@ export class RobotRenderer extends SceneRenderer {
   readonly #orthographic = new OrthographicCamera(-1, 1, 1, -1, -5000, 20000);
   readonly #materials = new RobotMaterials();
   readonly #annotations = new Annotations();
-  readonly #rimLight = new DirectionalLight(0xffffff, RIM_INTENSITY);
-  readonly #ground = new Mesh(new PlaneGeometry(4000, 4000), new ShadowMaterial({ opacity: 0.2 }));
   #robot: RobotModel | null = null;
   #picture: RobotPicture | null = null;
   #animation = 0;
@@ -71,32 +58,15 @@ export class RobotRenderer extends SceneRenderer {
         camera,
         description: '3D view of the robot; its values are in the panels',
         unit_mm: 1,
-        // Directional lights instead of an environment map: without a graphics card, its generation alone takes seconds.
-        lights: { key: { intensity: 2.1, position: [380, -520, 1100] }, fill: { intensity: 0.8, position: [-620, -260, 420] }, sky: 1.5 },
-        grid: { size: 1600, divisions: 32 },
+        grid: { step: 50, radius: 1100 },
       },
       events,
     );
     this.#perspective = camera;
     this.#events = events;
-    this.renderer.shadowMap.enabled = true;
-    this.renderer.shadowMap.type = PCFShadowMap;
-    // Shadows depend on the robot, not on the camera.
-    this.renderer.shadowMap.autoUpdate = false;
-    this.renderer.toneMapping = ACESFilmicToneMapping;
-    this.renderer.toneMappingExposure = 1.05;
     this.controls.addEventListener('start', () => (this.#initialView = false));
     this.controls.addEventListener('change', () => this.#events.viewChanged());
-    this.#rimLight.position.set(120, 760, 520);
-    this.keyLight.castShadow = true;
-    this.keyLight.shadow.mapSize.set(1024, 1024);
-    this.keyLight.shadow.bias = -0.0006;
-    this.keyLight.shadow.normalBias = 0.6;
-    this.#ground.receiveShadow = true;
-    const floor = -SIZES.flange - SIZES.housing;
-    this.#ground.position.z = floor;
-    this.grid.position.z = floor + 0.2;
-    this.scene.add(this.#rimLight, this.#ground, this.#annotations.group);
+    this.scene.add(this.#annotations.group);
     this.canvas.addEventListener('dblclick', (event) => this.#center(event));
     this.measure();
   }
@@ -117,16 +87,15 @@ export class RobotRenderer extends SceneRenderer {
     this.scene.add(this.#robot.group);
     const radius = Math.max(...sockets.map((socket) => Math.hypot(...socket)));
     this.setHandles(new Handles(radius));
-    const reach = radius * 3;
-    Object.assign(this.keyLight.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 50, far: 2600 });
-    this.keyLight.shadow.camera.updateProjectionMatrix();
+    const reach = radius + SIZES.rim;
+    const height = this.#picture?.pose.axis_height_m ?? 0.5;
+    this.placeGround(new Box3(new Vector3(-reach, -reach, FLOOR), new Vector3(reach, reach, 1000 * height + 60)), FLOOR);
   }
 
   /** Replaces a generated part by a mesh of the robot file. */
   setMesh(part: 'base' | 'platform', mesh: Object3D): void {
     this.#robot?.setMesh(part, mesh);
-    this.renderer.shadowMap.needsUpdate = true;
-    this.invalidate();
+    this.partsMoved();
     if (this.#initialView && this.#picture) this.showInitialView();
   }
 
@@ -156,15 +125,13 @@ export class RobotRenderer extends SceneRenderer {
   override setTheme(theme: Theme): void {
     const colours = SCENE[theme];
     this.#materials.paint(colours);
-    this.#rimLight.intensity = RIM_INTENSITY * colours.light;
-    (this.#ground.material as ShadowMaterial).opacity = colours.shadow;
     super.setTheme(theme);
   }
 
   /** Displays a pose. */
   show(picture: RobotPicture): void {
     if (picture.pose !== this.#picture?.pose || picture.exaggeration !== this.#picture.exaggeration || picture.model !== this.#picture.model)
-      this.renderer.shadowMap.needsUpdate = true;
+      this.partsMoved();
     this.#picture = picture;
     if (this.handles) this.handles.group.position.z = picture.pose.axis_height_m * 1000;
     this.invalidate();
@@ -213,15 +180,10 @@ export class RobotRenderer extends SceneRenderer {
   }
 
   /** Rotates the camera about its target to a standard direction. */
-  turnTo(side: StandardView): void {
+  override turnTo(side: StandardView): void {
     const [x, y, z] = STANDARD_VIEWS[side];
     const distance = this.camera.position.distanceTo(this.controls.target);
     this.#moveCamera(new Vector3(x, y, z).normalize(), this.controls.target.clone(), distance, this.camera.zoom);
-  }
-
-  /** Rotation from the base frame to the camera frame, by columns, as the view cube shows it. */
-  get rotation(): number[] {
-    return this.camera.matrixWorldInverse.toArray();
   }
 
   /** Shows the whole robot in the current direction. */
@@ -235,7 +197,7 @@ export class RobotRenderer extends SceneRenderer {
     const height = (this.#picture?.pose.axis_height_m ?? 0.5) * 1000;
     const sockets = this.#picture?.robot.limbs.map((limb) => limb.socket_radius_m * 1000) ?? [93];
     const reach = Math.max(...sockets) + SIZES.rim + 12;
-    this.look(side, new Box3(new Vector3(-reach, -reach, height - 40), new Vector3(reach, reach, height + 40)));
+    this.look(side, new Box3(new Vector3(-reach, -reach, height - 30), new Vector3(reach, reach, height + 16)));
   }
 
   /** The part of the robot that standard views show: all above a plane slightly below the flange. */
@@ -253,8 +215,10 @@ export class RobotRenderer extends SceneRenderer {
     const reference = Math.abs(direction.z) > 0.999 ? new Vector3(0, 1, 0) : new Vector3(0, 0, 1);
     const right = reference.clone().cross(direction).normalize();
     const up = direction.clone().cross(right);
-    const halfHeight = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * 0.8;
-    const halfWidth = (halfHeight * Math.max(this.size.width - this.#covered, 200)) / this.size.height;
+    const full = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * 0.82;
+    const { left, bottom } = this.#coveredNow;
+    const halfWidth = (full * Math.max(this.size.width - left, 200)) / this.size.height;
+    const halfHeight = (full * Math.max(this.size.height - bottom, 120)) / this.size.height;
     let distance = 1;
     for (let index = 0; index < 8; index++) {
       const corner = new Vector3(...([1, 2, 4].map((bit, i) => ((index & bit) > 0 ? box.max : box.min).getComponent(i)) as [number, number, number]));
@@ -299,6 +263,11 @@ export class RobotRenderer extends SceneRenderer {
     this.controls.object = camera;
   }
 
+  /** What other elements cover of the view [px]; nothing in pictures for export. */
+  get #coveredNow(): { left: number; bottom: number } {
+    return this.exporting ? { left: 0, bottom: 0 } : { left: this.#covered, bottom: FOOTER };
+  }
+
   #updateProjection(): void {
     const aspect = this.size.width / this.size.height;
     this.#perspective.aspect = aspect;
@@ -307,7 +276,7 @@ export class RobotRenderer extends SceneRenderer {
     if (this.camera === this.#orthographic)
       Object.assign(this.#orthographic, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
     const { width, height } = this.size;
-    this.camera.setViewOffset(width, height, -this.#covered / 2, 0, width, height);
+    this.camera.setViewOffset(width, height, -this.#coveredNow.left / 2, this.#coveredNow.bottom / 2, width, height);
     this.camera.updateProjectionMatrix();
   }
 
@@ -321,43 +290,11 @@ export class RobotRenderer extends SceneRenderer {
   protected update(): Overlay | null {
     if (!this.#picture || !this.#robot) return null;
     const labels = updateRobotScene(this.#picture, this.#robot, this.#annotations);
-    return { labels, covered: { left: this.#covered + 10, right: 104 } };
+    return { labels, covered: { left: this.#covered + 10, right: 104 }, occupied: [BUTTON, { left: 0, right: this.size.width, top: this.size.height - FOOTER, bottom: this.size.height }] };
   }
 
   protected override frameRendered(): void {
     this.onFrame?.();
-  }
-
-  /** Copies the last frame to a canvas, with a note on the play scale. */
-  copyTo(canvas: HTMLCanvasElement, note: string): void {
-    const source = this.renderer.domElement;
-    if (canvas.width !== source.width || canvas.height !== source.height) {
-      canvas.width = source.width;
-      canvas.height = source.height;
-    }
-    const context = canvas.getContext('2d');
-    if (!context || !this.#picture) return;
-    const colours = SCENE[this.theme];
-    const ratio = this.renderer.getPixelRatio();
-    context.fillStyle = colours.background;
-    context.fillRect(0, 0, canvas.width, canvas.height);
-    context.drawImage(source, 0, 0);
-    context.drawImage(this.labelCanvas, 0, 0);
-    context.font = `600 ${14 * ratio}px system-ui, sans-serif`;
-    context.fillStyle = colours.ink;
-    context.fillText(note, 14 * ratio, canvas.height - 14 * ratio);
-  }
-
-  /** The view as PNG, with a note. */
-  snapshot(note: string): Promise<Blob | null> {
-    const { onFrame } = this;
-    this.onFrame = null;
-    this.render();
-    const canvas = document.createElement('canvas');
-    this.copyTo(canvas, note);
-    this.onFrame = onFrame;
-    this.invalidate();
-    return new Promise((done) => canvas.toBlob(done, 'image/png'));
   }
 
   // The pointer

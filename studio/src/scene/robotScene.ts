@@ -1,14 +1,14 @@
 // Updates the 3D scene of the robot to a pose computed by the server.
 
-import { Matrix4, Vector3 } from 'three';
-import type { ModelDocument, PoseDocument, RobotDocument } from '../api/client';
+import { Matrix4, Quaternion, Vector3 } from 'three';
+import type { ModelDocument, PlacedDocument, PoseDocument, RobotDocument } from '../api/client';
 import type { Shown } from '../lib/document';
-import { displayedSocket, jointPaths, planeMap, type Point, type Triple } from '../lib/geometry';
+import { displayedBall, jointPaths, type Point, type Triple } from '../lib/geometry';
 import { jointLabels } from '../lib/joints';
 import { small, type LengthUnit } from '../lib/units';
 import type { Label } from './labels';
 import { MODEL_COLOURS, SCENE, type Theme } from './palette';
-import { SIZES, type RobotModel } from './robotModel';
+import { RobotModel, SIZES } from './robotModel';
 import type { Annotations } from './annotations';
 
 /** A pose with all options of its display. */
@@ -30,11 +30,10 @@ export function modelResult(pose: PoseDocument, model: string): ModelDocument | 
   return pose.models.find((one) => one.model.virtualization === model);
 }
 
-/** Displayed pose of a platform. */
+/** Displayed pose of a rigid platform: its in-plane displacement from the base axis is exaggerated. */
 interface PlatformPlacement {
   matrix: Matrix4;
   center: Vector3;
-  normal: Vector3;
   /** Displayed positions of the nominal sockets. */
   sockets: Vector3[];
   /** Transforms a vector in the platform plane to the base frame. */
@@ -47,14 +46,21 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
   const colours = SCENE[theme];
   const models = MODEL_COLOURS[theme];
   const sockets = robot.limbs.map(({ socket_m }) => [socket_m[0]! * MM, socket_m[1]! * MM] as Point);
-  const balls = pose.balls_m.map((ball) => new Vector3(...(ball as Triple)).multiplyScalar(MM));
   const labels: Label[] = [];
   const result = modelResult(pose, picture.model)?.answer;
-  const placement = result ? placementOf(result.pose.origin_m, result.pose.rotation, sockets, balls, exaggeration) : null;
-  const ghost = placementOf(pose.approximate.pose.origin_m, pose.approximate.pose.rotation, sockets, balls, exaggeration);
+  const placement = result ? placementOf(result.pose, result.torsion_rad, sockets, pose.axis_height_m, exaggeration) : null;
+  const ghost = placementOf(pose.approximate.pose, 0, sockets, pose.axis_height_m, exaggeration);
   const displayed = placement ?? ghost;
-  body.place(balls, displayed.normal);
-  body.platform.matrix.copy(displayed.matrix);
+  // Exactly the displacements of the model, or those of the approximate pose.
+  const displacements = sockets.map((socket, k): Vector3 => {
+    if (!result) return new Vector3(...(pose.approximate.gaps_m[k] as Triple)).multiplyScalar(MM * exaggeration);
+    const [x, y] = displayedBall(socket, [result.sockets_m[k]![0]! * MM, result.sockets_m[k]![1]! * MM], exaggeration);
+    return displayed.toBase([x - socket[0], y - socket[1]]);
+  });
+  const balls = displacements.map((displacement, k) => (displayed.sockets[k] as Vector3).clone().add(displacement));
+  // The bearings are just wide enough for the largest displacement.
+  const gap = Math.max(...displacements.map((one) => one.length()));
+  body.place(balls, displayed.matrix, gap);
   body.platform.visible = placement !== null;
   body.ghost.visible = shown.ghost;
   body.ghost.matrix.copy(ghost.matrix);
@@ -66,6 +72,19 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
     const radius = Math.hypot(x, y) || 1;
     return (balls[k] as Vector3).clone().add(displayed.toBase([(x / radius) * by, (y / radius) * by]));
   };
+  if (placement && result && exaggeration > 1)
+    displacements.forEach((displacement, k) => {
+      // The side of the bearing that the ball has moved to.
+      if (displacement.length() < 0.3) return;
+      const radius = RobotModel.raceRadius(gap);
+      const along = displacement.clone().normalize();
+      const across = new Vector3().setFromMatrixColumn(displayed.matrix, 2).cross(along);
+      const arc = Array.from({ length: 13 }, (_, i) => {
+        const angle = ((i - 6) / 6) * 0.5;
+        return (displayed.sockets[k] as Vector3).clone().addScaledVector(along, radius * Math.cos(angle)).addScaledVector(across, radius * Math.sin(angle));
+      });
+      annotations.path(arc, 1.1, colours.contact, 8);
+    });
   if (placement && result && shown.joints) {
     const jointTexts = jointLabels(robot, picture.model, result.virtual_joints, unit);
     sockets.forEach((socket, k) => {
@@ -80,7 +99,7 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
       rails(picture.model, socket, delta).forEach((rail) => annotations.path(rail.map(inBase), 0.45, colour, 9));
       paths.forEach((path) => annotations.path(path.map(inBase), 1.5, colour));
       annotations.dot(start, 2.6, colour);
-      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: jointTexts[k] as string, awayFrom: displayed.center, colour: legible(colour, theme), strong: true });
+      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: jointTexts[k] as string, extent: 60, awayFrom: displayed.center, colour: legible(colour, theme), strong: true });
     });
   }
   if (shown.ghost) {
@@ -94,7 +113,7 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
       const to = ghost.sockets[k] as Vector3;
       annotations.arrow(ball, to, 1, grey, 9);
       const gap = new Vector3(...(pose.approximate.gaps_m[k] as Triple)).length();
-      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: `gap ${small(gap, unit)}`, awayFrom: displayed.center, colour: legible(grey, theme) });
+      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: `gap ${small(gap, unit)}`, extent: 60, awayFrom: displayed.center, colour: legible(grey, theme) });
     });
   }
   const axis = new Vector3(0, 0, pose.axis_height_m * MM);
@@ -106,7 +125,7 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
       const own = models[model.virtualization] as string;
       const strong = model.virtualization === picture.model;
       annotations.arrow(axis, tip, strong ? 1.7 : 1.2, own, strong ? 14 : 12);
-      if (shown.labels) labels.push({ position: tip, text: small(Math.hypot(x, y), unit), awayFrom: axis, colour: legible(own, theme), strong });
+      if (shown.labels) labels.push({ position: tip, text: `${model.virtualization} ${small(Math.hypot(x, y), unit)}`, awayFrom: axis, extent: 26, colour: legible(own, theme), strong });
     }
     annotations.dot(axis, 1.8, colours.ink, 15);
   }
@@ -130,18 +149,15 @@ export function legible(colour: string, theme: Theme): string {
   return darker[colour] ?? colour;
 }
 
-function placementOf(origin: number[], rotation: number[][], sockets: Point[], balls: Vector3[], exaggeration: number): PlatformPlacement {
+function placementOf({ origin_m, rotation }: PlacedDocument, torsion_rad: number, sockets: Point[], axis_height_m: number, exaggeration: number): PlatformPlacement {
   const [ex, ey, ez] = columns(rotation);
-  const center = new Vector3(...(origin as Triple)).multiplyScalar(MM);
+  const axis = new Vector3(0, 0, axis_height_m * MM);
+  const center = new Vector3(...(origin_m as Triple)).multiplyScalar(MM).sub(axis).multiplyScalar(exaggeration).add(axis);
+  const twist = new Quaternion().setFromAxisAngle(ez, (exaggeration - 1) * torsion_rad);
+  for (const axis of [ex, ey]) axis.applyQuaternion(twist);
   const toBase = ([x, y]: Point) => new Vector3().addScaledVector(ex, x).addScaledVector(ey, y);
-  const displayedSockets = sockets.map((socket, k) => {
-    const ball = balls[k] as Vector3;
-    const gap = ball.clone().sub(center.clone().add(toBase(socket)));
-    return new Vector3(...displayedSocket(ball.toArray(), gap.toArray(), exaggeration));
-  });
-  const to = displayedSockets.map((one) => one.toArray()) as [Triple, Triple, Triple];
-  const matrix = new Matrix4().fromArray(planeMap(sockets as [Point, Point, Point], to, ez.toArray()));
-  return { matrix, center: new Vector3().applyMatrix4(matrix), normal: ez, sockets: displayedSockets, toBase };
+  const matrix = new Matrix4().makeBasis(ex, ey, ez).setPosition(center);
+  return { matrix, center, sockets: sockets.map((socket) => center.clone().add(toBase(socket))), toBase };
 }
 
 function columns(rotation: number[][]): [Vector3, Vector3, Vector3] {
@@ -205,7 +221,7 @@ function frame(
     const colour = colours[i] as string;
     const tip = origin.clone().add(toBase(axis).multiplyScalar(name === 'b' ? 46 : 38));
     annotations.arrow(origin, tip, 0.9, colour, 8);
-    if (labelled && name === 'b') labels.push({ position: tip, text: names[i] as string, colour, offset: [6, 0] });
+    if (labelled && name === 'b') labels.push({ position: tip, text: names[i] as string, colour, offset: [6, 0], extent: 46 });
   });
-  if (labelled && name === 'b') labels.push({ position: origin, text: 'O_b', offset: [-8, 10] });
+  if (labelled && name === 'b') labels.push({ position: origin, text: 'O_b', offset: [-8, 10], extent: 46 });
 }

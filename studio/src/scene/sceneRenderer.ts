@@ -1,28 +1,31 @@
-// Common base of all 3D views: canvas, labels, lights, grid, camera controls, drag handles, picking.
-// A frame is rendered only after a change.
+// Common base of all 3D views: canvas, labels, lights, ground, camera controls, drag handles, picking, pictures for export.
+// A frame is rendered only after a change; when nothing moves any more, a still picture with smooth edges follows.
 
 import {
-  Color,
-  Vector3,
   DirectionalLight,
-  GridHelper,
-  HemisphereLight,
+  NeutralToneMapping,
+  PCFShadowMap,
   Raycaster,
   Scene,
   Vector2,
+  Vector3,
   WebGLRenderer,
   type Box3,
   type Intersection,
-  type LineBasicMaterial,
   type Object3D,
   type OrthographicCamera,
   type PerspectiveCamera,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { environmentLight, installEnvironment } from './environment';
+import { Ground } from './ground';
+import type { Box } from '../lib/labelLayout';
 import { DESCRIPTIONS, type Freedom, type Handles } from './handles';
 import { paintLabels, type Label } from './labels';
 import { SCENE, type Theme } from './palette';
-import { CONTEXT_ATTRIBUTES, takeContext } from './webgl';
+import { Resolution } from './resolution';
+import { CUBE_SIDES, type CubeSide } from './standardViews';
+import { takeContext } from './webgl';
 
 export type Camera = PerspectiveCamera | OrthographicCamera;
 
@@ -37,10 +40,11 @@ export interface RendererEvents {
   rendered: (took_ms: number) => void;
 }
 
-/** Labels of a frame, and the widths at its left and right that are covered by other elements [px]. */
+/** Labels of a frame, and what other elements cover: widths at its left and right, and further areas [px]. */
 export interface Overlay {
   labels: Label[];
   covered: { left: number; right: number };
+  occupied?: Box[];
 }
 
 /** What differs between the scenes of the views. */
@@ -50,47 +54,81 @@ export interface SceneOptions {
   description: string;
   /** Length of a unit of the scene [mm]. */
   unit_mm: number;
-  /** Intensity and position of the key light and the fill light, and the intensity of the sky. */
-  lights: { key: Light; fill: Light; sky: number };
-  /** Edge length and number of divisions of the ground grid. */
-  grid: { size: number; divisions: number };
+  /** Distance of the lines of the ground grid, and the radius in which they fade. */
+  grid: { step: number; radius: number };
 }
 
-interface Light {
-  intensity: number;
-  position: [number, number, number];
+/** A picture of a view for export. */
+export interface Picture {
+  /** Pixels. */
+  width: number;
+  height: number;
+  /** Pixels of the picture per pixel of texts on the screen. */
+  scale: number;
+  transparent: boolean;
+  labels: boolean;
+  /** Text at the lower left. */
+  note: string;
 }
+
+/** Direction to the key light. */
+const KEY_LIGHT = new Vector3(0.31, -0.424, 0.851);
+/** Intensities of the key light and of the environment. */
+const INTENSITY = { key: 1.9, environment: 0.62 } as const;
+/** Pixels of the shadow map along an edge, and the radius over which shadows are soft [pixels of the map]. */
+const SHADOW = { pixels: 1024, radius: 2.4 } as const;
+/** Area of a drag handle that labels leave free [px]. */
+const GRIP = { width: 26, height: 64 } as const;
+/** Largest number of pixels of a still picture, which takes the processor about a second. */
+const STILL_PIXELS = 9e6;
+/** Time without changes before the still picture [ms]. */
+const STILL_AFTER_MS = 220;
 
 /** Pointer movement up to which a click is a click and not a drag [px]. */
 const CLICK_DISTANCE = 4;
 
 export abstract class SceneRenderer {
-  protected readonly renderer = new WebGLRenderer({ ...CONTEXT_ATTRIBUTES, ...takeContext() });
+  protected readonly renderer: WebGLRenderer;
   protected readonly scene = new Scene();
   protected readonly controls: OrbitControls;
   protected readonly labelCanvas = document.createElement('canvas');
-  protected readonly keyLight: DirectionalLight;
-  protected readonly grid: GridHelper;
   protected camera: Camera;
   protected size = { width: 1, height: 1 };
   protected theme: Theme = 'light';
   readonly #host: HTMLElement;
   readonly #events: RendererEvents;
   readonly #options: SceneOptions;
-  readonly #fillLight: DirectionalLight;
-  readonly #sky: HemisphereLight;
+  readonly #keyLight = new DirectionalLight(0xffffff);
+  readonly #environment = environmentLight();
+  readonly #ground: Ground;
+  readonly #resolution: Resolution;
+  /** Whether the processor renders the pictures. */
+  readonly #software: boolean;
   readonly #observer: ResizeObserver;
   #handles: Handles | null = null;
   #drag: { freedom: Freedom; start: Vector2 } | null = null;
   #pointerDown = new Vector2();
   #frame = 0;
+  #still: ReturnType<typeof setTimeout> | undefined;
+  #shadowsOutdated = true;
+  #lastFrame = 0;
 
   constructor(host: HTMLElement, options: SceneOptions, events: RendererEvents) {
     this.#host = host;
     this.#options = options;
     this.#events = events;
     this.camera = options.camera;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    installEnvironment();
+    const context = takeContext();
+    this.renderer = new WebGLRenderer({ alpha: true, ...(context && { canvas: context.canvas, context: context.context }) });
+    this.#software = context?.software ?? false;
+    this.#resolution = new Resolution(window.devicePixelRatio, this.#software);
+    this.renderer.setPixelRatio(this.#resolution.moving);
+    this.renderer.toneMapping = NeutralToneMapping;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    // Shadows depend on the parts, not on the camera.
+    this.renderer.shadowMap.autoUpdate = false;
     // Checking each shader for errors blocks until it is compiled.
     this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
     const { canvas } = this;
@@ -99,16 +137,12 @@ export abstract class SceneRenderer {
     canvas.setAttribute('aria-label', options.description);
     this.labelCanvas.className = 'labels';
     host.append(canvas, this.labelCanvas);
-    const { key, fill, sky } = options.lights;
-    this.keyLight = new DirectionalLight(0xffffff, key.intensity);
-    this.keyLight.position.set(...key.position);
-    this.#fillLight = new DirectionalLight(0xdce8ff, fill.intensity);
-    this.#fillLight.position.set(...fill.position);
-    this.#sky = new HemisphereLight(0xffffff, 0x94a0ac, sky);
-    this.grid = new GridHelper(options.grid.size, options.grid.divisions);
-    // GridHelper lies in the plane y = 0; here z is up.
-    this.grid.rotation.x = Math.PI / 2;
-    this.scene.add(this.keyLight, this.keyLight.target, this.#fillLight, this.#sky, this.grid);
+    const light = this.#keyLight;
+    light.castShadow = true;
+    light.shadow.mapSize.set(SHADOW.pixels, SHADOW.pixels);
+    light.shadow.radius = SHADOW.radius;
+    this.#ground = new Ground(options.grid.step, options.grid.radius);
+    this.scene.add(light, light.target, this.#environment, this.#ground.mesh);
     this.controls = new OrbitControls(options.camera, canvas);
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
@@ -123,10 +157,18 @@ export abstract class SceneRenderer {
   dispose(): void {
     this.#observer.disconnect();
     cancelAnimationFrame(this.#frame);
+    clearTimeout(this.#still);
+    this.#ground.dispose();
+    this.#keyLight.dispose();
     this.setHandles(null);
     this.controls.dispose();
     this.renderer.dispose();
     this.#host.replaceChildren();
+  }
+
+  /** Size of the view [px]. */
+  get viewSize(): { width: number; height: number } {
+    return this.size;
   }
 
   get canvas(): HTMLCanvasElement {
@@ -142,7 +184,29 @@ export abstract class SceneRenderer {
 
   /** Requests a frame. */
   invalidate(): void {
+    clearTimeout(this.#still);
     if (!this.#frame) this.#frame = requestAnimationFrame(() => this.render());
+  }
+
+  /** Requests a frame after parts have moved. */
+  protected partsMoved(): void {
+    this.#shadowsOutdated = true;
+    this.invalidate();
+  }
+
+  /** Places ground and key light for a scene within a box. */
+  protected placeGround(box: Box3, floor: number): void {
+    this.#ground.place(box, floor);
+    const center = box.getCenter(new Vector3());
+    const reach = 0.5 * box.getSize(new Vector3()).length();
+    const light = this.#keyLight;
+    light.target.position.copy(center);
+    light.position.copy(center).addScaledVector(KEY_LIGHT, 2 * reach);
+    Object.assign(light.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.8 * reach, far: 3.2 * reach });
+    light.shadow.camera.updateProjectionMatrix();
+    // A part does not cast a shadow on itself within one pixel of the map.
+    light.shadow.normalBias = (3 * reach) / SHADOW.pixels;
+    this.partsMoved();
   }
 
   /** Takes over the size of the host element; to be called at the end of the constructor of a subclass. */
@@ -151,7 +215,7 @@ export abstract class SceneRenderer {
     if (width < 2 || height < 2 || (width === this.size.width && height === this.size.height)) return;
     this.size = { width, height };
     this.renderer.setSize(width, height);
-    const ratio = this.renderer.getPixelRatio();
+    const ratio = Math.min(window.devicePixelRatio, 2);
     this.labelCanvas.width = Math.round(width * ratio);
     this.labelCanvas.height = Math.round(height * ratio);
     this.resized();
@@ -172,36 +236,144 @@ export abstract class SceneRenderer {
     this.invalidate();
   }
 
+  /** Rotation from the base frame to the camera frame, by columns, as the view cube shows it. */
+  get rotation(): number[] {
+    return this.camera.matrixWorldInverse.toArray();
+  }
+
+  /** Rotates the camera about its target to a side. */
+  turnTo(side: CubeSide): void {
+    const { target } = this.controls;
+    const distance = this.camera.position.distanceTo(target);
+    this.camera.position.copy(target).addScaledVector(new Vector3(...CUBE_SIDES[side]).normalize(), distance);
+    this.controls.update();
+    this.invalidate();
+  }
+
   protected render(): void {
     this.#frame = 0;
+    clearTimeout(this.#still);
     const start = performance.now();
+    this.#resolution.observe(start - this.#lastFrame);
+    this.#lastFrame = start;
+    this.#useRatio(this.#resolution.moving);
+    if (!this.#draw()) return;
+    this.#scheduleStill();
+    this.frameRendered();
+    this.#events.rendered(performance.now() - start);
+  }
+
+  /** Whether a picture for export is being rendered. */
+  protected exporting = false;
+
+  /**
+   * Renders the view to another canvas, in another size and without drag handles.
+   *
+   * `smooth` renders it at twice the resolution where the graphics card does not smooth edges.
+   */
+  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth = true): void {
+    const { width, height, scale, transparent, labels, note } = picture;
+    const context = canvas.getContext('2d');
+    const largest = this.renderer.capabilities.maxTextureSize;
+    if (!context) throw new Error('this browser cannot render the picture');
+    if (!(Math.max(width, height) <= largest && Math.min(width, height) >= 16))
+      throw new Error(`pictures have 16 to ${largest} pixels along each edge, got ${width} × ${height}`);
+    const factor = smooth && this.#software && 2 * Math.max(width, height) <= largest ? 2 : 1;
+    const before = { size: this.size, handles: this.#handles?.group.visible ?? false };
+    const { background, ink } = SCENE[this.theme];
+    try {
+      this.exporting = true;
+      if (this.#handles) this.#handles.group.visible = false;
+      this.size = { width: width / scale, height: height / scale };
+      this.renderer.setPixelRatio(1);
+      this.renderer.setSize(width * factor, height * factor, false);
+      this.resized();
+      const overlay = this.#renderScene();
+      if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+      context.setTransform(1, 0, 0, 1, 0, 0);
+      context.clearRect(0, 0, width, height);
+      if (!transparent) {
+        context.fillStyle = background;
+        context.fillRect(0, 0, width, height);
+      }
+      context.imageSmoothingQuality = 'high';
+      context.drawImage(this.renderer.domElement, 0, 0, width, height);
+      context.setTransform(scale, 0, 0, scale, 0, 0);
+      if (labels && overlay) paintLabels(context, overlay.labels, this.camera, this.size, { left: 8, right: 8 }, [], { text: ink, halo: background });
+      context.font = '600 14px system-ui, sans-serif';
+      context.fillStyle = ink;
+      context.fillText(note, 14, height / scale - 14);
+    } finally {
+      this.exporting = false;
+      if (this.#handles) this.#handles.group.visible = before.handles;
+      this.size = before.size;
+      this.renderer.setPixelRatio(this.#resolution.moving);
+      this.renderer.setSize(this.size.width, this.size.height);
+      this.resized();
+      if (this.#draw()) this.#scheduleStill();
+    }
+  }
+
+  #useRatio(ratio: number): void {
+    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+  }
+
+  #scheduleStill(): void {
+    clearTimeout(this.#still);
+    if (this.#resolution.still > this.#resolution.moving) this.#still = setTimeout(() => this.#drawStill(), STILL_AFTER_MS);
+  }
+
+  #drawStill(): void {
+    const { width, height } = this.size;
+    const largest = Math.sqrt(STILL_PIXELS / (width * height));
+    this.#useRatio(Math.max(Math.min(this.#resolution.still, largest), this.#resolution.moving));
+    this.#draw();
+  }
+
+  /** Renders the scene; returns its labels, and `null` without a scene. */
+  #renderScene(): Overlay | null {
     const overlay = this.update();
-    if (!overlay) return;
+    if (!overlay) return null;
+    if (this.#shadowsOutdated) {
+      this.#shadowsOutdated = false;
+      this.renderer.shadowMap.needsUpdate = true;
+      this.#ground.cast(this.renderer, this.scene);
+    }
     this.renderer.render(this.scene, this.camera);
+    return overlay;
+  }
+
+  /** Renders the scene and its labels; returns whether there is a scene. */
+  #draw(): boolean {
+    const overlay = this.#renderScene();
+    if (!overlay) return false;
     const context = this.labelCanvas.getContext('2d');
     if (context) {
-      const ratio = this.renderer.getPixelRatio();
+      const ratio = this.labelCanvas.width / this.size.width;
       const { ink, background } = SCENE[this.theme];
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       context.clearRect(0, 0, this.size.width, this.size.height);
-      paintLabels(context, overlay.labels, this.camera, this.size, overlay.covered, { text: ink, halo: background });
+      paintLabels(context, overlay.labels, this.camera, this.size, overlay.covered, [...this.#gripBoxes(), ...(overlay.occupied ?? [])], { text: ink, halo: background });
     }
-    this.frameRendered();
-    this.#events.rendered(performance.now() - start);
+    return true;
+  }
+
+  /** Areas of the view around the drag handles [px]. */
+  #gripBoxes(): Box[] {
+    return (this.#handles?.grips() ?? []).map((grip) => {
+      const { x, y } = grip.project(this.camera);
+      const [across, down] = [((x + 1) / 2) * this.size.width, ((1 - y) / 2) * this.size.height];
+      return { left: across - GRIP.width / 2, right: across + GRIP.width / 2, top: down - GRIP.height / 2, bottom: down + GRIP.height / 2 };
+    });
   }
 
   setTheme(theme: Theme): void {
     this.theme = theme;
     const colours = SCENE[theme];
-    const { key, fill, sky } = this.#options.lights;
-    this.keyLight.intensity = key.intensity * colours.light;
-    this.#fillLight.intensity = fill.intensity * colours.light;
-    this.#sky.intensity = sky * colours.light;
+    this.#keyLight.intensity = INTENSITY.key * colours.light;
+    this.#environment.intensity = INTENSITY.environment * colours.light;
     this.#handles?.paint(colours.handle, colours.handleActive);
-    const material = this.grid.material as LineBasicMaterial;
-    material.vertexColors = false;
-    material.color = new Color(colours.grid);
-    material.needsUpdate = true;
+    this.#ground.paint(colours.grid, colours.shadow);
     this.invalidate();
   }
 

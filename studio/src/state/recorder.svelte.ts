@@ -1,4 +1,4 @@
-// Records the 3D view as a video with the encoder of the browser.
+// Records the 3D view as a video of 1920 × 1080 pixels with the encoder of the browser.
 
 /** A 3D view that can be recorded. */
 export interface RecordedView {
@@ -17,6 +17,9 @@ const KINDS = [
   ['video/webm', 'webm'],
 ] as const;
 
+/** Size of the video, with texts that are legible when it is reduced. */
+const VIDEO = { width: 1920, height: 1080, scale: 1.5, transparent: false, labels: true } as const;
+
 /** Number of frames of the first and of the last state: an encoder may start late, and a video ends at the start of its last frame. */
 const HOLD_FRAMES = 4;
 /** Minimum duration of these frames [ms]: three frames at 30 Hz. */
@@ -32,14 +35,14 @@ export class VideoRecorder {
     if (!kind) throw new Error('this browser does not support video encoding');
     const [type, extension] = kind;
     const canvas = document.createElement('canvas');
-    renderer.copyTo(canvas, note());
+    renderer.renderPicture(canvas, { ...VIDEO, note: note() }, false);
     const recorder = new MediaRecorder(canvas.captureStream(30), { mimeType: type, videoBitsPerSecond: 12e6 });
     const parts: Blob[] = [];
     recorder.addEventListener('dataavailable', ({ data }) => data.size > 0 && parts.push(data));
     recorder.addEventListener('stop', () => done(new Blob(parts, { type }), extension));
     const waiting: (() => void)[] = [];
     renderer.onFrame = () => {
-      renderer.copyTo(canvas, note());
+      renderer.renderPicture(canvas, { ...VIDEO, note: note() }, false);
       for (const next of waiting.splice(0)) next();
     };
     const hold = async () => {

@@ -19,6 +19,12 @@ impl<'f> Names<'f> {
         Self { units: file.units, parameters: &file.parameters, variable: None }
     }
 
+    /// No names, for values without a file.
+    #[must_use]
+    pub fn none(units: Units) -> Self {
+        Self { units, parameters: &[], variable: None }
+    }
+
     /// The same with a variable.
     ///
     /// # Errors

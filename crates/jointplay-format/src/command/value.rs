@@ -6,6 +6,7 @@ use super::names::Names;
 use super::problem::Error;
 use crate::expression::{AngleUnit, ExpressionProblem, Formula};
 use crate::mechanism::{LengthUnit, Units};
+use crate::units::shift;
 
 /// A value of a command: an expression of the parameters of a file, in the units of the file or in the unit that follows it.
 ///
@@ -32,20 +33,34 @@ pub struct CommandValue {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Unit {
     Length(LengthUnit),
+    /// A thousandth of an inch.
+    Mil,
     Angle(AngleUnit),
+    Milliradian,
+    Microradian,
 }
 
 impl Unit {
+    /// Units that are not units of files.
+    const OTHERS: [Self; 3] = [Self::Mil, Self::Milliradian, Self::Microradian];
+
     pub(super) fn find(name: &str) -> Option<Self> {
         let length = LengthUnit::ALL.into_iter().find(|(known, _)| *known == name);
         let angle = || AngleUnit::ALL.into_iter().find(|(known, _)| *known == name);
-        length.map(|(_, unit)| Self::Length(unit)).or_else(|| angle().map(|(_, u)| Self::Angle(u)))
+        let other = || Self::OTHERS.into_iter().find(|unit| unit.name() == name);
+        length
+            .map(|(_, unit)| Self::Length(unit))
+            .or_else(|| angle().map(|(_, unit)| Self::Angle(unit)))
+            .or_else(other)
     }
 
     fn name(self) -> &'static str {
         match self {
             Self::Length(unit) => unit.name(),
+            Self::Mil => "mil",
             Self::Angle(unit) => unit.name(),
+            Self::Milliradian => "mrad",
+            Self::Microradian => "urad",
         }
     }
 
@@ -59,17 +74,20 @@ impl Unit {
 
     /// Whether it is a unit of the quantity.
     pub(super) fn measures(self, quantity: Coordinate) -> bool {
-        matches!(
-            (self, quantity),
-            (Self::Length(_), Coordinate::Slide) | (Self::Angle(_), Coordinate::Turn)
-        )
+        match self {
+            Self::Length(_) | Self::Mil => quantity == Coordinate::Slide,
+            Self::Angle(_) | Self::Milliradian | Self::Microradian => quantity == Coordinate::Turn,
+        }
     }
 
     /// A value in SI units (m or rad).
     pub(super) fn to_si(self, value: f64) -> f64 {
         match self {
             Self::Length(unit) => unit.to_meters(value),
+            Self::Mil => shift(LengthUnit::Inch.to_meters(value), -3),
             Self::Angle(unit) => unit.to_radians(value),
+            Self::Milliradian => shift(value, -3),
+            Self::Microradian => shift(value, -6),
         }
     }
 }
@@ -192,6 +210,9 @@ mod tests {
         check("2.5mm", Coordinate::Slide, 2.5e-3);
         check("(1 + 1) in", Coordinate::Slide, 0.0508);
         check("w um", Coordinate::Slide, 40e-6);
+        check("1/2 mil", Coordinate::Slide, 12.7e-6);
+        check("3 mrad", Coordinate::Turn, 3e-3);
+        check("250urad", Coordinate::Turn, 250e-6);
         check("0.5 rad", Coordinate::Turn, 0.5);
         check("t deg", Coordinate::Turn, 60_f64.to_radians());
         // Names of the file that look like units are names, where an expression needs one.
@@ -212,6 +233,7 @@ mod tests {
         refuse("1 / (t - 60)", Coordinate::Slide, "the expression gives a value that is infinite");
         refuse("ww * 2", Coordinate::Slide, "unknown name `ww` (did you mean `w`?)");
         refuse("1 deg", Coordinate::Slide, "the value is a length, but deg is a unit of angles");
+        refuse("1 mil", Coordinate::Turn, "mil is a unit of lengths");
         refuse("1 mm", Coordinate::Turn, "the value is an angle, but mm is a unit of lengths");
         refuse("", Coordinate::Turn, "expected a number");
         refuse("mm", Coordinate::Turn, "unknown name `mm`");

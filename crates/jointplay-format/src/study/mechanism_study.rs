@@ -5,7 +5,7 @@ use std::sync::Arc;
 use jointplay_core::mechanism::joint::Coordinate;
 use jointplay_core::mechanism::{FrameId, Mechanism};
 use jointplay_study::plan::{
-    MechanismPlan, MechanismQuantity, Study as _, VariedDrive, VariedParameter,
+    MechanismOf, MechanismPlan, MechanismQuantity, Study as _, VariedDrive, VariedParameter,
 };
 
 use super::Problem;
@@ -121,10 +121,7 @@ fn read_mechanism(
 }
 
 /// Makes the mechanism of a file with other values of some parameters.
-fn mechanism_of(
-    text: String,
-    names: Vec<String>,
-) -> Arc<dyn Fn(&[f64]) -> Option<Mechanism> + Send + Sync> {
+fn mechanism_of(text: String, names: Vec<String>) -> MechanismOf {
     Arc::new(move |values| {
         let replaced: Vec<(String, f64)> =
             names.iter().cloned().zip(values.iter().copied()).collect();

@@ -20,6 +20,7 @@ pub(crate) mod mechanism_suggest;
 pub(crate) mod mesh;
 pub(crate) mod mobility;
 pub(crate) mod pose;
+pub(crate) mod quantity;
 pub(crate) mod robot;
 pub(crate) mod sensitivity;
 pub(crate) mod study;

@@ -68,3 +68,30 @@ fn invalid_requests_name_their_field() {
     bad("compare", length, "characteristic_length_m", "must be within 1e-12 to 1e6 m");
     refused("/api/v1/sensitivity", "{}", 422, None, "missing field `command`");
 }
+
+#[test]
+fn typed_lengths_and_angles_have_units_of_their_own() {
+    let check = |text: &str, unit: &str, expected: f64| {
+        let body = serde_json::json!({ "text": text, "unit": unit }).to_string();
+        let value = answered("/api/v1/quantity", &body)["value"].as_f64().unwrap();
+        assert!((value - expected).abs() <= 1e-15 * expected.abs(), "{text} [{unit}]: {value}");
+    };
+    check("1/3", "mm", 1e-3 / 3.0);
+    check("0.5 mil", "mm", 12.7e-6);
+    check("93.218", "mm", 0.093_218);
+    check("2 * (3 + 1)", "in", 0.2032);
+    check("12 µm", "in", 12e-6);
+    check("−1.5°", "rad", (-1.5_f64).to_radians());
+    check("250 µrad", "deg", 250e-6);
+    check("atan(1/2)", "deg", 0.5_f64.atan());
+    let refuse = |text: &str, unit: &str, detail: &str| {
+        let body = serde_json::json!({ "text": text, "unit": unit }).to_string();
+        refused("/api/v1/quantity", &body, 422, Some("text"), detail);
+    };
+    refuse("1 mm", "deg", "mm is a unit of lengths");
+    refuse("1/0", "mm", "infinite");
+    refuse("", "mm", "expected a number");
+    refuse("1e999", "mm", "");
+    refuse("(".repeat(900).as_str(), "mm", "");
+    refuse("height", "mm", "unknown name `height`");
+}

@@ -16,6 +16,7 @@ pub(crate) mod mechanism_view;
 mod model;
 pub(crate) mod pose;
 pub(crate) mod program_parameters;
+pub(crate) mod quantity;
 pub(crate) mod question;
 pub(crate) mod robot;
 pub(crate) mod study;

@@ -9,17 +9,48 @@ use super::as_built::RodsFrom;
 use super::as_built::{RobotSampler, value};
 use super::block::{Block, Outcome};
 use super::definition::Plan;
+use super::grid;
 use super::inputs::Inputs;
 use super::moments::Moments;
-use super::output::{self, OutputQuantity};
-use super::study;
+use super::output::{self, OutputQuantity, PlatformQuantity};
+use super::study::{self, Study};
 use crate::Error;
+
+impl Study for Plan {
+    fn samples(&self) -> Result<u64, Error> {
+        grid::samples(self.pose().into_iter(), self.draws)
+    }
+
+    fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    fn columns(&self) -> usize {
+        self.wanted.len()
+    }
+
+    fn solved_for(&self) -> Vec<String> {
+        self.models.iter().map(|model| model.name().to_owned()).collect()
+    }
+
+    fn depends_on_processor(&self) -> bool {
+        let of_processor = |wanted: &OutputQuantity| {
+            let OutputQuantity::Model { measure, .. } = wanted else { return false };
+            matches!(measure, PlatformQuantity::Quantity(Quantity::Sensitivity(_)))
+        };
+        self.wanted.iter().any(of_processor)
+    }
+
+    fn compute(&self, samples: &[u64]) -> Result<Block, Error> {
+        compute(self, samples)
+    }
+}
 
 /// Computes samples of a plan.
 ///
 /// # Errors
-/// As [`Study::compute`](super::Study::compute); [`Error::NoSuchModel`] for what is wanted.
-pub(super) fn compute(plan: &Plan, samples: &[u64]) -> Result<Block, Error> {
+/// As [`Study::compute`]; [`Error::NoSuchModel`] for what is wanted.
+fn compute(plan: &Plan, samples: &[u64]) -> Result<Block, Error> {
     study::check(plan, samples)?;
     let inputs = Inputs::of(plan, samples)?;
     let nominal = plan.gpr.without_limit_checks();

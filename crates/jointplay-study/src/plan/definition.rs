@@ -1,16 +1,11 @@
 //! Definition of a study.
 
-use jointplay_core::bulk::Quantity;
 use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 
 use super::as_built::{RodsFrom, Tolerances};
-use super::grid;
-use super::output::{OutputQuantity, PlatformQuantity};
-use super::study::Study;
+use super::output::OutputQuantity;
 use super::variation::Variation;
-use super::{Block, compute};
-use crate::Error;
 
 /// Two angles that define a tilt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,35 +65,5 @@ impl Plan {
     #[must_use]
     pub fn draws_anything(&self) -> bool {
         self.pose().into_iter().any(Variation::is_random) || self.tolerances.any()
-    }
-}
-
-impl Study for Plan {
-    fn samples(&self) -> Result<u64, Error> {
-        grid::samples(self.pose().into_iter(), self.draws)
-    }
-
-    fn seed(&self) -> u64 {
-        self.seed
-    }
-
-    fn columns(&self) -> usize {
-        self.wanted.len()
-    }
-
-    fn solved_for(&self) -> Vec<String> {
-        self.models.iter().map(|model| model.name().to_owned()).collect()
-    }
-
-    fn depends_on_processor(&self) -> bool {
-        let of_processor = |wanted: &OutputQuantity| {
-            let OutputQuantity::Model { measure, .. } = wanted else { return false };
-            matches!(measure, PlatformQuantity::Quantity(Quantity::Sensitivity(_)))
-        };
-        self.wanted.iter().any(of_processor)
-    }
-
-    fn compute(&self, samples: &[u64]) -> Result<Block, Error> {
-        compute::compute(self, samples)
     }
 }

@@ -1,1 +1,0 @@
-export{t as GLTFLoader}from"./GLTFLoader-lb1nFy_O.js";

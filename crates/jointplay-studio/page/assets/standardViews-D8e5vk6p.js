@@ -1,1 +1,0 @@
-var e={home:[-.75,-1,.9],top:[0,-.001,1],front:[0,-1,.12],left:[-1,0,.12]},t=[[`home`,`Fit`],[`top`,`Top`],[`front`,`Front`],[`left`,`Left`]];export{e as n,t};

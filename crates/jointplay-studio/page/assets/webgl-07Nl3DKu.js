@@ -1,1 +1,0 @@
-var e={alpha:!0,antialias:!0},t=null;function n(){let n=document.createElement(`canvas`),r=n.getContext(`webgl2`,e);t=r&&{canvas:n,context:r}}function r(){let e=t;return t=null,e}export{n,r,e as t};
