@@ -28,7 +28,6 @@ import { slotNames } from '../lib/slots';
 import { CellMaterials, type CellMaterial } from '../scene/cellMaterials';
 import { Handles, type Freedom } from '../scene/handles';
 import type { Label } from '../scene/labels';
-import { SCENE } from '../scene/palette';
 import { SECTION_AXES, type Section } from './viewTools.svelte';
 import { SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
 import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
@@ -235,37 +234,6 @@ export class CellRenderer extends SceneRenderer {
 
   protected override frameRendered(): void {
     this.onFrame?.();
-  }
-
-  /** Copies the last frame to a canvas, with a note at the lower left. */
-  copyTo(canvas: HTMLCanvasElement, note: string): void {
-    const source = this.canvas;
-    if (canvas.width !== source.width || canvas.height !== source.height) Object.assign(canvas, { width: source.width, height: source.height });
-    const context = canvas.getContext('2d');
-    if (!context) return;
-    const ratio = this.renderer.getPixelRatio();
-    const { background, ink } = SCENE[this.theme];
-    context.fillStyle = background;
-    context.fillRect(0, 0, canvas.width, canvas.height);
-    context.drawImage(source, 0, 0);
-    context.drawImage(this.labelCanvas, 0, 0);
-    context.font = `600 ${14 * ratio}px system-ui, sans-serif`;
-    context.fillStyle = ink;
-    context.fillText(note, 14 * ratio, canvas.height - 14 * ratio);
-  }
-
-  /** The view as PNG, without handles, with a note. */
-  snapshot(note: string): Promise<Blob | null> {
-    const { onFrame, handles } = this;
-    this.onFrame = null;
-    if (handles) handles.group.visible = false;
-    this.render();
-    const canvas = document.createElement('canvas');
-    this.copyTo(canvas, note);
-    if (handles) handles.group.visible = true;
-    this.onFrame = onFrame;
-    this.invalidate();
-    return new Promise((done) => canvas.toBlob(done, 'image/png'));
   }
 
   /** Shows drag handles at a position [m] for the given degrees of freedom; hides them without a position. */

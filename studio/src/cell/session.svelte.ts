@@ -12,13 +12,12 @@ import { JogController } from './jogController.svelte';
 import { UnknownPlan, Timeline } from './timeline.svelte';
 import { ViewTools } from './viewTools.svelte';
 import type { SceneView } from '../scene/standardViews';
+import type { PicturedView } from '../state/picture';
 import type { RecordedView } from '../state/recorder.svelte';
 
 /** The 3D view, as far as other parts of the page use it. */
-export interface CellSceneView extends RecordedView {
+export interface CellSceneView extends PicturedView, RecordedView {
   showView(view: SceneView): void;
-  /** The view as PNG, with a note. */
-  snapshot(note: string): Promise<Blob | null>;
   cameraPose: { eye: number[]; target: number[] };
   /** Names of all parts. */
   readonly parts: string[];

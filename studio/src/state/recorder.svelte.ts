@@ -1,13 +1,15 @@
 // Records the 3D view as a video of 1920 × 1080 pixels with the encoder of the browser.
 
+import type { Picture } from '../scene/sceneRenderer';
+
 /** A 3D view that can be recorded. */
 export interface RecordedView {
   /** Called after each frame. */
   onFrame: (() => void) | null;
   /** Requests a frame. */
   invalidate(): void;
-  /** Copies the last frame to a canvas, with a note. */
-  copyTo(canvas: HTMLCanvasElement, note: string): void;
+  /** Renders the view to another canvas, without handles. */
+  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth?: boolean): void;
 }
 
 const KINDS = [

@@ -1,0 +1,1 @@
+export{r as session}from"./session.svelte-CeBUb4dL.js";

@@ -1,0 +1,23 @@
+// Pictures of the 3D views as files.
+
+import { withResolution } from '../lib/png';
+import type { Picture } from '../scene/sceneRenderer';
+import { pictureSettings } from './pictureSettings.svelte';
+
+/** A view that pictures can be made of. */
+export interface PicturedView {
+  /** Size of the view on the page [px]. */
+  readonly viewSize: { width: number; height: number };
+  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth?: boolean): void;
+}
+
+/** The view as PNG in the size that the user chose, without handles, with a note. */
+export async function pictureFile(view: PicturedView, note: string): Promise<Blob> {
+  const { dpi, ...size } = pictureSettings.of(view.viewSize);
+  const { transparent, labels } = pictureSettings.value;
+  const canvas = document.createElement('canvas');
+  view.renderPicture(canvas, { ...size, transparent, labels, note });
+  const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, 'image/png'));
+  if (!blob) throw new Error('this browser cannot save a picture of this size');
+  return new Blob([withResolution(new Uint8Array(await blob.arrayBuffer()), dpi)], { type: 'image/png' });
+}
