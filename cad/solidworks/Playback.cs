@@ -57,6 +57,23 @@ namespace Jointplay.SolidWorks
             return pose;
         }
 
+        /// <summary>Of 16 numbers by rows, as in jointplay.h, from an index on.</summary>
+        public static Pose OfRows(double[] rows, int from)
+        {
+            var pose = new Pose();
+            for (int i = 0; i < 3; i++)
+                for (int j = 0; j < 4; j++) pose.rows[i, j] = rows[from + 4 * i + j];
+            return pose;
+        }
+
+        /// <summary>Whether a pose differs by more than round-off.</summary>
+        public bool DiffersFrom(Pose other)
+        {
+            for (int i = 0; i < 3; i++)
+                for (int j = 0; j < 4; j++) if (Math.Abs(rows[i, j] - other.rows[i, j]) > 1e-12) return true;
+            return false;
+        }
+
         /// <summary>The array of a transform of SolidWorks: images of x, y and z, translation [m], scale 1, zeros.</summary>
         public double[] ToArray()
         {
@@ -141,29 +158,36 @@ namespace Jointplay.SolidWorks
         }
     }
 
-    /// <summary>A motion of the components of the active assembly.</summary>
-    public sealed class Playback
+    /// <summary>Components of the active assembly that move with links.</summary>
+    public sealed class Places
     {
+        private sealed class Placed
+        {
+            public string Link;
+            public Component2 Component;
+            /// <summary>Place of the component in the frame of its link.</summary>
+            public Pose InLink;
+            public Pose Drawn;
+        }
+
         private readonly MathUtility utility;
         private readonly ModelDoc2 model;
-        private readonly List<KeyValuePair<Component2, Pose[]>> moved = new List<KeyValuePair<Component2, Pose[]>>();
+        private readonly List<Placed> placed = new List<Placed>();
 
         /// <summary>Links without a component.</summary>
         public readonly List<string> Unmatched = new List<string>();
-        /// <summary>Number of configurations.</summary>
-        public readonly int Count;
 
-        /// <summary>Matches the links to the components of their names, with or without the number that SolidWorks appends.</summary>
-        public Playback(SldWorks application, PoseTable table)
+        /// <summary>Matches links to the components of their names, with or without the number that SolidWorks appends.</summary>
+        /// <param name="drawn">Poses of the links at which the assembly is drawn.</param>
+        public Places(SldWorks application, IEnumerable<KeyValuePair<string, Pose>> drawn)
         {
             object document = application.ActiveDoc;
             var assembly = document as AssemblyDoc;
             if (assembly == null) throw new PlaybackException("open the assembly first");
             model = (ModelDoc2)document;
             utility = (MathUtility)application.GetMathUtility();
-            Count = table.Count;
             var components = (assembly.GetComponents(true) as object[]) ?? new object[0];
-            foreach (var link in table.Links)
+            foreach (var link in drawn)
             {
                 Component2 found = null;
                 foreach (Component2 component in components)
@@ -173,38 +197,61 @@ namespace Jointplay.SolidWorks
                     found = component;
                 }
                 if (found == null) { Unmatched.Add(link.Key); continue; }
-                // A link that does not move may be fixed.
-                Pose drawn = Pose.OfArray((double[])found.Transform2.ArrayData);
-                Pose fromFirst = link.Value[0].Inverse() * drawn;
-                var poses = new Pose[Count];
-                for (int k = 0; k < Count; k++) poses[k] = link.Value[k] * fromFirst;
-                if (found.IsFixed())
-                {
-                    if (Moves(poses)) throw new PlaybackException("the component " + found.Name2 + " is fixed: set it to float");
-                    continue;
-                }
-                moved.Add(new KeyValuePair<Component2, Pose[]>(found, poses));
+                Pose at = Pose.OfArray((double[])found.Transform2.ArrayData);
+                placed.Add(new Placed { Link = link.Key, Component = found, InLink = link.Value.Inverse() * at, Drawn = link.Value });
             }
-            if (moved.Count == 0) throw new PlaybackException("no component has the name of a link that moves");
+        }
+
+        /// <summary>Refuses components that are fixed though a link moves, and assemblies without one that moves.</summary>
+        /// <param name="moves">Whether a link moves from where it is drawn.</param>
+        public void Check(Func<string, bool> moves)
+        {
+            bool any = false;
+            foreach (var one in placed)
+            {
+                // A link that does not move may be fixed.
+                if (!one.Component.IsFixed()) { any = true; continue; }
+                if (moves(one.Link)) throw new PlaybackException("the component " + one.Component.Name2 + " is fixed: set it to float");
+            }
+            if (!any) throw new PlaybackException("no component has the name of a link that moves");
+            placed.RemoveAll(one => one.Component.IsFixed());
+        }
+
+        /// <summary>Places the components for poses of the links, and draws them.</summary>
+        public void Show(Func<string, Pose> pose)
+        {
+            foreach (var one in placed)
+                one.Component.Transform2 = (MathTransform)utility.CreateTransform((pose(one.Link) * one.InLink).ToArray());
+            model.GraphicsRedraw2();
+        }
+    }
+
+    /// <summary>A motion of the components of the active assembly.</summary>
+    public sealed class Playback
+    {
+        private readonly PoseTable table;
+        private readonly Places places;
+
+        /// <summary>Links without a component.</summary>
+        public List<string> Unmatched { get { return places.Unmatched; } }
+        /// <summary>Number of configurations.</summary>
+        public readonly int Count;
+
+        /// <summary>Matches the links to the components of the assembly, which is drawn as in the first row.</summary>
+        public Playback(SldWorks application, PoseTable table)
+        {
+            this.table = table;
+            Count = table.Count;
+            var first = new List<KeyValuePair<string, Pose>>();
+            foreach (var link in table.Links) first.Add(new KeyValuePair<string, Pose>(link.Key, link.Value[0]));
+            places = new Places(application, first);
+            places.Check(link => table.Links[link].Exists(pose => pose.DiffersFrom(table.Links[link][0])));
         }
 
         /// <summary>Places the components in a configuration, and draws them.</summary>
         public void Show(int configuration)
         {
-            foreach (var one in moved)
-                one.Key.Transform2 = (MathTransform)utility.CreateTransform(one.Value[configuration].ToArray());
-            model.GraphicsRedraw2();
-        }
-
-        private static bool Moves(Pose[] poses)
-        {
-            double[] first = poses[0].ToArray();
-            foreach (Pose pose in poses)
-            {
-                double[] array = pose.ToArray();
-                for (int k = 0; k < 12; k++) if (Math.Abs(array[k] - first[k]) > 1e-12) return true;
-            }
-            return false;
+            places.Show(link => table.Links[link][configuration]);
         }
     }
 }

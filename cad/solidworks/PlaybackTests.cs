@@ -41,8 +41,45 @@ internal sealed class Component : Component2
     }
 }
 
-internal sealed class Assembly : AssemblyDoc, ModelDoc2, MathUtility, SldWorks
+internal sealed class Assembly : AssemblyDoc, ModelDoc2, MathUtility, SldWorks, CommandManager, CommandGroup, EquationMgr
 {
+    public readonly List<KeyValuePair<string, double>> Equations = new List<KeyValuePair<string, double>>();
+    public readonly List<string> Messages = new List<string>();
+    public string Chosen = "";
+    public object Callbacks;
+    public EquationMgr GetEquationMgr() { return this; }
+    public int GetCount() { return Equations.Count; }
+    public string get_Equation(int index) { return Equations[index].Key; }
+    public double get_Value(int index) { return Equations[index].Value; }
+    public bool SetAddinCallbackInfo2(long module, object callbacks, int cookie)
+    {
+        Calls.Add("SetAddinCallbackInfo2 " + module + " " + cookie);
+        Callbacks = callbacks;
+        return true;
+    }
+    public CommandManager GetCommandManager(int cookie) { Calls.Add("GetCommandManager " + cookie); return this; }
+    public CommandGroup CreateCommandGroup2(int user, string title, string tip, string hint, int position, bool ignore, ref int errors)
+    {
+        Calls.Add("CreateCommandGroup2 " + user + " " + title);
+        return this;
+    }
+    public int RemoveCommandGroup2(int user, bool runtimeOnly) { Calls.Add("RemoveCommandGroup2 " + user + " " + runtimeOnly); return 0; }
+    public bool HasMenu { get; set; }
+    public bool HasToolbar { get; set; }
+    public int AddCommandItem2(string name, int position, string hint, string tip, int image, string callback, string enable, int user, int type)
+    {
+        Calls.Add("AddCommandItem2 " + callback + " " + user + " " + type);
+        return 0;
+    }
+    public bool Activate() { Calls.Add("Activate " + HasMenu + " " + HasToolbar); return true; }
+    public string GetOpenFileName(string title, string initial, string filter, out int options, out string configuration, out string display)
+    {
+        Calls.Add("GetOpenFileName " + title);
+        options = 0;
+        configuration = display = "";
+        return Chosen;
+    }
+    public int SendMsgToUser2(string message, int icon, int buttons) { Messages.Add(icon + " " + buttons + " " + message); return 1; }
     public readonly List<string> Calls = new List<string>();
     public readonly List<object> Components = new List<object>();
     public object Active;
@@ -62,17 +99,17 @@ internal sealed class Assembly : AssemblyDoc, ModelDoc2, MathUtility, SldWorks
 
 internal static class PlaybackTests
 {
-    private static readonly double[] Identity = { 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0 };
+    internal static readonly double[] Identity = { 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0 };
     private const string Heading = "q_mm,arm_x_mm,arm_y_mm,arm_z_mm,arm_qw,arm_qx,arm_qy,arm_qz";
     private const string Half = "0.70710678118654757";
     private const string Table = Heading + "\n0,0,0,0,1,0,0,0\n1,100,0,0," + Half + ",0,0," + Half + "\n";
 
-    private static void Check(bool holds, string what)
+    internal static void Check(bool holds, string what)
     {
         if (!holds) throw new Exception(what);
     }
 
-    private static void Near(double[] found, double x, double y, double z)
+    internal static void Near(double[] found, double x, double y, double z)
     {
         double[] expected = { x, y, z };
         for (int k = 0; k < 3; k++)
@@ -168,6 +205,7 @@ internal static class PlaybackTests
         {
             CallsAreInOrderAndInMetres();
             BadInputHasItsReason();
+            AddInTests.Run(arguments);
             if (arguments.Length > 0) TablesOfTheCommandArePlayed(arguments[0]);
         }
         catch (Exception error)
@@ -175,7 +213,7 @@ internal static class PlaybackTests
             Console.WriteLine("failed: " + error);
             return 1;
         }
-        Console.WriteLine("passed" + (arguments.Length > 0 ? ", with a table of the command" : ""));
+        Console.WriteLine("passed" + (arguments.Length > 0 ? ", with a table of the command" : "") + (arguments.Length > 1 ? " and the library" : ""));
         return 0;
     }
 }

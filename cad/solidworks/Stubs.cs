@@ -1,5 +1,5 @@
-// The parts of SolidWorks' interfaces that the playback uses, written from its public help, for builds without SolidWorks.
-// Build against SolidWorks.Interop.sldworks.dll of an installation instead of this file.
+// The parts of SolidWorks' interfaces that the playback and the add-in use, written from its public help, for builds without SolidWorks.
+// Build against SolidWorks.Interop.sldworks.dll and SolidWorks.Interop.swpublished.dll of an installation instead of this file.
 namespace SolidWorks.Interop.sldworks
 {
     public interface MathTransform
@@ -20,9 +20,17 @@ namespace SolidWorks.Interop.sldworks
         bool IsFixed();
     }
 
+    public interface EquationMgr
+    {
+        int GetCount();
+        string get_Equation(int Index);
+        double get_Value(int Index);
+    }
+
     public interface ModelDoc2
     {
         void GraphicsRedraw2();
+        EquationMgr GetEquationMgr();
     }
 
     public interface AssemblyDoc
@@ -34,5 +42,32 @@ namespace SolidWorks.Interop.sldworks
     {
         object ActiveDoc { get; }
         object GetMathUtility();
+        bool SetAddinCallbackInfo2(long ModuleHandle, object AddinCallbacks, int Cookie);
+        CommandManager GetCommandManager(int Cookie);
+        string GetOpenFileName(string DialogTitle, string InitialFileName, string FileFilter, out int OpenOptions, out string ConfigName, out string DisplayName);
+        int SendMsgToUser2(string Message, int Icon, int Buttons);
+    }
+
+    public interface CommandManager
+    {
+        CommandGroup CreateCommandGroup2(int UserID, string Title, string ToolTip, string Hint, int Position, bool IgnorePreviousVersion, ref int Errors);
+        int RemoveCommandGroup2(int UserID, bool RuntimeOnly);
+    }
+
+    public interface CommandGroup
+    {
+        bool HasMenu { get; set; }
+        bool HasToolbar { get; set; }
+        int AddCommandItem2(string Name, int Position, string HintString, string ToolTip, int ImageListIndex, string CallbackFunction, string EnableMethod, int UserID, int MenuTBOption);
+        bool Activate();
+    }
+}
+
+namespace SolidWorks.Interop.swpublished
+{
+    public interface ISwAddin
+    {
+        bool ConnectToSW(object ThisSW, int Cookie);
+        bool DisconnectFromSW();
     }
 }

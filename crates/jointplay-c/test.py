@@ -149,6 +149,17 @@ def csharp(prefix: Path, robot: str) -> None:
     report("Robot.cs: compiled without warnings, run by Mono, the numbers of robot.c")
 
 
+def add_in(prefix: Path, command: Path) -> None:
+    """The add-in for SolidWorks, compiled against stubs, moves recording components as the command does."""
+    if sys.platform != "linux":
+        return
+    tests = CRATE.parent.parent / "cad" / "solidworks" / "test.sh"
+    output = run(["sh", tests, command, prefix / "lib" / "libjointplay.so"])
+    if output != "passed, with a table of the command and the library\n":
+        sys.exit(f"test.sh:\n{output}")
+    report("SolidWorks: playback and add-in, run by Mono with recording stubs")
+
+
 def same(what: str, found: object, expected: object) -> None:
     """The same document; numbers differ by the round-off of the units of the requests."""
     if isinstance(found, dict) and isinstance(expected, dict):
@@ -230,6 +241,7 @@ def main() -> None:
         return
     prefix, command = Path(os.environ["JOINTPLAY_PREFIX"]).resolve(), Path(sys.argv[1]).resolve()
     compiled(prefix, command)
+    add_in(prefix, command)
     documents(prefix, command)
     print(run([environment(), CRATE / "test_fmu.py", command], JOINTPLAY_PREFIX=str(prefix)), end="")
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import copy
+import io
 import math
 import pickle
 import re
+import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -561,6 +564,15 @@ def test_motions_and_models_are_exported(tmp_path, ask):
     parts = tmp_path / "parts.glb"
     parts.write_bytes(contents)
     assert motion.to_gltf(tmp_path / "again.glb", parts=parts, table={"platform": "rod 1"}, parts_up="z") == ("platform",)
+    named = (tmp_path / "again.glb").read_bytes()
+    file = tmp_path / "parts.toml"
+    file.write_text('kind = "parts"\nup = "z"\n[links]\n"rod 1" = "platform"\n')
+    assert motion.to_gltf(tmp_path / "again.glb", parts=parts, table=file) == ("platform",)
+    assert (tmp_path / "again.glb").read_bytes() == named
+    file.write_text('kind = "parts"\n[links]\n"rod 1" = 7\n')
+    with pytest.raises(jp.FileError, match="a list") as refused:
+        motion.to_gltf(tmp_path / "no.glb", parts=parts, table=str(file))
+    assert refused.value.line == 3
     with pytest.raises(jp.InputError, match="did you mean"):
         motion.to_gltf(tmp_path / "no.glb", parts=parts, table={"platfrom": "rod 1"})
     with pytest.raises(jp.InputError, match="duration"):
@@ -574,3 +586,68 @@ def test_motions_and_models_are_exported(tmp_path, ask):
     assert Path(file).read_text() == mechanism.to_model("sdf").text
     with pytest.raises(jp.UnknownNameError, match="urdf"):
         mechanism.to_model("udrf")
+
+
+@pytest.fixture
+def library(tmp_path):
+    """The head of a library for C, as units recognise it: its platform, and the mark of the version."""
+    head = bytearray(b"\x7fELF\x02\x01\x01".ljust(18, b"\0") + b"\x3e\0")
+    mark = f"jointplay library of functional mock-up units\t{jp.__version__}\n"
+    path = tmp_path / "libjointplay.so"
+    path.write_bytes(bytes(head) + mark.encode())
+    return path
+
+
+def test_units_are_those_of_the_command(tmp_path, ask, library, gpr, monkeypatch):
+    def of_command(name, *options):
+        folder = tmp_path / "units"
+        written = ask("export", name, "--to", "fmu", "--library", str(library), "--out", str(folder), "--force", *options)
+        (file,) = written["exports"][0]["files"]
+        return Path(file).read_bytes()
+
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
+    unit = mechanism.to_fmu(name="gpr-mechanism", library=library)
+    assert unit == of_command("gpr-mechanism")
+    at = mechanism.to_fmu({"rod 1": 0.001}, fmi=3, name="gpr-mechanism", library=[library])
+    assert at == of_command("gpr-mechanism", "--at", "rod 1=1", "--fmi", "3")
+    # The text of the file differs in its comments; the numbers do not.
+    contents = zipfile.ZipFile(io.BytesIO(gpr.to_fmu((0.5005, 0.5, 0.4995), virtualization="polar", library=library)))
+    expected = zipfile.ZipFile(
+        io.BytesIO(of_command("gpr", "--q-mm", "500.5,500,499.5", "--virtualization", "polar"))
+    )
+    assert contents.namelist()[:3] == expected.namelist()[:3] and len(contents.namelist()) == 4
+    settings = contents.read("resources/settings.toml")
+    assert settings == expected.read("resources/settings.toml")
+    model = tmp_path / "again.toml"
+    model.write_bytes(contents.read("resources/model.toml"))
+    again = jp.Gpr.from_file(model)
+    assert np.allclose(again.socket_radius_m, gpr.socket_radius_m, rtol=1e-15) and again.name == gpr.name
+    assert np.allclose(again.base_points_m, gpr.base_points_m, atol=1e-15)
+    with pytest.raises(jp.NoAnswerError, match="6 motions free.*universal joint"):
+        jp.Mechanism.from_catalogue("delta").to_fmu(library=library)
+    with pytest.raises(jp.InputError, match="no actuated joint"):
+        jp.Mechanism.from_toml(DOOR.replace("actuated = true\n", "")).to_fmu(library=library)
+    with pytest.raises(jp.InputError, match="2 or 3"):
+        mechanism.to_fmu(fmi=1, library=library)
+    with pytest.raises(jp.InputError, match="not a shared library"):
+        mechanism.to_fmu(library=Path(__file__))
+    with pytest.raises(jp.InputError, match="two libraries"):
+        mechanism.to_fmu(library=[library, library])
+    with pytest.raises(FileNotFoundError):
+        mechanism.to_fmu(library=tmp_path / "none.so")
+    with pytest.raises(jp.InputError, match="three rod lengths"):
+        gpr.to_fmu([0.5, 0.5], library=library)
+    with pytest.raises(jp.InputError, match="checks limits"):
+        gpr.without_limit_checks().to_fmu(library=library)
+    # Without a library, that of the command on the path.
+    command = tmp_path / "bin" / "jointplay"
+    command.parent.mkdir()
+    command.write_text("")
+    command.chmod(0o755)
+    monkeypatch.setenv("PATH", str(command.parent))
+    with pytest.raises(jp.InputError, match="c-library"):
+        mechanism.to_fmu()
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "lib" / "libjointplay.so").write_bytes(library.read_bytes())
+    if sys.platform == "linux":
+        assert mechanism.to_fmu(name="gpr-mechanism") == unit

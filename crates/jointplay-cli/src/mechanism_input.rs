@@ -84,7 +84,7 @@ fn share(text: &str) -> Result<f64, String> {
 /// Flags of commands that analyse one mechanism.
 #[derive(Args)]
 pub(crate) struct MechanismArgs {
-    /// Mechanism or three-rod robot (TOML), model (MJCF, SDF, URDF), or a name from `jointplay
+    /// Mechanism or three-rod robot (TOML), model (MJCF, SDF, URDF, .FCStd), or a name from `jointplay
     /// catalogue`
     #[arg(value_name = "FILE")]
     file: PathBuf,

@@ -157,7 +157,13 @@ pub(crate) fn read_text(path: &Path, allowed: u64) -> Result<String, Failure> {
     if import::is_archive(&bytes) {
         return document(std::io::Cursor::new(bytes), &named);
     }
-    String::from_utf8(bytes).map_err(|_| {
+    let text = String::from_utf8(bytes);
+    // A document that was unpacked is text in XML.
+    if import::is_document_name(path) && !text.as_ref().is_ok_and(|text| import::is_model(text)) {
+        let error = import::ArchiveError::NoArchive;
+        return Err(Failure::Usage(format!("{}: {error}", named.display())));
+    }
+    text.map_err(|_| {
         let message = "stream did not contain valid UTF-8";
         failed(std::io::Error::new(std::io::ErrorKind::InvalidData, message))
     })

@@ -503,11 +503,12 @@ fn controller_text_of_every_dialect() {
 #[test]
 fn each_motor_of_solidworks_has_a_file_as_long_as_the_motion() {
     with(|motion_export| {
-        let files = solidworks(motion_export, 100.0).unwrap();
+        let files = solidworks(motion_export, 100.0, 1e-6).unwrap();
         let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
         let (last, motors) = names.split_last().unwrap();
         assert!(last.ends_with(MACRO), "{last}");
-        assert_eq!(motors.len(), motion_export.cell.robot.axes.len());
+        // The planar model has two virtual joints at each ball.
+        assert_eq!(motors.len(), motion_export.cell.robot.axes.len() + 6);
         let (macro_text, motor_files) = files.split_last().unwrap();
         for (name, text) in motor_files {
             let (time, _) = text.lines().last().unwrap().split_once(',').unwrap();
@@ -515,8 +516,9 @@ fn each_motor_of_solidworks_has_a_file_as_long_as_the_motion() {
             assert!(macro_text.1.contains(&format!("folder & \"{name}\"")), "{name}");
             let load = macro_text.1.lines().find(|line| line.contains(name.as_str())).unwrap();
             let axis = |axis: &&Axis| load.contains(&format!("Load \"{}\",", axis.name));
-            let axis = motion_export.cell.robot.axes.iter().find(axis).unwrap();
-            let is_rotary = axis.kind == AxisKind::Rotary;
+            let axis = motion_export.cell.robot.axes.iter().find(axis);
+            assert!(axis.is_some() || load.contains("Load \"play "), "{load}");
+            let is_rotary = axis.is_some_and(|axis| axis.kind == AxisKind::Rotary);
             let kind = if is_rotary { "swFmAEMRotationalMotor" } else { "swFmAEMLinearMotor" };
             assert!(load.trim_end().ends_with(&format!(", {kind}")), "{load}");
             assert_eq!(name.starts_with("NOT-SAFE"), !motion_export.violation_notes.is_empty());
@@ -530,6 +532,192 @@ fn each_motor_of_solidworks_has_a_file_as_long_as_the_motion() {
     });
 }
 
+/// Motors of the play follow the poses of the platform, and no curve deviates from its samples by more than the tolerance.
+#[test]
+fn curves_of_motors_are_reduced_within_the_tolerance() {
+    with(|motion_export| {
+        let robot = &motion_export.cell.robot;
+        let rate = 200.0;
+        let samples: Vec<_> = motion_export.motion.samples(rate).collect();
+        let mut counts = vec![samples.len() * (robot.axes.len() + 6)];
+        for tolerance in [1e-6, 1e-4] {
+            let mut count = 0;
+            let files = solidworks(motion_export, rate, tolerance).unwrap();
+            for (index, (name, text)) in files[..files.len() - 1].iter().enumerate() {
+                let points: Vec<(f64, f64)> = text
+                    .lines()
+                    .map(|line| line.split_once(',').unwrap())
+                    .map(|(time, value)| (time.parse().unwrap(), value.parse().unwrap()))
+                    .collect();
+                count += points.len();
+                let (mut segment, mut largest) = (0, 0.0_f64);
+                for at in &samples {
+                    while points[segment + 1].0 < at.time {
+                        segment += 1;
+                    }
+                    let [(s, x), (t, y)] = [points[segment], points[segment + 1]];
+                    let found = x + (y - x) * (at.time - s) / (t - s);
+                    let axis = robot.axes.get(index);
+                    let (value, allowed) = match axis {
+                        // The farthest point of a wafer is at least half a metre from each axis.
+                        Some(axis) if axis.kind == AxisKind::Rotary => {
+                            (at.positions[index].to_degrees(), tolerance.to_degrees())
+                        }
+                        Some(_) => (1e3 * at.positions[index], 1e3 * tolerance),
+                        None => {
+                            let rods = [0, 1, 2].map(|k| at.positions[k]);
+                            let pose = robot.model.forward(&robot.gpr, rods).unwrap();
+                            let of = &jointplay_core::virtualization::Planar;
+                            let moved = robot.gpr.virtual_displacements(&pose, of);
+                            (1e3 * moved[index - robot.axes.len()], 1e3 * tolerance)
+                        }
+                    };
+                    largest = largest.max((found - value).abs() / allowed);
+                }
+                assert!(
+                    largest <= 2.0 && (axis_is_rotary(robot, index) || largest <= 1.0 + 1e-6),
+                    "{name}: {largest}"
+                );
+            }
+            counts.push(count);
+        }
+        // A larger tolerance leaves fewer points.
+        assert!(counts.windows(2).all(|pair| 4 * pair[1] < 3 * pair[0]), "{counts:?}");
+    });
+}
+
+fn axis_is_rotary(robot: &jointplay_cell::robot::HybridRobot, index: usize) -> bool {
+    robot.axes.get(index).is_some_and(|axis| axis.kind == AxisKind::Rotary)
+}
+
+/// The macro read as Visual Basic: blocks are closed, each name is declared, a member, or known to SolidWorks or to Visual Basic.
+#[test]
+fn the_macro_is_well_formed() {
+    const KNOWN: [&str; 60] = [
+        "and",
+        "application",
+        "as",
+        "attribute",
+        "boolean",
+        "byref",
+        "byval",
+        "const",
+        "dim",
+        "each",
+        "else",
+        "elseif",
+        "end",
+        "exit",
+        "explicit",
+        "false",
+        "for",
+        "function",
+        "if",
+        "in",
+        "instrrev",
+        "is",
+        "isarray",
+        "lbound",
+        "left",
+        "long",
+        "mod",
+        "msgbox",
+        "next",
+        "not",
+        "nothing",
+        "object",
+        "on",
+        "option",
+        "or",
+        "private",
+        "public",
+        "set",
+        "simulationmotorfeaturedata",
+        "sldworks",
+        "step",
+        "string",
+        "sub",
+        "swfmaemlinearmotor",
+        "swfmaemrotationalmotor",
+        "swsimulationmotordrive_displacement",
+        "then",
+        "to",
+        "true",
+        "ubound",
+        "until",
+        "variant",
+        "vb_name",
+        "vbexclamation",
+        "wend",
+        "while",
+        "with",
+        "double",
+        "integer",
+        "split",
+    ];
+    with(|motion_export| {
+        let (_, text) = jointplay_interop::export::loader(motion_export);
+        assert!(text.ends_with("\r\n") && text.is_ascii());
+        let mut names: std::collections::BTreeSet<String> =
+            KNOWN.iter().map(|name| (*name).to_owned()).collect();
+        let mut lines: Vec<Vec<String>> = Vec::new();
+        for line in text.lines() {
+            assert!(line.len() < 1024, "the editor cuts longer lines: {line}");
+            // Strings alternate with code; a comment ends the code.
+            let mut code = String::new();
+            for (part, piece) in line.split('"').enumerate() {
+                if part % 2 == 1 {
+                    code.push('#');
+                    continue;
+                }
+                let (before, comment) =
+                    piece.split_once('\'').map_or((piece, false), |it| (it.0, true));
+                code.push_str(before);
+                if comment {
+                    break;
+                }
+            }
+            assert!(code.matches('(').count() == code.matches(')').count(), "{line}");
+            let code = code.replace('.', " .");
+            let is_letter =
+                |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '.';
+            let words: Vec<String> = code
+                .split(|letter: char| !is_letter(letter))
+                .filter(|word| {
+                    !word.is_empty() && !word.starts_with(|first: char| first.is_ascii_digit())
+                })
+                .map(str::to_lowercase)
+                .collect();
+            for (k, word) in words.iter().enumerate() {
+                let follows = |before: &[&str]| k > 0 && before.contains(&words[k - 1].as_str());
+                let declares = follows(&["dim", "const", "sub", "function"])
+                    || words.get(k + 1).is_some_and(|next| next == "as");
+                if declares || (words[0] == "dim" && line.contains(&format!("{word}("))) {
+                    names.insert(word.clone());
+                }
+            }
+            lines.push(words);
+        }
+        let mut open: Vec<&str> = Vec::new();
+        for words in &lines {
+            for word in words.iter().filter(|word| !word.starts_with('.')) {
+                assert!(names.contains(word), "{word} is not declared");
+            }
+            let first = words.first().map_or("", String::as_str);
+            let second = words.get(1).map_or("", String::as_str);
+            match (first, second) {
+                ("private", kind @ ("sub" | "function")) => open.push(kind),
+                ("sub" | "function" | "for", _) => open.push(first),
+                ("if", _) if words.last().is_some_and(|last| last == "then") => open.push("if"),
+                ("end", kind) => assert_eq!(open.pop(), Some(kind)),
+                ("next", _) => assert_eq!(open.pop(), Some("for")),
+                _ => {}
+            }
+        }
+        assert!(open.is_empty(), "{open:?}");
+    });
+}
+
 #[test]
 fn invalid_sampling_rates_are_rejected() {
     let cell = cell();
@@ -539,7 +727,8 @@ fn invalid_sampling_rates_are_rejected() {
     for rate in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e12] {
         assert!(samples(&motion_export, rate).is_err(), "{rate}");
         assert!(gltf(&motion_export, rate).is_err(), "{rate}");
-        assert!(solidworks(&motion_export, rate).is_err(), "{rate}");
+        assert!(solidworks(&motion_export, rate, 1e-6).is_err(), "{rate}");
+        assert!(solidworks(&motion_export, 100.0, rate - 1e12).is_err(), "{rate}");
         assert!(Dialect::neutral().write(&motion_export, rate).is_err(), "{rate}");
     }
 }

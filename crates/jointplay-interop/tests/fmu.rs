@@ -326,7 +326,7 @@ fn what_cannot_be_a_unit_is_refused() {
     };
     check(from_catalogue("3-crr"), false, "no actuated joint");
     // Bars that turn about themselves between two balls.
-    check(from_catalogue("delta"), true, "leave 6 motions undetermined");
+    check(from_catalogue("delta"), true, "leave 6 motions free");
     // More drives than freedoms, and no play.
     let text = catalogue::find("gpr-mechanism").unwrap().text;
     let rigid = &text[..text.find("[[virtual_joint]]").unwrap()];
@@ -430,4 +430,83 @@ fn the_archive_is_the_same_for_the_same_contents() {
     let refused = archive(&resources, "a", &[binary.clone(), binary], FmiVersion::V2).unwrap_err();
     assert!(refused.to_string().contains("two libraries"), "{refused}");
     assert!(Gpr::paper().limits().rod_min > 0.0);
+}
+
+/// The bars of the Delta robot spin about the lines through their balls; the remedy of the message removes the spins, and nothing else.
+#[test]
+fn free_motions_are_named_and_their_remedy_removes_them() {
+    let text = catalogue::find("delta").unwrap().text;
+    let Err(Error::FreeMotions { motions }) = Fmu::new(&Resources::of(text)) else {
+        panic!("the drives do not determine the spins of the rods")
+    };
+    let links: Vec<&str> = motions.iter().flat_map(|one| &one.links).map(String::as_str).collect();
+    let expected = [1, 2, 3].map(|k| [format!("rod {k} left"), format!("rod {k} right")]);
+    assert_eq!(links, expected.concat());
+    assert!(motions.iter().all(|one| one.is_spin && one.count == 1 && one.joints.len() == 2));
+
+    let delta = mechanism::parse(text).unwrap().mechanism;
+    let start = pose_commanded(&delta, &[], None).unwrap().closed.coordinates;
+    let poses = Kinematics::new(&delta).link_poses(&start).unwrap();
+    let mut joints = delta.joints().to_vec();
+    for motion in &motions {
+        let [elbow, wrist] = [0, 1].map(|k| delta.joint(&motion.joints[k]).unwrap());
+        let place = |joint: usize| {
+            let joint = &delta.joints()[joint];
+            (poses[joint.links[0]] * joint.frames[0]).translation.vector
+        };
+        let bar = (place(wrist) - place(elbow)).normalize();
+        let first = bar.cross(&nalgebra::Vector3::z()).normalize();
+        // z and x of the joint are perpendicular to the bar.
+        let axes = nalgebra::Matrix3::from_columns(&[
+            first.cross(&bar),
+            first.cross(&first.cross(&bar)),
+            first,
+        ]);
+        let turn = nalgebra::Rotation3::from_matrix_unchecked(axes);
+        let world = Pose::from_parts(place(elbow).into(), turn);
+        let joint = &mut joints[elbow];
+        joint.kind = jointplay_core::mechanism::JointKind::Universal;
+        joint.frames = joint.links.map(|link| poses[link].inverse() * world);
+        joint.guess.clear();
+    }
+    let remedied = delta.clone().with_joints(joints).unwrap();
+    let mut fmu = Fmu::new(&Resources::of(mechanism::write(&remedied, None))).unwrap();
+    let platform = delta.link("platform").unwrap();
+    let drives = delta.actuated_coordinates();
+    let mut at = start.clone();
+    for step in path(&fmu, 0.2) {
+        fmu.set(&step).unwrap();
+        fmu.update().unwrap();
+        let commands: Vec<(usize, f64)> =
+            drives.iter().copied().zip(step.iter().map(|one| one.1)).collect();
+        for &(k, value) in &commands {
+            at[k] = value;
+        }
+        at = jointplay_core::mechanism::assemble(&delta, &at, &drives, 0).unwrap().coordinates;
+        let pose = Kinematics::new(&delta).link_poses(&at).unwrap()[platform];
+        let variables = fmu.variables();
+        let value = |of: &str| {
+            let name = format!("pose.platform.{of}");
+            let found = variables.iter().find(|one| one.name == name).unwrap();
+            fmu.value(found.reference).unwrap()
+        };
+        let off = ["x", "y", "z"]
+            .map(&value)
+            .into_iter()
+            .zip(pose.translation.vector.iter())
+            .map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-9 && value("qw") > 1.0 - 1e-12);
+    }
+}
+
+/// A chain with a joint that no drive moves: its motion is no spin, and the remedy is another.
+#[test]
+fn free_motions_of_chains_are_named() {
+    let text = "kind = \"mechanism\"\nname = \"crane\"\nunits = { length = \"m\", angle = \"rad\" }\nbase = \"mast\"\n[[joint]]\nname = \"slew\"\nkind = \"revolute\"\nlinks = [\"mast\", \"jib\"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\nactuated = true\n[[joint]]\nname = \"hook\"\nkind = \"universal\"\nlinks = [\"jib\", \"load\"]\npoint = [3, 0, 0]\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0]\n";
+    let error = Fmu::new(&Resources::of(text)).unwrap_err();
+    let message = error.to_string();
+    assert!(message.contains("leave 2 motions free") && message.contains("hook"), "{message}");
+    assert!(message.contains("actuated = true") && error.is_infeasible(), "{message}");
+    let Error::FreeMotions { motions } = error else { panic!("{message}") };
+    assert!(motions.iter().all(|one| one.links == ["load"] && !one.is_spin));
 }

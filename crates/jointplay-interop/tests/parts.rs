@@ -5,7 +5,7 @@ use jointplay_core::mechanism::{Drive, MechanismSystem};
 use jointplay_core::mechanism::{Mechanism, assemble, drive, guess};
 use jointplay_format::{catalogue, mechanism};
 use jointplay_interop::export::{
-    Error, KEY_TOLERANCE, MechanismMotion, PartsError, PartsFile, UpAxis,
+    Error, KEY_TOLERANCE, MechanismMotion, PartTable, PartsError, PartsFile, UpAxis,
 };
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -122,6 +122,54 @@ fn unknown_names_and_broken_files_are_refused() {
         for bytes in [&b""[..], b"glTF", b"solid", &file(&parts())[..30]] {
             assert!(PartsFile::parse(bytes).is_err());
         }
+    });
+}
+
+#[test]
+fn tables_of_parts_are_read_and_errors_have_places() {
+    let table = PartTable::parse(
+        "kind = \"parts\"\n[links]\n\"crank ø6\" = [\"GEHÄUSE:1\", \"pin = 3\"]\nrod = \"Rod\"\n",
+    )
+    .unwrap();
+    let expected = [("GEHÄUSE:1", "crank ø6"), ("pin = 3", "crank ø6"), ("Rod", "rod")];
+    assert_eq!(table.parts, expected.map(|(a, b)| (a.to_owned(), b.to_owned())));
+    assert_eq!(table.up, None);
+    let refuse = |text: &str, message: &str, line: usize| {
+        let errors = PartTable::parse(text).unwrap_err();
+        assert!(errors.to_string().contains(message), "{errors}");
+        assert_eq!(errors[0].place.line, line, "{errors}");
+    };
+    refuse("kind = \"loops\"\n[links]\n", "the kind", 1);
+    refuse("kind = \"parts\"\nup = \"x\"\n[links]\n", "axis", 2);
+    refuse("kind = \"parts\"\n[links]\na = 3\n", "a list", 3);
+    refuse("kind = \"parts\"\n[links]\na = [\"b\", 3]\n", "a text", 3);
+    refuse("kind = \"parts\"\ncolor = 1\n[links]\n", "color", 2);
+    assert!(PartTable::parse("kind = \"parts\"\n").unwrap_err().to_string().contains("links"));
+    assert!(PartTable::parse("kind = ").is_err());
+    assert!(PartTable::parse(&" ".repeat(4_000_001)).is_err());
+}
+
+/// A node cannot move with two links, and a thousand parts are matched at once.
+#[test]
+fn nodes_move_with_one_link_and_many_are_matched() {
+    with_motion(|motion, linkage| {
+        let links = linkage.links();
+        let twice: Vec<(String, String)> =
+            [1, 2].map(|link| ("a part".to_owned(), links[link].clone())).to_vec();
+        let parts_file = PartsFile::parse(&file(&parts())).unwrap();
+        let error =
+            motion.gltf_of_parts(&parts_file, &twice, UpAxis::Y, KEY_TOLERANCE).unwrap_err();
+        assert!(error.to_string().contains("a part moves with one link"), "{error}");
+        let many: Vec<Value> = (0..2_000).map(|k| json!({ "name": format!("part {k}") })).collect();
+        let roots: Vec<usize> = (0..many.len()).collect();
+        let document =
+            json!({ "asset": { "version": "2.0" }, "scenes": [{ "nodes": roots }], "nodes": many });
+        let parts_file = PartsFile::parse(&file(&document)).unwrap();
+        let table: Vec<(String, String)> =
+            (0..2_000).map(|k| (format!("part {k}"), links[1 + k % 3].clone())).collect();
+        let animated = motion.gltf_of_parts(&parts_file, &table, UpAxis::Y, KEY_TOLERANCE).unwrap();
+        let found = description(&animated.bytes);
+        assert_eq!(found["nodes"].as_array().unwrap().len(), 4_000);
     });
 }
 

@@ -32,8 +32,27 @@ pub(crate) fn read_text(py: Python<'_>, path: &Path, allowed: u64) -> PyResult<S
         let message = format!("{} is larger than {allowed} bytes", path.display());
         return Err(errors::input(py, &message));
     }
-    String::from_utf8(bytes)
-        .map_err(|_| errors::input(py, &format!("{} is not text in UTF-8", path.display())))
+    let text = String::from_utf8(bytes);
+    // A document that was unpacked is text in XML.
+    if import::is_document_name(path) && !text.as_ref().is_ok_and(|text| import::is_model(text)) {
+        let error = import::ArchiveError::NoArchive;
+        return Err(errors::input(py, &format!("{}: {error}", path.display())));
+    }
+    text.map_err(|_| errors::input(py, &format!("{} is not text in UTF-8", path.display())))
+}
+
+/// The bytes of a file, refused where it is longer than `allowed` bytes.
+pub(crate) fn read_bytes(py: Python<'_>, path: &Path, allowed: u64) -> PyResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let read = py.detach(|| {
+        std::fs::File::open(path)?.take(allowed + 1).read_to_end(&mut bytes).map(|_| ())
+    });
+    read.map_err(|error| named(py, &error, path))?;
+    if bytes.len() as u64 > allowed {
+        let message = format!("{} is larger than {allowed} bytes", path.display());
+        return Err(errors::input(py, &message));
+    }
+    Ok(bytes)
 }
 
 /// A model with the files of its folder that it includes.

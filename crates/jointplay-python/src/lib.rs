@@ -10,6 +10,7 @@ mod cell_plan;
 mod command;
 mod errors;
 mod files;
+mod fmu;
 mod gpr;
 mod gpr_analyses;
 mod gpr_derivatives;

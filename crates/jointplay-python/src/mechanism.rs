@@ -12,7 +12,6 @@ use jointplay::format::three_rods;
 use jointplay::interop::import::{self, ClosedError, LoopsError};
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{ChangedDimension, VirtualJoint};
-use jointplay::mobility::kutzbach_mobility;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -335,6 +334,11 @@ impl PyMechanism {
         Ok(Self { file, coordinates, text, parameters, closing, units, ignored })
     }
 
+    /// The text of the file, and the parameters that replace those in it.
+    pub(crate) fn source(&self) -> (&str, &[(String, f64)]) {
+        (&self.text, &self.parameters)
+    }
+
     /// A model, with the name and the text of a file of joints that close its loops.
     fn model(
         py: Python<'_>,
@@ -419,10 +423,7 @@ impl PyMechanism {
     }
 
     pub(crate) fn kutzbach(&self) -> i64 {
-        let mechanism = &self.file.mechanism;
-        let freedoms: Vec<usize> =
-            mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect();
-        kutzbach_mobility(mechanism.links().len(), &freedoms)
+        self.file.mechanism.kutzbach_mobility()
     }
 }
 

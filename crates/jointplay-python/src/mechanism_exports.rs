@@ -1,7 +1,9 @@
 //! Exports of mechanisms: models of simulators, and animated 3D scenes.
 
 use jointplay::interop::export::mechanism::{self, Error, Written};
-use jointplay::interop::export::{self, AnimatedParts, MechanismMotion, PartsFile, UpAxis};
+use jointplay::interop::export::{
+    self, AnimatedParts, MechanismMotion, PartTable, PartsFile, UpAxis,
+};
 use jointplay::nalgebra::DVector;
 use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -56,7 +58,7 @@ impl PyMechanism {
     }
 
     /// An animated 3D scene of configurations, and the links without a part; see `Motion.to_gltf`.
-    #[pyo3(signature = (coordinates, duration_s, exaggerate, tolerance_um, parts=None, table=None, parts_up=None))]
+    #[pyo3(signature = (coordinates, duration_s, exaggerate, tolerance_um, parts=None, table=None, table_file=None, parts_up=None))]
     #[expect(clippy::too_many_arguments, reason = "they are those of `Motion.to_gltf`")]
     fn _gltf<'py>(
         &self,
@@ -67,6 +69,7 @@ impl PyMechanism {
         tolerance_um: f64,
         parts: Option<&[u8]>,
         table: Option<Vec<(String, String)>>,
+        table_file: Option<(String, String)>,
         parts_up: Option<&str>,
     ) -> PyResult<(Bound<'py, PyBytes>, Vec<String>)> {
         let width = self.coordinates.all().len();
@@ -93,6 +96,13 @@ impl PyMechanism {
                 return Err(errors::unknown_name(py, "axis", other, &known));
             }
         };
+        let mut of_file = match table_file {
+            Some((label, text)) => {
+                PartTable::parse(&text).map_err(|found| errors::file(py, &label, &found))?
+            }
+            None => PartTable::default(),
+        };
+        of_file.parts.extend(table.unwrap_or_default());
         let reference =
             py.detach(|| self.posed(&[], None)).map_err(|error| errors::core(py, &error))?;
         let scene = py.detach(|| {
@@ -110,8 +120,8 @@ impl PyMechanism {
                 return Ok(AnimatedParts { bytes, missing: Vec::new() });
             };
             let parts = PartsFile::parse(parts)?;
-            let up = up.unwrap_or_else(|| parts.up_axis());
-            motion.gltf_of_parts(&parts, &table.unwrap_or_default(), up, tolerance)
+            let up = up.or(of_file.up).unwrap_or_else(|| parts.up_axis());
+            motion.gltf_of_parts(&parts, &of_file.parts, up, tolerance)
         });
         let AnimatedParts { bytes, missing } =
             scene.map_err(|error: export::Error| errors::input(py, &error.to_string()))?;

@@ -102,6 +102,15 @@ class Gpr:
     def from_file(path: str | PathLike[str]) -> Gpr: ...
     @staticmethod
     def from_toml(text: str) -> Gpr: ...
+    def to_fmu(
+        self,
+        rods_m: ArrayLike | None = None,
+        *,
+        virtualization: Literal["radial", "polar", "offset", "planar"] | None = None,
+        fmi: Literal[2, 3] = 2,
+        name: str | None = None,
+        library: str | PathLike[str] | Sequence[str | PathLike[str]] | None = None,
+    ) -> bytes: ...
     @property
     def name(self) -> str: ...
     @property
@@ -465,6 +474,14 @@ class Mechanism:
     def to_model(
         self, format: Literal["mjcf", "sdf", "urdf"], at: dict[str, float] | None = None
     ) -> SimulatorModel: ...
+    def to_fmu(
+        self,
+        at: dict[str, float] | None = None,
+        *,
+        fmi: Literal[2, 3] = 2,
+        name: str | None = None,
+        library: str | PathLike[str] | Sequence[str | PathLike[str]] | None = None,
+    ) -> bytes: ...
     def _gltf(
         self,
         coordinates: ArrayLike,
@@ -473,6 +490,7 @@ class Mechanism:
         tolerance_um: float,
         parts: bytes | None = None,
         table: Sequence[tuple[str, str]] | None = None,
+        table_file: tuple[str, str] | None = None,
         parts_up: str | None = None,
     ) -> tuple[bytes, list[str]]: ...
     def __copy__(self) -> Mechanism: ...

@@ -230,7 +230,7 @@ class Motion(Table):
         path: str | os.PathLike[str],
         *,
         parts: str | os.PathLike[str] | None = None,
-        table: Mapping[str, str] | None = None,
+        table: Mapping[str, str] | str | os.PathLike[str] | None = None,
         parts_up: Literal["y", "z"] | None = None,
         exaggerate: float = 1.0,
         duration_s: float = 4.0,
@@ -244,11 +244,11 @@ class Motion(Table):
             The file to write, such as ``motion.glb``; one that exists is replaced.
         parts : str or path-like
             A binary glTF file whose nodes move with the links of the same names; by default links are drawn as bars.
-        table : mapping of str to str
-            Names of nodes, and the links that they move with.
+        table : mapping of str to str, or path-like
+            Names of nodes, and the links that they move with; or the path of a table of parts.
         parts_up : str
-            The axis of the file of parts that is z of the base frame; by default ``'z'`` for files of Open CASCADE,
-            such as those of cascadio, and ``'y'`` for others.
+            The axis of the file of parts that is z of the base frame; by default that of the table of parts, else
+            ``'z'`` for files of Open CASCADE, such as those of cascadio, and ``'y'`` for others.
         exaggerate : float
             Factor of the displacements of virtual joints.
         duration_s : float
@@ -256,13 +256,20 @@ class Motion(Table):
         tolerance_um : float
             Largest deviation from the configurations, between which the motion is interpolated.
         """
+        pairs: list[tuple[str, str]] = []
+        file: tuple[str, str] | None = None
+        if isinstance(table, (str, os.PathLike)):
+            file = (os.fspath(table), Path(table).read_text(encoding="utf-8"))
+        elif table is not None:
+            pairs = list(table.items())
         contents, missing = self.mechanism._gltf(
             self.coordinates,
             duration_s,
             exaggerate,
             tolerance_um,
             None if parts is None else Path(parts).read_bytes(),
-            list((table or {}).items()),
+            pairs,
+            file,
             parts_up,
         )
         write_whole(Path(path), contents)

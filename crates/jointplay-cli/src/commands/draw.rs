@@ -37,7 +37,7 @@ Examples:
   jointplay draw four-bar --label 'A=$\\theta_1$' --figure paper.tex
   jointplay draw gpr-mechanism --at \"rod 1=5,rod 2=0,rod 3=0\" --exaggerate 500 --figure play.svg")]
 pub(crate) struct Draw {
-    /// Mechanism file (TOML), model (MJCF, SDF, URDF), or a name from `jointplay catalogue`
+    /// Mechanism file (TOML), model (MJCF, SDF, URDF, .FCStd), or a name from `jointplay catalogue`
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]

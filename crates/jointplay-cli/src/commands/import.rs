@@ -1,4 +1,4 @@
-//! `jointplay import`: conversion of MJCF, SDF and URDF models, and between three-rod robots and mechanisms.
+//! `jointplay import`: conversion of MJCF, SDF, URDF and FreeCAD models, and between three-rod robots and mechanisms.
 
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ use crate::output::FormatArgs;
 use crate::source::{Kind, STANDARD, Source};
 use crate::{folder, output};
 
-/// Convert a model of MuJoCo (MJCF), Gazebo (SDF), ROS (URDF) or FreeCAD (FCStd, ASMT) into a mechanism file
+/// Convert a model of MuJoCo (MJCF), Gazebo (SDF), ROS (URDF) or FreeCAD (.FCStd, .asmt) into a mechanism file
 ///
 /// A three-rod robot also becomes a mechanism, with the virtual joints of a virtualization; with `--to
 /// gpr`, a mechanism or model that is a three-rod robot becomes a robot file.
@@ -38,8 +38,8 @@ Examples:
   jointplay import gpr --virtualization radial
   jointplay import gpr-mechanism --to gpr --tilt-limit-deg 1.5")]
 pub(crate) struct Import {
-    /// Model file, whose format is detected from its root element; a three-rod robot or a mechanism
-    /// (TOML); or a name from `jointplay catalogue`
+    /// Model: MJCF, SDF or URDF, a document of FreeCAD (.FCStd) or its assembly (.asmt), detected from
+    /// their contents; a three-rod robot or a mechanism (TOML); or a name from `jointplay catalogue`
     #[arg(value_name = "MODEL")]
     model: PathBuf,
     /// Unit of lengths of an ASMT assembly of FreeCAD, which does not state it; FreeCAD writes mm

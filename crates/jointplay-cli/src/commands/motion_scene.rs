@@ -1,19 +1,21 @@
 //! The animated 3D scene of `jointplay move`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use jointplay::interop::export::{AnimatedParts, MechanismMotion, PartsFile, UpAxis};
+use jointplay::interop::export::{AnimatedParts, MechanismMotion, PartTable, PartsFile, UpAxis};
 use jointplay::mechanism::DrivenMotion;
 use jointplay::nalgebra::DVector;
 
 use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::mechanism_input::Input;
-use crate::source::read_bytes;
+use crate::source::{Source, read_bytes};
 
 /// Largest accepted file of parts (bytes).
 const MAX_PARTS: u64 = 500_000_000;
+/// Largest accepted table of parts (bytes).
+const MAX_TABLE: usize = 4_000_000;
 
 /// Flags of the animated 3D scene.
 #[derive(Args)]
@@ -24,7 +26,10 @@ pub(crate) struct SceneArgs {
     /// Node of the parts that moves with a link of another name
     #[arg(long = "part", value_name = "NODE=LINK", value_parser = part, requires = "parts")]
     part: Vec<(String, String)>,
-    /// Axis of the file of parts that is z of the base frame [default: z if Open CASCADE wrote the file, such as cascadio, y otherwise]
+    /// Table of the parts that move with links of other names (TOML: `kind = "parts"`, and in `[links]` names of nodes for each link)
+    #[arg(long, value_name = "FILE", requires = "parts")]
+    part_table: Option<PathBuf>,
+    /// Axis of the file of parts that is z of the base frame [default: that of the table; z if Open CASCADE wrote the file, such as cascadio, y otherwise]
     #[arg(long, value_name = "AXIS", requires = "parts")]
     parts_up: Option<Up>,
     /// Factor of the displacements of virtual joints in the 3D scene
@@ -51,6 +56,11 @@ fn part(text: &str) -> Result<(String, String), String> {
         .rsplit_once('=')
         .ok_or_else(|| format!("invalid part {text:?}: expected NODE=LINK"))?;
     Ok((node.trim().to_owned(), link.trim().to_owned()))
+}
+
+fn part_table(path: &Path) -> Result<PartTable, Failure> {
+    let source = Source::read(path, MAX_TABLE)?;
+    PartTable::parse(&source.text).map_err(|errors| Failure::invalid(&errors, &source.label))
 }
 
 impl SceneArgs {
@@ -84,11 +94,16 @@ impl SceneArgs {
         };
         let parts = PartsFile::parse(&read_bytes(path, MAX_PARTS)?)
             .map_err(jointplay::interop::export::Error::from)?;
+        let mut table = match &self.part_table {
+            Some(path) => part_table(path)?,
+            None => PartTable::default(),
+        };
+        table.parts.extend(self.part.iter().cloned());
         let up = match self.parts_up {
             Some(Up::Y) => UpAxis::Y,
             Some(Up::Z) => UpAxis::Z,
-            None => parts.up_axis(),
+            None => table.up.unwrap_or_else(|| parts.up_axis()),
         };
-        Ok(motion.gltf_of_parts(&parts, &self.part, up, tolerance)?)
+        Ok(motion.gltf_of_parts(&parts, &table.parts, up, tolerance)?)
     }
 }

@@ -30,7 +30,7 @@ Examples:
   jointplay studio --robot my-robot.toml --port 8080 --no-open
   jointplay studio --ping                              exit code 1 if none answers")]
 pub(crate) struct Studio {
-    /// Robot, mechanism or work cell file (TOML), model (MJCF, SDF, URDF), or a name from `jointplay
+    /// Robot, mechanism or work cell file (TOML), model (MJCF, SDF, URDF, .FCStd), or a name from `jointplay
     /// catalogue`
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
@@ -42,7 +42,7 @@ pub(crate) struct Studio {
     /// Also show a work cell (TOML) and the program with the same name that ends in .program; without FILE, the included example
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = EXAMPLE)]
     cell: Option<PathBuf>,
-    /// Also show a mechanism (TOML), a model (MJCF, SDF, URDF), or a mechanism from `jointplay
+    /// Also show a mechanism (TOML), a model (MJCF, SDF, URDF, .FCStd), or a mechanism from `jointplay
     /// catalogue`
     #[arg(long, value_name = "FILE")]
     mechanism: Option<PathBuf>,

@@ -16,8 +16,12 @@ macro_rules! entry {
 }
 
 /// All files of the folder `studies`, the first one first; a test holds the table to the folder.
-const EXAMPLES: &[Example] =
-    &[entry!("center-shift"), entry!("misbuilt"), entry!("play-over-the-workspace")];
+const EXAMPLES: &[Example] = &[
+    entry!("center-shift"),
+    entry!("misbuilt"),
+    entry!("play-over-the-workspace"),
+    entry!("slider-crank"),
+];
 
 /// All study files that come with the program, the one to begin with first.
 #[must_use]
@@ -51,7 +55,7 @@ mod tests {
     #[test]
     fn every_file_can_be_read() {
         for example in examples() {
-            if let Err(error) = super::super::parse(example.text, super::super::robot_of) {
+            if let Err(error) = super::super::parse(example.text, super::super::mechanism_of) {
                 panic!("{}", error.with_excerpt(example.name));
             }
         }

@@ -6,7 +6,9 @@ mod keys;
 mod link_shape;
 mod material;
 mod mechanism_motion;
+mod node_names;
 mod numbers;
+mod part_table;
 mod parts;
 mod parts_error;
 mod parts_file;
@@ -29,6 +31,7 @@ use super::violation_note::ViolationNote;
 use jointplay_format::units::um;
 
 pub use self::mechanism_motion::{AnimatedParts, MechanismMotion};
+pub use self::part_table::PartTable;
 pub use self::parts_error::PartsError;
 pub use self::parts_file::{PartsFile, UpAxis};
 
@@ -111,7 +114,7 @@ pub fn gltf_within(
 /// Weight of an origin in the division of a tolerance among the frames of a chain, as the distance of a point from the origin of a frame is that of its rotation (m).
 const PLACE_WEIGHT: f64 = 0.25;
 
-fn check_tolerance(tolerance: f64) -> Result<(), Error> {
+pub(super) fn check_tolerance(tolerance: f64) -> Result<(), Error> {
     if tolerance.is_finite() && tolerance > 0.0 {
         Ok(())
     } else {

@@ -13,6 +13,7 @@
 //! Each export reports the violations of the motion.
 
 mod channel;
+mod curve_reduction;
 pub mod dialect;
 mod error;
 mod gltf;
@@ -33,7 +34,8 @@ mod wafer_frames;
 
 pub use error::Error;
 pub use gltf::{
-    AnimatedParts, KEY_TOLERANCE, MechanismMotion, PartsError, PartsFile, UpAxis, gltf, gltf_within,
+    AnimatedParts, KEY_TOLERANCE, MechanismMotion, PartTable, PartsError, PartsFile, UpAxis, gltf,
+    gltf_within,
 };
 pub use mechanism_shapes::MechanismShapes;
 pub use motion_export::{MOST_SAMPLES, MotionExport};

@@ -1,12 +1,17 @@
 //! A motion for SolidWorks: time and value for each motor, and a macro that loads them.
 
+use std::cell::Cell as Slot;
 use std::fmt::Write as _;
 
-use jointplay_cell::robot::Axis;
+use jointplay_cell::CellError;
+use jointplay_cell::robot::AxisKind;
 use jointplay_cell::trajectory::Sample;
 use jointplay_cell::workcell::Cell;
+use jointplay_core::virtualization::{VirtualJointKind, Virtualization, built_in};
 
+use super::curve_reduction::reduced;
 use super::error::Error;
+use super::gltf::check_tolerance;
 use super::motion_export::MotionExport;
 use super::samples::turns;
 use jointplay_format::units::{deg, mm};
@@ -16,24 +21,27 @@ pub const MACRO: &str = "load-motors.bas";
 /// Prefix of the files of a motion with violations; the files themselves have no room for a comment.
 const MARK: &str = "NOT-SAFE-";
 
-/// A file `motor-NAME.csv` for each axis with lines `time,value` in s and mm or degrees, and [`MACRO`], as names and contents.
+/// A file `motor-NAME.csv` for each axis and each virtual joint of the platform with lines `time,value` in s and mm or degrees, and [`MACRO`], as names and contents.
 ///
-/// The macro assigns the motions to the motors of a motion study that have the names of the axes.
-/// It makes the study and motors that are missing, motors along reference axes named `jp:AXIS` of the moved parts.
+/// The macro assigns the motions to the motors of a motion study that have the names of the axes, or `play u1` and so on for virtual joints.
+/// It makes the study and motors that are missing, motors along reference axes named `jp:NAME` of the moved parts.
 ///
 /// # Arguments
-/// * `rate` – number of lines per second; the last line is the end of the motion (Hz)
+/// * `rate` – samples per second; the last line is the end of the motion (Hz)
+/// * `tolerance` – largest deviation of linear interpolation between lines from the samples, of the farthest point that an axis turns (m)
 ///
 /// # Errors
-/// [`Error::Rate`], [`Error::TooManySamples`]
+/// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Tolerance`], [`Error::Placing`]
 pub fn solidworks(
     motion_export: &MotionExport<'_>,
     rate: f64,
+    tolerance: f64,
 ) -> Result<Vec<(String, String)>, Error> {
     let motors = motors(motion_export).into_iter().enumerate();
-    let text = |(axis, name): (usize, String)| {
+    let text = |(index, name): (usize, String)| {
         let mut bytes = Vec::new();
-        motor(motion_export, rate, axis, &mut bytes)?.expect("writing into memory does not fail");
+        let written = motor(motion_export, rate, tolerance, index, &mut bytes)?;
+        written.expect("writing into memory does not fail");
         Ok((name, String::from_utf8(bytes).expect("numbers are UTF-8")))
     };
     let mut files = motors.map(text).collect::<Result<Vec<_>, Error>>()?;
@@ -41,7 +49,7 @@ pub fn solidworks(
     Ok(files)
 }
 
-/// Names of the motors' files, in the order of the axes.
+/// Names of the motors' files: axes in their order, then virtual joints.
 #[must_use]
 pub fn motors(motion_export: &MotionExport<'_>) -> Vec<String> {
     let mut names = names(motion_export.cell, mark(motion_export));
@@ -52,27 +60,122 @@ pub fn motors(motion_export: &MotionExport<'_>) -> Vec<String> {
 /// Writes the file of one motor.
 ///
 /// # Arguments
-/// * `axis` – index of the axis
-/// * `rate` – number of lines per second; the last line is the end of the motion (Hz)
+/// * `index` – of the motor among [`motors`]
+/// * `rate` – samples per second; the last line is the end of the motion (Hz)
+/// * `tolerance` – largest deviation of linear interpolation between lines from the samples, of the farthest point that an axis turns (m)
 ///
 /// # Errors
-/// [`Error::Rate`], [`Error::TooManySamples`]; within, those of the writer
+/// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Tolerance`], [`Error::Placing`]; within, those of the writer
 ///
 /// # Panics
-/// If the robot has no such axis.
+/// If there is no such motor.
 pub fn motor(
     motion_export: &MotionExport<'_>,
     rate: f64,
-    axis: usize,
+    tolerance: f64,
+    index: usize,
     writer: &mut dyn std::io::Write,
 ) -> Result<std::io::Result<()>, Error> {
     motion_export.check_rate(rate)?;
-    let unit: fn(f64) -> f64 =
-        if turns(motion_export.cell.robot.axes[axis].kind) { deg } else { mm };
+    check_tolerance(tolerance)?;
+    let cell = motion_export.cell;
+    let curve = curves(cell).swap_remove(index);
+    let unit: fn(f64) -> f64 = if curve.turns { deg } else { mm };
+    let allowed = unit(if curve.turns { tolerance / curve.reach } else { tolerance });
+    let failure = Slot::new(None);
+    let gpr = cell.robot.gpr.clone().without_limit_checks();
+    let value = |at: &Sample| -> Result<f64, jointplay_core::Error> {
+        match curve.source {
+            Source::Axis(axis) => Ok(at.positions[axis]),
+            Source::Play(joint) => {
+                let rods = [at.positions[0], at.positions[1], at.positions[2]];
+                let pose = cell.robot.model.forward(&gpr, rods)?;
+                Ok(gpr.virtual_displacements(&pose, virtualization(cell))[joint])
+            }
+        }
+    };
+    let points = motion_export.motion.samples(rate).map_while(|at| match value(&at) {
+        Ok(value) => Some((at.time, unit(value))),
+        Err(error) => {
+            let source = Box::new(CellError::from(error));
+            failure.set(Some(Error::Placing { time: at.time, source }));
+            None
+        }
+    });
     // All digits: the last line must be the exact end of the motion.
-    let mut samples = motion_export.motion.samples(rate);
-    let line = |at: Sample| writeln!(writer, "{},{}", at.time, unit(at.positions[axis]));
-    Ok(samples.try_for_each(line))
+    let mut lines = reduced(points, allowed);
+    let written = lines.try_for_each(|(time, value)| writeln!(writer, "{time},{value}"));
+    match failure.take() {
+        Some(error) => Err(error),
+        None => Ok(written),
+    }
+}
+
+/// What a motor follows.
+#[derive(Clone, Copy)]
+enum Source {
+    /// An axis of the robot.
+    Axis(usize),
+    /// A virtual joint of the platform.
+    Play(usize),
+}
+
+/// The curve of a motor.
+struct Curve {
+    name: String,
+    source: Source,
+    turns: bool,
+    /// Distance that the farthest point moves for each radian (m).
+    reach: f64,
+}
+
+/// The curves of all motors: axes, then virtual joints of the platform.
+fn curves(cell: &Cell) -> Vec<Curve> {
+    let axes = cell.robot.axes.iter().enumerate().map(|(axis, described)| Curve {
+        name: described.name.clone(),
+        source: Source::Axis(axis),
+        turns: turns(described.kind),
+        reach: reach(cell, axis),
+    });
+    let plays = virtualization(cell).joints().iter().enumerate().map(|(index, joint)| Curve {
+        name: format!("play {}{}", joint.symbol, joint.limb + 1),
+        source: Source::Play(index),
+        turns: joint.motion == VirtualJointKind::Angular,
+        reach: cell.robot.gpr.platform().mean_radius(),
+    });
+    axes.chain(plays).collect()
+}
+
+fn virtualization(cell: &Cell) -> &'static dyn Virtualization {
+    let kind = Some(cell.robot.model.virtualization);
+    let found = built_in().into_iter().find(|one| one.as_built_in() == kind);
+    found.expect("each kind is one of the library's")
+}
+
+/// Distance that the farthest point of a wafer moves for each radian of an axis, with all links in one line (m).
+fn reach(cell: &Cell, axis: usize) -> f64 {
+    let robot = &cell.robot;
+    let of_arm = |arm: &jointplay_cell::robot::Arm| {
+        let ratios = arm.joints.iter().flat_map(|joint| &joint.drives);
+        let ratio = ratios.filter(|one| one.0 == axis).map(|one| one.1.abs()).fold(0.0, f64::max);
+        let links = arm.joints.iter().map(|joint| {
+            let travel = if joint.kind == AxisKind::Rotary {
+                0.0
+            } else {
+                let drives = joint.drives.iter().map(|&(axis, ratio)| {
+                    let axis = &robot.axes[axis];
+                    ratio.abs() * axis.min.abs().max(axis.max.abs())
+                });
+                joint.zero.abs() + drives.sum::<f64>()
+            };
+            travel + joint.length.hypot(joint.offset)
+        });
+        let centers =
+            arm.effectors.iter().map(|one| one.wafer_center[0].hypot(one.wafer_center[1]));
+        let wafer = centers.fold(0.0, f64::max) + 0.5 * cell.wafer.diameter;
+        ratio * (links.sum::<f64>() + wafer)
+    };
+    robot.arms.iter().map(of_arm).fold(robot.gpr.platform().mean_radius(), f64::max)
 }
 
 fn mark(motion_export: &MotionExport<'_>) -> &'static str {
@@ -87,8 +190,8 @@ pub fn solidworks_names(cell: &Cell) -> Vec<String> {
 
 /// Names of the motors' files, and of the macro.
 fn names(cell: &Cell, mark: &str) -> Vec<String> {
-    let motor = |axis: &Axis| format!("{mark}motor-{}.csv", file_name(&axis.name));
-    let motors = cell.robot.axes.iter().map(motor);
+    let motor = |curve: Curve| format!("{mark}motor-{}.csv", file_name(&curve.name));
+    let motors = curves(cell).into_iter().map(motor);
     motors.chain(std::iter::once(format!("{mark}{MACRO}"))).collect()
 }
 
@@ -108,10 +211,11 @@ fn quoted(text: &str) -> String {
 /// Name and text of the macro.
 #[must_use]
 pub fn loader(motion_export: &MotionExport<'_>) -> (String, String) {
-    let mut loads = String::new();
-    for (axis, file) in motion_export.cell.robot.axes.iter().zip(&motors(motion_export)) {
-        let kind = if turns(axis.kind) { "swFmAEMRotationalMotor" } else { "swFmAEMLinearMotor" };
-        let (name, file) = (quoted(&axis.name), quoted(file));
+    let (mut loads, mut plays) = (String::new(), String::new());
+    for (curve, file) in curves(motion_export.cell).iter().zip(&motors(motion_export)) {
+        let kind = if curve.turns { "swFmAEMRotationalMotor" } else { "swFmAEMLinearMotor" };
+        let (name, file) = (quoted(&curve.name), quoted(file));
+        let loads = if matches!(curve.source, Source::Axis(_)) { &mut loads } else { &mut plays };
         let _ = writeln!(loads, "    Load {name}, folder & {file}, {kind}");
     }
     let warning = motion_export.warning().map_or_else(String::new, |warning| {
@@ -123,8 +227,10 @@ pub fn loader(motion_export: &MotionExport<'_>) -> (String, String) {
         r#"Attribute VB_Name = "LoadMotors"
 ' Assigns the motion in the files of this folder to the motors of a motion study.
 ' A study of that name has to be a Motion Analysis; without one, it is made.
-' Motors are those with the names of the axes. A missing one is made along the reference axis "jp:" and the name,
-' which has to be in the part that it moves, and to point in the direction of positive values.
+' Motors are those with the names of the axes, and those of the play of the balls, such as "play u1".
+' A missing one is made along the reference axis "jp:" and the name, which has to be in the part that it moves,
+' and to point in the direction of positive values. Motors of the play need an assembly whose ball mates leave it free.
+' The points are those that linear interpolation needs.
 ' Times are in s, displacements in mm for linear and in degrees for rotary motors: set the units of the document so.
 ' Import this file into a new macro, whose references to the libraries of SolidWorks it needs.
 Option Explicit
@@ -141,7 +247,7 @@ Dim study As Object
 Dim missing As String
 
 Sub main()
-    Dim app As Object, manager As Object, folder As String
+    Dim app As Object, manager As Object, folder As String, undriven As String
     Set app = Application.SldWorks
     Set model = app.ActiveDoc
     If model Is Nothing Then MsgBox "Open the assembly first.": Exit Sub
@@ -157,8 +263,12 @@ Sub main()
     study.Activate
 {warning}    folder = Left(app.GetCurrentMacroPathName(), InStrRev(app.GetCurrentMacroPathName(), "\"))
     missing = ""
-{loads}    study.SetDuration {duration}
-    If missing <> "" Then MsgBox "No motor could be given its motion for:" & missing
+{loads}    undriven = missing
+    missing = ""
+    ' The play of the balls, so that the solver does not choose the displacement of the platform.
+{plays}    study.SetDuration {duration}
+    If undriven <> "" Then MsgBox "No motor could be given its motion for:" & undriven
+    If missing <> "" Then MsgBox "Without these motors the solver chooses the displacement of the platform:" & missing
 End Sub
 
 Private Sub Load(name As String, file As String, made As Long)

@@ -6,6 +6,8 @@ use jointplay_format::coordinates;
 use jointplay_format::explain::explain;
 use jointplay_format::number::number;
 
+use super::free_motions::{FreeMotion, explained};
+
 /// Why a unit cannot be made, or has no answer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -28,6 +30,12 @@ pub enum Error {
     ActuatedBall {
         /// Name of the joint.
         joint: String,
+    },
+    /// Motions that remain where the drives are held, so that the drives do not determine the outputs.
+    #[error("{}", explained(motions))]
+    FreeMotions {
+        /// The motions, in groups that share no joint.
+        motions: Vec<FreeMotion>,
     },
     /// A name or value of a coordinate.
     #[error(transparent)]
@@ -124,7 +132,7 @@ impl Error {
         match self {
             Self::Core(error) => error.is_infeasible(),
             Self::TooFar { source, .. } => source.is_infeasible(),
-            Self::BeyondLimits { .. } => true,
+            Self::BeyondLimits { .. } | Self::FreeMotions { .. } => true,
             _ => false,
         }
     }

@@ -11,6 +11,7 @@ use jointplay_report::beyond_limits;
 use nalgebra::DVector;
 
 use super::error::Error;
+use super::free_motions::free_motions;
 use super::resources::{RESOURCE_FILES, Resources};
 use super::solved::{Solved, push_pose, quaternion};
 use super::variable::{POSE_OUTPUTS, Variables, name_part};
@@ -69,7 +70,7 @@ impl MechanismModel {
         for k in 0..still.len() {
             let mut rates = still.clone();
             rates[k] = 1.0;
-            model.rates(&solved, &rates)?;
+            model.rates(&solved, &rates).map_err(|error| model.named(error, &solved))?;
         }
         Ok((model, variables, solved))
     }
@@ -96,6 +97,17 @@ impl MechanismModel {
                 self.solve(drives, &near)
             }
             found => found,
+        }
+    }
+
+    /// The free motions of an error that counts them.
+    fn named(&self, error: Error, at: &Solved) -> Error {
+        if !matches!(error, Error::Core(CoreError::Undetermined(_))) {
+            return error;
+        }
+        match free_motions(&self.file.mechanism, &at.coordinates, &self.drives) {
+            Ok(motions) if !motions.is_empty() => Error::FreeMotions { motions },
+            _ => error,
         }
     }
 

@@ -34,7 +34,7 @@ mod urdf;
 mod xml;
 
 pub use drive_table::{DriveColumn, DriveTableError, MAX_COLUMNS, MAX_ROWS, drive_table};
-pub use freecad::{ArchiveError, MAX_DOCUMENT_BYTES, document_text, is_archive};
+pub use freecad::{ArchiveError, MAX_DOCUMENT_BYTES, document_text, is_archive, is_document_name};
 pub use loops::LoopsError;
 pub use mjcf::{Expanded, IncludeError, expand_includes};
 pub use model::{Dialect, Imported};

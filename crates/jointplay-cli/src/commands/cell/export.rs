@@ -71,7 +71,7 @@ pub(super) struct Export {
     /// Sampling rate
     #[arg(long, value_name = "HZ", default_value = "100", value_parser = rate)]
     rate: Rate,
-    /// Largest deviation of points of the animated 3D scene from the samples that it leaves to interpolation
+    /// Largest deviation of points of the animated 3D scene, and of those that motors of SolidWorks move, from the samples that are left to interpolation
     #[arg(long, value_name = "UM", default_value = "1", value_parser = finite)]
     tolerance_um: f64,
     /// Folder for the files
@@ -305,9 +305,10 @@ impl Export {
             #[cfg(feature = "mcap")]
             Kind::Mcap => mcap(staged, &format!("{stem}.mcap"), motion_export, rate),
             Kind::Solidworks => {
-                for (axis, name) in export::motors(motion_export).iter().enumerate() {
+                let tolerance = 1e-6 * self.tolerance_um;
+                for (index, name) in export::motors(motion_export).iter().enumerate() {
                     staged.add(name, |mut writer| {
-                        Ok(export::motor(motion_export, rate, axis, &mut writer)??)
+                        Ok(export::motor(motion_export, rate, tolerance, index, &mut writer)??)
                     })?;
                 }
                 let (name, text) = export::loader(motion_export);

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use jointplay::format::mechanism;
-use jointplay::interop::fmu::{ArchiveError, Binary, Error, FmiVersion, Resources, archive};
+use jointplay::interop::fmu::{
+    ArchiveError, Binary, Error, FmiVersion, Resources, archive, library_places,
+};
 
 use super::files::Files;
 use crate::arguments::{RodArgs, VirtualizationName};
@@ -145,15 +147,8 @@ impl FmuArgs {
 fn own_library() -> Result<PathBuf, Failure> {
     let command = std::env::current_exe().unwrap_or_default();
     let folder = command.parent().map(PathBuf::from).unwrap_or_default();
-    let built = format!("{DLL_PREFIX}jointplay_c{DLL_SUFFIX}");
+    let places = library_places(&folder);
     let installed = format!("{DLL_PREFIX}jointplay{DLL_SUFFIX}");
-    let places = [
-        folder.join(&built),
-        // Cargo leaves it there while it builds tests.
-        folder.join("deps").join(&built),
-        folder.join(&installed),
-        folder.join("..").join("lib").join(&installed),
-    ];
     // Of several the newest: Cargo does not renew all of them with every build.
     let dated = |path: &PathBuf| Some((path.metadata().ok()?.modified().ok()?, path.clone()));
     if let Some((_, found)) = places.iter().filter_map(dated).max() {

@@ -50,6 +50,14 @@ pub enum PartsError {
         /// Number of nodes.
         count: usize,
     },
+    /// A node that a table assigns to two links.
+    #[error("the table of parts moves {node:?} with {:?} and with {:?}; a part moves with one link", links[0], links[1])]
+    TwoLinks {
+        /// Name of the node.
+        node: String,
+        /// Names of the links.
+        links: [String; 2],
+    },
     /// No node moves.
     #[error(
         "no node of the file of parts has the name of a link; name the parts, or use a table of parts\n  nodes: {}\n  links: {}",

@@ -1,11 +1,12 @@
 //! Files of parts in binary glTF, such as those of CAD programs, to which an animation is added.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion};
 use serde_json::{Value, json, to_value};
 
 use super::document::{Document, GENERATOR, binary};
+use super::node_names::NodeNames;
 use super::numbers::single;
 use super::parts_error::PartsError;
 use crate::export::error::Error;
@@ -141,27 +142,31 @@ impl PartsFile {
         links: &[String],
         table: &[(String, String)],
     ) -> Result<Vec<(usize, usize)>, PartsError> {
+        let all: Vec<Option<&str>> =
+            self.nodes().iter().map(|node| node["name"].as_str()).collect();
+        let nodes = NodeNames::new(&all, &self.parents);
+        let numbers: BTreeMap<&str, usize> =
+            links.iter().enumerate().map(|(number, name)| (name.as_str(), number)).collect();
         let mut found: BTreeMap<usize, usize> = BTreeMap::new();
         for (node, link) in table {
-            let Some(number) = links.iter().position(|name| name == link) else {
+            let Some(&number) = numbers.get(link.as_str()) else {
                 let nearest = nearest(link, links.iter().map(String::as_str));
                 let (found, known) = (link.clone(), links.to_vec());
                 return Err(PartsError::UnknownLink { found, nearest, known });
             };
-            let Some(at) = self.node_named(node, |name| name == node)? else {
+            let Some(at) = only(node, nodes.exact(node))? else {
                 let nearest = nearest(node, self.names());
                 let (found, known) = (node.clone(), self.names().map(str::to_owned).collect());
                 return Err(PartsError::UnknownNode { found, nearest, known });
             };
-            found.insert(at, number);
+            if let Some(other) = found.insert(at, number).filter(|&other| other != number) {
+                let (node, links) = (node.clone(), [other, number].map(|k| links[k].clone()));
+                return Err(PartsError::TwoLinks { node, links });
+            }
         }
-        let assigned: Vec<usize> = found.values().copied().collect();
+        let assigned: BTreeSet<usize> = found.values().copied().collect();
         for (number, link) in links.iter().enumerate().filter(|(k, _)| !assigned.contains(k)) {
-            let at = match self.node_named(link, |name| name == link)? {
-                None => self.node_named(link, |name| plain(name) == plain(link))?,
-                found => found,
-            };
-            if let Some(at) = at {
+            if let Some(at) = only(link, nodes.find(link))? {
                 found.entry(at).or_insert(number);
             }
         }
@@ -173,23 +178,6 @@ impl PartsFile {
             return Err(PartsError::NoMatch { nodes, links: links.to_vec() });
         }
         Ok(moved)
-    }
-
-    /// The only node with a name, not counting nodes within a node of the same name.
-    fn node_named(
-        &self,
-        name: &str,
-        is_name: impl Fn(&str) -> bool,
-    ) -> Result<Option<usize>, PartsError> {
-        let named = |node: usize| self.nodes()[node]["name"].as_str().is_some_and(&is_name);
-        let found: Vec<usize> = (0..self.nodes().len())
-            .filter(|&node| named(node) && !self.ancestors(node).any(named))
-            .collect();
-        match found[..] {
-            [] => Ok(None),
-            [only] => Ok(Some(only)),
-            _ => Err(PartsError::Ambiguous { name: name.to_owned(), count: found.len() }),
-        }
     }
 
     /// The transform of the parent of a node in the scene.
@@ -226,7 +214,8 @@ impl PartsFile {
             animated.push(entry);
         }
         // Parts leave their parents, and scenes: animated nodes contain them now.
-        let is_moved = |value: &Value| moved.iter().any(|(_, node, _)| index(value) == Some(*node));
+        let moved_nodes: BTreeSet<usize> = moved.iter().map(|(_, node, _)| *node).collect();
+        let is_moved = |value: &Value| index(value).is_some_and(|node| moved_nodes.contains(&node));
         let roots: Vec<usize> = (first..first + moved.len()).collect();
         let nodes = array(&mut document, "nodes");
         for node in nodes.iter_mut() {
@@ -328,9 +317,13 @@ fn has_cycle(parents: &[Option<usize>]) -> bool {
     })
 }
 
-/// A name without case, and with spaces in place of `_` and `-`.
-fn plain(name: &str) -> String {
-    name.trim().to_lowercase().replace(['_', '-'], " ")
+/// The only node of a name; `None` if there is none.
+fn only(name: &str, found: &[usize]) -> Result<Option<usize>, PartsError> {
+    match found {
+        [] => Ok(None),
+        [only] => Ok(Some(*only)),
+        _ => Err(PartsError::Ambiguous { name: name.to_owned(), count: found.len() }),
+    }
 }
 
 fn index(value: &Value) -> Option<usize> {

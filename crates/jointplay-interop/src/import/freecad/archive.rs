@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 use std::io::{Error, ErrorKind, Read, Result, Seek, SeekFrom};
+use std::path::Path;
 use std::rc::Rc;
 
 use jointplay_format::place::listed;
@@ -14,6 +15,8 @@ pub const MAX_DOCUMENT_BYTES: usize = 32_000_000;
 const MAX_DIRECTORY_BYTES: u64 = 16_000_000;
 /// The entry with the objects.
 const DOCUMENT: &str = "Document.xml";
+/// Extension of documents.
+const EXTENSION: &str = "FCStd";
 
 /// Error of a file of FreeCAD.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -25,6 +28,11 @@ pub enum ArchiveError {
         /// Message of the reader.
         message: String,
     },
+    /// A file with the name of a document that is no archive.
+    #[error(
+        "a document of FreeCAD (.{EXTENSION}) is a zip archive, which begins with the letters PK; this file does not"
+    )]
+    NoArchive,
     /// An archive of something else.
     #[error(
         "the archive has no {DOCUMENT}, so that it is no file of FreeCAD; it has {}",
@@ -40,6 +48,12 @@ pub enum ArchiveError {
     /// A document that is not in UTF-8.
     #[error("{DOCUMENT} is not text in UTF-8")]
     NoText,
+}
+
+/// Whether a file has the name of a document of FreeCAD.
+#[must_use]
+pub fn is_document_name(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
 }
 
 /// Whether a file is an archive, by its first bytes.
@@ -142,6 +156,13 @@ mod tests {
         let bomb = packed(&[(DOCUMENT, &vec![b' '; MAX_DOCUMENT_BYTES + 1])]);
         assert!(bomb.len() < 100_000);
         refuse(&bomb, "more than 32000000 bytes");
+    }
+
+    #[test]
+    fn documents_are_recognised_by_their_names() {
+        let names = ["a.FCStd", "folder/ä.fcstd", "b.fcstd1", "FCStd", "a.FCStd/robot.toml"];
+        let found = names.map(|name| is_document_name(Path::new(name)));
+        assert_eq!(found, [true, true, false, false, false]);
     }
 
     #[test]

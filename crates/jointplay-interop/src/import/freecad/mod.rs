@@ -7,4 +7,4 @@ mod document;
 mod joint_limits;
 mod placed_joint;
 
-pub use archive::{ArchiveError, MAX_DOCUMENT_BYTES, document_text, is_archive};
+pub use archive::{ArchiveError, MAX_DOCUMENT_BYTES, document_text, is_archive, is_document_name};
