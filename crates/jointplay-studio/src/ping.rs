@@ -19,7 +19,9 @@ pub fn ping(port: u16) -> io::Result<String> {
     let mut stream = TcpStream::connect_timeout(&address, TIMEOUT)?;
     stream.set_read_timeout(Some(TIMEOUT))?;
     stream.set_write_timeout(Some(TIMEOUT))?;
-    write!(stream, "GET /api/v1/robot HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n")?;
+    // In one piece: another program may hang up after the first.
+    let host = format!("Host: {address}\r\nConnection: close\r\n\r\n");
+    stream.write_all(format!("GET /api/v1/robot HTTP/1.1\r\n{host}").as_bytes())?;
     let mut answer = Vec::new();
     stream.take(LONGEST).read_to_end(&mut answer)?;
     if answer.starts_with(b"HTTP/1.1 200 ") {

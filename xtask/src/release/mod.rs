@@ -6,7 +6,6 @@
 //! | `licences.rs` | whether `deny.toml` allows these licences |
 //! | `program.rs` | the command for Linux, with manuals and completions, as an archive |
 //! | `debian.rs` | the Debian package |
-//! | `python.rs` | wheels and the source distribution |
 //! | `container.rs` | the container image, or the same files in an empty root |
 //! | `source.rs` | the source with that of all libraries |
 //! | `artefacts.rs` | checksums, and the table of what would be uploaded |
@@ -19,7 +18,6 @@ mod licences;
 mod notices;
 mod place;
 mod program;
-mod python;
 mod sbom;
 mod source;
 
@@ -36,14 +34,13 @@ struct Step {
 }
 
 /// All steps, in order: later ones use the files of earlier ones.
-const STEPS: [Step; 7] = [
+const STEPS: [Step; 6] = [
     Step { name: "source", run: source::build },
     Step { name: "notices", run: write_notices },
     Step { name: "crates", run: package_crates },
     Step { name: "command", run: program::build },
     Step { name: "debian", run: debian::build },
     Step { name: "container", run: container::build },
-    Step { name: "python", run: python::build },
 ];
 
 /// Runs the named steps, or all, for the workspace at `root`, and lists all that would be uploaded; true if each passed.
