@@ -30,7 +30,7 @@ import tomllib
 import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
-ROBOTS = HERE.parent / "robots"
+ROBOTS = HERE.parent / "crates/jointplay-format/robots"
 STEP_MM = 10.0
 MARGIN = 0.01
 LARGEST_STEP = 0.3

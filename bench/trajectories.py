@@ -224,7 +224,7 @@ VARIANTS = [
 
 def robot_text(robot, droop, jerk_factor, friction):
     """Robot file of the catalogue, with other droop, jerk limits and friction."""
-    text = (HERE.parent / "robots" / f"{robot}.toml").read_text()
+    text = (HERE.parent / "crates/jointplay-format/robots" / f"{robot}.toml").read_text()
     if droop == "rigid":
         text = re.sub(r"droop = \{[^\n]*\}", 'droop = { kind = "rigid" }', text)
     text = re.sub(r"friction = [0-9.]+", f"friction = {friction}", text)

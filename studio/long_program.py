@@ -17,7 +17,7 @@ import urllib.request
 from pathlib import Path
 
 
-EXAMPLE = Path(__file__).parent.parent / "cells" / "example.toml"
+EXAMPLE = Path(__file__).parent.parent / "crates/jointplay-format/cells" / "example.toml"
 
 
 def program(lines: int) -> str:

@@ -36,10 +36,10 @@ def main() -> int:
     command, bin = Path(sys.argv[1]), environment()
     cell = HOME / "cell" / "mine.toml"
     cell.parent.mkdir(exist_ok=True)
-    shutil.copy(ROOT / "cells" / "example.toml", cell)
+    shutil.copy(ROOT / "crates/jointplay-format/cells" / "example.toml", cell)
     cell.with_suffix(".program").write_text("HOME\n")
     mechanism = HOME / "cell" / "linkage.toml"
-    shutil.copy(ROOT / "robots" / "bennett.toml", mechanism)
+    shutil.copy(ROOT / "crates/jointplay-format/robots" / "bennett.toml", mechanism)
     server = subprocess.Popen(
         [command, "studio", "--no-open", "--port", "0", "--cell", cell, "--mechanism", mechanism],
         stdout=subprocess.PIPE,

@@ -170,7 +170,7 @@ def by_mechanism(library: ctypes.CDLL, subject: str | Path) -> Compute:
 def by_robot(library: ctypes.CDLL, subject: str | Path, virtualization: int) -> Compute:
     """Transform of the platform and displacements, by the functions for robots."""
     handle = ctypes.c_void_p()
-    text = subject.read_bytes() if isinstance(subject, Path) else (ROOT / "robots" / f"{subject}.toml").read_bytes()
+    text = subject.read_bytes() if isinstance(subject, Path) else (ROOT / "crates/jointplay-format/robots" / f"{subject}.toml").read_bytes()
     assert library.jp_robot_parse(text, ctypes.byref(handle)) == 0
     count = [3, 6, 6, 6][virtualization]
 

@@ -179,7 +179,7 @@ def test_what_a_mechanism_says_of_itself(four_bar):
 
 
 def test_files(tmp_path, four_bar):
-    path = ROOT / "robots" / "four-bar.toml"
+    path = ROOT / "crates/jointplay-format/robots" / "four-bar.toml"
     assert jp.Mechanism.from_file(path) == jp.Mechanism.from_toml(path.read_text()) == four_bar
     with pytest.raises(jp.FileError, match="coupler") as caught:
         jp.Mechanism.from_toml(path.read_text(), parameters={"couplr": 1})
@@ -439,7 +439,7 @@ def test_positions_have_a_status():
     assert np.isnan(beyond.coordinates[2]).all() and beyond.failure_counts == {"beyond the limits": 1}
     free = robot.positions(rods, check_limits=False)
     assert free.failed == 0 and free["rod 1"][2] == 0.3
-    text = (ROOT / "robots" / "gpr-mechanism.toml").read_text(encoding="utf-8")
+    text = (ROOT / "crates/jointplay-format/robots" / "gpr-mechanism.toml").read_text(encoding="utf-8")
     tight = jp.Mechanism.from_toml(re.sub(r"(\[\[virtual_joint\]\])", r"\1\nclearance = 0.000001", text))
     found = tight.positions({"rod 1": [0.0, 0.002], "rod 2": 0.0, "rod 3": 0.0})
     assert found.status.tolist() == [0, jp.Status.BEYOND_CLEARANCE]

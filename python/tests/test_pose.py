@@ -224,7 +224,7 @@ def test_dimensions_that_make_no_robot():
 def test_files(tmp_path, gpr):
     from conftest import ROOT
 
-    path = ROOT / "robots" / "gpr.toml"
+    path = ROOT / "crates/jointplay-format/robots" / "gpr.toml"
     assert jp.Gpr.from_file(path) == jp.Gpr.from_file(str(path)) == jp.Gpr.from_toml(path.read_text()) == gpr
     with pytest.raises(FileNotFoundError) as missing:
         jp.Gpr.from_file(tmp_path / "none.toml")

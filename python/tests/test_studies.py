@@ -81,7 +81,7 @@ def test_a_plan_is_its_text():
 
 
 def test_a_robot_file_is_pickled_with_its_plan(tmp_path):
-    robot = Path(__file__).resolve().parents[2] / "robots" / "gpr.toml"
+    robot = Path(__file__).resolve().parents[2] / "crates/jointplay-format/robots" / "gpr.toml"
     (tmp_path / "mine.toml").write_text(robot.read_text().replace("height_mm = 500.0", "height_mm = 400.0"))
     (tmp_path / "s.toml").write_text(SMALL.replace("seed", 'robot = "mine.toml"\nseed'))
     plan = jp.study.Plan.from_file(tmp_path / "s.toml")

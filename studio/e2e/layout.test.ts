@@ -14,7 +14,7 @@ let folder: string;
 
 beforeAll(async () => {
   folder = mkdtempSync(join(tmpdir(), 'studio-'));
-  writeFileSync(join(folder, 'mine.toml'), readFileSync(resolve(ROOT, 'cells/example.toml'), 'utf8'));
+  writeFileSync(join(folder, 'mine.toml'), readFileSync(resolve(ROOT, 'crates/jointplay-format/cells/example.toml'), 'utf8'));
   writeFileSync(join(folder, 'mine.program'), 'HOME\nGET LP1 SLOT 1 WITH A\nPUT ALIGN WITH A\nHOME\n');
   [browser, server] = await Promise.all([browse(), serve(0, ['--cell', join(folder, 'mine.toml')])]);
 });

@@ -9,7 +9,7 @@ import { frames, type Frame } from '../src/lib/kinematics';
 import { MotionWindow, type WaferPlacement } from '../src/lib/motion';
 import { ROOT, browse, complaints, load, serve, until, type Server } from './studio';
 
-const CELL = readFileSync(resolve(ROOT, 'cells/example.toml'), 'utf8');
+const CELL = readFileSync(resolve(ROOT, 'crates/jointplay-format/cells/example.toml'), 'utf8');
 const LINES = 2000;
 const PROGRAM = 'HOME\n' + Array.from({ length: LINES }, (_, k) => (k % 2 ? 'TRANSFER LP2 SLOT 1 TO LP1 SLOT 1 WITH A\n' : 'TRANSFER LP1 SLOT 1 TO LP2 SLOT 1 WITH A\n')).join('');
 

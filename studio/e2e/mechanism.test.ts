@@ -9,7 +9,7 @@ import { EXAMPLE_CELL, ROOT, accessibilityViolations, browse, complaints, frames
 
 let browser: Browser;
 let folder: string;
-const FOUR_BAR = readFileSync(resolve(ROOT, 'robots/four-bar.toml'), 'utf8');
+const FOUR_BAR = readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/four-bar.toml'), 'utf8');
 
 beforeAll(async () => {
   browser = await browse();

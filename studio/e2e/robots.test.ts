@@ -19,7 +19,7 @@ afterAll(async () => {
   rmSync(folder, { recursive: true });
 });
 
-const PAPER = readFileSync(resolve(ROOT, 'robots/gpr.toml'), 'utf8');
+const PAPER = readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/gpr.toml'), 'utf8');
 
 /** The paper's robot, with shapes. */
 function robot(shapes: Record<string, string>, change: (text: string) => string = (text) => text): string {

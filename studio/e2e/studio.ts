@@ -130,7 +130,7 @@ export async function until(what: string, asked: () => Promise<boolean>): Promis
 }
 
 /** The example cell, and a short program in it. */
-export const EXAMPLE_CELL = readFileSync(resolve(ROOT, 'cells/example.toml'), 'utf8');
+export const EXAMPLE_CELL = readFileSync(resolve(ROOT, 'crates/jointplay-format/cells/example.toml'), 'utf8');
 export const SHORT_PROGRAM = 'HOME\nGET LP1 SLOT 1 WITH A\nPUT ALIGN WITH A\nHOME\n';
 
 /** A server of a cell in a temporary folder, and a browser. */

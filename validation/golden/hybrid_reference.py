@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Where another program puts the links and wafers of robots with arms.
 
-Reads the robots with arms of the folder robots/, draws random positions of all
+Reads the robots with arms of the folder crates/jointplay-format/robots/, draws random positions of all
 axes, and writes next to itself
 
     hybrid-positions.csv   the position of each axis
@@ -25,7 +25,7 @@ import pinocchio
 
 DATE = "2026-11-21"
 HERE = Path(__file__).resolve().parent
-ROBOTS = HERE.parent.parent / "robots"
+ROBOTS = HERE.parent.parent / "crates/jointplay-format/robots"
 SAMPLES = 12
 RANDOM = numpy.random.default_rng(20261121)
 
@@ -92,7 +92,7 @@ def drawn(robot, gpr):
 
 HEAD = """\
 # {name}
-# Source: the robots with arms of robots/, each arm a serial chain in Pinocchio on a platform laid over its rods by numpy.
+# Source: the robots with arms of crates/jointplay-format/robots/, each arm a serial chain in Pinocchio on a platform laid over its rods by numpy.
 # Command: python3 validation/golden/hybrid_reference.py
 # Tool: Pinocchio {pinocchio}, numpy {numpy}, Python {python}
 # Date: {date}

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reference mobility and motion of the catalogue of mechanisms in robots/.
+"""Reference mobility and motion of the catalogue of mechanisms in crates/jointplay-format/robots/.
 
 An implementation of its own, kept apart from the Rust crates so that the two
 can be set against each other.  It shares no code with them and no method
@@ -32,7 +32,7 @@ from scipy.spatial.transform import Rotation
 
 DATE = "2026-11-21"
 HERE = Path(__file__).resolve().parent
-ROBOTS = HERE.parent.parent / "robots"
+ROBOTS = HERE.parent.parent / "crates/jointplay-format/robots"
 
 LENGTH = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "in": 0.0254}
 ANGLE = {"deg": math.pi / 180.0, "rad": 1.0}
@@ -461,7 +461,7 @@ def driven(m, poses):
 def header(name, lines):
     return "\n".join([
         f"# {name}",
-        "# Source: the mechanisms of robots/*.toml, each of which names its own source;",
+        "# Source: the mechanisms of crates/jointplay-format/robots/*.toml, each of which names its own source;",
         "#   computed independently of the Rust crates.",
         "# Command: python3 validation/golden/mechanism_reference.py",
         f"# Tool: numpy {numpy.__version__}, scipy {scipy.__version__}; Python {platform.python_version()}",

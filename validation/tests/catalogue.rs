@@ -1,4 +1,4 @@
-//! Every mechanism of `robots/` against the numbers in its file and those of an independent program.
+//! Every mechanism of the catalogue against the numbers in its file and those of an independent program.
 //!
 //! Provenance: `validation/golden/README.md`.
 #![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
@@ -14,7 +14,7 @@ use jointplay_validation::golden;
 
 /// All mechanism files by name.
 fn catalogue() -> BTreeMap<String, MechanismFile> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/jointplay-format/robots");
     let mut files = BTreeMap::new();
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

@@ -5,9 +5,8 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-use crate::{command, python};
+use crate::{command, process, python};
 
 /// Libraries that an archive of Rust needs.
 const PRIVATE: &str =
@@ -15,39 +14,31 @@ const PRIVATE: &str =
 
 /// Builds the optimized library of the workspace at `root`, shared and as an archive, and installs it into `prefix`; true if it succeeded.
 pub(crate) fn install(prefix: &str, root: &Path) -> bool {
-    let mut build = Command::new(cargo());
+    let mut build = process::cargo();
     build.args(["rustc", "-p", "jointplay-c", "--lib", "--profile", "dist"]);
     build.args(["--crate-type", "cdylib,staticlib"]).current_dir(root);
     if !build.status().is_ok_and(|status| status.success()) {
         eprintln!("c-library: the library cannot be built");
         return false;
     }
-    report(&copy(&target(root).join("dist"), Path::new(prefix), root))
+    report(&copy(&process::target(root).join("dist"), Path::new(prefix), root))
 }
 
 /// Tests the library, built with the features of the tests, by programs in other languages; true if all passed.
 pub(crate) fn run(root: &Path) -> bool {
-    let mut build = Command::new(cargo());
+    let mut build = process::cargo();
     build.args(["build", "--quiet", "--lib"]).args(command::AS_TESTED).current_dir(root);
     if !build.status().is_ok_and(|status| status.success()) {
         eprintln!("c: the library cannot be built");
         return false;
     }
-    let prefix = target(root).join("c").join("prefix");
-    report(&copy(&target(root).join("debug"), &prefix, root))
+    let prefix = process::target(root).join("c").join("prefix");
+    report(&copy(&process::target(root).join("debug"), &prefix, root))
         && python::with_command(
             "crates/jointplay-c/test.py",
             root,
             Some(("JOINTPLAY_PREFIX", prefix)),
         )
-}
-
-fn cargo() -> std::ffi::OsString {
-    std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
-}
-
-fn target(root: &Path) -> PathBuf {
-    root.join(std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into()))
 }
 
 fn report(copied: &io::Result<PathBuf>) -> bool {

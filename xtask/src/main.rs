@@ -14,6 +14,8 @@
 //! | `studio` | Does the studio's server keep its own description?   |
 //! | `page`   | Does the studio's page work in a browser?           |
 //! | `book`   | Does the documentation build, without dead links?   |
+//! | `release --dry-run` | Can everything that a release consists of be built, installed and run? |
+//! | `package` | Do the archives of the published crates have all they need? |
 
 #![allow(
     clippy::print_stdout,
@@ -29,8 +31,11 @@ mod command;
 mod deps;
 mod finding;
 mod markdown;
+mod package;
 mod page;
+mod process;
 mod python;
+mod release;
 mod root;
 mod rust_source;
 mod studio;
@@ -44,6 +49,7 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 usage: cargo xtask CHORE
        cargo xtask c-library --prefix FOLDER    install the library for C
+       cargo xtask release --dry-run [STEP…]    all that a release consists of; nothing is uploaded
 
   test     everything a change must pass, stopping at the first failure
   tidy     paths, links, source keys, sizes and unfinished code
@@ -55,7 +61,8 @@ usage: cargo xtask CHORE
   c        the library for C, called by programs in C, C++ and C#, and in units by FMPy
   studio   the studio's server, checked against its own description
   page     the studio's page: built, and tested in a browser
-  book     the documentation as a book, with every link checked";
+  book     the documentation as a book, with every link checked
+  package  the archives of the published crates; with --build, compiled and run from the archives alone";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -72,7 +79,10 @@ fn main() -> ExitCode {
         ["c-library", "--prefix", prefix] => c_library::install(prefix, &root),
         ["studio"] => studio::run(&root),
         ["page"] => page::run(&root),
+        ["release", "--dry-run", ref steps @ ..] => release::dry_run(steps, &root),
         ["book"] => book::run(&root),
+        ["package"] => package::run(&root, false),
+        ["package", "--build"] => package::run(&root, true),
         // Asked by mdbook alone.
         ["chapters"] => book::chapters(),
         ["chapters", "supports", renderer] => renderer == "html",

@@ -5,7 +5,7 @@
 mod ahead;
 
 use self::ahead::Ahead;
-use crate::{book, c_library, cell, circles, deps, page, python, studio, tidy, words};
+use crate::{book, c_library, cell, circles, deps, package, page, python, studio, tidy, words};
 use std::io::{self, IsTerminal};
 use std::path::Path;
 use std::process::Command;
@@ -35,6 +35,9 @@ impl Step {
     }
 }
 
+/// The folder of the examples.
+const EXAMPLES: &str = "crates/jointplay/examples";
+
 /// What a user types before an example's name.
 const EXAMPLE: &str = "run -p jointplay --example ";
 
@@ -55,7 +58,7 @@ pub(crate) fn run(root: &Path) -> bool {
     let examples = match examples(root) {
         Ok(examples) => examples,
         Err(error) => {
-            eprintln!("test: cannot read the folder examples: {error}");
+            eprintln!("test: cannot read {EXAMPLES}: {error}");
             return false;
         }
     };
@@ -70,6 +73,7 @@ pub(crate) fn run(root: &Path) -> bool {
             ahead.start(root);
             run_cargo(step, root)
         }
+        "xtask package" => package::run(root, false),
         "xtask book" => book::run(root),
         "xtask cell" => ahead.wait("cell") && cell::run(root),
         "xtask c" => ahead.wait("c") && c_library::run(root),
@@ -110,13 +114,15 @@ fn steps(examples: &[String]) -> Vec<Step> {
     );
     steps.push(Step { environment: Some(SAME_CASES), ..tests });
     for name in examples {
-        let cure = format!(
-            "correct examples/{name}.rs; its crate's manifest must list it under [[example]]"
-        );
+        let cure = format!("correct crates/jointplay/examples/{name}.rs");
         steps.push(Step::new(&format!("{EXAMPLE}{name}"), cure));
     }
     let docs = Step::new(DOC, "correct the doc comments that rustdoc names above");
     steps.push(Step { environment: Some(("RUSTDOCFLAGS", "-D warnings")), ..docs });
+    steps.push(Step::new(
+        "xtask package",
+        "add what is missing to `include` in the crate's manifest, or move it into the crate's folder",
+    ));
     steps.push(Step::new("xtask book", "correct the formula or link listed above"));
     steps.push(Step::new(
         "xtask cell",
@@ -141,9 +147,9 @@ fn steps(examples: &[String]) -> Vec<Step> {
     steps
 }
 
-/// Names of the files `examples/*.rs`, in order.
+/// Names of the files `crates/jointplay/examples/*.rs`, in order.
 fn examples(root: &Path) -> io::Result<Vec<String>> {
-    let folder = root.join("examples");
+    let folder = root.join(EXAMPLES);
     if !folder.is_dir() {
         return Ok(Vec::new());
     }
@@ -244,6 +250,7 @@ mod tests {
             "PROPTEST_RNG_SEED=\"1\" cargo test --workspace --all-features",
             "cargo run -p jointplay --example 01_a",
             &format!("RUSTDOCFLAGS=\"-D warnings\" cargo {DOC}"),
+            "cargo xtask package",
             "cargo xtask book",
             "cargo xtask cell",
             "cargo xtask c",
@@ -271,9 +278,9 @@ mod tests {
     fn examples_are_found_in_order() {
         let root = std::env::temp_dir().join(format!("xtask-examples-{}", std::process::id()));
         assert_eq!(examples(&root).unwrap(), Vec::<String>::new());
-        std::fs::create_dir_all(root.join("examples")).unwrap();
+        std::fs::create_dir_all(root.join(EXAMPLES)).unwrap();
         for name in ["02_b.rs", "01_a.rs", "notes.md"] {
-            std::fs::write(root.join("examples").join(name), "").unwrap();
+            std::fs::write(root.join(EXAMPLES).join(name), "").unwrap();
         }
         let found = examples(&root).unwrap();
         std::fs::remove_dir_all(&root).unwrap();

@@ -1,55 +1,7 @@
-//! The `jointplay` command: reads flags and files, calls the library, prints.
-//!
-//! | file | role |
-//! | --- | --- |
-//! | `usage.rs` | the command line: its definition, and errors in its use |
-//! | `arguments.rs` | flags shared by the commands, and how their values are read |
-//! | `source.rs` | input: files, names of the catalogue, standard input |
-//! | `mechanism_input.rs` | mechanism files, and values for their joints |
-//! | `commands/` | one file per command |
-//! | `failure.rs` | errors, and the exit code |
-//! | `output.rs` | text and JSON to standard output |
-//! | `console.rs` | colours and notes |
-//! | `folder.rs` | result files, written completely or not at all |
-//! | `figure.rs` | the figure that `--figure` writes |
-//! | `progress.rs` | progress and interruption of long computations |
-//! | `space.rs` | free space of a disk |
-
-mod arguments;
-mod commands;
-mod console;
-mod failure;
-mod figure;
-mod finite;
-mod folder;
-mod mechanism_input;
-mod model_input;
-mod output;
-mod print_page;
-mod progress;
-mod set_args;
-mod source;
-mod space;
-mod usage;
+//! The program `jointplay`.
 
 use std::process::ExitCode;
-use std::time::Instant;
-
-use usage::Cli;
 
 fn main() -> ExitCode {
-    commands::answer_shell(usage::command);
-    let Cli { console, command } = match usage::parse() {
-        Ok(cli) => cli,
-        Err(code) => return code,
-    };
-    console.apply();
-    let start = Instant::now();
-    let json = command.wants_json();
-    let done = command.run(usage::command);
-    console::detail(&format!("{:.2} s", start.elapsed().as_secs_f64()));
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(json),
-    }
+    ExitCode::from(jointplay_cli::run(std::env::args_os().collect()))
 }

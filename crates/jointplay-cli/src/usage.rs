@@ -2,7 +2,6 @@
 
 use std::ffi::{OsStr, OsString};
 use std::io::Write as _;
-use std::process::ExitCode;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ColorChoice, Command, CommandFactory as _, FromArgMatches as _, Parser};
@@ -64,9 +63,9 @@ fn with_exit_codes(command: Command) -> Command {
     command.mut_subcommands(with_exit_codes)
 }
 
-/// Parses the arguments of this process; prints help or usage errors.
-pub(crate) fn parse() -> Result<Cli, ExitCode> {
-    let arguments = with_negative_values(std::env::args_os());
+/// Parses the arguments, of which the first is the name of the program; prints help or usage errors and returns the exit code.
+pub(crate) fn parse(arguments: Vec<OsString>) -> Result<Cli, u8> {
+    let arguments = with_negative_values(arguments.into_iter());
     let command = command().color(color(&arguments));
     let parsed = command.try_get_matches_from(&arguments);
     let parsed = parsed.and_then(|matches| Cli::from_arg_matches(&matches));
@@ -137,11 +136,11 @@ fn color(arguments: &[OsString]) -> ColorChoice {
 }
 
 /// Prints help, the version, or a usage error.
-fn report(error: &clap::Error, json: bool) -> ExitCode {
+fn report(error: &clap::Error, json: bool) -> u8 {
     if !error.use_stderr() {
         // A closed pipe has no reader.
         drop(error.print());
-        return ExitCode::SUCCESS;
+        return 0;
     }
     let hint = missing_feature(error).map(|feature| {
         format!("this jointplay was built without {feature}: build with --features {feature}")
@@ -164,7 +163,7 @@ fn report(error: &clap::Error, json: bool) -> ExitCode {
             drop(writeln!(anstream::stderr(), "{hint}"));
         }
     }
-    ExitCode::from(BAD_INPUT)
+    BAD_INPUT
 }
 
 /// The feature that a value needs and this build lacks.

@@ -184,6 +184,16 @@ pub enum Error {
         /// How many may be.
         allowed: usize,
     },
+    /// A mechanism with couplings that is too large for dense algebra.
+    #[error(
+        "a mechanism with couplings may have at most {allowed} coordinates and closure equations, but this one has {found} coordinates"
+    )]
+    NoCouplings {
+        /// Number of coordinates.
+        found: usize,
+        /// The most that are allowed.
+        allowed: usize,
+    },
     /// The loops of a mechanism could not be closed.
     #[error(transparent)]
     NotAssembled(#[from] Box<crate::mechanism::Unassembled>),
@@ -228,6 +238,14 @@ pub enum Error {
         allowed: f64,
         /// Steps done.
         iterations: usize,
+    },
+    /// Commanded values that no motion leads to: it ends at a dead point, or leaves its branch.
+    #[error(
+        "the motion toward the commanded values ends after a share of {share:.6} of the way; command values nearer to the start"
+    )]
+    NotFollowed {
+        /// Share of the way that is possible, from 0 to 1.
+        share: f64,
     },
     /// One or two of the three coordinates of a ball are commanded.
     #[error(
@@ -305,6 +323,7 @@ impl Error {
                 | Self::NotRelieved { .. }
                 | Self::NotLeast { .. }
                 | Self::NotReached { .. }
+                | Self::NotFollowed { .. }
                 | Self::Undetermined(_)
                 | Self::DependentCommands { .. }
         )

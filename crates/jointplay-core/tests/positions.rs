@@ -5,7 +5,7 @@ mod robot;
 
 use jointplay_core::Error;
 use jointplay_core::mechanism::{
-    Joint, JointKind, Mechanism, MechanismSystem, PositionSolver, ReliefSolver,
+    CommandedPositions, Joint, JointKind, Mechanism, MechanismSystem, PositionSolver, ReliefSolver,
 };
 use jointplay_core::nalgebra::DVector;
 
@@ -106,5 +106,71 @@ fn a_solver_does_not_remember() {
             let other = fresh.clone().solve(there.as_mut_slice(), ReliefSolver::LeastNorm);
             assert_eq!((one, here), (other, there), "{degrees}");
         }
+    }
+}
+
+/// A crank of 1, a coupler of 2.5 and a rocker of 3 on a base of 3.5, the crank along the base at first.
+fn crank_rocker() -> (Mechanism, [f64; 2]) {
+    let reach: f64 = 2.5;
+    // The triangle of coupler, rocker and what the crank leaves of the base.
+    let x = 1.0 + (reach * reach + 2.5 * 2.5 - 9.0) / (2.0 * reach);
+    let y = (2.5_f64.powi(2) - (x - 1.0).powi(2)).sqrt();
+    let points = [[0.0, 0.0], [1.0, 0.0], [x, y], [3.5, 0.0]];
+    let joints = (0..4).map(|k| {
+        let [x, y] = points[k];
+        let (kind, z) = (JointKind::Revolute, [0.0, 0.0, 1.0]);
+        joint(["A", "B", "C", "D"][k], kind, [k, (k + 1) % 4], [x, y, 0.0], z)
+    });
+    (Mechanism::new("crank-rocker", names(4), joints.collect()).unwrap(), [x, y])
+}
+
+/// Angle of the rocker with the crank at an angle, by the cosine rule; on the branch with the knee above.
+fn rocker(crank: f64) -> f64 {
+    let (x, y) = (3.5 - crank.cos(), -crank.sin());
+    let reach = x.hypot(y);
+    let at_d = ((9.0 + reach * reach - 6.25) / (6.0 * reach)).acos();
+    (-y).atan2(-x) - at_d
+}
+
+#[test]
+fn a_position_far_away_is_found_on_the_branch_of_the_start() {
+    let (linkage, _) = crank_rocker();
+    let home = DVector::zeros(4);
+    let mut positions = CommandedPositions::new(&linkage, &home, &[0]).unwrap();
+    for degrees in [-725.0, -170.0, -1e-9, 0.0, 0.3, 30.0, 180.0, 359.0, 1080.0_f64] {
+        let (crank, mut found) = (degrees.to_radians(), home.clone());
+        let solved = positions.follow(&linkage, &[crank], &mut found, ReliefSolver::LeastNorm);
+        assert!(solved.unwrap() < 1e-11);
+        assert_eq!(found[0], crank);
+        // Joint D turns the base against the rocker.
+        let expected = rocker(0.0) - rocker(crank);
+        let turns = ((found[3] - expected) / std::f64::consts::TAU).round();
+        let error = found[3] - expected - turns * std::f64::consts::TAU;
+        assert!(error.abs() < 1e-10, "{degrees}°: {} {expected}", found[3]);
+        let mut again = home.clone();
+        positions.follow(&linkage, &[crank], &mut again, ReliefSolver::LeastNorm).unwrap();
+        assert_eq!(again, found, "earlier calls make no difference");
+    }
+}
+
+#[test]
+fn a_position_beyond_a_dead_point_is_not_found_on_the_other_branch() {
+    let linkage = four_bar();
+    let mut positions = CommandedPositions::new(&linkage, &DVector::zeros(4), &[0]).unwrap();
+    // The coupler and the rocker in line end the motion of the crank.
+    let angle = |reach: f64| ((16.0 + 4.0 - reach * reach) / 16.0_f64).acos();
+    let coupler = 1.4_f64.hypot(0.3);
+    let rocker = 1.0_f64.hypot(1.5);
+    let most = angle(coupler + rocker) - 1.2_f64.atan2(1.6);
+    for beyond in [1.1, 2.0, 5.0] {
+        let mut found = DVector::zeros(4);
+        let commanded = beyond * most;
+        let error = positions
+            .follow(&linkage, &[commanded], &mut found, ReliefSolver::LeastNorm)
+            .unwrap_err();
+        let Error::NotFollowed { share } = error else { panic!("{error:?}") };
+        assert!((share * beyond - 1.0).abs() < 1e-2, "{share} of {beyond}");
+        assert!((found[0] - share * commanded).abs() < 1e-12);
+        assert!(error.is_infeasible());
     }
 }

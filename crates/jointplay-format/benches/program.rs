@@ -7,8 +7,8 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use jointplay_cell::program::expand;
 use jointplay_format::{cell, program};
 
-const CELL: &str = include_str!("../../../cells/example.toml");
-const PROGRAM: &str = include_str!("../../../cells/example.program");
+const CELL: &str = include_str!("../cells/example.toml");
+const PROGRAM: &str = include_str!("../cells/example.program");
 
 fn lot(criterion: &mut Criterion) {
     let cell = cell::read(CELL, &mut |path| Err(format!("{path} is not there"))).unwrap();

@@ -106,19 +106,28 @@ impl Coordinates {
     /// # Errors
     /// [`Error::TooLarge`]
     pub fn checked(&self, k: usize, value: f64) -> Result<f64, Error> {
-        let largest = match self.named[k].quantity {
-            Coordinate::Slide => LARGEST_DISPLACEMENT,
-            Coordinate::Turn => LARGEST_ROTATION,
-        };
-        if value.abs() <= largest {
+        if value.abs() <= self.largest_si(k) {
             return Ok(value);
         }
         Err(Error::TooLarge {
             name: self.named[k].name.clone(),
             found: number(self.from_si(k, value)),
-            largest: number(self.from_si(k, largest)),
+            largest: number(self.largest(k)),
             unit: self.unit(k).to_owned(),
         })
+    }
+
+    /// The largest value of a coordinate, in the unit of the file.
+    #[must_use]
+    pub fn largest(&self, k: usize) -> f64 {
+        self.from_si(k, self.largest_si(k))
+    }
+
+    fn largest_si(&self, k: usize) -> f64 {
+        match self.named[k].quantity {
+            Coordinate::Slide => LARGEST_DISPLACEMENT,
+            Coordinate::Turn => LARGEST_ROTATION,
+        }
     }
 
     /// The coordinates of a file's mechanism.

@@ -13,7 +13,7 @@ use crate::toml_reader::{self, AllowedRange, Entry};
 use crate::units::{deg, m_from_mm, m_from_um, mm, um};
 
 /// The file of the paper's robot.
-pub const PAPER: &str = include_str!("../../../robots/gpr.toml");
+pub const PAPER: &str = include_str!("../robots/gpr.toml");
 
 /// The content of a robot file.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use jointplay_cell::program::{Handoff, Path, Phase, Step, expand};
 use jointplay_format::{cell, program};
 
-const CELL: &str = include_str!("../../../cells/example.toml");
-const PROGRAM: &str = include_str!("../../../cells/example.program");
+const CELL: &str = include_str!("../cells/example.toml");
+const PROGRAM: &str = include_str!("../cells/example.program");
 
 #[test]
 fn a_lot_is_processed_and_returned() {

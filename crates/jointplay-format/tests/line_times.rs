@@ -90,28 +90,28 @@ struct Optima {
 /// `bench/trajectories.py`, with `IPOPT` of `CasADi` 3.8.2 (direct transcription in 120 intervals) and `toppra` 0.6.10
 const OPTIMA: [Optima; 4] = [
     Optima {
-        robot: include_str!("../../../robots/dual-arm.toml"),
+        robot: include_str!("../robots/dual-arm.toml"),
         is_rigid: false,
         with_jerk: [0.6841, 1.1375, 0.9654, 0.6051],
         without_jerk: [0.5811, 1.0373, 0.8651, 0.4950],
         with_friction: [1.5929, 1.4137],
     },
     Optima {
-        robot: include_str!("../../../robots/dual-arm.toml"),
+        robot: include_str!("../robots/dual-arm.toml"),
         is_rigid: true,
         with_jerk: [0.6840, 1.1374, 0.9652, 0.6050],
         without_jerk: [0.5810, 1.0370, 0.8650, 0.4950],
         with_friction: [1.5928, 1.4137],
     },
     Optima {
-        robot: include_str!("../../../robots/radial-arm.toml"),
+        robot: include_str!("../robots/radial-arm.toml"),
         is_rigid: false,
         with_jerk: [0.6843, 1.1378, 0.9652, 0.6051],
         without_jerk: [0.5813, 1.0376, 0.8651, 0.4950],
         with_friction: [1.5929, 1.4137],
     },
     Optima {
-        robot: include_str!("../../../robots/scara-3r.toml"),
+        robot: include_str!("../robots/scara-3r.toml"),
         is_rigid: false,
         with_jerk: [0.7487, 1.0876, 0.9166, 0.6387],
         without_jerk: [0.6351, 0.9809, 0.8040, 0.5172],

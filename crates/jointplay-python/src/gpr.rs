@@ -160,7 +160,7 @@ impl PyGpr {
         Self { name: robot.name, gpr: robot.gpr }
     }
 
-    /// The robot of a TOML file, written like `robots/gpr.toml`.
+    /// The robot of a TOML file, written like the included `gpr`.
     ///
     /// Raises
     /// ------

@@ -7,6 +7,7 @@ mod arrays;
 mod arrow;
 mod cell;
 mod cell_plan;
+mod command;
 mod errors;
 mod files;
 mod fmu;
@@ -55,5 +56,6 @@ fn _jointplay(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(picture::picture_as_png, module)?)?;
     module.add_function(wrap_pyfunction!(picture::picture_as_pdf, module)?)?;
     module.add_function(wrap_pyfunction!(picture::picture_as_latex, module)?)?;
+    module.add_function(wrap_pyfunction!(command::run_command, module)?)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))
 }

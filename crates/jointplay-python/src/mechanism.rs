@@ -12,7 +12,6 @@ use jointplay::format::three_rods;
 use jointplay::interop::import::{self, ClosedError, LoopsError};
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{ChangedDimension, VirtualJoint};
-use jointplay::mobility::kutzbach_mobility;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -424,10 +423,7 @@ impl PyMechanism {
     }
 
     pub(crate) fn kutzbach(&self) -> i64 {
-        let mechanism = &self.file.mechanism;
-        let freedoms: Vec<usize> =
-            mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect();
-        kutzbach_mobility(mechanism.links().len(), &freedoms)
+        self.file.mechanism.kutzbach_mobility()
     }
 }
 

@@ -21,7 +21,7 @@ use crate::study_gathering::PyGathering;
 use crate::threads::{checked_count, pool_of};
 use crate::{errors, files};
 
-/// Texts of the study and of its robot, and name in messages, for pickling.
+/// Texts of the study and of its robot or mechanism, and name in messages, for pickling.
 type Texts = (String, String, String);
 
 /// A study of any length: what varies, over which values, and what is computed of each sample.
@@ -44,7 +44,7 @@ impl PyPlan {
     /// Parameters
     /// ----------
     /// path : path-like
-    ///     The file; a robot file that it names is in its folder or below.
+    ///     The file; a robot or mechanism file that it names is in its folder or below.
     ///
     /// Raises
     /// ------
@@ -56,7 +56,9 @@ impl PyPlan {
     fn from_file(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let text = files::read_text(py, &path, MAX_BYTES as u64)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(py, &text, path.display().to_string(), |name| robot_text(name, Some(folder)))
+        Self::parse(py, &text, path.display().to_string(), |name| {
+            mechanism_text(name, Some(folder))
+        })
     }
 
     /// The plan of the text of a study file.
@@ -66,14 +68,14 @@ impl PyPlan {
     /// text : str
     ///     The text; see the reference of study files.
     /// folder : path-like, optional
-    ///     Folder of the robot file that the text names; without it, the text can name none.
+    ///     Folder of the file that the text names; without it, the text can name none.
     #[staticmethod]
     #[pyo3(signature = (text, *, folder=None))]
     fn from_toml(py: Python<'_>, text: &str, folder: Option<PathBuf>) -> PyResult<Self> {
-        Self::parse(py, text, "text".to_owned(), |name| robot_text(name, folder.as_deref()))
+        Self::parse(py, text, "text".to_owned(), |name| mechanism_text(name, folder.as_deref()))
     }
 
-    /// An included example: `'center-shift'`, `'misbuilt'` or `'play-over-the-workspace'`.
+    /// An included example: `'center-shift'`, `'misbuilt'`, `'play-over-the-workspace'` or `'slider-crank'`.
     #[staticmethod]
     #[pyo3(signature = (name="center-shift"))]
     fn example(py: Python<'_>, name: &str) -> PyResult<Self> {
@@ -82,7 +84,7 @@ impl PyPlan {
                 study::examples().iter().map(|example| example.name.to_owned()).collect();
             errors::unknown_name(py, "the study", name, &known)
         })?;
-        Self::parse(py, found.text, format!("{name}.toml"), study::robot_of)
+        Self::parse(py, found.text, format!("{name}.toml"), study::mechanism_of)
     }
 
     /// Its name.
@@ -162,7 +164,7 @@ impl PyPlan {
     ) -> PyResult<PyChunk> {
         let (number, pool) = (self.number(py, number)?, pool_of(threads)?);
         let batch = py.detach(|| {
-            let blocks = pool.install(|| plan::compute_chunk(&self.study.plan, number))?;
+            let blocks = pool.install(|| plan::compute_chunk(&*self.study.plan, number))?;
             Ok(record_batch(&self.study.columns, &blocks)?)
         });
         let batch = batch.map_err(|error: PartsError| errors::parts(py, &error))?;
@@ -232,7 +234,7 @@ impl PyPlan {
         let (part, kind, pool) = (self.number(py, part)?, kind(py, format)?, pool_of(threads)?);
         let files = py.detach(|| {
             pool.install(|| {
-                let blocks = plan::compute_chunk(&self.study.plan, part)?;
+                let blocks = plan::compute_chunk(&*self.study.plan, part)?;
                 PartWriter::new(&self.study, kind)?.files(part, &blocks)
             })
         });
@@ -312,14 +314,15 @@ impl PyPlan {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Texts)> {
         let this = slf.get();
-        let texts = (this.study.text.clone(), this.study.robot_text.clone(), this.label.clone());
+        let texts =
+            (this.study.text.clone(), this.study.mechanism_text.clone(), this.label.clone());
         Ok((slf.getattr("_again")?, texts))
     }
 
     /// For pickling.
     #[staticmethod]
-    fn _again(py: Python<'_>, text: &str, robot: String, label: String) -> PyResult<Self> {
-        Self::parse(py, text, label, |_| Ok(robot))
+    fn _again(py: Python<'_>, text: &str, mechanism: String, label: String) -> PyResult<Self> {
+        Self::parse(py, text, label, |_| Ok(mechanism))
     }
 
     /// For Dask: plans with equal digests are the same.
@@ -347,9 +350,10 @@ impl PyPlan {
         py: Python<'_>,
         text: &str,
         label: String,
-        robot: impl FnOnce(&str) -> Result<String, String>,
+        mechanism: impl FnOnce(&str) -> Result<String, String>,
     ) -> PyResult<Self> {
-        let study = study::parse(text, robot).map_err(|found| errors::file(py, &label, &found))?;
+        let study =
+            study::parse(text, mechanism).map_err(|found| errors::file(py, &label, &found))?;
         let counts = || Ok((study.plan.samples()?, study.plan.chunks()?));
         let (samples, chunks) = counts().map_err(|error| errors::study(py, &error))?;
         let digest = study_parts::digest(&study);
@@ -381,7 +385,7 @@ impl PyPlan {
         totals: &Totals,
         pool: &ThreadPool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let quantiles = py.detach(|| pool.install(|| plan::quantiles(&self.study.plan, &SHARES)));
+        let quantiles = py.detach(|| pool.install(|| plan::quantiles(&*self.study.plan, &SHARES)));
         let quantiles = quantiles.map_err(|error| errors::study(py, &error))?;
         document(py, &report::totals(&self.study, totals, &quantiles))
     }
@@ -434,15 +438,15 @@ impl PySchema {
     }
 }
 
-/// The text of the robot that a study names.
-fn robot_text(name: &str, folder: Option<&Path>) -> Result<String, String> {
+/// The text of the robot or mechanism that a study names.
+fn mechanism_text(name: &str, folder: Option<&Path>) -> Result<String, String> {
     let Some(folder) = folder.filter(|_| name.ends_with(".toml")) else {
-        return study::robot_of(name);
+        return study::mechanism_of(name);
     };
     let bytes = jointplay_files::read(folder, name, MAX_BYTES as u64)
-        .map_err(|why| format!("cannot read the robot file {name:?}: {why}"))?;
+        .map_err(|why| format!("cannot read the file {name:?}: {why}"))?;
     String::from_utf8(bytes)
-        .map_err(|_| format!("cannot read the robot file {name:?}: it is not text in UTF-8"))
+        .map_err(|_| format!("cannot read the file {name:?}: it is not text in UTF-8"))
 }
 
 fn kind(py: Python<'_>, format: &str) -> PyResult<TableKind> {

@@ -6,7 +6,7 @@ use jointplay_core::mechanism::{
     Closure, Mechanism, MechanismMobility, MechanismSystem, MobilityClass, Relief, ScrewAxis,
     SparseMobility, SparseSystem, guess, link_motion, self_stresses,
 };
-use jointplay_core::mobility::{NearMiss, NearMobility, kutzbach_mobility, near_miss};
+use jointplay_core::mobility::{NearMiss, NearMobility, near_miss};
 use nalgebra::DVector;
 use serde::ser::{Serialize, Serializer};
 
@@ -328,9 +328,7 @@ pub fn sparse_mobility(
 }
 
 fn counted(mechanism: &Mechanism) -> i64 {
-    let freedoms: Vec<usize> =
-        mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect();
-    kutzbach_mobility(mechanism.links().len(), &freedoms)
+    mechanism.kutzbach_mobility()
 }
 
 /// Instantaneous motion of a link.

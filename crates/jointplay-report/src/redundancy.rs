@@ -17,6 +17,8 @@ pub struct RedundantConstraintReport {
     pub what: String,
     /// Names of the joints that transmit it.
     pub joints: Vec<String>,
+    /// Names of the couplings that transmit it.
+    pub couplings: Vec<String>,
     /// Number of its group, from 1; symmetries of the mechanism map the members of a group onto each other.
     pub group: usize,
     /// Whether it is a member of the basis; the others depend on the basis.
@@ -47,6 +49,8 @@ pub struct RedundancyBasisReport {
     pub sparsest: bool,
     /// Names of the joints that take part in all self-stresses.
     pub joints_in_all: Vec<String>,
+    /// Names of the couplings that take part in all self-stresses.
+    pub couplings_in_all: Vec<String>,
     /// Largest share of a self-stress that counts as zero.
     pub largest_zero: f64,
     /// Smallest share of a self-stress that counts.
@@ -58,6 +62,7 @@ impl RedundancyBasisReport {
         Self {
             sparsest: found.sparsest,
             joints_in_all: found.in_all.iter().map(|&j| name(mechanism, j)).collect(),
+            couplings_in_all: couplings(mechanism, found.couplings_in_all.iter().copied()),
             largest_zero: found.largest_zero,
             smallest_nonzero: found.smallest_nonzero,
         }
@@ -66,6 +71,10 @@ impl RedundancyBasisReport {
 
 fn name(mechanism: &Mechanism, joint: usize) -> String {
     mechanism.joints()[joint].name.clone()
+}
+
+fn couplings(mechanism: &Mechanism, indices: impl Iterator<Item = usize>) -> Vec<String> {
+    indices.map(|k| mechanism.couplings()[k].name.clone()).collect()
 }
 
 /// Reports redundant constraints.
@@ -81,6 +90,7 @@ pub fn redundant_constraints(
     let one = |stress: &SelfStress| RedundantConstraintReport {
         what: description(mechanism, stress),
         joints: stress.wrenches.iter().map(|wrench| name(mechanism, wrench.joint)).collect(),
+        couplings: couplings(mechanism, stress.couplings.iter().map(|one| one.coupling)),
         group: stress.group + 1,
         independent: stress.independent,
         remove_any_one_of: carried(mechanism, stress, length_mm),
@@ -112,13 +122,22 @@ fn description(mechanism: &Mechanism, stress: &SelfStress) -> String {
         joints.map(|joint| name(mechanism, joint)).collect::<Vec<_>>().join(", ")
     };
     let joints = || stress.wrenches.iter().map(|wrench| wrench.joint);
-    let within = format!("in {}", list(&mut joints()));
+    let coupled = couplings(mechanism, stress.couplings.iter().map(|one| one.coupling));
+    let coupled = coupled.join(", ");
+    let within = match (stress.wrenches.is_empty(), coupled.is_empty()) {
+        (_, true) => format!("in {}", list(&mut joints())),
+        (true, false) => format!("in couplings {coupled}"),
+        (false, false) => format!("in {} and couplings {coupled}", list(&mut joints())),
+    };
     let what = match &stress.screw {
-        StressScrew::Force { centers, .. } if stress.single_loop && centers.len() == 2 => {
+        StressScrew::Force { centers, .. }
+            if stress.single_loop && coupled.is_empty() && centers.len() == 2 =>
+        {
             let rest = list(&mut joints().filter(|joint| !centers.contains(joint)));
             let [one, other] = [0, 1].map(|k| name(mechanism, centers[k]));
             return format!("{one} against {other} along their line, through {rest}");
         }
+        StressScrew::Couplings => return format!("forces of couplings alone, {within}"),
         StressScrew::Moment { direction } => format!("moment about {}", axis(direction)),
         StressScrew::Force { direction, point, pitch, .. } => {
             let along = format!("force along {}", axis(direction));

@@ -14,25 +14,27 @@ pub const SHARES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
 pub struct TotalsReport {
     /// Name of the study.
     pub study: String,
-    /// Name of the robot.
-    pub robot: String,
+    /// Name of the robot or mechanism.
+    pub mechanism: String,
     /// Number of samples.
     pub samples: u64,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// Outcomes of the samples under each virtualization.
-    pub virtualizations: Vec<OutcomeReport>,
+    /// Outcomes of the samples: under each virtualization of a robot, or of the positions of a mechanism.
+    pub outcomes: Vec<OutcomeReport>,
     /// Samples with a rod beyond the robot's limits.
     pub beyond_rod_limits: u64,
     /// Samples with a command beyond the tilt limit.
     pub beyond_tilt_limit: u64,
+    /// Samples with a joint of a mechanism beyond its limits or clearance.
+    pub beyond_joint_limits: u64,
     /// Number of samples behind the percentiles; exact if all.
     pub percentiles_from: u64,
     /// Columns with numbers.
     pub columns: Vec<ColumnReport>,
 }
 
-/// Outcomes of the samples under one virtualization.
+/// Outcomes of the samples under one virtualization, or of the positions of a mechanism.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutcomeReport {
     /// Name of the virtualization.
@@ -78,7 +80,7 @@ impl ColumnReport {
 /// * `quantiles` – of each column at [`SHARES`]
 #[must_use]
 pub fn totals(file: &StudyFile, totals: &Totals, quantiles: &[Vec<Option<f64>>]) -> TotalsReport {
-    let virtualizations = file.plan.models.iter().zip(&totals.outcomes);
+    let outcomes = file.plan.solved_for().into_iter().zip(&totals.outcomes);
     let columns = file.columns.iter().filter_map(|column| {
         let Source::Number { index, unit, typed, .. } = column.source else { return None };
         let moments = &totals.columns[index];
@@ -100,12 +102,12 @@ pub fn totals(file: &StudyFile, totals: &Totals, quantiles: &[Vec<Option<f64>>])
     });
     TotalsReport {
         study: file.name.clone(),
-        robot: file.robot.clone(),
+        mechanism: file.mechanism.clone(),
         samples: totals.samples,
-        seed: file.plan.seed,
-        virtualizations: virtualizations
-            .map(|(model, tally)| OutcomeReport {
-                name: model.name().to_owned(),
+        seed: file.plan.seed(),
+        outcomes: outcomes
+            .map(|(name, tally)| OutcomeReport {
+                name,
                 solved: tally.solved(),
                 failed: tally.failed(),
                 reasons: tally.reasons().map(|(why, n)| (why.to_owned(), n.into())).collect(),
@@ -113,6 +115,7 @@ pub fn totals(file: &StudyFile, totals: &Totals, quantiles: &[Vec<Option<f64>>])
             .collect(),
         beyond_rod_limits: totals.beyond_rods,
         beyond_tilt_limit: totals.beyond_tilt,
+        beyond_joint_limits: totals.beyond_joints,
         percentiles_from: totals.samples.min(QUANTILE_SAMPLES),
         columns: columns.collect(),
     }

@@ -1,6 +1,6 @@
 //! Tables of studies and the markers of interrupted runs read back to the bit.
 
-use jointplay_format::study::{StudyFile, parse, robot_of};
+use jointplay_format::study::{StudyFile, mechanism_of, parse};
 use jointplay_report::study_table::{Marker, MarkerError, TableKind};
 use jointplay_study::plan::{Moments, Totals};
 
@@ -24,7 +24,7 @@ base_x_mm = { normal = [0, 0.01] }
 "#;
 
 fn study(text: &str) -> StudyFile {
-    parse(text, robot_of).unwrap_or_else(|error| panic!("{}", error.with_excerpt("s.toml")))
+    parse(text, mechanism_of).unwrap_or_else(|error| panic!("{}", error.with_excerpt("s.toml")))
 }
 
 #[test]
@@ -32,7 +32,7 @@ fn markers_read_back_exactly() {
     let file = study(STUDY);
     let mut totals = Totals::new(3, 2);
     totals.columns[0] = Moments::of(&[0.1, 0.2, f64::NAN, 1e-300]);
-    totals.outcomes[1].no_robot = 7;
+    totals.outcomes[1].no_mechanism = 7;
     let mut marker = Marker::new(&file, TableKind::Csv, totals);
     (marker.chunks, marker.bytes, marker.foot) = (3, u64::MAX, vec![0, 255, 16]);
     let text = marker.to_json(9);
@@ -60,7 +60,6 @@ proptest::proptest! {
 #[test]
 fn a_parquet_table_reads_back_exactly() {
     use jointplay_report::study_table::{Index, Table};
-    use jointplay_study::plan::compute;
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
@@ -73,7 +72,7 @@ fn a_parquet_table_reads_back_exactly() {
         for chunk in 0..3 {
             let blocks = [0, 1].map(|block| {
                 let first = 100 * chunk + 50 * block;
-                compute(&file.plan, &(first..first + 50).collect::<Vec<u64>>()).unwrap()
+                file.plan.compute(&(first..first + 50).collect::<Vec<u64>>()).unwrap()
             });
             let encoded = table.encode(&blocks).unwrap();
             table.note(&mut index, &encoded, bytes.len() as u64).unwrap();

@@ -21,6 +21,7 @@
 //! | `guard.rs` | access control: hosts, origins, security headers, deadline |
 //! | `page.rs` | the built page, embedded |
 //! | `work.rs` | computations on worker threads |
+//! | `ping.rs` | whether a studio answers |
 //! | `problem.rs` | errors as problem documents (RFC 9457) |
 
 mod body;
@@ -31,6 +32,7 @@ mod mechanism_file;
 mod mechanism_source;
 mod meshes;
 mod page;
+mod ping;
 mod plan;
 mod problem;
 mod router;
@@ -47,5 +49,6 @@ mod work;
 
 pub use cell_files::{CellFiles, EXAMPLE};
 pub use mechanism_file::MechanismFileOnDisk;
+pub use ping::ping;
 pub use router::description;
 pub use server::{DEFAULT_PORT, Error, Server};

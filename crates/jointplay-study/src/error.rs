@@ -43,19 +43,16 @@ pub enum Error {
         source: Box<jointplay_core::Error>,
     },
     /// Something that is varied over no values at all.
-    #[error("the study has no samples: height and angles need at least one value each")]
+    #[error("the study has no samples: whatever varies needs at least one value")]
     NoValues,
     /// More samples than can be counted.
     #[error(
-        "{heights} heights × {first} × {second} tilts × {draws} draws are more samples than can be counted: at most 2⁶³ − 1"
+        "{} values × {draws} draws are more samples than can be counted: at most 2⁶³ − 1",
+        values.iter().map(u64::to_string).collect::<Vec<_>>().join(" × ")
     )]
     TooManySamples {
-        /// Number of heights.
-        heights: u64,
-        /// Number of values of the first angle.
-        first: u64,
-        /// Number of values of the second angle.
-        second: u64,
+        /// Number of values of each quantity that varies.
+        values: Vec<u64>,
         /// Number of draws.
         draws: u64,
     },

@@ -7,7 +7,7 @@ use jointplay_core::virtualization::{Metric, Planar, Polar, Radial, SolveOptions
 use jointplay_study::Error;
 use jointplay_study::plan::{
     Block, CHUNK, Dimension, Outcome, OutputQuantity, Plan, PlatformQuantity, QUANTILE_SAMPLES,
-    RodsFrom, TiltForm, Tilts, Tolerances, Totals, Variation, compute, quantiles, run,
+    RodsFrom, Study as _, TiltForm, Tilts, Tolerances, Totals, Variation, quantiles, run,
 };
 
 const ANGLE: f64 = 0.02;
@@ -67,7 +67,7 @@ fn bits(block: &Block) -> Vec<Vec<u64>> {
 fn a_sample_is_what_one_pose_is() {
     let plan = plan();
     let samples: Vec<u64> = (0..300).collect();
-    let block = compute(&plan, &samples).unwrap();
+    let block = plan.compute(&samples).unwrap();
     for i in 0..samples.len() {
         let at = |column: usize| block.columns[column][i];
         assert_eq!(at(0), [0.4, 0.5, 0.6][i % 3], "the height runs within a draw");
@@ -97,9 +97,9 @@ fn a_sample_is_what_one_pose_is() {
 fn a_sample_is_the_same_in_any_company() {
     for plan in [plan(), Plan { tolerances: tolerances(), ..plan() }] {
         let all: Vec<u64> = (0..700).collect();
-        let whole = bits(&compute(&plan, &all).unwrap());
+        let whole = bits(&plan.compute(&all).unwrap());
         for samples in [vec![699], vec![5, 4, 5], (100..600).step_by(7).collect()] {
-            let some = bits(&compute(&plan, &samples).unwrap());
+            let some = bits(&plan.compute(&samples).unwrap());
             for (column, all) in some.iter().zip(&whole) {
                 for (value, &sample) in column.iter().zip(&samples) {
                     assert_eq!(*value, all[sample as usize], "sample {sample}");
@@ -112,8 +112,8 @@ fn a_sample_is_the_same_in_any_company() {
 #[test]
 fn tolerances_leave_the_poses_as_they_were() {
     let samples: Vec<u64> = (0..90).collect();
-    let before = compute(&plan(), &samples).unwrap();
-    let after = compute(&Plan { tolerances: tolerances(), ..plan() }, &samples).unwrap();
+    let before = plan().compute(&samples).unwrap();
+    let after = Plan { tolerances: tolerances(), ..plan() }.compute(&samples).unwrap();
     assert_eq!(before.columns[..4], after.columns[..4], "commanded as designed");
     assert_ne!(before.columns[4], after.columns[4]);
 }
@@ -135,7 +135,7 @@ fn a_robot_as_built_is_a_robot() {
     let samples: Vec<u64> = (0..60).collect();
     for rods_from in [RodsFrom::Nominal, RodsFrom::AsBuilt] {
         plan.rods_from = rods_from;
-        let block = compute(&plan, &samples).unwrap();
+        let block = plan.compute(&samples).unwrap();
         let mut errors: f64 = 0.0;
         for i in 0..samples.len() {
             let at = |column: usize| block.columns[column][i];
@@ -172,11 +172,8 @@ fn a_grid_runs_through_the_second_angle_first() {
         second: values(&[0.01, 0.02]),
     };
     let plan = Plan { tilt, draws: 1, ..plan() };
-    assert_eq!(
-        (plan.grid().unwrap(), plan.samples().unwrap(), plan.draws_anything()),
-        (12, 12, false)
-    );
-    let block = compute(&plan, &(0..12).collect::<Vec<u64>>()).unwrap();
+    assert_eq!((plan.samples().unwrap(), plan.draws_anything()), (12, false));
+    let block = plan.compute(&(0..12).collect::<Vec<u64>>()).unwrap();
     assert_eq!(block.columns[2][..4], [0.01, 0.02, 0.01, 0.02]);
     assert_eq!(block.columns[1][..5], [0.0, 0.0, 0.1, 0.1, 0.0]);
     assert_eq!(block.columns[0][3..5], [0.4, 0.5]);
@@ -202,11 +199,11 @@ fn samples_without_an_answer_say_why() {
         ..plan()
     };
     let samples: Vec<u64> = (0..3000).collect();
-    let block = compute(&plan, &samples).unwrap();
+    let block = plan.compute(&samples).unwrap();
     let mut totals = Totals::new(2, 2);
     totals.add(&Totals::of_chunk(std::slice::from_ref(&block)));
     let tally = totals.outcomes[1];
-    assert!(tally.no_robot > 0 && tally.poses[Status::TiltTooLarge as usize] > 0);
+    assert!(tally.no_mechanism > 0 && tally.poses[Status::TiltTooLarge as usize] > 0);
     assert_eq!(tally.solved() + tally.failed(), 3000);
     assert_eq!(tally.reasons().map(|(_, count)| count).sum::<u64>(), tally.failed());
     assert_eq!(totals.columns[1].count, tally.solved());
@@ -294,7 +291,7 @@ fn a_run_is_the_same_on_any_number_of_threads_and_from_any_chunk() {
 fn quantiles_are_exact_for_few_and_near_for_many() {
     let shares = [0.0, 0.01, 0.5, 0.95, 1.0];
     let few = Plan { draws: 1000, wanted: vec![OutputQuantity::FirstAngle], ..plan() };
-    let column = compute(&few, &(0..3000).collect::<Vec<u64>>()).unwrap().columns.remove(0);
+    let column = few.compute(&(0..3000).collect::<Vec<u64>>()).unwrap().columns.remove(0);
     let mut sorted = column;
     sorted.sort_by(f64::total_cmp);
     let found = quantiles(&few, &shares).unwrap().remove(0);
@@ -318,7 +315,7 @@ fn quantiles_are_exact_for_few_and_near_for_many() {
 #[test]
 fn plans_that_cannot_be_are_refused() {
     let refused = |plan: Plan, message: &str| {
-        let error = compute(&plan, &[0]).unwrap_err().to_string();
+        let error = plan.compute(&[0]).unwrap_err().to_string();
         assert!(error.contains(message), "{error}");
     };
     refused(Plan { height: Variation::Values(vec![]), ..plan() }, "no samples");

@@ -19,6 +19,10 @@
 #[cfg(doctest)]
 struct GuideCompiles;
 
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+struct ReadmeCompiles;
+
 pub use jointplay_cell as cell;
 pub use jointplay_core::{
     Error, Unconverged, bulk, constraint, gpr, linalg, mechanism, mobility, nalgebra, sensitivity,

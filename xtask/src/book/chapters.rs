@@ -246,7 +246,7 @@ mod tests {
     fn links_out_of_the_book_stay_within_it() {
         check("a/b.md", "[c](d.md#e) [f](../g.md)", "[c](../a/d.md#e) [f](../g.md)");
         check("a/b.md", "[n](../../NOTATION.md#units)", "[n](../reference/notation.md#units)");
-        check("a/b.md", "[r](../../robots/gpr.toml)", "[r](../files/robots/gpr.toml)");
+        check("a/b.md", "[r](../../crates/gpr.toml)", "[r](../files/crates/gpr.toml)");
         check("a.md", "[r](../bench/README.md)", "[r](files/bench/README.txt)");
         check("reference/notation.md", "[x](docs/a/b.md)", "[x](../a/b.md)");
         check("a.md", "[x](https://x.org) [y](#z)", "[x](https://x.org) [y](#z)");

@@ -104,7 +104,9 @@ fn violation(rule: &Rule, import: &str) -> String {
 fn check_examples(tree: &Tree) -> Vec<Finding> {
     let refused: Vec<String> = rings::crates_below_facade().collect();
     let mut findings = Vec::new();
-    for (path, text) in tree.texts_ending(".rs").filter(|(path, _)| path.starts_with("examples/")) {
+    for (path, text) in
+        tree.texts_ending(".rs").filter(|(path, _)| path.starts_with("crates/jointplay/examples/"))
+    {
         let source = RustSource::new(text);
         for (offset, word) in
             source.words().filter(|(_, word)| refused.iter().any(|name| name == word))
@@ -176,12 +178,12 @@ mod tests {
         let good = "//! Not jointplay_core.\nuse jointplay::gpr;\n";
         let bad = "use jointplay::gpr;\nuse jointplay_core::linalg;\n";
         let tree = Tree::of(&[
-            ("examples/01_a.rs", good),
-            ("examples/02_b.rs", bad),
+            ("crates/jointplay/examples/01_a.rs", good),
+            ("crates/jointplay/examples/02_b.rs", bad),
             ("crates/c/src/lib.rs", bad),
         ]);
         let found: Vec<_> = check_examples(&tree).into_iter().map(|f| (f.path, f.line)).collect();
-        assert_eq!(found, [("examples/02_b.rs".to_owned(), 2)]);
+        assert_eq!(found, [("crates/jointplay/examples/02_b.rs".to_owned(), 2)]);
     }
 
     #[test]

@@ -43,6 +43,7 @@ const PLOT: &str = "jointplay-plot";
 const FACADE: &str = "jointplay";
 const STUDIO: &str = "jointplay-studio";
 const FILES: &str = "jointplay-files";
+const COMMAND: &str = "jointplay-cli";
 
 /// `zmij` finds the shortest decimal of a number.
 const MATHEMATICS: Outside =
@@ -74,9 +75,15 @@ const TABLE: [Rule; 16] = [
     // One rule for the files that input may name.
     Rule { name: FILES, ring: "ring 4", ours: &[], outside: NONE },
     // The command starts the studio's server.
-    Rule { name: "jointplay-cli", ring: "ring 4", ours: &[FACADE, FILES, STUDIO], outside: ANY },
+    Rule { name: COMMAND, ring: "ring 4", ours: &[FACADE, FILES, STUDIO], outside: ANY },
     Rule { name: STUDIO, ring: "ring 4", ours: &[FACADE, FILES], outside: ANY },
-    Rule { name: "jointplay-python", ring: "ring 4", ours: &[FACADE, FILES], outside: ANY },
+    // Its package includes the command.
+    Rule {
+        name: "jointplay-python",
+        ring: "ring 4",
+        ours: &[FACADE, FILES, COMMAND],
+        outside: ANY,
+    },
     Rule { name: "jointplay-c", ring: "ring 4", ours: &[FACADE], outside: ANY },
     Rule { name: "jointplay-bench", ring: "ring 4", ours: &[FACADE], outside: ANY },
     Rule { name: "jointplay-validation", ring: "ring 4", ours: &[FACADE], outside: ANY },

@@ -2,7 +2,7 @@
 //!
 //! The printed script asks this program for candidates at each Tab, so every shell knows the same names.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 
 use clap::{Arg, Args, Command};
 use clap_complete::engine::{
@@ -12,7 +12,7 @@ use clap_complete::env::Shells;
 use clap_complete::{CompleteEnv, Shell};
 use jointplay::format::{catalogue, study};
 
-use crate::failure::Failure;
+use crate::failure::{BAD_INPUT, Failure};
 use crate::output;
 
 /// Print the completion script of a shell
@@ -44,9 +44,17 @@ impl Completions {
     }
 }
 
-/// Prints the candidates and ends the process, if a completion script asks for them.
-pub(crate) fn answer_shell(definition: fn() -> Command) {
-    CompleteEnv::with_factory(|| with_names(definition())).var(VARIABLE).complete();
+/// Prints the candidates and returns the exit code, if a completion script asks for them.
+pub(crate) fn answer_shell(arguments: &[OsString], definition: fn() -> Command) -> Option<u8> {
+    let folder = std::env::current_dir().ok();
+    let completer = CompleteEnv::with_factory(|| with_names(definition())).var(VARIABLE);
+    match completer.try_complete(arguments, folder.as_deref()) {
+        Ok(answered) => answered.then_some(0),
+        Err(error) => {
+            drop(error.print());
+            Some(BAD_INPUT)
+        }
+    }
 }
 
 /// The names that complete an argument, in addition to files.

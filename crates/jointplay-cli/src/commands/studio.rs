@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::cell::MAX_BYTES;
 use jointplay::format::mechanism::MAX_BYTES as MAX_MECHANISM_BYTES;
-use jointplay_studio::{CellFiles, EXAMPLE, Error, MechanismFileOnDisk, Server};
+use jointplay_studio::{CellFiles, DEFAULT_PORT, EXAMPLE, Error, MechanismFileOnDisk, Server};
 use serde::Serialize;
 
 use crate::arguments::{RobotArgs, whole};
@@ -27,7 +27,8 @@ Examples:
   jointplay studio my-mechanism.toml
   jointplay studio arm.urdf --loops arm-loops.toml
   jointplay studio --cell
-  jointplay studio --robot my-robot.toml --port 8080 --no-open")]
+  jointplay studio --robot my-robot.toml --port 8080 --no-open
+  jointplay studio --ping                              exit code 1 if none answers")]
 pub(crate) struct Studio {
     /// Robot, mechanism or work cell file (TOML), model (MJCF, SDF, URDF, .FCStd), or a name from `jointplay
     /// catalogue`
@@ -51,6 +52,9 @@ pub(crate) struct Studio {
     /// Do not open the browser
     #[arg(long)]
     no_open: bool,
+    /// Start nothing, and report whether a studio answers on the port
+    #[arg(long, conflicts_with_all = ["file", "robot", "cell", "mechanism", "loops", "no_open"])]
+    ping: bool,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
 }
@@ -63,6 +67,9 @@ struct Address<'a> {
 
 impl Studio {
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        if self.ping {
+            return self.ping();
+        }
         let Some(file) = &self.file else {
             return self.serve(&self.robot, self.cell.as_deref(), self.mechanism.as_deref());
         };
@@ -84,6 +91,15 @@ impl Studio {
             }
             _ => self.serve(&self.robot.or(file)?, self.cell.as_deref(), self.mechanism.as_deref()),
         }
+    }
+
+    /// Prints the address of the studio that runs already.
+    fn ping(&self) -> Result<(), Failure> {
+        let port = self.port.unwrap_or(DEFAULT_PORT);
+        let url = jointplay_studio::ping(port).map_err(|error| {
+            Failure::Unsolved(format!("no studio answers on port {port} of 127.0.0.1: {error}"))
+        })?;
+        self.format.print(&Address { url: &url }, |Address { url }| format!("studio: {url}\n"))
     }
 
     fn serve(

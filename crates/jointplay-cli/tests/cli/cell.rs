@@ -270,7 +270,7 @@ fn no_message_is_that_of_a_library() {
     // Displacements and limits of all sizes: each has an answer in own words.
     for (acceleration, jerk) in [("1e-12", "8000.0"), ("800.0", "1e-12"), ("1e9", "1e9")] {
         let sandbox = sandbox(&[("robot = \"dual-arm\"", "robot = \"odd.toml\"")]);
-        let text = include_str!("../../../../robots/dual-arm.toml");
+        let text = include_str!("../../../jointplay-format/robots/dual-arm.toml");
         let line = text.lines().find(|line| line.starts_with("loaded") && line.contains("deg_s2"));
         let odd = line.unwrap();
         let number = |key: &str| {
@@ -297,7 +297,7 @@ fn no_message_is_that_of_a_library() {
 #[cfg(target_os = "linux")]
 fn slow(acceleration: &str) -> Sandbox {
     let sandbox = sandbox(&[("robot = \"dual-arm\"", "robot = \"slow.toml\"")]);
-    let text = include_str!("../../../../robots/dual-arm.toml");
+    let text = include_str!("../../../jointplay-format/robots/dual-arm.toml");
     let line = text.lines().find(|line| line.starts_with("loaded") && line.contains("deg_s2"));
     let line = line.unwrap();
     let old = line.split("acceleration_deg_s2 = ").nth(1).unwrap().split(',').next().unwrap();
@@ -443,7 +443,7 @@ fn collisions_are_listed_in_groups_worst_first() {
 #[test]
 fn a_loaded_move_that_would_be_too_fast_is_slowed_until_the_wafer_stays() {
     let sandbox = sandbox(&[("robot = \"dual-arm\"", "robot = \"fast.toml\"")]);
-    let fast = include_str!("../../../../robots/dual-arm.toml").replace(
+    let fast = include_str!("../../../jointplay-format/robots/dual-arm.toml").replace(
         "loaded = { velocity_deg_s = 150.0, acceleration_deg_s2 = 400.0, jerk_deg_s3 = 4000.0 }",
         "loaded = { velocity_deg_s = 300.0, acceleration_deg_s2 = 1200.0, jerk_deg_s3 = 12000.0 }",
     );

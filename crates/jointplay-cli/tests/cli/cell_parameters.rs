@@ -35,7 +35,7 @@ wafers = [1]
 
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
-    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/radial-arm.toml");
+    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../jointplay-format/robots/radial-arm.toml");
     sandbox.write("own.toml", &std::fs::read_to_string(robots).unwrap());
     sandbox.write("cell.toml", CELL);
     sandbox.write(

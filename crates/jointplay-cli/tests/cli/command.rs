@@ -43,7 +43,7 @@ fn catalogue_names_work_wherever_a_file_does() {
 fn a_file_of_another_kind_is_refused_with_its_commands() {
     let sandbox = Sandbox::new();
     sandbox.write("study.toml", crate::study::SMALL);
-    sandbox.write("cell.toml", include_str!("../../../../cells/example.toml"));
+    sandbox.write("cell.toml", include_str!("../../../jointplay-format/cells/example.toml"));
     sandbox.write("loops.toml", crate::import::LOOPS);
     for (line, parts) in [
         ("study gpr", ["is a three-rod robot", "jointplay draw, move, suggest or jacobian gpr"]),
@@ -228,10 +228,10 @@ fn a_cell_names_no_file_outside_its_folder_by_a_link() {
     use std::os::unix::fs::symlink;
     let sandbox = Sandbox::new();
     std::fs::create_dir(sandbox.file("cell")).unwrap();
-    let cell = include_str!("../../../../cells/example.toml");
+    let cell = include_str!("../../../jointplay-format/cells/example.toml");
     sandbox.write("cell/example.toml", &cell.replace("\"dual-arm\"", "\"robot.toml\""));
     sandbox.write("cell/example.program", "HOME\n");
-    sandbox.write("robot.toml", include_str!("../../../../robots/dual-arm.toml"));
+    sandbox.write("robot.toml", include_str!("../../../jointplay-format/robots/dual-arm.toml"));
     symlink("../robot.toml", sandbox.file("cell/robot.toml")).unwrap();
     refused(&sandbox, "cell check cell/example.toml", &["leads out of the folder"]);
 }
@@ -296,7 +296,7 @@ fn completion_offers_catalogue_names_and_files_in_every_shell() {
 #[test]
 fn a_missing_quote_is_the_only_error() {
     let sandbox = Sandbox::new();
-    let cell = include_str!("../../../../cells/example.toml");
+    let cell = include_str!("../../../jointplay-format/cells/example.toml");
     let invalid: Vec<String> = cell
         .lines()
         .enumerate()

@@ -108,7 +108,7 @@ fn programs_get_errors_as_json() {
 #[test]
 fn robot_files_are_read_strictly() {
     let sandbox = Sandbox::new();
-    let paper = include_str!("../../../../robots/gpr.toml");
+    let paper = include_str!("../../../jointplay-format/robots/gpr.toml");
     sandbox.write("same.toml", paper);
     assert_eq!(sandbox.done("forward --robot same.toml"), sandbox.done("forward"));
 
@@ -145,7 +145,7 @@ fn turns_of_the_azimuth_change_nothing() {
 #[test]
 fn one_model_without_an_answer_leaves_the_others_theirs() {
     let sandbox = Sandbox::new();
-    let offset = include_str!("../../../../robots/gpr.toml").replacen(
+    let offset = include_str!("../../../jointplay-format/robots/gpr.toml").replacen(
         "socket_angle_deg = 0.0",
         "socket_angle_deg = 0.0\nbase_point_mm = [80, 10]",
         1,

@@ -130,6 +130,43 @@ fn a_port_that_is_taken() {
 }
 
 #[test]
+fn a_running_studio_is_found_by_its_port() {
+    let sandbox = Sandbox::new();
+    let studio = Studio::start(&sandbox, "--port 0");
+    let port = studio.address.rsplit(':').next().unwrap().to_owned();
+    let found = sandbox.run(&format!("studio --ping --port {port}"));
+    assert_eq!(
+        (found.code, found.stdout.as_str()),
+        (0, &*format!("studio: http://127.0.0.1:{port}/\n"))
+    );
+    assert_eq!(
+        sandbox.json(&format!("studio --ping --port {port}"))["url"],
+        format!("http://127.0.0.1:{port}/")
+    );
+    assert_eq!(studio.interrupt().0, Some(0));
+    let run = sandbox.run(&format!("studio --ping --port {port}"));
+    assert_eq!((run.code, run.stdout.as_str()), (1, ""));
+    assert!(run.stderr.contains(&format!("no studio answers on port {port}")), "{}", run.stderr);
+    // Other programs on the port: one that answers something else, and one that hangs up.
+    let other = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = other.local_addr().unwrap().port();
+    let answers = std::thread::spawn(move || {
+        for answer in ["SSH-2.0-OpenSSH_9.6\r\n", "HTTP/1.1 404 Not Found\r\n\r\n", ""] {
+            let (mut stream, _) = other.accept().unwrap();
+            let _ = stream.read(&mut [0; 1024]).unwrap();
+            stream.write_all(answer.as_bytes()).unwrap();
+        }
+    });
+    for what in ["SSH-2.0", "404", "is not that of a studio"] {
+        let run = sandbox.run(&format!("studio --ping --port {port}"));
+        assert_eq!(run.code, 1);
+        assert!(run.stderr.contains(what), "{}", run.stderr);
+    }
+    answers.join().unwrap();
+    assert_eq!(sandbox.run("studio --ping --no-open").code, 2);
+}
+
+#[test]
 fn another_robot() {
     let sandbox = Sandbox::new();
     let own = jointplay::format::robot::PAPER.replace("GPR of the paper", "My robot");

@@ -200,7 +200,7 @@ tilt_deg = { normal = [0, 60] }
     for (status, cell) in table["polar_status"].iter().zip(&table["polar_origin_x_um"]) {
         assert_eq!(status != "solved", cell.is_empty());
     }
-    let model = &summary["virtualizations"][0];
+    let model = &summary["outcomes"][0];
     assert_eq!(model["failed"], failed);
     let steep =
         table["polar_status"].iter().filter(|status| *status == "tilt angle of 90° or more");
@@ -268,7 +268,7 @@ fn robot_files_are_next_to_their_study() {
         SMALL.replace("height_mm = 480.1\n", "").replacen("virt", "robot = \"mine.toml\"\nvirt", 1);
     let (summary, csv) = studied(&sandbox, &text, "");
     assert_eq!(columns(&csv)["height_mm"][0], "400.0");
-    assert_eq!(summary["robot"], "GPR of the paper");
+    assert_eq!(summary["mechanism"], "GPR of the paper");
     for (robot, message) in [
         ("../mine.toml", "must be in the folder of the input file"),
         ("/mine.toml", "must be in the folder of the input file"),

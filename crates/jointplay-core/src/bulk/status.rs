@@ -65,6 +65,7 @@ impl Status {
             Error::TiltTooLarge { .. } => Self::TiltTooLarge,
             Error::NotConverged(_)
             | Error::NotReached { .. }
+            | Error::NotFollowed { .. }
             | Error::NotRelieved { .. }
             | Error::NotLeast { .. } => Self::NotConverged,
             Error::DependentSides { .. } => Self::DependentSides,

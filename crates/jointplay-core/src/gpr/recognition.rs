@@ -115,6 +115,12 @@ pub enum NotThreeRods {
         /// The joint.
         joint: String,
     },
+    /// Couplings of joints.
+    #[error("the mechanism has {found} coupling{}, but a three-rod robot has none", if *found == 1 { "" } else { "s" })]
+    Couplings {
+        /// Number of couplings.
+        found: usize,
+    },
     /// Dimensions that define no robot.
     #[error(transparent)]
     Dimensions(#[from] Error),
@@ -135,6 +141,10 @@ impl Gpr {
         mechanism: &Mechanism,
         tilt_max: f64,
     ) -> Result<ThreeRodMechanism, NotThreeRods> {
+        let couplings = mechanism.couplings().len();
+        if couplings > 0 {
+            return Err(NotThreeRods::Couplings { found: couplings });
+        }
         let limbs = limbs(mechanism)?;
         let up = upward(&limbs[0].base_axis);
         for limb in &limbs {

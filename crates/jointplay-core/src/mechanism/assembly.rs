@@ -7,9 +7,9 @@ use super::closure::{Closure, SAME_BRANCH, START_RANGE};
 use super::description::Mechanism;
 use super::nearest::nearest_closure;
 use super::system::{LoopGap, MechanismSystem};
-use super::unassembled::{OpenLoop, Unassembled};
+use super::unassembled::{OpenCoupling, OpenLoop, Unassembled};
 use crate::Error;
-use crate::constraint::{Dimension, System};
+use crate::constraint::{CLOSURE_TOLERANCE, Dimension, System};
 use crate::random::Random;
 
 /// Corrections tried from one start.
@@ -64,6 +64,7 @@ pub fn assemble(
     let (branches, best) = search(&system, &free, starts, best)?;
     let mut loops = open_loops(&system.at(best.coordinates.clone())?);
     loops.sort_by(|a, b| b.mismatch.total_cmp(&a.mismatch));
+    let couplings = open_couplings(&system.at(best.coordinates.clone())?);
     let nearest = nearest_closure(mechanism, start, held, starts)?;
     // The residual of a system at the closure itself, whose reference point and characteristic length differ from the guess's.
     let at_closure = |closure: Closure| {
@@ -83,6 +84,7 @@ pub fn assemble(
         best,
         near_guess,
         loops,
+        couplings,
         branches,
         nearest,
         starts,
@@ -126,6 +128,18 @@ fn open_loops(system: &MechanismSystem<'_>) -> Vec<OpenLoop> {
         OpenLoop { joint: joint.name.clone(), links, mismatch, distance, angle }
     };
     gaps.map(open).collect()
+}
+
+/// The couplings that do not hold at home, the most violated first.
+fn open_couplings(system: &MechanismSystem<'_>) -> Vec<OpenCoupling> {
+    let couplings = system.kinematics().mechanism().couplings().iter();
+    let mut open: Vec<OpenCoupling> = couplings
+        .zip(system.coupling_residuals())
+        .filter(|(_, mismatch)| *mismatch > CLOSURE_TOLERANCE)
+        .map(|(coupling, mismatch)| OpenCoupling { name: coupling.name.clone(), mismatch })
+        .collect();
+    open.sort_by(|a, b| b.mismatch.total_cmp(&a.mismatch));
+    open
 }
 
 /// Joint coordinates that are not held.

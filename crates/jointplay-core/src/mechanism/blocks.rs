@@ -2,34 +2,37 @@
 
 use nalgebra::DVector;
 
-use super::{Mechanism, MechanismSystem, MobilityClass};
+use super::{Coupling, JointCoordinate, Mechanism, MechanismSystem, MobilityClass};
 use crate::Error;
 use crate::mobility::{
     BoundOrigin, FiniteMobility, ForcedClosure, FreeMotions, branch_dimensions, finite_mobility,
     instantaneous_mobility,
 };
 
-/// A biconnected component of the graph of links and joints.
+/// A biconnected component of the graph of links and joints, or several of them that couplings connect, with those between them.
 ///
-/// A joint on no loop is a block of its own, and all of its freedoms are motions.
-/// Every loop lies in one block, so that mobilities and redundant constraints of a mechanism are sums over its blocks.
+/// A joint on no loop and in no coupling is a block of its own, and all of its freedoms are motions.
+/// Every loop and every coupling lies in one block, so that mobilities and redundant constraints of a mechanism are sums over its blocks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Block {
     /// Indices of its joints, ascending.
     pub joints: Vec<usize>,
     /// Index of the link that carries it: of its links the one nearest the base.
     pub base: usize,
+    /// Indices of its couplings, ascending.
+    pub couplings: Vec<usize>,
 }
 
 impl Block {
-    /// Whether it has a loop; a block without one is a single joint.
+    /// Whether it has a loop or a coupling; a block without constraints is a single joint.
     #[must_use]
-    pub fn has_loops(&self) -> bool {
-        self.joints.len() > 1
+    pub fn has_constraints(&self) -> bool {
+        self.joints.len() > 1 || !self.couplings.is_empty()
     }
 
     /// The block as a mechanism with its carrying link as base, and the index of each of its links in the whole mechanism.
     pub(super) fn mechanism(&self, whole: &Mechanism) -> (Mechanism, Vec<usize>) {
+        let local_joint = |joint: usize| self.joints.binary_search(&joint).ok();
         let mut links = vec![self.base];
         let mut joints = Vec::with_capacity(self.joints.len());
         let mut local = std::collections::BTreeMap::from([(self.base, 0)]);
@@ -47,14 +50,25 @@ impl Block {
             .virtual_joints()
             .iter()
             .filter_map(|one| {
-                let joint = self.joints.binary_search(&one.joint).ok()?;
+                let joint = local_joint(one.joint)?;
                 Some(super::VirtualJoint { joint, ..one.clone() })
             })
             .collect();
+        let moved = |one: JointCoordinate| {
+            let joint = local_joint(one.joint).expect("a coupling is in the block of its joints");
+            JointCoordinate { joint, ..one }
+        };
+        let couplings = self.couplings.iter().map(|&c| {
+            let coupling = &whole.couplings()[c];
+            let terms = coupling.terms.iter().map(|&(one, ratio)| (moved(one), ratio)).collect();
+            Coupling { follower: moved(coupling.follower), terms, ..coupling.clone() }
+        });
+        let couplings = couplings.collect();
         let names = links.iter().map(|&link| whole.links()[link].clone()).collect();
         let valid = "a block of a valid mechanism is one";
         let mut block = Mechanism::new(whole.name(), names, joints)
             .and_then(|block| block.with_virtual_joints(virtual_joints))
+            .and_then(|block| block.with_couplings(couplings))
             .expect(valid);
         if let Some(length) = whole.characteristic_length() {
             block = block.with_characteristic_length(length).expect(valid);
@@ -122,11 +136,80 @@ pub fn blocks(mechanism: &Mechanism) -> Vec<Block> {
             let from = open.iter().rposition(|&j| j == over).expect("the path is open");
             let mut joints = open.split_off(from);
             joints.sort_unstable();
-            blocks.push(Block { joints, base: before });
+            blocks.push(Block { joints, base: before, couplings: Vec::new() });
         }
     }
+    let mut blocks = coupled(mechanism, blocks);
     blocks.sort_by_key(|block| block.joints[0]);
     blocks
+}
+
+/// Blocks with those of each coupling merged, and those between them, so that each is connected.
+///
+/// # Arguments
+/// * `blocks` – biconnected components, each after those that it carries
+fn coupled(mechanism: &Mechanism, blocks: Vec<Block>) -> Vec<Block> {
+    if mechanism.couplings().is_empty() {
+        return blocks;
+    }
+    let joints = mechanism.joints();
+    let mut block_of = vec![0; joints.len()];
+    // The block that a link was reached over; none for the base.
+    let mut carried_by = vec![None; mechanism.links().len()];
+    for (b, block) in blocks.iter().enumerate() {
+        for &j in &block.joints {
+            block_of[j] = b;
+            let links = joints[j].links.into_iter().filter(|&link| link != block.base);
+            links.for_each(|link| carried_by[link] = Some(b));
+        }
+    }
+    let carriers = |block: usize| -> Vec<usize> {
+        std::iter::successors(Some(block), |&b| carried_by[blocks[b].base]).collect()
+    };
+    // Blocks with the same label become one.
+    let mut label: Vec<usize> = (0..blocks.len()).collect();
+    let mut merge = |a: usize, b: usize| {
+        let (from, to) = (label[a], label[b]);
+        label.iter_mut().filter(|one| **one == from).for_each(|one| *one = to);
+    };
+    for coupling in mechanism.couplings() {
+        let first = block_of[coupling.follower.joint];
+        for (other, _) in &coupling.terms {
+            let (mut one, mut other) = (carriers(first), carriers(block_of[other.joint]));
+            // Both paths end at the base; what they have in common does not lie between the blocks.
+            let mut last = None;
+            while one.last().is_some() && one.last() == other.last() {
+                last = one.pop();
+                other.pop();
+            }
+            let bases = [&one, &other].map(|path| path.last().map(|&b| blocks[b].base));
+            let meets = bases[0].is_some() && bases[0] == bases[1];
+            let between = one.into_iter().chain(other).chain(last.filter(|_| !meets));
+            between.for_each(|b| merge(b, first));
+        }
+    }
+    let mut merged: Vec<Block> = Vec::new();
+    let mut place = vec![None; blocks.len()];
+    // A block that carries others follows them.
+    for (b, block) in blocks.iter().enumerate() {
+        match place[label[b]] {
+            None => {
+                place[label[b]] = Some(merged.len());
+                merged.push(block.clone());
+            }
+            Some(at) => {
+                let one: &mut Block = &mut merged[at];
+                one.joints.extend(&block.joints);
+                one.base = block.base;
+            }
+        }
+    }
+    for (c, coupling) in mechanism.couplings().iter().enumerate() {
+        let at = place[label[block_of[coupling.follower.joint]]].expect("every block has a place");
+        merged[at].couplings.push(c);
+    }
+    merged.iter_mut().for_each(|block| block.joints.sort_unstable());
+    merged
 }
 
 /// Finite mobility of a mechanism, with the dimensions of the branches that meet.
@@ -169,7 +252,7 @@ pub fn mechanism_mobility(
     let mechanism = system.kinematics().mechanism();
     let blocks = blocks(mechanism);
     if blocks.len() > 1
-        && blocks.iter().any(Block::has_loops)
+        && blocks.iter().any(Block::has_constraints)
         && let Some(found) = by_blocks(system, &blocks, relative_threshold, forced)?
     {
         return Ok(found);
@@ -218,7 +301,7 @@ fn by_blocks(
     let (mut mobility, mut redundancy) = (0, 0);
     let mut branches = Some(vec![0]);
     for block in blocks {
-        let found = if block.has_loops() {
+        let found = if block.has_constraints() {
             let (part, _) = block.mechanism(whole);
             let coordinates = block.coordinates(kinematics);
             let home = DVector::from_iterator(

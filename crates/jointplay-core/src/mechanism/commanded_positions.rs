@@ -3,12 +3,19 @@
 use nalgebra::DVector;
 
 use super::description::Mechanism;
+use super::kinematics::Kinematics;
+use super::motion::{LONGEST_STEP, SHORTEST_STEP, on_branch};
 use super::posing::close_commanded;
 use super::position::{DifferentialKinematics, PositionSolver};
 use super::relief::{CommandedJoints, ReliefSolver};
 use super::system::MechanismSystem;
 use crate::Error;
-use crate::constraint::System as _;
+use crate::constraint::{System as _, units};
+
+/// First step toward values far away, in radians and characteristic lengths.
+const FIRST_STEP: f64 = 0.1;
+/// Longest step where motions of links are undetermined, so that there is no tangent to follow.
+const STEP_WITHOUT_TANGENT: f64 = 0.05;
 
 /// Closes the loops of one mechanism for values of its commanded coordinates, again and again; virtual joints take their least displacement.
 ///
@@ -27,7 +34,7 @@ impl CommandedPositions {
     /// Lays out the solution for given commanded coordinates.
     ///
     /// # Arguments
-    /// * `first` – (f + M) a closed configuration, which determines the characteristic length (m, rad)
+    /// * `first` – (f + M) a configuration whose loops are closed, or nearly so; determines the characteristic length (m, rad)
     /// * `commanded` – indices of the commanded joint coordinates
     ///
     /// # Errors
@@ -43,7 +50,17 @@ impl CommandedPositions {
         let undetermined = if mechanism.virtual_joints().is_empty() {
             None
         } else {
-            let home = close_commanded(mechanism, &[], None)?.coordinates;
+            // Where rigid links do not close, virtual joints at rest are those of the first configuration.
+            let home = match close_commanded(mechanism, &[], None) {
+                Ok(home) => home.coordinates,
+                Err(Error::NotAssembled(_)) => {
+                    let mut home = first.clone();
+                    let joints = mechanism.joint_freedoms();
+                    home.rows_range_mut(joints..).fill(0.0);
+                    home
+                }
+                Err(error) => return Err(error),
+            };
             let joints = CommandedJoints::new(&MechanismSystem::new(mechanism, home)?, commanded)?;
             Some(joints).filter(|joints| joints.undetermined() > 0)
         };
@@ -95,6 +112,97 @@ impl CommandedPositions {
                     self.length = relief.characteristic_length;
                 }
                 Ok(relief.residual)
+            }
+        }
+    }
+
+    /// Closes the loops for values far from a configuration, on the branch that the motion toward them stays on; returns the residual, in radians and characteristic lengths.
+    ///
+    /// The commanded coordinates move along a straight line to their values, all at the same time.
+    /// The result depends on the configuration and on the values, not on earlier calls.
+    ///
+    /// # Arguments
+    /// * `mechanism` – that of [`new`](Self::new)
+    /// * `values` – of the commanded coordinates (m, rad)
+    /// * `coordinates` – (f + M) a closed configuration; takes the solution, or the last configuration on the way (m, rad)
+    ///
+    /// # Errors
+    /// Those of [`solve`](Self::solve), [`Error::NotFollowed`].
+    ///
+    /// # Numerics
+    /// Tangent steps, corrected by [`PositionSolver`]; a step is halved until its correction is small against it, as in [`super::drive`].
+    /// Singular configurations are not looked for.
+    /// Where commands leave motions undetermined and there are virtual joints, [`solve`](Self::solve) is independent of the start, and called at once.
+    pub fn follow(
+        &mut self,
+        mechanism: &Mechanism,
+        values: &[f64],
+        coordinates: &mut DVector<f64>,
+        solver: ReliefSolver,
+    ) -> Result<f64, Error> {
+        let commanded = self.kinematics.commanded().to_vec();
+        let all = self.kinematics.coordinate_count();
+        if self.undetermined.is_some()
+            || values.len() != commanded.len()
+            || coordinates.len() != all
+            || values.iter().any(|value| !value.is_finite())
+        {
+            return self.solve(mechanism, values, coordinates, solver);
+        }
+        let kinematics = Kinematics::new(mechanism);
+        let scales = units(kinematics.dimensions(), self.length);
+        let joints = mechanism.joint_freedoms();
+        let size = |by: &DVector<f64>| {
+            by.iter().zip(scales.iter()).map(|(value, scale)| (value / scale).powi(2)).sum::<f64>()
+        };
+        let size = |by: &DVector<f64>| size(by).sqrt();
+        let from: Vec<f64> = commanded.iter().map(|&k| coordinates[k]).collect();
+        let way: Vec<f64> = values.iter().zip(&from).map(|(to, from)| to - from).collect();
+        let mut of_commanded = DVector::zeros(all);
+        commanded.iter().zip(&way).for_each(|(&k, &by)| of_commanded[k] = by);
+        let length = size(&of_commanded);
+        let (mut share, mut step) = (0.0, (FIRST_STEP / length).min(1.0));
+        let mut rates = DVector::zeros(all);
+        loop {
+            let tangent = self
+                .kinematics
+                .linearize(coordinates.as_slice())
+                .and_then(|()| self.kinematics.velocities(&way, rates.as_mut_slice()));
+            let has_tangent = tangent.is_ok();
+            if !has_tangent {
+                rates.copy_from(&of_commanded);
+                step = step.min(STEP_WITHOUT_TANGENT / length);
+            }
+            loop {
+                let end = if share + step < 1.0 { share + step } else { 1.0 };
+                let by = &rates * (end - share);
+                let predicted = kinematics.moved(coordinates, &by);
+                let at: Vec<f64> = match end < 1.0 {
+                    true => from.iter().zip(&way).map(|(from, way)| from + end * way).collect(),
+                    false => values.to_vec(),
+                };
+                let mut there = predicted.clone();
+                let found = self.solve(mechanism, &at, &mut there, solver);
+                let mut correction = &there - &predicted;
+                let of_joints = kinematics.displacement(&predicted, &there);
+                correction.rows_mut(0, joints).copy_from(&of_joints);
+                let (correction, size) = (size(&correction), size(&by));
+                let stayed = match has_tangent {
+                    true => on_branch(correction, size) && size < LONGEST_STEP,
+                    false => correction < LONGEST_STEP,
+                };
+                if let (Ok(residual), true) = (&found, stayed) {
+                    *coordinates = there;
+                    if end >= 1.0 {
+                        return Ok(*residual);
+                    }
+                    (share, step) = (end, 2.0 * step);
+                    break;
+                }
+                step *= 0.5;
+                if step < SHORTEST_STEP {
+                    return Err(Error::NotFollowed { share });
+                }
             }
         }
     }

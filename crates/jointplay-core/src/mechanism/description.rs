@@ -2,8 +2,8 @@
 
 use nalgebra::{Unit, Vector3};
 
-use super::JointKind;
 use super::attached_frame::AttachedFrame;
+use super::{Coupling, JointKind};
 use crate::spatial::Pose;
 
 /// Most links of a mechanism, so that an erroneous file is refused instead of computed for hours.
@@ -87,13 +87,14 @@ pub enum VirtualMotion {
     },
 }
 
-/// Links and joints, with any number of loops, the virtual joints that relieve them, and frames attached to links.
+/// Links and joints, with any number of loops, the virtual joints that relieve them, couplings of joints, and frames attached to links.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mechanism {
     name: String,
     links: Vec<String>,
     joints: Vec<Joint>,
     virtual_joints: Vec<VirtualJoint>,
+    pub(super) couplings: Vec<Coupling>,
     pub(super) frames: Vec<AttachedFrame>,
     characteristic_length: Option<f64>,
 }
@@ -199,6 +200,36 @@ pub enum MechanismError {
         /// How many joints there are.
         joints: usize,
     },
+    /// A coupling of a coordinate that is not there.
+    #[error(
+        "coupling {coupling:?} names coordinate {freedom} of joint {joint}, which does not exist"
+    )]
+    NoSuchCoordinate {
+        /// The coupling.
+        coupling: String,
+        /// The index of the joint.
+        joint: usize,
+        /// The index of the coordinate.
+        freedom: usize,
+    },
+    /// A coupling of a coordinate of a rotation vector.
+    #[error(
+        "coupling {coupling:?} couples a rotation of joint {joint:?}, but only slides and turns about an axis can be coupled"
+    )]
+    CoupledRotation {
+        /// The coupling.
+        coupling: String,
+        /// The joint.
+        joint: String,
+    },
+    /// A coordinate that is in a coupling twice.
+    #[error("coupling {coupling:?} names a coordinate of joint {joint:?} twice")]
+    CoupledTwice {
+        /// The coupling.
+        coupling: String,
+        /// The joint.
+        joint: String,
+    },
     /// A frame attached to a link that is not there.
     #[error("frame {frame:?} is attached to link {link}, but there are {links} links")]
     NoLinkOfFrame {
@@ -227,6 +258,7 @@ impl Mechanism {
             links,
             joints,
             virtual_joints: Vec::new(),
+            couplings: Vec::new(),
             frames: Vec::new(),
             characteristic_length: None,
         };
@@ -236,14 +268,16 @@ impl Mechanism {
         Ok(mechanism)
     }
 
-    /// The same mechanism with these joints in place of its own, the indices of which its virtual joints keep.
+    /// The same mechanism with these joints in place of its own, the indices of which its virtual joints and couplings keep.
     ///
     /// # Errors
     /// [`MechanismError`].
     pub fn with_joints(self, joints: Vec<Joint>) -> Result<Self, MechanismError> {
-        let Self { name, links, virtual_joints, frames, characteristic_length, .. } = self;
+        let Self { name, links, virtual_joints, couplings, frames, characteristic_length, .. } =
+            self;
         let changed = Self::new(name, links, joints)?
             .with_virtual_joints(virtual_joints)?
+            .with_couplings(couplings)?
             .with_frames(frames)?;
         match characteristic_length {
             Some(length) => changed.with_characteristic_length(length),
@@ -350,6 +384,20 @@ impl Mechanism {
         self.joints.len() + 1 - self.links.len()
     }
 
+    /// Freedoms by the Kutzbach–Grübler count, less one for each coupling.
+    #[must_use]
+    pub fn kutzbach_mobility(&self) -> i64 {
+        let freedoms: Vec<usize> = self.joints.iter().map(|joint| joint.kind.freedoms()).collect();
+        let couplings = i64::try_from(self.couplings.len()).unwrap_or(i64::MAX / 16);
+        crate::mobility::kutzbach_mobility(self.links.len(), &freedoms) - couplings
+    }
+
+    /// Number of equations between the joint coordinates: six for each loop and one for each coupling.
+    #[must_use]
+    pub fn constraints(&self) -> usize {
+        6 * self.loops() + self.couplings.len()
+    }
+
     fn check_links(&self) -> Result<(), MechanismError> {
         if self.joints.is_empty() || self.links.is_empty() {
             return Err(MechanismError::NoJoints);
@@ -394,8 +442,9 @@ impl Mechanism {
         let joints = self.joints.iter().map(|joint| &joint.name);
         let virtual_joints = self.virtual_joints.iter().map(|joint| &joint.name);
         let frames = self.frames.iter().map(|frame| &frame.name);
-        let found =
-            twice(self.links.iter().chain(frames)).or_else(|| twice(joints.chain(virtual_joints)));
+        let couplings = self.couplings.iter().map(|coupling| &coupling.name);
+        let found = twice(self.links.iter().chain(frames))
+            .or_else(|| twice(joints.chain(virtual_joints).chain(couplings)));
         found.map_or(Ok(()), |name| Err(MechanismError::NameTwice { name }))
     }
 }

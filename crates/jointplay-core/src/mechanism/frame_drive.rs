@@ -147,6 +147,7 @@ impl Measured {
         let characteristic_length = home.characteristic_length();
         let measured = Mechanism::new(mechanism.name().to_owned(), links, joints)
             .and_then(|made| made.with_virtual_joints(mechanism.virtual_joints().to_vec()))
+            .and_then(|made| made.with_couplings(mechanism.couplings().to_vec()))
             .and_then(|made| made.with_characteristic_length(characteristic_length))
             .expect(valid);
         let chains = CHAIN * paths.len();

@@ -9,6 +9,7 @@ mod blocks;
 mod closing;
 mod closure;
 mod commanded_positions;
+mod coupling;
 mod description;
 mod drive_from;
 mod drive_path;
@@ -50,6 +51,7 @@ pub use blocks::{Block, MechanismMobility, blocks, mechanism_mobility};
 pub use closing::close;
 pub use closure::Closure;
 pub use commanded_positions::CommandedPositions;
+pub use coupling::{Coupling, JointCoordinate};
 pub use description::{
     Carrier, Joint, LinearAndAngular, MAX_LINKS, Mechanism, MechanismError, VirtualJoint,
     VirtualMotion,
@@ -76,12 +78,14 @@ pub use position::{
 };
 pub use relief::{CommandedJoints, Relief, ReliefSolver, relieve, virtual_weights};
 pub use relieved_motion::drive_relieved;
-pub use self_stress::{JointWrench, SelfStress, SelfStresses, StressScrew, self_stresses};
+pub use self_stress::{
+    CouplingForce, JointWrench, SelfStress, SelfStresses, StressScrew, self_stresses,
+};
 pub use single_commands::{SingleCommand, single_commands};
 pub use small_commands::{Commands, SMALL_COMMAND, small_commands};
 pub use sparse::{SparseMobility, SparseSystem};
 pub use suggest::{Suggestion, Suggestions, suggest};
 pub use suggest_options::{SuggestOptions, SuggestionRank};
 pub use system::{MAX_DENSE, MechanismSystem};
-pub use unassembled::{OpenLoop, Unassembled};
+pub use unassembled::{OpenCoupling, OpenLoop, Unassembled};
 pub use undetermined::Undetermined;

@@ -17,9 +17,9 @@ const LARGEST_CORRECTION: f64 = 0.2;
 /// Steps below this, in radians and characteristic lengths, are corrected by round-off as large as they are.
 const SHORT: f64 = 1e-9;
 /// The longest step of all coordinates together, in radians and characteristic lengths.
-const LONGEST_STEP: f64 = 0.5;
+pub(super) const LONGEST_STEP: f64 = 0.5;
 /// The shortest step, as a share of the whole path: drives that cannot move so far are locked.
-const SHORTEST_STEP: f64 = 1e-7;
+pub(super) const SHORTEST_STEP: f64 = 1e-7;
 /// Singular values up to this share of the largest are not used for a step.
 pub(super) const STEP_THRESHOLD: f64 = 1e-9;
 /// A singular configuration is looked for no closer than to this least singular value, as a share of the largest.
@@ -407,9 +407,8 @@ impl<'a> DriveProblem<'a> {
             && beyond <= AT_ONCE * whole
         {
             let there = self.system.at(coordinates)?;
-            let residual = there.loop_residuals().into_iter().map(|(_, size)| size);
             let closed = Closure {
-                residual: residual.fold(0.0, f64::max),
+                residual: there.mismatch(&there.at_home()),
                 coordinates: there.home().clone(),
                 iterations: 0,
                 is_searched: false,

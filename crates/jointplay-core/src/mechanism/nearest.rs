@@ -5,6 +5,7 @@ use nalgebra::DVector;
 use super::blocks::blocks;
 use super::closing::close;
 use super::closure::{Closure, SAME_BRANCH, START_RANGE};
+use super::coupling::coupling_rows;
 use super::description::Mechanism;
 use super::joint::Factor;
 use super::kinematics::Kinematics;
@@ -55,7 +56,7 @@ pub fn nearest_closure(
     let free: Vec<usize> = (0..mechanism.joint_freedoms()).filter(|k| !held.contains(k)).collect();
     clamp(&mut coordinates, &free, &mechanism.limits());
     let mut iterations = 0;
-    for block in blocks(mechanism).iter().filter(|block| block.has_loops()) {
+    for block in blocks(mechanism).iter().filter(|block| block.has_constraints()) {
         let (part, _) = block.mechanism(mechanism);
         let indices = block.coordinates(&kinematics);
         let guess = DVector::from_fn(indices.len(), |k, _| guess[indices[k]]);
@@ -105,9 +106,13 @@ impl<'a> Search<'a> {
     fn new(part: &'a Mechanism, guess: DVector<f64>, free: Vec<usize>) -> Result<Self, Error> {
         let system = MechanismSystem::new(part, guess)?.with_rotation_vectors();
         let elements = system.kinematics().chains().iter().flat_map(|chain| &chain.elements);
+        // A whole turn of a coupled coordinate changes the others.
+        let coupled = coupling_rows(system.kinematics(), system.characteristic_length());
+        let is_coupled = |k: &usize| coupled.iter().any(|row| row.contains(*k));
         let turns = elements
             .filter(|element| matches!(element.factor, Factor::Turn { .. }))
             .map(|element| element.coordinate)
+            .filter(|k| !is_coupled(k))
             .filter(|k| free.contains(k))
             .collect();
         let units = units(system.kinematics().dimensions(), system.characteristic_length());

@@ -30,6 +30,8 @@ const PARALLEL: f64 = 1e-6;
 pub struct SelfStress {
     /// The joints that carry it, with their wrenches; the largest entry of all is ±1.
     pub wrenches: Vec<JointWrench>,
+    /// The couplings that carry it, with their forces, which the largest entry of all includes.
+    pub couplings: Vec<CouplingForce>,
     /// Line of action of the wrench that all of them transmit, or of the largest one if they differ.
     pub screw: StressScrew,
     /// Whether every joint of it transmits the same wrench, in either sense.
@@ -57,6 +59,15 @@ pub struct JointWrench {
     pub moment_at_place: Vector3<f64>,
 }
 
+/// Force of a coupling in a self-stress, on the combination of its coordinates that has length 1 in radians and characteristic lengths.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CouplingForce {
+    /// Index of the coupling.
+    pub coupling: usize,
+    /// Force.
+    pub force: f64,
+}
+
 impl JointWrench {
     fn largest(&self) -> f64 {
         self.moment.amax().max(self.force.amax())
@@ -66,6 +77,8 @@ impl JointWrench {
 /// Line of action of a wrench, in the base frame.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StressScrew {
+    /// No wrench: the forces of couplings alone.
+    Couplings,
     /// A moment alone.
     Moment {
         /// Direction of the moment.
@@ -91,6 +104,8 @@ pub struct SelfStresses {
     pub stresses: Vec<SelfStress>,
     /// Indices of the joints that take part in all self-stresses.
     pub in_all: Vec<usize>,
+    /// Indices of the couplings that take part in all self-stresses.
+    pub couplings_in_all: Vec<usize>,
     /// Whether no basis has fewer joints in total; else the basis is the best one found.
     pub sparsest: bool,
     /// Largest share of a self-stress that counts as none, if there is one.
@@ -101,7 +116,7 @@ pub struct SelfStresses {
 
 /// Subspace of the self-stresses without any wrench outside some joints.
 struct Support {
-    /// Blocks with a wrench, ascending.
+    /// Blocks with a wrench or force, ascending: joints, then couplings.
     blocks: Vec<usize>,
     /// (redundancy, dimension) orthonormal.
     basis: DMatrix<f64>,
@@ -142,7 +157,10 @@ pub fn self_stresses(
     };
     let all = joint_wrenches(system, first);
     let joints = system.cycles().ncols();
-    let blocks: Vec<DMatrix<f64>> = (0..joints).map(|j| all.rows(6 * j, 6).into_owned()).collect();
+    let couplings = system.kinematics().mechanism().couplings().len();
+    let rows = |block: usize| block_rows(block, joints);
+    let block = |block: usize| all.rows_range(rows(block)).into_owned();
+    let blocks: Vec<DMatrix<f64>> = (0..joints + couplings).map(block).collect();
     let whole = DMatrix::identity(redundancy, redundancy);
     let (mut supports, sparsest) = evidence.supports(&blocks, &whole, MAX_SUPPORTS)?;
     supports.sort_by(|a, b| (a.blocks.len(), &a.blocks).cmp(&(b.blocks.len(), &b.blocks)));
@@ -173,20 +191,43 @@ pub fn self_stresses(
             stresses.push(SelfStress { group: n, independent: *independent, ..found });
         }
     }
-    let mut in_all = Vec::new();
-    for (j, block) in blocks.iter().enumerate().filter(|_| redundancy > 0) {
+    let (mut in_all, mut couplings_in_all) = (Vec::new(), Vec::new());
+    for (b, block) in blocks.iter().enumerate().filter(|_| redundancy > 0) {
         if evidence.kernel(block, &whole)?.ncols() == 0 {
-            in_all.push(j);
+            match b.checked_sub(joints) {
+                None => in_all.push(b),
+                Some(coupling) => couplings_in_all.push(coupling),
+            }
         }
     }
     let Evidence { largest_zero, smallest_nonzero, .. } = evidence;
-    Ok(SelfStresses { stresses, in_all, sparsest, largest_zero, smallest_nonzero })
+    Ok(SelfStresses {
+        stresses,
+        in_all,
+        couplings_in_all,
+        sparsest,
+        largest_zero,
+        smallest_nonzero,
+    })
 }
 
-/// (6·joints, redundancy) wrench of each joint in each basis self-stress; the columns are orthonormal, since cycles and self-stresses are.
+/// Rows of a joint or, beyond the joints, of a coupling.
+fn block_rows(block: usize, joints: usize) -> std::ops::Range<usize> {
+    match block.checked_sub(joints) {
+        None => 6 * block..6 * block + 6,
+        Some(coupling) => 6 * joints + coupling..6 * joints + coupling + 1,
+    }
+}
+
+/// (6·joints + couplings, redundancy) wrench of each joint and force of each coupling in each basis self-stress; the columns are orthonormal, since cycles and self-stresses are.
 fn joint_wrenches(system: &MechanismSystem<'_>, first: &InstantaneousMobility) -> DMatrix<f64> {
     let cycles = system.cycles();
-    DMatrix::from_fn(6 * cycles.ncols(), first.redundancy, |row, s| {
+    let (loops, joints) = cycles.shape();
+    let couplings = system.kinematics().mechanism().couplings().len();
+    DMatrix::from_fn(6 * joints + couplings, first.redundancy, |row, s| {
+        if let Some(coupling) = row.checked_sub(6 * joints) {
+            return first.self_stress[(6 * loops + coupling, s)];
+        }
         let (j, part) = (row / 6, row % 6);
         (0..cycles.nrows()).map(|l| cycles[(l, j)] * first.self_stress[(6 * l + part, s)]).sum()
     })
@@ -335,8 +376,10 @@ impl Evidence {
             return Ok(first);
         }
         let mut best: Option<(usize, DVector<f64>)> = None;
-        let joints = if support.basis.ncols() > MAX_DIMENSION { &[] } else { &support.blocks[..] };
-        let frames = std::iter::once(None).chain(joints.iter().copied().map(Some));
+        let small = support.basis.ncols() <= MAX_DIMENSION;
+        let of_joints = |j: &usize| small && *j < places.points.len();
+        let joints = support.blocks.iter().copied().filter(of_joints);
+        let frames = std::iter::once(None).chain(joints.map(Some));
         for frame in frames {
             let rows = components(all, support, frame, places);
             let (found, _) = self.supports(&rows, &support.basis, MAX_COMPONENT_SUPPORTS)?;
@@ -365,8 +408,12 @@ fn components(
     });
     let (turn, cross) = (axes.transpose(), arm.cross_matrix());
     for &j in &support.blocks {
-        let force = all.rows(6 * j + 3, 3);
-        let moment = all.rows(6 * j, 3) + cross * force;
+        let Some(joint_rows) = (j < places.points.len()).then_some(6 * j) else {
+            rows.push(all.rows_range(block_rows(j, places.points.len())).into_owned());
+            continue;
+        };
+        let force = all.rows(joint_rows + 3, 3);
+        let moment = all.rows(joint_rows, 3) + cross * force;
         for part in [turn * moment, turn * force] {
             let row = |axis: usize| DMatrix::from_fn(1, part.ncols(), |_, c| part[(axis, c)]);
             rows.extend((0..3).map(row));
@@ -403,7 +450,7 @@ fn image(
 /// Wrenches and line of action of a self-stress.
 ///
 /// # Arguments
-/// * `all` – (6·joints) its wrenches, of norm 1
+/// * `all` – (6·joints + couplings) its wrenches and forces, of norm 1
 fn described(
     system: &MechanismSystem<'_>,
     places: &Places,
@@ -416,7 +463,8 @@ fn described(
         let part: Vector3<f64> = all.fixed_rows::<3>(row).into_owned();
         part.map(|value| if value.abs() <= tolerance { 0.0 } else { value / scale })
     };
-    let wrenches: Vec<JointWrench> = (0..all.len() / 6)
+    let joints = system.kinematics().mechanism().joints();
+    let wrenches: Vec<JointWrench> = (0..joints.len())
         .map(|joint| {
             let (moment, force) = (part(6 * joint), part(6 * joint + 3));
             let arm = (places.reference - places.points[joint]) / places.length;
@@ -425,10 +473,19 @@ fn described(
         })
         .filter(|wrench| wrench.largest() > 0.0)
         .collect();
+    let forces = all.iter().skip(6 * joints.len()).enumerate();
+    let couplings = forces
+        .filter(|(_, force)| force.abs() > tolerance)
+        .map(|(coupling, force)| CouplingForce { coupling, force: force / scale })
+        .collect();
     let main = wrenches
         .iter()
-        .reduce(|a, b| if b.largest() > a.largest() * (1.0 + PARALLEL) { b } else { a })
-        .expect("a self-stress acts in some joint");
+        .reduce(|a, b| if b.largest() > a.largest() * (1.0 + PARALLEL) { b } else { a });
+    let Some(main) = main else {
+        let screw = StressScrew::Couplings;
+        let (group, single_loop, independent) = (0, false, false);
+        return SelfStress { wrenches, couplings, screw, single_loop, group, independent };
+    };
     let same = |other: &JointWrench| {
         [1.0, -1.0].iter().any(|sense| {
             let moment = main.moment - other.moment * *sense;
@@ -436,7 +493,6 @@ fn described(
             moment.amax().max(force.amax()) <= PARALLEL
         })
     };
-    let joints = system.kinematics().mechanism().joints();
     let balls: Vec<usize> = wrenches
         .iter()
         .map(|wrench| wrench.joint)
@@ -446,6 +502,7 @@ fn described(
         screw: screw(main, places, &balls),
         single_loop: wrenches.iter().all(same),
         wrenches,
+        couplings,
         group: 0,
         independent: false,
     }

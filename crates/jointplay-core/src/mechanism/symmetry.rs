@@ -38,6 +38,7 @@ pub(super) fn parallel(a: &Vector3<f64>, b: &Vector3<f64>) -> bool {
 /// All symmetries of a mechanism at a configuration but those that leave every joint where it is.
 ///
 /// Joints that all lie on one line have none here: what turns about the line is not looked for.
+/// Neither have mechanisms with couplings, of which only the geometry may be symmetric.
 ///
 /// # Arguments
 /// * `home` – (f + M) (m, rad)
@@ -49,7 +50,8 @@ pub(super) fn symmetries(
     let links = system.kinematics().link_poses(home)?;
     let unit = system.characteristic_length();
     let joints = mechanism.joints();
-    if joints.len() > MOST_JOINTS || joints.is_empty() {
+    let is_coupled = !mechanism.couplings().is_empty();
+    if joints.len() > MOST_JOINTS || joints.is_empty() || is_coupled {
         return Ok(Vec::new());
     }
     let mut places: Vec<Place> = Vec::with_capacity(joints.len());

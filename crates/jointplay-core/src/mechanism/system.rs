@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
+use super::coupling::{CouplingRow, coupling_rows};
 use super::description::Mechanism;
 use super::kinematics::{
     KinematicState, Kinematics, bracket, carried, check_coordinates, minus, skew_part,
@@ -13,11 +14,11 @@ use crate::spatial::{Pose, rotation_vector};
 /// Most joint and virtual coordinates, or closure equations, of a mechanism that is analysed.
 pub const MAX_DENSE: usize = 240;
 
-/// The loop closures of a mechanism, in coordinates that count from a home configuration.
+/// The loop closures and couplings of a mechanism, in coordinates that count from a home configuration.
 ///
 /// ```text
 ///    Φ  =  (Q ⊗ I_6) · (closure of each joint)        Q Qᵀ = I, rows of Q span the cycles of the graph
-///  (6·loops)
+///  (6·loops)                                        then one row for each coupling
 /// ```
 /// Each loop asks three angles and three lengths; loops are combined to an orthonormal basis of cycles, so that singular values do not depend on which spanning tree was taken.
 /// Lengths are those of the point in the middle of the joints, so that they do not depend on where the base is.
@@ -37,6 +38,7 @@ pub struct MechanismSystem<'a> {
     /// Inverse of the Cholesky factor that makes them so.
     orthonormalizer: DMatrix<f64>,
     angular: AngularMismatch,
+    couplings: Vec<CouplingRow>,
 }
 
 /// Measure of the angular mismatch of a loop; for small angles they are equal.
@@ -74,6 +76,7 @@ impl<'a> MechanismSystem<'a> {
         let (reference, spread) = middle(&kinematics, &home);
         let characteristic_length = mechanism.characteristic_length().unwrap_or(spread);
         let (cycles, orthonormalizer) = orthonormal_cycles(&kinematics);
+        let couplings = coupling_rows(&kinematics, characteristic_length);
         let frames = mechanism.joints().iter().flat_map(|joint| &joint.frames);
         let reach = frames.map(|frame| frame.translation.vector.norm()).fold(0.0, f64::max);
         Ok(Self {
@@ -85,6 +88,7 @@ impl<'a> MechanismSystem<'a> {
             cycles,
             orthonormalizer,
             angular: AngularMismatch::Sine,
+            couplings,
         })
     }
 
@@ -120,7 +124,8 @@ impl<'a> MechanismSystem<'a> {
             let (min, max) = (f64::MIN_POSITIVE, f64::MAX);
             return Err(Error::OutOfRange { what, value: length, min, max, unit: "m" });
         }
-        Ok(Self { characteristic_length: length, ..self })
+        let couplings = coupling_rows(&self.kinematics, length);
+        Ok(Self { characteristic_length: length, couplings, ..self })
     }
 
     /// The same system at a displaced home; reference point and characteristic length stay.
@@ -177,6 +182,18 @@ impl<'a> MechanismSystem<'a> {
     pub fn loop_residuals(&self) -> Vec<(usize, f64)> {
         let sizes = self.loop_mismatches(&self.at_home());
         self.kinematics.closing_joints().iter().copied().zip(sizes).collect()
+    }
+
+    /// Violation of each coupling at home, in radians and characteristic lengths, without sign.
+    #[must_use]
+    pub fn coupling_residuals(&self) -> Vec<f64> {
+        self.coupling_violations(&self.at_home()).into_iter().map(f64::abs).collect()
+    }
+
+    /// Violation of each coupling, in radians and characteristic lengths.
+    fn coupling_violations(&self, at: &Configuration) -> Vec<f64> {
+        let coordinate = |k: usize| self.home[k] + at.coordinates[k];
+        self.couplings.iter().map(|row| row.residual(coordinate)).collect()
     }
 
     /// How far apart the frames of each closing joint are at home.
@@ -242,9 +259,16 @@ impl<'a> MechanismSystem<'a> {
         parts.collect()
     }
 
-    /// Combines loops of the tree to orthonormal cycles.
-    fn combined(&self, raw: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut combined = DMatrix::zeros(raw.nrows(), raw.ncols());
+    /// (6·loops + couplings) the rows of the loops combined to orthonormal cycles, and those of the couplings.
+    ///
+    /// # Arguments
+    /// * `raw` – (6·loops) rows of the loops of the tree
+    fn combined(&self, raw: &DMatrix<f64>, coupled: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
+        let first = raw.nrows();
+        let rows = first + self.couplings.len();
+        let mut combined = DMatrix::from_fn(rows, raw.ncols(), |row, column| {
+            row.checked_sub(first).map_or(0.0, |coupling| coupled(coupling, column))
+        });
         for l in 0..self.orthonormalizer.nrows() {
             for k in 0..=l {
                 let weight = self.orthonormalizer[(l, k)];
@@ -258,7 +282,7 @@ impl<'a> MechanismSystem<'a> {
         combined
     }
 
-    /// (6·loops, f + M) derivative with respect to the displacement of every joint and virtual joint.
+    /// (6·loops + couplings, f + M) derivative with respect to the displacement of every joint and virtual joint.
     pub(super) fn full_jacobian(&self, at: &Configuration) -> DMatrix<f64> {
         let placed = self.placed(at, None);
         let loops = self.kinematics.closing_joints().len();
@@ -300,14 +324,19 @@ impl<'a> MechanismSystem<'a> {
                 }
             }
         }
-        self.combined(&raw)
+        let coupled = |coupling: usize, column: usize| {
+            let entries = self.couplings[coupling].entries.iter();
+            entries.filter(|(k, _)| *k == column).map(|(_, factor)| factor).sum()
+        };
+        self.combined(&raw, coupled)
     }
 }
 
 impl System for MechanismSystem<'_> {
     fn constraint_dimensions(&self) -> Vec<Dimension> {
         let one = [[Dimension::Angle; 3], [Dimension::Length; 3]].concat();
-        one.repeat(self.kinematics.closing_joints().len())
+        let loops = one.repeat(self.kinematics.closing_joints().len());
+        [loops, vec![Dimension::Angle; self.couplings.len()]].concat()
     }
 
     fn coordinate_dimensions(&self) -> Vec<Dimension> {
@@ -328,16 +357,18 @@ impl System for MechanismSystem<'_> {
         f64::EPSILON * (self.reach / self.characteristic_length).max(1.0)
     }
 
-    /// That of the loop that is missed most.
+    /// That of the loop or coupling that is missed most.
     fn mismatch(&self, at: &Configuration) -> f64 {
-        self.loop_mismatches(at).into_iter().fold(0.0, f64::max)
+        let couplings = self.coupling_violations(at).into_iter().map(f64::abs);
+        self.loop_mismatches(at).into_iter().chain(couplings).fold(0.0, f64::max)
     }
 
     fn residual(&self, at: &Configuration) -> DVector<f64> {
         let raw = self.raw_residual(&self.placed(at, None));
         let raw =
             DMatrix::from_iterator(3 * raw.len(), 1, raw.iter().flat_map(|v| v.iter().copied()));
-        self.combined(&raw).column(0).into_owned()
+        let violations = self.coupling_violations(at);
+        self.combined(&raw, |coupling, _| violations[coupling]).column(0).into_owned()
     }
 
     fn constraint_jacobian(&self, at: &Configuration) -> DMatrix<f64> {
@@ -378,7 +409,8 @@ impl System for MechanismSystem<'_> {
                 raw[(6 * l + 3 + axis, 0)] = linear[axis];
             }
         }
-        self.combined(&raw).column(0).into_owned()
+        // Couplings are linear.
+        self.combined(&raw, |_, _| 0.0).column(0).into_owned()
     }
 }
 
@@ -399,7 +431,7 @@ fn rotation_vector_rate(vector: &Vector3<f64>) -> Matrix3<f64> {
 fn too_large(mechanism: &Mechanism) -> Option<(&'static str, usize)> {
     let sizes = [
         ("coordinates", mechanism.joint_freedoms() + mechanism.virtual_joints().len()),
-        ("closure equations", 6 * mechanism.loops()),
+        ("closure equations", mechanism.constraints()),
     ];
     sizes.into_iter().find(|&(_, found)| found > MAX_DENSE)
 }

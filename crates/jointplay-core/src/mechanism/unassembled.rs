@@ -15,6 +15,8 @@ pub struct Unassembled {
     pub near_guess: Closure,
     /// The loops there, the most open first.
     pub loops: Vec<OpenLoop>,
+    /// The couplings that do not hold there, the most violated first.
+    pub couplings: Vec<OpenCoupling>,
     /// Closed configurations found from other starts; where there are any, the guess was the cause.
     pub branches: Vec<Closure>,
     /// The closed configuration within the limits that is nearest the guess, if one was found.
@@ -40,6 +42,15 @@ pub struct OpenLoop {
     pub distance: f64,
     /// Angle between the two frames (rad).
     pub angle: f64,
+}
+
+/// A coupling that does not hold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpenCoupling {
+    /// Name of the coupling.
+    pub name: String,
+    /// Violation, in radians and characteristic lengths.
+    pub mismatch: f64,
 }
 
 impl Unassembled {
@@ -90,6 +101,9 @@ impl Unassembled {
                 "; the loop closed by joint {joint:?} stays open by {mismatch:.3e}: its frames on links {first:?} and {second:?} are {distance:.3e} m and {angle:.3e} rad apart"
             )
         });
+        let coupled = self.couplings.first().map_or(String::new(), |open| {
+            format!("; coupling {:?} is violated by {:.3e}", open.name, open.mismatch)
+        });
         let drifts = if self.near_guess_drifts {
             format!(
                 "; from the guess the correction did not converge in {} iterations, and the links moved apart",
@@ -100,7 +114,7 @@ impl Unassembled {
         };
         if self.branches.is_empty() {
             format!(
-                "the loops cannot be closed: best mismatch {:.3e} (radians and characteristic lengths) from the guess and {} other starts{worst}{near_miss}{drifts}",
+                "the loops cannot be closed: best mismatch {:.3e} (radians and characteristic lengths) from the guess and {} other starts{worst}{coupled}{near_miss}{drifts}",
                 self.best.residual, self.starts
             )
         } else {

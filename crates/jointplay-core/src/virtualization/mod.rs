@@ -11,7 +11,7 @@
 //! | [`Planar`] | u_k, v_k | r_k u(β_k) + (u_k, v_k) |
 //!
 //! with u(θ) = (cos θ, sin θ).
-//! Your own virtualization implements [`Virtualization`]; `examples/03_own_virtualization.rs` shows one.
+//! Your own virtualization implements [`Virtualization`]; `crates/jointplay/examples/03_own_virtualization.rs` shows one.
 
 mod built_in;
 mod definition;

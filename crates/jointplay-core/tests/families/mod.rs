@@ -65,7 +65,7 @@ pub(crate) fn scissor_lift(stages: usize) -> Mechanism {
 /// A row of Bennett linkages that unfolds as one; the guesses close it.
 ///
 /// # Source
-/// Cells and their common hinges as in `robots/bennett-network.toml`
+/// Cells and their common hinges as in `crates/jointplay-format/robots/bennett-network.toml`
 pub(crate) fn bennett_row(cells: usize) -> Mechanism {
     let (a, b) = (0.22, 0.11);
     let (alpha, beta) = (90.0_f64.to_radians(), 150.0_f64.to_radians());

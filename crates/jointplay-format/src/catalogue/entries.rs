@@ -14,7 +14,7 @@ pub struct Entry {
 /// One entry of the table from the name of a file.
 macro_rules! entry {
     ($name:literal) => {
-        Entry { name: $name, text: include_str!(concat!("../../../../robots/", $name, ".toml")) }
+        Entry { name: $name, text: include_str!(concat!("../../robots/", $name, ".toml")) }
     };
 }
 
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn the_table_lists_every_file_of_the_folder() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/robots");
         let mut names: Vec<String> = std::fs::read_dir(folder)
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())

@@ -34,4 +34,4 @@ pub use surface::MAX_TRIANGLES;
 pub use taught::{inconsistent_points, inconsistent_references};
 
 /// Example cell: a robot with two arms, two load ports, an aligner and a process station.
-pub const EXAMPLE: &str = include_str!("../../../../cells/example.toml");
+pub const EXAMPLE: &str = include_str!("../../cells/example.toml");

@@ -24,6 +24,7 @@
 
 mod attached_frame;
 mod changed_dimension;
+mod coupling;
 mod edit;
 pub mod frame;
 mod header;

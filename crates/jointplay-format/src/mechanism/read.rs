@@ -5,6 +5,7 @@ use std::ops::Range;
 use jointplay_core::mechanism::{Joint, Mechanism, MechanismError};
 
 use super::attached_frame::attached_frame;
+use super::coupling::coupling;
 use super::header::{MAX_BYTES, has_other_kind, units};
 use super::joint::{Links, joint};
 use super::names::{printable_name, prose};
@@ -170,6 +171,9 @@ fn mechanism(
     let known = Joints::new(&tables, &joints, &links.names);
     let virtual_joints: Vec<_> =
         virtual_tables.iter_mut().map(|table| virtual_joint(values, table, &known)).collect();
+    let mut coupling_tables = top.tables("coupling");
+    let couplings: Vec<_> =
+        coupling_tables.iter_mut().map(|table| coupling(values, table, &known)).collect();
     let mut frame_tables = top.tables("frame");
     let frames: Vec<_> =
         frame_tables.iter_mut().map(|table| attached_frame(values, table, &links)).collect();
@@ -181,12 +185,14 @@ fn mechanism(
         return None;
     }
     let blamed = |error: MechanismError| {
-        let tables = [&tables, &virtual_tables, &frame_tables].map(Vec::as_slice);
+        let tables = [&tables, &virtual_tables, &coupling_tables, &frame_tables].map(Vec::as_slice);
         values.reader.report(blame(top, tables, &error), error);
     };
     let mechanism = Mechanism::new(title, links.names.clone(), joints).map_err(blamed).ok()?;
     let virtual_joints = virtual_joints.into_iter().collect::<Option<Vec<_>>>()?;
     let mechanism = mechanism.with_virtual_joints(virtual_joints).map_err(blamed).ok()?;
+    let couplings = couplings.into_iter().collect::<Option<Vec<_>>>()?;
+    let mechanism = mechanism.with_couplings(couplings).map_err(blamed).ok()?;
     let frames = frames.into_iter().collect::<Option<Vec<_>>>()?;
     mechanism.with_frames(frames).map_err(blamed).ok()
 }
@@ -206,8 +212,8 @@ fn links<'r, 'a>(table: &Table<'r, 'a>) -> Vec<Entry<'r, 'a>> {
 /// The part of the file that an error of the mechanism is about.
 ///
 /// # Arguments
-/// * `tables` – of joints, virtual joints and frames
-fn blame(top: &Table, tables: [&[Table]; 3], error: &MechanismError) -> Range<usize> {
+/// * `tables` – of joints, virtual joints, couplings and frames
+fn blame(top: &Table, tables: [&[Table]; 4], error: &MechanismError) -> Range<usize> {
     use MechanismError as E;
     let joints = tables[0];
     let is_named = |table: &&Table, name: &str| {
@@ -235,6 +241,10 @@ fn blame(top: &Table, tables: [&[Table]; 3], error: &MechanismError) -> Range<us
             .flat_map(links)
             .find(|entry| entry.value.get_ref().as_str() == Some(link))
             .map(|entry| entry.span()),
+        E::CoupledRotation { coupling, .. } | E::CoupledTwice { coupling, .. } => {
+            let found = tables[2].iter().find(|table| is_named(table, coupling));
+            found.and_then(|table| span(table, "coordinate"))
+        }
         E::NotFinite { name, .. } => {
             joints.iter().find(|table| is_named(table, name)).and_then(|table| span(table, "name"))
         }

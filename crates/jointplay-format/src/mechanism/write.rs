@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use jointplay_core::mechanism::{
-    Carrier, Joint, JointKind, LinearAndAngular, Mechanism, VirtualJoint, VirtualMotion,
+    Carrier, Coupling, Joint, JointCoordinate, JointKind, LinearAndAngular, Mechanism,
+    VirtualJoint, VirtualMotion,
 };
 use jointplay_core::spatial::Pose;
 use nalgebra::Vector3;
@@ -33,6 +34,9 @@ pub fn write(mechanism: &Mechanism, source: Option<&str>) -> String {
     }
     for joint in mechanism.virtual_joints() {
         write_virtual_joint(&mut file, mechanism, joint, Units::SI);
+    }
+    for coupling in mechanism.couplings() {
+        write_coupling(&mut file, mechanism, coupling);
     }
     for frame in mechanism.frames() {
         file.push_str("\n[[frame]]\n");
@@ -138,6 +142,31 @@ pub(super) fn write_virtual_joint(
     }
 }
 
+fn write_coupling(file: &mut String, mechanism: &Mechanism, coupling: &Coupling) {
+    let name = |one: JointCoordinate| {
+        let joint = &mechanism.joints()[one.joint];
+        let several = joint.kind.freedoms() > 1;
+        quoted(&if several {
+            format!("{}[{}]", joint.name, one.freedom)
+        } else {
+            joint.name.clone()
+        })
+    };
+    file.push_str("\n[[coupling]]\n");
+    line(file, "name", quoted(&coupling.name));
+    line(file, "coordinate", name(coupling.follower));
+    if !coupling.terms.is_empty() {
+        let term = |&(one, ratio): &(JointCoordinate, f64)| {
+            format!("{{ coordinate = {}, ratio = {} }}", name(one), decimal(ratio))
+        };
+        let terms: Vec<String> = coupling.terms.iter().map(term).collect();
+        line(file, "terms", format!("[{}]", terms.join(", ")));
+    }
+    if coupling.offset != 0.0 {
+        line(file, "offset", decimal(coupling.offset));
+    }
+}
+
 fn line(file: &mut String, key: &str, value: impl std::fmt::Display) {
     writeln!(file, "{key} = {value}").expect("a string takes any text");
 }
@@ -189,6 +218,7 @@ mod tests {
             }
             assert_eq!(&found, expected);
         }
+        assert_eq!(read.couplings(), mechanism.couplings());
         assert_eq!(read.frames().len(), mechanism.frames().len());
         for (found, expected) in read.frames().iter().zip(mechanism.frames()) {
             assert_eq!((&found.name, found.link), (&expected.name, expected.link));
@@ -218,8 +248,39 @@ mod tests {
     }
 
     #[test]
+    fn couplings_are_read_in_the_units_of_the_file_and_written() {
+        let couplings = r#"
+[[coupling]]
+name = "thread"
+coordinate = "slider[0]"
+terms = [{ coordinate = "crank", ratio = "10 / 360" }, { coordinate = "cardan[1]", ratio = 0.5 }]
+offset = "a / 22"
+
+[[coupling]]
+name = "brake"
+coordinate = "cardan[0]"
+offset = 90
+"#;
+        let text = include_str!("sample.toml").replace("[[virtual_joint]]", "[[ignored]]");
+        let joints = text.split("[[ignored]]").next().unwrap();
+        let mechanism = parse(&format!("{joints}{couplings}"))
+            .map_err(|error| error.with_excerpt("coupled"))
+            .unwrap()
+            .mechanism;
+        let [thread, brake] = mechanism.couplings() else { panic!() };
+        let lead = 0.01 / TAU;
+        assert_eq!(thread.offset, 0.01);
+        let (crank, ratio) = thread.terms[0];
+        assert_eq!((crank.joint, crank.freedom), (0, 0));
+        assert!((ratio - lead).abs() < 1e-15 * lead, "{ratio}");
+        assert_eq!((thread.terms[1].0.joint, thread.terms[1].0.freedom), (1, 1));
+        assert_eq!((brake.terms.len(), brake.offset), (0, f64::to_radians(90.0)));
+        check(&mechanism);
+    }
+
+    #[test]
     fn the_whole_catalogue_is_read_and_written() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/robots");
         let mut count = 0;
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();

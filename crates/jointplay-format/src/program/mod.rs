@@ -43,4 +43,4 @@ pub use words::keywords;
 pub use write::write;
 
 /// Example program for the example cell: a lot of 25 wafers is processed and returned.
-pub const EXAMPLE: &str = include_str!("../../../../cells/example.program");
+pub const EXAMPLE: &str = include_str!("../../cells/example.program");

@@ -11,13 +11,17 @@ pub struct Example {
 
 macro_rules! entry {
     ($name:literal) => {
-        Example { name: $name, text: include_str!(concat!("../../../../studies/", $name, ".toml")) }
+        Example { name: $name, text: include_str!(concat!("../../studies/", $name, ".toml")) }
     };
 }
 
 /// All files of the folder `studies`, the first one first; a test holds the table to the folder.
-const EXAMPLES: &[Example] =
-    &[entry!("center-shift"), entry!("misbuilt"), entry!("play-over-the-workspace")];
+const EXAMPLES: &[Example] = &[
+    entry!("center-shift"),
+    entry!("misbuilt"),
+    entry!("play-over-the-workspace"),
+    entry!("slider-crank"),
+];
 
 /// All study files that come with the program, the one to begin with first.
 #[must_use]
@@ -37,7 +41,7 @@ mod tests {
 
     #[test]
     fn the_table_is_the_folder() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../studies");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/studies");
         let mut names: Vec<String> = std::fs::read_dir(folder)
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -51,7 +55,7 @@ mod tests {
     #[test]
     fn every_file_can_be_read() {
         for example in examples() {
-            if let Err(error) = super::super::parse(example.text, super::super::robot_of) {
+            if let Err(error) = super::super::parse(example.text, super::super::mechanism_of) {
                 panic!("{}", error.with_excerpt(example.name));
             }
         }

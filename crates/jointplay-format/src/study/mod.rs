@@ -7,13 +7,18 @@
 //! | know the columns of its table | [`StudyFile::columns`] |
 
 mod examples;
+mod file;
+mod mechanism_study;
 mod names;
+mod platform;
 mod problem;
+mod quantity;
 mod read;
 mod spread;
 mod tree;
 
 pub use examples::{Example, example, examples};
+pub use file::StudyFile;
 pub use names::{Column, Source};
 pub use problem::{Error, Errors, Problem};
-pub use read::{MAX_BYTES, StudyFile, parse, robot_of};
+pub use read::{MAX_BYTES, mechanism_of, parse};

@@ -4,9 +4,7 @@ use jointplay_core::bulk::Quantity;
 use jointplay_core::virtualization::{VirtualJointKind, Virtualization};
 use jointplay_study::plan::{Dimension, OutputQuantity, Plan, PlatformQuantity, TiltForm};
 
-use super::Problem;
-use crate::file_problem::FileProblem;
-use crate::place::nearest;
+use super::quantity::{ANGLES, Asked, Group, LENGTHS, NUMBERS, Term};
 use crate::units::Unit;
 
 /// A column of a study's table.
@@ -43,78 +41,55 @@ pub enum Source {
     },
 }
 
-/// Something that can be asked for.
-struct Term {
-    /// Its name without unit.
-    stem: String,
-    units: &'static [Unit],
-    wanted: OutputQuantity,
-}
-
-/// A name of several quantities.
-struct Group {
-    name: &'static str,
-    units: &'static [Unit],
-    has: fn(&OutputQuantity) -> bool,
-}
-
-const GROUPS: [Group; 5] = [
-    Group {
-        name: "rods",
-        units: &Unit::LENGTHS,
-        has: |wanted| matches!(wanted, OutputQuantity::Rod(_)),
-    },
-    Group {
-        name: "sides",
-        units: &Unit::LENGTHS,
-        has: |wanted| matches!(wanted, OutputQuantity::Side(_)),
-    },
-    Group {
-        name: "dimensions",
-        units: &[],
-        has: |wanted| matches!(wanted, OutputQuantity::Built { .. }),
-    },
-    Group {
-        name: "ball_displacements",
-        units: &Unit::LENGTHS,
-        has: |wanted| {
-            matches!(
-                wanted,
-                OutputQuantity::Model {
-                    measure: PlatformQuantity::Quantity(Quantity::BallDisplacement(_)),
-                    ..
-                }
-            )
+/// Names of several quantities of the robot.
+pub(super) fn groups() -> Vec<Group<OutputQuantity>> {
+    vec![
+        Group {
+            name: "rods",
+            units: &Unit::LENGTHS,
+            has: Box::new(|wanted| matches!(wanted, OutputQuantity::Rod(_))),
         },
-    },
-    Group {
-        name: "virtual_joints",
-        units: &[],
-        has: |wanted| {
-            matches!(
-                wanted,
-                OutputQuantity::Model {
-                    measure: PlatformQuantity::Quantity(Quantity::VirtualJoint(_)),
-                    ..
-                }
-            )
+        Group {
+            name: "sides",
+            units: &Unit::LENGTHS,
+            has: Box::new(|wanted| matches!(wanted, OutputQuantity::Side(_))),
         },
-    },
-];
-
-/// Something asked for, with the unit that it is to have.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Asked {
-    pub(super) wanted: OutputQuantity,
-    pub(super) unit: Unit,
+        Group {
+            name: "dimensions",
+            units: &[],
+            has: Box::new(|wanted| matches!(wanted, OutputQuantity::Built { .. })),
+        },
+        Group {
+            name: "ball_displacements",
+            units: &Unit::LENGTHS,
+            has: Box::new(|wanted| {
+                matches!(
+                    wanted,
+                    OutputQuantity::Model {
+                        measure: PlatformQuantity::Quantity(Quantity::BallDisplacement(_)),
+                        ..
+                    }
+                )
+            }),
+        },
+        Group {
+            name: "virtual_joints",
+            units: &[],
+            has: Box::new(|wanted| {
+                matches!(
+                    wanted,
+                    OutputQuantity::Model {
+                        measure: PlatformQuantity::Quantity(Quantity::VirtualJoint(_)),
+                        ..
+                    }
+                )
+            }),
+        },
+    ]
 }
-
-const LENGTHS: &[Unit] = &Unit::LENGTHS;
-const ANGLES: &[Unit] = &Unit::ANGLES;
-const NUMBERS: &[Unit] = &[Unit::One];
 
 /// All that can be asked for under these virtualizations.
-fn terms(models: &[&'static (dyn Virtualization + Sync)]) -> Vec<Term> {
+pub(super) fn terms(models: &[&'static (dyn Virtualization + Sync)]) -> Vec<Term<OutputQuantity>> {
     let mut terms = Vec::new();
     let mut free = |stem: String, units, wanted| terms.push(Term { stem, units, wanted });
     for k in 0..3 {
@@ -176,71 +151,8 @@ fn terms(models: &[&'static (dyn Virtualization + Sync)]) -> Vec<Term> {
     terms
 }
 
-/// What a name asks for: one entry for each virtualization that has it.
-pub(super) fn resolve(
-    name: &str,
-    models: &[&'static (dyn Virtualization + Sync)],
-) -> Result<Vec<Asked>, Problem> {
-    let terms = terms(models);
-    let named = |stem: &str, units: &[Unit]| {
-        units.iter().copied().find(|unit| name.strip_prefix(stem) == Some(unit.suffix()))
-    };
-    let found: Vec<Asked> = terms
-        .iter()
-        .filter_map(|term| {
-            let unit = named(&term.stem, term.units)?;
-            Some(Asked { wanted: term.wanted, unit })
-        })
-        .collect();
-    if !found.is_empty() {
-        return Ok(found);
-    }
-    for group in &GROUPS {
-        let given = named(group.name, group.units);
-        if given.is_some() || (group.units.is_empty() && name == group.name) {
-            let members = terms.iter().filter(|term| (group.has)(&term.wanted));
-            let asked =
-                |term: &Term| Asked { wanted: term.wanted, unit: given.unwrap_or(term.units[0]) };
-            return Ok(members.map(asked).collect());
-        }
-    }
-    let every = || {
-        let terms = terms.iter().map(|term| (term.stem.as_str(), term.units));
-        terms.chain(GROUPS.iter().map(|group| (group.name, group.units)))
-    };
-    let with_units = |stem: &str, units: &[Unit]| -> Vec<String> {
-        let units = if units.is_empty() { NUMBERS } else { units };
-        units.iter().map(|unit| format!("{stem}{}", unit.suffix())).collect()
-    };
-    // The quantity without its unit, or with one of another kind.
-    let bare = every().find(|(stem, units)| {
-        let all = [LENGTHS, ANGLES, NUMBERS].concat();
-        let rest = name.strip_prefix(stem);
-        rest.is_some_and(|rest| !units.is_empty() && all.iter().any(|unit| unit.suffix() == rest))
-    });
-    if let Some((stem, units)) = bare
-        && units != NUMBERS
-    {
-        let units = with_units(stem, units);
-        return Err(Problem::Unit { quantity: stem.to_owned(), units });
-    }
-    let mut known: Vec<String> = Vec::new();
-    for (stem, units) in every() {
-        let usual = with_units(stem, units).swap_remove(0);
-        if !known.contains(&usual) {
-            known.push(usual);
-        }
-    }
-    Err(Problem::Common(FileProblem::Unknown {
-        what: "quantity".to_owned(),
-        found: name.to_owned(),
-        nearest: nearest(name, known.iter().map(String::as_str)),
-        known,
-    }))
-}
-
 /// Columns of what is commanded, with what is wanted for them.
-pub(super) fn commanded(plan: &Plan) -> Vec<(String, Asked, bool)> {
+pub(super) fn commanded(plan: &Plan) -> Vec<(String, Asked<OutputQuantity>, bool)> {
     let (first, second) = match plan.tilt.form {
         TiltForm::AzimuthAngle => ("azimuth", "tilt"),
         TiltForm::AboutXAndY => ("tilt_x", "tilt_y"),
@@ -258,14 +170,14 @@ pub(super) fn commanded(plan: &Plan) -> Vec<(String, Asked, bool)> {
 /// The columns of a table: sample, draw, what is commanded, what no virtualization changes, then each virtualization with its status.
 ///
 /// Puts what is wanted into the plan, in the same order.
-pub(super) fn columns(plan: &mut Plan, asked: &[Asked]) -> Vec<Column> {
+pub(super) fn columns(plan: &mut Plan, asked: &[Asked<OutputQuantity>]) -> Vec<Column> {
     let mut columns = vec![Column { name: "sample".to_owned(), source: Source::Sample }];
     let grid = [&plan.height, &plan.tilt.first, &plan.tilt.second];
     if plan.draws_anything() && grid.iter().any(|spread| spread.values() > 1) {
         columns.push(Column { name: "draw".to_owned(), source: Source::Draw });
     }
     let mut wanted = Vec::new();
-    let mut number = |name: String, asked: &Asked, typed: bool, repeats: bool| {
+    let mut number = |name: String, asked: &Asked<OutputQuantity>, typed: bool, repeats: bool| {
         wanted.push(asked.wanted);
         let source = Source::Number { index: wanted.len() - 1, unit: asked.unit, typed, repeats };
         Column { name, source }

@@ -3,7 +3,7 @@
 use crate::file_problem::FileProblem;
 use crate::number::number;
 use crate::place::{self, listed};
-use crate::{robot, steps};
+use crate::{coordinates, mechanism, robot, steps};
 
 /// An error of a study file with its place.
 pub type Error = place::Error<Problem>;
@@ -36,7 +36,7 @@ pub enum Problem {
     #[error("`{key}`: {source}")]
     Range {
         /// The key.
-        key: &'static str,
+        key: String,
         /// The error of the range.
         source: steps::Error,
     },
@@ -46,7 +46,7 @@ pub enum Problem {
     )]
     Spread {
         /// The key.
-        key: &'static str,
+        key: String,
     },
     /// A tolerance that is not drawn.
     #[error(
@@ -54,13 +54,13 @@ pub enum Problem {
     )]
     NotDrawn {
         /// The key.
-        key: &'static str,
+        key: String,
     },
     /// A range to draw from whose ends do not ascend.
     #[error("`{key}`: uniform from {} to {} is no range; the first has to be the smaller", number(*.from), number(*.to))]
     Reversed {
         /// The key.
-        key: &'static str,
+        key: String,
         /// From.
         from: f64,
         /// To.
@@ -70,7 +70,7 @@ pub enum Problem {
     #[error("`{key}`: a standard deviation of {} is not positive", number(*.value))]
     Deviation {
         /// The key.
-        key: &'static str,
+        key: String,
         /// The value found.
         value: f64,
     },
@@ -114,6 +114,23 @@ pub enum Problem {
     /// A metric that is none.
     #[error("the metric has to be \"paper\", \"radius\", or a length in mm from 1e-9 to 1e9")]
     Metric,
+    /// A mechanism that cannot be had, or that no study takes.
+    #[error("{message}")]
+    Mechanism {
+        /// Why.
+        message: String,
+    },
+    /// An invalid mechanism file.
+    #[error("the mechanism {name:?} is invalid: {errors}")]
+    MechanismFile {
+        /// How the study calls it.
+        name: String,
+        /// The errors of the mechanism file.
+        errors: mechanism::Errors,
+    },
+    /// A name that is no joint coordinate.
+    #[error(transparent)]
+    Coordinate(#[from] coordinates::Error),
     /// A robot that cannot be had.
     #[error("{message}")]
     Robot {

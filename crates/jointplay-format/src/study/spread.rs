@@ -9,11 +9,10 @@ use crate::steps;
 
 /// The values that a key may have, and their conversion to SI.
 #[derive(Clone, Copy)]
-pub(super) struct Key {
-    pub(super) name: &'static str,
+pub(super) struct Allowed<'f> {
     /// Least and greatest, in the unit of the file.
     pub(super) bounds: (f64, f64),
-    pub(super) to_si: fn(f64) -> f64,
+    pub(super) to_si: &'f dyn Fn(f64) -> f64,
 }
 
 /// Names of distributions.
@@ -21,14 +20,14 @@ const UNIFORM: &str = "uniform";
 const NORMAL: &str = "normal";
 
 /// Reads the values of a key.
-pub(super) fn read(reader: &Reader, key: &Key, entry: &Entry) -> Option<Variation> {
-    let name = key.name;
-    let (min, max) = key.bounds;
+pub(super) fn read(reader: &Reader, allowed_values: &Allowed, entry: &Entry) -> Option<Variation> {
+    let Allowed { bounds: (min, max), to_si } = *allowed_values;
     let allowed = AllowedRange::Within(min, max);
     let numbers = match entry.value.get_ref() {
         DeValue::Integer(_) | DeValue::Float(_) => vec![entry.number(reader, allowed)?],
         DeValue::String(range) => {
-            let invalid = |source| entry.report(reader, Problem::Range { key: name, source });
+            let invalid =
+                |source| entry.report(reader, Problem::Range { key: entry.key.to_owned(), source });
             let numbers = steps::parse(range).map_err(invalid).ok()?;
             let outside = |number: &&f64| !(min..=max).contains(*number);
             if let Some(&number) = numbers.iter().find(outside) {
@@ -39,11 +38,11 @@ pub(super) fn read(reader: &Reader, key: &Key, entry: &Entry) -> Option<Variatio
         DeValue::Array(_) => {
             let list = entry.list(reader)?;
             if list.is_empty() {
-                entry.report(reader, Problem::Empty { key: name.to_owned() });
+                entry.report(reader, Problem::Empty { key: entry.key.to_owned() });
                 return None;
             }
             if list.iter().any(|entry| !is_number(entry)) {
-                entry.report(reader, Problem::Spread { key: name });
+                entry.report(reader, Problem::Spread { key: entry.key.to_owned() });
                 return None;
             }
             let numbers: Vec<_> = list.iter().map(|entry| entry.number(reader, allowed)).collect();
@@ -51,18 +50,23 @@ pub(super) fn read(reader: &Reader, key: &Key, entry: &Entry) -> Option<Variatio
         }
         DeValue::Table(table) if table.len() == 1 => {
             let table = entry.table(reader, "a distribution")?;
-            return drawn(&table, key, allowed, entry);
+            return drawn(&table, to_si, allowed, entry);
         }
         _ => {
-            entry.report(reader, Problem::Spread { key: name });
+            entry.report(reader, Problem::Spread { key: entry.key.to_owned() });
             return None;
         }
     };
-    Some(Variation::Values(numbers.into_iter().map(key.to_si).collect()))
+    Some(Variation::Values(numbers.into_iter().map(to_si).collect()))
 }
 
 /// A distribution: a table with one key.
-fn drawn(table: &Table, key: &Key, allowed: AllowedRange, entry: &Entry) -> Option<Variation> {
+fn drawn(
+    table: &Table,
+    to_si: &dyn Fn(f64) -> f64,
+    allowed: AllowedRange,
+    entry: &Entry,
+) -> Option<Variation> {
     let reader = table.reader;
     let (uniform, normal) = (table.entry(UNIFORM), table.entry(NORMAL));
     table.finish();
@@ -72,30 +76,33 @@ fn drawn(table: &Table, key: &Key, allowed: AllowedRange, entry: &Entry) -> Opti
         _ => Vec::new(),
     };
     let [first, second] = numbers.as_slice() else {
-        entry.report(reader, Problem::Spread { key: key.name });
+        entry.report(reader, Problem::Spread { key: entry.key.to_owned() });
         return None;
     };
     if !is_number(first) || !is_number(second) {
-        entry.report(reader, Problem::Spread { key: key.name });
+        entry.report(reader, Problem::Spread { key: entry.key.to_owned() });
         return None;
     }
     // Messages name the key of the study, not the distribution.
     let number =
-        |found: &Entry| Entry { key: key.name, value: found.value }.number(reader, allowed);
+        |found: &Entry| Entry { key: entry.key, value: found.value }.number(reader, allowed);
     let (one, other) = (number(first), number(second));
     let (one, other) = (one?, other?);
     if uniform.is_some() {
         if one >= other {
-            entry.report(reader, Problem::Reversed { key: key.name, from: one, to: other });
+            entry.report(
+                reader,
+                Problem::Reversed { key: entry.key.to_owned(), from: one, to: other },
+            );
             return None;
         }
-        return Some(Variation::Uniform { from: (key.to_si)(one), to: (key.to_si)(other) });
+        return Some(Variation::Uniform { from: to_si(one), to: to_si(other) });
     }
     if other <= 0.0 {
-        entry.report(reader, Problem::Deviation { key: key.name, value: other });
+        entry.report(reader, Problem::Deviation { key: entry.key.to_owned(), value: other });
         return None;
     }
-    Some(Variation::Normal { mean: (key.to_si)(one), deviation: (key.to_si)(other) })
+    Some(Variation::Normal { mean: to_si(one), deviation: to_si(other) })
 }
 
 fn is_number(entry: &Entry) -> bool {

@@ -3,13 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use jointplay_core::mechanism::{Joint, JointKind, LinearAndAngular, Mechanism, MechanismError};
+use jointplay_core::mechanism::{
+    Coupling, Joint, JointCoordinate, JointKind, LinearAndAngular, Mechanism, MechanismError,
+};
 use jointplay_core::spatial::Pose;
 use roxmltree::Node;
 
 use super::model::{Dialect, Imported};
 use super::problem::Error;
-use super::xml::{Xml, place};
+use super::xml::{Value, Xml, place};
 
 pub(super) struct Draft<'a> {
     pub(super) xml: Xml<'a>,
@@ -17,6 +19,7 @@ pub(super) struct Draft<'a> {
     links: Named,
     joints: Named,
     pub(super) descriptions: Vec<Joint>,
+    couplings: Vec<(Coupling, Range<usize>)>,
     /// Names in the model, which generated names avoid.
     taken: BTreeSet<&'a str>,
     ignored: BTreeMap<String, usize>,
@@ -56,6 +59,7 @@ impl<'a> Draft<'a> {
             links: Named::default(),
             joints: Named::default(),
             descriptions: Vec::new(),
+            couplings: Vec::new(),
             taken: root.descendants().filter_map(|node| node.attribute("name")).collect(),
             ignored: BTreeMap::new(),
             remarks: Vec::new(),
@@ -100,6 +104,26 @@ impl<'a> Draft<'a> {
         Ok(())
     }
 
+    /// Adds a coupling.
+    pub(super) fn add_coupling(&mut self, coupling: Coupling, place: Range<usize>) {
+        self.couplings.push((coupling, place));
+    }
+
+    /// Number of couplings so far.
+    pub(super) fn couplings(&self) -> usize {
+        self.couplings.len()
+    }
+
+    /// The coordinate of a joint, which has to have one.
+    pub(super) fn coordinate(&self, joint: &Value) -> Result<JointCoordinate, Error> {
+        let number = self.joint(joint.text);
+        let number = number.ok_or_else(|| self.xml.unknown("joint", joint, self.joint_names()))?;
+        match self.descriptions[number].kind.freedoms() {
+            1 => Ok(JointCoordinate { joint: number, freedom: 0 }),
+            _ => Err(self.xml.unusable(joint, "a joint with one coordinate")),
+        }
+    }
+
     pub(super) fn joint(&self, name: &str) -> Option<usize> {
         self.joints.numbers.get(name).copied()
     }
@@ -111,7 +135,10 @@ impl<'a> Draft<'a> {
     /// A generated name: this one, with a number if the model already has it.
     pub(super) fn fresh(&self, name: String) -> String {
         let is_free = |name: &str| {
-            !self.taken.contains(name) && self.link(name).is_none() && self.joint(name).is_none()
+            let is_coupling = self.couplings.iter().any(|(coupling, _)| coupling.name == name);
+            !(self.taken.contains(name) || is_coupling)
+                && self.link(name).is_none()
+                && self.joint(name).is_none()
         };
         if is_free(&name) {
             return name;
@@ -139,11 +166,22 @@ impl<'a> Draft<'a> {
     /// The mechanism, or an error with its place.
     pub(super) fn finish(self, name: &str, dialect: Dialect) -> Result<Imported, Error> {
         let Self { xml, root, links, joints, descriptions, ignored, mut remarks, .. } = self;
-        let mechanism = Mechanism::new(name, links.names.clone(), descriptions);
+        let (couplings, places): (Vec<_>, Vec<_>) = self.couplings.into_iter().unzip();
+        let names: Vec<String> = couplings.iter().map(|one| one.name.clone()).collect();
+        let place_of = |coupling: &String| {
+            let number = names.iter().position(|name| name == coupling)?;
+            Some(places[number].clone())
+        };
+        let mechanism = Mechanism::new(name, links.names.clone(), descriptions)
+            .and_then(|mechanism| mechanism.with_couplings(couplings));
         let mechanism = mechanism.map_err(|error| {
             use MechanismError as E;
             let found = match &error {
                 E::Dangling { link, .. } => links.place(link),
+                E::CoupledRotation { coupling, .. } | E::CoupledTwice { coupling, .. } => {
+                    place_of(coupling)
+                }
+                E::NameTwice { name } => place_of(name),
                 E::JoinedToItself { joint: name, .. }
                 | E::NotFinite { name, .. }
                 | E::LimitsReversed { name, .. } => joints.place(name),

@@ -1,11 +1,11 @@
 //! Robots of ROS (URDF): links in a tree; loops come from a second file, see [`super::parse_closed`].
 //!
 //! The root link is the base.
-//! Joints of a transmission, or with a command interface, are actuated.
+//! Joints of a transmission, or with a command interface, are actuated; a joint that mimics another is coupled to it.
 
 use std::collections::BTreeSet;
 
-use jointplay_core::mechanism::JointKind;
+use jointplay_core::mechanism::{Coupling, JointKind};
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Translation3, Vector3};
 use roxmltree::Node;
@@ -79,8 +79,13 @@ pub(super) fn read<'a>(
         add_link(&mut draft, link)?;
     }
     let mut is_carried = vec![false; draft.links()];
+    let mut mimics = Vec::new();
     for node in joints {
-        joint(&mut draft, node, &mut is_carried, solved)?;
+        mimics.extend(joint(&mut draft, node, &mut is_carried, solved)?);
+    }
+    // After all joints: one can mimic a later one.
+    for (node, element) in mimics {
+        mimic(&mut draft, node, element)?;
     }
     for section in children(root) {
         let driven: Vec<Node> = match section.tag_name().name() {
@@ -130,12 +135,16 @@ fn add_link<'a>(draft: &mut Draft<'a>, link: Node<'a, 'a>) -> Result<(), Error> 
     Ok(())
 }
 
+/// A joint and its element `mimic`.
+type Mimic<'a> = (Node<'a, 'a>, Node<'a, 'a>);
+
+/// Adds a joint; returns it with its `mimic`, if it has one.
 fn joint<'a>(
     draft: &mut Draft<'a>,
     node: Node<'a, 'a>,
     is_carried: &mut [bool],
     solved: &BTreeSet<&str>,
-) -> Result<(), Error> {
+) -> Result<Option<Mimic<'a>>, Error> {
     let xml = draft.xml;
     let name = xml.needed_name(node)?;
     let value = attribute(node, "type").ok_or_else(|| xml.missing(node, "type"))?;
@@ -151,7 +160,7 @@ fn joint<'a>(
             return Err(xml.unusable(&value, expected));
         }
     };
-    let (mut ends, mut parts) = ([None, None], [None, None, None]);
+    let (mut ends, mut parts, mut mimic) = ([None, None], [None, None, None], None);
     for part in children(node) {
         let slot = match part.tag_name().name() {
             "parent" => &mut ends[0],
@@ -163,12 +172,7 @@ fn joint<'a>(
                 draft.ignore("mimic of a joint that a loop determines");
                 continue;
             }
-            "mimic" => {
-                let advice = Advice(
-                    "mechanisms have no coupling of joints yet; remove it to import the model with both joints free",
-                );
-                return Err(xml.unsupported(part, "a joint that mimics another", advice));
-            }
+            "mimic" => &mut mimic,
             other => {
                 if let Some(known) = similar_to_known(other) {
                     let advice = Advice("correct the name, or remove the element");
@@ -225,7 +229,25 @@ fn joint<'a>(
             _ => {}
         }
     }
-    draft.add_joint(joint, place(node))
+    draft.add_joint(joint, place(node))?;
+    Ok(mimic.map(|mimic| (node, mimic)))
+}
+
+/// A joint that mimics another: q = multiplier · q_other + offset.
+fn mimic<'a>(draft: &mut Draft<'a>, joint: Node<'a, 'a>, mimic: Node<'a, 'a>) -> Result<(), Error> {
+    let xml = draft.xml;
+    let name = attribute(joint, "name").ok_or_else(|| xml.missing(joint, "name"))?;
+    let leader = attribute(mimic, "joint").ok_or_else(|| xml.missing(mimic, "joint"))?;
+    let (follower, leader) = (draft.coordinate(&name)?, draft.coordinate(&leader)?);
+    let number = |name, default| {
+        attribute(mimic, name).map_or(Ok(default), |value: Value| xml.number(&value))
+    };
+    let (ratio, offset) = (number("multiplier", 1.0)?, number("offset", 0.0)?);
+    draft.ignore_attributes(mimic, &["joint", "multiplier", "offset"]);
+    let name = draft.fresh(format!("mimic of {}", name.text));
+    let terms = vec![(leader, ratio)];
+    draft.add_coupling(Coupling { name, follower, terms, offset }, place(mimic));
+    Ok(())
 }
 
 /// The link at an end of a joint.
@@ -268,6 +290,7 @@ fn similar_to_known(name: &str) -> Option<&'static str> {
 mod tests {
     use super::*;
     use crate::import::testing;
+    use jointplay_core::mechanism::JointCoordinate;
 
     const ARM: &str = r#"<robot name="arm">
   <link name="hand"><visual/></link>
@@ -381,17 +404,41 @@ mod tests {
     }
 
     #[test]
+    fn a_joint_that_mimics_another_is_coupled_to_it() {
+        let finger = r#"<link name="finger"/><link name="palm"/>
+  <joint name="grip" type="prismatic"><parent link="hand"/><child link="finger"/>
+    <mimic joint="fold" multiplier="-0.02" offset="0.01"/></joint>
+  <joint name="fold" type="revolute"><parent link="hand"/><child link="palm"/>
+    <mimic joint="wrist"/></joint>
+  <transmission"#;
+        let model = testing::read(&ARM.replace("<transmission", finger));
+        let [grip, fold] = model.mechanism.couplings() else { panic!() };
+        let of = |joint| JointCoordinate { joint, freedom: 0 };
+        let expected = Coupling {
+            name: "mimic of grip".to_owned(),
+            follower: of(1),
+            terms: vec![(of(2), -0.02)],
+            offset: 0.01,
+        };
+        assert_eq!(grip, &expected);
+        assert_eq!(
+            (fold.follower, &fold.terms[..], fold.offset),
+            (of(2), &[(of(0), 1.0)][..], 0.0)
+        );
+        assert_eq!(model.mechanism.kutzbach_mobility(), 1);
+    }
+
+    #[test]
     fn unsupported_and_invalid_elements_are_rejected() {
         let refuse = |from: &str, to: &str, blamed: &str, message: &str| {
             testing::refuse(ARM, from, to, blamed, message)
         };
         refuse("\"revolute\"", "\"hinge\"", "hinge", "revolute, continuous");
-        refuse(
-            "<dynamics damping=\"1\"/>",
-            "<mimic joint=\"x\"/>",
-            "<mimic joint=\"x\"/>",
-            "no coupling of joints",
-        );
+        refuse("<dynamics damping=\"1\"/>", "<mimic joint=\"x\"/>", "x", "known: wrist");
+        let mimic = "<mimic joint=\"wrist\" multiplier=\"2\"/>";
+        refuse("<dynamics damping=\"1\"/>", mimic, mimic, "twice");
+        let mimic = "<mimic joint=\"wrist\" multiplier=\"two\"/>";
+        refuse("<dynamics damping=\"1\"/>", mimic, "two", "number");
         refuse("<dynamics damping=\"1\"/>", "<axis/>", "<axis/>", "a second <axis>");
         // A misspelled element would be another mechanism.
         for (found, known) in

@@ -35,8 +35,8 @@ struct Document {
     instructions: Option<String>,
     /// The file of the study (TOML).
     study: String,
-    /// The file of its robot (TOML).
-    robot: String,
+    /// The file of its robot or mechanism (TOML).
+    mechanism: String,
 }
 
 impl Manifest {
@@ -55,7 +55,7 @@ impl Manifest {
             format: kind.ending().to_owned(),
             instructions: instructions(study).map(str::to_owned),
             study: study.text.clone(),
-            robot: study.robot_text.clone(),
+            mechanism: study.mechanism_text.clone(),
         };
         let json = serde_json::to_string_pretty(&document);
         Ok(json.expect("a document of texts and whole numbers") + "\n")
@@ -78,7 +78,7 @@ impl Manifest {
             serde_json::from_value(value).map_err(|error| PartsError::json(MANIFEST, &error))?;
         let kind = TableKind::of_ending(&document.format)
             .ok_or_else(|| malformed("its format is neither csv nor parquet"))?;
-        let study = parse(&document.study, |_| Ok(document.robot.clone()))
+        let study = parse(&document.study, |_| Ok(document.mechanism.clone()))
             .map_err(|error| malformed(&format!("the study in it is invalid: {error}")))?;
         if let (Some(found), Some(here)) = (&document.instructions, instructions(&study))
             && found != here

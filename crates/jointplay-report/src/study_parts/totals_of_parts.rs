@@ -30,7 +30,7 @@ impl TotalsOfParts {
             samples: plan.samples()?,
             parts: plan.chunks()?,
             next: 0,
-            totals: Totals::new(plan.wanted.len(), plan.models.len()),
+            totals: Totals::of(&**plan),
         })
     }
 

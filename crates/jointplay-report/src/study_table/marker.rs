@@ -13,8 +13,8 @@ use super::totals_document::TotalsDocument;
 pub struct Marker {
     /// The file of the study (TOML).
     pub study: String,
-    /// The file of its robot (TOML).
-    pub robot: String,
+    /// The file of its robot or mechanism (TOML).
+    pub mechanism: String,
     /// Format of the table.
     pub kind: TableKind,
     /// Number of completed chunks.
@@ -59,15 +59,15 @@ struct Document {
     totals: TotalsDocument,
     foot: String,
     study: String,
-    robot: String,
+    mechanism: String,
 }
 
 impl Marker {
     /// A marker without completed chunks.
     #[must_use]
     pub fn new(study: &StudyFile, kind: TableKind, totals: Totals) -> Self {
-        let (study, robot) = (study.text.clone(), study.robot_text.clone());
-        Self { study, robot, kind, chunks: 0, bytes: 0, totals, foot: Vec::new() }
+        let (study, mechanism) = (study.text.clone(), study.mechanism_text.clone());
+        Self { study, mechanism, kind, chunks: 0, bytes: 0, totals, foot: Vec::new() }
     }
 
     /// The marker as a JSON file.
@@ -85,7 +85,7 @@ impl Marker {
             totals: TotalsDocument::new(&self.totals),
             foot: self.foot.iter().map(|byte| format!("{byte:02x}")).collect(),
             study: self.study.clone(),
-            robot: self.robot.clone(),
+            mechanism: self.mechanism.clone(),
         };
         let json = serde_json::to_string_pretty(&document);
         json.expect("a document of texts and whole numbers") + "\n"
@@ -111,8 +111,8 @@ impl Marker {
             .ok_or_else(|| malformed("its format is neither csv nor parquet"))?;
         let totals = document.totals.read().map_err(malformed)?;
         let foot = hex(&document.foot).ok_or_else(|| malformed("its foot is not hexadecimal"))?;
-        let Document { study, robot, chunks, bytes, .. } = document;
-        Ok(Self { study, robot, kind, chunks, bytes, totals, foot })
+        let Document { study, mechanism, chunks, bytes, .. } = document;
+        Ok(Self { study, mechanism, kind, chunks, bytes, totals, foot })
     }
 }
 

@@ -10,6 +10,7 @@ pub(crate) struct TotalsDocument {
     samples: u64,
     beyond_rods: u64,
     beyond_tilt: u64,
+    beyond_joints: u64,
     outcomes: Vec<Vec<u64>>,
     /// Count, then least, greatest, mean and sum of squares as the bits of doubles.
     columns: Vec<(u64, [String; 4])>,
@@ -22,10 +23,11 @@ impl TotalsDocument {
             samples: totals.samples,
             beyond_rods: totals.beyond_rods,
             beyond_tilt: totals.beyond_tilt,
+            beyond_joints: totals.beyond_joints,
             outcomes: totals
                 .outcomes
                 .iter()
-                .map(|tally| tally.poses.iter().copied().chain([tally.no_robot]).collect())
+                .map(|tally| tally.poses.iter().copied().chain([tally.no_mechanism]).collect())
                 .collect(),
             columns: totals
                 .columns
@@ -52,9 +54,9 @@ impl TotalsDocument {
             })
         });
         let outcomes = self.outcomes.iter().map(|counts| {
-            let (no_robot, poses) = counts.split_last().ok_or("outcomes without counts")?;
+            let (no_mechanism, poses) = counts.split_last().ok_or("outcomes without counts")?;
             let poses = poses.try_into().map_err(|_| "an incorrect number of outcomes")?;
-            Ok(Outcomes { poses, no_robot: *no_robot })
+            Ok(Outcomes { poses, no_mechanism: *no_mechanism })
         });
         Ok(Totals {
             samples: self.samples,
@@ -62,6 +64,7 @@ impl TotalsDocument {
             outcomes: outcomes.collect::<Result<_, &'static str>>()?,
             beyond_rods: self.beyond_rods,
             beyond_tilt: self.beyond_tilt,
+            beyond_joints: self.beyond_joints,
         })
     }
 }

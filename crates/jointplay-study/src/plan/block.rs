@@ -9,13 +9,13 @@ pub const BLOCK: usize = 4096;
 /// Samples that are handed on together: a row group of a table.
 pub const CHUNK: u64 = 65_536;
 
-/// Outcome of a sample under a virtualization.
+/// Outcome of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
-    /// There is a robot, and its pose has this status.
+    /// There is a robot or mechanism, and its pose has this status.
     Pose(Status),
-    /// The dimensions drawn make no robot.
-    NoRobot,
+    /// The dimensions of the sample make no robot or mechanism.
+    NoMechanism,
 }
 
 impl Outcome {
@@ -24,21 +24,21 @@ impl Outcome {
     pub fn name(self) -> &'static str {
         match self {
             Self::Pose(status) => status.name(),
-            Self::NoRobot => "dimensions that make no robot",
+            Self::NoMechanism => "dimensions that make no mechanism",
         }
     }
 }
 
-/// Some samples of a plan: a column for all that is wanted, NaN where a sample has no answer.
+/// Some samples of a study: a column for all that is wanted, NaN where a sample has no answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     /// Numbers of the samples.
     pub samples: Vec<u64>,
     /// Draw of each.
     pub draws: Vec<u64>,
-    /// Output quantities, in the order of the plan, in SI units.
+    /// Output quantities, in the order of the study, in SI units.
     pub columns: Vec<Vec<f64>>,
-    /// For each virtualization what became of each sample.
+    /// What became of each sample, for each of [`Study::solved_for`](super::Study::solved_for).
     pub outcomes: Vec<Vec<Outcome>>,
     /// The columns summed up.
     pub moments: Vec<Moments>,
@@ -46,4 +46,6 @@ pub struct Block {
     pub beyond_rods: u64,
     /// Samples that are commanded beyond the limit of the tilt.
     pub beyond_tilt: u64,
+    /// Samples with a joint of a mechanism beyond its limits or clearance.
+    pub beyond_joints: u64,
 }

@@ -12,22 +12,15 @@ use super::definition::Plan;
 use super::inputs::Inputs;
 use super::moments::Moments;
 use super::output::{self, OutputQuantity};
+use super::study;
 use crate::Error;
 
 /// Computes samples of a plan.
 ///
-/// Samples beyond the robot's limits are computed too, and counted.
-///
-/// # Arguments
-/// * `samples` – their numbers, fastest where they ascend by one
-///
 /// # Errors
-/// As [`Plan::samples`]; [`Error::NoSuchSample`]; [`Error::NoSuchModel`] for what is wanted; [`Error::Core`] for what concerns all samples alike, such as a metric.
-pub fn compute(plan: &Plan, samples: &[u64]) -> Result<Block, Error> {
-    let count = plan.samples()?;
-    if let Some(&found) = samples.iter().find(|&&sample| sample >= count) {
-        return Err(Error::NoSuchSample { found, count });
-    }
+/// As [`Study::compute`](super::Study::compute); [`Error::NoSuchModel`] for what is wanted.
+pub(super) fn compute(plan: &Plan, samples: &[u64]) -> Result<Block, Error> {
+    study::check(plan, samples)?;
     let inputs = Inputs::of(plan, samples)?;
     let nominal = plan.gpr.without_limit_checks();
     let all = 0..samples.len();
@@ -91,6 +84,7 @@ pub fn compute(plan: &Plan, samples: &[u64]) -> Result<Block, Error> {
     Ok(Block {
         beyond_rods: broken.iter().filter(|broken| too_long_or_short(broken)).count() as u64,
         beyond_tilt: broken.iter().filter(|broken| broken.tilt()).count() as u64,
+        beyond_joints: 0,
         moments: columns.iter().map(|column| Moments::of(column)).collect(),
         samples: samples.to_vec(),
         draws: inputs.draw,
@@ -124,7 +118,7 @@ fn models(plan: &Plan, len: usize) -> Result<Vec<Model>, Error> {
             OutputQuantity::Model { model, measure } if model == wanted => Some(measure),
             _ => None,
         });
-        let outcomes = vec![Outcome::NoRobot; len];
+        let outcomes = vec![Outcome::NoMechanism; len];
         Model { columns: output::columns(measures, len), outcomes }
     };
     Ok((0..plan.models.len()).map(of).collect())

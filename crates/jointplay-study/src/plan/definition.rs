@@ -5,9 +5,11 @@ use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 
 use super::as_built::{RodsFrom, Tolerances};
-use super::block::{BLOCK, CHUNK};
+use super::grid;
 use super::output::{OutputQuantity, PlatformQuantity};
+use super::study::Study;
 use super::variation::Variation;
+use super::{Block, compute};
 use crate::Error;
 
 /// Two angles that define a tilt.
@@ -59,59 +61,36 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Places of the grid.
-    ///
-    /// # Errors
-    /// [`Error::NoValues`] for an empty list, [`Error::TooManySamples`].
-    pub fn grid(&self) -> Result<u64, Error> {
-        let sizes = [&self.height, &self.tilt.first, &self.tilt.second].map(Variation::values);
-        if sizes.contains(&0) {
-            return Err(Error::NoValues);
-        }
-        sizes
-            .iter()
-            .try_fold(1_u64, |product, &size| product.checked_mul(size))
-            .ok_or_else(|| self.too_many())
-    }
-
-    /// Number of threads that the plan keeps busy: one for each block of samples.
-    ///
-    /// # Errors
-    /// As [`Self::grid`].
-    pub fn most_threads(&self) -> Result<usize, Error> {
-        let blocks = self.samples()?.div_ceil(BLOCK as u64);
-        let most = crate::parallel::MOST_THREADS;
-        Ok(usize::try_from(blocks).map_or(most, |blocks| blocks.clamp(1, most)))
-    }
-
-    /// Number of samples: places of the grid times draws.
-    ///
-    /// # Errors
-    /// As [`Self::grid`].
-    pub fn samples(&self) -> Result<u64, Error> {
-        // As many as a signed number of 64 bits counts, which is what tables have.
-        let samples = self.grid()?.checked_mul(self.draws);
-        samples.filter(|&samples| i64::try_from(samples).is_ok()).ok_or_else(|| self.too_many())
-    }
-
-    /// Number of chunks of [`CHUNK`] samples, the last of which may be shorter.
-    ///
-    /// # Errors
-    /// As [`Self::grid`].
-    pub fn chunks(&self) -> Result<u64, Error> {
-        Ok(self.samples()?.div_ceil(CHUNK))
+    /// What makes the grid, the last running fastest.
+    pub(super) fn pose(&self) -> [&Variation; 3] {
+        [&self.height, &self.tilt.first, &self.tilt.second]
     }
 
     /// Whether anything is random.
     #[must_use]
     pub fn draws_anything(&self) -> bool {
-        let poses = [&self.height, &self.tilt.first, &self.tilt.second];
-        poses.into_iter().any(Variation::is_random) || self.tolerances.any()
+        self.pose().into_iter().any(Variation::is_random) || self.tolerances.any()
+    }
+}
+
+impl Study for Plan {
+    fn samples(&self) -> Result<u64, Error> {
+        grid::samples(self.pose().into_iter(), self.draws)
     }
 
-    /// Whether samples have other bits on another kind of processor, see [`instruction_set`](jointplay_core::bulk::instruction_set).
-    #[must_use]
-    pub fn depends_on_processor(&self) -> bool {
+    fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    fn columns(&self) -> usize {
+        self.wanted.len()
+    }
+
+    fn solved_for(&self) -> Vec<String> {
+        self.models.iter().map(|model| model.name().to_owned()).collect()
+    }
+
+    fn depends_on_processor(&self) -> bool {
         let of_processor = |wanted: &OutputQuantity| {
             let OutputQuantity::Model { measure, .. } = wanted else { return false };
             matches!(measure, PlatformQuantity::Quantity(Quantity::Sensitivity(_)))
@@ -119,12 +98,7 @@ impl Plan {
         self.wanted.iter().any(of_processor)
     }
 
-    fn too_many(&self) -> Error {
-        Error::TooManySamples {
-            heights: self.height.values(),
-            first: self.tilt.first.values(),
-            second: self.tilt.second.values(),
-            draws: self.draws,
-        }
+    fn compute(&self, samples: &[u64]) -> Result<Block, Error> {
+        compute::compute(self, samples)
     }
 }

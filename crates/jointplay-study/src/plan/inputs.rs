@@ -3,7 +3,8 @@
 use jointplay_core::spatial::Tilt;
 
 use super::definition::{Plan, TiltForm};
-use super::random::{FIRST_STREAM, HEIGHT_STREAM, SECOND_STREAM, Stream};
+use super::grid::Grid;
+use super::random::{FIRST_STREAM, HEIGHT_STREAM, SECOND_STREAM};
 use crate::Error;
 
 /// Commanded poses of some samples.
@@ -22,11 +23,8 @@ pub(super) struct Inputs {
 
 impl Inputs {
     pub(super) fn of(plan: &Plan, samples: &[u64]) -> Result<Self, Error> {
-        let grid = plan.grid()?;
-        let (firsts, seconds) = (plan.tilt.first.values(), plan.tilt.second.values());
-        let [mut of_height, mut of_first, mut of_second] =
-            [HEIGHT_STREAM, FIRST_STREAM, SECOND_STREAM]
-                .map(|stream| Stream::new(plan.seed, stream));
+        let streams = [HEIGHT_STREAM, FIRST_STREAM, SECOND_STREAM];
+        let mut grid = Grid::new(plan.pose().into_iter().zip(streams), plan.draws, plan.seed)?;
         let column = || Vec::with_capacity(samples.len());
         let mut inputs = Self {
             draw: Vec::with_capacity(samples.len()),
@@ -36,15 +34,14 @@ impl Inputs {
             tilt_angle: column(),
         };
         for &sample in samples {
-            let (draw, place) = (sample / grid, sample % grid);
-            let height = plan.height.at(&mut of_height, place / seconds / firsts, draw);
-            let first = plan.tilt.first.at(&mut of_first, place / seconds % firsts, draw);
-            let second = plan.tilt.second.at(&mut of_second, place % seconds, draw);
+            let mut values = [0.0; 3];
+            grid.values(sample, &mut values);
+            let [height, first, second] = values;
             let tilt = match plan.tilt.form {
                 TiltForm::AzimuthAngle => Tilt { azimuth: first, angle: second },
                 TiltForm::AboutXAndY => Tilt::from_about_x_and_y(first, second),
             };
-            inputs.draw.push(draw);
+            inputs.draw.push(grid.draw(sample));
             inputs.height.push(height);
             inputs.angles[0].push(first);
             inputs.angles[1].push(second);

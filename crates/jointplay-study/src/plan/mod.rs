@@ -2,8 +2,9 @@
 //!
 //! | to… | use |
 //! | --- | --- |
-//! | define what is varied, and what is computed | [`Plan`], [`Variation`], [`Tolerances`], [`OutputQuantity`] |
-//! | compute some samples | [`compute`] → [`Block`] |
+//! | define what is varied, and what is computed: of the three-rod robot | [`Plan`], [`Variation`], [`Tolerances`], [`OutputQuantity`] |
+//! | of any mechanism | [`MechanismPlan`], [`Variation`], [`MechanismQuantity`] |
+//! | compute some samples | [`Study::compute`] → [`Block`] |
 //! | compute a chunk of them | [`compute_chunk`] |
 //! | compute all of them over all cores, in order, in memory that does not grow | [`run`]; some chunks [`run_chunks`] |
 //! | accumulate columns | [`Totals`], [`Moments`] |
@@ -27,7 +28,7 @@
 //!     options: SolveOptions::default(),
 //!     wanted: vec![OutputQuantity::Model { model: 0, measure: PlatformQuantity::CenterShift }],
 //! };
-//! let block = compute(&plan, &[0, 1999])?;
+//! let block = plan.compute(&[0, 1999])?;
 //! assert_eq!((plan.samples()?, block.columns[0].len()), (2000, 2));
 //! # Ok::<(), jointplay_study::Error>(())
 //! ```
@@ -36,22 +37,26 @@ mod as_built;
 mod block;
 mod compute;
 mod definition;
+mod grid;
 mod inputs;
+mod mechanism;
 mod moments;
 mod output;
 mod quantiles;
 mod random;
 mod run;
+mod study;
 mod totals;
 mod variation;
 
 pub use as_built::{Dimension, RodsFrom, Tolerances};
 pub use block::{BLOCK, Block, CHUNK, Outcome};
-pub use compute::compute;
 pub use definition::{Plan, TiltForm, Tilts};
+pub use mechanism::{MechanismOf, MechanismPlan, MechanismQuantity, VariedDrive, VariedParameter};
 pub use moments::Moments;
 pub use output::{OutputQuantity, PlatformQuantity};
 pub use quantiles::{QUANTILE_SAMPLES, quantiles};
 pub use run::{compute_chunk, run, run_chunks};
+pub use study::Study;
 pub use totals::{Outcomes, Totals};
 pub use variation::Variation;

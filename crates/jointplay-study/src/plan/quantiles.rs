@@ -2,10 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::block::BLOCK;
-use super::compute::compute;
-use super::definition::Plan;
 use super::random::Stream;
+use super::study::Study;
 use crate::Error;
 
 /// Samples that quantiles are taken from at most.
@@ -14,7 +12,7 @@ pub const QUANTILE_SAMPLES: u64 = 65_536;
 /// The stream of random numbers that chooses the samples; far from those of the quantities.
 const STREAM: u64 = u64::MAX;
 
-/// Quantiles of every column of a plan, by linear interpolation between the numbers in order; `None` for a column without numbers.
+/// Quantiles of every column of a study, by linear interpolation between the numbers in order; `None` for a column without numbers.
 ///
 /// Exact for up to [`QUANTILE_SAMPLES`] samples.
 /// Of more, so many are computed again, one drawn from each of as many equal stretches of the study: then the share of samples below a quantile q is q with a standard error of at most √(q (1 − q) / 65,536), 0.2 % for the median.
@@ -23,15 +21,15 @@ const STREAM: u64 = u64::MAX;
 /// * `shares` – shares q of the samples, from 0 to 1
 ///
 /// # Errors
-/// As [`compute`].
+/// As [`Study::compute`].
 ///
 /// # Source
 /// \[HyndmanFan\], definition 7
-pub fn quantiles(plan: &Plan, shares: &[f64]) -> Result<Vec<Vec<Option<f64>>>, Error> {
-    let samples = chosen(plan)?;
+pub fn quantiles(study: &dyn Study, shares: &[f64]) -> Result<Vec<Vec<Option<f64>>>, Error> {
+    let samples = chosen(study)?;
     let blocks: Vec<_> = samples
-        .par_chunks(BLOCK)
-        .map(|samples| Ok(compute(plan, samples)?.columns))
+        .par_chunks(study.block())
+        .map(|samples| Ok(study.compute(samples)?.columns))
         .collect::<Result<_, Error>>()?;
     let column = |c: usize| {
         let mut numbers: Vec<f64> =
@@ -39,16 +37,16 @@ pub fn quantiles(plan: &Plan, shares: &[f64]) -> Result<Vec<Vec<Option<f64>>>, E
         numbers.sort_by(f64::total_cmp);
         shares.iter().map(|&share| at(&numbers, share)).collect()
     };
-    Ok((0..plan.wanted.len()).into_par_iter().map(column).collect())
+    Ok((0..study.columns()).into_par_iter().map(column).collect())
 }
 
-/// All samples of a plan, or one of each of [`QUANTILE_SAMPLES`] equal stretches.
-fn chosen(plan: &Plan) -> Result<Vec<u64>, Error> {
-    let count = plan.samples()?;
+/// All samples of a study, or one of each of [`QUANTILE_SAMPLES`] equal stretches.
+fn chosen(study: &dyn Study) -> Result<Vec<u64>, Error> {
+    let count = study.samples()?;
     if count <= QUANTILE_SAMPLES {
         return Ok((0..count).collect());
     }
-    let mut stream = Stream::new(plan.seed, STREAM);
+    let mut stream = Stream::new(study.seed(), STREAM);
     let edge = |stretch: u64| {
         let edge = u128::from(stretch) * u128::from(count) / u128::from(QUANTILE_SAMPLES);
         u64::try_from(edge).expect("at most the number of samples")

@@ -7,6 +7,9 @@ use chacha20::rand_core::{Rng as _, SeedableRng as _};
 pub(super) const HEIGHT_STREAM: u64 = 0;
 pub(super) const FIRST_STREAM: u64 = 1;
 pub(super) const SECOND_STREAM: u64 = 2;
+/// Streams of the parameters of mechanisms, by their number in the file, and of commanded coordinates.
+pub(super) const PARAMETER_STREAMS: u64 = 1 << 32;
+pub(super) const DRIVE_STREAMS: u64 = 2 << 32;
 /// Stream of the first dimension of the first limb.
 pub(super) const DIMENSION_STREAMS: u64 = 3;
 

@@ -1,16 +1,15 @@
-//! A whole plan over all cores.
+//! A whole study over all cores.
 
 use rayon::prelude::*;
 
-use super::block::{BLOCK, Block, CHUNK};
-use super::compute::compute;
-use super::definition::Plan;
+use super::block::{Block, CHUNK};
+use super::study::Study;
 use crate::Error;
 
 /// Cores that one chunk keeps busy: it has sixteen blocks.
 const CORES_OF_A_CHUNK: usize = 8;
 
-/// Computes a plan from one of its chunks on, over the cores of the current thread pool, and passes the chunks on in order.
+/// Computes a study from one of its chunks on, over the cores of the current thread pool, and passes the chunks on in order.
 ///
 /// While some chunks are taken, the next are computed; no more than these are in memory.
 ///
@@ -20,18 +19,23 @@ const CORES_OF_A_CHUNK: usize = 8;
 /// * `take` – is called with the chunks in order, and returns whether to continue
 ///
 /// # Errors
-/// As [`compute`], and those of `encode` and `take`.
+/// As [`Study::compute`], and those of `encode` and `take`.
 pub fn run<T: Send, E: From<Error> + Send>(
-    plan: &Plan,
+    study: &dyn Study,
     from: u64,
     encode: impl Fn(&[Block]) -> Result<T, E> + Sync,
     mut take: impl FnMut(&[Block], T) -> Result<bool, E> + Send,
 ) -> Result<(), E> {
-    let chunks = from..plan.chunks()?;
-    run_chunks(plan, chunks, |_, blocks| encode(blocks), |_, blocks, encoded| take(blocks, encoded))
+    let chunks = from..study.chunks()?;
+    run_chunks(
+        study,
+        chunks,
+        |_, blocks| encode(blocks),
+        |_, blocks, encoded| take(blocks, encoded),
+    )
 }
 
-/// Computes some chunks of a plan, as [`run`] computes all.
+/// Computes some chunks of a study, as [`run`] computes all.
 ///
 /// # Arguments
 /// * `chunks` – their numbers, counted from 0
@@ -40,13 +44,13 @@ pub fn run<T: Send, E: From<Error> + Send>(
 /// # Errors
 /// [`Error::NoSuchChunk`], and as [`run`].
 pub fn run_chunks<T: Send, E: From<Error> + Send>(
-    plan: &Plan,
+    study: &dyn Study,
     mut chunks: impl Iterator<Item = u64> + Send,
     encode: impl Fn(u64, &[Block]) -> Result<T, E> + Sync,
     mut take: impl FnMut(u64, &[Block], T) -> Result<bool, E> + Send,
 ) -> Result<(), E> {
     let wave = rayon::current_num_threads().div_ceil(CORES_OF_A_CHUNK);
-    let mut next = || computed(plan, chunks.by_ref().take(wave).collect());
+    let mut next = || computed(study, chunks.by_ref().take(wave).collect());
     let mut ready = next()?;
     while !ready.is_empty() {
         let (taken, computed) = rayon::join(
@@ -78,22 +82,23 @@ pub fn run_chunks<T: Send, E: From<Error> + Send>(
 /// * `chunk` – its number, counted from 0
 ///
 /// # Errors
-/// [`Error::NoSuchChunk`], and as [`compute`].
-pub fn compute_chunk(plan: &Plan, chunk: u64) -> Result<Vec<Block>, Error> {
-    let (samples, count) = (plan.samples()?, plan.chunks()?);
+/// [`Error::NoSuchChunk`], and as [`Study::compute`].
+pub fn compute_chunk(study: &dyn Study, chunk: u64) -> Result<Vec<Block>, Error> {
+    let (samples, count) = (study.samples()?, study.chunks()?);
     if chunk >= count {
         return Err(Error::NoSuchChunk { found: chunk, count });
     }
     let (first, end) = (chunk * CHUNK, ((chunk + 1) * CHUNK).min(samples));
+    let size = study.block() as u64;
     let block = |k: u64| {
-        let first = first + k * BLOCK as u64;
-        let samples: Vec<u64> = (first..(first + BLOCK as u64).min(end)).collect();
-        compute(plan, &samples)
+        let first = first + k * size;
+        let samples: Vec<u64> = (first..(first + size).min(end)).collect();
+        study.compute(&samples)
     };
-    (0..(end - first).div_ceil(BLOCK as u64)).into_par_iter().map(block).collect()
+    (0..(end - first).div_ceil(size)).into_par_iter().map(block).collect()
 }
 
 /// Some chunks with their blocks.
-fn computed(plan: &Plan, chunks: Vec<u64>) -> Result<Vec<(u64, Vec<Block>)>, Error> {
-    chunks.into_par_iter().map(|chunk| Ok((chunk, compute_chunk(plan, chunk)?))).collect()
+fn computed(study: &dyn Study, chunks: Vec<u64>) -> Result<Vec<(u64, Vec<Block>)>, Error> {
+    chunks.into_par_iter().map(|chunk| Ok((chunk, compute_chunk(study, chunk)?))).collect()
 }

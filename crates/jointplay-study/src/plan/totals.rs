@@ -4,14 +4,15 @@ use jointplay_core::bulk::Status;
 
 use super::block::{Block, Outcome};
 use super::moments::Moments;
+use super::study::Study;
 
 /// Number of samples by outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Outcomes {
     /// By [`Status`], in the order of its numbers.
     pub poses: [u64; Status::ALL.len()],
-    /// Of robots that cannot be.
-    pub no_robot: u64,
+    /// Of dimensions that make no robot or mechanism.
+    pub no_mechanism: u64,
 }
 
 impl Outcomes {
@@ -19,13 +20,13 @@ impl Outcomes {
         for (sum, more) in self.poses.iter_mut().zip(more.poses) {
             *sum += more;
         }
-        self.no_robot += more.no_robot;
+        self.no_mechanism += more.no_mechanism;
     }
 
     fn count(&mut self, outcome: Outcome) {
         match outcome {
             Outcome::Pose(status) => self.poses[status as usize] += 1,
-            Outcome::NoRobot => self.no_robot += 1,
+            Outcome::NoMechanism => self.no_mechanism += 1,
         }
     }
 
@@ -38,13 +39,13 @@ impl Outcomes {
     /// How many have none.
     #[must_use]
     pub fn failed(&self) -> u64 {
-        self.poses.iter().sum::<u64>() - self.solved() + self.no_robot
+        self.poses.iter().sum::<u64>() - self.solved() + self.no_mechanism
     }
 
     /// Why those failed that did, and how many of each.
     pub fn reasons(&self) -> impl Iterator<Item = (&'static str, u64)> {
         let poses = Status::ALL.map(|status| (Outcome::Pose(status), self.poses[status as usize]));
-        let all = poses.into_iter().skip(1).chain([(Outcome::NoRobot, self.no_robot)]);
+        let all = poses.into_iter().skip(1).chain([(Outcome::NoMechanism, self.no_mechanism)]);
         all.filter(|(_, count)| *count > 0).map(|(outcome, count)| (outcome.name(), count))
     }
 }
@@ -58,16 +59,24 @@ pub struct Totals {
     pub samples: u64,
     /// Of each column.
     pub columns: Vec<Moments>,
-    /// Of each virtualization.
+    /// Of each of [`Study::solved_for`].
     pub outcomes: Vec<Outcomes>,
     /// Samples with a rod beyond its limits.
     pub beyond_rods: u64,
     /// Samples that are commanded beyond the limit of the tilt.
     pub beyond_tilt: u64,
+    /// Samples with a joint of a mechanism beyond its limits or clearance.
+    pub beyond_joints: u64,
 }
 
 impl Totals {
-    /// Of no samples yet.
+    /// Of no samples of a study yet.
+    #[must_use]
+    pub fn of(study: &dyn Study) -> Self {
+        Self::new(study.columns(), study.solved_for().len())
+    }
+
+    /// Of no samples yet, with so many columns and outcomes.
     #[must_use]
     pub fn new(columns: usize, models: usize) -> Self {
         Self {
@@ -76,6 +85,7 @@ impl Totals {
             outcomes: vec![Outcomes::default(); models],
             beyond_rods: 0,
             beyond_tilt: 0,
+            beyond_joints: 0,
         }
     }
 
@@ -100,6 +110,7 @@ impl Totals {
         }
         self.beyond_rods += chunk.beyond_rods;
         self.beyond_tilt += chunk.beyond_tilt;
+        self.beyond_joints += chunk.beyond_joints;
     }
 
     fn add_block(&mut self, block: &Block) {
@@ -112,5 +123,6 @@ impl Totals {
         }
         self.beyond_rods += block.beyond_rods;
         self.beyond_tilt += block.beyond_tilt;
+        self.beyond_joints += block.beyond_joints;
     }
 }

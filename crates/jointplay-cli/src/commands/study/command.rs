@@ -8,7 +8,7 @@ use jointplay::report::TableError;
 use jointplay::report::study_table::{Table, TableKind};
 use jointplay::report::{self, SHARES, TotalsReport};
 use jointplay::study::parallel::MOST_THREADS;
-use jointplay::study::plan::{self, Block, Plan};
+use jointplay::study::plan::{self, Block, Study};
 
 use super::destination::Destination;
 use super::estimate::{Estimate, rough_size};
@@ -24,9 +24,9 @@ use crate::progress::Progress;
 use crate::source::STANDARD;
 use crate::space;
 
-/// Compute a table over many poses or robots, as described by a study file
+/// Compute a table over many poses, robots or mechanisms, as described by a study file
 ///
-/// A study file lists the varied parameters and the computed quantities: grids or random samples of poses, nominal robots or robots with manufacturing tolerances, one or several virtualizations.
+/// A study file lists the varied parameters and the computed quantities: grids or random samples of poses, nominal robots or robots with manufacturing tolerances, one or several virtualizations; of any mechanism its dimensions, drives, positions, virtual displacements and mobility.
 /// The result is one table in CSV or Parquet format.
 /// Memory use does not depend on the number of samples.
 /// The bytes of the table depend only on the study file: not on the number of threads, and not on interruptions.
@@ -36,13 +36,14 @@ Examples:
   jointplay study                                      the first example: centre shift over the workspace
   jointplay study --example                            print its study file, as a template
   jointplay study misbuilt --out misbuilt-robots.csv   ten thousand robots with tolerances
+  jointplay study slider-crank                         a mechanism: dimensions and drives
   jointplay study misbuilt --dry-run                   expected duration, size and columns
   jointplay study misbuilt --parts run --part 0/64     the first of 64 shares of the parts, as a task of a cluster
   jointplay study --parts run --status                 number of finished parts, and the missing ones
   jointplay study --parts run --gather robots.parquet  table and summary of all parts
 
 Ctrl-C stops a study after the current chunk; the finished chunks stay in TABLE.part, and --resume continues.
-Included examples: center-shift, misbuilt, play-over-the-workspace.
+Included examples: center-shift, misbuilt, play-over-the-workspace, slider-crank.
 With --parts, chunks of 65,536 samples become files of their own, on any number of machines; finished ones are not computed again.
 The gathered table has the bytes of a run on one machine.
 Exit codes: 0 done, 1 no sample could be solved or parts are missing, 2 bad input or usage, 130 interrupted.")]
@@ -80,7 +81,7 @@ const ANNOUNCED_SIZE: f64 = 1e10;
 impl StudyCommand {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         if let Some(folder) = self.parts.folder() {
-            let threads = |plan: &Plan| self.pool(plan);
+            let threads = |plan: &dyn Study| self.pool(plan);
             let file = self.file.as_deref();
             return self.parts.run(folder, file, threads, self.force, self.format);
         }
@@ -98,7 +99,7 @@ impl StudyCommand {
             Failure::Usage(format!("--out {shown}: the name of a table ends in .csv or .parquet"))
         })?;
         let table = Table::new(kind, file.columns.clone())?;
-        let pool = self.pool(&file.plan)?;
+        let pool = self.pool(&*file.plan)?;
         if self.dry_run {
             let estimate = pool.install(|| Estimate::measure(&file, &table))?;
             return text::dry_run(&file, &out, &estimate, self.format.json());
@@ -125,7 +126,7 @@ impl StudyCommand {
     }
 
     /// The threads of a computation.
-    fn pool(&self, plan: &Plan) -> Result<rayon::ThreadPool, Failure> {
+    fn pool(&self, plan: &dyn Study) -> Result<rayon::ThreadPool, Failure> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads.unwrap_or(cores).min(plan.most_threads()?))
@@ -173,7 +174,7 @@ fn compute(
     table: &Table,
     destination: &mut Destination,
 ) -> Result<TotalsReport, Failure> {
-    let plan = &file.plan;
+    let plan = &*file.plan;
     let count = plan.samples()?;
     let begun = destination.samples();
     let expected = rough_size(file)?;

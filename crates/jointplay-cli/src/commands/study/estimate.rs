@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use jointplay::format::study::StudyFile;
 use jointplay::report::study_table::Table;
-use jointplay::study::plan;
 
 use crate::failure::Failure;
 
@@ -41,7 +40,7 @@ impl Estimate {
             })
             .collect();
         let start = Instant::now();
-        let block = plan::compute(&file.plan, &chosen)?;
+        let block = file.plan.compute(&chosen)?;
         let encoded = table.encode(&[block])?;
         let time = start.elapsed().as_secs_f64();
         let bytes: usize = encoded.parts.iter().map(Vec::len).sum();

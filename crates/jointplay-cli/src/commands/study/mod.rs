@@ -3,7 +3,7 @@
 //! | file | role |
 //! | --- | --- |
 //! | `command.rs` | the flags, and the run from file to table |
-//! | `source.rs` | the study file and the robot that it names |
+//! | `source.rs` | the study file and the robot or mechanism that it names |
 //! | `destination.rs` | the destination of the table: a file, or standard output |
 //! | `part_file.rs` | an incomplete table on the disk, and the marker for resuming it |
 //! | `parts.rs` | studies in parts: the flags, and computing, listing and gathering |

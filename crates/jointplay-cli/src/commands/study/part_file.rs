@@ -94,7 +94,7 @@ impl PartFile {
             std::fs::remove_file(&marker_path).map_err(failed(&marker_path))?;
         }
         file.set_len(0).map_err(failed(&path))?;
-        let totals = Totals::new(study.plan.wanted.len(), study.plan.models.len());
+        let totals = Totals::of(&*study.plan);
         let mut part = Self {
             out: out.to_owned(),
             path,
@@ -102,7 +102,7 @@ impl PartFile {
             file,
             index: Index::default(),
             marker: Marker::new(study, kind, totals),
-            seed: study.plan.seed,
+            seed: study.plan.seed(),
             marked: Instant::now(),
             marking: Duration::ZERO,
             replace,
@@ -129,7 +129,7 @@ impl PartFile {
         let invalid = |why: String| Failure::Marker { path: marker_path.clone(), why };
         let text = read_text(&marker_path, LARGEST_MARKER)?;
         let marker = Marker::parse(&text).map_err(|error| invalid(error.to_string()))?;
-        let begun = parse(&marker.study, |_| Ok(marker.robot.clone()))
+        let begun = parse(&marker.study, |_| Ok(marker.mechanism.clone()))
             .map_err(|error| invalid(format!("the study in it is invalid: {error}")))?;
         let differences = begun.differences(study);
         if !differences.is_empty() {
@@ -163,7 +163,7 @@ impl PartFile {
             file,
             index,
             marker,
-            seed: study.plan.seed,
+            seed: study.plan.seed(),
             marked: Instant::now(),
             marking: Duration::ZERO,
             replace: false,

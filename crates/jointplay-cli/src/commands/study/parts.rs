@@ -7,7 +7,7 @@ use jointplay::format::study::{self, StudyFile};
 use jointplay::report::study_parts::{self, PartFiles, PartWriter};
 use jointplay::report::study_table::TableKind;
 use jointplay::report::{self, SHARES};
-use jointplay::study::plan::{self, CHUNK, Plan};
+use jointplay::study::plan::{self, CHUNK, Study};
 use rayon::ThreadPool;
 
 use super::interrupt;
@@ -94,7 +94,7 @@ impl PartsArgs {
         &self,
         path: &Path,
         file: Option<&Path>,
-        pool: impl Fn(&Plan) -> Result<ThreadPool, Failure>,
+        pool: impl Fn(&dyn Study) -> Result<ThreadPool, Failure>,
         force: bool,
         format: FormatArgs,
     ) -> Result<(), Failure> {
@@ -135,7 +135,7 @@ impl PartsArgs {
             }
             (None, None) => unreachable!("a study was read where there is no folder"),
         };
-        let pool = pool(&folder.manifest.study.plan)?;
+        let pool = pool(&*folder.manifest.study.plan)?;
         match &self.gather {
             Some(out) => pool.install(|| gather(&folder, path, out, force, format)),
             None => {
@@ -176,7 +176,7 @@ fn compute(
     share: Share,
     format: FormatArgs,
 ) -> Result<(), Failure> {
-    let plan = &folder.manifest.study.plan;
+    let plan = &*folder.manifest.study.plan;
     let done = folder.done()?;
     let writer =
         PartWriter::new(&folder.manifest.study, folder.manifest.kind).map_err(within(path))?;
@@ -265,7 +265,7 @@ fn gather(
     let totals = folder.gather(out, &done, force, show)?;
     drop(progress);
     console::detail(&format!("{}: {parts} parts", path.display()));
-    let quantiles = plan::quantiles(&study.plan, &SHARES)?;
+    let quantiles = plan::quantiles(&*study.plan, &SHARES)?;
     let report = report::totals(study, &totals, &quantiles);
     text::print_summary(&report, Some(out), format.json())
 }

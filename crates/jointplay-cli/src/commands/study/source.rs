@@ -1,4 +1,4 @@
-//! The study file and the robot that it names.
+//! The study file and the robot or mechanism that it names.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ pub(super) struct StudySource {
     pub(super) label: String,
     pub(super) stem: String,
     pub(super) text: String,
-    /// Folder of the robot files that the study names; `None` for an example.
+    /// Folder of the files that the study names; `None` for an example.
     pub(super) folder: Option<PathBuf>,
 }
 
@@ -41,20 +41,19 @@ impl StudySource {
         Ok(Self { label, stem, text, folder })
     }
 
-    /// The study with its robot.
+    /// The study with its robot or mechanism.
     pub(super) fn parse(&self) -> Result<StudyFile, Failure> {
-        study::parse(&self.text, |name| robot_text(name, self.folder.as_deref()))
+        study::parse(&self.text, |name| mechanism_text(name, self.folder.as_deref()))
             .map_err(|errors| Failure::invalid(&errors, &self.label))
     }
 }
 
-/// The text of the robot that a study names: an entry of the catalogue, or a file in the folder of the study or below.
-fn robot_text(name: &str, folder: Option<&Path>) -> Result<String, String> {
+/// The text of the robot or mechanism that a study names: an entry of the catalogue, or a file in the folder of the study or below.
+fn mechanism_text(name: &str, folder: Option<&Path>) -> Result<String, String> {
     let Some(folder) = folder.filter(|_| name.ends_with(".toml")) else {
-        return study::robot_of(name);
+        return study::mechanism_of(name);
     };
-    let refused =
-        |why: &dyn std::fmt::Display| format!("cannot read the robot file {name:?}: {why}");
+    let refused = |why: &dyn std::fmt::Display| format!("cannot read the file {name:?}: {why}");
     let bytes =
         jointplay_files::read(folder, name, MAX_BYTES as u64).map_err(|why| refused(&why))?;
     String::from_utf8(bytes).map_err(|_| refused(&"it is not text in UTF-8"))

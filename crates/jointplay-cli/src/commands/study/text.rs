@@ -25,7 +25,7 @@ pub(super) fn print_summary(
         (false, None) => console::note(summary(report, None).trim_end()),
         (false, Some(_)) => output::text(&summary(report, out))?,
     }
-    if report.virtualizations.iter().all(|model| model.solved == 0) {
+    if report.outcomes.iter().all(|model| model.solved == 0) {
         return Err(Failure::Unsolved(format!(
             "no sample could be solved; the reasons are in {}",
             out.map_or("the table".to_owned(), |out| out.display().to_string())
@@ -37,13 +37,14 @@ pub(super) fn print_summary(
 /// The summary of a completed study, and the file of its table.
 fn summary(report: &TotalsReport, out: Option<&Path>) -> String {
     let samples = report.samples;
-    let mut text = format!("{}, {}: {}\n", report.study, report.robot, sample_count(samples));
-    for model in &report.virtualizations {
+    let mut text = format!("{}, {}: {}\n", report.study, report.mechanism, sample_count(samples));
+    for model in &report.outcomes {
         let _ = writeln!(text, "  {}: {}", model.name, outcome(model));
     }
     for (count, limits) in [
         (report.beyond_tilt_limit, "exceed the robot's tilt limit"),
         (report.beyond_rod_limits, "exceed a rod limit"),
+        (report.beyond_joint_limits, "exceed a joint limit or clearance"),
     ] {
         if count > 0 {
             let _ = writeln!(text, "  {count} samples {limits}; they are included");

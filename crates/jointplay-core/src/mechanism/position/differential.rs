@@ -21,7 +21,7 @@ const FOLLOWED: f64 = 1e-9;
 /// Velocities and accelerations of a mechanism for those of its commanded coordinates, loops closed.
 ///
 /// ```text
-///    A u̇ + B ȧ = 0                     u: passive and virtual coordinates, a: commanded ones
+///    A u̇ + B ȧ = 0                     u: passive and virtual coordinates, a: commanded ones; loops, then couplings
 ///    W u + Aᵀ f = 0                     least displacement: virtual joints are springs, all others transmit no force
 /// ```
 /// Both hold along the motion, and so do their derivatives.
@@ -234,6 +234,11 @@ impl DifferentialKinematics {
                 geometry.add(&self.screws[column], self.loops.length, factor, entries);
             }
         }
+        for coupling in &self.loops.couplings {
+            for &(column, factor) in &coupling.columns {
+                self.elimination.matrix[column * rows + coupling.row] = factor * self.units[column];
+            }
+        }
     }
 
     /// Motions of all links for the rates in `velocity`.
@@ -426,6 +431,12 @@ impl DifferentialKinematics {
                     let factor = sense * self.units[column];
                     geometry.add(&self.screws[column], self.loops.length, factor, entries);
                 }
+            }
+        }
+        for coupling in &self.loops.couplings {
+            let of_unknowns = coupling.columns.iter().filter(|(column, _)| *column < unknowns);
+            for &(column, factor) in of_unknowns {
+                equations[(coupling.row, column)] = factor * self.units[column];
             }
         }
         Ok(svd(&equations)?.singular_values)

@@ -6,7 +6,7 @@ use super::closing_geometry::{ClosingGeometry, power};
 use super::differential::{DifferentialKinematics, Known, Order};
 use super::frame_motion::FrameTwist;
 use super::opening::SideUnknown;
-use super::solver::PositionSolver;
+use super::solver::{CoupledRow, PositionSolver};
 use crate::Error;
 use crate::mechanism::joint::Twist;
 use crate::mechanism::kinematics::{Kinematics, minus, plus};
@@ -20,7 +20,7 @@ const ROUND_OFF: f64 = 1e-11;
 
 /// A mechanism with four values of a dimension near its own: one and two steps less, one and two steps more.
 ///
-/// A dimension is any number that joint frames, axes, leads, attached frames or stiffnesses depend on.
+/// A dimension is any number that joint frames, axes, leads, couplings, attached frames or stiffnesses depend on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChangedDimension {
     /// The mechanism with the dimension changed by −2, −1, 1 and 2 steps.
@@ -43,6 +43,8 @@ struct Placed {
     /// Frames of the two sides of each opened loop.
     sides: Vec<[Pose; 2]>,
     frames: Vec<Pose>,
+    /// Violation of each coupling.
+    couplings: Vec<f64>,
     /// (unknowns) W u + Aᵀ f for the forces f of the least displacement.
     load: Vec<f64>,
 }
@@ -104,6 +106,10 @@ impl DifferentialKinematics {
             let last = closing.row + closing.meeting.equations();
             let entries = &mut self.right[closing.row..last];
             self.geometry[l].add(&minus(&sides[l][0], &sides[l][1]), length, -1.0, entries);
+        }
+        for (c, coupling) in self.loops.couplings.iter().enumerate() {
+            let change = |place: &Placed| SVector::<f64, 1>::new(place.couplings[c]);
+            self.right[coupling.row] = -around.rate(change)?.x;
         }
         self.elimination.reflect_right(&mut self.right);
         let held = vec![0.0; self.commanded().len()];
@@ -167,6 +173,8 @@ impl DifferentialKinematics {
         let links: Vec<Pose> = loops.links.iter().map(|link| link.pose()).collect();
         let frames = mechanism.moving_frames().map(|frame| kinematics.frame_pose(frame, &links));
         let sides = loops.closings.iter().map(|one| one.frames.each_ref().map(|f| f.pose()));
+        let violation = |one: &CoupledRow| one.equation.residual(|k| coordinates[k]);
+        let couplings = loops.couplings.iter().map(violation).collect();
         let load = if self.state.free > 0 {
             let metric = virtual_weights(&system);
             let freedoms = coordinates.len() - metric.len();
@@ -179,7 +187,7 @@ impl DifferentialKinematics {
         } else {
             Vec::new()
         };
-        Ok(Placed { sides: sides.collect(), frames: frames.collect(), load })
+        Ok(Placed { sides: sides.collect(), frames: frames.collect(), couplings, load })
     }
 
     /// (unknowns) W u + Aᵀ f for opened loops as placed, and the forces f of this mechanism.
@@ -201,6 +209,12 @@ impl DifferentialKinematics {
                     let screw: Twist = (screw.angular, screw.velocity_of(&self.reference));
                     load[column] += sense * self.units[column] * power(&wrench, &screw);
                 }
+            }
+        }
+        for coupling in &loops.couplings {
+            let of_unknowns = coupling.columns.iter().filter(|(column, _)| *column < unknowns);
+            for &(column, factor) in of_unknowns {
+                load[column] += factor * self.units[column] * self.multipliers[coupling.row];
             }
         }
         load

@@ -9,6 +9,7 @@ use super::opening::{Closing, Meeting, SideUnknown, TreeEdge, moved_by};
 use super::walk::{Frame, Part, Screw, Turned, Walk};
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, Dimension, System};
+use crate::mechanism::coupling::{CouplingRow, coupling_rows};
 use crate::mechanism::joint::Factor;
 use crate::mechanism::kinematics::{Element, cayley, skew_part};
 use crate::mechanism::tree::spanning_tree;
@@ -25,7 +26,7 @@ const SETTLING: f64 = 1e-9;
 const LONGEST_STEP: f64 = 0.5;
 const MAX_ITERATIONS: usize = 50;
 
-/// Closes the loops of a mechanism for commanded coordinates, again and again.
+/// Closes the loops of a mechanism for commanded coordinates, its couplings included, again and again.
 ///
 /// Everything that does not depend on the coordinates is laid out once; a solution allocates nothing.
 /// Loops are opened where most freedoms pass: a ball leaves three equations between two points, a hinge five between two axes, and its own coordinates follow.
@@ -43,6 +44,7 @@ const MAX_ITERATIONS: usize = 50;
 pub struct PositionSolver {
     pub(super) tree: Vec<TreeEdge>,
     pub(super) closings: Vec<Closing>,
+    pub(super) couplings: Vec<CoupledRow>,
     balls: Vec<Ball>,
     pub(super) unknowns: Vec<Unknown>,
     pub(super) passive: usize,
@@ -65,6 +67,15 @@ pub struct Position {
     pub residual: f64,
     /// Steps done.
     pub iterations: usize,
+}
+
+/// A coupling as one of the equations.
+#[derive(Debug, Clone)]
+pub(super) struct CoupledRow {
+    pub(super) equation: CouplingRow,
+    /// Columns of its coordinates, with their factors.
+    pub(super) columns: Vec<(usize, f64)>,
+    pub(super) row: usize,
 }
 
 /// How an iteration ended.
@@ -118,10 +129,17 @@ impl PositionSolver {
         let dimensions = kinematics.dimensions();
         let free = |k: usize| !commanded.contains(&k);
         let joint_freedoms = mechanism.joint_freedoms();
+        let length = system.characteristic_length();
+        let coupled = coupling_rows(kinematics, length);
         // The motion of a joint at which a loop is best opened: a ball, else a hinge.
         let opening = |j: usize| {
             let elements = &chains[j].elements;
-            let own = |e: &Element| e.coordinate < joint_freedoms && free(e.coordinate);
+            // Coupled coordinates are unknowns, and do not follow from a loop alone.
+            let is_coupled = |k: usize| coupled.iter().any(|row| row.contains(k));
+            let own = |e: &Element| {
+                let k = e.coordinate;
+                k < joint_freedoms && free(k) && !is_coupled(k)
+            };
             let ball = elements.iter().position(|e| e.factor == Factor::Ball && own(e));
             ball.or_else(|| elements.iter().position(|e| e.factor == Factor::turn(2) && own(e)))
         };
@@ -157,7 +175,6 @@ impl PositionSolver {
             };
             cuts.iter().any(of_cut)
         };
-        let length = system.characteristic_length();
         let weights = virtual_weights(system);
         let unknowns: Vec<Unknown> = (0..dimensions.len())
             .filter(|&k| free(k) && !follows(k))
@@ -224,6 +241,16 @@ impl PositionSolver {
                 }
             })
             .collect();
+        let couplings: Vec<CoupledRow> = coupled
+            .into_iter()
+            .map(|equation| {
+                let columns = equation.entries.iter();
+                let columns = columns.filter_map(|&(k, factor)| Some((column(k)?, factor)));
+                let columns = columns.collect();
+                row += 1;
+                CoupledRow { equation, columns, row: row - 1 }
+            })
+            .collect();
         let passive = unknowns.iter().filter(|u| u.coordinate < joint_freedoms).count();
         let virtuals = unknowns.len() - passive;
         Ok(Self {
@@ -236,6 +263,7 @@ impl PositionSolver {
             elimination: Elimination::new(row, passive, virtuals),
             tree,
             closings,
+            couplings,
             balls,
             unknowns,
             passive,
@@ -346,7 +374,7 @@ impl PositionSolver {
         }
     }
 
-    /// Walks all joints; the largest mismatch, in radians and characteristic lengths.
+    /// Walks all joints; the largest mismatch of a loop or coupling, in radians and characteristic lengths.
     pub(super) fn mismatch(&mut self, coordinates: &[f64]) -> f64 {
         for TreeEdge { from, to, walk } in &self.tree {
             let mut frame = self.links[*from];
@@ -394,6 +422,11 @@ impl PositionSolver {
             };
             largest = larger(largest, off);
         }
+        for CoupledRow { equation, row, .. } in &self.couplings {
+            let violation = equation.residual(|k| coordinates[k]);
+            self.elimination.right[*row] = -violation;
+            largest = larger(largest, violation.abs());
+        }
         largest
     }
 
@@ -423,6 +456,12 @@ impl PositionSolver {
                     }
                     Meeting::Frames => entries[3..6].copy_from_slice(angular.as_slice()),
                 }
+            }
+        }
+        for CoupledRow { columns, row, .. } in &self.couplings {
+            let unknowns = columns.iter().filter(|(column, _)| *column < self.unknowns.len());
+            for &(column, factor) in unknowns {
+                self.elimination.matrix[column * m + row] = factor * self.unknowns[column].unit;
             }
         }
         self.elimination.factor();

@@ -223,14 +223,14 @@ impl SparseSystem<'_> {
         }
         let blocks = blocks(self.kinematics.mechanism());
         if let [one] = blocks.as_slice()
-            && one.has_loops()
+            && one.has_constraints()
         {
             return self.block_mobility(relative_threshold);
         }
         let dimensions = self.kinematics.dimensions();
         let mut all = SparseMobility::nothing(self.length);
         for block in &blocks {
-            if !block.has_loops() {
+            if !block.has_constraints() {
                 for k in self.kinematics.coordinates_of(block.joints[0]) {
                     all.mobility += 1;
                     all.motions.push(vec![(k, 1.0)]);
@@ -266,7 +266,7 @@ impl SparseSystem<'_> {
         let idle = freedoms - independent;
         let mobility = spectrum.zeros + idle;
         let rank = freedoms - mobility;
-        let redundancy = 6 * mechanism.loops() - rank;
+        let redundancy = mechanism.constraints() - rank;
         let twists = spectrum.vectors.columns(0, spectrum.zeros).into_owned();
         let still = DVector::zeros(6 * linear.joints.len());
         let rates: Vec<DVector<f64>> = twists

@@ -4,6 +4,7 @@ use nalgebra::{DVector, Rotation3, Translation3, Vector3, Vector6};
 
 use super::linear::{JointRow, Linear, Pattern};
 use crate::Error;
+use crate::mechanism::MAX_DENSE;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::description::Mechanism;
 use crate::mechanism::kinematics::{Kinematics, cayley, check_coordinates, skew_part};
@@ -34,8 +35,12 @@ impl<'a> SparseSystem<'a> {
     /// * `coordinates` – (f + M) of the joints, then of the virtual joints (m, rad)
     ///
     /// # Errors
-    /// [`Error::LengthMismatch`], [`Error::NotFinite`].
+    /// [`Error::LengthMismatch`], [`Error::NotFinite`]; [`Error::NoCouplings`] for a mechanism with couplings, which dense algebra solves only.
     pub fn new(mechanism: &'a Mechanism, coordinates: DVector<f64>) -> Result<Self, Error> {
+        if !mechanism.couplings().is_empty() {
+            let found = mechanism.joint_freedoms() + mechanism.virtual_joints().len();
+            return Err(Error::NoCouplings { found, allowed: MAX_DENSE });
+        }
         let kinematics = Kinematics::new(mechanism);
         check_coordinates(&coordinates, kinematics.dimensions().len())?;
         let poses = kinematics.link_poses(&coordinates)?;

@@ -17,16 +17,16 @@ const MAX_PART_BYTES: usize = 100_000;
 
 /// The included parts, by name.
 const PARTS: [(&str, &str); 10] = [
-    ("foup", include_str!("../../../../../parts/foup.toml")),
-    ("load-port", include_str!("../../../../../parts/load-port.toml")),
-    ("aligner", include_str!("../../../../../parts/aligner.toml")),
-    ("wafer-rest", include_str!("../../../../../parts/wafer-rest.toml")),
-    ("slit-valve", include_str!("../../../../../parts/slit-valve.toml")),
-    ("chamber", include_str!("../../../../../parts/chamber.toml")),
-    ("blade", include_str!("../../../../../parts/blade.toml")),
-    ("fork-blade", include_str!("../../../../../parts/fork-blade.toml")),
-    ("support-pads", include_str!("../../../../../parts/support-pads.toml")),
-    ("dual-arm-bodies", include_str!("../../../../../parts/dual-arm-bodies.toml")),
+    ("foup", include_str!("../../../parts/foup.toml")),
+    ("load-port", include_str!("../../../parts/load-port.toml")),
+    ("aligner", include_str!("../../../parts/aligner.toml")),
+    ("wafer-rest", include_str!("../../../parts/wafer-rest.toml")),
+    ("slit-valve", include_str!("../../../parts/slit-valve.toml")),
+    ("chamber", include_str!("../../../parts/chamber.toml")),
+    ("blade", include_str!("../../../parts/blade.toml")),
+    ("fork-blade", include_str!("../../../parts/fork-blade.toml")),
+    ("support-pads", include_str!("../../../parts/support-pads.toml")),
+    ("dual-arm-bodies", include_str!("../../../parts/dual-arm-bodies.toml")),
 ];
 
 /// A part of the library.

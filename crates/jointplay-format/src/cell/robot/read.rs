@@ -115,7 +115,7 @@ mod tests {
     use jointplay_core::virtualization::{BuiltIn, Metric, SolveOptions, Solver};
     use nalgebra::Vector2;
 
-    const DUAL: &str = include_str!("../../../../../robots/dual-arm.toml");
+    const DUAL: &str = include_str!("../../../robots/dual-arm.toml");
 
     fn rendered(problems: &Errors) -> String {
         problems.iter().map(|problem| problem.with_excerpt("x.toml") + "\n").collect()

@@ -1,6 +1,6 @@
-//! Loops: `connect` and `weld` between bodies or sites.
+//! Loops and couplings: `connect` and `weld` between bodies or sites, `joint` between joints.
 
-use jointplay_core::mechanism::JointKind;
+use jointplay_core::mechanism::{Coupling, JointCoordinate, JointKind};
 use jointplay_core::spatial::Pose;
 use nalgebra::Translation3;
 use roxmltree::Node;
@@ -25,13 +25,14 @@ impl<'a> Reader<'a> {
         let kind = match tag {
             "connect" => JointKind::Spherical,
             "weld" => JointKind::Fixed,
+            "joint" => return self.coupling(node),
             "flex" | "flexvert" | "flexstrain" => {
                 self.draft.ignore(tag);
                 return Ok(());
             }
             _ => {
                 let advice = Advice(
-                    "it couples joints, which no joint of a mechanism does; set active=\"false\" to import the model without it",
+                    "it couples joints by a tendon; couple them by a <joint> of equality, or set active=\"false\" to import the model without it",
                 );
                 return Err(xml.unsupported(node, format!("<{tag}> in equality"), advice));
             }
@@ -70,6 +71,51 @@ impl<'a> Reader<'a> {
         let used = ["name", "class", "active", "site1", "site2", "body1", "body2", "relpose"];
         self.draft.ignore_attributes(node, &[&used[..], &["anchor"]].concat());
         self.draft.add_joint(bare(name, kind, links, frames), place(node))
+    }
+
+    /// A polynomial between two joints: y − y₀ = a₀ + a₁ (x − x₀), counted from the reference positions.
+    fn coupling(&mut self, node: Node<'a, 'a>) -> Result<(), Error> {
+        let xml = self.draft.xml;
+        let first = attribute(node, "joint1").ok_or_else(|| xml.missing(node, "joint1"))?;
+        let follower = self.draft.coordinate(&first)?;
+        let second = attribute(node, "joint2");
+        let leader = second.map(|second| self.draft.coordinate(&second)).transpose()?;
+        let coefficients = match attribute(node, "polycoef") {
+            Some(value) => {
+                let all: Vec<f64> = value
+                    .text
+                    .split_whitespace()
+                    .map(|number| number.parse().ok().filter(|number: &f64| number.is_finite()))
+                    .collect::<Option<_>>()
+                    .filter(|all: &Vec<f64>| (1..=5).contains(&all.len()))
+                    .ok_or_else(|| xml.unusable(&value, "1 to 5 numbers"))?;
+                if leader.is_some() && all.iter().skip(2).any(|&coefficient| coefficient != 0.0) {
+                    let advice = Advice("only constant and linear coefficients are supported");
+                    let what = "a polynomial of higher degree between joints";
+                    return Err(xml.unsupported(node, what, advice));
+                }
+                all
+            }
+            None => vec![0.0, 1.0],
+        };
+        let ratio = coefficients.get(1).copied().unwrap_or(1.0);
+        let reference =
+            |one: JointCoordinate| self.draft.descriptions[one.joint].guess.first().copied();
+        let reference = |one| reference(one).unwrap_or(0.0);
+        let mut offset = coefficients[0] + reference(follower);
+        let mut terms = Vec::new();
+        if let Some(leader) = leader {
+            offset -= ratio * reference(leader);
+            terms.push((leader, ratio));
+        }
+        let name = match xml.name(node)? {
+            Some(name) => name.to_owned(),
+            None => self.draft.fresh(format!("coupling {}", self.draft.couplings() + 1)),
+        };
+        let used = ["name", "class", "active", "joint1", "joint2", "polycoef"];
+        self.draft.ignore_attributes(node, &used);
+        self.draft.add_coupling(Coupling { name, follower, terms, offset }, place(node));
+        Ok(())
     }
 
     fn between_bodies(

@@ -113,7 +113,7 @@ impl<'a> Reader<'a> {
                             }
                             "mimic" => {
                                 let advice = Advice(
-                                    "it couples joints, which no joint of a mechanism does; remove it to import the model without it",
+                                    "it couples joints, which only URDF and MJCF are read with; remove it to import the model without it",
                                 );
                                 let what = "a joint that mimics another";
                                 return Err(self.draft.xml.unsupported(inner, what, advice));
