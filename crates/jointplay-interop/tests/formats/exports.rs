@@ -84,7 +84,7 @@ pub(crate) fn table() -> String {
     super::table("part of a mechanism", &COLUMNS, &rows)
 }
 
-/// A part that is not kept is refused, reported as lost, or in the file and passed over by the reader of jointplay.
+/// A part that is absent is refused, reported as lost, or in the file and passed over by the reader of jointplay.
 fn cell(column: usize, row: &Row) -> String {
     let reading = match read(column, &row.mechanism, &row.at) {
         Ok(reading) => reading,

@@ -52,7 +52,7 @@ fn outermost(names: &[Option<String>], parents: &[Option<usize>]) -> BTreeMap<St
         }
     }
     let mut found: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-    // How many of the nodes on the way from the root have a name.
+    // How many of the ancestors have a name.
     let mut above: BTreeMap<&str, usize> = BTreeMap::new();
     let mut open: Vec<(usize, bool)> = roots.into_iter().rev().map(|root| (root, false)).collect();
     while let Some((node, is_left)) = open.pop() {
