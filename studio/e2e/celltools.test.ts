@@ -62,10 +62,10 @@ test('exported files are those of the command', async () => {
   const csv = await exported('csv');
   expect(csv.name).toBe('mine.csv');
   expect(csv.bytes.toString()).toBe(written('mine.csv', '--to', 'csv'));
-  for (const [dialect, ending] of [['neutral', 'txt'], ['points', 'csv']]) {
+  for (const [dialect, ending] of [['neutral', 'txt'], ['points', 'pvt']]) {
     const text = await exported(`text-${dialect}`);
     expect(text.bytes.toString()).toBe(written(text.name, '--to', 'text', '--dialect', dialect!));
-    expect(text.name, ending).toContain(dialect!);
+    expect(text.name).toBe(`mine-${dialect}.${ending}`);
   }
   const report = await exported('report');
   const own = join(fixture.folder, 'own.html');

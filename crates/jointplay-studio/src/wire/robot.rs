@@ -136,7 +136,7 @@ pub(crate) fn virtualizations(gpr: &Gpr) -> Vec<VirtualizationDocument> {
         name: virtualization.name().to_owned(),
         joints: joints(gpr, virtualization),
     };
-    built_in().into_iter().map(|one| document(one)).collect()
+    built_in().into_iter().map(document).collect()
 }
 
 /// One virtual joint.
