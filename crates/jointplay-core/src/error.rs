@@ -241,10 +241,10 @@ pub enum Error {
     },
     /// Commanded values that no motion leads to: it ends at a dead point, or leaves its branch.
     #[error(
-        "the motion toward the commanded values ends after a share of {share:.6} of the way; command values nearer to the start"
+        "the motion toward the commanded values ends after a share of {share:.6} of the path; command values nearer to the start"
     )]
     NotFollowed {
-        /// Share of the way that is possible, from 0 to 1.
+        /// Share of the path that is possible, from 0 to 1.
         share: f64,
     },
     /// One or two of the three coordinates of a ball are commanded.

@@ -124,7 +124,7 @@ impl CommandedPositions {
     /// # Arguments
     /// * `mechanism` – that of [`new`](Self::new)
     /// * `values` – of the commanded coordinates (m, rad)
-    /// * `coordinates` – (f + M) a closed configuration; takes the solution, or the last configuration on the way (m, rad)
+    /// * `coordinates` – (f + M) a closed configuration; takes the solution, or the last configuration on the path (m, rad)
     ///
     /// # Errors
     /// Those of [`solve`](Self::solve), [`Error::NotFollowed`].
@@ -157,9 +157,9 @@ impl CommandedPositions {
         };
         let size = |by: &DVector<f64>| size(by).sqrt();
         let from: Vec<f64> = commanded.iter().map(|&k| coordinates[k]).collect();
-        let way: Vec<f64> = values.iter().zip(&from).map(|(to, from)| to - from).collect();
+        let path: Vec<f64> = values.iter().zip(&from).map(|(to, from)| to - from).collect();
         let mut of_commanded = DVector::zeros(all);
-        commanded.iter().zip(&way).for_each(|(&k, &by)| of_commanded[k] = by);
+        commanded.iter().zip(&path).for_each(|(&k, &by)| of_commanded[k] = by);
         let length = size(&of_commanded);
         let (mut share, mut step) = (0.0, (FIRST_STEP / length).min(1.0));
         let mut rates = DVector::zeros(all);
@@ -167,7 +167,7 @@ impl CommandedPositions {
             let tangent = self
                 .kinematics
                 .linearize(coordinates.as_slice())
-                .and_then(|()| self.kinematics.velocities(&way, rates.as_mut_slice()));
+                .and_then(|()| self.kinematics.velocities(&path, rates.as_mut_slice()));
             let has_tangent = tangent.is_ok();
             if !has_tangent {
                 rates.copy_from(&of_commanded);
@@ -178,7 +178,7 @@ impl CommandedPositions {
                 let by = &rates * (end - share);
                 let predicted = kinematics.moved(coordinates, &by);
                 let at: Vec<f64> = match end < 1.0 {
-                    true => from.iter().zip(&way).map(|(from, way)| from + end * way).collect(),
+                    true => from.iter().zip(&path).map(|(from, path)| from + end * path).collect(),
                     false => values.to_vec(),
                 };
                 let mut there = predicted.clone();
