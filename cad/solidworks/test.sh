@@ -16,6 +16,6 @@ if [ -n "$command" ]; then
 fi
 if [ -n "$library" ]; then
     ln -s "$library" "$folder/libjointplay.so"
-    set -- "$@" "$(realpath ../../robots/gpr-mechanism.toml)"
+    set -- "$@" "$(realpath ../../crates/jointplay-format/robots/gpr-mechanism.toml)"
 fi
 LD_LIBRARY_PATH="$folder" mono "$folder/tests.exe" "$@"
