@@ -1,7 +1,8 @@
 //! The frames of a mechanism.
 
 use super::attached_frame::{AttachedFrame, FrameId};
-use super::description::{Mechanism, MechanismError};
+use super::description::Mechanism;
+use super::mechanism_error::MechanismError;
 use crate::spatial::Pose;
 
 impl Mechanism {

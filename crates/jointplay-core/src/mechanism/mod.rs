@@ -10,6 +10,7 @@ mod closing;
 mod closure;
 mod commanded_positions;
 mod coupling;
+mod coupling_rows;
 mod description;
 mod drive_from;
 mod drive_path;
@@ -23,6 +24,7 @@ pub mod joint;
 mod kinematics;
 mod limits;
 mod link_poses;
+mod mechanism_error;
 mod motion;
 mod nearest;
 mod posing;
@@ -34,6 +36,7 @@ mod self_stress;
 mod single_commands;
 mod singular;
 mod small_commands;
+mod span;
 mod sparse;
 mod suggest;
 mod suggest_options;
@@ -53,8 +56,7 @@ pub use closure::Closure;
 pub use commanded_positions::CommandedPositions;
 pub use coupling::{Coupling, JointCoordinate};
 pub use description::{
-    Carrier, Joint, LinearAndAngular, MAX_LINKS, Mechanism, MechanismError, VirtualJoint,
-    VirtualMotion,
+    Carrier, Joint, LinearAndAngular, MAX_LINKS, Mechanism, VirtualJoint, VirtualMotion,
 };
 pub use drive_from::{drive_from, held_actuators};
 pub use drive_path::{Drive, DrivePath};
@@ -67,6 +69,7 @@ pub use joint::JointKind;
 pub use kinematics::Kinematics;
 pub use limits::BeyondLimits;
 pub use link_poses::LinkPoses;
+pub use mechanism_error::MechanismError;
 pub use motion::{DrivenMotion, SingularConfiguration, Stop, Waypoint, drive, drive_along};
 pub use nearest::nearest_closure;
 pub use posing::{

@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::blocks::blocks;
 use super::closing::close;
 use super::closure::{Closure, SAME_BRANCH, START_RANGE};
-use super::coupling::coupling_rows;
+use super::coupling_rows::coupling_rows;
 use super::description::Mechanism;
 use super::joint::Factor;
 use super::kinematics::Kinematics;

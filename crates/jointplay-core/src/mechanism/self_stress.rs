@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use nalgebra::{DMatrix, DVector, Matrix3, Unit, Vector3};
 
+use super::span::Span;
 use super::symmetry::{Symmetry, symmetries};
 use super::{JointKind, MechanismSystem};
 use crate::Error;
@@ -20,8 +21,6 @@ const MAX_SUPPORTS: usize = 2_000;
 const MAX_COMPONENT_SUPPORTS: usize = 200;
 /// Subspaces of more dimensions are searched in the axes of the base alone.
 const MAX_DIMENSION: usize = 3;
-/// A unit vector with less than this outside a span depends on it.
-const INDEPENDENT: f64 = 1e-4;
 /// Wrenches and lines that differ by no more than this are the same.
 const PARALLEL: f64 = 1e-6;
 
@@ -256,39 +255,6 @@ impl Places {
             reference: system.reference(),
             length: crate::constraint::System::characteristic_length(system),
         }
-    }
-}
-
-/// Span of vectors by an orthonormal basis.
-struct Span {
-    vectors: Vec<DVector<f64>>,
-    most: usize,
-}
-
-impl Span {
-    /// Part of a vector outside the span.
-    fn outside(&self, vector: &DVector<f64>) -> DVector<f64> {
-        let mut rest = vector.clone();
-        // Twice, so that the rest is orthogonal to round-off.
-        for known in self.vectors.iter().chain(&self.vectors) {
-            let share = known.dot(&rest);
-            rest.axpy(-share, known, 1.0);
-        }
-        rest
-    }
-
-    /// Whether a unit vector does not depend on those of the span.
-    fn excludes(&self, vector: &DVector<f64>) -> bool {
-        self.vectors.len() < self.most && self.outside(vector).norm() > INDEPENDENT
-    }
-
-    /// Includes a unit vector, unless it depends on the others.
-    fn add(&mut self, vector: &DVector<f64>) -> bool {
-        let new = self.excludes(vector);
-        if new {
-            self.vectors.push(self.outside(vector).normalize());
-        }
-        new
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::coupling::{CouplingRow, coupling_rows};
+use super::coupling_rows::{CouplingRow, coupling_rows};
 use super::description::Mechanism;
 use super::kinematics::{
     KinematicState, Kinematics, bracket, carried, check_coordinates, minus, skew_part,

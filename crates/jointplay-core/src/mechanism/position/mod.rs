@@ -10,6 +10,7 @@ mod frame_motion;
 mod least_displacement;
 mod opening;
 mod solver;
+mod unknown;
 mod walk;
 
 pub use differential::DifferentialKinematics;

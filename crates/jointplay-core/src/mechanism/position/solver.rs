@@ -6,10 +6,11 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::elimination::Elimination;
 use super::opening::{Closing, Meeting, SideUnknown, TreeEdge, moved_by};
+use super::unknown::{Ball, CoupledRow, Unknown};
 use super::walk::{Frame, Part, Screw, Turned, Walk};
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, Dimension, System};
-use crate::mechanism::coupling::{CouplingRow, coupling_rows};
+use crate::mechanism::coupling_rows::coupling_rows;
 use crate::mechanism::joint::Factor;
 use crate::mechanism::kinematics::{Element, cayley, skew_part};
 use crate::mechanism::tree::spanning_tree;
@@ -69,15 +70,6 @@ pub struct Position {
     pub iterations: usize,
 }
 
-/// A coupling as one of the equations.
-#[derive(Debug, Clone)]
-pub(super) struct CoupledRow {
-    pub(super) equation: CouplingRow,
-    /// Columns of its coordinates, with their factors.
-    pub(super) columns: Vec<(usize, f64)>,
-    pub(super) row: usize,
-}
-
 /// How an iteration ended.
 struct Run {
     residual: f64,
@@ -86,20 +78,6 @@ struct Run {
     iterations: usize,
     /// After how many steps it was best, and the residual there; infinite where there was none.
     best: (usize, f64),
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Ball {
-    coordinate: usize,
-    /// Its first column, if it is in the tree and moves.
-    column: Option<usize>,
-}
-
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Unknown {
-    pub(super) coordinate: usize,
-    /// One unit of it: radians, characteristic lengths, or the metric of virtual joints.
-    unit: f64,
 }
 
 impl PositionSolver {

@@ -1,0 +1,28 @@
+//! What a position solver solves for, and the couplings among its equations.
+
+use crate::mechanism::coupling_rows::CouplingRow;
+
+/// A coupling as one of the equations.
+#[derive(Debug, Clone)]
+pub(super) struct CoupledRow {
+    pub(super) equation: CouplingRow,
+    /// Columns of its coordinates, with their factors.
+    pub(super) columns: Vec<(usize, f64)>,
+    pub(super) row: usize,
+}
+
+/// A ball joint.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ball {
+    pub(super) coordinate: usize,
+    /// Its first column, if it is in the tree and moves.
+    pub(super) column: Option<usize>,
+}
+
+/// A coordinate that is solved for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Unknown {
+    pub(super) coordinate: usize,
+    /// One unit of it: radians, characteristic lengths, or the metric of virtual joints.
+    pub(super) unit: f64,
+}
