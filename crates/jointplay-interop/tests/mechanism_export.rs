@@ -280,6 +280,81 @@ proptest! {
 }
 
 #[test]
+fn couplings_are_read_again() {
+    let coupled = |couplings: &str| {
+        let text = format!(
+            r#"
+kind = "mechanism"
+name = "coupled"
+units = {{ length = "mm", angle = "deg" }}
+base = "ground"
+joint = [
+  {{ name = "turn", kind = "revolute", links = ["ground", "disc"], point = [0, 0, 0], axis = [0, 0, 1], guess = 20 }},
+  {{ name = "nut", kind = "cylindrical", links = ["disc", "sleeve"], point = [90, 0, 0], axis = [1, 1, 0] }},
+  {{ name = "hook", kind = "universal", links = ["sleeve", "tool"], point = [190, 0, 0], axis = [0, 1, 0], second_axis = [1, 0, 0] }},
+]
+{couplings}"#
+        );
+        mechanism::parse(&text).map_err(|error| error.with_excerpt("coupled")).unwrap().mechanism
+    };
+    let thread = r#"
+[[coupling]]
+name = "thread"
+coordinate = "nut[0]"
+terms = [{ coordinate = "nut[1]", ratio = "5 / 360" }]
+offset = 2
+[[coupling]]
+name = "belt"
+coordinate = "hook[1]"
+terms = [{ coordinate = "turn", ratio = -1.5 }]
+"#;
+    let original = coupled(thread);
+    let at = assemble(&original, &guess(&original), &[0], 30).unwrap().coordinates;
+    for (format, write) in [("MJCF", mjcf as Write), ("URDF", urdf)] {
+        let written = write(&original, &at).unwrap();
+        let found = check(format, &original, &at, &written);
+        assert_eq!(found.couplings().len(), 2, "{format}");
+        assert_eq!(found.kutzbach_mobility(), original.kutzbach_mobility(), "{format}");
+        // Both move alike from the reference, whatever their coordinates are called.
+        let turned = |mechanism: &Mechanism, at: &DVector<f64>| {
+            let turn = mechanism.joint("turn").unwrap();
+            let index = Kinematics::new(mechanism).coordinates_of(turn).start;
+            let hook = mechanism.joints().iter().position(|one| one.name.contains("hook[0]"));
+            let hook = hook.unwrap_or_else(|| mechanism.joint("hook").unwrap());
+            let nut = mechanism.joints().iter().position(|one| one.name.contains("nut[1]"));
+            let nut = nut.map_or_else(
+                || {
+                    Kinematics::new(mechanism).coordinates_of(mechanism.joint("nut").unwrap()).start
+                        + 1
+                },
+                |nut| Kinematics::new(mechanism).coordinates_of(nut).start,
+            );
+            let hook = Kinematics::new(mechanism).coordinates_of(hook).start;
+            let mut start = at.clone();
+            start[index] += 0.3;
+            start[nut] += 0.7;
+            let closed = assemble(mechanism, &start, &[index, hook, nut], 30).unwrap();
+            let poses = Kinematics::new(mechanism).link_poses(&closed.coordinates).unwrap();
+            poses[mechanism.link("tool").unwrap()].to_homogeneous()
+        };
+        let off = turned(&original, &at) - turned(&found, &guess(&found));
+        assert!(off.amax() < 1e-9, "{format}: {off}");
+    }
+    assert!(matches!(sdf(&original, &at), Err(Error::Coupling { .. })));
+    let held = coupled("[[coupling]]\nname = \"brake\"\ncoordinate = \"turn\"\noffset = 20\n");
+    let at = guess(&held);
+    let found = check("MJCF", &held, &at, &mjcf(&held, &at).unwrap());
+    assert!((found.couplings()[0].offset - f64::to_radians(20.0)).abs() < 1e-12);
+    assert!(matches!(urdf(&held, &at), Err(Error::Coupling { .. })));
+    let three = coupled(
+        "[[coupling]]\nname = \"sum\"\ncoordinate = \"turn\"\nterms = [{ coordinate = \"hook[0]\", ratio = 1 }, { coordinate = \"hook[1]\", ratio = 1 }]\noffset = 20\n",
+    );
+    let at = guess(&three);
+    assert!(matches!(mjcf(&three, &at), Err(Error::Coupling { .. })));
+    assert!(matches!(urdf(&three, &at), Err(Error::Coupling { .. })));
+}
+
+#[test]
 fn a_screw_is_kept_by_sdf_and_refused_by_others() {
     let screw = |pitch: f64| {
         let joint = Joint {

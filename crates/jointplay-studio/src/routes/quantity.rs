@@ -10,6 +10,9 @@ use crate::body::Body;
 use crate::problem::Problem;
 use crate::wire::quantity::{QuantityDocument, QuantityKind, QuantityRequest, TypedUnit};
 
+/// Longest text of a field (bytes).
+const LONGEST: usize = 200;
+
 /// The value of a length or an angle as typed
 ///
 /// The text is a number or an expression, in the unit of the field or in the unit at its end: `1/3`, `0.5 mil`, `2 * 1.5 mm`, `250 µrad`.
@@ -27,6 +30,10 @@ use crate::wire::quantity::{QuantityDocument, QuantityKind, QuantityRequest, Typ
 pub(crate) async fn quantity(
     Body(QuantityRequest { text, unit }): Body<QuantityRequest>,
 ) -> Result<Json<QuantityDocument>, Problem> {
+    if text.len() > LONGEST {
+        let detail = format!("the text has {} bytes, at most {LONGEST} are allowed", text.len());
+        return Err(Problem::field("text", detail));
+    }
     let (kind, units) = match unit {
         TypedUnit::Mm => (QuantityKind::Length, Units::MM),
         TypedUnit::In => (QuantityKind::Length, Units { length: LengthUnit::Inch, ..Units::MM }),

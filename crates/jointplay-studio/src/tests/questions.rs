@@ -92,6 +92,7 @@ fn typed_lengths_and_angles_have_units_of_their_own() {
     refuse("1/0", "mm", "infinite");
     refuse("", "mm", "expected a number");
     refuse("1e999", "mm", "");
-    refuse("(".repeat(900).as_str(), "mm", "");
+    refuse("(".repeat(90).as_str(), "mm", "");
+    refuse("1+".repeat(200_000).as_str(), "mm", "400000 bytes, at most 200");
     refuse("height", "mm", "unknown name `height`");
 }

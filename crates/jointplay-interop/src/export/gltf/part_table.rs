@@ -22,7 +22,7 @@ const AXES: [(&str, UpAxis); 2] = [("y", UpAxis::Y), ("z", UpAxis::Z)];
 ///     "rod 1" = "part 7"
 ///     platform = ["plate", "ring"]
 /// "#)?;
-/// assert_eq!(table.parts[1], ("plate".to_owned(), "platform".to_owned()));
+/// assert_eq!(table.parts[0], ("plate".to_owned(), "platform".to_owned()));
 /// # Ok::<(), jointplay_format::place::Errors<jointplay_format::file_problem::FileProblem>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

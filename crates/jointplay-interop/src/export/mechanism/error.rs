@@ -15,6 +15,16 @@ pub enum Error {
         /// Name of the link.
         link: String,
     },
+    /// A coupling that the format does not have.
+    #[error("coupling {coupling:?} {reason}, which {format} cannot describe")]
+    Coupling {
+        /// Name of the coupling.
+        coupling: String,
+        /// Its property that the format lacks.
+        reason: &'static str,
+        /// The format.
+        format: &'static str,
+    },
     /// A joint that the format does not have.
     #[error("joint {joint:?} is {kind}, which {format} cannot describe{advice}")]
     Unsupported {

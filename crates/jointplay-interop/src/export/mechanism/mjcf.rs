@@ -22,6 +22,12 @@ const FREQUENCY: f64 = 100.0;
 /// Ratio of the gain of an actuator to the stiffest spring.
 const GAIN: f64 = 1e5;
 
+/// Attributes of constraints that yield as little as possible.
+fn stiff() -> [(&'static str, String); 2] {
+    let impedance = numbers(&[IMPEDANCE, IMPEDANCE, 1e-3, 0.5, 2.0]);
+    [("solref", numbers(&[CLOSURE_TIME, 1.0])), ("solimp", impedance)]
+}
+
 /// Masses, springs and gains of a model.
 struct Scale {
     /// Mass of each body (kg).
@@ -36,13 +42,13 @@ struct Scale {
 ///
 /// Links are bodies with their frames; joints are hinges, slides and balls with the coordinates and limits of the mechanism.
 /// Virtual joints are slides and hinges with a spring; actuated joints have position actuators.
-/// Loops are closed by `connect` at spherical joints and by `weld` otherwise; attached frames are sites.
+/// Loops are closed by `connect` at spherical joints and by `weld` otherwise; couplings are equalities of joints, attached frames are sites.
 ///
 /// # Arguments
 /// * `coordinates` – (f + M) of a closed configuration, which becomes the model's reference (m, rad)
 ///
 /// # Errors
-/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Unsupported`] for screw joints.
+/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Unsupported`] for screw joints, [`Error::Coupling`] for couplings of more than two coordinates.
 ///
 /// # Source
 /// \[MJCF\]
@@ -60,7 +66,23 @@ pub fn mjcf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written
             advice: "; SDF describes it",
         });
     }
+    let coupled = |coupling| skeleton.coupled(coupling, "MJCF").map(|joints| (coupling, joints));
+    let couplings = mechanism.couplings().iter().map(coupled).collect::<Result<Vec<_>, _>>()?;
     let mut writer = Writer::new(&skeleton);
+    writer.couplings = couplings
+        .into_iter()
+        .map(|(coupling, (follower, other))| {
+            // MuJoCo counts from the reference.
+            let by_other = other.as_ref().map_or(0.0, |(joint, ratio)| ratio * joint.value);
+            let constant = coupling.offset + by_other - follower.value;
+            let ratio = other.as_ref().map_or(0.0, |(_, ratio)| *ratio);
+            let mut attributes =
+                vec![("name", coupling.name.clone()), ("joint1", follower.name.to_owned())];
+            attributes.extend(other.map(|(joint, _)| ("joint2", joint.name.to_owned())));
+            attributes.push(("polycoef", numbers(&[constant, ratio, 0.0, 0.0, 0.0])));
+            attributes
+        })
+        .collect();
     writer.model();
     let Writer { xml, lost: of_model, .. } = writer;
     let mut lost = skeleton.lost.clone();
@@ -78,6 +100,8 @@ struct Writer<'s, 'a> {
     positions: Vec<f64>,
     /// Actuated hinges and slides: name, position, limits, whether it is an angle.
     actuators: Vec<(String, f64, Option<[f64; 2]>, bool)>,
+    /// Attributes of the couplings.
+    couplings: Vec<Vec<(&'static str, String)>>,
     lost: Vec<String>,
 }
 
@@ -101,7 +125,8 @@ impl<'s, 'a> Writer<'s, 'a> {
         let mass = stiffness / (FREQUENCY * FREQUENCY);
         let scale = Scale { mass, stiffness, length };
         let (positions, actuators, lost) = (Vec::new(), Vec::new(), Vec::new());
-        Self { skeleton, scale, xml: Xml::new(), children, positions, actuators, lost }
+        let (xml, couplings) = (Xml::new(), Vec::new());
+        Self { skeleton, scale, xml, children, positions, actuators, couplings, lost }
     }
 
     fn model(&mut self) {
@@ -287,7 +312,7 @@ impl<'s, 'a> Writer<'s, 'a> {
 
     fn closures(&mut self) {
         let skeleton = self.skeleton;
-        if skeleton.closures.is_empty() {
+        if skeleton.closures.is_empty() && self.couplings.is_empty() {
             return;
         }
         self.xml.open("equality", &[]);
@@ -301,9 +326,12 @@ impl<'s, 'a> Writer<'s, 'a> {
                 attributes.push(("anchor", vector(&closure.frames[1].translation.vector)));
                 attributes.push(("torquescale", number(self.scale.length)));
             }
-            attributes.push(("solref", numbers(&[CLOSURE_TIME, 1.0])));
-            attributes.push(("solimp", numbers(&[IMPEDANCE, IMPEDANCE, 1e-3, 0.5, 2.0])));
+            attributes.extend(stiff());
             self.xml.empty(if closure.is_ball { "connect" } else { "weld" }, &attributes);
+        }
+        for mut attributes in std::mem::take(&mut self.couplings) {
+            attributes.extend(stiff());
+            self.xml.empty("joint", &attributes);
         }
         self.xml.close();
     }

@@ -25,11 +25,18 @@ const WORLD: &str = "world";
 /// * `coordinates` – (f + M) of a closed configuration: there the joints of the model are at zero (m, rad)
 ///
 /// # Errors
-/// [`Error::Core`] for coordinates that are not those of the mechanism.
+/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Coupling`] for couplings.
 ///
 /// # Source
 /// \[SDFormat\]
 pub fn sdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written, Error> {
+    if let Some(coupling) = mechanism.couplings().first() {
+        return Err(Error::Coupling {
+            coupling: coupling.name.clone(),
+            reason: "couples joints",
+            format: "an SDF of this exporter",
+        });
+    }
     let skeleton = Skeleton::new(mechanism, coordinates)?;
     let kinematics = Kinematics::new(mechanism);
     let poses = kinematics.link_poses(coordinates)?;

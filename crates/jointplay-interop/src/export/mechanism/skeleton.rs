@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use jointplay_core::mechanism::joint::{Coordinate, Factor};
 use jointplay_core::mechanism::{
-    ElementaryChain, JointKind, Kinematics, Mechanism, MechanismSystem, virtual_weights,
+    Coupling, ElementaryChain, JointCoordinate, JointKind, Kinematics, Mechanism, MechanismSystem,
+    virtual_weights,
 };
 use jointplay_core::spatial::Pose;
 use nalgebra::DVector;
@@ -13,6 +14,13 @@ use super::error::Error;
 
 /// Names of the ground and of the model in MJCF and SDF, which no moving link may have.
 const RESERVED: [&str; 2] = ["world", "__model__"];
+
+/// An exported joint of a coupling.
+pub(super) struct CoupledJoint<'s> {
+    pub(super) name: &'s str,
+    /// Its coordinate in the reference configuration (m, rad).
+    pub(super) value: f64,
+}
 
 /// Bodies, parents before children, and closures.
 pub(super) struct Skeleton<'a> {
@@ -213,6 +221,37 @@ impl<'a> Skeleton<'a> {
             first += count;
         }
         mechanism.virtual_joints()[coordinate - first].name.clone()
+    }
+
+    /// The exported joints of a coupling with at most one other coordinate: names of the follower and the other, and the ratio of the latter.
+    ///
+    /// # Errors
+    /// [`Error::Coupling`] for more coordinates, and for a coordinate of a joint that is not in the tree.
+    pub(super) fn coupled<'s>(
+        &'s self,
+        coupling: &Coupling,
+        format: &'static str,
+    ) -> Result<(CoupledJoint<'s>, Option<(CoupledJoint<'s>, f64)>), Error> {
+        let refused = |reason| {
+            let coupling = coupling.name.clone();
+            Error::Coupling { coupling, reason, format }
+        };
+        let joint = |one: JointCoordinate| {
+            let joints = &self.mechanism.joints()[..one.joint];
+            let first: usize = joints.iter().map(|joint| joint.kind.freedoms()).sum();
+            let coordinate = first + one.freedom;
+            let motions = |body: &'s Body| body.chain.motions.iter().zip(&body.names);
+            let mut all = self.bodies.iter().flat_map(motions);
+            let found = all.find(|(motion, _)| motion.coordinate == coordinate);
+            let (_, name) = found.ok_or_else(|| refused("is of a joint that closes a loop"))?;
+            Ok::<_, Error>(CoupledJoint { name, value: self.coordinates[coordinate] })
+        };
+        let other = match coupling.terms[..] {
+            [] => None,
+            [(one, ratio)] => Some((joint(one)?, ratio)),
+            _ => return Err(refused("has more than two coordinates")),
+        };
+        Ok((joint(coupling.follower)?, other))
     }
 
     /// A name that no link and joint has.

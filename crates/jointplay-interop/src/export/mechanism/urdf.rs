@@ -22,24 +22,42 @@ const MASS: f64 = 1.0;
 ///
 /// Links have their frames, joints their coordinates and limits; several motions of one joint are joints with links between them, a ball is three turns about x, y and z.
 /// Actuated joints have a command interface, all joints an initial value at the closed configuration.
-/// Virtual joints are joints; their stiffness has no place.
+/// Virtual joints are joints; their stiffness has no place. A joint that is coupled to another mimics it.
 ///
 /// # Arguments
 /// * `coordinates` – (f + M) of a closed configuration (m, rad)
 ///
 /// # Errors
-/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Unsupported`] for screw joints that close no loop.
+/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Unsupported`] for screw joints that close no loop; [`Error::Coupling`] for couplings of one coordinate, of more than two, and of joints that close loops.
 ///
 /// # Source
 /// \[URDF\]
 pub fn urdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written, Error> {
     let skeleton = Skeleton::with_whole_closures(mechanism, coordinates)?;
+    let mut mimics = Vec::new();
+    for coupling in mechanism.couplings() {
+        let (follower, other) = skeleton.coupled(coupling, "URDF")?;
+        let refused = |reason| {
+            Err(Error::Coupling { coupling: coupling.name.clone(), reason, format: "URDF" })
+        };
+        let Some((other, ratio)) = other else { return refused("has one coordinate") };
+        if mimics.iter().any(|mimic: &Mimic| mimic.joint == follower.name) {
+            return refused("has a joint that follows another already");
+        }
+        let attributes = [
+            ("joint", other.name.to_owned()),
+            ("multiplier", number(ratio)),
+            ("offset", number(coupling.offset)),
+        ];
+        mimics.push(Mimic { joint: follower.name.to_owned(), attributes });
+    }
     let mut writer = Writer {
         skeleton: &skeleton,
         xml: Xml::new(),
         parts: Vec::new(),
         lost: skeleton.lost.clone(),
         controlled: Vec::new(),
+        mimics,
     };
     writer.xml.open("robot", &[("name", mechanism.name().into())]);
     writer.link(&mechanism.links()[0], true);
@@ -73,6 +91,13 @@ struct Writer<'s, 'a> {
     lost: Vec<String>,
     /// Joints with a state: name, value, whether a motor drives it.
     controlled: Vec<(String, f64, bool)>,
+    mimics: Vec<Mimic>,
+}
+
+/// A joint that follows another.
+struct Mimic {
+    joint: String,
+    attributes: [(&'static str, String); 3],
 }
 
 /// A motion of one coordinate about or along an axis of the frame before it.
@@ -177,6 +202,9 @@ impl Writer<'_, '_> {
                     ("velocity", "1e3".to_owned()),
                 ];
                 self.xml.empty("limit", &limit);
+            }
+            if let Some(mimic) = self.mimics.iter().find(|mimic| mimic.joint == one.name) {
+                self.xml.empty("mimic", &mimic.attributes);
             }
             self.xml.close();
             self.controlled.push((one.name.clone(), one.value, one.is_driven));

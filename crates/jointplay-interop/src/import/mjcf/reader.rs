@@ -378,6 +378,27 @@ mod tests {
 </mujoco>"#;
 
     #[test]
+    fn equalities_of_joints_are_couplings() {
+        let equalities = r#"<equality>
+    <joint name="gear" joint1="d" joint2="a" polycoef="0.1 -2"/>
+    <joint joint1="b"/>
+    <joint joint1="b2" joint2="d" active="false" polycoef="0 0 1"/>"#;
+        let text = FOUR_BAR
+            .replace("<equality>", equalities)
+            .replace("range=\"-90 90\"", "ref=\"30\" range=\"-90 90\"");
+        let model = testing::read(&text);
+        let [gear, held] = model.mechanism.couplings() else { panic!() };
+        let joint = |name| model.mechanism.joint(name).unwrap();
+        assert_eq!((gear.name.as_str(), gear.follower.joint), ("gear", joint("d")));
+        assert_eq!((gear.terms[0].0.joint, gear.terms[0].1), (joint("a"), -2.0));
+        // Counted from the reference of the leader.
+        let expected = 0.1 + 2.0 * f64::to_radians(30.0);
+        assert!((gear.offset - expected).abs() < 1e-15, "{}", gear.offset);
+        assert_eq!((held.follower.joint, held.terms.len(), held.offset), (joint("b"), 0, 0.0));
+        assert!(model.ignored.contains(&"1 × inactive joint".to_owned()), "{:?}", model.ignored);
+    }
+
+    #[test]
     fn connect_closes_a_loop() {
         let model = testing::read(FOUR_BAR);
         let mechanism = &model.mechanism;
@@ -531,9 +552,9 @@ mod tests {
         );
         refuse(
             "<weld site1=\"tip\" site2=\"top\" active=\"false\"/>",
-            "<joint joint1=\"a\"/>",
-            "<joint joint1=\"a\"/>",
-            "active=\"false\" to import",
+            "<joint joint1=\"a\" joint2=\"d\" polycoef=\"0 1 2\"/>",
+            "<joint joint1=\"a\" joint2=\"d\" polycoef=\"0 1 2\"/>",
+            "a polynomial of higher degree",
         );
         refuse("motor joint=\"a\"", "motor joint=\"z\"", "z", "joint \"z\" is not known");
     }
