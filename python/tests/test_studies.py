@@ -80,6 +80,16 @@ def test_a_plan_is_its_text():
         jp.study.Plan.from_toml(SMALL.replace("seed = 12", "seed = -1"))
 
 
+def test_a_mechanism_is_studied():
+    plan = jp.study.Plan.example("slider-crank")
+    table = pa.table(plan.chunk(0))
+    assert table.num_rows == plan.samples == 219
+    assert set(table["status"].to_pylist()) == {"solved"}
+    home = [i for i, angle in enumerate(table["main bearing_deg"].to_pylist()) if angle == 0]
+    assert [table["cylinder_mm"][i].as_py() for i in home] == [0.0, 0.0, 0.0]
+    assert pa.table(pickle.loads(pickle.dumps(plan)).chunk(0)) == table
+
+
 def test_a_robot_file_is_pickled_with_its_plan(tmp_path):
     robot = Path(__file__).resolve().parents[2] / "crates/jointplay-format/robots" / "gpr.toml"
     (tmp_path / "mine.toml").write_text(robot.read_text().replace("height_mm = 500.0", "height_mm = 400.0"))
@@ -90,7 +100,7 @@ def test_a_robot_file_is_pickled_with_its_plan(tmp_path):
     assert pickle.loads(text).digest == plan.digest
     table = pa.table(pickle.loads(text).chunk(2))
     assert table["height_mm"].to_pylist() == [400.0]
-    with pytest.raises(jp.FileError, match="cannot read the robot file"):
+    with pytest.raises(jp.FileError, match="cannot read the file"):
         jp.study.Plan.from_file(tmp_path / "s.toml")
     with pytest.raises(jp.FileError, match="not in the catalogue"):
         jp.study.Plan.from_toml((tmp_path / "s.toml").read_text())
