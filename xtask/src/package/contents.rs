@@ -10,7 +10,7 @@ use crate::rust_source::line_at;
 /// Files that every archive holds.
 const EVERYWHERE: [&str; 3] = ["README.md", "LICENSE-MIT", "LICENSE-APACHE"];
 
-/// Largest size of an archive that the Cargo registry accepts [byte].
+/// Largest size of an archive that the Cargo registry accepts (bytes).
 const LARGEST: u64 = 10 * 1024 * 1024;
 
 /// How sources name files that are compiled in.

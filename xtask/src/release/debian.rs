@@ -60,7 +60,7 @@ License: MIT or Apache-2.0
     fs::copy(place.notices(), documents.join("THIRD-PARTY.txt")).map(|_| ())
 }
 
-/// The description of the package; `size` is that of its files [KiB].
+/// The description of the package; `size` is that of its files (KiB).
 fn control(size: &str) -> String {
     format!(
         "\
