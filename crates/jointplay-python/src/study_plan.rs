@@ -105,7 +105,7 @@ impl PyPlan {
         self.samples
     }
 
-    /// Number of chunks of 65,536 samples, the last of which may be shorter.
+    /// Number of chunks of 65,536 samples, of mechanisms 2048; the last may be shorter.
     #[getter]
     fn chunks(&self) -> u64 {
         self.chunks

@@ -19,6 +19,7 @@ mod displacement;
 mod distance;
 mod expected;
 mod forward;
+mod instructions;
 mod jacobian;
 mod limits;
 mod mechanism;

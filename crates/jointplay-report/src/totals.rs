@@ -1,6 +1,6 @@
 //! Totals of a study of any length.
 
-use jointplay_study::plan::{QUANTILE_SAMPLES, Totals};
+use jointplay_study::plan::Totals;
 use serde::Serialize;
 use serde_json::Map;
 
@@ -116,7 +116,7 @@ pub fn totals(file: &StudyFile, totals: &Totals, quantiles: &[Vec<Option<f64>>])
         beyond_rod_limits: totals.beyond_rods,
         beyond_tilt_limit: totals.beyond_tilt,
         beyond_joint_limits: totals.beyond_joints,
-        percentiles_from: totals.samples.min(QUANTILE_SAMPLES),
+        percentiles_from: totals.samples.min(file.plan.portions().quantiles),
         columns: columns.collect(),
     }
 }

@@ -49,6 +49,24 @@ fn markers_read_back_exactly() {
     }
 }
 
+/// Last digits of mechanisms differ between instruction sets: a run is continued on the kind that began it.
+#[test]
+fn a_study_of_a_mechanism_is_continued_on_its_kind_of_processor() {
+    let file = study(
+        "kind = \"study\"\nmechanism = \"four-bar\"\nquantities = [\"joints\"]\n[drives]\nA = [0, 10]\n",
+    );
+    let marker = Marker::new(&file, TableKind::Csv, Totals::of(&*file.plan));
+    let text = marker.to_json(0);
+    assert_eq!(Marker::parse(&text).as_ref(), Ok(&marker));
+    let here = marker.instructions.unwrap();
+    let other =
+        text.replace(&format!("\"instructions\": \"{here}\""), "\"instructions\": \"other\"");
+    assert_ne!(other, text);
+    let refused = MarkerError::Processor { found: "other".to_owned(), here };
+    assert_eq!(Marker::parse(&other), Err(refused));
+    assert_eq!(Marker::new(&study(STUDY), TableKind::Csv, Totals::new(3, 2)).instructions, None);
+}
+
 proptest::proptest! {
     #[test]
     fn malformed_markers_do_not_panic(noise in "\\PC{0,12}") {

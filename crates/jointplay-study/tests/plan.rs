@@ -6,8 +6,8 @@ use jointplay_core::spatial::Tilt;
 use jointplay_core::virtualization::{Metric, Planar, Polar, Radial, SolveOptions, Solver};
 use jointplay_study::Error;
 use jointplay_study::plan::{
-    Block, CHUNK, Dimension, Outcome, OutputQuantity, Plan, PlatformQuantity, QUANTILE_SAMPLES,
-    RodsFrom, Study as _, TiltForm, Tilts, Tolerances, Totals, Variation, quantiles, run,
+    Block, Dimension, Outcome, OutputQuantity, Plan, PlatformQuantity, Portions, RodsFrom,
+    Study as _, TiltForm, Tilts, Tolerances, Totals, Variation, quantiles, run,
 };
 
 const ANGLE: f64 = 0.02;
@@ -274,7 +274,7 @@ fn a_run_is_the_same_on_any_number_of_threads_and_from_any_chunk() {
     for threads in [2, 3, 17] {
         assert!(collected(threads, 0) == (samples.clone(), values.clone()), "{threads} threads");
     }
-    let skipped = 2 * CHUNK as usize;
+    let skipped = 2 * Portions::QUICK.chunk as usize;
     assert!(collected(2, 2) == (samples[skipped..].to_vec(), values[skipped..].to_vec()));
     assert_eq!(collected(2, 4).0.len(), 0);
 
@@ -304,7 +304,7 @@ fn quantiles_are_exact_for_few_and_near_for_many() {
     let many = Plan { draws: 1 << 40, height: Variation::Values(vec![0.5]), ..few };
     let found = quantiles(&many, &shares[1..4]).unwrap().remove(0);
     for (share, found) in shares[1..4].iter().zip(&found) {
-        let error = (share * (1.0 - share) / QUANTILE_SAMPLES as f64).sqrt();
+        let error = (share * (1.0 - share) / Portions::QUICK.quantiles as f64).sqrt();
         assert!((found.unwrap() / 6.0 - share).abs() < 4.0 * error, "{share}: {found:?}");
     }
     let steep = Tilts { second: Variation::Values(vec![3.0]), ..plan().tilt };

@@ -95,6 +95,35 @@ fn gathered_parts_are_the_run_on_one_machine() {
     }
 }
 
+/// Two parts, of 2048 and 1552 samples.
+const MECHANISM: &str = r#"kind = "study"
+mechanism = "slider-crank"
+quantities = ["cylinder_um", "mobility"]
+
+[drives]
+"main bearing" = "0:359.9:0.1"
+"#;
+
+#[test]
+fn a_mechanism_in_parts_is_the_run_on_one_machine() {
+    let sandbox = Sandbox::new();
+    sandbox.write("m.toml", MECHANISM);
+    let summary = sandbox.done("study m.toml --out whole.csv --threads 1 --format json --quiet");
+    let summary: Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(
+        (&summary["samples"], &summary["outcomes"][0]["solved"]),
+        (&3600.into(), &3600.into())
+    );
+    for share in ["1/2", "0/2"] {
+        sandbox.done(&format!("study m.toml --parts run --part-format csv --part {share} --quiet"));
+    }
+    let report = status(&sandbox, "--parts run");
+    assert_eq!((&report["done"], &report["parts"]), (&2.into(), &2.into()));
+    let gathered = sandbox.done("study --parts run --gather table.csv --format json --quiet");
+    assert_eq!(serde_json::from_str::<Value>(&gathered).unwrap(), summary);
+    assert!(bytes(&sandbox, "table.csv") == bytes(&sandbox, "whole.csv"));
+}
+
 #[test]
 fn a_folder_takes_one_study() {
     let sandbox = Sandbox::new();

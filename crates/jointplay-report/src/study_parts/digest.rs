@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use jointplay_core::bulk::instruction_set;
 use jointplay_format::study::StudyFile;
-use jointplay_study::plan::CHUNK;
 use sha2::{Digest as _, Sha256};
+
+use crate::instructions::instructions;
 
 /// Version of this program.
 pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -16,7 +16,7 @@ pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Names and comments of the study file are not included.
 #[must_use]
 pub fn digest(study: &StudyFile) -> String {
-    let mut text = format!("jointplay {VERSION}\nrows {CHUNK}\n");
+    let mut text = format!("jointplay {VERSION}\nrows {}\n", study.plan.portions().chunk);
     if let Some(instructions) = instructions(study) {
         let _ = writeln!(text, "instructions {instructions}");
     }
@@ -24,11 +24,6 @@ pub fn digest(study: &StudyFile) -> String {
         let _ = writeln!(text, "{key} {} {value}", value.len());
     }
     sha256(text.as_bytes())
-}
-
-/// The instruction set of this processor, if the numbers of a study depend on it.
-pub(super) fn instructions(study: &StudyFile) -> Option<&'static str> {
-    study.plan.depends_on_processor().then(instruction_set)
 }
 
 /// SHA-256 in hexadecimal.

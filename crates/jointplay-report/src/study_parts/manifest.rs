@@ -1,11 +1,11 @@
 //! The description of a folder of parts.
 
 use jointplay_format::study::{StudyFile, parse};
-use jointplay_study::plan::CHUNK;
 use serde::{Deserialize, Serialize};
 
-use super::digest::{VERSION, digest, instructions};
+use super::digest::{VERSION, digest};
 use super::error::PartsError;
+use crate::instructions::instructions;
 use crate::study_table::TableKind;
 
 /// Name of the file that describes a folder of parts.
@@ -51,7 +51,7 @@ impl Manifest {
             digest: digest(study),
             samples: study.plan.samples()?,
             parts: study.plan.chunks()?,
-            rows_of_a_part: CHUNK,
+            rows_of_a_part: study.plan.portions().chunk,
             format: kind.ending().to_owned(),
             instructions: instructions(study).map(str::to_owned),
             study: study.text.clone(),

@@ -1,7 +1,7 @@
 //! Totals of a study from those of its parts.
 
 use jointplay_format::study::StudyFile;
-use jointplay_study::plan::{CHUNK, Totals};
+use jointplay_study::plan::Totals;
 
 use super::digest::digest;
 use super::error::PartsError;
@@ -14,6 +14,8 @@ pub struct TotalsOfParts {
     digest: String,
     samples: u64,
     parts: u64,
+    /// Of a part.
+    rows: u64,
     next: u64,
     totals: Totals,
 }
@@ -29,6 +31,7 @@ impl TotalsOfParts {
             digest: digest(study),
             samples: plan.samples()?,
             parts: plan.chunks()?,
+            rows: plan.portions().chunk,
             next: 0,
             totals: Totals::of(&**plan),
         })
@@ -55,7 +58,7 @@ impl TotalsOfParts {
         }
         let malformed = |why: &str| PartsError::malformed(&file, why);
         let totals = record.totals.read().map_err(malformed)?;
-        let rows = self.samples.saturating_sub(part.saturating_mul(CHUNK)).min(CHUNK);
+        let rows = self.samples.saturating_sub(part.saturating_mul(self.rows)).min(self.rows);
         let all = &self.totals;
         if totals.samples != rows
             || totals.columns.len() != all.columns.len()

@@ -1,5 +1,6 @@
 //! Progress of an interrupted run, from which another run continues.
 
+use jointplay_core::bulk::instruction_set;
 use jointplay_study::plan::Totals;
 use serde::{Deserialize, Serialize};
 
@@ -7,6 +8,7 @@ use jointplay_format::study::StudyFile;
 
 use super::kind::TableKind;
 use super::totals_document::TotalsDocument;
+use crate::instructions::instructions;
 
 /// Progress file next to an incomplete table.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +27,8 @@ pub struct Marker {
     pub totals: Totals,
     /// End of the table if it had only these chunks.
     pub foot: Vec<u8>,
+    /// Instruction set of the processor, where numbers depend on it.
+    pub instructions: Option<&'static str>,
 }
 
 /// Error of a marker from which this program cannot continue.
@@ -44,6 +48,16 @@ pub enum MarkerError {
         /// This version.
         here: &'static str,
     },
+    /// A marker of a study whose last digits depend on the processor, begun on another kind.
+    #[error(
+        "this study was begun with the instruction set {found}, and this processor has {here}: its numbers may differ in their last digits; continue on the kind of processor that began it, or start again with --force"
+    )]
+    Processor {
+        /// Instruction set that began the study.
+        found: String,
+        /// That of this processor.
+        here: &'static str,
+    },
 }
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -60,14 +74,24 @@ struct Document {
     foot: String,
     study: String,
     mechanism: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    instructions: Option<String>,
 }
 
 impl Marker {
     /// A marker without completed chunks.
     #[must_use]
     pub fn new(study: &StudyFile, kind: TableKind, totals: Totals) -> Self {
-        let (study, mechanism) = (study.text.clone(), study.mechanism_text.clone());
-        Self { study, mechanism, kind, chunks: 0, bytes: 0, totals, foot: Vec::new() }
+        Self {
+            study: study.text.clone(),
+            mechanism: study.mechanism_text.clone(),
+            kind,
+            chunks: 0,
+            bytes: 0,
+            totals,
+            foot: Vec::new(),
+            instructions: instructions(study),
+        }
     }
 
     /// The marker as a JSON file.
@@ -86,6 +110,7 @@ impl Marker {
             foot: self.foot.iter().map(|byte| format!("{byte:02x}")).collect(),
             study: self.study.clone(),
             mechanism: self.mechanism.clone(),
+            instructions: self.instructions.map(str::to_owned),
         };
         let json = serde_json::to_string_pretty(&document);
         json.expect("a document of texts and whole numbers") + "\n"
@@ -111,8 +136,15 @@ impl Marker {
             .ok_or_else(|| malformed("its format is neither csv nor parquet"))?;
         let totals = document.totals.read().map_err(malformed)?;
         let foot = hex(&document.foot).ok_or_else(|| malformed("its foot is not hexadecimal"))?;
+        let here = instruction_set();
+        let instructions = match &document.instructions {
+            Some(found) if found != here => {
+                return Err(MarkerError::Processor { found: found.clone(), here });
+            }
+            found => found.as_ref().map(|_| here),
+        };
         let Document { study, mechanism, chunks, bytes, .. } = document;
-        Ok(Self { study, mechanism, kind, chunks, bytes, totals, foot })
+        Ok(Self { study, mechanism, kind, chunks, bytes, totals, foot, instructions })
     }
 }
 

@@ -4,10 +4,23 @@ use jointplay_core::bulk::Status;
 
 use super::moments::Moments;
 
-/// Samples that a core computes at a time: enough to hide handing them out, few enough to stay in its cache.
-pub const BLOCK: usize = 4096;
-/// Samples that are handed on together: a row group of a table.
-pub const CHUNK: u64 = 65_536;
+/// How many samples of a study are computed, handed on and looked at together, by the time that a sample takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Portions {
+    /// Samples that a core computes at a time: enough to hide handing them out, few enough to stay in its cache.
+    pub block: usize,
+    /// Samples that are handed on together: a row group of a table; a study stops between them.
+    pub chunk: u64,
+    /// Samples that quantiles are taken from at most; they are computed again.
+    pub quantiles: u64,
+}
+
+impl Portions {
+    /// Of samples in less than a microsecond: the three-rod robot.
+    pub const QUICK: Self = Self { block: 4096, chunk: 65_536, quantiles: 65_536 };
+    /// Of samples in milliseconds: mechanisms.
+    pub const SLOW: Self = Self { block: 64, chunk: 2048, quantiles: 4096 };
+}
 
 /// Outcome of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,7 +7,7 @@ use jointplay_core::gpr::{BrokenLimit, BrokenLimits, Gpr, ball_sides};
 
 use super::as_built::RodsFrom;
 use super::as_built::{RobotSampler, value};
-use super::block::{Block, Outcome};
+use super::block::{Block, Outcome, Portions};
 use super::definition::Plan;
 use super::grid;
 use super::inputs::Inputs;
@@ -39,6 +39,10 @@ impl Study for Plan {
             matches!(measure, PlatformQuantity::Quantity(Quantity::Sensitivity(_)))
         };
         self.wanted.iter().any(of_processor)
+    }
+
+    fn portions(&self) -> Portions {
+        Portions::QUICK
     }
 
     fn compute(&self, samples: &[u64]) -> Result<Block, Error> {

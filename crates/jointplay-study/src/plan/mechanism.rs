@@ -12,7 +12,7 @@ use jointplay_core::mobility::{RANK_THRESHOLD, instantaneous_mobility};
 use jointplay_core::spatial::{Pose, continued_quaternion, rotation_vector};
 use nalgebra::DVector;
 
-use super::block::{Block, Outcome};
+use super::block::{Block, Outcome, Portions};
 use super::grid::{self, Grid};
 use super::moments::Moments;
 use super::random::{DRIVE_STREAMS, PARAMETER_STREAMS};
@@ -20,8 +20,6 @@ use super::study::{self, Study};
 use super::variation::Variation;
 use crate::Error;
 
-/// Samples that a core computes at a time: each takes thousands of times as long as a pose of the three-rod robot.
-const BLOCK: usize = 128;
 /// Corrections from the closed configuration of the design to that of other dimensions.
 const CORRECTIONS: usize = 50;
 
@@ -165,8 +163,8 @@ impl Study for MechanismPlan {
         true
     }
 
-    fn block(&self) -> usize {
-        BLOCK
+    fn portions(&self) -> Portions {
+        Portions::SLOW
     }
 
     fn compute(&self, samples: &[u64]) -> Result<Block, Error> {

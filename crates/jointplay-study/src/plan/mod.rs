@@ -50,12 +50,12 @@ mod totals;
 mod variation;
 
 pub use as_built::{Dimension, RodsFrom, Tolerances};
-pub use block::{BLOCK, Block, CHUNK, Outcome};
+pub use block::{Block, Outcome, Portions};
 pub use definition::{Plan, TiltForm, Tilts};
 pub use mechanism::{MechanismOf, MechanismPlan, MechanismQuantity, VariedDrive, VariedParameter};
 pub use moments::Moments;
 pub use output::{OutputQuantity, PlatformQuantity};
-pub use quantiles::{QUANTILE_SAMPLES, quantiles};
+pub use quantiles::quantiles;
 pub use run::{compute_chunk, run, run_chunks};
 pub use study::Study;
 pub use totals::{Outcomes, Totals};

@@ -6,16 +6,13 @@ use super::random::Stream;
 use super::study::Study;
 use crate::Error;
 
-/// Samples that quantiles are taken from at most.
-pub const QUANTILE_SAMPLES: u64 = 65_536;
-
 /// The stream of random numbers that chooses the samples; far from those of the quantities.
 const STREAM: u64 = u64::MAX;
 
 /// Quantiles of every column of a study, by linear interpolation between the numbers in order; `None` for a column without numbers.
 ///
-/// Exact for up to [`QUANTILE_SAMPLES`] samples.
-/// Of more, so many are computed again, one drawn from each of as many equal stretches of the study: then the share of samples below a quantile q is q with a standard error of at most √(q (1 − q) / 65,536), 0.2 % for the median.
+/// Exact for up to n = [`Portions::quantiles`](super::Portions) samples.
+/// Of more, n are computed again, one drawn from each of as many equal stretches of the study: then the share of samples below a quantile q is q with a standard error of at most √(q (1 − q) / n).
 ///
 /// # Arguments
 /// * `shares` – shares q of the samples, from 0 to 1
@@ -28,7 +25,7 @@ const STREAM: u64 = u64::MAX;
 pub fn quantiles(study: &dyn Study, shares: &[f64]) -> Result<Vec<Vec<Option<f64>>>, Error> {
     let samples = chosen(study)?;
     let blocks: Vec<_> = samples
-        .par_chunks(study.block())
+        .par_chunks(study.portions().block)
         .map(|samples| Ok(study.compute(samples)?.columns))
         .collect::<Result<_, Error>>()?;
     let column = |c: usize| {
@@ -40,18 +37,18 @@ pub fn quantiles(study: &dyn Study, shares: &[f64]) -> Result<Vec<Vec<Option<f64
     Ok((0..study.columns()).into_par_iter().map(column).collect())
 }
 
-/// All samples of a study, or one of each of [`QUANTILE_SAMPLES`] equal stretches.
+/// All samples of a study, or one of each of equal stretches.
 fn chosen(study: &dyn Study) -> Result<Vec<u64>, Error> {
-    let count = study.samples()?;
-    if count <= QUANTILE_SAMPLES {
+    let (count, most) = (study.samples()?, study.portions().quantiles);
+    if count <= most {
         return Ok((0..count).collect());
     }
     let mut stream = Stream::new(study.seed(), STREAM);
     let edge = |stretch: u64| {
-        let edge = u128::from(stretch) * u128::from(count) / u128::from(QUANTILE_SAMPLES);
+        let edge = u128::from(stretch) * u128::from(count) / u128::from(most);
         u64::try_from(edge).expect("at most the number of samples")
     };
-    Ok((0..QUANTILE_SAMPLES)
+    Ok((0..most)
         .map(|stretch| {
             let (from, to) = (edge(stretch), edge(stretch + 1));
             // The product rounds up to the whole width only for widths beyond 2⁵³.

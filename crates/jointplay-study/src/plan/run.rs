@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::block::{Block, CHUNK};
+use super::block::Block;
 use super::study::Study;
 use crate::Error;
 
@@ -88,8 +88,10 @@ pub fn compute_chunk(study: &dyn Study, chunk: u64) -> Result<Vec<Block>, Error>
     if chunk >= count {
         return Err(Error::NoSuchChunk { found: chunk, count });
     }
-    let (first, end) = (chunk * CHUNK, ((chunk + 1) * CHUNK).min(samples));
-    let size = study.block() as u64;
+    let portions = study.portions();
+    let first = chunk * portions.chunk;
+    let end = samples.min(first + portions.chunk);
+    let size = portions.block as u64;
     let block = |k: u64| {
         let first = first + k * size;
         let samples: Vec<u64> = (first..(first + size).min(end)).collect();

@@ -1,6 +1,6 @@
 //! What all studies have.
 
-use super::block::{BLOCK, Block, CHUNK};
+use super::block::{Block, Portions};
 use crate::Error;
 
 /// A study: numbered samples that are computed in any order, each from the study and its number alone.
@@ -32,17 +32,15 @@ pub trait Study: Send + Sync {
     /// As [`Study::samples`]; [`Error::NoSuchSample`]; [`Error::Core`] for what concerns all samples alike.
     fn compute(&self, samples: &[u64]) -> Result<Block, Error>;
 
-    /// Samples that a core computes at a time.
-    fn block(&self) -> usize {
-        BLOCK
-    }
+    /// How many samples are computed, handed on and looked at together.
+    fn portions(&self) -> Portions;
 
-    /// Number of chunks of [`CHUNK`] samples, the last of which may be shorter.
+    /// Number of chunks, the last of which may be shorter.
     ///
     /// # Errors
     /// As [`Study::samples`].
     fn chunks(&self) -> Result<u64, Error> {
-        Ok(self.samples()?.div_ceil(CHUNK))
+        Ok(self.samples()?.div_ceil(self.portions().chunk))
     }
 
     /// Number of threads that the study keeps busy: one for each block of samples.
@@ -50,7 +48,7 @@ pub trait Study: Send + Sync {
     /// # Errors
     /// As [`Study::samples`].
     fn most_threads(&self) -> Result<usize, Error> {
-        let blocks = self.samples()?.div_ceil(self.block() as u64);
+        let blocks = self.samples()?.div_ceil(self.portions().block as u64);
         let most = crate::parallel::MOST_THREADS;
         Ok(usize::try_from(blocks).map_or(most, |blocks| blocks.clamp(1, most)))
     }

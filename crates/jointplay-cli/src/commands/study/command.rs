@@ -44,7 +44,7 @@ Examples:
 
 Ctrl-C stops a study after the current chunk; the finished chunks stay in TABLE.part, and --resume continues.
 Included examples: center-shift, misbuilt, play-over-the-workspace, slider-crank.
-With --parts, chunks of 65,536 samples become files of their own, on any number of machines; finished ones are not computed again.
+With --parts, chunks of 65,536 samples (2048 of mechanisms) become files of their own, on any number of machines; finished ones are not computed again.
 The gathered table has the bytes of a run on one machine.
 Exit codes: 0 done, 1 no sample could be solved or parts are missing, 2 bad input or usage, 130 interrupted.")]
 pub(crate) struct StudyCommand {

@@ -7,8 +7,8 @@ use jointplay::report::study_table::Table;
 
 use crate::failure::Failure;
 
-/// Samples computed to measure time and size.
-const MEASURED_SAMPLES: u64 = 8192;
+/// Blocks computed to measure time and size.
+const MEASURED_BLOCKS: u64 = 2;
 /// Consecutive samples in each measured run.
 const RUN_LENGTH: u64 = 64;
 /// Typical size of one number in a table (bytes).
@@ -27,7 +27,7 @@ impl Estimate {
     /// Measures samples that are spread over the whole study, on the current thread pool.
     pub(super) fn measure(file: &StudyFile, table: &Table) -> Result<Self, Failure> {
         let samples = file.plan.samples()?;
-        let measured = samples.min(MEASURED_SAMPLES);
+        let measured = samples.min(MEASURED_BLOCKS * file.plan.portions().block as u64);
         // Consecutive samples share work, so runs of them are representative and single samples are not.
         let run = measured.min(RUN_LENGTH);
         let runs = measured.div_ceil(run);

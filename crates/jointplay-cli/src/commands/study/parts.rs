@@ -7,7 +7,7 @@ use jointplay::format::study::{self, StudyFile};
 use jointplay::report::study_parts::{self, PartFiles, PartWriter};
 use jointplay::report::study_table::TableKind;
 use jointplay::report::{self, SHARES};
-use jointplay::study::plan::{self, CHUNK, Study};
+use jointplay::study::plan::{self, Study};
 use rayon::ThreadPool;
 
 use super::interrupt;
@@ -23,7 +23,7 @@ use crate::progress::Progress;
 /// The flags of studies in parts.
 #[derive(Args)]
 pub(super) struct PartsArgs {
-    /// Compute into a folder with one file per chunk of 65,536 samples, described by its study.json; without FILE, the study of the folder
+    /// Compute into a folder with one file per chunk of samples, described by its study.json; without FILE, the study of the folder
     #[arg(long, value_name = "DIR")]
     parts: Option<PathBuf>,
     /// Compute the parts i with i mod N = K, which are the share of task K of N [default: 0/1, all parts]
@@ -189,11 +189,12 @@ fn compute(
     let total = parts.saturating_sub(share.task).div_ceil(share.of);
     let present = done.range(..parts).filter(|part| *part % share.of == share.task).count() as u64;
     let missing = own().filter(|part| !done.contains(part));
-    let rows = |part: u64| CHUNK.min(samples - part * CHUNK);
+    let chunk = plan.portions().chunk;
+    let rows = |part: u64| chunk.min(samples - part * chunk);
     let last = parts.checked_sub(1).filter(|last| last % share.of == share.task);
-    let cut = |done: bool| last.map_or(0, |last| if done { CHUNK - rows(last) } else { 0 });
-    let own_samples = total * CHUNK - cut(true);
-    let begun = present * CHUNK - cut(last.is_some_and(|last| done.contains(&last)));
+    let cut = |done: bool| last.map_or(0, |last| if done { chunk - rows(last) } else { 0 });
+    let own_samples = total * chunk - cut(true);
+    let begun = present * chunk - cut(last.is_some_and(|last| done.contains(&last)));
     let mut progress = Progress::of_samples(own_samples, begun);
     let (mut computed, mut at) = (0, begun);
     plan::run_chunks(

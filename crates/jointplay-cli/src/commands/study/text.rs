@@ -61,8 +61,9 @@ fn summary(report: &TotalsReport, out: Option<&Path>) -> String {
     if report.percentiles_from < samples {
         let _ = writeln!(
             text,
-            "  percentiles are estimated from {} samples, drawn uniformly from the study (standard error of each rank at most 0.2 %)",
-            report.percentiles_from
+            "  percentiles are estimated from {} samples, drawn uniformly from the study (standard error of each rank at most {:.1} %)",
+            report.percentiles_from,
+            50.0 / (report.percentiles_from as f64).sqrt()
         );
     }
     if let Some(out) = out {
