@@ -189,6 +189,10 @@ pub struct MechanismMobilityReport {
     pub joint_freedoms: usize,
     /// Independent loops.
     pub loops: usize,
+    /// Couplings of joints, a constraint each; absent without couplings.
+    #[serde(skip_serializing_if = "is_zero")]
+    #[cfg_attr(feature = "schema", schema(required = false))]
+    pub couplings: usize,
     /// Mobilities, rank and redundancy.
     #[serde(flatten)]
     pub freedoms: FreedomsReport,
@@ -292,6 +296,11 @@ pub struct SparseMobilityReport {
     /// Basis of the instantaneous motions, one per entry, in radians and characteristic lengths; order of the coordinates. Omitted beyond a million numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub null_space: Option<Vec<Vec<f64>>>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// Reports the mobility of a mechanism with many loops.
@@ -406,6 +415,7 @@ pub fn mechanism_mobility(
         limits_broken: beyond_limits(&coordinates, &mechanism.beyond_limits(values)),
         joint_freedoms: mechanism.joint_freedoms(),
         loops: mechanism.loops(),
+        couplings: mechanism.couplings().len(),
         freedoms: FreedomsReport::new(counted(mechanism), finite),
         class: class_words(found.class(), branch_dimensions.as_deref()),
         branch_dimensions: branch_dimensions.clone(),

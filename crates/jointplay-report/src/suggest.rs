@@ -176,7 +176,7 @@ pub fn suggestions(
         commanded,
         commands,
         play_needed: found.needed,
-        open_chain: mechanism.loops() == 0,
+        open_chain: mechanism.constraints() == 0,
         without_play: named(&found.without_play),
         limits_broken: beyond_limits(&coordinates, &found.beyond_limits),
         candidates: found.candidates,

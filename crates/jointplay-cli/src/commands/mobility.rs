@@ -251,6 +251,9 @@ fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
     let _ = writeln!(text, "freedoms");
     let _ = writeln!(text, "  of all joints        {:>3}", report.joint_freedoms);
     let _ = writeln!(text, "  loops                {:>3}", report.loops);
+    if report.couplings > 0 {
+        let _ = writeln!(text, "  couplings            {:>3}", report.couplings);
+    }
     freedoms(&mut text, &report.freedoms);
     let values = report.singular_values.split_at(report.freedoms.rank).into();
     spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);

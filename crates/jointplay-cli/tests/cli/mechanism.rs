@@ -900,3 +900,40 @@ fn redundant_constraints_are_described() {
         assert!((norm("force_n") - 1.0).abs() < 1e-9 && norm("moment_nmm") < 1e-6, "{load}");
     }
 }
+
+/// A spindle that lifts a guided ram by its thread: the coupling is a constraint of its own.
+#[test]
+fn couplings_are_counted_and_suggested_about() {
+    let sandbox = Sandbox::new();
+    let text = r#"kind = "mechanism"
+name = "press"
+units = { length = "mm", angle = "deg" }
+base = "frame"
+joint = [
+  { name = "spindle", kind = "revolute", links = ["frame", "spindle"], point = [0, 0, 0], axis = [0, 0, 1], actuated = true },
+  { name = "nut", kind = "cylindrical", links = ["spindle", "ram"], point = [0, 0, 0], axis = [0, 0, 1] },
+  { name = "guide", kind = "prismatic", links = ["frame", "ram"], axis = [0, 0, 1] },
+]
+coupling = [{ name = "thread", coordinate = "nut[0]", terms = [{ coordinate = "nut[1]", ratio = "5 / 360" }] }]
+"#;
+    sandbox.write("press.toml", text);
+    let shown = sandbox.done("mobility press.toml");
+    assert!(
+        shown.contains("\n  loops                  1\n  couplings              1\n"),
+        "{shown}"
+    );
+    let found = sandbox.json("mobility press.toml");
+    assert_eq!(
+        (&found["couplings"], &found["rank"], &found["redundancy"]),
+        (&1.into(), &3.into(), &4.into())
+    );
+    assert!(sandbox.json("mobility four-bar")["couplings"].is_null());
+    let run = sandbox.run("export press.toml --to sdf");
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("coupling \"thread\" cannot be exported to SDF"), "{}", run.stderr);
+    // Without the guide there is no loop, but the thread constrains.
+    let open = text.replace("  { name = \"guide\", kind = \"prismatic\", links = [\"frame\", \"ram\"], axis = [0, 0, 1] },\n", "");
+    sandbox.write("press.toml", &open);
+    let found = sandbox.json("suggest press.toml --command \"nut[1] = 72\"");
+    assert_eq!(found["open_chain"], false);
+}

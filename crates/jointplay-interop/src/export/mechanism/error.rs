@@ -15,12 +15,12 @@ pub enum Error {
         /// Name of the link.
         link: String,
     },
-    /// A coupling that the format does not have.
-    #[error("coupling {coupling:?} {reason}, which {format} cannot describe")]
+    /// A coupling that an export does not have.
+    #[error("coupling {coupling:?} cannot be exported to {format}: {reason}")]
     Coupling {
         /// Name of the coupling.
         coupling: String,
-        /// Its property that the format lacks.
+        /// Why.
         reason: &'static str,
         /// The format.
         format: &'static str,

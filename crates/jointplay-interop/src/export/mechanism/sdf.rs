@@ -33,8 +33,8 @@ pub fn sdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written,
     if let Some(coupling) = mechanism.couplings().first() {
         return Err(Error::Coupling {
             coupling: coupling.name.clone(),
-            reason: "couples joints",
-            format: "an SDF of this exporter",
+            reason: "this export has no couplings; choose MJCF or URDF",
+            format: "SDF",
         });
     }
     let skeleton = Skeleton::new(mechanism, coordinates)?;

@@ -243,13 +243,13 @@ impl<'a> Skeleton<'a> {
             let motions = |body: &'s Body| body.chain.motions.iter().zip(&body.names);
             let mut all = self.bodies.iter().flat_map(motions);
             let found = all.find(|(motion, _)| motion.coordinate == coordinate);
-            let (_, name) = found.ok_or_else(|| refused("is of a joint that closes a loop"))?;
+            let (_, name) = found.ok_or_else(|| refused("a joint of it closes a loop"))?;
             Ok::<_, Error>(CoupledJoint { name, value: self.coordinates[coordinate] })
         };
         let other = match coupling.terms[..] {
             [] => None,
             [(one, ratio)] => Some((joint(one)?, ratio)),
-            _ => return Err(refused("has more than two coordinates")),
+            _ => return Err(refused("it has more than two coordinates")),
         };
         Ok((joint(coupling.follower)?, other))
     }

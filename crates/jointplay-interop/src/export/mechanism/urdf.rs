@@ -40,9 +40,11 @@ pub fn urdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written
         let refused = |reason| {
             Err(Error::Coupling { coupling: coupling.name.clone(), reason, format: "URDF" })
         };
-        let Some((other, ratio)) = other else { return refused("has one coordinate") };
+        let Some((other, ratio)) = other else {
+            return refused("it fixes a coordinate, and `mimic` needs two; choose MJCF");
+        };
         if mimics.iter().any(|mimic: &Mimic| mimic.joint == follower.name) {
-            return refused("has a joint that follows another already");
+            return refused("its joint follows another already");
         }
         let attributes = [
             ("joint", other.name.to_owned()),
