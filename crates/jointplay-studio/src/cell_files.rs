@@ -1,6 +1,7 @@
 //! The two files of a work cell, the cell file and the program file, read and written together.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use jointplay::cell::workcell::Cell;
@@ -8,6 +9,17 @@ use jointplay::format::{cell, program};
 
 /// Name of the built-in example, accepted in place of a file path.
 pub const EXAMPLE: &str = "example";
+
+/// Reads a text of at most so many bytes.
+fn read(path: &Path, most: usize) -> std::io::Result<String> {
+    let mut text = String::new();
+    let most = most as u64;
+    if std::fs::File::open(path)?.take(most + 1).read_to_string(&mut text)? as u64 > most {
+        let why = format!("it has more than the {most} bytes that are allowed");
+        return Err(std::io::Error::new(std::io::ErrorKind::FileTooLarge, why));
+    }
+    Ok(text)
+}
 
 /// The texts of a cell and its program, with the path of the cell file.
 #[derive(Debug, Clone)]
@@ -33,9 +45,9 @@ impl CellFiles {
     /// A file that cannot be read, with the reason of the operating system.
     pub fn open(path: &Path) -> Result<Self, String> {
         let cannot = |path: &Path, error| format!("cannot read {}: {error}", path.display());
-        let cell = std::fs::read_to_string(path).map_err(|error| cannot(path, error))?;
+        let cell = read(path, cell::MAX_BYTES).map_err(|error| cannot(path, error))?;
         let program_path = program_path(path);
-        let program = match std::fs::read_to_string(&program_path) {
+        let program = match read(&program_path, program::MAX_BYTES) {
             Ok(text) => text,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
             Err(error) => return Err(cannot(&program_path, error)),

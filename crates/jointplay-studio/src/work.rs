@@ -31,11 +31,15 @@ const MAX_WAIT: Duration = Duration::from_secs(10);
 /// Maximum number of concurrent studies; they do not block other requests.
 const MAX_STUDIES: usize = 4;
 
-/// Workers for requests, one per core, and for studies, with deadlines and a stop flag.
+/// Maximum number of concurrent exports, of which each takes much memory, and one worker.
+const MAX_EXPORTS: usize = 1;
+
+/// Workers for requests, one per core, and for studies and exports, with deadlines and a stop flag.
 #[derive(Clone)]
 pub(crate) struct WorkerPool {
     workers: Arc<Semaphore>,
     studies: Arc<Semaphore>,
+    exports: Arc<Semaphore>,
     stopping: Arc<AtomicBool>,
     pub(crate) deadlines: Deadlines,
 }
@@ -46,6 +50,7 @@ impl WorkerPool {
         Self {
             workers: Arc::new(Semaphore::new(cores)),
             studies: Arc::new(Semaphore::new(MAX_STUDIES)),
+            exports: Arc::new(Semaphore::new(MAX_EXPORTS)),
             stopping: Arc::new(AtomicBool::new(false)),
             deadlines,
         }
@@ -57,6 +62,14 @@ impl WorkerPool {
             let detail = format!(
                 "{MAX_STUDIES} studies are running, which is the maximum; stop one or wait"
             );
+            Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail)
+        })
+    }
+
+    /// A permit to export, returned on drop: an export that has been abandoned blocks the next one, and no other request.
+    pub(crate) fn export(&self) -> Result<OwnedSemaphorePermit, Problem> {
+        Arc::clone(&self.exports).try_acquire_owned().map_err(|_| {
+            let detail = "another export is running; wait for it to end";
             Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail)
         })
     }

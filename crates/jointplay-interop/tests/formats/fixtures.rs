@@ -109,7 +109,10 @@ fn mechanism_file(part: Part) -> Option<String> {
         Part::Frame => {
             tail += "[[frame]]\nname = \"tool tip\"\nlink = \"part\"\npoint = [0, 0, 0.1]\n";
         }
-        Part::Coupling | Part::Shape | Part::Mass | Part::Damping => return None,
+        Part::Coupling => {
+            tail += "[[joint]]\nname = \"k\"\nkind = \"revolute\"\nlinks = [\"part\", \"second\"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\n[[coupling]]\nname = \"gear\"\ncoordinate = \"k\"\nterms = [{ coordinate = \"j\", ratio = 2 }]\n";
+        }
+        Part::Shape | Part::Mass | Part::Damping => return None,
         _ => {}
     }
     Some(format!("{head}[[joint]]\n{joint}{tail}"))

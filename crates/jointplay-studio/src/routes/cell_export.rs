@@ -20,8 +20,10 @@ use crate::wire::Binary;
 use crate::wire::cell_export::{CellExportFormat, CellExportRequest};
 use crate::wire::program_parameters::with_parameters;
 
-/// Maximum number of samples of a file, which is kept in memory until it is sent.
+/// Maximum number of samples of a table or text, which is kept in memory until it is sent.
 const MAX_SAMPLES: f64 = 500_000.0;
+/// Maximum number of samples of a scene, which is made of all of them at once.
+const MAX_SCENE_SAMPLES: f64 = 100_000.0;
 /// Part of the names of files that must not be run.
 const MARK: &str = "-not-safe-to-run";
 
@@ -49,7 +51,9 @@ pub(crate) async fn export(
     let (cell, program) = session.texts(request.cell.take(), request.program.take());
     let program = with_parameters(program, std::mem::take(&mut request.parameters))?;
     let name = session.files().name();
+    let permit = state.work.export()?;
     let made = move |stop: StopRequested<'_>| {
+        let _permit = permit;
         let plan = session.plan(cell, program, stop).map_err(interrupted)?;
         file(&plan, name.as_deref(), &request, stop)
     };
@@ -87,24 +91,34 @@ fn file(
         let contents = page(plan, &motion_export, &format!("{stem}.program"), stop)?;
         return Ok(File { name: format!("{stem}-report.html"), contents: contents.into_bytes() });
     }
-    let samples = motion_export.motion.duration() * rate;
-    if samples > MAX_SAMPLES {
+    let samples = |most: f64| {
+        let found = motion_export.motion.duration() * rate;
+        if found <= most {
+            return Ok(());
+        }
         let detail = format!(
-            "the motion has {samples:.0} samples at this rate, at most {MAX_SAMPLES:.0} are allowed here: use a lower rate, or `jointplay cell export`, which writes files of any length"
+            "the motion has {found:.0} samples at this rate, at most {most:.0} are allowed here: use a lower rate, or `jointplay cell export`, which writes files of any length"
         );
-        return Err(Problem::field("rate_hz", detail));
-    }
+        Err(Problem::field("rate_hz", detail))
+    };
     let mark = if violations > 0 { MARK } else { "" };
     let failed = |error: export::Error| refused(error.to_string());
     let (ending, contents) = match request.format {
-        CellExportFormat::Csv => (".csv".to_owned(), csv(&motion_export, rate, stop)?),
+        CellExportFormat::Csv => {
+            samples(MAX_SAMPLES)?;
+            (".csv".to_owned(), csv(&motion_export, rate, stop)?)
+        }
         CellExportFormat::Gltf => {
+            samples(MAX_SCENE_SAMPLES)?;
             (".glb".to_owned(), export::gltf(&motion_export, rate).map_err(failed)?)
         }
         CellExportFormat::Text | CellExportFormat::Report => {
             let dialect = dialect(request.dialect.as_deref())?;
-            let text = dialect.write(&motion_export, rate).map_err(failed)?;
-            (format!("-{}.{}", dialect.name, dialect.extension), text.into_bytes())
+            if dialect.has_points() {
+                samples(MAX_SAMPLES)?;
+            }
+            let contents = text(&dialect, &motion_export, rate, stop)?;
+            (format!("-{}.{}", dialect.name, dialect.extension), contents)
         }
     };
     Ok(File { name: format!("{stem}{mark}{ending}"), contents })
@@ -133,17 +147,39 @@ fn csv(
         table::write_csv(columns, std::mem::take(&mut header), &mut contents)
             .map_err(|error| Stopped::Failed(error.to_string()))
     });
-    match written {
-        Ok(()) => Ok(contents),
-        Err(Stopped::Interrupted) => Err(interrupted(jointplay::cell::Interrupted)),
-        Err(Stopped::Failed(why)) => Err(Problem::request(StatusCode::CONFLICT, why)),
-    }
+    written.map(|()| contents).map_err(Problem::from)
 }
 
-/// Why a table was not completed.
+fn text(
+    dialect: &Dialect,
+    motion_export: &MotionExport<'_>,
+    rate: f64,
+    stop: StopRequested<'_>,
+) -> Result<Vec<u8>, Problem> {
+    let mut contents = Vec::new();
+    let written = dialect.write_in_parts(motion_export, rate, |part| {
+        if stop() {
+            return Err(Stopped::Interrupted);
+        }
+        contents.extend_from_slice(part.as_bytes());
+        Ok(())
+    });
+    written.map(|()| contents).map_err(Problem::from)
+}
+
+/// Why a file was not completed.
 enum Stopped {
     Interrupted,
     Failed(String),
+}
+
+impl From<Stopped> for Problem {
+    fn from(stopped: Stopped) -> Self {
+        match stopped {
+            Stopped::Interrupted => interrupted(jointplay::cell::Interrupted),
+            Stopped::Failed(why) => Self::request(StatusCode::CONFLICT, why),
+        }
+    }
 }
 
 impl From<export::Error> for Stopped {

@@ -15,6 +15,12 @@ use crate::export::motion_export::MotionExport;
 const PART: usize = 1 << 20;
 
 impl Dialect {
+    /// Whether its text has points at a rate, rather than a line for each step.
+    #[must_use]
+    pub fn has_points(&self) -> bool {
+        matches!(self.motion, Motions::Points(_))
+    }
+
     /// A motion in this dialect.
     ///
     /// Durations add up to the duration of the motion: each is the difference of two rounded times.
