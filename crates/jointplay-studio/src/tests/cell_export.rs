@@ -92,7 +92,7 @@ fn bad_requests_name_their_field() {
     assert_eq!(exported(&json!({ "format": "pdf" })).status.as_u16() / 100, 4);
 }
 
-/// 110 minutes: no samples are needed for lines of a controller, and too many for a scene.
+/// Minutes of motion: no samples are needed for lines of a controller, and too many for points or a scene.
 #[test]
 fn long_motions_are_limited_by_what_is_sampled() {
     let program = "REPEAT 200 AS n\nGET LP1 SLOT 1 WITH A\nPUT LP1 SLOT 1 WITH A\nEND\n";
@@ -104,7 +104,7 @@ fn long_motions_are_limited_by_what_is_sampled() {
     assert!(text(&text_of("neutral")).lines().count() > 1000);
     for answer in [
         text_of("points"),
-        exported(&json!({ "program": program, "format": "gltf", "rate_hz": 100.0 })),
+        exported(&json!({ "program": program, "format": "gltf", "rate_hz": 1e3 })),
     ] {
         assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY);
         assert!(answer.json()["detail"].as_str().unwrap().contains("use a lower rate"));
