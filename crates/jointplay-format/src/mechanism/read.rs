@@ -173,7 +173,7 @@ fn mechanism(
         virtual_tables.iter_mut().map(|table| virtual_joint(values, table, &known)).collect();
     let mut coupling_tables = top.tables("coupling");
     let couplings: Vec<_> =
-        coupling_tables.iter_mut().map(|table| coupling(values, table, &known)).collect();
+        coupling_tables.iter_mut().map(|table| coupling(values, table, &joints)).collect();
     let mut frame_tables = top.tables("frame");
     let frames: Vec<_> =
         frame_tables.iter_mut().map(|table| attached_frame(values, table, &links)).collect();

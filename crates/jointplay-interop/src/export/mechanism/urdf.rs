@@ -15,6 +15,8 @@ use super::xml::{Xml, number, roll_pitch_yaw, vector};
 
 /// Travel of a slide without limits, for which URDF needs some (m).
 const TRAVEL: f64 = 1000.0;
+/// An end of a range without limit (m, rad); readers of URDF know no infinity.
+const ENDLESS: f64 = 1e16;
 /// Mass of each link (kg).
 const MASS: f64 = 1.0;
 
@@ -36,19 +38,19 @@ pub fn urdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written
     let skeleton = Skeleton::with_whole_closures(mechanism, coordinates)?;
     let mut mimics = Vec::new();
     for coupling in mechanism.couplings() {
-        let (follower, other) = skeleton.coupled(coupling, "URDF")?;
+        let (follower, others) = skeleton.coupled(coupling, "URDF")?;
         let refused = |reason| {
             Err(Error::Coupling { coupling: coupling.name.clone(), reason, format: "URDF" })
         };
-        let Some((other, ratio)) = other else {
-            return refused("it fixes a coordinate, and `mimic` needs two; choose MJCF");
+        let [(other, ratio)] = &others[..] else {
+            return refused("`mimic` has two coordinates; choose MJCF");
         };
         if mimics.iter().any(|mimic: &Mimic| mimic.joint == follower.name) {
             return refused("its joint follows another already");
         }
         let attributes = [
             ("joint", other.name.to_owned()),
-            ("multiplier", number(ratio)),
+            ("multiplier", number(*ratio)),
             ("offset", number(coupling.offset)),
         ];
         mimics.push(Mimic { joint: follower.name.to_owned(), attributes });
@@ -197,9 +199,10 @@ impl Writer<'_, '_> {
                     let name = &one.name;
                     self.lost.push(format!("{name:?} has no limits; URDF needs some: ±{TRAVEL} m"));
                 }
+                let bound = |end: f64| number(end.clamp(-ENDLESS, ENDLESS));
                 let limit = [
-                    ("lower", number(least)),
-                    ("upper", number(most)),
+                    ("lower", bound(least)),
+                    ("upper", bound(most)),
                     ("effort", "1e6".to_owned()),
                     ("velocity", "1e3".to_owned()),
                 ];
