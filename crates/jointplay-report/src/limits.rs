@@ -13,8 +13,10 @@ pub struct LimitReport {
     /// The value found, in `unit`.
     pub found: f64,
     /// Least allowed, in `unit`; `null` without a limit at this end.
+    #[cfg_attr(feature = "schema", schema(required))]
     pub min: Option<f64>,
     /// Greatest allowed, in `unit`; `null` without a limit at this end.
+    #[cfg_attr(feature = "schema", schema(required))]
     pub max: Option<f64>,
     /// `mm` or `deg`; of a mechanism, a unit of its file.
     pub unit: &'static str,

@@ -9,7 +9,7 @@ use super::coupling::coupling;
 use super::header::{MAX_BYTES, has_other_kind, units};
 use super::joint::{Links, joint};
 use super::problem::{Errors, Problem};
-use super::read::{FALLBACK_UNITS, joint_tables};
+use super::read::FALLBACK_UNITS;
 use super::tree::{Entry, Reader, Table};
 use super::values::Values;
 use crate::toml_reader::parameters;
@@ -79,7 +79,11 @@ fn closed(chain: &Mechanism, top: &Table) -> Option<Mechanism> {
         .expect("zeros are finite, and as many as there are coordinates");
     let chain_links = ChainLinks { base_from_link, links: Links::of(chain.links()) };
     let mut links = chain_links.links.clone();
-    let mut tables = joint_tables(top);
+    let mut tables = top.tables("joint");
+    let has_couplings = top.entry("coupling").is_some();
+    if tables.is_empty() && !has_couplings {
+        top.needed("joint");
+    }
     let added: Vec<Option<Joint>> = tables
         .iter_mut()
         .map(|table| closing_joint(&values, table, &chain_links, &mut links))

@@ -198,7 +198,7 @@ fn mechanism(
 }
 
 /// The tables of the joints, of which there is at least one.
-pub(super) fn joint_tables<'r, 'a>(top: &Table<'r, 'a>) -> Vec<Table<'r, 'a>> {
+fn joint_tables<'r, 'a>(top: &Table<'r, 'a>) -> Vec<Table<'r, 'a>> {
     top.needed("joint");
     top.tables("joint")
 }

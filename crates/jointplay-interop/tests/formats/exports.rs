@@ -1,7 +1,7 @@
 //! Mechanisms written and read again.
 
 use jointplay_core::mechanism::{
-    Carrier, Coupling, JointCoordinate, JointKind, LinearAndAngular, Mechanism, guess,
+    Carrier, Coupling, Joint, JointCoordinate, JointKind, LinearAndAngular, Mechanism, guess,
 };
 use jointplay_format::mechanism::{self, with_loops};
 use jointplay_interop::export::mechanism::{Written, mjcf, sdf, urdf};

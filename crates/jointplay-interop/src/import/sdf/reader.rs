@@ -466,7 +466,8 @@ mod tests {
         refuse("</axis>", "<mimic joint=\"hip\"/></axis>", "hip", "the name of a joint");
         refuse("</axis>", "<mimic/></axis>", "<mimic/>", "`mimic` needs `joint`");
         let itself = "<mimic joint=\"knee\"/>";
-        refuse("</axis>", &format!("{itself}</axis>"), itself, "twice");
+        let axis = format!("{itself}</axis>");
+        testing::refuse(ARM, "</axis>", &axis, itself, "twice");
         let second = "<mimic joint=\"knee\" axis=\"axis2\"/></axis>";
         refuse("</axis>", second, "axis2", "an axis of a joint");
         let third = "<mimic joint=\"knee\" axis=\"axis3\"/></axis>";
