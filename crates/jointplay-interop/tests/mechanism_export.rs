@@ -310,7 +310,7 @@ terms = [{ coordinate = "turn", ratio = -1.5 }]
 "#;
     let original = coupled(thread);
     let at = assemble(&original, &guess(&original), &[0], 30).unwrap().coordinates;
-    for (format, write) in [("MJCF", mjcf as Write), ("URDF", urdf)] {
+    for (format, write) in FORMATS {
         let written = write(&original, &at).unwrap();
         let found = check(format, &original, &at, &written);
         assert_eq!(found.couplings().len(), 2, "{format}");
@@ -340,18 +340,30 @@ terms = [{ coordinate = "turn", ratio = -1.5 }]
         let off = turned(&original, &at) - turned(&found, &guess(&found));
         assert!(off.amax() < 1e-9, "{format}: {off}");
     }
-    assert!(matches!(sdf(&original, &at), Err(Error::Coupling { .. })));
     let held = coupled("[[coupling]]\nname = \"brake\"\ncoordinate = \"turn\"\noffset = 20\n");
     let at = guess(&held);
     let found = check("MJCF", &held, &at, &mjcf(&held, &at).unwrap());
     assert!((found.couplings()[0].offset - f64::to_radians(20.0)).abs() < 1e-12);
-    assert!(matches!(urdf(&held, &at), Err(Error::Coupling { .. })));
+    let found = check("URDF", &held, &at, &urdf(&held, &at).unwrap());
+    assert_eq!(found.couplings()[0].terms, []);
     let three = coupled(
         "[[coupling]]\nname = \"sum\"\ncoordinate = \"turn\"\nterms = [{ coordinate = \"hook[0]\", ratio = 1 }, { coordinate = \"hook[1]\", ratio = 1 }]\noffset = 20\n",
     );
-    let at = guess(&three);
-    assert!(matches!(mjcf(&three, &at), Err(Error::Coupling { .. })));
-    assert!(matches!(urdf(&three, &at), Err(Error::Coupling { .. })));
+    let at = assemble(&three, &guess(&three), &[], 30).unwrap().coordinates;
+    let found = check("MJCF", &three, &at, &mjcf(&three, &at).unwrap());
+    let [sum] = found.couplings() else { panic!("{found:?}") };
+    let ratios: Vec<f64> = sum.terms.iter().map(|&(_, ratio)| ratio).collect();
+    assert_eq!(ratios, [1.0, 1.0]);
+    assert!((sum.offset - f64::to_radians(20.0)).abs() < 1e-12);
+    let written = urdf(&three, &at).unwrap();
+    assert!(written.lost.iter().any(|one| one.contains("file of loops")), "{:?}", written.lost);
+    let found = check("URDF", &three, &at, &written);
+    assert_eq!(found.couplings()[0].terms.len(), 2);
+    assert!(matches!(sdf(&three, &at), Err(Error::Coupling { .. })));
+    let second = "[[coupling]]\nname = \"again\"\ncoordinate = \"nut[0]\"\nterms = [{ coordinate = \"turn\", ratio = 0.01 }]\n";
+    let twice = coupled(&format!("{thread}{second}"));
+    let at = assemble(&twice, &guess(&twice), &[], 30).unwrap().coordinates;
+    assert!(matches!(sdf(&twice, &at), Err(Error::Coupling { .. })));
 }
 
 #[test]

@@ -114,6 +114,11 @@ impl<'a> Draft<'a> {
         self.couplings.len()
     }
 
+    /// Whether a coupling has this name.
+    pub(super) fn is_coupling(&self, name: &str) -> bool {
+        self.couplings.iter().any(|(coupling, _)| coupling.name == name)
+    }
+
     /// The coordinate of a joint, which has to have one.
     pub(super) fn coordinate(&self, joint: &Value) -> Result<JointCoordinate, Error> {
         let number = self.joint(joint.text);
@@ -135,8 +140,7 @@ impl<'a> Draft<'a> {
     /// A generated name: this one, with a number if the model already has it.
     pub(super) fn fresh(&self, name: String) -> String {
         let is_free = |name: &str| {
-            let is_coupling = self.couplings.iter().any(|(coupling, _)| coupling.name == name);
-            !(self.taken.contains(name) || is_coupling)
+            !(self.taken.contains(name) || self.is_coupling(name))
                 && self.link(name).is_none()
                 && self.joint(name).is_none()
         };
@@ -165,7 +169,8 @@ impl<'a> Draft<'a> {
 
     /// The mechanism, or an error with its place.
     pub(super) fn finish(self, name: &str, dialect: Dialect) -> Result<Imported, Error> {
-        let Self { xml, root, links, joints, descriptions, ignored, mut remarks, .. } = self;
+        let Self { xml, root, links, joints, mut descriptions, ignored, mut remarks, .. } = self;
+        remarks.extend(descriptions.iter_mut().filter_map(start_within_limits));
         let (couplings, places): (Vec<_>, Vec<_>) = self.couplings.into_iter().unzip();
         let names: Vec<String> = couplings.iter().map(|one| one.name.clone()).collect();
         let place_of = |coupling: &String| {
@@ -192,6 +197,19 @@ impl<'a> Draft<'a> {
         remarks.extend(ignored.into_iter().map(|(what, count)| format!("{count} × {what}")));
         Ok(Imported { mechanism, dialect, ignored: remarks })
     }
+}
+
+/// Puts a joint whose start the model does not state within its limits, and remarks on it.
+fn start_within_limits(joint: &mut Joint) -> Option<String> {
+    let nearest = |&[least, greatest]: &[f64; 2]| {
+        if least < greatest { 0.0_f64.clamp(least, greatest) } else { 0.0 }
+    };
+    let nearest: Vec<f64> = joint.limits.iter().map(nearest).collect();
+    let is_beyond = joint.guess.is_empty() && nearest.iter().any(|&value| value != 0.0);
+    is_beyond.then(|| {
+        joint.guess = nearest;
+        format!("joint {:?} starts at its limit: zero is beyond", joint.name)
+    })
 }
 
 /// A joint with a kind, links and frames only.

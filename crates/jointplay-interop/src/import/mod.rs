@@ -27,6 +27,7 @@ mod mjcf;
 mod model;
 mod problem;
 mod read;
+mod repair;
 mod sdf;
 #[cfg(test)]
 mod testing;

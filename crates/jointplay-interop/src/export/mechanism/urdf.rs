@@ -2,7 +2,7 @@
 
 use jointplay_core::mechanism::joint::Factor;
 use jointplay_core::mechanism::{
-    ElementaryMotion, FrameId, Joint, JointKind, LinearAndAngular, Mechanism,
+    Coupling, ElementaryMotion, FrameId, Joint, JointKind, LinearAndAngular, Mechanism,
 };
 use jointplay_core::spatial::Pose;
 use jointplay_format::mechanism::write_loops;
@@ -15,6 +15,8 @@ use super::xml::{Xml, number, roll_pitch_yaw, vector};
 
 /// Travel of a slide without limits, for which URDF needs some (m).
 const TRAVEL: f64 = 1000.0;
+/// An end of a range without limit (m, rad); readers of URDF know no infinity.
+const ENDLESS: f64 = 1e16;
 /// Mass of each link (kg).
 const MASS: f64 = 1.0;
 
@@ -28,30 +30,20 @@ const MASS: f64 = 1.0;
 /// * `coordinates` – (f + M) of a closed configuration (m, rad)
 ///
 /// # Errors
-/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Unsupported`] for screw joints that close no loop; [`Error::Coupling`] for couplings of one coordinate, of more than two, and of joints that close loops.
+/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Unsupported`] for screw joints that close no loop.
 ///
 /// # Source
 /// \[URDF\]
 pub fn urdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written, Error> {
     let skeleton = Skeleton::with_whole_closures(mechanism, coordinates)?;
-    let mut mimics = Vec::new();
+    let (mut mimics, mut couplings) = (Vec::new(), Vec::new());
     for coupling in mechanism.couplings() {
-        let (follower, other) = skeleton.coupled(coupling, "URDF")?;
-        let refused = |reason| {
-            Err(Error::Coupling { coupling: coupling.name.clone(), reason, format: "URDF" })
-        };
-        let Some((other, ratio)) = other else {
-            return refused("it fixes a coordinate, and `mimic` needs two; choose MJCF");
-        };
-        if mimics.iter().any(|mimic: &Mimic| mimic.joint == follower.name) {
-            return refused("its joint follows another already");
+        match mimic(&skeleton, coupling) {
+            Some(mimic) if mimics.iter().all(|one: &Mimic| one.joint != mimic.joint) => {
+                mimics.push(mimic);
+            }
+            _ => couplings.push(coupling.clone()),
         }
-        let attributes = [
-            ("joint", other.name.to_owned()),
-            ("multiplier", number(ratio)),
-            ("offset", number(coupling.offset)),
-        ];
-        mimics.push(Mimic { joint: follower.name.to_owned(), attributes });
     }
     let mut writer = Writer {
         skeleton: &skeleton,
@@ -81,7 +73,12 @@ pub fn urdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written
         lost.push("stiffness of virtual joints".to_owned());
     }
     lost.push("masses are not those of a real robot: each link has the same".to_owned());
-    let loops = loops(&skeleton);
+    let elsewhere = |coupling: &Coupling| {
+        let name = &coupling.name;
+        format!("coupling {name:?} is in the file of loops, which other programs do not read")
+    };
+    lost.extend(couplings.iter().map(elsewhere));
+    let loops = loops(&skeleton, &couplings);
     Ok(Written { text: xml.text, loops, lost })
 }
 
@@ -100,6 +97,18 @@ struct Writer<'s, 'a> {
 struct Mimic {
     joint: String,
     attributes: [(&'static str, String); 3],
+}
+
+/// The joint that follows another by a coupling; `None` where URDF cannot describe it.
+fn mimic(skeleton: &Skeleton<'_>, coupling: &Coupling) -> Option<Mimic> {
+    let (follower, others) = skeleton.coupled(coupling, "URDF").ok()?;
+    let [(other, ratio)] = &others[..] else { return None };
+    let attributes = [
+        ("joint", other.name.to_owned()),
+        ("multiplier", number(*ratio)),
+        ("offset", number(coupling.offset)),
+    ];
+    Some(Mimic { joint: follower.name.to_owned(), attributes })
 }
 
 /// A motion of one coordinate about or along an axis of the frame before it.
@@ -197,9 +206,10 @@ impl Writer<'_, '_> {
                     let name = &one.name;
                     self.lost.push(format!("{name:?} has no limits; URDF needs some: ±{TRAVEL} m"));
                 }
+                let bound = |end: f64| number(end.clamp(-ENDLESS, ENDLESS));
                 let limit = [
-                    ("lower", number(least)),
-                    ("upper", number(most)),
+                    ("lower", bound(least)),
+                    ("upper", bound(most)),
                     ("effort", "1e6".to_owned()),
                     ("velocity", "1e3".to_owned()),
                 ];
@@ -315,8 +325,8 @@ impl Writer<'_, '_> {
     }
 }
 
-/// The file of joints that close loops; `None` if there are none.
-fn loops(skeleton: &Skeleton<'_>) -> Option<String> {
+/// The file of joints that close loops, and of couplings; `None` if there are none.
+fn loops(skeleton: &Skeleton<'_>, couplings: &[Coupling]) -> Option<String> {
     let mut names: Vec<String> = skeleton.bodies.iter().map(|body| body.name.clone()).collect();
     let link = |names: &mut Vec<String>, name: &String| {
         names.iter().position(|one| one == name).unwrap_or_else(|| {
@@ -347,5 +357,6 @@ fn loops(skeleton: &Skeleton<'_>) -> Option<String> {
             stiffness: LinearAndAngular::default(),
         });
     }
-    (!joints.is_empty()).then(|| write_loops(&names, &joints))
+    let is_needed = !joints.is_empty() || !couplings.is_empty();
+    is_needed.then(|| write_loops(&names, &joints, (skeleton.mechanism, couplings)))
 }
