@@ -202,9 +202,14 @@ impl<'a, S: Simd> LaneElimination<'a, S> {
     }
 }
 
+/// Σ a².
 #[inline(always)]
-fn sum_of_squares<S: Simd>(zero: Lanes<S>, column: &[Lanes<S>]) -> Lanes<S> {
-    column.iter().fold(zero, |sum, value| value.times_plus(*value, sum))
+pub(super) fn sum_of_squares<S: Simd>(zero: Lanes<S>, column: &[Lanes<S>]) -> Lanes<S> {
+    let mut sum = zero;
+    for value in column {
+        sum = value.times_plus(*value, sum);
+    }
+    sum
 }
 
 /// Reflects the first columns of a matrix to a triangle, all others and a right-hand side along; where all pivots have at least some squared length.

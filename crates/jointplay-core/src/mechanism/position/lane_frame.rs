@@ -31,6 +31,27 @@ const TINY: f64 = 1e-100;
 /// Cosines of turns below this are of nearly half a turn, whose axis the antisymmetric part does not show.
 const NEARLY_HALF: f64 = -0.9;
 
+/// Three values by their index; a closure would not be inlined, and be compiled without the machine's wide instructions.
+macro_rules! three {
+    ($k:ident => $value:expr) => {
+        [
+            {
+                let $k = 0;
+                $value
+            },
+            {
+                let $k = 1;
+                $value
+            },
+            {
+                let $k = 2;
+                $value
+            },
+        ]
+    };
+}
+pub(super) use three;
+
 #[inline(always)]
 pub(super) fn dot<S: Simd>(a: &Three<S>, b: &Three<S>) -> Lanes<S> {
     a[2].times_plus(b[2], a[1].times_plus(b[1], a[0] * b[0]))
@@ -52,7 +73,7 @@ pub(super) fn minus<S: Simd>(a: &Three<S>, b: &Three<S>) -> Three<S> {
 
 #[inline(always)]
 pub(super) fn times<S: Simd>(a: &Three<S>, factor: Lanes<S>) -> Three<S> {
-    a.map(|value| value * factor)
+    [a[0] * factor, a[1] * factor, a[2] * factor]
 }
 
 /// `to + along · by`.
@@ -75,7 +96,7 @@ impl<S: Simd> LaneScrew<S> {
     #[inline(always)]
     pub(super) fn velocity_of(&self, point: &Three<S>) -> Three<S> {
         let turned = cross(&self.angular, &minus(point, &self.at));
-        [0, 1, 2].map(|k| self.linear[k] + turned[k])
+        three!(k => self.linear[k] + turned[k])
     }
 }
 
@@ -93,11 +114,8 @@ impl<S: Simd> LaneFrame<S> {
     #[inline(always)]
     fn along(&self, v: &Vector3<f64>) -> Three<S> {
         let [x, y, z] = &self.axes;
-        [0, 1, 2].map(|r| {
-            let of = |axis: &Three<S>, k: usize| (axis[r], axis[r].like(v[k]));
-            let ((x, a), (y, b), (z, c)) = (of(x, 0), of(y, 1), of(z, 2));
-            z.times_plus(c, y.times_plus(b, x * a))
-        })
+        let [a, b, c] = three!(k => x[0].like(v[k]));
+        three!(r => z[r].times_plus(c, y[r].times_plus(b, x[r] * a)))
     }
 
     #[inline(always)]
@@ -107,7 +125,7 @@ impl<S: Simd> LaneFrame<S> {
             Lead::Shift(shift) => self.shift(shift),
             Lead::Frame(by) => {
                 self.shift(&by.origin);
-                self.axes = [0, 1, 2].map(|c| self.along(&by.rotation.column(c).into_owned()));
+                self.axes = three!(c => self.along(&by.rotation.column(c).into_owned()));
             }
         }
     }
@@ -115,18 +133,16 @@ impl<S: Simd> LaneFrame<S> {
     #[inline(always)]
     fn shift(&mut self, by: &Vector3<f64>) {
         let by = self.along(by);
-        self.origin = [0, 1, 2].map(|r| self.origin[r] + by[r]);
+        self.origin = three!(r => self.origin[r] + by[r]);
     }
 
     /// R B, or R Bᵀ.
     #[inline(always)]
     fn turned(&self, turn: &[Three<S>; 3], forward: bool) -> [Three<S>; 3] {
-        [0, 1, 2].map(|c| {
-            let of = |k: usize| if forward { turn[c][k] } else { turn[k][c] };
-            [0, 1, 2].map(|r| {
-                let [x, y, z] = [0, 1, 2].map(|k| self.axes[k][r]);
-                z.times_plus(of(2), y.times_plus(of(1), x * of(0)))
-            })
+        let [x, y, z] = &self.axes;
+        three!(c => {
+            let [a, b, d] = three!(k => if forward { turn[c][k] } else { turn[k][c] });
+            three!(r => z[r].times_plus(d, y[r].times_plus(b, x[r] * a)))
         })
     }
 
@@ -202,27 +218,22 @@ pub(super) fn rotation_of<S: Simd>(vector: &Three<S>) -> [Three<S>; 3] {
     let (first, second) = (ratio * cosine, ratio * ratio * 0.5);
     let diagonal = (sine * -2.0).times_plus(sine, one);
     let [x, y, z] = *vector;
-    let product = |a: Lanes<S>, b: Lanes<S>| second * a * b;
-    let turn = |a: Lanes<S>| first * a;
-    let (xy, xz, yz) = (product(x, y), product(x, z), product(y, z));
+    let (xy, xz, yz) = (second * x * y, second * x * z, second * y * z);
+    let [tx, ty, tz] = times(vector, first);
     [
-        [product(x, x) + diagonal, xy + turn(z), xz - turn(y)],
-        [xy - turn(z), product(y, y) + diagonal, yz + turn(x)],
-        [xz + turn(y), yz - turn(x), product(z, z) + diagonal],
+        [second * x * x + diagonal, xy + tz, xz - ty],
+        [xy - tz, second * y * y + diagonal, yz + tx],
+        [xz + ty, yz - tx, second * z * z + diagonal],
     ]
 }
 
 /// The rotation vector of a rotation by columns (rad).
 #[inline(always)]
 pub(super) fn rotation_vector_of<S: Simd>(simd: S, rotation: &[Three<S>; 3]) -> Three<S> {
-    let entry = |row: usize, column: usize| rotation[column][row];
-    let skew = [
-        (entry(2, 1) - entry(1, 2)) * 0.5,
-        (entry(0, 2) - entry(2, 0)) * 0.5,
-        (entry(1, 0) - entry(0, 1)) * 0.5,
-    ];
+    let [x, y, z] = rotation;
+    let skew = [(y[2] - z[1]) * 0.5, (z[0] - x[2]) * 0.5, (x[1] - y[0]) * 0.5];
     let sine = dot(&skew, &skew).sqrt();
-    let cosine = (entry(0, 0) + entry(1, 1) + entry(2, 2) - 1.0) * 0.5;
+    let cosine = (x[0] + y[1] + z[2] - 1.0) * 0.5;
     let tiny = sine.at_most(sine.like(TINY));
     let one = sine.like(1.0);
     let ratio = tiny.select(one, angle_of(sine, cosine) / tiny.select(one, sine));
@@ -231,14 +242,14 @@ pub(super) fn rotation_vector_of<S: Simd>(simd: S, rotation: &[Three<S>; 3]) -> 
     if !half.any() {
         return vector;
     }
-    let numbers = rotation.map(|axis| axis.map(Lanes::numbers));
-    let (mut found, is_half) = (vector.map(Lanes::numbers), half.answers());
+    let numbers = three!(c => three!(r => rotation[c][r].numbers()));
+    let (mut found, is_half) = (three!(k => vector[k].numbers()), half.answers());
     for lane in (0..Lanes::<S>::COUNT).filter(|&lane| is_half[lane]) {
         let matrix = Matrix3::from_fn(|row, column| numbers[column][row][lane]);
         let exact = rotation_vector(&Rotation3::from_matrix_unchecked(matrix));
         (0..3).for_each(|k| found[k][lane] = exact[k]);
     }
-    found.map(|numbers| Lanes::of(simd, &numbers[..Lanes::<S>::COUNT]))
+    three!(k => Lanes::of(simd, &found[k][..Lanes::<S>::COUNT]))
 }
 
 /// A rotation turned further by a small rotation vector, as [`crate::mechanism::kinematics::cayley`] turns.

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::bordered::EliminationPlan;
-use super::lane_elimination::LaneElimination;
+use super::lane_elimination::{LaneElimination, sum_of_squares};
 use super::lane_frame::{
-    LaneFrame, LaneScrew, Three, cross, dot, minus, rotation_of, rotation_vector_of, times,
+    LaneFrame, LaneScrew, Three, cross, dot, minus, rotation_of, rotation_vector_of, three, times,
     turned_by,
 };
 use super::opening::{Closing, Meeting, TreeEdge};
@@ -181,8 +181,7 @@ impl<'a, S: Simd> Room<'a, S> {
         let zero = Lanes::splat(self.simd, 0.0);
         for (turn, ball) in self.orientations.iter_mut().zip(&solver.balls) {
             let k = ball.coordinate;
-            let [x, y, z] = [0, 1, 2].map(|axis| self.coordinates[k + axis]);
-            *turn = rotation_of(&[x, y, z]);
+            *turn = rotation_of(&three!(axis => self.coordinates[k + axis]));
         }
         let mut before = zero.like(f64::INFINITY);
         let mut serves = zero.at_most(zero);
@@ -246,7 +245,7 @@ impl<'a, S: Simd> Room<'a, S> {
                         let (a, b) = (&first.axes[k], &second.axes[k]);
                         // Σ_k (b_k × a_k) / 2 is the vector of the antisymmetric part of A Bᵀ.
                         let product = cross(b, a);
-                        turned = [0, 1, 2].map(|axis| turned[axis] + product[axis]);
+                        turned = three!(axis => turned[axis] + product[axis]);
                         let off = minus(a, b);
                         square = square + dot(&off, &off);
                     }
@@ -257,10 +256,10 @@ impl<'a, S: Simd> Room<'a, S> {
             largest = larger(largest, off);
         }
         for row in &solver.couplings {
-            let entries = row.equation.entries.iter();
-            let sum = entries.fold(zero.like(-row.equation.constant), |sum, &(k, factor)| {
-                coordinates[k].times_plus(zero.like(factor), sum)
-            });
+            let mut sum = zero.like(-row.equation.constant);
+            for &(k, factor) in &row.equation.entries {
+                sum = coordinates[k].times_plus(zero.like(factor), sum);
+            }
             self.elimination.right[row.row] = -sum;
             violated = larger(violated, sum.abs());
         }
@@ -298,7 +297,7 @@ impl<'a, S: Simd> Room<'a, S> {
     fn step(&mut self, solver: &PositionSolver, done: Mask<S>) {
         let zero = Lanes::splat(self.simd, 0.0);
         let step = &mut self.elimination.step;
-        let size = step.iter().fold(zero, |sum, value| value.times_plus(*value, sum)).sqrt();
+        let size = sum_of_squares(zero, step).sqrt();
         let longest = zero.like(LONGEST_STEP);
         let share = size.at_most(longest).select(zero.like(1.0), longest / size);
         let share = done.select(zero, share);
@@ -322,7 +321,7 @@ impl<'a, S: Simd> Room<'a, S> {
                 Meeting::Points(ball) => {
                     // Rᵀ S, by columns.
                     self.orientations[ball] =
-                        [0, 1, 2].map(|c| [0, 1, 2].map(|r| dot(&first.axes[r], &second.axes[c])));
+                        three!(c => three!(r => dot(&first.axes[r], &second.axes[c])));
                 }
                 Meeting::Axes(hinge) => {
                     let x = &second.axes[0];

@@ -40,80 +40,70 @@ impl Pattern {
 /// Most independent motions of a joint.
 const MOST: usize = 6;
 
-/// The motions that a joint allows: those of its coordinates that follow, without those that depend on others.
+/// A motion that a joint allows, of a coordinate that follows and does not depend on others.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct AllowedMotions {
-    count: usize,
-    /// (count) the coordinates.
-    coordinates: [usize; MOST],
-    /// (count) how fast they go, of the relative twist.
-    rates: [Vector6<f64>; MOST],
-    /// (count) orthonormal twists.
-    basis: [Vector6<f64>; MOST],
+struct AllowedMotion {
+    coordinate: usize,
+    /// How fast the coordinate goes, of the relative twist.
+    rate: Vector6<f64>,
+    /// Direction that the coordinate adds to those before it; the directions of a joint are orthonormal.
+    unit: Vector6<f64>,
 }
 
-impl AllowedMotions {
-    /// Takes apart the twists of the coordinates that follow.
-    pub(super) fn new(screws: impl Iterator<Item = (usize, Vector6<f64>)>) -> Self {
-        let none = [Vector6::zeros(); MOST];
-        let mut allowed = Self { count: 0, coordinates: [0; MOST], rates: none, basis: none };
-        // All twists, and the part of each that is outside the span of the basis so far.
-        let (mut all, mut rest, mut names) = (none, none, [0; MOST]);
-        let mut found = 0;
-        let mut largest = 0.0_f64;
-        for (k, screw) in screws.take(MOST) {
-            (all[found], rest[found], names[found]) = (screw, screw, k);
-            largest = largest.max(screw.norm());
-            found += 1;
+/// Takes apart the twists of the coordinates of a joint that follow.
+fn allowed_motions(
+    mut screws: impl Iterator<Item = (usize, Vector6<f64>)>,
+    motions: &mut Vec<AllowedMotion>,
+) {
+    let first = motions.len();
+    let Some(one) = screws.next() else { return };
+    let Some(two) = screws.next() else {
+        // The usual joint, of one coordinate.
+        let (coordinate, screw) = one;
+        let norm = screw.norm();
+        if norm > 0.0 {
+            let unit = screw / norm;
+            motions.push(AllowedMotion { coordinate, rate: unit / norm, unit });
         }
-        let mut order = [0; MOST];
-        while allowed.count < found {
-            let longest = (0..found).max_by(|&a, &b| rest[a].norm().total_cmp(&rest[b].norm()));
-            let Some(next) = longest else { break };
-            let norm = rest[next].norm();
-            if norm <= DEPENDENT * largest || norm.is_nan() {
-                break;
+        return;
+    };
+    let mut all = [Vector6::zeros(); MOST];
+    let mut names = [0; MOST];
+    let mut found = 0;
+    let mut largest = 0.0_f64;
+    for (k, screw) in [one, two].into_iter().chain(screws).take(MOST) {
+        (all[found], names[found]) = (screw, k);
+        largest = largest.max(screw.norm());
+        found += 1;
+    }
+    // The part of each that is outside the span of the directions so far.
+    let mut rest = all;
+    let mut order = [0; MOST];
+    while motions.len() - first < found {
+        let longest = (0..found).max_by(|&a, &b| rest[a].norm().total_cmp(&rest[b].norm()));
+        let Some(next) = longest else { break };
+        let norm = rest[next].norm();
+        if norm <= DEPENDENT * largest || norm.is_nan() {
+            break;
+        }
+        let unit = rest[next] / norm;
+        order[motions.len() - first] = next;
+        motions.push(AllowedMotion { coordinate: names[next], rate: unit, unit });
+        for vector in &mut rest[..found] {
+            for _ in 0..2 {
+                *vector -= unit * unit.dot(vector);
             }
-            let unit = rest[next] / norm;
-            order[allowed.count] = next;
-            allowed.basis[allowed.count] = unit;
-            allowed.coordinates[allowed.count] = names[next];
-            allowed.count += 1;
-            for vector in &mut rest[..found] {
-                for _ in 0..2 {
-                    *vector -= unit * unit.dot(vector);
-                }
-            }
-            rest[next].fill(0.0);
         }
-        // The twists in terms of the basis are triangular.
-        for i in (0..allowed.count).rev() {
-            let component = |j: usize| allowed.basis[i].dot(&all[order[j]]);
-            let later = i + 1..allowed.count;
-            let known: Vector6<f64> = later.map(|j| allowed.rates[j] * component(j)).sum();
-            allowed.rates[i] = (allowed.basis[i] - known) / component(i);
-        }
-        allowed
+        rest[next].fill(0.0);
     }
-
-    /// How many.
-    pub(super) fn count(&self) -> usize {
-        self.count
-    }
-
-    /// The part of a twist, or of a wrench, that the joint does not allow.
-    fn refused(&self, of: &Vector6<f64>) -> Vector6<f64> {
-        if self.count == MOST {
-            // A joint with six freedoms has no constraint, only round-off.
-            return Vector6::zeros();
-        }
-        let basis = self.basis[..self.count].iter();
-        basis.fold(*of, |rest, unit| rest - unit * unit.dot(of))
-    }
-
-    /// The coordinates, each with its rate of the relative twist.
-    fn rates(&self) -> impl Iterator<Item = (usize, &Vector6<f64>)> {
-        self.coordinates.iter().copied().zip(&self.rates).take(self.count)
+    // The twists in terms of the directions are triangular.
+    let own = &mut motions[first..];
+    for i in (0..own.len()).rev() {
+        let unit = own[i].unit;
+        let component = |j: usize| unit.dot(&all[order[j]]);
+        let known: Vector6<f64> =
+            own.iter().enumerate().skip(i + 1).map(|(j, later)| later.rate * component(j)).sum();
+        own[i].rate = (unit - known) / component(i);
     }
 }
 
@@ -123,10 +113,26 @@ pub(super) struct JointRow {
     pub(super) links: [usize; 2],
     /// From the middle of each link to the point.
     pub(super) arms: [Vector3<f64>; 2],
-    pub(super) allowed: AllowedMotions,
+    /// Where its allowed motions begin and end.
+    allowed: [usize; 2],
 }
 
 impl JointRow {
+    /// The motions that the joint allows.
+    fn allowed<'m>(&self, motions: &'m [AllowedMotion]) -> &'m [AllowedMotion] {
+        &motions[self.allowed[0]..self.allowed[1]]
+    }
+
+    /// The part of a twist, or of a wrench, that the joint does not allow.
+    fn refused(&self, motions: &[AllowedMotion], of: &Vector6<f64>) -> Vector6<f64> {
+        let allowed = self.allowed(motions);
+        if allowed.len() == MOST {
+            // A joint with six freedoms has no constraint, only round-off.
+            return Vector6::zeros();
+        }
+        allowed.iter().fold(*of, |rest, motion| rest - motion.unit * motion.unit.dot(of))
+    }
+
     /// Twist of the first link beyond that of the second, at the joint's point.
     fn relative(&self, x: &[f64]) -> Vector6<f64> {
         let mut twist = Vector6::zeros();
@@ -156,21 +162,21 @@ impl JointRow {
     /// ```text
     ///    ( T_aᵀ M T_b )  =  T_aᵀ T_b  −  Σ (T_aᵀ u)(T_bᵀ u)ᵀ        M = 1 − Σ u uᵀ,  T: twist at the joint's point of a link's own
     /// ```
-    fn add_to(&self, matrix: &mut BlockMatrix, pattern: &Pattern, between: Option<Place>) {
-        let allowed = &self.allowed;
-        if allowed.count == MOST {
+    fn add_to(
+        &self,
+        motions: &[AllowedMotion],
+        matrix: &mut BlockMatrix,
+        pattern: &Pattern,
+        between: Option<Place>,
+    ) {
+        let allowed = self.allowed(motions);
+        if allowed.len() == MOST {
             return;
         }
-        let carried = [0, 1].map(|side| {
-            let mut carried = [Vector6::zeros(); MOST];
-            for (carried, unit) in carried.iter_mut().zip(&allowed.basis[..allowed.count]) {
-                *carried = self.at_middle(side, unit);
-            }
-            carried
-        });
         let block = |a: usize, b: usize| {
             let mut block = transported(&self.arms[a], &self.arms[b]);
-            for (of_a, of_b) in carried[a].iter().zip(&carried[b]).take(allowed.count) {
+            for motion in allowed {
+                let [of_a, of_b] = [a, b].map(|side| self.at_middle(side, &motion.unit));
                 for (column, factor) in block.iter_mut().zip(of_b.iter()) {
                     for (entry, value) in column.iter_mut().zip(of_a.iter()) {
                         *entry -= value * factor;
@@ -189,6 +195,36 @@ impl JointRow {
             block.as_flattened_mut().iter_mut().for_each(|entry| *entry = -*entry);
             matrix.add(place, &block);
         }
+    }
+}
+
+/// Joints linearized one after the other.
+#[derive(Debug)]
+pub(super) struct JointRows {
+    joints: Vec<JointRow>,
+    motions: Vec<AllowedMotion>,
+}
+
+impl JointRows {
+    /// Room for a number of joints and coordinates.
+    pub(super) fn with_capacity(joints: usize, coordinates: usize) -> Self {
+        Self { joints: Vec::with_capacity(joints), motions: Vec::with_capacity(coordinates) }
+    }
+
+    /// Adds the next joint.
+    ///
+    /// # Arguments
+    /// * `arms` – from the middle of each link to the point
+    /// * `follows` – the coordinates that follow, with their twists
+    pub(super) fn push(
+        &mut self,
+        links: [usize; 2],
+        arms: [Vector3<f64>; 2],
+        follows: impl Iterator<Item = (usize, Vector6<f64>)>,
+    ) {
+        let first = self.motions.len();
+        allowed_motions(follows, &mut self.motions);
+        self.joints.push(JointRow { links, arms, allowed: [first, self.motions.len()] });
     }
 }
 
@@ -230,6 +266,7 @@ fn transported(a: &Vector3<f64>, b: &Vector3<f64>) -> Block {
 /// ```
 pub(super) struct Linear {
     pub(super) joints: Vec<JointRow>,
+    motions: Vec<AllowedMotion>,
     /// Twist of each coordinate in the base frame, the linear part at the point of its joint (m).
     pub(super) screws: Vec<Twist>,
     pattern: Arc<Pattern>,
@@ -243,14 +280,15 @@ impl Linear {
     pub(super) fn new(
         pattern: &Arc<Pattern>,
         links: usize,
-        joints: Vec<JointRow>,
+        rows: JointRows,
         screws: Vec<Twist>,
     ) -> Result<Self, Error> {
+        let JointRows { joints, motions } = rows;
         let size = 6 * (links - 1);
         let assembled = || {
             let mut matrix = BlockMatrix::zeros(&pattern.blocks);
             for (joint, between) in joints.iter().zip(&pattern.between) {
-                joint.add_to(&mut matrix, pattern, *between);
+                joint.add_to(&motions, &mut matrix, pattern, *between);
             }
             matrix
         };
@@ -271,7 +309,13 @@ impl Linear {
             }
             matrix = assembled();
         }
-        Ok(Self { joints, screws, pattern: pattern.clone(), factor: matrix, damping, size })
+        let pattern = pattern.clone();
+        Ok(Self { joints, motions, screws, pattern, factor: matrix, damping, size })
+    }
+
+    /// Number of independent motions that all joints allow.
+    pub(super) fn allowed(&self) -> usize {
+        self.motions.len()
     }
 
     /// (6·(links − 1)) number of unknowns.
@@ -283,7 +327,7 @@ impl Linear {
     pub(super) fn apply(&self, x: &[f64]) -> DVector<f64> {
         let mut y = DVector::zeros(6 * self.joints.len());
         for (j, joint) in self.joints.iter().enumerate() {
-            let refused = joint.allowed.refused(&joint.relative(x));
+            let refused = joint.refused(&self.motions, &joint.relative(x));
             y.fixed_rows_mut::<6>(6 * j).copy_from(&refused);
         }
         y
@@ -294,7 +338,7 @@ impl Linear {
         let mut refused = DVector::zeros(y.len());
         for (j, joint) in self.joints.iter().enumerate() {
             let mut own = refused.fixed_rows_mut::<6>(6 * j);
-            own.copy_from(&joint.allowed.refused(&y.fixed_rows::<6>(6 * j).into_owned()));
+            own.copy_from(&joint.refused(&self.motions, &y.fixed_rows::<6>(6 * j).into_owned()));
         }
         refused
     }
@@ -303,7 +347,7 @@ impl Linear {
     pub(super) fn apply_transposed(&self, y: &DVector<f64>) -> DVector<f64> {
         let mut x = DVector::zeros(self.size);
         for (j, joint) in self.joints.iter().enumerate() {
-            let wrench = joint.allowed.refused(&y.fixed_rows::<6>(6 * j).into_owned());
+            let wrench = joint.refused(&self.motions, &y.fixed_rows::<6>(6 * j).into_owned());
             for (side, sense) in [(0, 1.0), (1, -1.0)] {
                 if let Some(link) = joint.links[side].checked_sub(1) {
                     let wrench = joint.at_middle(side, &wrench);
@@ -365,8 +409,8 @@ impl Linear {
         for (j, joint) in self.joints.iter().enumerate() {
             // S q̇ = V_second − V_first − beyond.
             let asked = -(joint.relative(x) + beyond.fixed_rows::<6>(6 * j));
-            for (k, rate) in joint.allowed.rates() {
-                rates[k] = rate.dot(&asked);
+            for motion in joint.allowed(&self.motions) {
+                rates[motion.coordinate] = motion.rate.dot(&asked);
             }
         }
         rates

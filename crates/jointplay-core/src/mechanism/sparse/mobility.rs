@@ -273,7 +273,7 @@ impl SparseSystem<'_> {
         let spectrum = linear.smallest(relative_threshold, 4)?;
         let mechanism = self.kinematics.mechanism();
         let freedoms = mechanism.joint_freedoms();
-        let independent: usize = linear.joints.iter().map(|joint| joint.allowed.count()).sum();
+        let independent = linear.allowed();
         // Links that stay where they are while a coordinate moves: joints whose own motions depend on each other.
         let idle = freedoms - independent;
         let mobility = spectrum.zeros + idle;

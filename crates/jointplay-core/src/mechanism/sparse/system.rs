@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{DVector, Rotation3, Translation3, Vector3, Vector6};
 
-use super::linear::{AllowedMotions, JointRow, Linear, Pattern};
+use super::linear::{JointRows, Linear, Pattern};
 use crate::Error;
 use crate::mechanism::MAX_DENSE;
 use crate::mechanism::closure::Closure;
@@ -138,7 +138,9 @@ impl<'a> SparseSystem<'a> {
             .map(|(middle, pose)| pose.rotation * middle + pose.translation.vector)
             .collect();
         let mut screws = self.screws.clone();
-        let rows = mechanism.joints().iter().enumerate().map(|(j, joint)| {
+        let joints = mechanism.joints();
+        let mut rows = JointRows::with_capacity(joints.len(), screws.len());
+        for (j, joint) in joints.iter().enumerate() {
             let first = &self.poses[joint.links[0]];
             let point = first.rotation * joint.frames[0].translation.vector + first.translation.vector;
             for k in self.kinematics.columns_of(j) {
@@ -147,13 +149,9 @@ impl<'a> SparseSystem<'a> {
             }
             let follows = self.kinematics.columns_of(j).filter(|&k| !held[k]);
             let follows = follows.map(|k| (k, self.scaled(&screws[k].0, &screws[k].1)));
-            JointRow {
-                links: joint.links,
-                arms: joint.links.map(|link| (point - centers[link]) / self.length),
-                allowed: AllowedMotions::new(follows),
-            }
-        });
-        let rows = rows.collect();
+            let arms = joint.links.map(|link| (point - centers[link]) / self.length);
+            rows.push(joint.links, arms, follows);
+        }
         Linear::new(&self.pattern, mechanism.links().len(), rows, screws)
     }
 
