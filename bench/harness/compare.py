@@ -54,6 +54,7 @@ def linkages(build, folder, rounds):
         path.with_suffix(".xml").write_text(mjcf.linkage(work))
         commands = {
             "jointplay": [build / "jointplay", "linkage", name],
+            "jointplay, many at a time": [build / "jointplay", "linkage", name, "many"],
             "Pinocchio, C++": [build / "pinocchio", "linkage", path],
             "MuJoCo, C": [build / "mujoco", "linkage", path],
             "Pinocchio, Python": robot.peer("pinocchio", "linkage", path),

@@ -101,7 +101,7 @@ def linkages(out, document):
                 lines.append(f"\n{name} on {mechanism} failed: {result['failed']}.")
     lines += [
         "",
-        "jointplay is `PositionSolver`, which ends at 10⁻¹³ of the characteristic length, and finds the rank itself.",
+        "jointplay is `PositionSolver`, which ends at 10⁻¹³ of the characteristic length, and finds the rank itself; *many at a time* is one call of its `solve_many` for all positions, from the same guesses.",
         "Of Pinocchio, MuJoCo and Drake the kinematics and Jacobians are used, with Newton's iteration of the bench; a hinge that closes a loop is five equations, a ball three; the compiled ones solve them by LU where they are square and by normal equations where not, the fastest methods for mechanisms whose ranks are known.",
         "Exudyn closes loops by its own joints, with `ignoreSingularJacobian` where hinges are redundant.",
         "",

@@ -430,6 +430,32 @@ def test_positions(four_bar):
         four_bar.positions({"A": [0.2]}, solver="best")
 
 
+def test_independent_positions():
+    """In any order, from the first row, the positions that a path leads to; the same bits for any number of threads."""
+    hexapod = jp.Mechanism.from_catalogue("hexapod")
+    legs = list(hexapod.actuated)
+    home = hexapod.assemble()
+    lengths = np.random.default_rng(3).uniform(-0.004, 0.004, (5000, len(legs)))
+    lengths[0] = 0
+    lengths[17, 2] = np.nan
+    commands = {name: home[name] + lengths[:, k] for k, name in enumerate(legs)}
+    found = same(hexapod.positions(commands, independent=True, threads=2))
+    assert found.failure_counts == {"not a finite number": 1} and np.isnan(found.coordinates[17]).all()
+    assert np.nanmax(found.residual) < 1e-11
+    alone = hexapod.positions(commands, independent=True, threads=1)
+    np.testing.assert_array_equal(found.coordinates, alone.coordinates)
+    back = {name: values[::-1] for name, values in commands.items()}
+    back = {name: np.concatenate([values[-1:], values]) for name, values in back.items()}
+    np.testing.assert_array_equal(
+        hexapod.positions(back, independent=True).coordinates[1:], found.coordinates[::-1]
+    )
+    few = {name: values[:10] for name, values in commands.items()}
+    one_by_one = hexapod.positions(few).coordinates
+    np.testing.assert_allclose(found.coordinates[:10], one_by_one, atol=1e-10)
+    with pytest.raises(jp.InputError, match="threads"):
+        hexapod.positions(few, independent=True, threads=0)
+
+
 def test_positions_have_a_status():
     """Rows beyond joint limits and clearances, and what allows them."""
     rods = {f"rod {k + 1}": [0.0, 0.001 * k, 0.3] for k in range(3)}

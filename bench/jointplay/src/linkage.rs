@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use jointplay::bulk::Status;
 use jointplay::format::{catalogue, mechanism as file};
 use jointplay::mechanism::{
     Kinematics, Mechanism, MechanismSystem, PositionSolver, ReliefSolver, assemble, guess,
@@ -62,9 +63,47 @@ impl Linkage {
         Some(Self { mechanism, driven, solver, guesses, answers: Vec::new() })
     }
 
+    /// All positions at a time, from the same guesses.
+    pub(crate) fn many(name: &str) -> Option<Many> {
+        let Self { mechanism, solver, guesses, .. } = Self::new(name)?;
+        let guesses: Vec<f64> = guesses.iter().flat_map(|guess| guess.iter().copied()).collect();
+        let rows = guesses.clone();
+        let (residuals, status) = (vec![0.0; STEPS], vec![Status::Solved; STEPS]);
+        Some(Many { mechanism, solver, guesses, rows, residuals, status })
+    }
+
     /// The work as text.
     pub(crate) fn text(&self) -> String {
         Tree::of(&self.mechanism).text(&self.driven, GAP, &self.guesses)
+    }
+}
+
+/// A mechanism, and rows of coordinates that are solved together.
+pub(crate) struct Many {
+    mechanism: Mechanism,
+    solver: PositionSolver,
+    guesses: Vec<f64>,
+    rows: Vec<f64>,
+    residuals: Vec<f64>,
+    status: Vec<Status>,
+}
+
+impl Work for Many {
+    fn solve(&mut self) -> usize {
+        self.rows.copy_from_slice(&self.guesses);
+        let Self { solver, rows, residuals, status, .. } = self;
+        let done = solver.solve_many(rows, ReliefSolver::Newton, residuals, status);
+        done.map_or(0, |tally| tally.poses() - tally.failed())
+    }
+
+    fn answers(&self) -> Vec<Option<Vec<f64>>> {
+        let tree = Tree::of(&self.mechanism);
+        let rows = self.rows.chunks_exact(self.rows.len() / STEPS).zip(&self.status);
+        let answer = |(row, status): (&[f64], &Status)| {
+            let solved = *status == Status::Solved;
+            solved.then(|| tree.values(&DVector::from_column_slice(row)))
+        };
+        rows.map(answer).collect()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The work of the side-by-side bench, done by jointplay.
 //!
 //! `write FOLDER` writes the work for every program, `words FOLDER` the analyses of mechanisms by jointplay; `gpr METHOD SOLVER` and `linkage NAME` do the work.
-//! The methods are `own` (pose by pose, with the platform's pose), `joints` (virtual joints alone), `general` (as any mechanism), with newton or least-norm as the solver; and `bulk WHAT`, many poses at a time.
+//! The methods are `own` (pose by pose, with the platform's pose), `joints` (virtual joints alone), `general` (as any mechanism), with newton or least-norm as the solver; and `bulk WHAT`, many poses at a time; `linkage NAME many` solves all positions in one call.
 //! `scaling FAMILY LOOPS` prints the times for mechanisms of many loops.
 //! A worker prints `ready`, then answers `run N` by doing all of its work N times, and `write FILE` by writing its answers; some also answer `call N` by N single calls.
 
@@ -46,9 +46,13 @@ fn main() -> ExitCode {
             Some(mut linkage) => serve(&mut linkage),
             None => Err(format!("no linkage is called {name:?}").into()),
         },
+        ["linkage", name, "many"] => match linkage::Linkage::many(name) {
+            Some(mut many) => serve(&mut many),
+            None => Err(format!("no linkage is called {name:?}").into()),
+        },
         ["scaling", family, loops] => scale(family, loops),
         _ => Err(
-            "expected one of: write FOLDER, words FOLDER, gpr METHOD SOLVER, gpr bulk WHAT, linkage NAME, scaling FAMILY LOOPS"
+            "expected one of: write FOLDER, words FOLDER, gpr METHOD SOLVER, gpr bulk WHAT, linkage NAME [many], scaling FAMILY LOOPS"
                 .into(),
         ),
     };
@@ -163,7 +167,15 @@ mod tests {
             check(&mut gpr::General::new(relief), 14_400);
         }
         for (name, _) in linkage::MECHANISMS {
-            check(&mut linkage::Linkage::new(name).expect("it is in the catalogue"), 200);
+            let mut one = linkage::Linkage::new(name).expect("it is in the catalogue");
+            let mut many = linkage::Linkage::many(name).expect("it is in the catalogue");
+            check(&mut one, 200);
+            check(&mut many, 200);
+            let numbers = |work: &dyn Work| {
+                work.answers().into_iter().flatten().flatten().collect::<Vec<f64>>()
+            };
+            let apart = numbers(&one).into_iter().zip(numbers(&many)).map(|(a, b)| (a - b).abs());
+            assert!(apart.fold(0.0, f64::max) < 1e-10, "{name}");
         }
     }
 

@@ -10,6 +10,7 @@ use jointplay::mobility::{RANK_THRESHOLD, near_mobility};
 use jointplay::nalgebra::DVector;
 use jointplay::report;
 use jointplay::sensitivity::commanded_sensitivity;
+use jointplay::study::parallel;
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -20,6 +21,7 @@ use crate::many::evidence;
 use crate::mechanism::{Commands, PyMechanism};
 use crate::numbers::{count, optional_real};
 use crate::skin::{self, fields};
+use crate::threads::Threads;
 use crate::{errors, mechanism_results as results};
 
 /// Default number of steps of a straight path.
@@ -262,6 +264,10 @@ impl PyMechanism {
     ///     Which displacement of virtual joints that closes the loops: `'least-norm'` or `'newton'`.
     /// check_limits : bool, optional
     ///     Whether rows beyond limits of joints or clearances of virtual joints are refused.
+    /// independent : bool, optional
+    ///     Whether all rows start from the configuration of the first one, in any order and many at a time.
+    /// threads : int, optional
+    ///     Number of threads for independent rows; default: all cores. The result does not depend on it.
     ///
     /// Returns
     /// -------
@@ -271,13 +277,17 @@ impl PyMechanism {
     /// Notes
     /// -----
     /// The first row starts from the closed configuration nearest the guesses of the file, every other from the one before it that closed: neighbours should be near.
-    #[pyo3(signature = (commanded, *, solver="least-norm", check_limits=true))]
+    /// Independent rows, as of a workspace map or of random samples, have to be near the first one instead: rows that Newton's method does not close from there have the status `NOT_CONVERGED`.
+    #[pyo3(signature = (commanded, *, solver="least-norm", check_limits=true, independent=false, threads=None))]
+    #[expect(clippy::too_many_arguments, reason = "options of a Python function")]
     fn positions<'py>(
         slf: &Bound<'py, Self>,
         py: Python<'py>,
         commanded: &Bound<'py, PyMapping>,
         solver: &str,
         check_limits: bool,
+        independent: bool,
+        threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let this = slf.get();
         let solver = match solver {
@@ -306,6 +316,7 @@ impl PyMechanism {
         let indices: Vec<usize> = given.iter().map(|(k, ..)| *k).collect();
         let width = this.coordinates.all().len();
         let poses = spread.poses();
+        let threads = Threads::of(threads, poses)?;
         let solved = py.detach(|| {
             let mut rows = Rows {
                 values: vec![f64::NAN; poses * width],
@@ -318,6 +329,42 @@ impl PyMechanism {
             let mechanism = &this.file.mechanism;
             let mut here = this.posed(&start.collect::<Commands>(), None)?.coordinates;
             let mut positions = CommandedPositions::new(mechanism, &here, &indices)?;
+            let of_beyond = |next: &DVector<f64>| match mechanism.beyond_limits(next).first() {
+                None => Status::Solved,
+                Some(_) if !check_limits => Status::Solved,
+                Some(one) if one.coordinate < this.coordinates.joints() => Status::BeyondLimits,
+                Some(_) => Status::BeyondClearance,
+            };
+            if independent {
+                for (i, row) in rows.values.chunks_exact_mut(width).enumerate() {
+                    row.copy_from_slice(here.as_slice());
+                    indices.iter().zip(&columns).for_each(|(&k, column)| row[k] = column.at(i));
+                }
+                let Rows { values, residuals, status } = &mut rows;
+                match &threads {
+                    Threads::Here => {
+                        positions.solve_many(mechanism, values, solver, residuals, status)?;
+                    }
+                    Threads::Pool(pool) => {
+                        pool.install(|| {
+                            let first = &positions;
+                            parallel::positions_many(
+                                first, mechanism, values, solver, residuals, status,
+                            )
+                        })?;
+                    }
+                }
+                let solved = status.iter_mut().zip(residuals).zip(values.chunks_exact_mut(width));
+                for ((status, residual), row) in solved.filter(|((s, _), _)| **s == Status::Solved)
+                {
+                    *status = of_beyond(&DVector::from_column_slice(row));
+                    if *status != Status::Solved {
+                        row.fill(f64::NAN);
+                        *residual = f64::NAN;
+                    }
+                }
+                return Ok(rows);
+            }
             let mut command = vec![0.0; indices.len()];
             for (i, row) in rows.values.chunks_exact_mut(width).enumerate().skip(first) {
                 let mut next = here.clone();
@@ -330,14 +377,8 @@ impl PyMechanism {
                         continue;
                     }
                 };
-                let beyond = mechanism.beyond_limits(&next);
-                let first = beyond.first().filter(|_| check_limits);
-                rows.status[i] = match first {
-                    None => Status::Solved,
-                    Some(one) if one.coordinate < this.coordinates.joints() => Status::BeyondLimits,
-                    Some(_) => Status::BeyondClearance,
-                };
-                if first.is_none() {
+                rows.status[i] = of_beyond(&next);
+                if rows.status[i] == Status::Solved {
                     row.copy_from_slice(next.as_slice());
                     rows.residuals[i] = residual;
                 }

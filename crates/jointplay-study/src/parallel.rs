@@ -3,6 +3,7 @@
 use jointplay_core::Error;
 use jointplay_core::bulk::{Column, Quantity, Status, StatusCounts, parts};
 use jointplay_core::gpr::Gpr;
+use jointplay_core::mechanism::{CommandedPositions, Mechanism, ReliefSolver};
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 use rayon::prelude::*;
 
@@ -71,6 +72,43 @@ pub fn forward_many(
         let mut wanted: Vec<_> = quantities.iter().copied().zip(columns).collect();
         gpr.forward_many(rods, virtualization, options, status, &mut wanted)
     })
+}
+
+/// Configurations of a mechanism that a core takes at a time: whole blocks of all processors.
+const CONFIGURATIONS: usize = 512;
+
+/// [`CommandedPositions::solve_many`] over the cores of the current thread pool.
+///
+/// Configurations are independent of each other, so that the result is the same to the bit for any number of threads.
+///
+/// # Errors
+/// As [`CommandedPositions::solve_many`].
+pub fn positions_many(
+    positions: &CommandedPositions,
+    mechanism: &Mechanism,
+    rows: &mut [f64],
+    solver: ReliefSolver,
+    residuals: &mut [f64],
+    status: &mut [Status],
+) -> Result<StatusCounts, Error> {
+    let width = rows.len() / status.len().max(1);
+    if width == 0 || rows.len() != width * status.len() || residuals.len() != status.len() {
+        // Refused, or nothing to do.
+        return positions.clone().solve_many(mechanism, rows, solver, residuals, status);
+    }
+    rows.par_chunks_mut(width * CONFIGURATIONS)
+        .zip(residuals.par_chunks_mut(CONFIGURATIONS))
+        .zip(status.par_chunks_mut(CONFIGURATIONS))
+        .map_init(
+            || positions.clone(),
+            |positions, ((rows, residuals), status)| {
+                positions.solve_many(mechanism, rows, solver, residuals, status)
+            },
+        )
+        .try_reduce(StatusCounts::default, |mut sum, more| {
+            sum += more;
+            Ok(sum)
+        })
 }
 
 /// Hands the poses out in parts, and adds the tallies up.

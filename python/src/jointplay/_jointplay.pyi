@@ -437,6 +437,8 @@ class Mechanism:
         *,
         solver: Literal["least-norm", "newton"] = "least-norm",
         check_limits: bool = True,
+        independent: bool = False,
+        threads: int | None = None,
     ) -> Positions: ...
     def parameter_derivatives(
         self,

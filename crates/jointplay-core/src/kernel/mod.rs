@@ -19,4 +19,4 @@ pub(crate) use pose::{Plane, PlatformPoses};
 pub(crate) use shape::{Balls, Shape, Three};
 pub(crate) use single::SinglePose;
 pub(crate) use solve::{Found, solved, squared};
-pub(crate) use trigonometry::sin_cos;
+pub(crate) use trigonometry::{angle_of, sin_cos};

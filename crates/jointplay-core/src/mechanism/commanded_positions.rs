@@ -10,6 +10,7 @@ use super::position::{DifferentialKinematics, PositionSolver};
 use super::relief::{CommandedJoints, ReliefSolver};
 use super::system::MechanismSystem;
 use crate::Error;
+use crate::bulk::{Status, StatusCounts};
 use crate::constraint::{System as _, units};
 
 /// First step toward values far away, in radians and characteristic lengths.
@@ -114,6 +115,51 @@ impl CommandedPositions {
                 Ok(relief.residual)
             }
         }
+    }
+
+    /// Closes the loops for many configurations, which are independent of each other; rows without a solution are NaN.
+    ///
+    /// # Arguments
+    /// * `mechanism` – that of [`new`](Self::new)
+    /// * `rows` – (configurations, f + M) by rows; of each row the commanded coordinates at their values, the others near; takes the solutions (m, rad)
+    /// * `residuals` – (configurations) takes the largest mismatches, in radians and characteristic lengths
+    /// * `status` – (configurations) whether each is solved, or the reason why not
+    ///
+    /// # Errors
+    /// [`Error::LengthMismatch`] unless all have the same number of configurations; where commands leave motions undetermined, those of [`super::relieve`] that concern all rows alike.
+    ///
+    /// # Numerics
+    /// As [`PositionSolver::solve_many`]; where there are virtual joints, row by row as [`solve`](Self::solve).
+    pub fn solve_many(
+        &mut self,
+        mechanism: &Mechanism,
+        rows: &mut [f64],
+        solver: ReliefSolver,
+        residuals: &mut [f64],
+        status: &mut [Status],
+    ) -> Result<StatusCounts, Error> {
+        let width = self.kinematics.coordinate_count();
+        if self.undetermined.is_none()
+            || rows.len() != width * status.len()
+            || residuals.len() != status.len()
+        {
+            return self.solver.solve_many(rows, solver, residuals, status);
+        }
+        let commanded = self.kinematics.commanded().to_vec();
+        let results = residuals.iter_mut().zip(&mut *status);
+        for (row, (residual, status)) in rows.chunks_exact_mut(width).zip(results) {
+            let values: Vec<f64> = commanded.iter().map(|&k| row[k]).collect();
+            let mut coordinates = DVector::from_column_slice(row);
+            (*residual, *status) = match self.solve(mechanism, &values, &mut coordinates, solver) {
+                Ok(residual) => (residual, Status::Solved),
+                Err(error) => {
+                    coordinates.fill(f64::NAN);
+                    (f64::NAN, Status::of(&error).ok_or(error)?)
+                }
+            };
+            row.copy_from_slice(coordinates.as_slice());
+        }
+        Ok(StatusCounts::of(status))
     }
 
     /// Closes the loops for values far from a configuration, on the branch that the motion toward them stays on; returns the residual, in radians and characteristic lengths.

@@ -15,7 +15,7 @@ use super::mechanism_error::MechanismError;
 pub(super) struct CouplingRow {
     /// Indices of coordinates, with their factors.
     pub(super) entries: Vec<(usize, f64)>,
-    constant: f64,
+    pub(super) constant: f64,
 }
 
 impl CouplingRow {

@@ -3,9 +3,9 @@
 use crate::mechanism::ReliefSolver;
 
 /// Columns of which elimination leaves no more than this share are combinations of those before them.
-const DEPENDENT: f64 = 1e-9;
+pub(super) const DEPENDENT: f64 = 1e-9;
 /// Columns of which elimination leaves this share of the longest are taken as they come, without a search for longer ones.
-const LONG_ENOUGH: f64 = 0.05;
+pub(super) const LONG_ENOUGH: f64 = 0.05;
 /// Equations between virtual joints that are combinations of others: the share is squared in a product of the matrix with itself.
 const DEPENDENT_SQUARED: f64 = 1e-14;
 
@@ -25,7 +25,7 @@ pub(super) struct Elimination {
     /// (rows) −r.
     pub(super) right: Vec<f64>,
     /// (passive + virtuals) the step.
-    pub(super) step: Vec<f64>,
+    step: Vec<f64>,
     /// Passive column at each position.
     order: Vec<usize>,
     /// First entry of each mirror, which the triangle leaves no room for, and twice the inverse of its square.
@@ -59,15 +59,34 @@ impl Elimination {
         self.rows
     }
 
+    pub(super) fn virtuals(&self) -> usize {
+        self.virtuals
+    }
+
+    /// (passive + virtuals) the step found last.
+    pub(super) fn step(&self) -> &[f64] {
+        &self.step[..self.passive + self.virtuals]
+    }
+
+    /// Passive column at each position, and how many of them are independent.
+    pub(super) fn elimination_order(&self) -> (&[usize], usize) {
+        (&self.order[..self.passive], self.rank.min(self.passive))
+    }
+
+    /// Fewer equations and passive columns than there is room for.
+    pub(super) fn resize(&mut self, rows: usize, passive: usize) {
+        (self.rows, self.passive) = (rows, passive);
+    }
+
     /// Reflects the passive columns to a triangle, and all other columns along; returns their rank.
     pub(super) fn reflect_columns(&mut self) -> usize {
         // The usual sizes, as in `factor`.
         self.rank = match self.rows {
-            3 => self.triangulate(3),
-            5 => self.triangulate(5),
-            6 => self.triangulate(6),
-            15 => self.triangulate(15),
-            m => self.triangulate(m),
+            3 => self.triangulate(3, 0.0),
+            5 => self.triangulate(5, 0.0),
+            6 => self.triangulate(6, 0.0),
+            15 => self.triangulate(15, 0.0),
+            m => self.triangulate(m, 0.0),
         };
         self.rank
     }
@@ -132,27 +151,32 @@ impl Elimination {
     }
 
     /// Factors the equations in `matrix`.
-    pub(super) fn factor(&mut self) {
-        // The usual sizes, one loop or a few balls, get code of their own.
+    ///
+    /// # Arguments
+    /// * `largest` – length of the longest column of which these are what is left
+    pub(super) fn factor(&mut self, largest: f64) {
+        // The usual sizes get code of their own.
         match self.rows {
-            3 => self.factor_rows(3),
-            5 => self.factor_rows(5),
-            6 => self.factor_rows(6),
-            15 => self.factor_rows(15),
-            m => self.factor_rows(m),
+            2 => self.factor_rows(2, largest),
+            3 => self.factor_rows(3, largest),
+            4 => self.factor_rows(4, largest),
+            5 => self.factor_rows(5, largest),
+            6 => self.factor_rows(6, largest),
+            m => self.factor_rows(m, largest),
         }
     }
 
     #[inline(always)]
-    fn factor_rows(&mut self, m: usize) {
-        self.rank = self.triangulate(m);
+    fn factor_rows(&mut self, m: usize, largest: f64) {
+        self.rank = self.triangulate(m, largest);
         let (rank, open) = (self.rank, m - self.rank);
         if self.virtuals == 0 || open == 0 {
             return;
         }
         let gram = &mut self.gram[..open * open];
         gram.fill(0.0);
-        for column in self.matrix[self.passive * m..].chunks_exact(m) {
+        let virtual_part = &self.matrix[self.passive * m..][..self.virtuals * m];
+        for column in virtual_part.chunks_exact(m) {
             let below = &column[rank..];
             for (i, &a) in below.iter().enumerate() {
                 for (entry, &b) in gram[i * open..].iter_mut().zip(&below[..=i]) {
@@ -165,12 +189,11 @@ impl Elimination {
 
     /// Reflects the passive columns to a triangle, short ones last, and the virtual ones along; returns their rank.
     #[inline(always)]
-    fn triangulate(&mut self, m: usize) -> usize {
+    fn triangulate(&mut self, m: usize, mut largest: f64) -> usize {
         let n = self.passive;
         for (k, place) in self.order.iter_mut().enumerate() {
             *place = k;
         }
-        let mut largest = 0.0;
         for k in 0..n.min(m) {
             let below = |column: &[f64]| column[k..].iter().map(|value| value * value).sum::<f64>();
             let columns = self.matrix[..n * m].chunks_exact(m);
@@ -186,7 +209,7 @@ impl Elimination {
             }
             let norm = best_square.sqrt();
             if k == 0 {
-                largest = norm;
+                largest = norm.max(largest);
             }
             if norm <= DEPENDENT * largest || norm.is_nan() {
                 return k;
@@ -196,7 +219,8 @@ impl Elimination {
                 left[k * m..(k + 1) * m].swap_with_slice(&mut right[..m]);
                 self.order.swap(k, best);
             }
-            let (left, right) = self.matrix.split_at_mut((k + 1) * m);
+            let all = &mut self.matrix[..(n + self.virtuals) * m];
+            let (left, right) = all.split_at_mut((k + 1) * m);
             let mirror = &mut left[k * m + k..];
             let head = mirror[0];
             let onto = -norm.copysign(head);
@@ -214,10 +238,11 @@ impl Elimination {
     /// Solves for the step with the equations as factored; `y` are the virtual joints in their metric.
     pub(super) fn solve(&mut self, y: &[f64], solver: ReliefSolver) {
         match self.rows {
+            2 => self.solve_rows(2, y, solver),
             3 => self.solve_rows(3, y, solver),
+            4 => self.solve_rows(4, y, solver),
             5 => self.solve_rows(5, y, solver),
             6 => self.solve_rows(6, y, solver),
-            15 => self.solve_rows(15, y, solver),
             m => self.solve_rows(m, y, solver),
         }
     }
@@ -233,8 +258,9 @@ impl Elimination {
             column[k] = onto;
         }
         self.step.fill(0.0);
-        let (passive_step, virtual_step) = self.step.split_at_mut(n);
-        let virtual_part = &self.matrix[n * m..];
+        let (passive_step, rest) = self.step.split_at_mut(n);
+        let virtual_step = &mut rest[..self.virtuals];
+        let virtual_part = &self.matrix[n * m..][..self.virtuals * m];
         if self.virtuals > 0 && rank < m {
             // The least virtual displacements that meet the equations which no passive joint can.
             let open = m - rank;
@@ -276,7 +302,7 @@ impl Elimination {
 
 /// Reflects a vector by a mirror; `scale` is twice the inverse of the mirror's square.
 #[inline(always)]
-fn reflect(vector: &mut [f64], mirror: &[f64], scale: f64) {
+pub(super) fn reflect(vector: &mut [f64], mirror: &[f64], scale: f64) {
     let dot: f64 = mirror.iter().zip(vector.iter()).map(|(a, b)| a * b).sum();
     for (value, normal) in vector.iter_mut().zip(mirror) {
         *value -= scale * dot * normal;

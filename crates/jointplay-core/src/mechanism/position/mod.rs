@@ -1,5 +1,6 @@
 //! Positions, velocities and accelerations, fast: what passive and virtual joints do for commanded ones, without allocation.
 
+mod bordered;
 mod closing_geometry;
 mod differential;
 mod dimension;
@@ -7,7 +8,10 @@ mod elimination;
 mod field;
 mod frame_jacobian;
 mod frame_motion;
+mod lane_elimination;
+mod lane_frame;
 mod least_displacement;
+mod many;
 mod opening;
 mod solver;
 mod unknown;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::elimination::Elimination;
+use super::bordered::{Bordered, EliminationPlan};
 use super::opening::{Closing, Meeting, SideUnknown, TreeEdge, moved_by};
 use super::unknown::{Ball, CoupledRow, Unknown};
 use super::walk::{Frame, Part, Screw, Turned, Walk};
@@ -18,13 +18,13 @@ use crate::mechanism::{MechanismSystem, ReliefSolver, virtual_weights};
 use crate::spatial::rotation_vector;
 
 /// Scaled residual at which the iteration ends; the next step would only move round-off.
-const ROUND_OFF: f64 = 1e-13;
+pub(super) const ROUND_OFF: f64 = 1e-13;
 /// Changes of the virtual joints below this, in characteristic lengths, are the end of the search for the least…
 const SETTLED: f64 = 1e-13;
 /// …and so are those below this that no longer shrink: round-off.
 const SETTLING: f64 = 1e-9;
 /// Longest step, in radians and characteristic lengths.
-const LONGEST_STEP: f64 = 0.5;
+pub(super) const LONGEST_STEP: f64 = 0.5;
 const MAX_ITERATIONS: usize = 50;
 
 /// Closes the loops of a mechanism for commanded coordinates, its couplings included, again and again.
@@ -46,7 +46,7 @@ pub struct PositionSolver {
     pub(super) tree: Vec<TreeEdge>,
     pub(super) closings: Vec<Closing>,
     pub(super) couplings: Vec<CoupledRow>,
-    balls: Vec<Ball>,
+    pub(super) balls: Vec<Ball>,
     pub(super) unknowns: Vec<Unknown>,
     pub(super) passive: usize,
     pub(super) length: f64,
@@ -58,7 +58,9 @@ pub struct PositionSolver {
     orientations: Vec<Matrix3<f64>>,
     pub(super) screws: Vec<Screw>,
     relieved: Vec<f64>,
-    pub(super) elimination: Elimination,
+    pub(super) elimination: Bordered,
+    /// The order of elimination where the solver was laid out; none where virtual joints are displaced.
+    pub(super) plan: Option<EliminationPlan>,
 }
 
 /// Loops closed for commanded coordinates.
@@ -90,7 +92,15 @@ impl PositionSolver {
     /// # Errors
     /// [`Error::PartlyCommanded`] for one or two coordinates of a ball.
     pub fn new(system: &MechanismSystem<'_>, commanded: &[usize]) -> Result<Self, Error> {
-        Self::lay_out(system, commanded, &[])
+        let mut solver = Self::lay_out(system, commanded, &[])?;
+        if solver.relieved.is_empty() {
+            let home = system.home().as_slice();
+            solver.orient(home);
+            solver.mismatch(home);
+            solver.linearize();
+            solver.plan = Some(solver.elimination.plan());
+        }
+        Ok(solver)
     }
 
     /// Lays out the solution, with the screws of some commanded coordinates behind those of the unknowns.
@@ -192,7 +202,7 @@ impl PositionSolver {
             })
             .collect();
         let mut row = 0;
-        let closings: Vec<Closing> = cuts
+        let mut closings: Vec<Closing> = cuts
             .iter()
             .map(|&j| {
                 // Both sides up to the excluded motion; else the frames behind all motions.
@@ -238,7 +248,7 @@ impl PositionSolver {
             orientations: vec![Matrix3::identity(); balls.len()],
             screws: vec![Screw::STILL; unknowns.len() + recorded.len()],
             relieved: vec![0.0; virtuals],
-            elimination: Elimination::new(row, passive, virtuals),
+            elimination: Bordered::new(&mut closings, &couplings, passive, virtuals),
             tree,
             closings,
             couplings,
@@ -246,6 +256,7 @@ impl PositionSolver {
             unknowns,
             passive,
             length,
+            plan: None,
         })
     }
 
@@ -410,20 +421,18 @@ impl PositionSolver {
 
     /// Factors the equations where [`Self::mismatch`] was.
     fn linearize(&mut self) {
-        let m = self.elimination.rows();
-        self.elimination.matrix.fill(0.0);
-        for closing in &self.closings {
+        for (l, closing) in self.closings.iter().enumerate() {
             let [first_side, second_side] = &closing.frames;
             let z: Vector3<f64> = first_side.rotation.column(2).into_owned();
             // How the components of the first z along the second x and y change with a turn.
             let across = [0, 1].map(|axis| z.cross(&second_side.rotation.column(axis)));
-            for &SideUnknown { column, sense, side } in &closing.moved_by {
+            let columns = self.elimination.columns_mut(l);
+            for (entries, moved) in columns.zip(&closing.moved_by) {
+                let &SideUnknown { column, sense, side } = moved;
                 let screw = &self.screws[column];
                 let scale = sense * self.unknowns[column].unit;
-                let first = column * m + closing.row;
                 let linear =
                     screw.velocity_of(&closing.frames[side].origin) * (scale / self.length);
-                let entries = &mut self.elimination.matrix[first..];
                 entries[..3].copy_from_slice(linear.as_slice());
                 let angular = screw.angular * scale;
                 match closing.meeting {
@@ -436,13 +445,8 @@ impl PositionSolver {
                 }
             }
         }
-        for CoupledRow { columns, row, .. } in &self.couplings {
-            let unknowns = columns.iter().filter(|(column, _)| *column < self.unknowns.len());
-            for &(column, factor) in unknowns {
-                self.elimination.matrix[column * m + row] = factor * self.unknowns[column].unit;
-            }
-        }
-        self.elimination.factor();
+        let unknowns = &self.unknowns;
+        self.elimination.factor(|column| unknowns[column].unit);
     }
 
     /// One step from where [`Self::mismatch`] was, by the last factor; returns how far virtual joints moved in their metric.

@@ -42,7 +42,7 @@ impl Frame {
 
 /// A fixed displacement, as simple as it is.
 #[derive(Debug, Clone, Copy)]
-enum Lead {
+pub(super) enum Lead {
     Nothing,
     Shift(Vector3<f64>),
     Frame(Frame),
@@ -71,8 +71,9 @@ impl Screw {
     }
 }
 
+/// An elementary motion.
 #[derive(Debug, Clone, Copy)]
-enum Motion {
+pub(super) enum Motion {
     /// About z: which of the turns.
     Turn(usize),
     /// Along a direction.
@@ -85,21 +86,21 @@ enum Motion {
 
 /// A fixed displacement, then an elementary motion.
 #[derive(Debug, Clone, Copy)]
-struct Step {
-    lead: Lead,
-    motion: Motion,
-    coordinate: usize,
+pub(super) struct Step {
+    pub(super) lead: Lead,
+    pub(super) motion: Motion,
+    pub(super) coordinate: usize,
     /// −1 where walked against the sense of the coordinate.
-    sign: f64,
+    pub(super) sign: f64,
     /// Its first column among the unknowns, if it is one.
-    column: Option<usize>,
+    pub(super) column: Option<usize>,
 }
 
 /// Elementary motions one after the other, and a fixed displacement at the end.
 #[derive(Debug, Clone)]
 pub(super) struct Walk {
-    steps: Vec<Step>,
-    tail: Lead,
+    pub(super) steps: Vec<Step>,
+    pub(super) tail: Lead,
 }
 
 /// The screws of an elementary motion.

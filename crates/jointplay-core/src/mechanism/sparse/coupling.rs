@@ -2,7 +2,8 @@
 
 use nalgebra::{DVector, Vector6};
 
-use super::linear::JointRow;
+use super::block_cholesky::{Block, BlockMatrix, BlockPattern, EMPTY, Place};
+use super::linear::JointRows;
 use crate::mechanism::coupling_rows::{CouplingRow, coupling_rows};
 use crate::mechanism::kinematics::Kinematics;
 
@@ -39,39 +40,36 @@ impl SparseCoupling {
         self.row.residual(|k| coordinates[k])
     }
 
-    /// Moving links that it connects, ascending.
-    pub(super) fn links(&self) -> &[usize] {
-        &self.links
+    /// Pairs of different moving links that it connects, counted without the base.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        pairs(self.links.len()).map(|[a, b]| [self.links[a] - 1, self.links[b] - 1])
     }
 
     /// The coupling linearized at the joints of a mechanism.
-    pub(super) fn linear(&self, joints: &[JointRow], coordinates: &DVector<f64>) -> LinearCoupling {
+    pub(super) fn linear(&self, rows: &JointRows) -> LinearCoupling {
         let mut gradients = vec![Vector6::zeros(); self.links.len()];
         for (&j, &(k, factor)) in self.joints.iter().zip(&self.row.entries) {
-            let joint = &joints[j];
-            let Some(row) = joint.follows.iter().position(|&follows| follows == k) else {
-                continue;
-            };
-            let rate = joint.rates.row(row).transpose() * factor;
+            let (joint, Some(rate)) = rows.rate(j, k) else { continue };
             for (side, sense) in [(0, -1.0), (1, 1.0)] {
                 if let Ok(place) = self.links.binary_search(&joint.links[side]) {
-                    gradients[place] += joint.transport(side).tr_mul(&rate) * sense;
+                    gradients[place] += joint.at_middle(side, &rate) * (sense * factor);
                 }
             }
         }
         let gradient = self.links.iter().copied().zip(gradients).collect();
-        LinearCoupling {
-            gradient,
-            terms: self.row.entries.clone(),
-            mismatch: self.residual(coordinates),
-        }
+        LinearCoupling { gradient, terms: self.row.entries.clone() }
     }
+}
+
+/// Pairs of a number of links, the larger first.
+fn pairs(links: usize) -> impl Iterator<Item = [usize; 2]> {
+    (0..links).flat_map(|a| (0..a).map(move |b| [a, b]))
 }
 
 /// A coupling in the twists of the links.
 ///
 /// ```text
-///    g · x  =  −mismatch − Σ factor · q̇        q̇: rates of the coordinates at x = 0
+///    g · x  =  −violation − Σ factor · q̇        q̇: rates of the coordinates at x = 0
 /// ```
 #[derive(Debug, Clone)]
 pub(super) struct LinearCoupling {
@@ -79,8 +77,6 @@ pub(super) struct LinearCoupling {
     gradient: Vec<(usize, Vector6<f64>)>,
     /// Index and factor of each coordinate.
     terms: Vec<(usize, f64)>,
-    /// Violation, in radians and characteristic lengths.
-    pub(super) mismatch: f64,
 }
 
 impl LinearCoupling {
@@ -104,28 +100,32 @@ impl LinearCoupling {
         self.terms.iter().map(|&(k, factor)| factor * rates[k]).sum()
     }
 
-    /// Entries of the lower triangle of g gᵀ, in the order of [`for_each_coupled`].
-    pub(super) fn for_each_product(&self, mut see: impl FnMut(f64)) {
-        let links: Vec<usize> = self.gradient.iter().map(|&(link, _)| link).collect();
-        for_each_coupled(&links, |(a, row), (b, column), _, _| {
-            see(self.gradient[a].1[row] * self.gradient[b].1[column]);
-        });
+    /// Adds g gᵀ to the normal equations.
+    ///
+    /// # Arguments
+    /// * `places` – of the blocks of [`SparseCoupling::pairs`]
+    pub(super) fn add_to(
+        &self,
+        matrix: &mut BlockMatrix,
+        pattern: &BlockPattern,
+        places: &[Place],
+    ) {
+        for (link, gradient) in &self.gradient {
+            matrix.add_diagonal(pattern, link - 1, &product(gradient, gradient));
+        }
+        for ([a, b], &place) in pairs(self.gradient.len()).zip(places) {
+            matrix.add(place, &product(&self.gradient[a].1, &self.gradient[b].1));
+        }
     }
 }
 
-/// Entries of the lower triangle that a coupling of links touches: place among the links and axis of the row, those of the column; row and column of the matrix.
-pub(super) fn for_each_coupled(
-    links: &[usize],
-    mut see: impl FnMut((usize, usize), (usize, usize), usize, usize),
-) {
-    for (a, &lower) in links.iter().enumerate() {
-        for (b, &upper) in links[..=a].iter().enumerate() {
-            for row in 0..6 {
-                let columns = if a == b { row + 1 } else { 6 };
-                for column in 0..columns {
-                    see((a, row), (b, column), 6 * (lower - 1) + row, 6 * (upper - 1) + column);
-                }
-            }
+/// a bᵀ
+fn product(a: &Vector6<f64>, b: &Vector6<f64>) -> Block {
+    let mut block = EMPTY;
+    for (column, factor) in block.iter_mut().zip(b.iter()) {
+        for (entry, value) in column.iter_mut().zip(a.iter()) {
+            *entry = value * factor;
         }
     }
+    block
 }

@@ -1,12 +1,11 @@
 //! The linearized closures of all joints, as a sparse system in the twists of the links.
 
-use faer::linalg::solvers::SolveCore;
-use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
-use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
-use faer::{Conj, MatMut, Side};
-use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
+use std::sync::Arc;
 
-use super::coupling::{LinearCoupling, SparseCoupling, for_each_coupled};
+use nalgebra::{DMatrix, DVector, Vector3, Vector6};
+
+use super::block_cholesky::{Block, BlockMatrix, BlockPattern, EMPTY, NotPositive, Place};
+use super::coupling::{LinearCoupling, SparseCoupling};
 use crate::Error;
 use crate::mechanism::Kinematics;
 use crate::mechanism::joint::Twist;
@@ -23,53 +22,95 @@ const DEPENDENT: f64 = 1e-9;
 /// Sparsity pattern of the normal equations, which depends on the graph only.
 #[derive(Debug, Clone)]
 pub(super) struct Pattern {
-    symbolic: SymbolicSparseColMat<usize>,
-    argsort: Argsort<usize>,
-    factor: SymbolicLlt<usize>,
+    blocks: BlockPattern,
+    /// For each joint the block between its second link and its first, unless one of them is the base.
+    between: Vec<Option<Place>>,
+    /// For each coupling the blocks between its links.
+    coupled: Vec<Vec<Place>>,
 }
 
 impl Pattern {
     pub(super) fn new(kinematics: &Kinematics<'_>, couplings: &[SparseCoupling]) -> Self {
         let mechanism = kinematics.mechanism();
-        let size = 6 * (mechanism.links().len() - 1);
-        let mut places = Vec::new();
-        for joint in mechanism.joints() {
-            for_each_place(joint.links, |_, row, column| places.push(Pair { row, col: column }));
-        }
-        for coupling in couplings {
-            for_each_coupled(coupling.links(), |_, _, row, column| {
-                places.push(Pair { row, col: column });
-            });
-        }
-        places.extend((0..size).map(|k| Pair { row: k, col: k }));
-        let (symbolic, argsort) = SymbolicSparseColMat::try_new_from_indices(size, size, &places)
-            .expect("places are within the matrix");
-        let factor = SymbolicLlt::try_new(symbolic.as_ref(), Side::Lower)
-            .expect("a pattern of this size fits into memory");
-        Self { symbolic, argsort, factor }
+        let pair = |links: [usize; 2]| Some([links[1].checked_sub(1)?, links[0].checked_sub(1)?]);
+        let pairs = mechanism.joints().iter().map(|joint| pair(joint.links));
+        let coupled = couplings.iter().flat_map(SparseCoupling::pairs);
+        let links = mechanism.links().len() - 1;
+        let blocks = BlockPattern::new(links, pairs.clone().flatten().chain(coupled));
+        let between = pairs.map(|pair| pair.map(|pair| blocks.place(pair))).collect();
+        let places = |one: &SparseCoupling| one.pairs().map(|pair| blocks.place(pair)).collect();
+        let coupled = couplings.iter().map(places).collect();
+        Self { blocks, between, coupled }
     }
 }
 
-/// Entries of the lower triangle that a joint touches: which block (first–first, second–second, between), row and column of the block, row and column of the matrix.
-fn for_each_place(links: [usize; 2], mut see: impl FnMut((usize, usize, usize), usize, usize)) {
-    for (block, [a, b]) in [[0, 0], [1, 1], [1, 0]].into_iter().enumerate() {
-        if links[a] == 0 || links[b] == 0 {
-            continue;
+/// Most independent motions of a joint.
+const MOST: usize = 6;
+
+/// A motion that a joint allows, of a coordinate that follows and does not depend on others.
+#[derive(Debug, Clone, Copy)]
+struct AllowedMotion {
+    coordinate: usize,
+    /// How fast the coordinate goes, of the relative twist.
+    rate: Vector6<f64>,
+    /// Direction that the coordinate adds to those before it; the directions of a joint are orthonormal.
+    unit: Vector6<f64>,
+}
+
+/// Takes apart the twists of the coordinates of a joint that follow.
+fn allowed_motions(
+    mut screws: impl Iterator<Item = (usize, Vector6<f64>)>,
+    motions: &mut Vec<AllowedMotion>,
+) {
+    let first = motions.len();
+    let Some(one) = screws.next() else { return };
+    let Some(two) = screws.next() else {
+        // The usual joint, of one coordinate.
+        let (coordinate, screw) = one;
+        let norm = screw.norm();
+        if norm > 0.0 {
+            let unit = screw / norm;
+            motions.push(AllowedMotion { coordinate, rate: unit / norm, unit });
         }
-        for row in 0..6 {
-            for column in 0..6 {
-                let at = [6 * (links[a] - 1) + row, 6 * (links[b] - 1) + column];
-                let within = a == b;
-                if within && column > row {
-                    continue;
-                }
-                if at[0] >= at[1] {
-                    see((block, row, column), at[0], at[1]);
-                } else {
-                    see((block, row, column), at[1], at[0]);
-                }
+        return;
+    };
+    let mut all = [Vector6::zeros(); MOST];
+    let mut names = [0; MOST];
+    let mut found = 0;
+    let mut largest = 0.0_f64;
+    for (k, screw) in [one, two].into_iter().chain(screws).take(MOST) {
+        (all[found], names[found]) = (screw, k);
+        largest = largest.max(screw.norm());
+        found += 1;
+    }
+    // The part of each that is outside the span of the directions so far.
+    let mut rest = all;
+    let mut order = [0; MOST];
+    while motions.len() - first < found {
+        let longest = (0..found).max_by(|&a, &b| rest[a].norm().total_cmp(&rest[b].norm()));
+        let Some(next) = longest else { break };
+        let norm = rest[next].norm();
+        if norm <= DEPENDENT * largest || norm.is_nan() {
+            break;
+        }
+        let unit = rest[next] / norm;
+        order[motions.len() - first] = next;
+        motions.push(AllowedMotion { coordinate: names[next], rate: unit, unit });
+        for vector in &mut rest[..found] {
+            for _ in 0..2 {
+                *vector -= unit * unit.dot(vector);
             }
         }
+        rest[next].fill(0.0);
+    }
+    // The twists in terms of the directions are triangular.
+    let own = &mut motions[first..];
+    for i in (0..own.len()).rev() {
+        let unit = own[i].unit;
+        let component = |j: usize| unit.dot(&all[order[j]]);
+        let known: Vector6<f64> =
+            own.iter().enumerate().skip(i + 1).map(|(j, later)| later.rate * component(j)).sum();
+        own[i].rate = (unit - known) / component(i);
     }
 }
 
@@ -79,60 +120,24 @@ pub(super) struct JointRow {
     pub(super) links: [usize; 2],
     /// From the middle of each link to the point.
     pub(super) arms: [Vector3<f64>; 2],
-    /// (6) what the first link and the joint make of the second link's pose, against where it is.
-    pub(super) mismatch: Vector6<f64>,
-    /// Coordinates that follow, without those that depend on others.
-    pub(super) follows: Vec<usize>,
-    /// (follows, 6) how fast they go, of the relative twist.
-    pub(super) rates: DMatrix<f64>,
-    /// Projector onto the twists that the joint does not allow.
-    pub(super) refused: Matrix6<f64>,
-    /// How many it allows.
-    pub(super) freedoms: usize,
+    /// Where its allowed motions begin and end.
+    allowed: [usize; 2],
 }
 
 impl JointRow {
-    /// Takes apart the twists of the coordinates that follow.
-    pub(super) fn split(
-        screws: &[(usize, Vector6<f64>)],
-    ) -> (Vec<usize>, DMatrix<f64>, Matrix6<f64>) {
-        let mut order: Vec<usize> = Vec::new();
-        let mut basis: Vec<Vector6<f64>> = Vec::new();
-        let largest = screws.iter().map(|(_, screw)| screw.norm()).fold(0.0, f64::max);
-        // The part of each that is outside the span of the basis so far.
-        let mut rest: Vec<Vector6<f64>> = screws.iter().map(|&(_, screw)| screw).collect();
-        while let Some(next) =
-            (0..rest.len()).max_by(|&a, &b| rest[a].norm().total_cmp(&rest[b].norm()))
-        {
-            let norm = rest[next].norm();
-            if norm <= DEPENDENT * largest || norm.is_nan() || order.contains(&next) {
-                break;
-            }
-            let unit = rest[next] / norm;
-            order.push(next);
-            basis.push(unit);
-            for vector in &mut rest {
-                for _ in 0..2 {
-                    *vector -= unit * unit.dot(vector);
-                }
-            }
-            rest[next].fill(0.0);
-        }
-        let count = order.len();
-        let onto = DMatrix::from_fn(count, 6, |k, row| basis[k][row]);
-        // The basis in terms of the screws is triangular.
-        let triangle = DMatrix::from_fn(count, count, |i, j| basis[i].dot(&screws[order[j]].1));
-        let rates =
-            triangle.solve_upper_triangular(&onto).unwrap_or_else(|| DMatrix::zeros(count, 6));
-        let mut refused = Matrix6::identity();
-        if count < 6 {
-            basis.iter().for_each(|unit| refused -= unit * unit.transpose());
-        } else {
+    /// The motions that the joint allows.
+    fn allowed<'m>(&self, motions: &'m [AllowedMotion]) -> &'m [AllowedMotion] {
+        &motions[self.allowed[0]..self.allowed[1]]
+    }
+
+    /// The part of a twist, or of a wrench, that the joint does not allow.
+    fn refused(&self, motions: &[AllowedMotion], of: &Vector6<f64>) -> Vector6<f64> {
+        let allowed = self.allowed(motions);
+        if allowed.len() == MOST {
             // A joint with six freedoms has no constraint, only round-off.
-            refused.fill(0.0);
+            return Vector6::zeros();
         }
-        let follows = order.iter().map(|&k| screws[k].0).collect();
-        (follows, rates, refused)
+        allowed.iter().fold(*of, |rest, motion| rest - motion.unit * motion.unit.dot(of))
     }
 
     /// Twist of the first link beyond that of the second, at the joint's point.
@@ -152,12 +157,125 @@ impl JointRow {
         twist
     }
 
-    /// (6,6) the twist at the joint's point of a link's own.
-    pub(super) fn transport(&self, side: usize) -> Matrix6<f64> {
-        let mut matrix = Matrix6::identity();
-        matrix.fixed_view_mut::<3, 3>(3, 0).copy_from(&(-self.arms[side].cross_matrix()));
-        matrix
+    /// Tᵀ w: a wrench at the joint's point as one at the middle of a link.
+    pub(super) fn at_middle(&self, side: usize, wrench: &Vector6<f64>) -> Vector6<f64> {
+        let force = wrench.fixed_rows::<3>(3);
+        let moment = wrench.fixed_rows::<3>(0) + self.arms[side].cross(&force);
+        Vector6::new(moment.x, moment.y, moment.z, force[0], force[1], force[2])
     }
+
+    /// Adds what the joint refuses to the normal equations.
+    ///
+    /// ```text
+    ///    ( T_aᵀ M T_b )  =  T_aᵀ T_b  −  Σ (T_aᵀ u)(T_bᵀ u)ᵀ        M = 1 − Σ u uᵀ,  T: twist at the joint's point of a link's own
+    /// ```
+    fn add_to(
+        &self,
+        motions: &[AllowedMotion],
+        matrix: &mut BlockMatrix,
+        pattern: &Pattern,
+        between: Option<Place>,
+    ) {
+        let allowed = self.allowed(motions);
+        if allowed.len() == MOST {
+            return;
+        }
+        let block = |a: usize, b: usize| {
+            let mut block = transported(&self.arms[a], &self.arms[b]);
+            for motion in allowed {
+                let [of_a, of_b] = [a, b].map(|side| self.at_middle(side, &motion.unit));
+                for (column, factor) in block.iter_mut().zip(of_b.iter()) {
+                    for (entry, value) in column.iter_mut().zip(of_a.iter()) {
+                        *entry -= value * factor;
+                    }
+                }
+            }
+            block
+        };
+        for side in 0..2 {
+            if let Some(link) = self.links[side].checked_sub(1) {
+                matrix.add_diagonal(&pattern.blocks, link, &block(side, side));
+            }
+        }
+        if let Some(place) = between {
+            let mut block = block(1, 0);
+            block.as_flattened_mut().iter_mut().for_each(|entry| *entry = -*entry);
+            matrix.add(place, &block);
+        }
+    }
+}
+
+/// Joints linearized one after the other.
+#[derive(Debug)]
+pub(super) struct JointRows {
+    joints: Vec<JointRow>,
+    motions: Vec<AllowedMotion>,
+}
+
+impl JointRows {
+    /// Room for a number of joints and coordinates.
+    pub(super) fn with_capacity(joints: usize, coordinates: usize) -> Self {
+        Self { joints: Vec::with_capacity(joints), motions: Vec::with_capacity(coordinates) }
+    }
+
+    /// Adds the next joint.
+    ///
+    /// # Arguments
+    /// * `arms` – from the middle of each link to the point
+    /// * `follows` – the coordinates that follow, with their twists
+    pub(super) fn push(
+        &mut self,
+        links: [usize; 2],
+        arms: [Vector3<f64>; 2],
+        follows: impl Iterator<Item = (usize, Vector6<f64>)>,
+    ) {
+        let first = self.motions.len();
+        allowed_motions(follows, &mut self.motions);
+        self.joints.push(JointRow { links, arms, allowed: [first, self.motions.len()] });
+    }
+}
+
+impl JointRows {
+    /// A joint, and how fast one of its coordinates goes, of the relative twist; `None` if it does not follow, or depends on others.
+    pub(super) fn rate(
+        &self,
+        joint: usize,
+        coordinate: usize,
+    ) -> (&JointRow, Option<Vector6<f64>>) {
+        let row = &self.joints[joint];
+        let motion = row.allowed(&self.motions).iter().find(|one| one.coordinate == coordinate);
+        (row, motion.map(|one| one.rate))
+    }
+}
+
+/// T_aᵀ T_b of the transports of two arms.
+///
+/// ```text
+///    T  =  (   1    0 )        T_aᵀ T_b  =  ( 1 − [a][b]   [a] )
+///          ( −[a]   1 )                     (   −[b]        1  )
+/// ```
+fn transported(a: &Vector3<f64>, b: &Vector3<f64>) -> Block {
+    let mut block = EMPTY;
+    let dot = a.dot(b);
+    for column in 0..3 {
+        for row in 0..3 {
+            // [a][b] = b aᵀ − (a · b) 1
+            block[column][row] = -b[row] * a[column];
+        }
+        block[column][column] += 1.0 + dot;
+        block[3 + column][3 + column] = 1.0;
+    }
+    let cross = |block: &mut Block, [row, column]: [usize; 2], v: &Vector3<f64>| {
+        block[column + 1][row] = -v.z;
+        block[column + 2][row] = v.y;
+        block[column][row + 1] = v.z;
+        block[column + 2][row + 1] = -v.x;
+        block[column][row + 2] = -v.y;
+        block[column + 1][row + 2] = v.x;
+    };
+    cross(&mut block, [0, 3], a);
+    cross(&mut block, [3, 0], &-b);
+    block
 }
 
 /// All joints and couplings linearized, and the factor of their damped normal equations.
@@ -170,9 +288,11 @@ impl JointRow {
 pub(super) struct Linear {
     pub(super) joints: Vec<JointRow>,
     pub(super) couplings: Vec<LinearCoupling>,
+    motions: Vec<AllowedMotion>,
     /// Twist of each coordinate in the base frame, the linear part at the point of its joint (m).
     pub(super) screws: Vec<Twist>,
-    factor: Llt<usize, f64>,
+    pattern: Arc<Pattern>,
+    factor: BlockMatrix,
     /// δ²
     pub(super) damping: f64,
     size: usize,
@@ -180,50 +300,48 @@ pub(super) struct Linear {
 
 impl Linear {
     pub(super) fn new(
-        pattern: &Pattern,
+        pattern: &Arc<Pattern>,
         links: usize,
-        joints: Vec<JointRow>,
+        rows: JointRows,
         couplings: Vec<LinearCoupling>,
         screws: Vec<Twist>,
     ) -> Result<Self, Error> {
+        let JointRows { joints, motions } = rows;
         let size = 6 * (links - 1);
-        let mut values = Vec::new();
-        for joint in &joints {
-            let [first, second] = [joint.transport(0), joint.transport(1)];
-            let blocks = [
-                first.transpose() * joint.refused * first,
-                second.transpose() * joint.refused * second,
-                -(second.transpose() * joint.refused * first),
-            ];
-            for_each_place(joint.links, |(block, row, column), _, _| {
-                values.push(blocks[block][(row, column)]);
-            });
-        }
-        for coupling in &couplings {
-            coupling.for_each_product(|product| values.push(product));
-        }
+        let assembled = || {
+            let mut matrix = BlockMatrix::zeros(&pattern.blocks);
+            for (joint, between) in joints.iter().zip(&pattern.between) {
+                joint.add_to(&motions, &mut matrix, pattern, *between);
+            }
+            for (coupling, places) in couplings.iter().zip(&pattern.coupled) {
+                coupling.add_to(&mut matrix, &pattern.blocks, places);
+            }
+            matrix
+        };
+        let mut matrix = assembled();
         // No less than one joint that refuses anything would make it.
-        let largest = values.iter().copied().map(f64::abs).fold(1.0, f64::max);
-        let entries = values.len();
-        values.resize(entries + size, 0.0);
+        let largest = matrix.largest().max(1.0);
         let mut damping = DAMPING * largest;
         loop {
-            values[entries..].fill(damping);
-            let matrix =
-                SparseColMat::new_from_argsort(pattern.symbolic.clone(), &pattern.argsort, &values)
-                    .expect("as many values as places");
-            let factor =
-                Llt::try_new_with_symbolic(pattern.factor.clone(), matrix.as_ref(), Side::Lower);
-            match factor {
-                Ok(factor) => return Ok(Self { joints, couplings, screws, factor, damping, size }),
+            matrix.add_to_diagonal(damping);
+            match matrix.factor(&pattern.blocks) {
+                Ok(()) => break,
                 // Not positive to round-off; with damping as large as the matrix itself it is.
-                Err(_) if damping < largest => damping *= MORE_DAMPING,
-                Err(_) => {
+                Err(NotPositive) if damping < largest => damping *= MORE_DAMPING,
+                Err(NotPositive) => {
                     let what = "an entry of the normal equations";
                     return Err(Error::NotFinite { what, value: f64::NAN });
                 }
             }
+            matrix = assembled();
         }
+        let pattern = pattern.clone();
+        Ok(Self { joints, couplings, motions, screws, pattern, factor: matrix, damping, size })
+    }
+
+    /// Number of independent motions that all joints allow.
+    pub(super) fn allowed(&self) -> usize {
+        self.motions.len()
     }
 
     /// (6·(links − 1)) number of unknowns.
@@ -236,7 +354,8 @@ impl Linear {
         let joints = 6 * self.joints.len();
         let mut y = DVector::zeros(joints + self.couplings.len());
         for (j, joint) in self.joints.iter().enumerate() {
-            y.fixed_rows_mut::<6>(6 * j).copy_from(&(joint.refused * joint.relative(x)));
+            let refused = joint.refused(&self.motions, &joint.relative(x));
+            y.fixed_rows_mut::<6>(6 * j).copy_from(&refused);
         }
         for (c, coupling) in self.couplings.iter().enumerate() {
             y[joints + c] = coupling.apply(x);
@@ -253,9 +372,8 @@ impl Linear {
         let joints = 6 * self.joints.len();
         let mut violated = DVector::zeros(joints + self.couplings.len());
         for (j, joint) in self.joints.iter().enumerate() {
-            violated
-                .fixed_rows_mut::<6>(6 * j)
-                .copy_from(&(joint.refused * beyond.fixed_rows::<6>(6 * j)));
+            let refused = joint.refused(&self.motions, &beyond.fixed_rows::<6>(6 * j).into_owned());
+            violated.fixed_rows_mut::<6>(6 * j).copy_from(&refused);
         }
         for (c, coupling) in self.couplings.iter().enumerate() {
             violated[joints + c] = coupling.change(rates);
@@ -267,15 +385,11 @@ impl Linear {
     pub(super) fn apply_transposed(&self, y: &DVector<f64>) -> DVector<f64> {
         let mut x = DVector::zeros(self.size);
         for (j, joint) in self.joints.iter().enumerate() {
-            let wrench = joint.refused * y.fixed_rows::<6>(6 * j);
-            let (moment, force) = (wrench.fixed_rows::<3>(0), wrench.fixed_rows::<3>(3));
+            let wrench = joint.refused(&self.motions, &y.fixed_rows::<6>(6 * j).into_owned());
             for (side, sense) in [(0, 1.0), (1, -1.0)] {
                 if let Some(link) = joint.links[side].checked_sub(1) {
-                    let moment = moment + joint.arms[side].cross(&force);
-                    for axis in 0..3 {
-                        x[6 * link + axis] += sense * moment[axis];
-                        x[6 * link + 3 + axis] += sense * force[axis];
-                    }
+                    let wrench = joint.at_middle(side, &wrench);
+                    x.fixed_rows_mut::<6>(6 * link).axpy(sense, &wrench, 1.0);
                 }
             }
         }
@@ -287,9 +401,12 @@ impl Linear {
 
     /// N⁻¹ b in place, for each column.
     pub(super) fn solve(&self, b: &mut DMatrix<f64>) {
-        let (rows, columns) = b.shape();
-        let b = MatMut::from_column_major_slice_mut(b.as_mut_slice(), rows, columns);
-        self.factor.solve_in_place_with_conj(Conj::No, b);
+        let mut room = vec![0.0; self.size];
+        if self.size > 0 {
+            for column in b.as_mut_slice().chunks_exact_mut(self.size) {
+                self.factor.solve(&self.pattern.blocks, column, &mut room);
+            }
+        }
     }
 
     /// The shortest x for which J x = y, or nearest to it: by conjugate gradients with the factor as preconditioner, until steps are shorter than a share of x.
@@ -333,8 +450,8 @@ impl Linear {
         for (j, joint) in self.joints.iter().enumerate() {
             // S q̇ = V_second − V_first − beyond.
             let asked = -(joint.relative(x) + beyond.fixed_rows::<6>(6 * j));
-            for (row, &k) in joint.follows.iter().enumerate() {
-                rates[k] = (0..6).map(|i| joint.rates[(row, i)] * asked[i]).sum();
+            for motion in joint.allowed(&self.motions) {
+                rates[motion.coordinate] = motion.rate.dot(&asked);
             }
         }
         rates

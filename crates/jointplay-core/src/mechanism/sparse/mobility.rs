@@ -16,8 +16,8 @@ use crate::random::Random;
 const ROUNDS: usize = 6;
 /// The largest value of a block has to be this many times what damping hides: values beyond the block then fade by its square in each round.
 const CLEAR: f64 = 10.0;
-/// Rounds of the power iteration for the largest singular value, which is needed to a few per cent.
-const POWER_ROUNDS: usize = 30;
+/// Steps of the bidiagonalization for the largest singular value, which is needed to a few per cent.
+const BIDIAGONAL_STEPS: usize = 16;
 /// Distance for which the fastest coordinate is followed in every direction, in radians and characteristic lengths.
 const KEPT: f64 = 0.3;
 /// The shortest step of that, as a share of it.
@@ -135,7 +135,7 @@ impl Linear {
         relative_threshold: f64,
         block: usize,
     ) -> Result<Spectrum, Error> {
-        let largest = self.largest();
+        let largest = self.largest()?;
         let mut block = block.min(self.size());
         loop {
             let (values, vectors) = self.least(block)?;
@@ -170,21 +170,33 @@ impl Linear {
         Ok((ascending.into_iter().map(value).collect(), vectors))
     }
 
-    fn largest(&self) -> f64 {
+    /// The largest singular value, by Golub–Kahan bidiagonalization from a random start.
+    fn largest(&self) -> Result<f64, Error> {
         let mut random = Random(5);
-        let mut x = DVector::from_fn(self.size(), |_, _| random.next());
-        let mut size = 0.0;
-        for _ in 0..POWER_ROUNDS {
-            let norm = x.norm();
-            if norm == 0.0 {
-                return 0.0;
+        let mut right = DVector::from_fn(self.size(), |_, _| random.next());
+        let mut left: DVector<f64> = DVector::zeros(6 * self.joints.len());
+        let mut bidiagonal = DMatrix::zeros(BIDIAGONAL_STEPS, BIDIAGONAL_STEPS);
+        let mut above = right.norm();
+        for k in 0..BIDIAGONAL_STEPS {
+            if above == 0.0 {
+                break;
             }
-            x /= norm;
-            let y = self.apply(x.as_slice());
-            size = y.norm();
-            x = self.apply_transposed(&y);
+            right /= above;
+            let image = self.apply(right.as_slice());
+            left = if k == 0 { image } else { image - left * above };
+            let diagonal = left.norm();
+            if k > 0 {
+                bidiagonal[(k - 1, k)] = above;
+            }
+            bidiagonal[(k, k)] = diagonal;
+            if diagonal == 0.0 {
+                break;
+            }
+            left /= diagonal;
+            right = self.apply_transposed(&left) - right * diagonal;
+            above = right.norm();
         }
-        size
+        Ok(svd(&bidiagonal)?.singular_values[0])
     }
 
     fn apply_all(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
@@ -261,7 +273,7 @@ impl SparseSystem<'_> {
         let spectrum = linear.smallest(relative_threshold, 4)?;
         let mechanism = self.kinematics.mechanism();
         let freedoms = mechanism.joint_freedoms();
-        let independent: usize = linear.joints.iter().map(|joint| joint.freedoms).sum();
+        let independent = linear.allowed();
         // Links that stay where they are while a coordinate moves: joints whose own motions depend on each other.
         let idle = freedoms - independent;
         let mobility = spectrum.zeros + idle;
@@ -326,23 +338,29 @@ impl SparseSystem<'_> {
         }
     }
 
-    /// Whether motions in random directions, each given by as many coordinates as there are motions, are all finite.
+    /// Whether motions in random directions, each given by as many coordinates as there are motions, are all finite; of a single motion, both directions.
     fn all_kept(&self, rates: &[DVector<f64>]) -> Result<bool, Error> {
         let units = self.units();
         let leading = leading(rates, &units);
         let held = self.held(leading.iter().copied());
         let mut random = Random(2);
-        for _ in 0..rates.len() + 2 {
+        let directions: Vec<Vec<f64>> = match rates {
+            [_] => vec![vec![1.0], vec![-1.0]],
+            _ => (0..rates.len() + 2)
+                .map(|_| rates.iter().map(|_| random.next()).collect())
+                .collect(),
+        };
+        for shares in directions {
             let mut direction = DVector::zeros(self.coordinates.len());
-            for rate in rates {
-                direction.axpy(random.next(), rate, 1.0);
+            for (rate, share) in rates.iter().zip(shares) {
+                direction.axpy(share, rate, 1.0);
             }
             direction *= KEPT / self.largest(&direction);
             let mut drives = DVector::zeros(direction.len());
             for &k in &leading {
                 drives[k] = direction[k];
             }
-            let done = self.clone().follow(&drives, &held, &mut 0.5, SHORTEST_STEP)?;
+            let done = self.clone().follow(&drives, &held, None, &mut 0.5, SHORTEST_STEP)?;
             if done < 1.0 {
                 return Ok(false);
             }

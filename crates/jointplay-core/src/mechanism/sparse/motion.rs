@@ -10,12 +10,16 @@ use crate::mechanism::motion::{DEAD, MAX_CORRECTIONS, on_branch};
 use crate::mechanism::{Drive, DrivePath, DrivenMotion, Stop, Waypoint};
 use crate::mobility::RANK_THRESHOLD;
 
+/// Residual that ends the corrections.
+const CLOSED: f64 = 0.01 * CLOSURE_TOLERANCE;
 /// Changes of a step below this share of it end the iteration: Newton's method corrects the rest.
 const SETTLED: f64 = 1e-6;
 /// Halvings of a correction that gains nothing.
 const MAX_HALVINGS: usize = 10;
 /// The longest step of a coordinate, in radians and characteristic lengths.
 const LONGEST_STEP: f64 = 0.3;
+/// Steps of a coordinate longer than this are taken in the direction halfway, in radians and characteristic lengths.
+const LONG_STEP: f64 = 0.05;
 /// The shortest step, as a share of the whole path: drives that cannot move so far are locked.
 const SHORTEST_STEP: f64 = 1e-5;
 
@@ -36,10 +40,18 @@ impl SparseSystem<'_> {
     fn correct(&mut self, held: &[bool], max_iterations: usize) -> Result<(usize, f64), Error> {
         let mut residual = self.residual();
         let (mut iterations, mut moved) = (0, DVector::zeros(self.coordinates.len()));
-        while residual > 0.01 * CLOSURE_TOLERANCE && iterations < max_iterations {
+        let (mut linear, mut before) = (None, f64::INFINITY);
+        while residual > CLOSED && iterations < max_iterations {
+            // Newton's steps square the residual; by the last factor the next one still takes a share as large as the last step left.
+            if 2.0 * residual * residual / before > CLOSED {
+                linear = None;
+            }
+            let (factored, is_last) = match linear.take() {
+                Some(last) => (last, true),
+                None => (self.linear(held)?, false),
+            };
             iterations += 1;
-            let linear = self.linear(held)?;
-            let (x, by) = self.least_step(&linear, None);
+            let (x, by) = self.least_step(&factored, None);
             let longest = (LONGEST_STEP / self.largest(&by)).min(1.0);
             let gain = backtrack(MAX_HALVINGS, residual, |share| {
                 let mut there = self.clone();
@@ -47,13 +59,20 @@ impl SparseSystem<'_> {
                 let reached = there.displace((&x * share).as_slice(), &(&by * share));
                 (there, reached)
             });
-            let Some(Gain { share, there, residual: reached }) = gain else { break };
+            let Some(Gain { share, there, residual: reached }) = gain else {
+                if is_last {
+                    // The last factor leads nowhere; that of this configuration may.
+                    continue;
+                }
+                break;
+            };
             moved += &by * (longest * share);
             let stalled = residual <= CLOSURE_TOLERANCE && reached > 0.5 * residual;
-            (*self, residual) = (there, reached);
+            (*self, before, residual) = (there, residual, reached);
             if stalled {
                 break;
             }
+            linear = Some(factored);
         }
         if residual <= CLOSURE_TOLERANCE {
             Ok((iterations, self.largest(&moved)))
@@ -68,16 +87,32 @@ impl SparseSystem<'_> {
         linear: &Linear,
         drives: Option<&DVector<f64>>,
     ) -> (DVector<f64>, DVector<f64>) {
-        let mut beyond = DVector::zeros(6 * linear.joints.len());
-        for (j, joint) in linear.joints.iter().enumerate() {
-            let mut twist = joint.mismatch;
-            if let Some(drives) = drives {
+        self.least_step_beyond(linear, self.mismatches(), &self.violations(), drives)
+    }
+
+    /// Twists of links and rates of coordinates that leave all mismatches as they are while the drives move.
+    fn tangent(&self, linear: &Linear, drives: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
+        let closed = DVector::zeros(6 * linear.joints.len());
+        let kept = DVector::zeros(linear.couplings.len());
+        self.least_step_beyond(linear, closed, &kept, Some(drives))
+    }
+
+    /// The same for mismatches of joints and violations of couplings.
+    fn least_step_beyond(
+        &self,
+        linear: &Linear,
+        mut beyond: DVector<f64>,
+        violations: &DVector<f64>,
+        drives: Option<&DVector<f64>>,
+    ) -> (DVector<f64>, DVector<f64>) {
+        if let Some(drives) = drives {
+            for j in 0..linear.joints.len() {
                 for k in self.kinematics.columns_of(j).filter(|&k| drives[k] != 0.0) {
                     let (angular, linear) = &linear.screws[k];
-                    twist += self.scaled(angular, linear) * drives[k];
+                    let twist = self.scaled(angular, linear);
+                    beyond.fixed_rows_mut::<6>(6 * j).axpy(drives[k], &twist, 1.0);
                 }
             }
-            beyond.fixed_rows_mut::<6>(6 * j).copy_from(&twist);
         }
         let rates = |x: &DVector<f64>| {
             let mut rates = linear.rates(x.as_slice(), &beyond, self.coordinates.len());
@@ -87,10 +122,8 @@ impl SparseSystem<'_> {
             rates
         };
         let mut open = linear.violated(&beyond, &rates(&DVector::zeros(linear.size())));
-        let first = 6 * linear.joints.len();
-        for (c, coupling) in linear.couplings.iter().enumerate() {
-            open[first + c] += coupling.mismatch;
-        }
+        let mut of_couplings = open.rows_mut(6 * linear.joints.len(), linear.couplings.len());
+        of_couplings += violations;
         let x = linear.solve_least(&-open, SETTLED);
         let by = rates(&x);
         (x, by)
@@ -110,18 +143,30 @@ impl SparseSystem<'_> {
     ///
     /// # Arguments
     /// * `path` – (f + M) displacement of each driven coordinate; zero for those that follow
+    /// * `here` – the closures linearized at this configuration, if they are
     pub(super) fn follow(
         &mut self,
         path: &DVector<f64>,
         held: &[bool],
+        mut here: Option<Linear>,
         step: &mut f64,
         shortest: f64,
     ) -> Result<f64, Error> {
         let mut done = 0.0;
         while done < 1.0 {
             let share = if done + *step > 1.0 - 0.01 * shortest { 1.0 - done } else { *step };
-            let linear = self.linear(held)?;
-            let (x, by) = self.least_step(&linear, Some(&(path * share)));
+            let linear = match here.take() {
+                Some(linear) => linear,
+                None => self.linear(held)?,
+            };
+            let path = path * share;
+            let (mut x, mut by) = self.least_step(&linear, Some(&path));
+            if self.largest(&by) > LONG_STEP {
+                // The direction halfway: of a long chain the error of each cell shifts all cells beyond.
+                let mut halfway = self.clone();
+                halfway.displace((&x * 0.5).as_slice(), &(&by * 0.5));
+                (x, by) = halfway.tangent(&halfway.linear(held)?, &path);
+            }
             let size = self.largest(&by);
             let mut there = self.clone();
             there.displace(x.as_slice(), &by);
@@ -135,6 +180,7 @@ impl SparseSystem<'_> {
                 done = if share == 1.0 - done { 1.0 } else { done + share };
                 *step *= 2.0;
             } else {
+                here = Some(linear);
                 *step *= 0.5;
                 if *step < shortest {
                     break;
@@ -185,7 +231,8 @@ impl SparseSystem<'_> {
     ) -> Result<DrivenMotion, Error> {
         let held = self.held(path.coordinates().iter().chain(still).copied());
         self.correct(&held, MAX_CORRECTIONS)?;
-        let first = self.waypoint(0.0, &held, None)?;
+        let (first, linear) = self.waypoint(0.0, &held, None)?;
+        let mut here = Some(linear);
         let regular = first.free_mobility;
         let mut motion =
             DrivenMotion { waypoints: vec![first], singular: Vec::new(), stopped: None, steps: 0 };
@@ -197,7 +244,7 @@ impl SparseSystem<'_> {
                 part[coordinate] = to - self.coordinates[coordinate];
             }
             motion.steps += 1;
-            let done = self.follow(&part, &held, &mut step, SHORTEST_STEP)?;
+            let done = self.follow(&part, &held, here.take(), &mut step, SHORTEST_STEP)?;
             let share = (k as f64 - 1.0 + done) / count as f64;
             if done == 1.0 {
                 // Sums of many steps would be off by round-off.
@@ -205,7 +252,9 @@ impl SparseSystem<'_> {
                     self.coordinates[coordinate] = to;
                 }
             }
-            motion.waypoints.push(self.waypoint(share, &held, Some(regular))?);
+            let (waypoint, linear) = self.waypoint(share, &held, Some(regular))?;
+            motion.waypoints.push(waypoint);
+            here = Some(linear);
             if done < 1.0 {
                 let least = |w: &Waypoint| w.least_singular_value;
                 let dead = motion
@@ -220,22 +269,25 @@ impl SparseSystem<'_> {
         Ok(motion)
     }
 
+    /// The present configuration as a waypoint, and its closures linearized.
     fn waypoint(
         &self,
         share: f64,
         held: &[bool],
         regular: Option<usize>,
-    ) -> Result<Waypoint, Error> {
-        let spectrum = self.linear(held)?.smallest(RANK_THRESHOLD, regular.map_or(2, |h| h + 1))?;
+    ) -> Result<(Waypoint, Linear), Error> {
+        let linear = self.linear(held)?;
+        let spectrum = linear.smallest(RANK_THRESHOLD, regular.map_or(2, |h| h + 1))?;
         let free = spectrum.zeros;
         let least =
             spectrum.values.get(regular.unwrap_or(free)).copied().unwrap_or(spectrum.largest);
-        Ok(Waypoint {
+        let waypoint = Waypoint {
             share,
             coordinates: self.coordinates.clone(),
             residual: self.residual(),
             free_mobility: free,
             least_singular_value: least / spectrum.largest.max(f64::MIN_POSITIVE),
-        })
+        };
+        Ok((waypoint, linear))
     }
 }

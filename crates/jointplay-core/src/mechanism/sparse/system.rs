@@ -1,13 +1,17 @@
 //! A mechanism in a configuration, for sparse algebra.
 
+use std::sync::Arc;
+
 use nalgebra::{DVector, Rotation3, Translation3, Vector3, Vector6};
 
 use super::coupling::{SparseCoupling, sparse_couplings};
-use super::linear::{JointRow, Linear, Pattern};
+use super::linear::{JointRows, Linear, Pattern};
 use crate::Error;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::description::Mechanism;
+use crate::mechanism::joint::Twist;
 use crate::mechanism::kinematics::{Kinematics, cayley, check_coordinates, skew_part};
+use crate::mechanism::tree::link_poses;
 use crate::spatial::Pose;
 
 /// A mechanism in a configuration, ready for sparse algebra; cost and memory grow about as its joints do.
@@ -18,15 +22,20 @@ use crate::spatial::Pose;
 /// Own derivation, `docs/explanation/mechanisms.md`
 #[derive(Debug, Clone)]
 pub struct SparseSystem<'a> {
-    pub(super) kinematics: Kinematics<'a>,
-    pub(super) couplings: Vec<SparseCoupling>,
-    pub(super) pattern: Pattern,
-    pub(super) length: f64,
+    // Shared by all configurations, of which an iteration tries many.
+    pub(super) kinematics: Arc<Kinematics<'a>>,
+    couplings: Arc<[SparseCoupling]>,
+    pattern: Arc<Pattern>,
     /// Middle of the joints of each link, in its own frame (m).
-    pub(super) middles: Vec<Vector3<f64>>,
+    middles: Arc<[Vector3<f64>]>,
+    pub(super) length: f64,
     /// Pose of each link in the base frame.
     pub(super) poses: Vec<Pose>,
     pub(super) coordinates: DVector<f64>,
+    /// Displacement of each joint from its first link to its second, at the coordinates.
+    displacements: Vec<Pose>,
+    /// Twist of each coordinate in the frame of its joint's first link, the linear part at the point of the joint (m).
+    screws: Vec<Twist>,
 }
 
 impl<'a> SparseSystem<'a> {
@@ -40,13 +49,25 @@ impl<'a> SparseSystem<'a> {
     pub fn new(mechanism: &'a Mechanism, coordinates: DVector<f64>) -> Result<Self, Error> {
         let kinematics = Kinematics::new(mechanism);
         check_coordinates(&coordinates, kinematics.dimensions().len())?;
-        let poses = kinematics.link_poses(&coordinates)?;
         let middles = middles(mechanism);
         let length =
             mechanism.characteristic_length().unwrap_or_else(|| spread(mechanism, &middles));
         let couplings = sparse_couplings(&kinematics, length);
-        let pattern = Pattern::new(&kinematics, &couplings);
-        Ok(Self { kinematics, couplings, pattern, length, middles, poses, coordinates })
+        let pattern = Arc::new(Pattern::new(&kinematics, &couplings));
+        let (displacements, screws) = joints_at(&kinematics, &coordinates);
+        let poses = tree_poses(&kinematics, &displacements);
+        let (kinematics, middles) = (Arc::new(kinematics), middles.into());
+        Ok(Self {
+            kinematics,
+            couplings: couplings.into(),
+            pattern,
+            middles,
+            length,
+            poses,
+            coordinates,
+            displacements,
+            screws,
+        })
     }
 
     /// Tree, loops and poses.
@@ -76,21 +97,23 @@ impl<'a> SparseSystem<'a> {
     /// Largest mismatch of a joint or coupling, in radians and characteristic lengths.
     #[must_use]
     pub fn residual(&self) -> f64 {
-        let zero = DVector::zeros(self.coordinates.len());
+        self.residual_of(&self.poses)
+    }
+
+    /// Largest mismatch of a joint for other poses of the links.
+    fn residual_of(&self, poses: &[Pose]) -> f64 {
         let mut largest = 0.0_f64;
-        for (j, joint) in self.kinematics.mechanism().joints().iter().enumerate() {
-            let [first, second] = joint.links.map(|link| self.poses[link]);
-            let led =
-                self.kinematics.through_elements(j, first, &self.coordinates, &zero, |_, _, _| {});
-            let point = (first * joint.frames[0]).translation.vector;
-            let apart = led * second.inverse_transform_point(&point.into()) - point;
+        let joints = self.kinematics.mechanism().joints();
+        for (joint, displacement) in joints.iter().zip(&self.displacements) {
+            let [first, second] = joint.links.map(|link| &poses[link]);
+            let (led, _, apart) = joined(first, second, displacement, &joint.frames[0]);
             let turned = (led.rotation.matrix() - second.rotation.matrix()).norm();
-            let size = (turned / std::f64::consts::SQRT_2).max(apart.coords.norm() / self.length);
+            let size = (turned / std::f64::consts::SQRT_2).max(apart.norm() / self.length);
             if size > largest || size.is_nan() {
                 largest = size;
             }
         }
-        for coupling in &self.couplings {
+        for coupling in self.couplings.iter() {
             let size = coupling.residual(&self.coordinates).abs();
             if size > largest || size.is_nan() {
                 largest = size;
@@ -119,41 +142,43 @@ impl<'a> SparseSystem<'a> {
             .zip(&self.poses)
             .map(|(middle, pose)| pose.rotation * middle + pose.translation.vector)
             .collect();
-        let zero = DVector::zeros(self.coordinates.len());
-        let mut screws = vec![(Vector3::zeros(), Vector3::zeros()); self.coordinates.len()];
-        let rows = mechanism.joints().iter().enumerate().map(|(j, joint)| {
-            let [first, second] = joint.links.map(|link| self.poses[link]);
-            let point = (first * joint.frames[0]).translation.vector;
-            let led = self.kinematics.through_elements(
-                j,
-                first,
-                &self.coordinates,
-                &zero,
-                |element, before, after| element.screws(before, after, &zero, &point, &mut screws),
-            );
-            let turned = skew_part(&(led.rotation.matrix() * second.rotation.matrix().transpose()));
-            let apart = led * second.inverse_transform_point(&point.into()) - point;
-            let following: Vec<(usize, Vector6<f64>)> = self
-                .kinematics
-                .columns_of(j)
-                .filter(|&k| !held[k])
-                .map(|k| (k, self.scaled(&screws[k].0, &screws[k].1)))
-                .collect();
-            let (follows, rates, refused) = JointRow::split(&following);
-            JointRow {
-                links: joint.links,
-                arms: joint.links.map(|link| (point - centers[link]) / self.length),
-                mismatch: self.scaled(&turned, &apart.coords),
-                freedoms: follows.len(),
-                follows,
-                rates,
-                refused,
+        let mut screws = self.screws.clone();
+        let joints = mechanism.joints();
+        let mut rows = JointRows::with_capacity(joints.len(), screws.len());
+        for (j, joint) in joints.iter().enumerate() {
+            let first = &self.poses[joint.links[0]];
+            let point =
+                first.rotation * joint.frames[0].translation.vector + first.translation.vector;
+            for k in self.kinematics.columns_of(j) {
+                let (angular, linear) = &mut screws[k];
+                (*angular, *linear) = (first.rotation * *angular, first.rotation * *linear);
             }
-        });
-        let rows: Vec<JointRow> = rows.collect();
-        let couplings = self.couplings.iter().map(|one| one.linear(&rows, &self.coordinates));
-        let couplings = couplings.collect();
+            let follows = self.kinematics.columns_of(j).filter(|&k| !held[k]);
+            let follows = follows.map(|k| (k, self.scaled(&screws[k].0, &screws[k].1)));
+            let arms = joint.links.map(|link| (point - centers[link]) / self.length);
+            rows.push(joint.links, arms, follows);
+        }
+        let couplings = self.couplings.iter().map(|one| one.linear(&rows)).collect();
         Linear::new(&self.pattern, mechanism.links().len(), rows, couplings, screws)
+    }
+
+    /// (6·joints) what the first link and the joint make of the second link's pose, against where it is; lengths over the length of the system.
+    pub(super) fn mismatches(&self) -> DVector<f64> {
+        let joints = self.kinematics.mechanism().joints();
+        let mut mismatches = DVector::zeros(6 * joints.len());
+        for (j, (joint, displacement)) in joints.iter().zip(&self.displacements).enumerate() {
+            let [first, second] = joint.links.map(|link| &self.poses[link]);
+            let (led, _, apart) = joined(first, second, displacement, &joint.frames[0]);
+            let turned = skew_part(&(led.rotation.matrix() * second.rotation.matrix().transpose()));
+            mismatches.fixed_rows_mut::<6>(6 * j).copy_from(&self.scaled(&turned, &apart));
+        }
+        mismatches
+    }
+
+    /// Violation of each coupling, in radians and characteristic lengths.
+    pub(super) fn violations(&self) -> DVector<f64> {
+        let found = self.couplings.iter().map(|one| one.residual(&self.coordinates));
+        DVector::from_iterator(self.couplings.len(), found)
     }
 
     pub(super) fn scaled(&self, angular: &Vector3<f64>, linear: &Vector3<f64>) -> Vector6<f64> {
@@ -175,14 +200,14 @@ impl<'a> SparseSystem<'a> {
             *pose = Pose::from_parts(Translation3::from(translation), rotation);
         }
         self.coordinates = self.kinematics.moved(&self.coordinates, by);
+        (self.displacements, self.screws) = joints_at(&self.kinematics, &self.coordinates);
         let by_twists = self.residual();
-        let Ok(by_tree) = self.kinematics.link_poses(&self.coordinates) else { return by_twists };
-        let twisted = std::mem::replace(&mut self.poses, by_tree);
-        let residual = self.residual();
+        let by_tree = tree_poses(&self.kinematics, &self.displacements);
+        let residual = self.residual_of(&by_tree);
         if residual < by_twists {
+            self.poses = by_tree;
             return residual;
         }
-        self.poses = twisted;
         by_twists
     }
 
@@ -193,6 +218,42 @@ impl<'a> SparseSystem<'a> {
         named.into_iter().for_each(|k| held[k] = true);
         held
     }
+}
+
+/// What a displacement of a joint makes of its second link's pose, the point of the joint, and how far the second link is from there at that point; all in the base frame.
+#[inline]
+fn joined(
+    first: &Pose,
+    second: &Pose,
+    displacement: &Pose,
+    frame: &Pose,
+) -> (Pose, Vector3<f64>, Vector3<f64>) {
+    let led = first * displacement;
+    let point = first.rotation * frame.translation.vector + first.translation.vector;
+    let on_second = second.rotation.inverse() * (point - second.translation.vector);
+    let apart = led.rotation * on_second + led.translation.vector - point;
+    (led, point, apart)
+}
+
+/// Displacement of each joint from its first link to its second; twist of each coordinate in the frame of the first link, the linear part at the point of the joint (m).
+fn joints_at(kinematics: &Kinematics<'_>, coordinates: &DVector<f64>) -> (Vec<Pose>, Vec<Twist>) {
+    let zero = DVector::zeros(coordinates.len());
+    let mut screws = vec![(Vector3::zeros(), Vector3::zeros()); coordinates.len()];
+    let joints = kinematics.mechanism().joints().iter().enumerate();
+    let displacements = joints.map(|(j, joint)| {
+        let (first, point) = (Pose::identity(), joint.frames[0].translation.vector);
+        kinematics.through_elements(j, first, coordinates, &zero, |element, before, after| {
+            element.screws(before, after, &zero, &point, &mut screws);
+        })
+    });
+    (displacements.collect(), screws)
+}
+
+/// Poses of the links where the joints of the spanning tree put them.
+fn tree_poses(kinematics: &Kinematics<'_>, displacements: &[Pose]) -> Vec<Pose> {
+    let branches =
+        kinematics.branches().map(|(j, links, against)| (links, against, displacements[j]));
+    link_poses(kinematics.mechanism().links().len(), branches)
 }
 
 /// Middle of the joints of each link, in its own frame.
