@@ -57,6 +57,8 @@ pub enum Unit {
     Microradian,
     /// Degrees.
     Degree,
+    /// Seconds.
+    Second,
 }
 
 impl Unit {
@@ -66,6 +68,8 @@ impl Unit {
     /// Units of angles, the default first.
     pub const ANGLES: [Self; 4] =
         [Self::Degree, Self::Radian, Self::Milliradian, Self::Microradian];
+    /// Units of times.
+    pub const TIMES: [Self; 1] = [Self::Second];
 
     /// Suffix of a column name; empty without a unit.
     #[must_use]
@@ -80,6 +84,7 @@ impl Unit {
             Self::Milliradian => "_mrad",
             Self::Microradian => "_urad",
             Self::Degree => "_deg",
+            Self::Second => "_s",
         }
     }
 
@@ -93,7 +98,7 @@ impl Unit {
     #[must_use]
     pub fn in_si(self) -> f64 {
         match self {
-            Self::One | Self::Meter | Self::Radian => 1.0,
+            Self::One | Self::Meter | Self::Radian | Self::Second => 1.0,
             Self::Millimeter | Self::Milliradian => 1e3,
             Self::Micrometer | Self::Microradian => 1e6,
             Self::Nanometer => 1e9,

@@ -9,12 +9,12 @@ use jointplay_core::mechanism::{
 };
 use jointplay_core::spatial::Tilt;
 use jointplay_core::virtualization::{Metric, Radial, SolveOptions, Solver};
-use jointplay_format::study::{Source, StudyFile, mechanism_of, parse};
+use jointplay_format::study::{Source, StudyFile, included, parse};
 use jointplay_format::{catalogue, mechanism};
 use jointplay_study::plan::{Block, Outcome};
 
 fn study(text: &str) -> StudyFile {
-    parse(text, mechanism_of).unwrap_or_else(|error| panic!("{}", error.with_excerpt("s.toml")))
+    parse(text, &mut included).unwrap_or_else(|error| panic!("{}", error.with_excerpt("s.toml")))
 }
 
 fn computed(study: &StudyFile) -> Block {
@@ -140,7 +140,7 @@ point = ["a", "b", 0]
 "#;
 
 fn of_own(text: &str) -> StudyFile {
-    parse(text, |_| Ok(OWN.to_owned()))
+    parse(text, &mut |_| Ok(OWN.as_bytes().to_vec()))
         .unwrap_or_else(|error| panic!("{}", error.with_excerpt("s.toml")))
 }
 
@@ -314,9 +314,9 @@ fn positions_far_away_are_those_of_the_motion() {
 #[track_caller]
 fn refuse(from: &str, to: &str, line: usize, message: &str) {
     assert!(OWN_STUDY.contains(from), "{from:?} is not in the study");
-    let Err(errors) = parse(&OWN_STUDY.replacen(from, to, 1), |name| match name {
-        "own.toml" => Ok(OWN.to_owned()),
-        other => mechanism_of(other),
+    let Err(errors) = parse(&OWN_STUDY.replacen(from, to, 1), &mut |name| match name {
+        "own.toml" => Ok(OWN.as_bytes().to_vec()),
+        other => included(other),
     }) else {
         panic!("{to:?} is accepted");
     };
@@ -345,7 +345,7 @@ fn invalid_studies_are_refused_with_their_places() {
     let errors = errors.map(|_| ()).unwrap_err();
     assert_eq!(errors.iter().count(), 1, "{}", errors.with_excerpt("s.toml"));
     let robot = "kind = \"study\"\nrobot = \"hexapod\"\nquantities = [\"rods_mm\"]\n[pose]\nazimuth_deg = 0\ntilt_deg = 0\n";
-    let errors = parse(robot, mechanism_of).map(|_| ()).unwrap_err().to_string();
+    let errors = parse(robot, &mut included).map(|_| ()).unwrap_err().to_string();
     assert!(errors.contains("write `mechanism = \"hexapod\"`"), "{errors}");
 }
 

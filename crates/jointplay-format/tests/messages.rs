@@ -15,7 +15,7 @@ fn files() -> Vec<(&'static str, String, Read)> {
     let mechanism: Read = |text| mechanism::parse(text).err().map(|error| error.to_string());
     let of_catalogue = |name| catalogue::find(name).unwrap().text.to_owned();
     let study_reader: Read =
-        |text| study::parse(text, study::mechanism_of).err().map(|error| error.to_string());
+        |text| study::parse(text, &mut study::included).err().map(|error| error.to_string());
     let mut files: Vec<(&'static str, String, Read)> = vec![
         ("robot", robot::PAPER.to_owned(), |text| robot::parse(text).err().map(|e| e.to_string())),
         ("mechanism", include_str!("../src/mechanism/sample.toml").to_owned(), mechanism),

@@ -1,6 +1,6 @@
 //! Study files: what is read, what is refused and where.
 
-use jointplay_format::study::{Error, StudyFile, mechanism_of, parse};
+use jointplay_format::study::{Error, StudyFile, included, parse};
 
 const STUDY: &str = r#"kind = "study"
 name = "a study"
@@ -22,14 +22,14 @@ base_x_mm = { normal = [0, 0.01] }
 "#;
 
 fn study(text: &str) -> StudyFile {
-    parse(text, mechanism_of).unwrap_or_else(|error| panic!("{}", error.with_excerpt("s.toml")))
+    parse(text, &mut included).unwrap_or_else(|error| panic!("{}", error.with_excerpt("s.toml")))
 }
 
 /// Replaces a part of the study and checks the error message.
 #[track_caller]
 fn refuse(from: &str, to: &str, line: usize, message: &str) {
     assert!(STUDY.contains(from), "{from:?} is not in the study");
-    let Err(errors) = parse(&STUDY.replacen(from, to, 1), mechanism_of) else {
+    let Err(errors) = parse(&STUDY.replacen(from, to, 1), &mut included) else {
         panic!("{to:?} is accepted");
     };
     let is_reported =
@@ -126,7 +126,7 @@ fn invalid_studies_are_rejected_with_the_place_of_the_error() {
     refuse("base_x_mm", "rods_from = \"guess\"\nbase_x_mm", 17, "known: nominal, as-built");
     let still = STUDY.replace("{ uniform = [0, 360] }", "5");
     let (still, _) = still.split_once("[tolerances]").unwrap();
-    let error = parse(still, mechanism_of).err().unwrap();
+    let error = parse(still, &mut included).err().unwrap();
     assert!(
         error.to_string().contains("line 7:") && error.to_string().contains("nothing is random"),
         "{error}"
@@ -210,7 +210,7 @@ proptest::proptest! {
             STUDY.replacen(piece, &words.concat(), 1),
         ];
         for text in texts {
-            if let Err(error) = parse(&text, mechanism_of) {
+            if let Err(error) = parse(&text, &mut included) {
                 let _ = error.with_excerpt("s.toml");
             }
         }

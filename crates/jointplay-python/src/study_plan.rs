@@ -1,9 +1,10 @@
 //! Plans of studies: their chunks as Arrow, and the files of their parts.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use arrow_array::RecordBatch;
+use jointplay::format::cell;
 use jointplay::format::study::{self, Column, MAX_BYTES, Source, StudyFile};
 use jointplay::report::study_parts::{
     self, MANIFEST, Manifest, PartNames, PartWriter, PartsError, TotalsOfParts,
@@ -21,12 +22,12 @@ use crate::study_gathering::PyGathering;
 use crate::threads::{checked_count, pool_of};
 use crate::{errors, files};
 
-/// Texts of the study and of its robot or mechanism, and name in messages, for pickling.
-type Texts = (String, String, String);
+/// Text of the study, the files that it names, and its name in messages, for pickling.
+type Parts<'py> = (String, Bound<'py, PyDict>, String);
 
 /// A study of any length: what varies, over which values, and what is computed of each sample.
 ///
-/// Made by `from_file`, `from_toml` or `example`; a plan never changes, and pickles as its texts.
+/// Made by `from_file`, `from_toml` or `example`; a plan never changes, and pickles as its text with the files that it names.
 /// Samples depend on the plan and their number alone, so that chunks can be computed anywhere and in any order.
 #[pyclass(name = "Plan", module = "jointplay.study", frozen)]
 pub(crate) struct PyPlan {
@@ -44,7 +45,7 @@ impl PyPlan {
     /// Parameters
     /// ----------
     /// path : path-like
-    ///     The file; a robot or mechanism file that it names is in its folder or below.
+    ///     The file; robot, mechanism, cell and program files that it names are in its folder or below.
     ///
     /// Raises
     /// ------
@@ -56,8 +57,8 @@ impl PyPlan {
     fn from_file(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let text = files::read_text(py, &path, MAX_BYTES as u64)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(py, &text, path.display().to_string(), |name| {
-            mechanism_text(name, Some(folder))
+        Self::parse(py, &text, path.display().to_string(), &mut |name| {
+            read_named(name, Some(folder))
         })
     }
 
@@ -68,14 +69,14 @@ impl PyPlan {
     /// text : str
     ///     The text; see the reference of study files.
     /// folder : path-like, optional
-    ///     Folder of the file that the text names; without it, the text can name none.
+    ///     Folder of the files that the text names; without it, the text can name none.
     #[staticmethod]
     #[pyo3(signature = (text, *, folder=None))]
     fn from_toml(py: Python<'_>, text: &str, folder: Option<PathBuf>) -> PyResult<Self> {
-        Self::parse(py, text, "text".to_owned(), |name| mechanism_text(name, folder.as_deref()))
+        Self::parse(py, text, "text".to_owned(), &mut |name| read_named(name, folder.as_deref()))
     }
 
-    /// An included example: `'center-shift'`, `'misbuilt'`, `'play-over-the-workspace'` or `'slider-crank'`.
+    /// An included example: `'center-shift'`, `'misbuilt'`, `'play-over-the-workspace'`, `'slider-crank'` or `'station-positions'`.
     #[staticmethod]
     #[pyo3(signature = (name="center-shift"))]
     fn example(py: Python<'_>, name: &str) -> PyResult<Self> {
@@ -84,7 +85,7 @@ impl PyPlan {
                 study::examples().iter().map(|example| example.name.to_owned()).collect();
             errors::unknown_name(py, "the study", name, &known)
         })?;
-        Self::parse(py, found.text, format!("{name}.toml"), study::mechanism_of)
+        Self::parse(py, found.text, format!("{name}.toml"), &mut study::included)
     }
 
     /// Its name.
@@ -105,7 +106,7 @@ impl PyPlan {
         self.samples
     }
 
-    /// Number of chunks of 65,536 samples, of mechanisms 2048; the last may be shorter.
+    /// Number of chunks of 65,536 samples, of mechanisms 2048, of cells 64; the last may be shorter.
     #[getter]
     fn chunks(&self) -> u64 {
         self.chunks
@@ -312,17 +313,25 @@ impl PyPlan {
         PyGathering::new(py, &slf.get().manifest(py, format)?)
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Texts)> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Parts<'py>)> {
         let this = slf.get();
-        let texts =
-            (this.study.text.clone(), this.study.mechanism_text.clone(), this.label.clone());
-        Ok((slf.getattr("_again")?, texts))
+        let files = PyDict::new(slf.py());
+        for (name, bytes) in &this.study.files {
+            files.set_item(name, PyBytes::new(slf.py(), bytes))?;
+        }
+        let parts = (this.study.text.clone(), files, this.label.clone());
+        Ok((slf.getattr("_again")?, parts))
     }
 
     /// For pickling.
     #[staticmethod]
-    fn _again(py: Python<'_>, text: &str, mechanism: String, label: String) -> PyResult<Self> {
-        Self::parse(py, text, label, |_| Ok(mechanism))
+    fn _again(
+        py: Python<'_>,
+        text: &str,
+        files: BTreeMap<String, Vec<u8>>,
+        label: String,
+    ) -> PyResult<Self> {
+        Self::parse(py, text, label, &mut study::from_files(&files))
     }
 
     /// For Dask: plans with equal digests are the same.
@@ -350,10 +359,10 @@ impl PyPlan {
         py: Python<'_>,
         text: &str,
         label: String,
-        mechanism: impl FnOnce(&str) -> Result<String, String>,
+        sources: &mut study::Sources,
     ) -> PyResult<Self> {
         let study =
-            study::parse(text, mechanism).map_err(|found| errors::file(py, &label, &found))?;
+            study::parse(text, sources).map_err(|found| errors::file(py, &label, &found))?;
         let counts = || Ok((study.plan.samples()?, study.plan.chunks()?));
         let (samples, chunks) = counts().map_err(|error| errors::study(py, &error))?;
         let digest = study_parts::digest(&study);
@@ -439,14 +448,14 @@ impl PySchema {
 }
 
 /// The text of the robot or mechanism that a study names.
-fn mechanism_text(name: &str, folder: Option<&Path>) -> Result<String, String> {
-    let Some(folder) = folder.filter(|_| name.ends_with(".toml")) else {
-        return study::mechanism_of(name);
-    };
-    let bytes = jointplay_files::read(folder, name, MAX_BYTES as u64)
-        .map_err(|why| format!("cannot read the file {name:?}: {why}"))?;
-    String::from_utf8(bytes)
-        .map_err(|_| format!("cannot read the file {name:?}: it is not text in UTF-8"))
+/// A file that a study names: an entry of the catalogue, or a file in the folder of the study or below.
+fn read_named(name: &str, folder: Option<&Path>) -> Result<Vec<u8>, String> {
+    // Names of the catalogue have no ending.
+    match folder.filter(|_| name.contains('.')) {
+        Some(folder) => jointplay_files::read(folder, name, cell::MAX_MESH_BYTES as u64)
+            .map_err(|why| format!("cannot read the file {name:?}: {why}")),
+        None => study::included(name),
+    }
 }
 
 fn kind(py: Python<'_>, format: &str) -> PyResult<TableKind> {

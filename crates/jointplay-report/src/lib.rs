@@ -34,6 +34,7 @@ mod segment;
 mod sensitivity;
 mod station;
 mod study;
+mod study_files;
 pub mod study_parts;
 pub mod study_table;
 mod suggest;

@@ -14,13 +14,13 @@ pub const SHARES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
 pub struct TotalsReport {
     /// Name of the study.
     pub study: String,
-    /// Name of the robot or mechanism.
+    /// Name of the robot, mechanism or cell.
     pub mechanism: String,
     /// Number of samples.
     pub samples: u64,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// Outcomes of the samples: under each virtualization of a robot, or of the positions of a mechanism.
+    /// Outcomes of the samples: under each virtualization of a robot, of the positions of a mechanism, or of the program of a cell.
     pub outcomes: Vec<OutcomeReport>,
     /// Samples with a rod beyond the robot's limits.
     pub beyond_rod_limits: u64,
@@ -34,12 +34,12 @@ pub struct TotalsReport {
     pub columns: Vec<ColumnReport>,
 }
 
-/// Outcomes of the samples under one virtualization, or of the positions of a mechanism.
+/// Outcomes of the samples under one virtualization, of the positions of a mechanism, or of the program of a cell.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutcomeReport {
     /// Name of the virtualization.
     pub name: String,
-    /// Number of samples with an answer.
+    /// Number of samples with an answer: a pose, or a program that passed its check.
     pub solved: u64,
     /// Number of samples without an answer.
     pub failed: u64,

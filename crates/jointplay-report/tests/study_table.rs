@@ -1,6 +1,6 @@
 //! Tables of studies and the markers of interrupted runs read back to the bit.
 
-use jointplay_format::study::{StudyFile, mechanism_of, parse};
+use jointplay_format::study::{StudyFile, included, parse};
 use jointplay_report::study_table::{Marker, MarkerError, TableKind};
 use jointplay_study::plan::{Moments, Totals};
 
@@ -24,7 +24,7 @@ base_x_mm = { normal = [0, 0.01] }
 "#;
 
 fn study(text: &str) -> StudyFile {
-    parse(text, mechanism_of).unwrap_or_else(|error| panic!("{}", error.with_excerpt("s.toml")))
+    parse(text, &mut included).unwrap_or_else(|error| panic!("{}", error.with_excerpt("s.toml")))
 }
 
 #[test]

@@ -14,7 +14,11 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'u
     img-src 'self' data: blob:; font-src 'self'; connect-src 'self' blob: data:; media-src 'self' blob:; \
     worker-src 'self' blob:; manifest-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
 
-const HEADERS: [(HeaderName, &str); 6] = [
+/// Name of this server in its responses, by which [`ping`](crate::ping()) recognises it.
+pub(crate) const SERVER: &str = concat!("jointplay/", env!("CARGO_PKG_VERSION"));
+
+const HEADERS: [(HeaderName, &str); 7] = [
+    (header::SERVER, SERVER),
     (header::CONTENT_SECURITY_POLICY, POLICY),
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     (header::X_FRAME_OPTIONS, "DENY"),

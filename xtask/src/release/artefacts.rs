@@ -1,49 +1,75 @@
-//! The files of a release: their checksums, and where they would be uploaded.
+//! The files of a release: one list, from which they are copied, printed and uploaded.
 
 use std::path::PathBuf;
 use std::{fs, io};
 
 use sha2::{Digest as _, Sha256};
 
-use super::place::Place;
+use super::folders::Folders;
 use super::program::file_name;
 
-/// The list of checksums, as `sha256sum --check` reads it.
+/// The files of the release page with their checksums, as `sha256sum --check` reads it; the workflow uploads what it lists.
 const CHECKSUMS: &str = "SHA256SUMS";
 
-/// Writes the checksums of all files and prints them with sizes and destinations.
-pub(super) fn list(place: &Place) -> io::Result<()> {
-    let mut files: Vec<PathBuf> =
-        place.out.read_dir()?.map(|entry| Ok(entry?.path())).collect::<io::Result<_>>()?;
-    files.retain(|file| file.is_file() && file_name(file) != CHECKSUMS);
-    files.sort();
+/// Where a file is uploaded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Destination {
+    CargoRegistry,
+    ReleasePage,
+}
+
+impl Destination {
+    /// That of a file by its name.
+    fn of(name: &str) -> Self {
+        if name.ends_with(".crate") { Self::CargoRegistry } else { Self::ReleasePage }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::CargoRegistry => "Cargo registry",
+            Self::ReleasePage => "release page",
+        }
+    }
+}
+
+/// Copies the results of all finished steps into the empty folder for uploads, with their checksums, and prints them with sizes and destinations.
+pub(super) fn publish(folders: &Folders, steps: &[&str]) -> io::Result<()> {
+    let mut files: Vec<PathBuf> = Vec::new();
+    let mut unfinished = Vec::new();
+    for step in steps {
+        let found = folders.finished(step)?;
+        if found.is_empty() && !folders.results(step).join(".commit").exists() {
+            unfinished.push(*step);
+        }
+        files.extend(found);
+    }
+    files.sort_by_key(|file| file_name(file));
+    if folders.out.exists() {
+        fs::remove_dir_all(&folders.out)?;
+    }
+    fs::create_dir_all(&folders.out)?;
     let mut sums = String::new();
     println!("\n{:<64} {:>12}  destination", "file", "bytes");
     for file in &files {
-        let bytes = fs::read(file)?;
-        let name = file_name(file);
-        sums += &format!("{}  {name}\n", hexadecimal(&Sha256::digest(&bytes)));
-        println!("{name:<64} {:>12}  {}", bytes.len(), destination(&name));
+        let (bytes, name) = (fs::read(file)?, file_name(file));
+        let destination = Destination::of(&name);
+        if destination == Destination::ReleasePage {
+            sums += &format!("{}  {name}\n", hexadecimal(&Sha256::digest(&bytes)));
+        }
+        println!("{name:<64} {:>12}  {}", bytes.len(), destination.name());
+        fs::write(folders.out.join(name), bytes)?;
     }
-    fs::write(place.out.join(CHECKSUMS), sums)?;
+    println!("{CHECKSUMS:<64} {:>12}  {}", sums.len(), Destination::ReleasePage.name());
+    fs::write(folders.out.join(CHECKSUMS), sums)?;
+    if !unfinished.is_empty() {
+        println!("\nrelease: not complete; steps without results: {}", unfinished.join(", "));
+    }
     println!(
-        "\nrelease: {} files and {CHECKSUMS} in {}; nothing was uploaded",
-        files.len(),
-        place.out.display()
+        "\nrelease: {} files in {}; nothing was uploaded",
+        files.len() + 1,
+        folders.out.display()
     );
     Ok(())
-}
-
-/// Where a file is uploaded by a release.
-fn destination(name: &str) -> &'static str {
-    match name.rsplit('.').next() {
-        Some("crate") => "Cargo registry",
-        Some("whl") => "Python registry",
-        Some("gz") if !name.contains("-unknown-") && !name.contains("-vendored") => {
-            "Python registry"
-        }
-        _ => "release page",
-    }
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {
@@ -55,25 +81,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn checksums_and_destinations_of_files() {
+    fn files_of_the_release_page_are_those_with_checksums() {
         let root = std::env::temp_dir().join(format!("xtask-artefacts-{}", std::process::id()));
-        fs::create_dir_all(&root).unwrap();
-        fs::write(root.join("a.whl"), "abc").unwrap();
-        let place = Place {
-            root: root.clone(),
-            out: root.clone(),
-            work: root.clone(),
+        fs::create_dir_all(root.join("files")).unwrap();
+        let folders = Folders {
+            out: root.join("files"),
+            work: root.join("work"),
+            commit: "a".to_owned(),
             time: String::new(),
+            root: root.clone(),
         };
-        list(&place).unwrap();
-        list(&place).unwrap();
-        let sums = fs::read_to_string(root.join(CHECKSUMS)).unwrap();
+        fs::write(folders.out.join("stale.deb"), "old").unwrap();
+        let write = |name: &'static str| {
+            move |folders: &Folders| fs::write(folders.out.join(name), "abc")
+        };
+        folders.run("one", write("a.deb")).unwrap();
+        folders.run("two", write("a.crate")).unwrap();
+        for _ in 0..2 {
+            publish(&folders, &["one", "two", "three"]).unwrap();
+        }
+        let sums = fs::read_to_string(folders.out.join(CHECKSUMS)).unwrap();
+        let mut names: Vec<String> =
+            folders.out.read_dir().unwrap().map(|entry| file_name(&entry.unwrap().path())).collect();
+        names.sort();
         fs::remove_dir_all(&root).unwrap();
         // FIPS 180-2, B.1.
         let expect = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
-        assert_eq!(sums, format!("{expect}  a.whl\n"));
-        assert_eq!(destination("jointplay-0.1.0.tar.gz"), "Python registry");
-        assert_eq!(destination("jointplay-0.1.0-x86_64-unknown-linux-gnu.tar.gz"), "release page");
-        assert_eq!(destination("jointplay_0.1.0_amd64.deb"), "release page");
+        assert_eq!(sums, format!("{expect}  a.deb\n"));
+        assert_eq!(names, [CHECKSUMS, "a.crate", "a.deb"]);
     }
 }

@@ -1,4 +1,4 @@
-//! The libraries of others that are in our binaries: crates in programs and libraries, packages of npm in the page of the studio.
+//! Third-party libraries in the binaries: crates in programs and libraries, packages of npm in the page of the studio.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -7,12 +7,20 @@ use std::{fs, io};
 use cargo_metadata::{
     CargoOpt, DependencyKind, Metadata, MetadataCommand, Package, PackageId, TargetKind,
 };
+use serde_json::{Map, Value};
 
 /// Packages of the workspace that are compiled into binaries.
 const BINARIES: [&str; 3] = ["jointplay-cli", "jointplay-c", "jointplay-python"];
 
-/// Packages of npm that are compiled into the page although the page names them among its tools.
+/// Packages of npm that the page names among its tools, although they and what they depend on are compiled into it.
 const COMPILED: [&str; 1] = ["svelte"];
+
+/// Tools of the page that add code of their own to it, but none of their dependencies.
+const TOOLS_WITH_CODE: [&str; 1] = ["vite"];
+
+/// Entries of a package in the lock file that name packages it uses when it runs, and whether each has to be there.
+const USES: [(&str, bool); 3] =
+    [("dependencies", true), ("optionalDependencies", false), ("peerDependencies", false)];
 
 /// First words of names of files with licences and notices.
 const LICENCES: [&str; 6] = ["LICENSE", "LICENCE", "COPYING", "UNLICENSE", "NOTICE", "COPYRIGHT"];
@@ -122,17 +130,13 @@ fn checksums(lock: &str) -> io::Result<BTreeMap<(String, String), String>> {
     Ok(stated.collect())
 }
 
-/// Packages of npm that are in the page: what it depends on at run time, and what that depends on.
-fn packages_of_page(studio: &Path) -> io::Result<Vec<Component>> {
-    let lock: serde_json::Value =
+/// Packages of npm that are in the page.
+pub(super) fn packages_of_page(studio: &Path) -> io::Result<Vec<Component>> {
+    let lock: Value =
         serde_json::from_str(&fs::read_to_string(studio.join("package-lock.json"))?)?;
-    let packages = lock["packages"].as_object().into_iter().flatten();
+    let packages = lock["packages"].as_object().cloned().unwrap_or_default();
     let mut found = Vec::new();
-    for (path, package) in packages {
-        let Some(name) = path.strip_prefix("node_modules/") else { continue };
-        if package["dev"] == true && !COMPILED.contains(&name) {
-            continue;
-        }
+    for path in in_page(&packages)? {
         let folder = studio.join(path);
         let missing = |error| {
             io::Error::other(format!(
@@ -141,13 +145,13 @@ fn packages_of_page(studio: &Path) -> io::Result<Vec<Component>> {
             ))
         };
         let manifest = fs::read_to_string(folder.join("package.json")).map_err(missing)?;
-        let manifest: serde_json::Value = serde_json::from_str(&manifest)?;
-        let text = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
+        let manifest: Value = serde_json::from_str(&manifest)?;
+        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
         let repository = &manifest["repository"];
         found.push(Component {
             registry: "npm",
-            name: name.to_owned(),
-            version: text(&package["version"]),
+            name: path.rsplit("node_modules/").next().unwrap_or(path).to_owned(),
+            version: text(&packages[path]["version"]),
             licence: text(&manifest["license"]),
             repository: text(repository.get("url").unwrap_or(repository)),
             checksum: None,
@@ -155,6 +159,67 @@ fn packages_of_page(studio: &Path) -> io::Result<Vec<Component>> {
         });
     }
     Ok(found)
+}
+
+/// Paths in a lock file of npm of all packages whose code can be in the page.
+///
+/// These are the packages that the page uses when it runs, and those with code in it although the lock file marks them as tools.
+/// The bundler omits modules that nothing imports: the page contains no other packages, and possibly fewer.
+fn in_page(packages: &Map<String, Value>) -> io::Result<BTreeSet<&str>> {
+    let at_run_time = packages.iter().filter(|(path, package)| {
+        path.starts_with("node_modules/") && package["dev"] != true
+    });
+    let mut found: BTreeSet<&str> = at_run_time.map(|(path, _)| path.as_str()).collect();
+    let mut open = Vec::new();
+    for name in COMPILED {
+        open.extend(installed(packages, "", name, true)?);
+    }
+    while let Some(path) = open.pop() {
+        if !found.insert(path) {
+            continue;
+        }
+        for (entry, required) in USES {
+            for name in packages[path][entry].as_object().into_iter().flat_map(Map::keys) {
+                open.extend(installed(packages, path, name, required)?);
+            }
+        }
+    }
+    for name in TOOLS_WITH_CODE {
+        found.extend(installed(packages, "", name, true)?);
+    }
+    Ok(found)
+}
+
+/// The path of the package that Node loads as `name` from the package at the path `user`: the nearest one.
+///
+/// # Errors
+/// If the package is required and not in the lock file.
+fn installed<'a>(
+    packages: &'a Map<String, Value>,
+    user: &str,
+    name: &str,
+    required: bool,
+) -> io::Result<Option<&'a str>> {
+    let mut folder = user;
+    loop {
+        let path = format!("{folder}/node_modules/{name}");
+        if let Some((path, _)) = packages.get_key_value(path.trim_start_matches('/')) {
+            return Ok(Some(path));
+        }
+        if folder.is_empty() {
+            break;
+        }
+        folder = folder.rfind("node_modules/").map_or("", |end| &folder[..end]);
+        folder = folder.trim_end_matches('/');
+    }
+    if required {
+        let message = format!(
+            "{name}, which {} needs, is not in studio/package-lock.json; run `npm install` in the folder studio",
+            if user.is_empty() { "the page" } else { user }
+        );
+        return Err(io::Error::other(message));
+    }
+    Ok(None)
 }
 
 /// Files with licences and notices in the folder of a package, sorted.
@@ -198,25 +263,92 @@ mod tests {
         assert!(nalgebra.files.iter().any(|file| file.ends_with("LICENSE")), "{nalgebra:?}");
     }
 
+    /// Paths in the page for a lock file with these packages.
+    fn paths(packages: &str) -> io::Result<Vec<String>> {
+        let packages: Map<String, Value> = serde_json::from_str(packages).unwrap();
+        Ok(in_page(&packages)?.into_iter().map(str::to_owned).collect())
+    }
+
     #[test]
-    fn libraries_of_the_page_are_those_of_its_run() {
-        let root = std::env::temp_dir().join(format!("xtask-page-{}", std::process::id()));
-        for (name, licence) in [("three", "MIT"), ("svelte", "MIT"), ("@a/b", "ISC")] {
+    fn dependencies_of_compiled_packages_are_in_the_page_and_those_of_tools_are_not() {
+        let packages = r#"{"": {"dependencies": {"three": "1"}},
+            "node_modules/three": {},
+            "node_modules/svelte": {"dev": true, "dependencies": {"clsx": "2", "magic": "1"},
+                "optionalDependencies": {"absent": "1"}, "peerDependencies": {"@a/peer": "1"}},
+            "node_modules/clsx": {"dev": true, "dependencies": {"svelte": "5"}},
+            "node_modules/magic": {"dev": true},
+            "node_modules/svelte/node_modules/magic": {"dev": true, "dependencies": {"codec": "1"}},
+            "node_modules/codec": {"dev": true},
+            "node_modules/@a/peer": {"dev": true},
+            "node_modules/vite": {"dev": true, "dependencies": {"css": "1"}},
+            "node_modules/css": {"dev": true}}"#;
+        let expect = [
+            "node_modules/@a/peer",
+            "node_modules/clsx",
+            "node_modules/codec",
+            "node_modules/svelte",
+            "node_modules/svelte/node_modules/magic",
+            "node_modules/three",
+            "node_modules/vite",
+        ];
+        assert_eq!(paths(packages).unwrap(), expect);
+        let incomplete = packages.replace("node_modules/codec", "node_modules/other");
+        let message = paths(&incomplete).unwrap_err().to_string();
+        assert!(message.starts_with("codec, which node_modules/svelte/node_modules/magic needs"));
+        assert!(paths("{}").unwrap_err().to_string().starts_with("svelte, which the page needs"));
+    }
+
+    #[test]
+    fn packages_of_the_built_page_are_found_in_its_lock_file() {
+        let lock = crate::root::find().join("studio/package-lock.json");
+        let lock: Value = serde_json::from_str(&fs::read_to_string(lock).unwrap()).unwrap();
+        let packages = lock["packages"].as_object().unwrap();
+        let found = in_page(packages).unwrap();
+        // Packages with modules in source maps of the built page, by `vite build --sourcemap`, and its helper of vite.
+        let built = "@codemirror/commands @codemirror/language @codemirror/lint @codemirror/state \
+             @codemirror/streamparser @codemirror/view @lezer/common @lezer/highlight \
+             @marijn/find-cluster-break @uwdata/flechette clsx crelt style-mod svelte three uplot \
+             vite w3c-keyname";
+        for name in built.split_whitespace() {
+            assert!(found.contains(&*format!("node_modules/{name}")), "{name}");
+        }
+        for name in ["vitest", "typescript", "playwright-core", "lightningcss"] {
+            let path = format!("node_modules/{name}");
+            assert!(packages.contains_key(&path) && !found.contains(&*path), "{name}");
+        }
+    }
+
+    #[test]
+    fn packages_of_npm_state_their_licence_and_its_files() {
+        let root = std::env::temp_dir().join(format!("xtask-npm-{}", std::process::id()));
+        let packages = ["three", "svelte", "@a/b", "vite", "svelte/node_modules/three"];
+        for name in packages {
             let folder = root.join("node_modules").join(name);
             fs::create_dir_all(&folder).unwrap();
-            fs::write(folder.join("package.json"), format!(r#"{{"license": "{licence}"}}"#))
-                .unwrap();
+            fs::write(folder.join("package.json"), r#"{"license": "ISC"}"#).unwrap();
             fs::write(folder.join("license.md"), "text").unwrap();
         }
         let lock = r#"{"packages": {"": {}, "node_modules/three": {"version": "1.0.0"},
-            "node_modules/svelte": {"version": "5.0.0", "dev": true}, "node_modules/vite": {"version": "8.0.0", "dev": true},
+            "node_modules/svelte": {"version": "5.0.0", "dev": true, "dependencies": {"three": "2"}},
+            "node_modules/svelte/node_modules/three": {"version": "2.0.0", "dev": true},
+            "node_modules/vite": {"version": "8.0.0", "dev": true},
             "node_modules/@a/b": {"version": "2.0.0"}}}"#;
         fs::write(root.join("package-lock.json"), lock).unwrap();
         let found = packages_of_page(&root).unwrap();
+        fs::remove_file(root.join("node_modules/vite/package.json")).unwrap();
+        let missing = packages_of_page(&root).unwrap_err().to_string();
+        fs::remove_dir_all(&root).unwrap();
         let mut urls: Vec<String> = found.iter().map(Component::url).collect();
         urls.sort();
-        fs::remove_dir_all(&root).unwrap();
-        assert_eq!(urls, ["pkg:npm/%40a/b@2.0.0", "pkg:npm/svelte@5.0.0", "pkg:npm/three@1.0.0"]);
-        assert!(found.iter().all(|one| one.files.len() == 1));
+        let expect = [
+            "pkg:npm/%40a/b@2.0.0",
+            "pkg:npm/svelte@5.0.0",
+            "pkg:npm/three@1.0.0",
+            "pkg:npm/three@2.0.0",
+            "pkg:npm/vite@8.0.0",
+        ];
+        assert_eq!(urls, expect);
+        assert!(found.iter().all(|one| one.files.len() == 1 && one.licence == "ISC"));
+        assert!(missing.contains("vite") && missing.contains("npm ci"), "{missing}");
     }
 }

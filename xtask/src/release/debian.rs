@@ -4,13 +4,13 @@ use std::path::Path;
 use std::process::Command;
 use std::{fs, io};
 
-use super::place::{Place, VERSION};
+use super::folders::{Folders, VERSION};
 use crate::{package, process};
 
 /// Builds the package from the files of the archive of the command, unpacks it, and tries it out.
-pub(super) fn build(place: &Place) -> io::Result<()> {
-    let program = place.program();
-    let root = place.empty("debian")?;
+pub(super) fn build(folders: &Folders) -> io::Result<()> {
+    let program = folders.program();
+    let root = folders.empty("debian")?;
     let (usr, documents) = (root.join("usr"), root.join("usr/share/doc/jointplay"));
     fs::create_dir_all(&documents)?;
     fs::create_dir_all(root.join("DEBIAN"))?;
@@ -25,24 +25,24 @@ pub(super) fn build(place: &Place) -> io::Result<()> {
     for page in usr.join("share/man/man1").read_dir()? {
         process::succeed(Command::new("gzip").args(["-n", "-9"]).arg(page?.path()))?;
     }
-    copyright(place, &documents)?;
+    copyright(folders, &documents)?;
     let changes = documents.join("changelog");
     fs::copy(program.join("CHANGELOG.md"), &changes)?;
     process::succeed(Command::new("gzip").args(["-n", "-9"]).arg(&changes))?;
     let size = process::output(Command::new("du").args(["-sk", "--apparent-size"]).arg(&usr))?;
     let size = size.split_whitespace().next().unwrap_or_default();
     fs::write(root.join("DEBIAN/control"), control(size))?;
-    let package = place.out.join(format!("jointplay_{VERSION}_amd64.deb"));
+    let package = folders.out.join(format!("jointplay_{VERSION}_amd64.deb"));
     let mut build = Command::new("dpkg-deb");
     build.args(["--build", "--root-owner-group", "-Zxz"]).arg(&root).arg(&package);
-    process::succeed(build.env("SOURCE_DATE_EPOCH", &place.time))?;
-    let unpacked = place.empty("debian-unpacked")?;
+    process::succeed(build.env("SOURCE_DATE_EPOCH", &folders.time))?;
+    let unpacked = folders.empty("debian-unpacked")?;
     process::succeed(Command::new("dpkg-deb").arg("--extract").arg(&package).arg(&unpacked))?;
     package::exercise(&unpacked.join("usr/bin/jointplay"))
 }
 
 /// Licences of the package and of the libraries in it.
-fn copyright(place: &Place, documents: &Path) -> io::Result<()> {
+fn copyright(folders: &Folders, documents: &Path) -> io::Result<()> {
     let mut text = "\
 Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 Upstream-Name: jointplay
@@ -54,10 +54,10 @@ License: MIT or Apache-2.0
 "
     .to_owned();
     for file in ["LICENSE-MIT", "LICENSE-APACHE"] {
-        text += &format!("\n{}", fs::read_to_string(place.root.join(file))?);
+        text += &format!("\n{}", fs::read_to_string(folders.root.join(file))?);
     }
     fs::write(documents.join("copyright"), text)?;
-    fs::copy(place.notices(), documents.join("THIRD-PARTY.txt")).map(|_| ())
+    fs::copy(folders.notices(), documents.join("THIRD-PARTY.txt")).map(|_| ())
 }
 
 /// The description of the package; `size` is that of its files (KiB).

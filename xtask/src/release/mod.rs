@@ -2,13 +2,14 @@
 //!
 //! | file | role |
 //! | --- | --- |
-//! | `components.rs`, `notices.rs`, `sbom.rs` | libraries of others in the binaries, their licences, and their list |
+//! | `components.rs`, `notices.rs`, `sbom.rs` | third-party libraries in the binaries, their licences, and their list |
 //! | `licences.rs` | whether `deny.toml` allows these licences |
 //! | `program.rs` | the command for Linux, with manuals and completions, as an archive |
 //! | `debian.rs` | the Debian package |
 //! | `container.rs` | the container image, or the same files in an empty root |
 //! | `source.rs` | the source with that of all libraries |
-//! | `artefacts.rs` | checksums, and the table of what would be uploaded |
+//! | `artefacts.rs` | the files for upload, with checksums and destinations |
+//! | `folders.rs` | folders of results; the commit |
 
 mod artefacts;
 mod components;
@@ -16,7 +17,7 @@ mod container;
 mod debian;
 mod licences;
 mod notices;
-mod place;
+mod folders;
 mod program;
 mod sbom;
 mod source;
@@ -24,13 +25,13 @@ mod source;
 use std::path::Path;
 use std::{fs, io};
 
-use self::place::Place;
+use self::folders::Folders;
 use crate::package;
 
 /// A step of a release.
 struct Step {
     name: &'static str,
-    run: fn(&Place) -> io::Result<()>,
+    run: fn(&Folders) -> io::Result<()>,
 }
 
 /// All steps, in order: later ones use the files of earlier ones.
@@ -50,8 +51,8 @@ pub(crate) fn dry_run(chosen: &[&str], root: &Path) -> bool {
         eprintln!("release: unknown step {unknown}; steps are {}", names.join(", "));
         return false;
     }
-    let place = match Place::new(root) {
-        Ok(place) => place,
+    let folders = match Folders::new(root) {
+        Ok(folders) => folders,
         Err(error) => {
             eprintln!("release: {error}");
             return false;
@@ -59,12 +60,12 @@ pub(crate) fn dry_run(chosen: &[&str], root: &Path) -> bool {
     };
     for step in STEPS.iter().filter(|step| chosen.is_empty() || chosen.contains(&step.name)) {
         println!("\n=== {}", step.name);
-        if let Err(error) = (step.run)(&place) {
+        if let Err(error) = folders.run(step.name, step.run) {
             eprintln!("release: {}: {error}", step.name);
             return false;
         }
     }
-    match artefacts::list(&place) {
+    match artefacts::publish(&folders, &STEPS.map(|step| step.name)) {
         Ok(()) => true,
         Err(error) => {
             eprintln!("release: {error}");
@@ -74,22 +75,22 @@ pub(crate) fn dry_run(chosen: &[&str], root: &Path) -> bool {
 }
 
 /// Licences and notices of the libraries in the binaries, and their list.
-fn write_notices(place: &Place) -> io::Result<()> {
-    let components = components::components(&place.root, place::PLATFORM)?;
-    licences::check(&components, &place.root)?;
-    fs::write(place.notices(), notices::text(&components, &place.root)?)?;
-    fs::write(place.bill(), sbom::document(&components, place::VERSION))?;
-    println!("release: {} libraries of others", components.len());
+fn write_notices(folders: &Folders) -> io::Result<()> {
+    let components = components::components(&folders.root, folders::PLATFORM)?;
+    licences::check(&components, &folders.root)?;
+    fs::write(folders.notices(), notices::text(&components, &folders.root)?)?;
+    fs::write(folders.component_list(), sbom::document(&components, folders::VERSION))?;
+    println!("release: {} third-party libraries", components.len());
     Ok(())
 }
 
 /// The archives of the crates, after a trial of them.
-fn package_crates(place: &Place) -> io::Result<()> {
-    if !package::run(&place.root, true) {
+fn package_crates(folders: &Folders) -> io::Result<()> {
+    if !package::run(&folders.root, true) {
         return Err(io::Error::other("the archives of the crates do not work"));
     }
-    for archive in package::archives(&place.root)? {
-        place.keep(&archive)?;
+    for archive in package::archives(&folders.root)? {
+        folders.add(&archive)?;
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::{fs, io};
 
-use super::place::{PLATFORM, Place, VERSION};
+use super::folders::{PLATFORM, Folders, VERSION};
 use crate::{package, process};
 
 /// Completion scripts: the shell, and where it looks for them below `share`.
@@ -19,9 +19,9 @@ const TEXTS: [&str; 5] =
     ["README.md", "CHANGELOG.md", "CITATION.cff", "LICENSE-MIT", "LICENSE-APACHE"];
 
 /// Builds the command, tries it out, and packs it.
-pub(super) fn build(place: &Place) -> io::Result<()> {
-    let built = compile(place)?;
-    let folder = place.empty(&file_name(&place.program()))?;
+pub(super) fn build(folders: &Folders) -> io::Result<()> {
+    let built = compile(folders)?;
+    let folder = folders.empty(&file_name(&folders.program()))?;
     let command = folder.join("bin").join("jointplay");
     fs::create_dir_all(folder.join("bin"))?;
     fs::copy(&built, &command)?;
@@ -29,21 +29,21 @@ pub(super) fn build(place: &Place) -> io::Result<()> {
     package::exercise(&command)?;
     manuals(&command, &folder.join("share"))?;
     for text in TEXTS {
-        fs::copy(place.root.join(text), folder.join(text))?;
+        fs::copy(folders.root.join(text), folder.join(text))?;
     }
-    fs::copy(place.notices(), folder.join("THIRD-PARTY.txt"))?;
-    fs::copy(place.bill(), folder.join(file_name(&place.bill())))?;
+    fs::copy(folders.notices(), folder.join("THIRD-PARTY.txt"))?;
+    fs::copy(folders.component_list(), folder.join(file_name(&folders.component_list())))?;
     println!("release: jointplay {VERSION}, {} bytes", fs::metadata(&command)?.len());
-    place.pack(&file_name(&folder), "tar.gz", "gzip -n -9")
+    folders.pack(&file_name(&folder), "tar.gz", "gzip -n -9")
 }
 
 /// The command, optimised; its C library is part of it.
-fn compile(place: &Place) -> io::Result<PathBuf> {
+fn compile(folders: &Folders) -> io::Result<PathBuf> {
     let mut build = process::cargo();
     build.args(["build", "--locked", "--profile", "dist", "-p", "jointplay-cli"]);
-    build.args(["--features", "parquet,mcap", "--target", PLATFORM]).current_dir(&place.root);
-    process::succeed(place.reproducible(&mut build, "-C target-feature=+crt-static"))?;
-    Ok(process::target(&place.root).join(PLATFORM).join("dist").join("jointplay"))
+    build.args(["--features", "parquet,mcap", "--target", PLATFORM]).current_dir(&folders.root);
+    process::succeed(folders.reproducible(&mut build, "-C target-feature=+crt-static"))?;
+    Ok(process::target(&folders.root).join(PLATFORM).join("dist").join("jointplay"))
 }
 
 /// Refuses a program that needs an interpreter or libraries of the system.

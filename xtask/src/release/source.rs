@@ -5,30 +5,30 @@ use std::io::{self, Write as _};
 use std::path::Path;
 use std::process::Command;
 
-use super::place::{Place, VERSION};
+use super::folders::{Folders, VERSION};
 use crate::process;
 
 /// Packs the committed files and the libraries that `Cargo.lock` names, after a trial without a network.
-pub(super) fn build(place: &Place) -> io::Result<()> {
+pub(super) fn build(folders: &Folders) -> io::Result<()> {
     let name = format!("jointplay-{VERSION}-vendored");
-    let folder = place.empty(&name)?;
-    let committed = place.work.join("committed.tar");
+    let folder = folders.empty(&name)?;
+    let committed = folders.work.join("committed.tar");
     let mut archive = Command::new("git");
-    archive.args(["archive", "--output"]).arg(&committed).arg("HEAD").current_dir(&place.root);
+    archive.args(["archive", "--output"]).arg(&committed).arg("HEAD").current_dir(&folders.root);
     process::succeed(&mut archive)?;
     process::succeed(Command::new("tar").arg("xf").arg(&committed).arg("-C").arg(&folder))?;
     let mut vendor = process::cargo();
     let settings = process::output(vendor.args(["vendor", "--locked"]).current_dir(&folder))?;
     let configuration = folder.join(".cargo").join("config.toml");
     write!(OpenOptions::new().append(true).open(configuration)?, "\n{settings}")?;
-    try_out(place, &folder)?;
-    place.pack(&name, "tar.xz", "xz -T0 -6")
+    try_out(folders, &folder)?;
+    folders.pack(&name, "tar.xz", "xz -T0 -6")
 }
 
 /// Builds a crate with libraries, where cargo has no downloads.
-fn try_out(place: &Place, folder: &Path) -> io::Result<()> {
-    let home = place.empty("cargo-home")?;
-    let built = place.work.join("vendored-build");
+fn try_out(folders: &Folders, folder: &Path) -> io::Result<()> {
+    let home = folders.empty("cargo-home")?;
+    let built = folders.work.join("vendored-build");
     let mut check = process::cargo();
     check.args(["check", "--quiet", "--locked", "--offline", "-p", "jointplay-core"]);
     check.env("CARGO_HOME", &home).env("CARGO_TARGET_DIR", &built).current_dir(folder);

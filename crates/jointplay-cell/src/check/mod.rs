@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `options`, `report` | options and result of a check |
 //! | `checker` | the check of all steps, with results of the last check reused |
+//! | `key_figures` | cycle time and margins of a checked program |
 //! | `step_checks` | checks of steps: limits, broad phase, distances |
 //! | `step_findings`, `limits`, `slip`, `safe_zones` | checks without pairs of objects: axes, tilt, play, friction, safe zones |
 //! | `aggregate` | results of all steps in one report |
@@ -15,6 +16,7 @@
 
 mod aggregate;
 mod checker;
+mod key_figures;
 mod limits;
 mod options;
 mod plane_budget;
@@ -29,6 +31,7 @@ mod zone_bodies;
 
 pub(crate) use checker::CheckCache;
 pub use checker::check;
+pub use key_figures::KeyFigures;
 pub use options::CheckOptions;
 pub use pose::{ContactFreePath, PoseContext, advance_until_contact, check_pose};
 pub use remedy::{Remedy, remedies};

@@ -21,6 +21,7 @@ mod simulate;
 #[cfg(all(feature = "studio", unix))]
 mod studio;
 mod study;
+mod study_cell;
 #[cfg(unix)]
 mod study_interrupted;
 mod study_parts;

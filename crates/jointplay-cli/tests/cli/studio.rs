@@ -151,13 +151,14 @@ fn a_running_studio_is_found_by_its_port() {
     let other = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = other.local_addr().unwrap().port();
     let answers = std::thread::spawn(move || {
-        for answer in ["SSH-2.0-OpenSSH_9.6\r\n", "HTTP/1.1 404 Not Found\r\n\r\n", ""] {
+        let ok = "HTTP/1.1 200 OK\r\nServer: another\r\n\r\n{}";
+        for answer in ["SSH-2.0-OpenSSH_9.6\r\n", "HTTP/1.1 404 Not Found\r\n\r\n", ok, ""] {
             let (mut stream, _) = other.accept().unwrap();
             let _ = stream.read(&mut [0; 1024]).unwrap();
             stream.write_all(answer.as_bytes()).unwrap();
         }
     });
-    for what in ["SSH-2.0", "404", "is not that of a studio"] {
+    for what in ["SSH-2.0", "404", "200 OK", "is not that of a studio"] {
         let run = sandbox.run(&format!("studio --ping --port {port}"));
         assert_eq!(run.code, 1);
         assert!(run.stderr.contains(what), "{}", run.stderr);

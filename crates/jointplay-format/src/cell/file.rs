@@ -84,6 +84,18 @@ pub fn expand(text: &str, replaced: &[(String, f64)], files: &mut Files) -> Resu
     whole(text, replaced, files, expansion::print).map(|(_, text)| text)
 }
 
+/// Names of the parameters of a cell file, in its order; none of a text that is no TOML.
+#[must_use]
+pub fn parameter_names(text: &str) -> Vec<String> {
+    let reader = Reader::new(text);
+    if !reader.has_at_most(MAX_BYTES) {
+        return Vec::new();
+    }
+    let document = reader.parse();
+    let top = Table::new(&reader, "a cell", document.get_ref(), 0..0);
+    parameters::resolve(&top, &[], AngleUnit::Degree).order
+}
+
 /// The cell, and a result from its expanded document.
 fn whole<T>(
     text: &str,

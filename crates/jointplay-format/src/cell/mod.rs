@@ -26,7 +26,7 @@ mod unique;
 
 pub use edit::{Change, TaughtNoise, note_station, set_station};
 pub use expansion::{Part, PartParameter, parts};
-pub use file::{MAX_BYTES, expand, read, read_with};
+pub use file::{MAX_BYTES, expand, parameter_names, read, read_with};
 pub use files::Files;
 pub use mesh::MAX_MESH_BYTES;
 pub use problem::{Errors, Fault, Problem};

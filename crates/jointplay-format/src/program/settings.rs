@@ -157,6 +157,16 @@ pub fn with_parameters(
     Ok(new)
 }
 
+/// Names and units of the parameters of a program, in its order; declarations with syntax errors are omitted.
+pub(crate) fn parameters(text: &str) -> Vec<(String, Option<Unit>)> {
+    declarations(text).0.into_iter().map(|one| (one.name, one.unit)).collect()
+}
+
+/// The value of a parameter as text, in its unit.
+pub(crate) fn value_text(number: f64, unit: Option<Unit>) -> String {
+    value(number, unit)
+}
+
 /// The declarations of all parameters, and whether all of them can be read.
 fn declarations(text: &str) -> (Vec<Declaration>, bool) {
     let (mut found, mut complete) = (Vec::new(), true);

@@ -21,6 +21,7 @@ const EXAMPLES: &[Example] = &[
     entry!("misbuilt"),
     entry!("play-over-the-workspace"),
     entry!("slider-crank"),
+    entry!("station-positions"),
 ];
 
 /// All study files that come with the program, the one to begin with first.
@@ -55,7 +56,7 @@ mod tests {
     #[test]
     fn every_file_can_be_read() {
         for example in examples() {
-            if let Err(error) = super::super::parse(example.text, super::super::mechanism_of) {
+            if let Err(error) = super::super::parse(example.text, &mut super::super::included) {
                 panic!("{}", error.with_excerpt(example.name));
             }
         }

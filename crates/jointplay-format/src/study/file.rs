@@ -1,5 +1,6 @@
 //! A study as read.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use jointplay_study::plan::Study;
@@ -13,10 +14,10 @@ pub struct StudyFile {
     pub name: String,
     /// The file (TOML).
     pub text: String,
-    /// The robot or mechanism, as its own file calls it.
+    /// The robot, mechanism or cell, as its own file calls it.
     pub mechanism: String,
-    /// The file of the robot or mechanism (TOML).
-    pub mechanism_text: String,
+    /// The files that were read for the study, by the names that it has for them; with its text they make the same study again, see [`from_files`](super::from_files).
+    pub files: BTreeMap<String, Vec<u8>>,
     /// What is computed.
     pub plan: Arc<dyn Study>,
     /// The columns of its table.

@@ -1,6 +1,6 @@
 //! Studies of mechanisms with loops.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
 use jointplay_core::mechanism::joint::Coordinate;
@@ -13,16 +13,12 @@ use super::Problem;
 use super::file::StudyFile;
 use super::names::{Column, Source};
 use super::quantity::{ANGLES, Asked, Group, LENGTHS, NUMBERS, Term, quantities};
-use super::spread::{self, Allowed};
+use super::read::{Sources, text_of};
+use super::spread::{self, Allowed, in_order};
 use super::tree::{Entry, Table, count, report_twice};
 use crate::coordinates::Coordinates;
-use crate::file_problem::FileProblem;
 use crate::mechanism::{self, AngleUnit, LengthUnit, MechanismFile, Units};
-use crate::place::nearest;
 use crate::units::Unit;
-
-/// Largest value of a parameter, in the unit of the file; far from where squares overflow.
-const LARGEST_PARAMETER: f64 = 1e12;
 
 /// Reads a study of a mechanism.
 pub(super) fn read(
@@ -30,14 +26,14 @@ pub(super) fn read(
     entry: &Entry,
     name: Option<String>,
     text: &str,
-    mechanism: impl FnOnce(&str) -> Result<String, String>,
+    sources: &mut Sources,
 ) -> Option<StudyFile> {
     let reader = top.reader;
     if let Some(robot) = top.entry("robot") {
         let message = "a study has either `robot` or `mechanism`".to_owned();
         robot.report(reader, Problem::Mechanism { message });
     }
-    let subject = read_mechanism(top, entry, mechanism);
+    let subject = read_mechanism(top, entry, sources);
     let draws = count(top, "samples", 1);
     let seed = count(top, "seed", 0);
     let tables = [("drives", "`[drives]`"), ("parameters", "`[parameters]`")]
@@ -72,18 +68,11 @@ pub(super) fn read(
     };
     let span = ["samples", "drives", "parameters", "mechanism"];
     let span = span.into_iter().find_map(|key| top.entry(key)).map_or(0..0, |entry| entry.span());
-    match draws {
-        None if plan.draws_anything() => {
-            let is_dimension = plan.parameters.iter().any(|one| one.values.is_random());
-            let key = if is_dimension { "parameters" } else { "drives" };
-            top.report_at(key, Problem::NoSamples);
-            return None;
-        }
-        Some(_) if !plan.draws_anything() => {
-            reader.report(span, Problem::NothingRandom);
-            return None;
-        }
-        _ => {}
+    let is_dimension = plan.parameters.iter().any(|one| one.values.is_random());
+    let random = if is_dimension { "parameters" } else { "drives" };
+    let random = plan.draws_anything().then_some(random);
+    if !spread::has_draws(top, draws, random, span.clone()) {
+        return None;
     }
     let columns = columns(&mut plan, &quantities?, &names, &file, &coordinates);
     if let Some(name) = repeated(&columns) {
@@ -97,7 +86,7 @@ pub(super) fn read(
         text: text.to_owned(),
         mechanism: file.mechanism.name().to_owned(),
         facts: facts(&plan, &mechanism_text, &names, &columns),
-        mechanism_text,
+        files: BTreeMap::new(),
         plan: Arc::new(plan),
         columns,
     })
@@ -106,11 +95,12 @@ pub(super) fn read(
 fn read_mechanism(
     top: &Table,
     entry: &Entry,
-    mechanism: impl FnOnce(&str) -> Result<String, String>,
+    sources: &mut Sources,
 ) -> Option<(MechanismFile, String)> {
     let name = entry.text(top.reader)?;
     let report = |problem: Problem| top.report_at("mechanism", problem);
-    let text = mechanism(name).map_err(|message| report(Problem::Mechanism { message })).ok()?;
+    let text =
+        text_of(name, sources).map_err(|message| report(Problem::Mechanism { message })).ok()?;
     if let Some(kind) = mechanism::kind_of(&text).filter(|kind| kind != "mechanism") {
         let message = match kind.as_str() {
             "gpr" => format!("{name:?} is a three-rod robot: write `robot = {name:?}`"),
@@ -164,40 +154,9 @@ fn drives_of(
 }
 
 fn parameters_of(table: &Table, file: &MechanismFile) -> Option<Vec<VariedParameter>> {
-    let reader = table.reader;
-    let known = || file.parameters.iter().map(|(name, _)| name.as_str());
-    let mut parameters = Vec::new();
-    let mut are_valid = true;
-    for (entry, span) in in_order(table) {
-        let parameter = match known().position(|name| name == entry.key) {
-            Some(number) => {
-                let bounds = (-LARGEST_PARAMETER, LARGEST_PARAMETER);
-                let allowed = Allowed { bounds, to_si: &|value| value };
-                let values = spread::read(reader, &allowed, &entry);
-                values.map(|values| VariedParameter { number, values })
-            }
-            None => {
-                let problem = FileProblem::Unknown {
-                    what: "parameter".to_owned(),
-                    found: entry.key.to_owned(),
-                    nearest: nearest(entry.key, known()),
-                    known: known().map(str::to_owned).collect(),
-                };
-                reader.report(span, problem);
-                None
-            }
-        };
-        are_valid &= parameter.is_some();
-        parameters.extend(parameter);
-    }
-    are_valid.then_some(parameters)
-}
-
-/// The entries of a table in the order of the text: it is the order of the grid.
-fn in_order<'r, 'a>(table: &Table<'r, 'a>) -> Vec<(Entry<'r, 'a>, std::ops::Range<usize>)> {
-    let mut entries: Vec<_> = table.entries().collect();
-    entries.sort_by_key(|(_, span)| span.start);
-    entries
+    let known: Vec<&str> = file.parameters.iter().map(|(name, _)| name.as_str()).collect();
+    let found = spread::parameters(table, &known)?;
+    Some(found.into_iter().map(|(number, values)| VariedParameter { number, values }).collect())
 }
 
 /// All that can be asked for of a mechanism.

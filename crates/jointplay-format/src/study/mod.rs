@@ -6,6 +6,8 @@
 //! | list those that come with the program | [`examples`] |
 //! | know the columns of its table | [`StudyFile::columns`] |
 
+mod cell_sample;
+mod cell_study;
 mod examples;
 mod file;
 mod mechanism_study;
@@ -21,4 +23,4 @@ pub use examples::{Example, example, examples};
 pub use file::StudyFile;
 pub use names::{Column, Source};
 pub use problem::{Error, Errors, Problem};
-pub use read::{MAX_BYTES, mechanism_of, parse};
+pub use read::{MAX_BYTES, Sources, from_files, included, parse};

@@ -1,5 +1,6 @@
 //! Studies of the three-rod robot.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use jointplay_core::virtualization::{
@@ -11,6 +12,7 @@ use super::Problem;
 use super::file::StudyFile;
 use super::names::{self, Column};
 use super::quantity::quantities;
+use super::read::{Sources, text_of};
 use super::spread::{self, Allowed};
 use super::tree::{Table, count, entries, report_twice};
 use crate::mechanism;
@@ -36,10 +38,10 @@ pub(super) fn read(
     top: &Table,
     name: Option<String>,
     text: &str,
-    robot: impl FnOnce(&str) -> Result<String, String>,
+    sources: &mut Sources,
 ) -> Option<StudyFile> {
     let reader = top.reader;
-    let robot = read_robot(top, robot);
+    let robot = read_robot(top, sources);
     let models = models(top);
     let solver = solver(top);
     let metric = metric(top);
@@ -54,7 +56,7 @@ pub(super) fn read(
         None => Some(Default::default()),
         Some(entry) => entry.table(reader, "`[tolerances]`").and_then(|table| tolerances(&table)),
     };
-    let (robot, robot_text) = robot?;
+    let robot = robot?;
     let (tilt, height) = pose?;
     let (tolerances, rods_from) = tolerances?;
     let (draws, seed) = (draws?, seed?);
@@ -92,24 +94,22 @@ pub(super) fn read(
         name: name?,
         text: text.to_owned(),
         mechanism: robot.name,
-        mechanism_text: robot_text,
+        files: BTreeMap::new(),
         facts: facts(&plan, &columns),
         plan: Arc::new(plan),
         columns,
     })
 }
 
-fn read_robot(
-    top: &Table,
-    robot: impl FnOnce(&str) -> Result<String, String>,
-) -> Option<(Robot, String)> {
+fn read_robot(top: &Table, sources: &mut Sources) -> Option<Robot> {
     let entry = top.entry("robot");
     let name = match &entry {
         Some(entry) => entry.text(top.reader)?,
         None => "gpr",
     };
     let report = |problem: Problem| top.report_at("robot", problem);
-    let text = robot(name).map_err(|message| report(Problem::Robot { message })).ok()?;
+    let text =
+        text_of(name, sources).map_err(|message| report(Problem::Robot { message })).ok()?;
     if let Some(kind) = mechanism::kind_of(&text).filter(|kind| kind != "gpr") {
         let message = format!(
             "robot {name:?} is of the kind {kind:?}, but `robot` names three-rod robots, of the kind \"gpr\"; for a mechanism, write `mechanism = {name:?}`"
@@ -118,8 +118,7 @@ fn read_robot(
         return None;
     }
     let invalid = |errors| report(Problem::RobotFile { name: name.to_owned(), errors });
-    let read = robot::parse(&text).map_err(invalid).ok()?;
-    Some((read, text))
+    robot::parse(&text).map_err(invalid).ok()
 }
 
 fn models(top: &Table) -> Option<Vec<Model>> {

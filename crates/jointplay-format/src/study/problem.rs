@@ -3,7 +3,7 @@
 use crate::file_problem::FileProblem;
 use crate::number::number;
 use crate::place::{self, listed};
-use crate::{coordinates, mechanism, robot, steps};
+use crate::{cell, coordinates, mechanism, robot, steps};
 
 /// An error of a study file with its place.
 pub type Error = place::Error<Problem>;
@@ -127,6 +127,32 @@ pub enum Problem {
         name: String,
         /// The errors of the mechanism file.
         errors: mechanism::Errors,
+    },
+    /// An invalid cell file.
+    #[error("the cell {name:?} is invalid: {errors}")]
+    CellFile {
+        /// How the study calls it.
+        name: String,
+        /// The errors of the cell file.
+        errors: cell::Errors,
+    },
+    /// An invalid program.
+    #[error("the program {name:?} is invalid: {errors}")]
+    ProgramFile {
+        /// How the study calls it.
+        name: String,
+        /// The errors of the program, with their lines.
+        errors: String,
+    },
+    /// A station that cannot be displaced in its file.
+    #[error("the station {station:?} cannot be displaced along {axis}: {why}")]
+    Station {
+        /// Name of the station.
+        station: String,
+        /// Axis of the base frame.
+        axis: &'static str,
+        /// Why.
+        why: String,
     },
     /// A name that is no joint coordinate.
     #[error(transparent)]

@@ -9,6 +9,7 @@ use crate::units::Unit;
 pub(super) const LENGTHS: &[Unit] = &Unit::LENGTHS;
 pub(super) const ANGLES: &[Unit] = &Unit::ANGLES;
 pub(super) const NUMBERS: &[Unit] = &[Unit::One];
+pub(super) const TIMES: &[Unit] = &Unit::TIMES;
 
 /// Something that can be asked for.
 pub(super) struct Term<Q> {
@@ -100,7 +101,7 @@ fn resolve<Q: Copy>(
     };
     // The quantity without its unit, or with one of another kind.
     let bare = every().find(|(stem, units)| {
-        let all = [LENGTHS, ANGLES, NUMBERS].concat();
+        let all = [LENGTHS, ANGLES, TIMES, NUMBERS].concat();
         let rest = name.strip_prefix(stem);
         rest.is_some_and(|rest| !units.is_empty() && all.iter().any(|unit| unit.suffix() == rest))
     });

@@ -1,11 +1,18 @@
 //! Values in a study file: a number, a range, a list, or a distribution.
 
+use std::ops::Range;
+
 use jointplay_study::plan::Variation;
 use toml::de::DeValue;
 
 use super::Problem;
 use super::tree::{AllowedRange, Entry, Reader, Table};
+use crate::file_problem::FileProblem;
+use crate::place::nearest;
 use crate::steps;
+
+/// Largest value of a parameter, in the unit of the file; far from where squares overflow.
+const LARGEST_PARAMETER: f64 = 1e12;
 
 /// The values that a key may have, and their conversion to SI.
 #[derive(Clone, Copy)]
@@ -107,4 +114,57 @@ fn drawn(
 
 fn is_number(entry: &Entry) -> bool {
     matches!(entry.value.get_ref(), DeValue::Integer(_) | DeValue::Float(_))
+}
+
+/// Values of parameters, in the units of their file: the index among the known names, and the values, in the order of the text.
+pub(super) fn parameters(table: &Table, known: &[&str]) -> Option<Vec<(usize, Variation)>> {
+    let reader = table.reader;
+    let bounds = (-LARGEST_PARAMETER, LARGEST_PARAMETER);
+    let allowed = Allowed { bounds, to_si: &|value| value };
+    let mut found = Vec::new();
+    let mut are_valid = true;
+    for (entry, span) in in_order(table) {
+        let parameter = match known.iter().position(|name| *name == entry.key) {
+            Some(index) => read(reader, &allowed, &entry).map(|values| (index, values)),
+            None => {
+                let problem = FileProblem::Unknown {
+                    what: "parameter".to_owned(),
+                    found: entry.key.to_owned(),
+                    nearest: nearest(entry.key, known.iter().copied()),
+                    known: known.iter().map(|name| (*name).to_owned()).collect(),
+                };
+                reader.report(span, problem);
+                None
+            }
+        };
+        are_valid &= parameter.is_some();
+        found.extend(parameter);
+    }
+    are_valid.then_some(found)
+}
+
+/// The entries of a table in the order of the text: it is the order of the grid.
+pub(super) fn in_order<'r, 'a>(table: &Table<'r, 'a>) -> Vec<(Entry<'r, 'a>, Range<usize>)> {
+    let mut entries: Vec<_> = table.entries().collect();
+    entries.sort_by_key(|(_, span)| span.start);
+    entries
+}
+
+/// Whether there is a number of draws if, and only if, anything is random; reports what is wrong.
+///
+/// # Arguments
+/// * `random` – key of the table with random values
+/// * `span` – place of a number of draws that is not needed
+pub(super) fn has_draws(
+    top: &Table,
+    draws: Option<u64>,
+    random: Option<&'static str>,
+    span: Range<usize>,
+) -> bool {
+    match (draws, random) {
+        (None, Some(key)) => top.report_at(key, Problem::NoSamples),
+        (Some(_), None) => top.reader.report(span, Problem::NothingRandom),
+        _ => return true,
+    }
+    false
 }

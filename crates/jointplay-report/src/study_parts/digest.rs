@@ -6,6 +6,7 @@ use jointplay_format::study::StudyFile;
 use sha2::{Digest as _, Sha256};
 
 use crate::instructions::instructions;
+use crate::study_files::to_hexadecimal;
 
 /// Version of this program.
 pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -28,8 +29,5 @@ pub fn digest(study: &StudyFile) -> String {
 
 /// SHA-256 in hexadecimal.
 pub(super) fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().fold(String::with_capacity(64), |mut text, byte| {
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+    to_hexadecimal(&Sha256::digest(bytes))
 }

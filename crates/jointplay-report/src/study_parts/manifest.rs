@@ -1,11 +1,12 @@
 //! The description of a folder of parts.
 
-use jointplay_format::study::{StudyFile, parse};
+use jointplay_format::study::{StudyFile, from_files, parse};
 use serde::{Deserialize, Serialize};
 
 use super::digest::{VERSION, digest};
 use super::error::PartsError;
 use crate::instructions::instructions;
+use crate::study_files::StudyFiles;
 use crate::study_table::TableKind;
 
 /// Name of the file that describes a folder of parts.
@@ -35,8 +36,8 @@ struct Document {
     instructions: Option<String>,
     /// The file of the study (TOML).
     study: String,
-    /// The file of its robot or mechanism (TOML).
-    mechanism: String,
+    /// The files that it names.
+    files: StudyFiles,
 }
 
 impl Manifest {
@@ -55,7 +56,7 @@ impl Manifest {
             format: kind.ending().to_owned(),
             instructions: instructions(study).map(str::to_owned),
             study: study.text.clone(),
-            mechanism: study.mechanism_text.clone(),
+            files: StudyFiles::new(&study.files),
         };
         let json = serde_json::to_string_pretty(&document);
         Ok(json.expect("a document of texts and whole numbers") + "\n")
@@ -78,7 +79,8 @@ impl Manifest {
             serde_json::from_value(value).map_err(|error| PartsError::json(MANIFEST, &error))?;
         let kind = TableKind::of_ending(&document.format)
             .ok_or_else(|| malformed("its format is neither csv nor parquet"))?;
-        let study = parse(&document.study, |_| Ok(document.mechanism.clone()))
+        let files = document.files.read().map_err(malformed)?;
+        let study = parse(&document.study, &mut from_files(&files))
             .map_err(|error| malformed(&format!("the study in it is invalid: {error}")))?;
         if let (Some(found), Some(here)) = (&document.instructions, instructions(&study))
             && found != here

@@ -1,5 +1,7 @@
 //! Progress of an interrupted run, from which another run continues.
 
+use std::collections::BTreeMap;
+
 use jointplay_core::bulk::instruction_set;
 use jointplay_study::plan::Totals;
 use serde::{Deserialize, Serialize};
@@ -9,14 +11,15 @@ use jointplay_format::study::StudyFile;
 use super::kind::TableKind;
 use super::totals_document::TotalsDocument;
 use crate::instructions::instructions;
+use crate::study_files::{StudyFiles, from_hexadecimal, to_hexadecimal};
 
 /// Progress file next to an incomplete table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Marker {
     /// The file of the study (TOML).
     pub study: String,
-    /// The file of its robot or mechanism (TOML).
-    pub mechanism: String,
+    /// The files that it names.
+    pub files: BTreeMap<String, Vec<u8>>,
     /// Format of the table.
     pub kind: TableKind,
     /// Number of completed chunks.
@@ -73,7 +76,7 @@ struct Document {
     totals: TotalsDocument,
     foot: String,
     study: String,
-    mechanism: String,
+    files: StudyFiles,
     #[serde(skip_serializing_if = "Option::is_none")]
     instructions: Option<String>,
 }
@@ -84,7 +87,7 @@ impl Marker {
     pub fn new(study: &StudyFile, kind: TableKind, totals: Totals) -> Self {
         Self {
             study: study.text.clone(),
-            mechanism: study.mechanism_text.clone(),
+            files: study.files.clone(),
             kind,
             chunks: 0,
             bytes: 0,
@@ -107,9 +110,9 @@ impl Marker {
             bytes: self.bytes,
             seed,
             totals: TotalsDocument::new(&self.totals),
-            foot: self.foot.iter().map(|byte| format!("{byte:02x}")).collect(),
+            foot: to_hexadecimal(&self.foot),
             study: self.study.clone(),
-            mechanism: self.mechanism.clone(),
+            files: StudyFiles::new(&self.files),
             instructions: self.instructions.map(str::to_owned),
         };
         let json = serde_json::to_string_pretty(&document);
@@ -135,7 +138,7 @@ impl Marker {
         let kind = TableKind::of_ending(&document.format)
             .ok_or_else(|| malformed("its format is neither csv nor parquet"))?;
         let totals = document.totals.read().map_err(malformed)?;
-        let foot = hex(&document.foot).ok_or_else(|| malformed("its foot is not hexadecimal"))?;
+        let foot = from_hexadecimal(&document.foot).ok_or_else(|| malformed("its foot is not hexadecimal"))?;
         let here = instruction_set();
         let instructions = match &document.instructions {
             Some(found) if found != here => {
@@ -143,15 +146,8 @@ impl Marker {
             }
             found => found.as_ref().map(|_| here),
         };
-        let Document { study, mechanism, chunks, bytes, .. } = document;
-        Ok(Self { study, mechanism, kind, chunks, bytes, totals, foot, instructions })
+        let Document { study, files, chunks, bytes, .. } = document;
+        let files = files.read().map_err(malformed)?;
+        Ok(Self { study, files, kind, chunks, bytes, totals, foot, instructions })
     }
-}
-
-/// Bytes from pairs of hexadecimal digits.
-fn hex(text: &str) -> Option<Vec<u8>> {
-    let digits: Vec<u8> =
-        text.chars().map(|digit| Some(digit.to_digit(16)? as u8)).collect::<Option<_>>()?;
-    let pairs = digits.chunks_exact(2);
-    pairs.remainder().is_empty().then(|| pairs.map(|pair| 16 * pair[0] + pair[1]).collect())
 }

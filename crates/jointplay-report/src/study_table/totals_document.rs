@@ -24,11 +24,7 @@ impl TotalsDocument {
             beyond_rods: totals.beyond_rods,
             beyond_tilt: totals.beyond_tilt,
             beyond_joints: totals.beyond_joints,
-            outcomes: totals
-                .outcomes
-                .iter()
-                .map(|tally| tally.poses.iter().copied().chain([tally.no_mechanism]).collect())
-                .collect(),
+            outcomes: totals.outcomes.iter().map(|tally| tally.counts.to_vec()).collect(),
             columns: totals
                 .columns
                 .iter()
@@ -54,9 +50,8 @@ impl TotalsDocument {
             })
         });
         let outcomes = self.outcomes.iter().map(|counts| {
-            let (no_mechanism, poses) = counts.split_last().ok_or("outcomes without counts")?;
-            let poses = poses.try_into().map_err(|_| "an incorrect number of outcomes")?;
-            Ok(Outcomes { poses, no_mechanism: *no_mechanism })
+            let counts = counts.as_slice().try_into();
+            Ok(Outcomes { counts: counts.map_err(|_| "an incorrect number of outcomes")? })
         });
         Ok(Totals {
             samples: self.samples,

@@ -19,6 +19,7 @@ fn status(method: Method, path: &str, headers: &[(&str, &str)]) -> StatusCode {
     // Every response has security headers.
     assert!(answer.header("content-security-policy").contains("frame-ancestors 'none'"));
     assert_eq!(answer.header("x-content-type-options"), "nosniff");
+    assert!(answer.header("server").starts_with("jointplay/"));
     answer.status
 }
 

@@ -20,6 +20,8 @@ impl Portions {
     pub const QUICK: Self = Self { block: 4096, chunk: 65_536, quantiles: 65_536 };
     /// Of samples in milliseconds: mechanisms.
     pub const SLOW: Self = Self { block: 64, chunk: 2048, quantiles: 4096 };
+    /// Of samples in tenths of seconds: programs of work cells.
+    pub const SLOWEST: Self = Self { block: 4, chunk: 64, quantiles: 512 };
 }
 
 /// Outcome of a sample.
@@ -29,15 +31,84 @@ pub enum Outcome {
     Pose(Status),
     /// The dimensions of the sample make no robot or mechanism.
     NoMechanism,
+    /// There is a work cell with a program, and this became of it.
+    Program(ProgramOutcome),
+}
+
+/// Outcome of a program in a work cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ProgramOutcome {
+    /// The check of its trajectory found no violation.
+    Passed,
+    /// The check of its trajectory found violations.
+    Violations,
+    /// A target is out of reach or beyond limits.
+    OutOfReach,
+    /// Some of its steps have no trajectory within the limits.
+    NoTrajectory,
+    /// It contains no motion.
+    NoMotion,
+    /// Its parameters or names do not fit the cell.
+    InvalidProgram,
+    /// The values make no valid cell.
+    InvalidCell,
 }
 
 impl Outcome {
+    /// All outcomes, in the order in which they are counted.
+    pub const ALL: [Self; Status::ALL.len() + 8] = {
+        let mut all = [Self::NoMechanism; Status::ALL.len() + 8];
+        let mut k = 0;
+        while k < Status::ALL.len() {
+            all[k] = Self::Pose(Status::ALL[k]);
+            k += 1;
+        }
+        let programs = [
+            ProgramOutcome::Passed,
+            ProgramOutcome::Violations,
+            ProgramOutcome::OutOfReach,
+            ProgramOutcome::NoTrajectory,
+            ProgramOutcome::NoMotion,
+            ProgramOutcome::InvalidProgram,
+            ProgramOutcome::InvalidCell,
+        ];
+        let mut k = 0;
+        while k < programs.len() {
+            all[Status::ALL.len() + 1 + k] = Self::Program(programs[k]);
+            k += 1;
+        }
+        all
+    };
+
+    /// Its index in [`Outcome::ALL`].
+    #[must_use]
+    pub fn index(self) -> usize {
+        match self {
+            Self::Pose(status) => status as usize,
+            Self::NoMechanism => Status::ALL.len(),
+            Self::Program(program) => Status::ALL.len() + 1 + program as usize,
+        }
+    }
+
+    /// Whether the sample has an answer: a pose, or a program that passed its check.
+    #[must_use]
+    pub fn is_solved(self) -> bool {
+        matches!(self, Self::Pose(Status::Solved) | Self::Program(ProgramOutcome::Passed))
+    }
+
     /// The outcome in words, as shown to users.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Pose(status) => status.name(),
             Self::NoMechanism => "dimensions that make no mechanism",
+            Self::Program(ProgramOutcome::Passed) => "passed",
+            Self::Program(ProgramOutcome::Violations) => "violations",
+            Self::Program(ProgramOutcome::OutOfReach) => "out of reach",
+            Self::Program(ProgramOutcome::NoTrajectory) => "no trajectory",
+            Self::Program(ProgramOutcome::NoMotion) => "no motion",
+            Self::Program(ProgramOutcome::InvalidProgram) => "invalid program",
+            Self::Program(ProgramOutcome::InvalidCell) => "invalid cell",
         }
     }
 }
@@ -61,4 +132,17 @@ pub struct Block {
     pub beyond_tilt: u64,
     /// Samples with a joint of a mechanism beyond its limits or clearance.
     pub beyond_joints: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outcomes_are_counted_by_their_index_and_differ_in_name() {
+        for (index, outcome) in Outcome::ALL.into_iter().enumerate() {
+            assert_eq!(outcome.index(), index, "{outcome:?}");
+            assert!(Outcome::ALL[..index].iter().all(|other| other.name() != outcome.name()));
+        }
+    }
 }

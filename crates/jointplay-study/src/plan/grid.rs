@@ -1,5 +1,7 @@
 //! The samples of a study: every value of what is listed with every other, for each draw of what is random.
 
+use super::block::{Block, Outcome};
+use super::moments::Moments;
 use super::random::Stream;
 use super::variation::Variation;
 use crate::Error;
@@ -65,5 +67,45 @@ impl<'a> Grid<'a> {
             *value = one.at(stream, place % count, draw);
             place /= count;
         }
+    }
+
+    /// Computes samples one after the other.
+    ///
+    /// # Arguments
+    /// * `row` – computes a sample from its values into the row of its columns, which are NaN before: its outcome, and whether a joint of a mechanism is beyond its limits
+    ///
+    /// # Errors
+    /// Those of `row`.
+    pub(super) fn compute(
+        mut self,
+        samples: &[u64],
+        columns: usize,
+        mut row: impl FnMut(&[f64], &mut [f64]) -> Result<(Outcome, bool), Error>,
+    ) -> Result<Block, Error> {
+        let mut block = Block {
+            samples: samples.to_vec(),
+            draws: Vec::with_capacity(samples.len()),
+            columns: vec![Vec::with_capacity(samples.len()); columns],
+            outcomes: vec![Vec::with_capacity(samples.len())],
+            moments: Vec::new(),
+            beyond_rods: 0,
+            beyond_tilt: 0,
+            beyond_joints: 0,
+        };
+        let mut values = vec![0.0; self.varied.len()];
+        let mut entries = vec![f64::NAN; columns];
+        for &sample in samples {
+            self.values(sample, &mut values);
+            block.draws.push(self.draw(sample));
+            entries.fill(f64::NAN);
+            let (outcome, is_beyond) = row(&values, &mut entries)?;
+            block.outcomes[0].push(outcome);
+            block.beyond_joints += u64::from(is_beyond);
+            for (column, value) in block.columns.iter_mut().zip(&entries) {
+                column.push(*value);
+            }
+        }
+        block.moments = block.columns.iter().map(|column| Moments::of(column)).collect();
+        Ok(block)
     }
 }

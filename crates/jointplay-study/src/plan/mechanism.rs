@@ -14,7 +14,6 @@ use nalgebra::DVector;
 
 use super::block::{Block, Outcome, Portions};
 use super::grid::{self, Grid};
-use super::moments::Moments;
 use super::random::{DRIVE_STREAMS, PARAMETER_STREAMS};
 use super::study::{self, Study};
 use super::variation::Variation;
@@ -169,31 +168,9 @@ impl Study for MechanismPlan {
 
     fn compute(&self, samples: &[u64]) -> Result<Block, Error> {
         study::check(self, samples)?;
-        let mut grid = Grid::new(self.varied(), self.draws, self.seed)?;
+        let grid = Grid::new(self.varied(), self.draws, self.seed)?;
         let mut work = Work::new(self)?;
-        let mut block = Block {
-            samples: samples.to_vec(),
-            draws: Vec::with_capacity(samples.len()),
-            columns: vec![Vec::with_capacity(samples.len()); self.wanted.len()],
-            outcomes: vec![Vec::with_capacity(samples.len())],
-            moments: Vec::new(),
-            beyond_rods: 0,
-            beyond_tilt: 0,
-            beyond_joints: 0,
-        };
-        let mut values = vec![0.0; self.parameters.len() + self.drives.len()];
-        for &sample in samples {
-            grid.values(sample, &mut values);
-            block.draws.push(grid.draw(sample));
-            let (outcome, is_beyond) = work.sample(&values)?;
-            block.outcomes[0].push(outcome);
-            block.beyond_joints += u64::from(is_beyond);
-            for (column, value) in block.columns.iter_mut().zip(&work.row) {
-                column.push(*value);
-            }
-        }
-        block.moments = block.columns.iter().map(|column| Moments::of(column)).collect();
-        Ok(block)
+        grid.compute(samples, self.wanted.len(), |values, row| work.sample(values, row))
     }
 }
 
@@ -255,7 +232,6 @@ struct Work<'a> {
     design: Option<Posed>,
     /// The mechanism of the last parameters; `None` inside where they make none, or loops that do not close.
     last: Option<(Vec<f64>, Result<Posed, Outcome>)>,
-    row: Vec<f64>,
 }
 
 impl<'a> Work<'a> {
@@ -264,13 +240,13 @@ impl<'a> Work<'a> {
         let is_compared = plan.wanted.iter().any(|one| one.needs_design());
         let design = || Posed::new(plan.design.clone(), design_home.clone(), &plan.commanded());
         let design = is_compared.then(design).transpose()?;
-        Ok(Self { plan, design_home, design, last: None, row: vec![f64::NAN; plan.wanted.len()] })
+        Ok(Self { plan, design_home, design, last: None })
     }
 
     /// Computes a sample into the row: its outcome, and whether a joint is beyond its limits.
-    fn sample(&mut self, values: &[f64]) -> Result<(Outcome, bool), Error> {
+    fn sample(&mut self, values: &[f64], row: &mut [f64]) -> Result<(Outcome, bool), Error> {
         let (parameters, commands) = values.split_at(self.plan.parameters.len());
-        for (entry, wanted) in self.row.iter_mut().zip(&self.plan.wanted) {
+        for (entry, wanted) in row.iter_mut().zip(&self.plan.wanted) {
             *entry = match *wanted {
                 MechanismQuantity::Parameter(k) => parameters[k],
                 MechanismQuantity::Drive(k) => commands[k],
@@ -316,7 +292,7 @@ impl<'a> Work<'a> {
             let design = design.as_ref().map(|poses| self.plan.design.frame_pose(of, poses));
             design.map_or(f64::NAN, |design| measure(&frame(&poses, of), &design))
         };
-        for (entry, wanted) in self.row.iter_mut().zip(&self.plan.wanted) {
+        for (entry, wanted) in row.iter_mut().zip(&self.plan.wanted) {
             *entry = match *wanted {
                 MechanismQuantity::Parameter(_) | MechanismQuantity::Drive(_) => continue,
                 MechanismQuantity::Coordinate(k) => coordinates[k],

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | define what is varied, and what is computed: of the three-rod robot | [`Plan`], [`Variation`], [`Tolerances`], [`OutputQuantity`] |
 //! | of any mechanism | [`MechanismPlan`], [`Variation`], [`MechanismQuantity`] |
+//! | of anything else, by a function of the varied values | [`SweepPlan`] |
 //! | compute some samples | [`Study::compute`] → [`Block`] |
 //! | compute a chunk of them | [`compute_chunk`] |
 //! | compute all of them over all cores, in order, in memory that does not grow | [`run`]; some chunks [`run_chunks`] |
@@ -46,11 +47,12 @@ mod quantiles;
 mod random;
 mod run;
 mod study;
+mod sweep;
 mod totals;
 mod variation;
 
 pub use as_built::{Dimension, RodsFrom, Tolerances};
-pub use block::{Block, Outcome, Portions};
+pub use block::{Block, Outcome, Portions, ProgramOutcome};
 pub use definition::{Plan, TiltForm, Tilts};
 pub use mechanism::{MechanismOf, MechanismPlan, MechanismQuantity, VariedDrive, VariedParameter};
 pub use moments::Moments;
@@ -58,5 +60,6 @@ pub use output::{OutputQuantity, PlatformQuantity};
 pub use quantiles::quantiles;
 pub use run::{compute_chunk, run, run_chunks};
 pub use study::Study;
+pub use sweep::{SampleFunction, SweepPlan, SweptValue};
 pub use totals::{Outcomes, Totals};
 pub use variation::Variation;

@@ -37,8 +37,8 @@ pub fn quantiles(study: &dyn Study, shares: &[f64]) -> Result<Vec<Vec<Option<f64
     Ok((0..study.columns()).into_par_iter().map(column).collect())
 }
 
-/// All samples of a study, or one of each of equal stretches.
-fn chosen(study: &dyn Study) -> Result<Vec<u64>, Error> {
+/// All samples of a study, or one of each of equal stretches; in ascending order.
+pub(super) fn chosen(study: &dyn Study) -> Result<Vec<u64>, Error> {
     let (count, most) = (study.samples()?, study.portions().quantiles);
     if count <= most {
         return Ok((0..count).collect());

@@ -10,6 +10,8 @@ pub(super) const SECOND_STREAM: u64 = 2;
 /// Streams of the parameters of mechanisms, by their number in the file, and of commanded coordinates.
 pub(super) const PARAMETER_STREAMS: u64 = 1 << 32;
 pub(super) const DRIVE_STREAMS: u64 = 2 << 32;
+/// Streams of the values of sweeps, by their numbers.
+pub(super) const SWEEP_STREAMS: u64 = 3 << 32;
 /// Stream of the first dimension of the first limb.
 pub(super) const DIMENSION_STREAMS: u64 = 3;
 

@@ -1,7 +1,5 @@
 //! Totals of columns that are accumulated chunk by chunk.
 
-use jointplay_core::bulk::Status;
-
 use super::block::{Block, Outcome};
 use super::moments::Moments;
 use super::study::Study;
@@ -9,44 +7,41 @@ use super::study::Study;
 /// Number of samples by outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Outcomes {
-    /// By [`Status`], in the order of its numbers.
-    pub poses: [u64; Status::ALL.len()],
-    /// Of dimensions that make no robot or mechanism.
-    pub no_mechanism: u64,
+    /// In the order of [`Outcome::ALL`].
+    pub counts: [u64; Outcome::ALL.len()],
 }
 
 impl Outcomes {
     fn add(&mut self, more: &Self) {
-        for (sum, more) in self.poses.iter_mut().zip(more.poses) {
+        for (sum, more) in self.counts.iter_mut().zip(more.counts) {
             *sum += more;
         }
-        self.no_mechanism += more.no_mechanism;
     }
 
     fn count(&mut self, outcome: Outcome) {
-        match outcome {
-            Outcome::Pose(status) => self.poses[status as usize] += 1,
-            Outcome::NoMechanism => self.no_mechanism += 1,
-        }
+        self.counts[outcome.index()] += 1;
+    }
+
+    fn all(&self) -> impl Iterator<Item = (Outcome, u64)> {
+        Outcome::ALL.into_iter().zip(self.counts)
     }
 
     /// How many have an answer.
     #[must_use]
     pub fn solved(&self) -> u64 {
-        self.poses[Status::Solved as usize]
+        self.all().filter(|(outcome, _)| outcome.is_solved()).map(|(_, count)| count).sum()
     }
 
     /// How many have none.
     #[must_use]
     pub fn failed(&self) -> u64 {
-        self.poses.iter().sum::<u64>() - self.solved() + self.no_mechanism
+        self.counts.iter().sum::<u64>() - self.solved()
     }
 
     /// Why those failed that did, and how many of each.
     pub fn reasons(&self) -> impl Iterator<Item = (&'static str, u64)> {
-        let poses = Status::ALL.map(|status| (Outcome::Pose(status), self.poses[status as usize]));
-        let all = poses.into_iter().skip(1).chain([(Outcome::NoMechanism, self.no_mechanism)]);
-        all.filter(|(_, count)| *count > 0).map(|(outcome, count)| (outcome.name(), count))
+        let failed = |(outcome, count): &(Outcome, u64)| !outcome.is_solved() && *count > 0;
+        self.all().filter(failed).map(|(outcome, count)| (outcome.name(), count))
     }
 }
 

@@ -24,9 +24,9 @@ use crate::progress::Progress;
 use crate::source::STANDARD;
 use crate::space;
 
-/// Compute a table over many poses, robots or mechanisms, as described by a study file
+/// Compute a table over many poses, robots, mechanisms or programs of work cells, as described by a study file
 ///
-/// A study file lists the varied parameters and the computed quantities: grids or random samples of poses, nominal robots or robots with manufacturing tolerances, one or several virtualizations; of any mechanism its dimensions, drives, positions, virtual displacements and mobility.
+/// A study file lists the varied parameters and the computed quantities: grids or random samples of poses, nominal robots or robots with manufacturing tolerances, one or several virtualizations; of any mechanism its dimensions, drives, positions, virtual displacements and mobility; of a work cell the places of its stations, parameters of cell and program, cycle time, distances and margins.
 /// The result is one table in CSV or Parquet format.
 /// Memory use does not depend on the number of samples.
 /// The bytes of the table depend only on the study file: not on the number of threads, and not on interruptions.
@@ -37,14 +37,15 @@ Examples:
   jointplay study --example                            print its study file, as a template
   jointplay study misbuilt --out misbuilt-robots.csv   ten thousand robots with tolerances
   jointplay study slider-crank                         a mechanism: dimensions and drives
+  jointplay study station-positions                    a work cell: places of a station, cycle time and margins
   jointplay study misbuilt --dry-run                   expected duration, size and columns
   jointplay study misbuilt --parts run --part 0/64     the first of 64 shares of the parts, as a task of a cluster
   jointplay study --parts run --status                 number of finished parts, and the missing ones
   jointplay study --parts run --gather robots.parquet  table and summary of all parts
 
 Ctrl-C stops a study after the current chunk; the finished chunks stay in TABLE.part, and --resume continues.
-Included examples: center-shift, misbuilt, play-over-the-workspace, slider-crank.
-With --parts, chunks of 65,536 samples (2048 of mechanisms) become files of their own, on any number of machines; finished ones are not computed again.
+Included examples: center-shift, misbuilt, play-over-the-workspace, slider-crank, station-positions.
+With --parts, chunks of 65,536 samples (2048 of mechanisms, 64 of cells) become files of their own, on any number of machines; finished ones are not computed again.
 The gathered table has the bytes of a run on one machine.
 Exit codes: 0 done, 1 no sample could be solved or parts are missing, 2 bad input or usage, 130 interrupted.")]
 pub(crate) struct StudyCommand {

@@ -11,7 +11,7 @@ use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use jointplay::format::study::{StudyFile, parse};
+use jointplay::format::study::{StudyFile, from_files, parse};
 use jointplay::report::study_table::{Encoded, Index, Marker, Table, TableKind};
 use jointplay::study::plan::{Block, Totals};
 
@@ -129,7 +129,7 @@ impl PartFile {
         let invalid = |why: String| Failure::Marker { path: marker_path.clone(), why };
         let text = read_text(&marker_path, LARGEST_MARKER)?;
         let marker = Marker::parse(&text).map_err(|error| invalid(error.to_string()))?;
-        let begun = parse(&marker.study, |_| Ok(marker.mechanism.clone()))
+        let begun = parse(&marker.study, &mut from_files(&marker.files))
             .map_err(|error| invalid(format!("the study in it is invalid: {error}")))?;
         let differences = begun.differences(study);
         if !differences.is_empty() {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use jointplay::format::study::{self, MAX_BYTES, StudyFile};
-use jointplay::format::{catalogue, place};
+use jointplay::format::{catalogue, cell, place};
 
 use crate::failure::Failure;
 use crate::source::{self, Kind, STANDARD, Source};
@@ -41,20 +41,19 @@ impl StudySource {
         Ok(Self { label, stem, text, folder })
     }
 
-    /// The study with its robot or mechanism.
+    /// The study with the files that it names.
     pub(super) fn parse(&self) -> Result<StudyFile, Failure> {
-        study::parse(&self.text, |name| mechanism_text(name, self.folder.as_deref()))
+        study::parse(&self.text, &mut |name| read_named(name, self.folder.as_deref()))
             .map_err(|errors| Failure::invalid(&errors, &self.label))
     }
 }
 
-/// The text of the robot or mechanism that a study names: an entry of the catalogue, or a file in the folder of the study or below.
-fn mechanism_text(name: &str, folder: Option<&Path>) -> Result<String, String> {
-    let Some(folder) = folder.filter(|_| name.ends_with(".toml")) else {
-        return study::mechanism_of(name);
-    };
-    let refused = |why: &dyn std::fmt::Display| format!("cannot read the file {name:?}: {why}");
-    let bytes =
-        jointplay_files::read(folder, name, MAX_BYTES as u64).map_err(|why| refused(&why))?;
-    String::from_utf8(bytes).map_err(|_| refused(&"it is not text in UTF-8"))
+/// A file that a study names: an entry of the catalogue, or a file in the folder of the study or below.
+fn read_named(name: &str, folder: Option<&Path>) -> Result<Vec<u8>, String> {
+    // Names of the catalogue have no ending.
+    match folder.filter(|_| name.contains('.')) {
+        Some(folder) => jointplay_files::read(folder, name, cell::MAX_MESH_BYTES as u64)
+            .map_err(|why| format!("cannot read the file {name:?}: {why}")),
+        None => study::included(name),
+    }
 }
