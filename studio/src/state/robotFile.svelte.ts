@@ -89,6 +89,17 @@ export class RobotFile {
     while (this.#work) await this.#work;
   }
 
+  /** Opens another robot: its text is not that of the file of the server, and is downloaded instead of saved. */
+  async open(name: string, text: string): Promise<void> {
+    // So that undo restores the robot of the server.
+    await this.start();
+    clearTimeout(this.#timer);
+    this.#typing = false;
+    Object.assign(this, { name, writable: false, text, saved: text, parameters: {}, diskConflict: false, notice: null });
+    this.#read();
+    this.#events.committed();
+  }
+
   /** Changes the text while the user types. */
   edit(text: string): void {
     this.text = text;
