@@ -55,6 +55,36 @@ test('fields accept expressions and units', () =>
     await page.getByRole('alert').filter({ hasText: 'expected' }).waitFor();
   }));
 
+test('an invalid length or size of a picture is refused with the reason', () =>
+  open(async (page) => {
+    await page.getByTestId('motion').selectOption({ label: 'Key poses' });
+    const height = page.getByLabel('height mm of pose 2');
+    const before = await height.inputValue();
+    for (const [text, message] of [['', 'a length is missing'], ['2 deg', 'deg is a unit of angles'], ['wide', 'unknown name'], ['1e', 'expected']] as const) {
+      await height.fill(text);
+      await height.press('Enter');
+      await page.getByRole('alert').filter({ hasText: message }).waitFor();
+      expect(await height.inputValue()).toBe(before);
+    }
+    await height.fill('480 + 2');
+    await height.press('Enter');
+    await until('the height is accepted', async () => (await height.inputValue()) === '482' && (await page.getByRole('alert').count()) === 0);
+    await page.getByLabel('seconds of pose 2').fill('-3');
+    await page.getByLabel('seconds of pose 2').press('Enter');
+    await page.getByRole('alert').filter({ hasText: 'at least 0, got -3' }).waitFor();
+    await page.getByTestId('export').click();
+    await page.getByTestId('picture-size').selectOption('other');
+    for (const [text, message] of [['', 'must be a number'], ['1e9', 'from 16 to 16384'], ['12000.5', 'whole number'], ['16384', 'million pixels']] as const) {
+      await page.getByTestId('picture-width').fill(text);
+      await page.getByTestId('picture-height').fill('12000');
+      await page.getByTestId('picture-problem').filter({ hasText: message }).waitFor();
+      expect(await page.getByTestId('export-view').isDisabled()).toBe(true);
+    }
+    await page.getByTestId('picture-width').fill('640');
+    await page.getByTestId('picture-height').fill('480');
+    await until('it can be exported', () => page.getByTestId('export-view').isEnabled());
+  }));
+
 test('the tour has three steps, each with what it is about, and ends for good', () =>
   open(async (page) => {
     const outlined = () => page.evaluate(() => document.querySelector('.toured')?.textContent?.slice(0, 200) ?? '');

@@ -1,8 +1,6 @@
 //! Flags shared by several commands, and the parsers of their values.
 
-#[cfg(feature = "studio")]
-use std::path::Path;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use jointplay::format::number::number;
@@ -38,10 +36,25 @@ impl RobotArgs {
             self.set.refuse("--set needs a file: use --robot for a robot file")?;
             return Ok(robot::paper());
         };
-        let source = Source::read(path, LARGEST_ROBOT_FILE)?;
-        source.require(&[Kind::ThreeRods], "a three-rod robot")?;
+        let source = Self::read(path)?;
         robot::parse_with(&source.text, &self.set.replaced())
             .map_err(|errors| Failure::invalid(&errors, &source.label))
+    }
+
+    fn read(path: &Path) -> Result<Source, Failure> {
+        let source = Source::read(path, LARGEST_ROBOT_FILE)?;
+        source.require(&[Kind::ThreeRods], "a three-rod robot")?;
+        Ok(source)
+    }
+
+    /// Name and text of the robot file; those of the paper's robot without one.
+    #[cfg(feature = "studio")]
+    pub(crate) fn text(&self) -> Result<(String, String), Failure> {
+        let Some(path) = &self.robot else {
+            return Ok(("gpr.toml".to_owned(), robot::PAPER.to_owned()));
+        };
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok((name, Self::read(path)?.text))
     }
 
     /// The robot given as FILE instead of --robot.

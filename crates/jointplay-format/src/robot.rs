@@ -1,5 +1,7 @@
 //! Robot files: readable TOML with a strict schema, with parameters and expressions like mechanism files.
 
+mod edit;
+
 use jointplay_core::gpr::{Gpr, Limb, Limits};
 use nalgebra::Vector2;
 use toml::de::DeValue;
@@ -11,6 +13,8 @@ use crate::place::Place;
 use crate::toml_reader::parameters::{self, Parameters};
 use crate::toml_reader::{self, AllowedRange, Entry};
 use crate::units::{deg, m_from_mm, m_from_um, mm, um};
+
+pub use edit::{Dimension, Dimensions, dimensions, with_dimensions};
 
 /// The file of the paper's robot.
 pub const PAPER: &str = include_str!("../robots/gpr.toml");
@@ -126,6 +130,14 @@ pub enum Problem {
     LimbCount {
         /// Number of limbs found.
         found: usize,
+    },
+    /// An expression in place of a number that is to change.
+    #[error("`{key}` is the expression {expression:?}: change its parameters, or the text")]
+    Expression {
+        /// Key of the number.
+        key: String,
+        /// The expression.
+        expression: String,
     },
     /// Values that define no robot.
     #[error("{}", explain(.0))]

@@ -13,6 +13,8 @@
 //! | `session.rs` | the work cell under edit: its files and the last plans |
 //! | `plan.rs` | the plan of a program in a cell |
 //! | `wire/` | the documents of requests and responses |
+//! | `robot_file.rs` | the robot that the server was started with, and its file |
+//! | `text_file.rs` | reading and saving of edited text files |
 //! | `cell_files.rs` | cell file and program file |
 //! | `mechanism_file.rs` | the mechanism that the server was started with |
 //! | `mechanism_source.rs`, `configuration.rs` | mechanisms of requests, and their configurations as documents |
@@ -35,6 +37,7 @@ mod page;
 mod ping;
 mod plan;
 mod problem;
+mod robot_file;
 mod router;
 mod routes;
 mod server;
@@ -42,6 +45,7 @@ mod session;
 mod state;
 mod strict;
 mod study;
+mod text_file;
 #[cfg(test)]
 mod tests;
 mod wire;
@@ -50,5 +54,6 @@ mod work;
 pub use cell_files::{CellFiles, EXAMPLE};
 pub use mechanism_file::MechanismFileOnDisk;
 pub use ping::ping;
+pub use robot_file::RobotFileOnDisk;
 pub use router::description;
 pub use server::{DEFAULT_PORT, Error, Server};

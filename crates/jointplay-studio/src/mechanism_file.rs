@@ -1,9 +1,10 @@
 //! The mechanism that the server was started with.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::cell_files::{SaveError, hash, replace, write_temporary};
+use crate::cell_files::SaveError;
+use crate::text_file;
 
 /// A mechanism: a file, a model with its loops, or an entry of the catalogue.
 #[derive(Debug, Clone)]
@@ -21,7 +22,7 @@ pub struct MechanismFileOnDisk {
 impl MechanismFileOnDisk {
     /// Hash of the text.
     pub(crate) fn version(&self) -> String {
-        hash(&self.text)
+        text_file::version_of(&self.text)
     }
 }
 
@@ -38,7 +39,7 @@ impl MechanismSession {
     pub(crate) fn reload(&self) -> Result<MechanismFileOnDisk, String> {
         let mut file = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(path) = &file.path {
-            file.text = read(path)?;
+            file.text = text_file::read(path)?;
         }
         Ok(file.clone())
     }
@@ -50,28 +51,9 @@ impl MechanismSession {
         replaces: Option<&str>,
     ) -> Result<MechanismFileOnDisk, SaveError> {
         let mut file = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let Some(path) = file.path.clone() else {
-            let why = format!("{} is not a mechanism file on disk: download the text", file.name);
-            return Err(SaveError::Unwritable(why));
-        };
-        if let Some(version) = replaces {
-            let on_disk = read(&path).map_err(SaveError::Changed)?;
-            if hash(&on_disk) != version {
-                let why = format!(
-                    "{} was changed on disk after it was read: reload it, or save without `replaces` to overwrite it",
-                    file.name
-                );
-                return Err(SaveError::Changed(why));
-            }
-        }
-        let temporary = write_temporary(&path, &text).map_err(SaveError::Unwritable)?;
-        replace(&temporary, &path).map_err(SaveError::Unwritable)?;
+        let path = file.path.as_deref();
+        text_file::save((&file.name, "a mechanism file"), path, &text, replaces)?;
         file.text = text;
         Ok(file.clone())
     }
-}
-
-fn read(path: &Path) -> Result<String, String> {
-    std::fs::read_to_string(path)
-        .map_err(|error| format!("cannot read {}: {error}", path.display()))
 }

@@ -17,7 +17,7 @@ use crate::problem::Problem;
 use crate::routes::{
     cell, cell_export, cell_jog, cell_parts, cell_plan, cell_samples, cell_station, compare,
     forward, inverse, mechanism, mechanism_file, mechanism_mobility, mechanism_motions,
-    mechanism_open, mechanism_suggest, mesh, mobility, pose, quantity, robot, sensitivity, study,
+    mechanism_open, mechanism_suggest, mesh, mobility, pose, quantity, robot, robot_file, sensitivity, study,
 };
 use crate::state::AppState;
 
@@ -35,6 +35,8 @@ struct Description;
 fn api() -> OpenApiRouter<AppState> {
     OpenApiRouter::with_openapi(Description::openapi())
         .routes(routes!(robot::robot))
+        .routes(routes!(robot_file::robot_file, robot_file::save_robot))
+        .routes(routes!(robot_file::open_robot))
         .routes(routes!(mesh::base_mesh))
         .routes(routes!(mesh::platform_mesh))
         .routes(routes!(pose::pose))

@@ -12,6 +12,7 @@ use tokio::task::JoinHandle;
 use crate::cell_files::CellFiles;
 use crate::mechanism_file::{MechanismFileOnDisk, MechanismSession};
 use crate::meshes::MeshFolder;
+use crate::robot_file::RobotFileOnDisk;
 use crate::router;
 use crate::session::WorkcellSession;
 use crate::state::AppState;
@@ -78,6 +79,13 @@ impl Server {
         runtime.block_on(tokio::task::yield_now());
         let state = AppState::new(robot, folder, Deadlines::default());
         Ok(Self { listener, address, runtime, interrupted, state })
+    }
+
+    /// States the file that the robot was read from, which the page edits.
+    #[must_use]
+    pub fn with_robot_file(mut self, file: RobotFileOnDisk) -> Self {
+        self.state.robot = self.state.robot.with_file(file);
+        self
     }
 
     /// Adds a work cell.

@@ -8,13 +8,15 @@ use jointplay::format::robot::Robot;
 use crate::mechanism_file::MechanismSession;
 use crate::meshes::MeshFolder;
 use crate::problem::Problem;
+use crate::robot_file::{RobotSession, unlimited};
 use crate::session::WorkcellSession;
+use crate::wire::robot_file::RobotSource;
 use crate::work::{Deadlines, WorkerPool};
 
 /// The state that all requests share.
 #[derive(Clone)]
 pub(crate) struct AppState {
-    pub(crate) robot: Arc<Robot>,
+    pub(crate) robot: RobotSession,
     pub(crate) work: WorkerPool,
     pub(crate) meshes: MeshFolder,
     /// The work cell; `None` for a server that was started without one.
@@ -25,15 +27,21 @@ pub(crate) struct AppState {
 
 impl AppState {
     pub(crate) fn new(robot: Robot, meshes: MeshFolder, deadlines: Deadlines) -> Self {
-        // Each endpoint checks the limits itself, unless the request asks to ignore them.
-        let robot = Robot { gpr: robot.gpr.without_limit_checks(), ..robot };
         Self {
-            robot: Arc::new(robot),
+            robot: RobotSession::new(robot),
             work: WorkerPool::new(deadlines),
             meshes,
             cell: None,
             mechanism: None,
         }
+    }
+
+    /// The robot of a request: the one that it names in its field `robot`, else that of this server.
+    ///
+    /// # Errors
+    /// The errors of its text.
+    pub(crate) fn robot(&self, source: Option<&RobotSource>) -> Result<Arc<Robot>, Problem> {
+        source.map_or_else(|| Ok(self.robot.robot()), |source| source.read("robot").map(unlimited))
     }
 
     /// The mechanism that the server was started with.

@@ -50,7 +50,7 @@ pub(crate) struct Batch {
 impl Study {
     /// Checks a request.
     pub(crate) fn new(robot: Arc<Robot>, request: StudyRequest) -> Result<Self, Problem> {
-        let StudyRequest { motion, model: choice, quantities } = request;
+        let StudyRequest { motion, model: choice, quantities, .. } = request;
         let (model, options) = (choice.model(), choice.options("model")?);
         let samples = motion.read(&robot.gpr, "motion")?;
         let characteristic_length = options.metric.characteristic_length(robot.gpr.platform())?;

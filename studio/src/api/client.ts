@@ -26,6 +26,9 @@ export type CellText = Schemas['CellText'];
 /** Robot pose by which a station is taught. */
 export type TaughtBy = Schemas['TaughtByFields'];
 export type StationChange = Omit<Schemas['StationRequest'], 'cell' | 'station'>;
+export type RobotSource = Schemas['RobotSource'];
+export type OpenedRobotDocument = Schemas['OpenedRobotDocument'];
+export type DimensionChange = Schemas['DimensionChange'];
 export type ModelChoice = Schemas['ModelChoice'];
 /** Command in the units of the API [m, rad]. */
 export type ApiCommand = Schemas['Command'];
@@ -91,6 +94,24 @@ export async function robot(): Promise<RobotDocument> {
   return json(request('robot'));
 }
 
+/** The file of the robot of the server. */
+export async function robotFile(): Promise<Schemas['RobotFileDocument']> {
+  return json(request('robot/file'));
+}
+
+/** Saves the text of the robot file; with `replaces`, only if the file on disk still has this version. */
+export async function saveRobot(text: string, replaces: string | null): Promise<Schemas['RobotFileDocument']> {
+  return json(request('robot/file', replaces === null ? { text } : { text, replaces }, undefined, 'PUT'));
+}
+
+/** A robot from the text of a file, after changes of its numbers. */
+export async function openRobot(robot: RobotSource, changes: DimensionChange[]): Promise<OpenedRobotDocument> {
+  return json(request('robot/open', { robot, changes }));
+}
+
+/** The robot of a request; that of the server without a source. */
+const ofRobot = (robot: RobotSource | null) => (robot ? { robot } : {});
+
 /** Contents of a mesh file named in the robot file. */
 export async function mesh(part: 'base' | 'platform'): Promise<ArrayBuffer> {
   return buffer(request(`meshes/${part}`));
@@ -111,33 +132,36 @@ export function toApiCommand(command: Command): ApiCommand {
     : { kind: 'tilt_xy', about_x_rad: radians(command.about_x_deg), about_y_rad: radians(command.about_y_deg), height };
 }
 
-/**
- * One pose under several models; a height of the platform centre refers to the first model.
- * With `from_rods_m`, the robot moves in a straight line in rod space and stops at the first limit.
- */
-export async function pose(command: ApiCommand, models: ModelChoice[], from_rods_m: number[] | null): Promise<PoseDocument> {
-  const from = from_rods_m ? { from_rods_m } : {};
-  return json(request('pose', { command, models, ...from }));
+/** What happens to a command beyond the limits: it is shown, the robot stops on the straight line from other rods, or it slides along the limits. */
+export type AtLimits = { show: true } | { stop: number[] | null } | { slide: true };
+
+/** One pose under several models; a height of the platform centre refers to the first model. */
+export async function pose(robot: RobotSource | null, command: ApiCommand, models: ModelChoice[], at_limits: AtLimits): Promise<PoseDocument> {
+  const from = 'slide' in at_limits ? { at_limits: 'slide' } : 'stop' in at_limits && at_limits.stop ? { from_rods_m: at_limits.stop } : {};
+  return json(request('pose', { command, models, ...from, ...ofRobot(robot) }));
 }
 
 /** Quantities that the page plots or needs to display the robot. */
-const QUANTITIES = ['rods', 'sides', 'virtual_joints', 'origin', 'torsion'];
+export const QUANTITIES = ['rods', 'sides', 'virtual_joints', 'origin', 'torsion', 'displacement'];
+
+/** Quantities by which models are compared. */
+export const COMPARED_QUANTITIES = ['sides', 'virtual_joints', 'origin', 'torsion', 'displacement'];
 
 /** Time series of a motion under one model, as an Arrow stream. */
-export async function study(motion: Motion, model: ModelChoice, signal: AbortSignal): Promise<ReadableStream<Uint8Array>> {
-  const response = await request('study', { motion: apiMotion(motion), model, quantities: QUANTITIES }, signal);
+export async function study(robot: RobotSource | null, motion: Motion, model: ModelChoice, quantities: readonly string[], signal: AbortSignal): Promise<ReadableStream<Uint8Array>> {
+  const response = await request('study', { motion: apiMotion(motion), model, quantities, ...ofRobot(robot) }, signal);
   if (!response.body) throw new ConnectionError('the response of the server is empty');
   return response.body;
 }
 
 /** Time series of a motion as a file; Parquet only if the server supports it. */
-export async function studyFile(motion: Motion, model: ModelChoice, kind: 'csv' | 'parquet'): Promise<Blob> {
-  return blob(request(`study.${kind}`, { motion: apiMotion(motion), model }));
+export async function studyFile(robot: RobotSource | null, motion: Motion, model: ModelChoice, kind: 'csv' | 'parquet'): Promise<Blob> {
+  return blob(request(`study.${kind}`, { motion: apiMotion(motion), model, ...ofRobot(robot) }));
 }
 
 /** Output of `jointplay forward --format json` for given rods. */
-export async function forward(rods_m: number[], model: ModelChoice): Promise<Blob> {
-  return blob(request('forward', { rods_m, model, ignore_limits: true }));
+export async function forward(robot: RobotSource | null, rods_m: number[], model: ModelChoice): Promise<Blob> {
+  return blob(request('forward', { rods_m, model, ignore_limits: true, ...ofRobot(robot) }));
 }
 
 /** Sampling rate of motions through key poses [Hz]: that of a screen. */

@@ -2,7 +2,7 @@
 
 import { symbol } from './joints';
 
-export type Quantity = 'rods' | 'sides' | 'virtual_linear' | 'virtual_angular' | 'center_shift' | 'torsion' | 'other';
+export type Quantity = 'rods' | 'sides' | 'virtual_linear' | 'virtual_angular' | 'center_shift' | 'torsion' | 'displacement' | 'other';
 
 export interface Column {
   name: string;
@@ -23,6 +23,7 @@ const KINDS: [RegExp, Quantity, (found: string[]) => string][] = [
   [/^([a-z]+)(\d)_rad$/, 'virtual_angular', ([, name, limb]) => symbol(name!, Number(limb) - 1)],
   [/^origin_([xy])_m$/, 'center_shift', ([, axis]) => axis!],
   [/^torsion_rad$/, 'torsion', () => 'τ'],
+  [/^displacement_m$/, 'displacement', () => '‖ΔX‖'],
 ];
 
 export function column(name: string, samples: number): Column {

@@ -40,6 +40,8 @@ export type Motion =
 export interface Shown {
   joints: boolean;
   ghost: boolean;
+  /** Outlines of the platform under the other virtualizations. */
+  others: boolean;
   arrows: boolean;
   frames: boolean;
   labels: boolean;
@@ -53,6 +55,8 @@ export interface Document {
   exaggeration: number;
   shown: Shown;
   motion: Motion | null;
+  /** Text of the robot file; `null` until it is loaded. Links do not contain it. */
+  robotText: string | null;
 }
 
 export const EXAGGERATION = { min: 1, max: 2000 } as const;
@@ -70,7 +74,8 @@ export function initialDocument(height_mm: number, tilt_max_deg = 1.5): Document
     solver: 'newton',
     metric: 'paper',
     exaggeration: 500,
-    shown: { joints: true, ghost: false, arrows: true, frames: true, labels: true },
+    shown: { joints: true, ghost: false, others: false, arrows: true, frames: true, labels: true },
     motion: null,
+    robotText: null,
   };
 }

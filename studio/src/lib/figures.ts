@@ -1,14 +1,16 @@
 // The plots of the robot view, and the figures of the paper.
 
 import type { Quantity } from './columns';
+import type { PlotUnit } from './channels';
 import type { Virtualization } from './document';
 
 export interface PlotKind {
   id: string;
   title: string;
   quantity: Quantity;
-  /** Displayed unit: mm or µm for lengths, degrees or mrad for angles. */
-  unit: 'mm' | 'µm' | 'mrad' | '°';
+  unit: PlotUnit;
+  /** Whether every model has the quantity, with the same meaning: they can be compared. */
+  compared?: true;
 }
 
 export const PLOTS: PlotKind[] = [
@@ -16,8 +18,9 @@ export const PLOTS: PlotKind[] = [
   { id: 'linear', title: 'X, linear', quantity: 'virtual_linear', unit: 'mm' },
   { id: 'angular', title: 'X, angular', quantity: 'virtual_angular', unit: '°' },
   { id: 'sides', title: 'Sides L', quantity: 'sides', unit: 'mm' },
-  { id: 'shift', title: 'Centre shift', quantity: 'center_shift', unit: 'µm' },
-  { id: 'torsion', title: 'Torsion τ', quantity: 'torsion', unit: 'mrad' },
+  { id: 'shift', title: 'Centre shift', quantity: 'center_shift', unit: 'µm', compared: true },
+  { id: 'torsion', title: 'Torsion τ', quantity: 'torsion', unit: 'mrad', compared: true },
+  { id: 'displacement', title: 'Displacement ‖ΔX‖', quantity: 'displacement', unit: 'µm', compared: true },
 ];
 
 export interface PaperFigure {
@@ -37,19 +40,11 @@ export const FIGURES: PaperFigure[] = [
   { number: 11, title: 'sides L, offset model', plot: 'sides', model: 'offset' },
 ];
 
-/**
- * The smallest span of the vertical axis of a plot, in its unit: 2 nm or 20 nrad.
- *
- * Smaller values are rounding errors, of about 1e-15 m and 1e-11 rad.
- */
-export const MIN_SPAN: Record<PlotKind['unit'], number> = { mm: 2e-6, µm: 2e-3, mrad: 2e-5, '°': 1.2e-6 };
-
-/** The range of a vertical axis for values from `low` to `high`, with a margin and a minimum span. */
+/** The range of an axis for values from `low` to `high`, with a margin and a minimum span. */
 export function verticalRange(low: number | null, high: number | null, least: number): [number, number] {
   const [from, to] = [low ?? 0, high ?? 0];
   const [middle, half] = [(from + to) / 2, Math.max((to - from) * 0.58, least / 2)];
   return [middle - half, middle + half];
 }
 
-/** Conversion factors from SI to the unit of a plot. */
-export const FACTORS: Record<PlotKind['unit'], number> = { mm: 1e3, µm: 1e6, mrad: 1e3, '°': 180 / Math.PI };
+export { FACTORS, MIN_SPAN } from './channels';

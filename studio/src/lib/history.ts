@@ -32,6 +32,11 @@ export class History<T> {
     return true;
   }
 
+  /** Replaces the present value without a step. */
+  replace(value: T): void {
+    this.#present = value;
+  }
+
   undo(): T | undefined {
     const before = this.#past.pop();
     if (before === undefined) return undefined;

@@ -37,7 +37,7 @@ describe('a link restores the document it was created from', () => {
             solver: 'least-norm',
             metric: 12.5,
             exaggeration: 1234,
-            shown: { joints: false, ghost: true, arrows: false, frames: true, labels: false },
+            shown: { joints: false, ghost: true, others: true, arrows: false, frames: true, labels: false },
           },
           view: { eye_mm: [1, -2.5, 3], target_mm: [0, 0, 400], projection: 'orthographic', zoom: 1.5 },
           sample: motion ? 42 : null,

@@ -37,7 +37,7 @@ export interface Linked {
   sample: number | null;
 }
 
-const SHOWN: (keyof Shown)[] = ['joints', 'ghost', 'arrows', 'frames', 'labels'];
+const SHOWN: (keyof Shown)[] = ['joints', 'ghost', 'others', 'arrows', 'frames', 'labels'];
 
 export function toHash({ robot, document: chosen, view, sample }: Linked): string {
   const parts: [string, string][] = [
@@ -79,6 +79,7 @@ export function fromHash(hash: string, otherwise: Document): Linked {
         ? (Object.fromEntries(SHOWN.map((name) => [name, show.includes(name)])) as unknown as Shown)
         : otherwise.shown,
       motion,
+      robotText: otherwise.robotText,
     },
     view: parseView(words('view')),
     sample: motion && sample !== null && Number.isInteger(sample) && sample >= 0 ? sample : null,

@@ -1,7 +1,7 @@
 import { crc32 } from 'node:zlib';
 import { deflateSync } from 'node:zlib';
 import { expect, test } from 'vitest';
-import { onPaper, withResolution } from './png';
+import { onPaper, pictureSizeProblem, withResolution } from './png';
 
 /** A chunk with the checksum of another implementation. */
 function chunk(name: string, data: Uint8Array): Uint8Array {
@@ -35,4 +35,22 @@ test('the resolution is a chunk after the header', () => {
 test('the size on paper in pixels', () => {
   expect(onPaper(25.4, 2, 300)).toEqual({ width: 300, height: 150, dpi: 300 });
   expect(onPaper(170, 4 / 3, 600)).toEqual({ width: 4016, height: 3012, dpi: 600 });
+});
+
+test.each([
+  [{ width: 1200, height: 800, dpi: 300 }, null],
+  [{ width: 16, height: 16384, dpi: 10 }, null],
+  [{ width: null, height: 800, dpi: 300 }, 'width must be a number'],
+  [{ width: 1200, height: Infinity, dpi: 300 }, 'height must be a number'],
+  [{ width: 1200, height: 800, dpi: NaN }, 'resolution must be a number'],
+  [{ width: '1200', height: 800, dpi: 300 }, 'width must be a number'],
+  [{ width: 8, height: 800, dpi: 300 }, 'from 16 to 16384 pixels, got 8'],
+  [{ width: 1200, height: -800, dpi: 300 }, 'height must be from'],
+  [{ width: 1200, height: 800, dpi: 0 }, 'from 10 to 2400 dpi, got 0'],
+  [{ width: 1200.5, height: 800, dpi: 300 }, 'whole number'],
+  [{ width: 16384, height: 16384, dpi: 300 }, '64 million pixels, got 268.4 million'],
+])('the size %o of a picture is checked', (size, problem) => {
+  const found = pictureSizeProblem(size);
+  if (problem === null) expect(found).toBeNull();
+  else expect(found).toContain(problem);
 });

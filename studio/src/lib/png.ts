@@ -49,3 +49,26 @@ export function onPaper(width_mm: number, aspect: number, dpi: number): PictureS
   const width = Math.round((width_mm / MM_PER_INCH) * dpi);
   return { width, height: Math.round(width / aspect), dpi };
 }
+
+/** Largest edge of a picture [px], which every WebGL 2 graphics card reaches in practice, and its largest area. */
+export const PICTURE_PIXELS = { least: 16, most: 16384, area: 64e6 } as const;
+/** Resolutions of pictures [pixels per inch]. */
+export const PICTURE_DPI = { least: 10, most: 2400 } as const;
+
+/** Why pictures cannot have a size as typed by the user; `null` for a valid one. */
+export function pictureSizeProblem(size: Record<keyof PictureSize, unknown>): string | null {
+  const { least, most, area } = PICTURE_PIXELS;
+  for (const [key, name, low, high] of [
+    ['width', 'width', least, most],
+    ['height', 'height', least, most],
+    ['dpi', 'resolution', PICTURE_DPI.least, PICTURE_DPI.most],
+  ] as const) {
+    const value = size[key];
+    const unit = key === 'dpi' ? 'dpi' : 'pixels';
+    if (typeof value !== 'number' || !Number.isFinite(value)) return `The ${name} must be a number from ${low} to ${high} ${unit}.`;
+    if (value < low || value > high) return `The ${name} must be from ${low} to ${high} ${unit}, got ${value}.`;
+    if (key !== 'dpi' && !Number.isInteger(value)) return `The ${name} must be a whole number of pixels, got ${value}.`;
+  }
+  const pixels = (size.width as number) * (size.height as number);
+  return pixels > area ? `A picture has at most ${area / 1e6} million pixels, got ${(pixels / 1e6).toFixed(1)} million.` : null;
+}

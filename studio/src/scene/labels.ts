@@ -1,6 +1,7 @@
 // Labels of points of a scene: they do not overlap, and have lines to their points where these are not next to them.
 
 import { Vector3, type Camera } from 'three';
+import type { TextContext } from '../lib/svgContext';
 import { distanceTo, placeLabels, textParts, type Box, type TextPart } from '../lib/labelLayout';
 
 export interface Label {
@@ -28,16 +29,55 @@ interface Size {
 
 const font = (strong: boolean, size: number) => `${strong ? 600 : 400} ${size}px system-ui, sans-serif`;
 
-function measure(context: CanvasRenderingContext2D, parts: TextPart[], strong: boolean): number {
+function measure(context: TextContext, parts: TextPart[], strong: boolean): number {
   return parts.reduce((sum, { text, subscript }) => {
     context.font = font(strong, subscript ? FONT.subscript : FONT.size);
     return sum + context.measureText(text).width;
   }, 0);
 }
 
+/** An axis that is drawn as a vector: an arrow between two points. */
+export interface AxisArrow {
+  from: Vector3;
+  to: Vector3;
+  colour: string;
+}
+
+/** Length and half of the width of the head of an arrow [px]. */
+const HEAD = { length: 8, half: 3 } as const;
+
+/** Paints axes. */
+export function paintAxes(context: TextContext, axes: readonly AxisArrow[], camera: Camera, size: Size): void {
+  const toPixels = (position: Vector3) => {
+    const { x, y } = position.clone().project(camera);
+    return [((x + 1) / 2) * size.width, ((1 - y) / 2) * size.height] as const;
+  };
+  context.lineWidth = 1.5;
+  for (const { from, to, colour } of axes) {
+    const [[x, y], [a, b]] = [toPixels(from), toPixels(to)];
+    const length = Math.hypot(a - x, b - y);
+    if (length < 1) continue;
+    const [along, down] = [(a - x) / length, (b - y) / length];
+    const head = Math.min(HEAD.length, length);
+    const half = (HEAD.half * head) / HEAD.length;
+    const [neckX, neckY] = [a - head * along, b - head * down];
+    context.strokeStyle = context.fillStyle = colour;
+    context.beginPath();
+    context.moveTo(x, y);
+    context.lineTo(neckX, neckY);
+    context.stroke();
+    context.beginPath();
+    context.moveTo(a, b);
+    context.lineTo(neckX - half * down, neckY + half * along);
+    context.lineTo(neckX + half * down, neckY - half * along);
+    context.lineTo(a, b);
+    context.fill();
+  }
+}
+
 /** Paints labels between the covered margins of the view, and outside of occupied areas. */
 export function paintLabels(
-  context: CanvasRenderingContext2D,
+  context: TextContext,
   labels: readonly Label[],
   camera: Camera,
   size: Size,

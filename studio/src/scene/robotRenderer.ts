@@ -12,6 +12,7 @@ import type { Point } from '../lib/geometry';
 import type { View } from '../lib/link';
 import { Annotations } from './annotations';
 import { Handles } from './handles';
+import type { AxisArrow } from './labels';
 import { SCENE, type Theme } from './palette';
 import { RobotMaterials, RobotModel, SIZES } from './robotModel';
 import { updateRobotScene, type RobotPicture } from './robotScene';
@@ -289,8 +290,9 @@ export class RobotRenderer extends SceneRenderer {
 
   protected update(): Overlay | null {
     if (!this.#picture || !this.#robot) return null;
-    const labels = updateRobotScene(this.#picture, this.#robot, this.#annotations);
-    return { labels, covered: { left: this.#covered + 10, right: 104 }, occupied: [BUTTON, { left: 0, right: this.size.width, top: this.size.height - FOOTER, bottom: this.size.height }] };
+    const axes: AxisArrow[] = [];
+    const labels = updateRobotScene(this.#picture, this.#robot, this.#annotations, this.vectors ? axes : null);
+    return { labels, axes, covered: { left: this.#covered + 10, right: 104 }, occupied: [BUTTON, { left: 0, right: this.size.width, top: this.size.height - FOOTER, bottom: this.size.height }] };
   }
 
   protected override frameRendered(): void {

@@ -21,7 +21,7 @@ const pose = {
   models: [{ model: { virtualization: 'planar' }, answer } as unknown as ModelDocument],
 } as unknown as PoseDocument;
 const robot = { limbs: SOCKETS.map((socket_m) => ({ socket_m, socket_radius_m: Math.hypot(...socket_m) })), virtualizations: [] } as unknown as RobotDocument;
-const shown = { joints: false, ghost: false, arrows: false, frames: false, labels: false };
+const shown = { joints: false, ghost: false, others: false, arrows: false, frames: false, labels: false };
 
 function displayed(exaggeration: number): { balls: Vector3[]; platform: Matrix4; gap: number } {
   const mm = SOCKETS.map(([x, y]) => [1000 * x, 1000 * y] as [number, number]);

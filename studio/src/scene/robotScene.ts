@@ -6,7 +6,7 @@ import type { Shown } from '../lib/document';
 import { displayedBall, jointPaths, type Point, type Triple } from '../lib/geometry';
 import { jointLabels } from '../lib/joints';
 import { small, type LengthUnit } from '../lib/units';
-import type { Label } from './labels';
+import type { AxisArrow, Label } from './labels';
 import { MODEL_COLOURS, SCENE, type Theme } from './palette';
 import { RobotModel, SIZES } from './robotModel';
 import type { Annotations } from './annotations';
@@ -40,8 +40,8 @@ interface PlatformPlacement {
   toBase: (vector: Point) => Vector3;
 }
 
-/** Updates model and annotations to a pose, and returns the labels. */
-export function updateRobotScene(picture: RobotPicture, body: RobotModel, annotations: Annotations): Label[] {
+/** Updates model and annotations to a pose, and returns the labels; axes of frames are added to `axes` instead of the scene if it is given. */
+export function updateRobotScene(picture: RobotPicture, body: RobotModel, annotations: Annotations, axes: AxisArrow[] | null = null): Label[] {
   const { robot, pose, exaggeration, shown, theme, unit } = picture;
   const colours = SCENE[theme];
   const models = MODEL_COLOURS[theme];
@@ -116,6 +116,16 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
       if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: `gap ${small(gap, unit)}`, extent: 60, awayFrom: displayed.center, colour: legible(grey, theme) });
     });
   }
+  if (shown.others) {
+    for (const { model, answer } of pose.models) {
+      if (!answer || model.virtualization === picture.model) continue;
+      const other = placementOf(answer.pose, answer.torsion_rad, sockets, pose.axis_height_m, exaggeration);
+      const own = models[model.virtualization] as string;
+      for (const line of body.lines) annotations.path([...line, line[0] as Point].map(([x, y]) => new Vector3(x, y, 0).applyMatrix4(other.matrix)), 0.8, own, 7);
+      const [x, y] = body.lines[0]![0] as Point;
+      if (shown.labels) labels.push({ position: new Vector3(x, y, 0).applyMatrix4(other.matrix), text: model.virtualization, extent: 60, awayFrom: other.center, colour: legible(own, theme) });
+    }
+  }
   const axis = new Vector3(0, 0, pose.axis_height_m * MM);
   if (shown.arrows) {
     for (const { model, answer } of pose.models) {
@@ -130,12 +140,13 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
     annotations.dot(axis, 1.8, colours.ink, 15);
   }
   if (shown.frames) {
-    frame(annotations, labels, new Vector3(), (vector) => vector, 'b', colours.axes, shown.labels);
+    const arrow = (from: Vector3, to: Vector3, axis: string) => (axes ? void axes.push({ from, to, colour: axis }) : annotations.arrow(from, to, 0.9, axis, 8));
+    frame(arrow, labels, new Vector3(), (vector) => vector, 'b', colours.axes, shown.labels);
     if (placement && result) {
       const basis = columns(result.pose.rotation);
       const toBase = ({ x, y, z }: Vector3) =>
         new Vector3().addScaledVector(basis[0], x).addScaledVector(basis[1], y).addScaledVector(basis[2], z);
-      frame(annotations, labels, placement.center, toBase, 'p', colours.axes, shown.labels);
+      frame(arrow, labels, placement.center, toBase, 'p', colours.axes, shown.labels);
     }
   }
   annotations.end();
@@ -208,7 +219,7 @@ function rails(model: string, nominal: Point, delta: Point): Point[][] {
 }
 
 function frame(
-  annotations: Annotations,
+  arrow: (from: Vector3, to: Vector3, colour: string) => void,
   labels: Label[],
   origin: Vector3,
   toBase: (vector: Vector3) => Vector3,
@@ -220,7 +231,7 @@ function frame(
   [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)].forEach((axis, i) => {
     const colour = colours[i] as string;
     const tip = origin.clone().add(toBase(axis).multiplyScalar(name === 'b' ? 46 : 38));
-    annotations.arrow(origin, tip, 0.9, colour, 8);
+    arrow(origin, tip, colour);
     if (labelled && name === 'b') labels.push({ position: tip, text: names[i] as string, colour, offset: [6, 0], extent: 46 });
   });
   if (labelled && name === 'b') labels.push({ position: origin, text: 'O_b', offset: [-8, 10], extent: 46 });

@@ -20,8 +20,9 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { environmentLight, installEnvironment } from './environment';
 import { Ground } from './ground';
 import type { Box } from '../lib/labelLayout';
+import type { TextContext } from '../lib/svgContext';
 import { DESCRIPTIONS, type Freedom, type Handles } from './handles';
-import { paintLabels, type Label } from './labels';
+import { paintAxes, paintLabels, type AxisArrow, type Label } from './labels';
 import { SCENE, type Theme } from './palette';
 import { Resolution } from './resolution';
 import { CUBE_SIDES, type CubeSide } from './standardViews';
@@ -43,6 +44,8 @@ export interface RendererEvents {
 /** Labels of a frame, and what other elements cover: widths at its left and right, and further areas [px]. */
 export interface Overlay {
   labels: Label[];
+  /** Axes that are drawn as vectors, in pictures that have vectors. */
+  axes?: AxisArrow[];
   covered: { left: number; right: number };
   occupied?: Box[];
 }
@@ -265,13 +268,16 @@ export abstract class SceneRenderer {
 
   /** Whether a picture for export is being rendered. */
   protected exporting = false;
+  /** Whether axes and labels of that picture are vectors. */
+  protected vectors = false;
 
   /**
    * Renders the view to another canvas, in another size and without drag handles.
    *
    * `smooth` renders it at twice the resolution where the graphics card does not smooth edges.
+   * With `vectors`, axes, labels and note are drawn there, in pixels of the screen, and not on the canvas.
    */
-  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth = true): void {
+  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth = true, vectors: TextContext | null = null): void {
     const { width, height, scale, transparent, labels, note } = picture;
     const context = canvas.getContext('2d');
     const largest = this.renderer.capabilities.maxTextureSize;
@@ -283,6 +289,7 @@ export abstract class SceneRenderer {
     const { background, ink } = SCENE[this.theme];
     try {
       this.exporting = true;
+      this.vectors = vectors !== null;
       if (this.#handles) this.#handles.group.visible = false;
       this.size = { width: width / scale, height: height / scale };
       this.renderer.setPixelRatio(1);
@@ -299,12 +306,15 @@ export abstract class SceneRenderer {
       context.imageSmoothingQuality = 'high';
       context.drawImage(this.renderer.domElement, 0, 0, width, height);
       context.setTransform(scale, 0, 0, scale, 0, 0);
-      if (labels && overlay) paintLabels(context, overlay.labels, this.camera, this.size, { left: 8, right: 8 }, [], { text: ink, halo: background });
-      context.font = '600 14px system-ui, sans-serif';
-      context.fillStyle = ink;
-      context.fillText(note, 14, height / scale - 14);
+      const texts = vectors ?? context;
+      if (overlay?.axes) paintAxes(texts, overlay.axes, this.camera, this.size);
+      if (labels && overlay) paintLabels(texts, overlay.labels, this.camera, this.size, { left: 8, right: 8 }, [], { text: ink, halo: background });
+      texts.textBaseline = 'alphabetic';
+      texts.font = '600 14px system-ui, sans-serif';
+      texts.fillStyle = ink;
+      texts.fillText(note, 14, height / scale - 14);
     } finally {
-      this.exporting = false;
+      this.exporting = this.vectors = false;
       if (this.#handles) this.#handles.group.visible = before.handles;
       this.size = before.size;
       this.renderer.setPixelRatio(this.#resolution.moving);

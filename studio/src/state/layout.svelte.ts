@@ -56,6 +56,10 @@ class Layout {
   explainOpen = $state(false);
   /** A link to the cell view that is still to be opened. */
   cellLink = $state.raw<CellLink | null>(null);
+  /** Whether the dialog for opening files is shown. */
+  openShown = $state(false);
+  /** Whether the robot file is shown next to the view. */
+  robotEditor = $state(false);
   introductionShown = $state(load('introduction', true, flag));
   handles = $state(load('handles', true, flag));
   /** The maximized plot. */

@@ -60,6 +60,14 @@ export class PanelLayout {
     this.#save(`width.${side}`, this.widths[side]);
   }
 
+  /** Takes over an arrangement of the panels. */
+  restore(docks: Docks, closed: Record<string, boolean>): void {
+    this.docks = validDocks(docks, this.#panels);
+    this.closed = { ...closed };
+    this.#save('docks', this.docks);
+    this.#save('closed', this.closed);
+  }
+
   /** Restores the initial layout. */
   reset(): void {
     this.docks = validDocks(null, this.#panels);

@@ -1,6 +1,6 @@
 // Size and content of exported pictures, remembered by the browser.
 
-import { SCREEN_DPI, onPaper, type PictureSize } from '../lib/png';
+import { SCREEN_DPI, onPaper, pictureSizeProblem, type PictureSize } from '../lib/png';
 import { load, save } from '../lib/settings';
 
 export const PICTURE_SIZES = {
@@ -23,21 +23,28 @@ interface Settings {
 }
 
 const INITIAL: Settings = { size: 'view', other: { width: 2400, height: 1600, dpi: 300 }, transparent: false, labels: true };
-const isNumber = (value: unknown): value is number => typeof value === 'number' && Number.isFinite(value) && value > 0;
 function isSettings(value: unknown): boolean {
   const { size, other, transparent, labels } = (value ?? {}) as Partial<Settings>;
-  return size !== undefined && size in PICTURE_SIZES && isNumber(other?.width) && isNumber(other?.height) && isNumber(other?.dpi) && typeof transparent === 'boolean' && typeof labels === 'boolean';
+  const known = typeof size === 'string' && Object.hasOwn(PICTURE_SIZES, size);
+  return known && typeof other === 'object' && other !== null && pictureSizeProblem(other) === null && typeof transparent === 'boolean' && typeof labels === 'boolean';
 }
 
 class PictureSettings {
   value = $state<Settings>(load('picture', INITIAL, isSettings));
 
+  /** Why there is no picture of the chosen size; `null` if there is one. */
+  get problem(): string | null {
+    return this.value.size === 'other' ? pictureSizeProblem(this.value.other) : null;
+  }
+
+  /** Remembers valid settings. */
   save(): void {
-    save('picture', $state.snapshot(this.value));
+    if (this.problem === null) save('picture', $state.snapshot(this.value));
   }
 
   /** Size of a picture of a view, and its pixels per pixel of texts on the screen. */
   of(view: { width: number; height: number }): PictureSize & { scale: number } {
+    if (this.problem !== null) throw new Error(this.problem);
     const aspect = view.width / view.height;
     const onPaperScale = (size: PictureSize) => ({ ...size, scale: (TEXT * size.dpi) / SCREEN_DPI });
     switch (this.value.size) {
@@ -50,7 +57,7 @@ class PictureSettings {
       case 'page':
         return onPaperScale(onPaper(170, aspect, 300));
       default:
-        return onPaperScale({ width: Math.round(this.value.other.width), height: Math.round(this.value.other.height), dpi: this.value.other.dpi });
+        return onPaperScale({ ...this.value.other });
     }
   }
 }

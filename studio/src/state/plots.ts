@@ -1,6 +1,6 @@
 // The visible plots of the robot view, for export.
 
-import type uPlot from 'uplot';
-import type { PlotKind } from '../lib/figures';
+import type { Drawing } from '../lib/plotsvg';
 
-export const plots = new Map<string, { plot: uPlot; kind: PlotKind }>();
+/** Functions that draw the visible plots in their present ranges, by plot. */
+export const plots = new Map<string, () => Drawing>();

@@ -3,6 +3,7 @@
 import { EXAGGERATION, VIRTUALIZATIONS } from '../lib/document';
 import { STANDARD_VIEWS, type StandardView } from '../scene/robotRenderer';
 import { layout } from './layout.svelte';
+import { plotLayout } from './plotLayout.svelte';
 import { scene } from './scene.svelte';
 import { shortcutOf, type ShortcutSheet, type Shortcut } from './shortcuts';
 import { studio } from './studio.svelte';
@@ -34,6 +35,7 @@ const SHORTCUTS: Shortcut[] = [
   { group: 'Motion', keys: ['ArrowLeft'], description: 'previous sample (Shift: 10 samples)', run: (event) => studio.player.step(event.shiftKey ? -10 : -1) },
   { group: 'Motion', keys: ['Home'], description: 'first sample', run: () => studio.player.seek(0) },
   { group: 'Motion', keys: ['End'], description: 'last sample', run: () => studio.player.seek(studio.study.count - 1) },
+  { group: 'Motion', keys: ['c'], description: 'reference of plot values here, or none', run: () => (plotLayout.reference = plotLayout.reference === studio.player.sample ? null : studio.player.sample) },
   { group: 'Motion', keys: ['l'], description: 'loop on or off', run: () => (studio.player.loop = !studio.player.loop) },
   { group: 'Robot', keys: ['i'], description: 'tilt by −0.1° about x', run: () => nudge(-0.1, 0, 0) },
   { group: 'Robot', keys: ['k'], description: 'tilt by +0.1° about x', run: () => nudge(0.1, 0, 0) },
@@ -47,6 +49,7 @@ const SHORTCUTS: Shortcut[] = [
   { group: 'Play', keys: ['m'], description: 'next virtualization', run: () => nextModel() },
   { group: 'Play', keys: ['v'], description: 'show or hide virtual joints', run: () => studio.setShown({ joints: !studio.document.shown.joints }) },
   { group: 'Play', keys: ['g'], description: 'show or hide the approximate model', run: () => studio.setShown({ ghost: !studio.document.shown.ghost }) },
+  { group: 'Play', keys: ['x'], description: 'show or hide the platforms of the other models', run: () => studio.setShown({ others: !studio.document.shown.others }) },
   { group: 'Play', keys: ['a'], description: 'show or hide centre shifts', run: () => studio.setShown({ arrows: !studio.document.shown.arrows }) },
   { group: 'Play', keys: ['n'], description: 'show or hide labels', run: () => studio.setShown({ labels: !studio.document.shown.labels }) },
   ...sides.map((side, i): Shortcut => ({ group: 'View', keys: [String(i + 1)], description: `view: ${side}`, run: view(side) })),
@@ -54,6 +57,7 @@ const SHORTCUTS: Shortcut[] = [
   { group: 'View', keys: ['p'], description: 'close-up of the platform', run: () => scene.renderer?.lookAtPlatform() },
   { group: 'View', keys: ['o'], description: 'orthographic or perspective', run: () => scene.renderer?.toggleProjection() },
   { group: 'Page', keys: ['?'], description: 'keyboard shortcuts', run: () => (layout.helpOpen = !layout.helpOpen) },
+  { group: 'Page', keys: ['e'], description: 'edit the robot', run: () => (layout.robotEditor = !layout.robotEditor) },
   { group: 'Page', keys: ['b'], description: 'show or hide panels', run: () => layout.toggleDocks() },
   { group: 'Page', keys: ['w'], description: 'why the models differ', run: () => (layout.explainOpen = !layout.explainOpen) },
   { group: 'Page', keys: ['t'], description: 'light or dark theme', run: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
@@ -65,6 +69,7 @@ export const ROBOT_SHORTCUTS: ShortcutSheet = {
   control: [
     { keys: ['Ctrl', 'Z'], description: 'undo' },
     { keys: ['Ctrl', 'Shift', 'Z'], description: 'redo' },
+    { keys: ['Ctrl', 'S'], description: 'save the robot file' },
   ],
   pointer: [
     'Drag a panel by its grip to reorder it or to move it to the other side. Drag the edges of panels and plots to resize them.',
@@ -88,6 +93,11 @@ export function handleRobotShortcut(event: KeyboardEvent): void {
   if (!studio.robot || event.defaultPrevented || event.altKey) return;
   if (event.ctrlKey || event.metaKey) {
     const key = event.key.toLowerCase();
+    if (key === 's' && layout.robotEditor) {
+      event.preventDefault();
+      if (studio.file.writable) void studio.file.save();
+      return;
+    }
     if (key !== 'z' && key !== 'y') return;
     event.preventDefault();
     if (key === 'y' || event.shiftKey) void studio.redo();

@@ -22,10 +22,16 @@ import { withinTilt } from '../lib/limits';
 import { load, save } from '../lib/settings';
 import { degrees, millimetres, type LengthUnit } from '../lib/units';
 import type { Theme } from '../scene/palette';
+import { Comparison, MOST_COMPARED } from './comparison.svelte';
 import { layout } from './layout.svelte';
+import { plotLayout } from './plotLayout.svelte';
 import { probe } from './probe';
 import { Player } from './player.svelte';
+import { RobotFile } from './robotFile.svelte';
 import { Study } from './study.svelte';
+
+/** How the robot moves to a command beyond its limits: in a straight line up to the first one, or along them. */
+type Jog = 'stop' | 'slide';
 
 export type ThemeChoice = 'system' | Theme;
 
@@ -77,11 +83,13 @@ export class Studio {
   /** Returns the camera of the 3D view, once there is one. */
   readView: (() => View) | null = null;
   readonly study = new Study();
+  readonly comparison = new Comparison();
+  readonly file = new RobotFile({ opened: (robot) => this.#showRobot(robot), committed: () => void this.commit() });
   readonly player = new Player(this.study, { show: (command) => this.showSample(command), stopped: () => this.rememberLink() });
 
   #history = new History<Document>(this.document);
   #lastValid: Command = this.document.command;
-  #pending: { command: api.ApiCommand; jog: boolean } | null = null;
+  #pending: { command: api.ApiCommand; jog: Jog | null } | null = null;
   #request: Promise<void> | null = null;
   #steps = Promise.resolve();
   #linkTimer: ReturnType<typeof setTimeout> | undefined;
@@ -102,10 +110,11 @@ export class Studio {
     try {
       const robot = await api.robot();
       const first = this.robot === null;
-      this.robot = robot;
+      // An edited robot remains.
+      if (this.file.source === null) this.robot = robot;
       if (first) this.#openLink(window.location.hash || load(this.#linkKey, '', (value) => typeof value === 'string'));
       else {
-        this.#requestPose(this.document.command, true);
+        this.#requestPose(this.document.command);
         if (this.document.motion && this.study.state !== 'ready') this.loadStudy();
       }
     } catch (error) {
@@ -143,7 +152,8 @@ export class Studio {
       if (this.robot?.cell) layout.setPart('cell');
       hash = load(this.#linkKey, '', (value) => typeof value === 'string');
     }
-    const initial = this.robot ? initialDocument(millimetres(this.robot.working_height_m), degrees(this.robot.limits.tilt_max_rad)) : initialDocument(500);
+    const empty = this.robot ? initialDocument(millimetres(this.robot.working_height_m), degrees(this.robot.limits.tilt_max_rad)) : initialDocument(500);
+    const initial = { ...empty, robotText: this.document.robotText };
     const { robot, document, view, sample } = fromHash(hash, initial);
     const own = this.#identity;
     this.foreignRobot = robot && own && robot.print !== own.print ? robot.name : null;
@@ -152,7 +162,7 @@ export class Studio {
     this.#history = new History(document);
     this.#updateHistory();
     this.linkedView = view;
-    this.#requestPose(document.command, true);
+    this.#requestPose(document.command);
     this.player.sample = null;
     if (document.motion) void this.loadStudy().then(() => sample !== null && this.player.seek(sample));
     else this.study.clear();
@@ -166,6 +176,8 @@ export class Studio {
   /** Completes a change: all changes since the last call are one undo step. */
   commit(): Promise<void> {
     return this.#enqueueStep(() => {
+      // A text with errors describes no robot, and is a step all the same.
+      if (this.document.robotText !== null) this.document = { ...this.document, robotText: this.file.text };
       if (this.#history.commit(this.document)) this.#updateHistory();
       this.rememberLink();
     });
@@ -181,7 +193,7 @@ export class Studio {
 
   /** Undo steps are processed in order, each after all pending requests. */
   #enqueueStep(step: () => void): Promise<void> {
-    this.#steps = this.#steps.then(() => this.settled()).then(step);
+    this.#steps = this.#steps.then(() => this.file.settled()).then(() => this.settled()).then(step);
     return this.#steps;
   }
 
@@ -192,9 +204,26 @@ export class Studio {
     this.notice = null;
     this.player.detach();
     this.#updateHistory();
-    this.#requestPose(document.command, true);
+    if (document.robotText !== null && document.robotText !== before.robotText) this.file.restore(document.robotText);
+    this.#requestPose(document.command);
     this.#updateStudy(before);
     this.rememberLink();
+  }
+
+  /** Shows the robot of an edited text, at the nearest pose within its limits. */
+  #showRobot(robot: RobotDocument): void {
+    const before = { print: this.#identity?.print, robot: JSON.stringify(this.robot) };
+    const { text } = this.file;
+    if (this.document.robotText === null) {
+      // The loaded text is no change.
+      this.document = { ...this.document, robotText: text };
+      this.#history.replace(this.document);
+    } else this.document = { ...this.document, robotText: text };
+    this.robot = robot;
+    if (before.robot === JSON.stringify(robot)) return;
+    if (this.player.sample === null) this.#requestPose(this.document.command, 'slide');
+    // Clearances do not change a motion.
+    if (this.document.motion && before.print !== this.#identity?.print) void this.loadStudy().then(() => this.player.sample !== null && this.player.seek(this.player.sample));
   }
 
   #change(part: Partial<Document>): void {
@@ -252,17 +281,17 @@ export class Studio {
     return this.document.command;
   }
 
-  /** Jogs the robot: along the tilt limit, and up to any other limit. */
+  /** Jogs the robot: tilts about x and y and single rods move along the limits, other commands up to the first one. */
   jog(target: Command): void {
     if (this.player.sample !== null) this.player.detach();
     const command = this.robot ? withinTilt(target, degrees(this.robot.limits.tilt_max_rad)) : target;
     this.document = { ...this.document, command };
-    this.#requestPose(command, true);
+    this.#requestPose(command, command.kind === 'rods' ? 'slide' : 'stop');
   }
 
   /** Displays a sample of the motion. */
   showSample(command: api.ApiCommand): void {
-    this.#pending = { command, jog: false };
+    this.#pending = { command, jog: null };
     this.#request ??= this.#processRequests();
   }
 
@@ -272,11 +301,11 @@ export class Studio {
   }
 
   #recompute(): void {
-    if (this.player.sample === null) this.#requestPose(this.document.command, true);
+    if (this.player.sample === null) this.#requestPose(this.document.command);
     else this.player.seek(this.player.sample);
   }
 
-  #requestPose(command: Command, jog: boolean): void {
+  #requestPose(command: Command, jog: Jog = 'stop'): void {
     this.#pending = { command: api.toApiCommand(command), jog };
     this.#request ??= this.#processRequests();
   }
@@ -293,7 +322,8 @@ export class Studio {
         const order = [model, ...VIRTUALIZATIONS.filter((name) => name !== model)];
         const models = order.map((name) => api.modelChoice(name, solver, metric));
         try {
-          const answer = await api.pose(command, models, jog ? (this.pose?.rods_m ?? null) : null);
+          const atLimits = jog === 'slide' ? { slide: true as const } : jog === 'stop' ? { stop: this.pose?.rods_m ?? null } : { show: true as const };
+          const answer = await api.pose(this.file.source, command, models, atLimits);
           const messages = (limits: typeof answer.stopped_by) => limits.map(({ message }) => message).join('; ');
           if (jog && answer.limits_broken.length > 0) {
             this.#revert(original, messages(answer.limits_broken));
@@ -307,7 +337,7 @@ export class Studio {
           if (answer.stopped_by.length > 0) {
             this.#lastValid = asCommandLike(original, answer, EXACT_DECIMALS);
             if (this.document.command === original) this.document = { ...this.document, command: this.#lastValid };
-            this.notice = `Stopped at a limit: ${messages(answer.stopped_by)}.`;
+            this.notice = jog === 'slide' ? `Held by a limit: ${messages(answer.stopped_by)}. Shown is the nearest pose within the limits.` : `Stopped at a limit: ${messages(answer.stopped_by)}.`;
           } else if (!this.#pending) this.notice = null;
         } catch (error) {
           if (error instanceof ApiError && jog) this.#revert(original, error.message);
@@ -346,7 +376,22 @@ export class Studio {
     const { motion, model, solver, metric } = this.document;
     if (!motion) return;
     try {
-      await this.study.load(motion, api.modelChoice(model, solver, metric));
+      plotLayout.reference = null;
+      await this.study.load(this.file.source, motion, api.modelChoice(model, solver, metric));
+      await this.loadComparison();
+    } catch (error) {
+      this.#failed(error);
+    }
+  }
+
+  /** Loads the studies of the models that are plotted in addition to the selected one. */
+  async loadComparison(): Promise<void> {
+    const { motion, model, solver, metric } = this.document;
+    const models = plotLayout.models.filter((one) => one !== model);
+    const tooMany = models.length > 0 && this.study.total > MOST_COMPARED;
+    if (tooMany) this.notice = `The motion has ${this.study.total} samples; models are compared over up to ${MOST_COMPARED}.`;
+    try {
+      await this.comparison.load(this.file.source, motion, tooMany ? [] : models, (one) => api.modelChoice(one, solver, metric));
     } catch (error) {
       this.#failed(error);
     }

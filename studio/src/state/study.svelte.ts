@@ -1,7 +1,7 @@
 // Time series of a motion, received from the server in batches.
 
 import * as api from '../api/client';
-import type { ModelChoice, ApiCommand } from '../api/client';
+import type { ModelChoice, ApiCommand, RobotSource } from '../api/client';
 import { readArrow } from '../lib/arrow';
 import { column, type Column } from '../lib/columns';
 import type { Motion } from '../lib/document';
@@ -46,13 +46,13 @@ export class Study {
     if (this.state === 'loading') this.state = this.count > 0 ? 'ready' : 'none';
   }
 
-  async load(motion: Motion, model: ModelChoice): Promise<void> {
+  async load(robot: RobotSource | null, motion: Motion, model: ModelChoice, quantities: readonly string[] = api.QUANTITIES): Promise<void> {
     this.clear();
     const abort = new AbortController();
     this.#abort = abort;
     this.state = 'loading';
     try {
-      const { metadata, fields, batches } = await readArrow(await api.study(motion, model, abort.signal));
+      const { metadata, fields, batches } = await readArrow(await api.study(robot, motion, model, quantities, abort.signal));
       if (abort.signal.aborted) return;
       const total = Number(metadata.get('samples'));
       this.rate = motion.kind === 'key-poses' ? api.KEY_RATE_HZ : null;

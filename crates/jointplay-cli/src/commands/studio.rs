@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::cell::MAX_BYTES;
 use jointplay::format::mechanism::MAX_BYTES as MAX_MECHANISM_BYTES;
-use jointplay_studio::{CellFiles, DEFAULT_PORT, EXAMPLE, Error, MechanismFileOnDisk, Server};
+use jointplay_studio::{CellFiles, DEFAULT_PORT, EXAMPLE, Error, MechanismFileOnDisk, RobotFileOnDisk, Server};
 use serde::Serialize;
 
 use crate::arguments::{RobotArgs, whole};
@@ -123,6 +123,7 @@ impl Studio {
             (Error::Mesh(error), Some(file)) => Failure::at(&error, &file.display().to_string()),
             (error, _) => error.into(),
         })?;
+        let server = server.with_robot_file(robot_file(robot)?);
         let server = match cell {
             None => server,
             Some(path) => server.with_cell(cell_files(path)?),
@@ -160,6 +161,14 @@ impl Studio {
         let text = if is_model { expanded(&source)?.text } else { source.text };
         Ok(MechanismFileOnDisk { name, path: on_disk.then(|| path.to_owned()), text, loops })
     }
+}
+
+/// The text of the robot file.
+fn robot_file(robot: &RobotArgs) -> Result<RobotFileOnDisk, Failure> {
+    let (name, text) = robot.text()?;
+    let path = robot.file().map(Path::to_owned);
+    let parameters = robot.set.replaced().into_iter().collect();
+    Ok(RobotFileOnDisk { name, path, text, parameters })
 }
 
 /// The files of a work cell; errors in the cell file are reported on standard error and shown on the page.

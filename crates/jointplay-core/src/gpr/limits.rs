@@ -47,6 +47,11 @@ pub struct BrokenLimits {
 }
 
 impl BrokenLimits {
+    /// Some limits with the values of a pose.
+    pub(super) fn at(limits: Limits, rods: [f64; 3], tilt: Tilt, broken: [bool; 4]) -> Self {
+        Self { limits, rods, tilt_angle: tilt.angle.abs(), broken }
+    }
+
     /// Whether the pose is within all limits.
     #[must_use]
     pub fn is_empty(&self) -> bool {

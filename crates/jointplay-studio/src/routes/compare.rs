@@ -33,8 +33,8 @@ pub(crate) async fn compare(
     State(state): State<AppState>,
     Body(request): Body<CompareRequest>,
 ) -> Result<Json<CompareReport>, Problem> {
-    let robot = state.robot.clone();
-    state.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+    let work = state.work.clone();
+    work.run(move || compute(&state.robot(request.robot.as_ref())?.gpr, request)).await.map(Json)
 }
 
 fn compute(gpr: &Gpr, request: CompareRequest) -> Result<CompareReport, Problem> {

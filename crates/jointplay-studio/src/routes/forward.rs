@@ -31,8 +31,8 @@ pub(crate) async fn forward(
     State(state): State<AppState>,
     Body(request): Body<ForwardRequest>,
 ) -> Result<Json<ForwardReport>, Problem> {
-    let robot = state.robot.clone();
-    state.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+    let work = state.work.clone();
+    work.run(move || compute(&state.robot(request.robot.as_ref())?.gpr, request)).await.map(Json)
 }
 
 fn compute(gpr: &Gpr, request: ForwardRequest) -> Result<ForwardReport, Problem> {

@@ -30,8 +30,8 @@ pub(crate) async fn inverse(
     State(state): State<AppState>,
     Body(request): Body<CommandRequest>,
 ) -> Result<Json<ForwardReport>, Problem> {
-    let robot = state.robot.clone();
-    state.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+    let work = state.work.clone();
+    work.run(move || compute(&state.robot(request.robot.as_ref())?.gpr, request)).await.map(Json)
 }
 
 fn compute(gpr: &Gpr, request: CommandRequest) -> Result<ForwardReport, Problem> {

@@ -48,9 +48,10 @@ async fn mesh(
 ) -> Result<Response, Problem> {
     let work = state.work.clone();
     let read = move || {
+        let robot = state.robot.robot();
         let missing = |why: String| Problem::request(StatusCode::NOT_FOUND, why);
         let mesh =
-            of(&state.robot).ok_or_else(|| missing("the robot file names no such mesh".into()))?;
+            of(&robot).ok_or_else(|| missing("the robot file names no such mesh".into()))?;
         let bytes = state.meshes.read(mesh).map_err(|error| missing(error.to_string()))?;
         Ok((media_type(mesh.format), bytes))
     };

@@ -22,6 +22,7 @@ pub(crate) mod mobility;
 pub(crate) mod pose;
 pub(crate) mod quantity;
 pub(crate) mod robot;
+pub(crate) mod robot_file;
 pub(crate) mod sensitivity;
 pub(crate) mod study;
 

@@ -2,6 +2,7 @@
 
 use axum::Json;
 use axum::extract::State;
+use axum::http::StatusCode;
 use jointplay::format::explain::explain;
 use jointplay::gpr::{BrokenLimit, Gpr};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
@@ -13,13 +14,13 @@ use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::pose::{
-    AnswerDocument, MAX_MODELS, MobilityDocument, ModelDocument, PoseDocument, PoseRequest,
+    AnswerDocument, AtLimits, MAX_MODELS, MobilityDocument, ModelDocument, PoseDocument, PoseRequest,
 };
 use crate::wire::{self, ModelChoice, Rods};
 
 /// One pose under several models, with mobility and sensitivity
 ///
-/// A pose beyond the limits of the robot is computed, and the violated limits are listed. With `from_rods_m` within the limits, the robot moves in a straight line in rod space and stops at the first limit.
+/// A pose beyond the limits of the robot is computed, and the violated limits are listed. With `from_rods_m` within the limits, the robot moves in a straight line in rod space and stops at the first limit. With `at_limits` of `slide`, it has the nearest rods within the limits, and the limits that hold it are listed in `stopped_by`.
 /// A model without a solution gives the reason.
 #[utoipa::path(
     post,
@@ -37,14 +38,16 @@ pub(crate) async fn pose(
     State(state): State<AppState>,
     Body(request): Body<PoseRequest>,
 ) -> Result<Json<PoseDocument>, Problem> {
-    let robot = state.robot.clone();
-    state.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+    let work = state.work.clone();
+    work.run(move || compute(&state.robot(request.robot.as_ref())?.gpr, request)).await.map(Json)
 }
 
 fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
     let PoseRequest {
+        robot: _,
         command,
         from_rods_m: from,
+        at_limits,
         models: choices,
         mobility: with_mobility,
         bounds,
@@ -66,6 +69,13 @@ fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
     let from = from.map(|Rods(from)| wire::rods(from, "from_rods_m")).transpose()?;
     let within = |from: &[f64; 3]| gpr.limits().broken(from, gpr.plane_tilt(from)).is_empty();
     let (rods, broken, stopped_by) = match from.filter(within) {
+        _ if at_limits == AtLimits::Slide => {
+            let nearest = gpr.nearest_rods(&rods).ok_or_else(|| {
+                let detail = "no rods within the limits are near this command";
+                Problem::request(StatusCode::CONFLICT, detail)
+            })?;
+            (nearest.rods, Vec::new(), nearest.held_by.iter().collect())
+        }
         Some(from) => (gpr.clamp_to_limits(&from, &rods), Vec::new(), broken),
         None => (rods, broken, Vec::new()),
     };

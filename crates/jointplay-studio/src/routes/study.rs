@@ -31,7 +31,7 @@ pub(crate) async fn study(
     State(state): State<AppState>,
     Body(request): Body<StudyRequest>,
 ) -> Result<Response, Problem> {
-    let body = study::arrow(&state, Study::new(state.robot.clone(), request)?)?;
+    let body = study::arrow(&state, Study::new(state.robot(request.robot.as_ref())?, request)?)?;
     let kind = (header::CONTENT_TYPE, "application/vnd.apache.arrow.stream");
     Ok(([kind], body).into_response())
 }
@@ -54,7 +54,7 @@ pub(crate) async fn study_csv(
     State(state): State<AppState>,
     Body(request): Body<StudyRequest>,
 ) -> Result<Response, Problem> {
-    let body = study::csv(&state, Study::new(state.robot.clone(), request)?)?;
+    let body = study::csv(&state, Study::new(state.robot(request.robot.as_ref())?, request)?)?;
     let headers = [
         (header::CONTENT_TYPE, "text/csv; charset=utf-8"),
         (header::CONTENT_DISPOSITION, "attachment; filename=\"study.csv\""),
@@ -80,7 +80,7 @@ pub(crate) async fn study_parquet(
     State(state): State<AppState>,
     Body(request): Body<StudyRequest>,
 ) -> Result<Response, Problem> {
-    let body = study::parquet(&state, Study::new(state.robot.clone(), request)?).await?;
+    let body = study::parquet(&state, Study::new(state.robot(request.robot.as_ref())?, request)?).await?;
     let headers = [
         (header::CONTENT_TYPE, "application/vnd.apache.parquet"),
         (header::CONTENT_DISPOSITION, "attachment; filename=\"study.parquet\""),

@@ -10,6 +10,7 @@ mod meshes;
 mod pose;
 mod questions;
 mod refusals;
+mod robot_file;
 mod studies;
 
 use std::path::Path;

@@ -19,6 +19,7 @@ pub(crate) mod program_parameters;
 pub(crate) mod quantity;
 pub(crate) mod question;
 pub(crate) mod robot;
+pub(crate) mod robot_file;
 pub(crate) mod study;
 
 pub(crate) use command::{CommandFields, HeightKind, Target, rods};

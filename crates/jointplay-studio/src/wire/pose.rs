@@ -2,7 +2,7 @@
 
 use jointplay::format::explain::explain_limit;
 use jointplay::gpr::{
-    ApproximatePose, BrokenLimit, EvaluatedBounds, Gpr, PlatformPose, TiltPlay, ball_sides,
+    ApproximatePose, BallClearance, BrokenLimit, EvaluatedBounds, Gpr, PlatformPose, TiltPlay, ball_sides,
 };
 use jointplay::mobility::{FiniteMobility, InstantaneousMobility};
 use jointplay::spatial::{Pose, Tilt};
@@ -12,6 +12,7 @@ use utoipa::ToSchema;
 
 use super::model::SolverName;
 use super::{CommandFields, ModelChoice, Pair, Rods, Triple};
+use super::robot_file::RobotSource;
 use crate::strict;
 
 /// Maximum number of models in a request.
@@ -21,12 +22,19 @@ pub(crate) const MAX_MODELS: usize = 16;
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PoseRequest {
+    /// Robot in place of that of this server.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) robot: Option<RobotSource>,
     /// Command of the robot.
     pub(crate) command: CommandFields,
     /// Rod lengths at the start of the motion. If they are within the limits and the command is not, the robot stops at the last pose within the limits on a straight line in rod space.
     /// Without them, or from a start beyond the limits, the limits are ignored.
     #[serde(default)]
     pub(crate) from_rods_m: Option<Rods>,
+    /// What happens to a command beyond the limits.
+    #[serde(default)]
+    #[schema(required = false)]
+    pub(crate) at_limits: AtLimits,
     /// The models; a height of the platform centre refers to the first one.
     #[serde(default = "one_model", deserialize_with = "strict::objects")]
     #[schema(required = false, min_items = 1, max_items = 16)]
@@ -39,6 +47,17 @@ pub(crate) struct PoseRequest {
     #[serde(default = "yes")]
     #[schema(required = false, default = true)]
     pub(crate) bounds: bool,
+}
+
+/// What happens to a command beyond the limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum AtLimits {
+    /// A motion from `from_rods_m` stops; other poses are computed beyond the limits.
+    #[default]
+    Stop,
+    /// The robot has the nearest rods within the limits, by the distance of rod lengths: it slides along the limits.
+    Slide,
 }
 
 fn yes() -> bool {
@@ -65,7 +84,7 @@ pub(crate) struct PoseDocument {
     pub(crate) sides_m: Triple,
     /// Limits that the pose violates.
     pub(crate) limits_broken: Vec<BrokenLimitDocument>,
-    /// Limits that stopped the motion from `from_rods_m`; empty if the command was reached.
+    /// Limits that stopped the motion from `from_rods_m`, or at which the nearest rods are; empty if the command was reached.
     pub(crate) stopped_by: Vec<BrokenLimitDocument>,
     /// The approximate model of the paper's Fig. 2.
     pub(crate) approximate: ApproximateDocument,
@@ -162,12 +181,43 @@ pub(crate) struct AnswerDocument {
     pub(crate) iterations: usize,
     /// Largest difference between a side and its virtual length (m).
     pub(crate) residual_m: f64,
+    /// Clearance of the balls that the pose needs.
+    pub(crate) clearance: ClearanceDocument,
     /// Displacement from the level pose with its first-order bounds, if requested.
     #[schema(required = true)]
     pub(crate) play: Option<PlayDocument>,
     /// Mobility with free virtual joints, if requested.
     #[schema(required = true)]
     pub(crate) augmented: Option<AugmentedDocument>,
+}
+
+/// Clearance of the balls that a pose needs, as radii, for rigid parts.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct ClearanceDocument {
+    /// Distance of each ball from the centre of its nominal socket (m).
+    pub(crate) displacements_m: Triple,
+    /// Least clearance that the pose needs, wherever the platform settles (m).
+    pub(crate) lower_bound_m: f64,
+    /// Clearance at which the pose is possible (m).
+    pub(crate) upper_bound_m: f64,
+    /// Clearance in the robot file; `null` without one (m).
+    #[schema(required = true)]
+    pub(crate) available_m: Option<f64>,
+    /// Whether it is sufficient; `null` where it is unknown, or between the bounds.
+    #[schema(required = true)]
+    pub(crate) is_sufficient: Option<bool>,
+}
+
+impl From<&BallClearance> for ClearanceDocument {
+    fn from(needed: &BallClearance) -> Self {
+        Self {
+            displacements_m: Triple(needed.displacements),
+            lower_bound_m: needed.lower_bound,
+            upper_bound_m: needed.upper_bound(),
+            available_m: needed.available,
+            is_sufficient: needed.is_sufficient(),
+        }
+    }
 }
 
 /// Displacement of the virtual joints from the level pose at the same axis height, with its first-order bounds.
@@ -334,6 +384,7 @@ impl AnswerDocument {
             solver: found.solver.into(),
             iterations: found.iterations,
             residual_m: found.residual,
+            clearance: (&gpr.needed_clearance(pose, virtualization)).into(),
             play: play.map(Into::into),
             augmented: augmented.map(|found| AugmentedDocument {
                 mobility: found.mobility,

@@ -4,6 +4,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::model::{MetricName, SolverName};
+use super::robot_file::RobotSource;
 use super::{CommandFields, ModelChoice, Rods, TiltAngle, VirtualizationName};
 use crate::strict;
 
@@ -14,6 +15,9 @@ pub(crate) const MAX_TILTS: usize = 10_000;
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ForwardRequest {
+    /// Robot in place of that of this server.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) robot: Option<RobotSource>,
     /// q_1, q_2, q_3 (m).
     pub(crate) rods_m: Rods,
     /// The model.
@@ -29,6 +33,9 @@ pub(crate) struct ForwardRequest {
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct CommandRequest {
+    /// Robot in place of that of this server.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) robot: Option<RobotSource>,
     /// Command of the robot.
     pub(crate) command: CommandFields,
     /// The model.
@@ -44,6 +51,9 @@ pub(crate) struct CommandRequest {
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MobilityRequest {
+    /// Robot in place of that of this server.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) robot: Option<RobotSource>,
     /// q_1, q_2, q_3; default: all at the working height of the robot (m).
     pub(crate) rods_m: Option<Rods>,
     /// Virtualization whose mobility with free virtual joints is added.
@@ -57,6 +67,9 @@ pub(crate) struct MobilityRequest {
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct CompareRequest {
+    /// Robot in place of that of this server.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) robot: Option<RobotSource>,
     /// Azimuth of all tilts (rad).
     #[serde(default)]
     #[schema(minimum = -1000, maximum = 1000)]

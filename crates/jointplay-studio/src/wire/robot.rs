@@ -20,6 +20,9 @@ pub(crate) struct RobotDocument {
     pub(crate) limbs: Vec<LimbDocument>,
     /// Limits of rods and tilt.
     pub(crate) limits: LimitsDocument,
+    /// Clearance of the balls, as a radius; `null` if the robot file has none (m).
+    #[schema(required = true)]
+    pub(crate) ball_clearance_m: Option<f64>,
     /// Axis height at which the robot works (m).
     pub(crate) working_height_m: f64,
     /// Mean of the socket radii (m).
@@ -183,6 +186,7 @@ impl RobotDocument {
                 rod_max_m: limits.rod_max,
                 tilt_max_rad: limits.tilt_max,
             },
+            ball_clearance_m: gpr.ball_clearance(),
             working_height_m: gpr.working_height(),
             mean_socket_radius_m: gpr.platform().mean_radius(),
             kutzbach_mobility: gpr.kutzbach_mobility(),

@@ -10,6 +10,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use utoipa::ToSchema;
 
+use super::robot_file::RobotSource;
 use super::{ModelChoice, length, tilt_angle};
 use crate::body;
 use crate::problem::Problem;
@@ -24,6 +25,9 @@ const MAX_KEYS: usize = 1000;
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StudyRequest {
+    /// Robot in place of that of this server.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) robot: Option<RobotSource>,
     /// A sequence of poses.
     pub(crate) motion: MotionFields,
     /// The model.

@@ -1,0 +1,1 @@
+export{r as session}from"./session.svelte-ClvSbx5L.js";

@@ -1,0 +1,1 @@
+function e(e){let t=(e instanceof Error?e.message:String(e)).trim();return/[.!?]$/.test(t)?t:`${t}.`}export{e as t};

@@ -1,0 +1,45 @@
+//! A text file on disk that the page edits.
+
+use std::path::Path;
+
+use crate::cell_files::{SaveError, hash, replace, write_temporary};
+
+/// Reads the text of a file.
+pub(crate) fn read(path: &Path) -> Result<String, String> {
+    std::fs::read_to_string(path)
+        .map_err(|error| format!("cannot read {}: {error}", path.display()))
+}
+
+/// Writes the text of a file completely, or not at all; with `replaces`, only if the file on disk still has this version.
+///
+/// # Arguments
+/// * `name` – name of the file in messages
+/// * `path` – `None` for a text that is no file
+/// * `noun` – what the file is, such as `a robot file`
+pub(crate) fn save(
+    (name, noun): (&str, &str),
+    path: Option<&Path>,
+    text: &str,
+    replaces: Option<&str>,
+) -> Result<(), SaveError> {
+    let Some(path) = path else {
+        let why = format!("{name} is not {noun} on disk: download the text");
+        return Err(SaveError::Unwritable(why));
+    };
+    if let Some(version) = replaces {
+        let on_disk = read(path).map_err(SaveError::Changed)?;
+        if version_of(&on_disk) != version {
+            let why = format!(
+                "{name} was changed on disk after it was read: reload it, or save without `replaces` to overwrite it"
+            );
+            return Err(SaveError::Changed(why));
+        }
+    }
+    let temporary = write_temporary(path, text).map_err(SaveError::Unwritable)?;
+    replace(&temporary, path).map_err(SaveError::Unwritable)
+}
+
+/// Version of a text.
+pub(crate) fn version_of(text: &str) -> String {
+    hash(&text)
+}
