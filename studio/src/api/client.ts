@@ -131,13 +131,13 @@ export async function study(motion: Motion, model: ModelChoice, signal: AbortSig
 }
 
 /** Time series of a motion as a file; Parquet only if the server supports it. */
-export async function studyFile(motion: Motion, model: ModelChoice, kind: 'csv' | 'parquet'): Promise<Blob> {
-  return blob(request(`study.${kind}`, { motion: apiMotion(motion), model }));
+export async function studyFile(motion: Motion, model: ModelChoice, kind: 'csv' | 'parquet', signal: AbortSignal): Promise<Blob> {
+  return blob(request(`study.${kind}`, { motion: apiMotion(motion), model }, signal));
 }
 
 /** Output of `jointplay forward --format json` for given rods. */
-export async function forward(rods_m: number[], model: ModelChoice): Promise<Blob> {
-  return blob(request('forward', { rods_m, model, ignore_limits: true }));
+export async function forward(rods_m: number[], model: ModelChoice, signal: AbortSignal): Promise<Blob> {
+  return blob(request('forward', { rods_m, model, ignore_limits: true }, signal));
 }
 
 /** Sampling rate of motions through key poses [Hz]: that of a screen. */
@@ -210,8 +210,8 @@ export async function cellScene(key: string, signal: AbortSignal): Promise<Array
 export type CellExportFormat = Schemas['CellExportFormat'];
 
 /** The motion of a program as a file, with its name. */
-export async function cellExport(what: Schemas['CellExportRequest']): Promise<{ blob: Blob; name: string }> {
-  const response = await request('cell/export', what);
+export async function cellExport(what: Schemas['CellExportRequest'], signal: AbortSignal): Promise<{ blob: Blob; name: string }> {
+  const response = await request('cell/export', what, signal);
   const name = /filename="([^"]+)"/.exec(response.headers.get('content-disposition') ?? '')?.[1] ?? 'export';
   return { blob: await blob(Promise.resolve(response)), name };
 }

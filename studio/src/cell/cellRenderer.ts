@@ -15,10 +15,7 @@ import {
   Plane,
   Quaternion,
   Ray,
-  Raycaster,
-  Vector2,
   Vector3,
-  type Intersection,
   type Material,
 } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
@@ -28,7 +25,7 @@ import { slotNames } from '../lib/slots';
 import { CellMaterials, type CellMaterial } from '../scene/cellMaterials';
 import { Handles, type Freedom } from '../scene/handles';
 import type { Label } from '../scene/labels';
-import { SECTION_AXES, type Section } from './viewTools.svelte';
+import { SECTION_AXES, type PointOfPart, type Section } from './viewTools.svelte';
 import { SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
 import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
 
@@ -36,8 +33,8 @@ import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
 const VIOLATION_COLORS = { checked: [0xd62f1f, 0x8a1208], outdated: [0x8a9099, 0x30343a] } as const;
 
 export interface CellRendererEvents extends RendererEvents {
-  /** A part was clicked at a point of the base frame [m]; `null` for the background. */
-  picked: (name: string | null, point: number[] | null) => void;
+  /** A part was clicked, at a point that moves with it; `null` for the background. */
+  picked: (name: string | null, point: PointOfPart | null) => void;
   /** A cell was loaded, with the corners of the box around it [m]. */
   loaded: (extent: [number[], number[]]) => void;
 }
@@ -229,13 +226,6 @@ export class CellRenderer extends SceneRenderer {
     this.invalidate();
   }
 
-  /** Called after each frame. */
-  onFrame: (() => void) | null = null;
-
-  protected override frameRendered(): void {
-    this.onFrame?.();
-  }
-
   /** Shows drag handles at a position [m] for the given degrees of freedom; hides them without a position. */
   showHandles(position: number[] | null, freedoms: readonly Freedom[]): void {
     if (this.dragging) {
@@ -386,12 +376,12 @@ export class CellRenderer extends SceneRenderer {
     this.#hidden = hidden;
     // The layer also hides the part from the pointer.
     for (const mesh of this.#materials.keys()) mesh.layers.set(hidden.has(nameOf(mesh)) ? HIDDEN_LAYER : 0);
-    this.invalidate();
+    this.partsMoved();
   }
 
   /** Names of the parts that are drawn. */
   get shownParts(): string[] {
-    return [...new Set([...this.#materials.keys()].filter(({ layers }) => layers.mask === 1).map((mesh) => nameOf(mesh)))];
+    return [...new Set([...this.#materials.keys()].filter(({ layers }) => layers.isEnabled(0)).map((mesh) => nameOf(mesh)))];
   }
 
   /** Cuts the view by a plane; `null` for none. */
@@ -449,19 +439,15 @@ export class CellRenderer extends SceneRenderer {
     this.invalidate();
   }
 
-  /** The first visible part under the pointer. */
-  #hit(event: MouseEvent, cell: Object3D): Intersection | null {
-    const box = this.canvas.getBoundingClientRect();
-    const ray = new Raycaster();
-    ray.setFromCamera(new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2), this.#eye);
-    const planes = this.renderer.clippingPlanes as Plane[];
-    return ray.intersectObject(cell, true).find(({ point }) => planes.every((plane) => plane.distanceToPoint(point) >= 0)) ?? null;
-  }
-
   #pick(event: MouseEvent): void {
     if (!this.#cell || this.isDragOrHandle(event)) return;
-    const hit = this.#hit(event, this.#cell);
-    this.#events.picked(hit ? nameOf(hit.object) : null, hit ? hit.point.toArray() : null);
+    const hit = this.intersection(event, this.#cell);
+    if (!hit) return this.#events.picked(null, null);
+    // A clicked point moves with its part.
+    const { object } = hit;
+    const local = object.worldToLocal(hit.point.clone());
+    const point = () => (this.#materials.has(object as Mesh) ? object.localToWorld(local.clone()).toArray() : null);
+    this.#events.picked(nameOf(object), point);
   }
 }
 

@@ -41,6 +41,8 @@ const DEFAULT_THRESHOLD = 1e-4;
 
 /** Pause in typing after which the texts are planned [ms]. */
 const TYPING_PAUSE_MS = 250;
+/** Minimum duration of the time range of chart and plots [s]. */
+export const MIN_RANGE_S = 0.05;
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10] as const;
 
 export class WorkcellSession {
@@ -167,7 +169,7 @@ export class WorkcellSession {
   #timer: ReturnType<typeof setTimeout> | undefined;
   #abort: AbortController | null = null;
   #frame = 0;
-  /** Called at the end of the range that is played once. */
+  /** Called at the end of the range that is played once, or when it is paused. */
   #once: (() => void) | null = null;
   #last = 0;
 
@@ -488,7 +490,7 @@ export class WorkcellSession {
     this.tab = tab;
     this.instruction = instruction;
     this.selected = selected;
-    this.range = range && range[1] <= this.duration ? range : null;
+    this.range = this.#within(range);
     this.tools.playScale = play;
     this.seek(time);
     if (!camera) return;
@@ -496,9 +498,16 @@ export class WorkcellSession {
     if (this.view) this.view.cameraPose = camera;
   }
 
+  /** The part of a time range within the motion [s]; `null` if there is none. */
+  #within(range: [number, number] | null): [number, number] | null {
+    if (!range) return null;
+    const [from, to] = [Math.max(range[0], 0), Math.min(range[1], this.duration)];
+    return to - from > MIN_RANGE_S && to - from < this.duration ? [from, to] : null;
+  }
+
   // Playback
 
-  /** Plays the shown time range once; calls `done` at its end. */
+  /** Plays the shown time range once; calls `done` at its end, or when the motion is paused. */
   playOnce(done: () => void): void {
     this.seek(this.range?.[0] ?? 0);
     this.#once = done;
@@ -528,9 +537,11 @@ export class WorkcellSession {
   pause(): void {
     if (!this.playing) return;
     this.playing = false;
-    this.#once = null;
     cancelAnimationFrame(this.#frame);
     this.jog.refresh();
+    const once = this.#once;
+    this.#once = null;
+    once?.();
   }
 
   #tick(now: number): void {
@@ -539,10 +550,8 @@ export class WorkcellSession {
     let to = this.time + passed * this.speed;
     const end = this.range?.[1] ?? this.duration;
     if (this.#once && to >= end) {
-      const done = this.#once;
       this.seek(end);
       this.pause();
-      done();
       return;
     }
     if (to >= this.duration) {

@@ -1,6 +1,6 @@
 // Conversion of the state of the cell view to the readable fragment of a URL, and back.
 
-import { EXAGGERATION } from './document';
+import { clampedScale } from './playScale';
 
 export const CELL_TABS = ['program', 'steps', 'parts', 'cell'] as const;
 export type CellTab = (typeof CELL_TABS)[number];
@@ -59,7 +59,7 @@ export function fromCellHash(hash: string): CellLink | null {
     instruction: Number.isInteger(instruction) && instruction >= 1 ? instruction : null,
     selected: parts.get('selected') || null,
     range: range && range[0]! >= 0 && range[1]! > range[0]! ? [range[0]!, range[1]!] : null,
-    play: Math.min(Math.max(numbers(parts.get('play'), 1)?.[0] ?? 1, EXAGGERATION.min), EXAGGERATION.max),
+    play: clampedScale(numbers(parts.get('play'), 1)?.[0] ?? 1),
     camera: view && view.slice(0, 3).some((value, k) => value !== view[k + 3]) ? { eye: view.slice(0, 3), target: view.slice(3) } : null,
   };
 }
