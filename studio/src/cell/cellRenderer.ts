@@ -72,6 +72,8 @@ export class CellRenderer extends SceneRenderer {
   #preview: { station: string; slots: Set<string>; group: Group } | null = null;
   readonly #path = lineSegments(0xc2410c);
   readonly #measure = lineSegments(0x7c3aed);
+  readonly #nearest = lineSegments(0xb3261e);
+  #nearestLabel: Label | null = null;
   #measured: Vector3[] = [];
   #measuredText = '';
   #hidden: ReadonlySet<string> = new Set();
@@ -99,13 +101,13 @@ export class CellRenderer extends SceneRenderer {
     );
     this.#eye = eye;
     this.#events = events;
-    this.scene.add(this.#path, this.#measure);
+    this.scene.add(this.#path, this.#measure, this.#nearest);
     this.canvas.addEventListener('click', (event) => this.#pick(event));
     this.measure();
   }
 
   override dispose(): void {
-    for (const lines of [this.#path, this.#measure]) {
+    for (const lines of [this.#path, this.#measure, this.#nearest]) {
       lines.geometry.dispose();
       lines.material.dispose();
     }
@@ -343,6 +345,7 @@ export class CellRenderer extends SceneRenderer {
     const labels: Label[] = this.#stations.map(({ name, position }) => ({ position: this.#labelPosition(name, position), text: name, strong: true, extent: 0.3 }));
     const [from, to] = this.#measured;
     if (from && to) labels.push({ position: from.clone().add(to).multiplyScalar(0.5), text: this.#measuredText, strong: true });
+    if (this.#nearestLabel) labels.unshift(this.#nearestLabel);
     return { labels, covered: { left: 8, right: 8 } };
   }
 
@@ -423,12 +426,26 @@ export class CellRenderer extends SceneRenderer {
     this.#setLines(this.#path, points);
   }
 
+  /** Draws the line between the nearest points of two parts [m], with a text; `null` for none. */
+  showNearest(points: readonly number[][] | null, text: string): void {
+    this.#nearestLabel = null;
+    if (points) {
+      const [from, to] = points.map((point) => new Vector3().fromArray(point)) as [Vector3, Vector3];
+      this.#nearestLabel = { position: from.add(to).multiplyScalar(0.5), text, strong: true, offset: [10, -12] };
+    }
+    this.#setLines(this.#nearest, points ? [...points.flat(), ...points.flatMap((point) => cross(point, 0.006))] : []);
+  }
+
+  /** End points of the line between nearest points [m]; empty without a line. */
+  get nearestPoints(): number[] {
+    return this.#nearest.visible ? [...this.#nearest.geometry.getAttribute('position').array].slice(0, 6) : [];
+  }
+
   /** Draws the clicked points of a measurement [m], and the line between two of them with a text. */
   showMeasured(points: readonly number[][], text: string): void {
     this.#measured = points.map((point) => new Vector3().fromArray(point));
     this.#measuredText = text;
-    const arm = 0.012;
-    const crosses = points.flatMap(([x, y, z]) => [x! - arm, y!, z!, x! + arm, y!, z!, x!, y! - arm, z!, x!, y! + arm, z!, x!, y!, z! - arm, x!, y!, z! + arm]);
+    const crosses = points.flatMap((point) => cross(point, 0.012));
     this.#setLines(this.#measure, points.length === 2 ? [...crosses, ...points.flat()] : crosses);
   }
 
@@ -449,6 +466,11 @@ export class CellRenderer extends SceneRenderer {
     const point = () => (this.#materials.has(object as Mesh) ? object.localToWorld(local.clone()).toArray() : null);
     this.#events.picked(nameOf(object), point);
   }
+}
+
+/** A cross at a point, with arms along the axes [m]. */
+function cross([x, y, z]: readonly number[], arm: number): number[] {
+  return [x! - arm, y!, z!, x! + arm, y!, z!, x!, y! - arm, z!, x!, y! + arm, z!, x!, y!, z! - arm, x!, y!, z! + arm];
 }
 
 /** Line segments that are drawn over all parts. */

@@ -32,6 +32,10 @@ export class ViewTools {
   followed = $state<string | null>(null);
   /** Name of the wafer whose path is drawn. */
   traced = $state<string | null>(null);
+  /** Whether the minimum distance in the shown pose is drawn as a line. */
+  nearestShown = $state(true);
+  /** Names of the pair whose distance is drawn; `null` for the pair with the smallest distance. */
+  pair = $state.raw<readonly string[] | null>(null);
   /** Whether clicks measure distances. */
   measuring = $state(false);
   /** The clicked points [m], at most two, with the parts they are on. */
@@ -84,6 +88,16 @@ export class ViewTools {
       return point ? [{ part, now, point }] : [];
     });
     this.points = moved.length === this.points.length ? moved : [];
+  }
+
+  /** Draws the distance of a pair, or that of the nearest pair again. */
+  togglePair(pair: readonly string[]): void {
+    this.pair = this.isPair(pair) ? null : pair;
+    if (this.pair) this.nearestShown = true;
+  }
+
+  isPair(pair: readonly string[]): boolean {
+    return this.pair?.join('\0') === pair.join('\0');
   }
 
   setMeasuring(measuring: boolean): void {

@@ -19,6 +19,8 @@ export interface CellProbe {
   camera: () => { eye: number[]; target: number[] } | null;
   /** Names of the parts highlighted as in violation. */
   violating: () => string[];
+  /** End points of the line of the minimum distance [m]; empty without a line. */
+  nearest: () => number[];
   /** Color of these parts, as hexadecimal digits. */
   violationColor: () => string;
 }
