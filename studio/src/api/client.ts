@@ -232,8 +232,16 @@ export async function cellInstructions(plan: string, page: number): Promise<Sche
 }
 
 /** The text of the cell file with new values of one station; comments are preserved. */
-export async function setStation(text: string, station: string, change: StationChange): Promise<CellText> {
-  return json(request('cell/station', { cell: text, station, ...change }));
+export async function setStation(text: string, station: string, change: StationChange, signal: AbortSignal): Promise<CellText> {
+  return json(request('cell/station', { cell: text, station, ...change }, signal));
+}
+
+/** A change of the stations and bodies of a cell. */
+export type EntryChange = Omit<Schemas['EntryRequest'], 'cell'>;
+
+/** The text of the cell file with an added, duplicated or removed station or body; comments are preserved. */
+export async function changeEntry(text: string, change: EntryChange, signal: AbortSignal): Promise<Schemas['EntryDocument']> {
+  return json(request('cell/entry', { cell: text, ...change }, signal));
 }
 
 // Mechanisms

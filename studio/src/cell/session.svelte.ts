@@ -9,6 +9,7 @@ import { History } from '../lib/history';
 import { slotNames, stationOf } from '../lib/slots';
 import { CONTACT_FIELD, contactNoteLine, type ContactRequest } from './contactNote';
 import { JogController } from './jogController.svelte';
+import { TextChanges } from './textChanges.svelte';
 import { UnknownPlan, Timeline } from './timeline.svelte';
 import { ViewTools } from './viewTools.svelte';
 import type { SceneView } from '../scene/standardViews';
@@ -72,8 +73,8 @@ export class WorkcellSession {
   planned = $state.raw<{ texts: Texts; key: string } | null>(null);
   /** Whether the last requested plan has arrived. */
   #upToDate = $state(false);
-  /** Number of changes of stations whose text has not arrived yet. */
-  #pendingChanges = $state(0);
+  /** Pending changes of stations and bodies. */
+  readonly #changes = new TextChanges();
   /** Whether a number is being typed and not yet committed. */
   typing = $state(false);
   /** Whether the cell is valid, so that its robot can be jogged. */
@@ -133,7 +134,7 @@ export class WorkcellSession {
   draggedStation = $state.raw<StationDocument | null>(null);
   /** The displayed stations, with the dragged one at its current pose. */
   displayedStations = $derived(this.stations.map((one) => (one.name === this.draggedStation?.name ? this.draggedStation : one)));
-  canUndo = $state(false);
+  #hasPast = $state(false);
   canRedo = $state(false);
   /** Duration of the last planning request [ms]. */
   took_ms = $state(0);
@@ -143,7 +144,7 @@ export class WorkcellSession {
   outdated = $derived(
     this.plan !== null &&
       (!this.#upToDate ||
-        this.#pendingChanges > 0 ||
+        this.#changes.pending > 0 ||
         this.typing ||
         this.draggedStation !== null ||
         connection.state !== 'connected' ||
@@ -164,8 +165,6 @@ export class WorkcellSession {
   /** Key of the displayed 3D scene. */
   #scene: string | null = null;
   #identity = '';
-  /** Pending changes of stations, applied one after another. */
-  #changes: Promise<void> = Promise.resolve();
   #timer: ReturnType<typeof setTimeout> | undefined;
   #abort: AbortController | null = null;
   #frame = 0;
@@ -278,12 +277,30 @@ export class WorkcellSession {
   }
 
   #updateHistory(): void {
-    this.canUndo = this.#history.canUndo;
+    this.#hasPast = this.#history.canUndo;
     this.canRedo = this.#history.canRedo;
   }
 
+  /** Whether undo has an effect: on the history, or on a pending change. */
+  get canUndo(): boolean {
+    return this.#hasPast || this.#changes.pending > 0;
+  }
+
+  /** Cancels pending changes, or returns to the last step. */
   undo(): void {
+    if (this.#changes.cancel()) {
+      this.draggedStation = null;
+      return;
+    }
+    this.#completeEdit();
     this.#restore(this.#history.undo());
+  }
+
+  /** Adds an edit in progress to the history. */
+  #completeEdit(): void {
+    if (this.texts.cell === this.#history.present.texts.cell && this.texts.program === this.#history.present.texts.program) return;
+    clearTimeout(this.#timer);
+    if (this.#history.commit({ texts: this.texts, points: this.points })) this.#updateHistory();
   }
 
   redo(): void {
@@ -345,17 +362,46 @@ export class WorkcellSession {
    */
   setStation(station: string, change: api.StationChange, taken: () => void = () => undefined): Promise<void> {
     this.#contact = null;
-    // An edit in progress is completed first.
-    if (this.texts.cell !== this.#history.present.texts.cell || this.texts.program !== this.#history.present.texts.program) {
-      clearTimeout(this.#timer);
-      if (this.#history.commit({ texts: this.texts, points: this.points })) this.#updateHistory();
-    }
-    this.#pendingChanges += 1;
-    this.#changes = this.#changes.then(() => this.#change(station, change, taken));
-    return this.#changes;
+    this.#completeEdit();
+    return this.#changes.add((signal) => this.#change(station, change, taken, signal));
   }
 
-  async #change(station: string, change: api.StationChange, taken: () => void): Promise<void> {
+  /** Adds, duplicates or removes a station or a body, and selects the new one. */
+  changeEntry(change: api.EntryChange): Promise<void> {
+    this.#completeEdit();
+    return this.#changes.add(async (signal) => {
+      try {
+        let before: string;
+        let cell: string;
+        let name: string | null;
+        do {
+          before = this.texts.cell;
+          ({ cell, name } = await api.changeEntry(before, change, signal));
+        } while (this.texts.cell !== before);
+        this.texts = { ...this.texts, cell };
+        this.select(name);
+        this.commit();
+      } catch (error) {
+        if (error instanceof ConnectionError) this.notice = 'The cell was not changed: the server does not respond.';
+        else this.failed(error);
+      }
+    });
+  }
+
+  /** Adds a station where the wafer of the effector is. */
+  async addStation(): Promise<void> {
+    const [station] = this.stations;
+    const here = station && (await this.jog.queryFrom(station.name, 1))?.from_slot?.station_if_here;
+    await this.changeEntry({ action: 'add', list: 'station', ...(here ? { position_m: here.position_m, heading_rad: here.heading_rad } : {}) });
+  }
+
+  /** Adds a body where the camera looks. */
+  addBody(): Promise<void> {
+    const { target } = this.view?.cameraPose ?? this.camera ?? { target: [0, 0, 0] };
+    return this.changeEntry({ action: 'add', list: 'body', position_m: target.map((m) => Math.round(m * 1000) / 1000) });
+  }
+
+  async #change(station: string, change: api.StationChange, taken: () => void, signal: AbortSignal): Promise<void> {
     try {
       let before: string;
       let after: string;
@@ -363,10 +409,10 @@ export class WorkcellSession {
       // If the text was edited in the meantime, the change is applied to the new text.
       do {
         before = this.texts.cell;
-        ({ cell: after, contacts } = await api.setStation(before, station, change));
+        ({ cell: after, contacts } = await api.setStation(before, station, change, signal));
         // The comment of an earlier point is preserved.
         const { taught_by, ...values } = change;
-        if (taught_by && contacts.length === 0 && !change.position_m) after = (await api.setStation(before, station, values)).cell;
+        if (taught_by && contacts.length === 0 && !change.position_m) after = (await api.setStation(before, station, values, signal)).cell;
       } while (this.texts.cell !== before);
       this.texts = { ...this.texts, cell: after };
       taken();
@@ -388,8 +434,6 @@ export class WorkcellSession {
         };
       else if (error instanceof ConnectionError) this.notice = `${station} was not changed: the server does not respond.`;
       else this.failed(error);
-    } finally {
-      this.#pendingChanges -= 1;
     }
   }
 
@@ -428,7 +472,7 @@ export class WorkcellSession {
 
   /** Saves both texts; files that have changed on disk are overwritten only with `replace`. */
   async save(replace = false): Promise<void> {
-    await this.#changes;
+    await this.#changes.finished;
     if (!this.changed && !replace) return;
     const { texts } = this;
     try {

@@ -30,9 +30,7 @@ mod zone_bodies;
 pub(crate) use checker::CheckCache;
 pub use checker::check;
 pub use options::CheckOptions;
-pub use pose::{
-    ContactFreePath, PoseContext, advance_until_contact, check_pose, nearest_points,
-};
+pub use pose::{ContactFreePath, PoseContext, advance_until_contact, check_pose, nearest_points};
 pub use remedy::{Remedy, remedies};
 pub use report::{CheckResult, InstructionResult, MinimumDistance, Report, Utilization};
 pub use zone_bodies::{BodyInZone, bodies_in_zones};

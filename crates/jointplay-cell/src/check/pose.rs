@@ -93,12 +93,12 @@ pub fn nearest_points(
         let [first, second] = minimum.entities;
         // A body may consist of several objects, some of which are exempt from the check: those at the reported distance are meant.
         let pairs = objects(first).flat_map(|one| objects(second).map(move |other| [one, other]));
-        let points = pairs
-            .filter_map(|pair| {
-                let [one, other] = pair.map(|object| scene.collider_at(object, &poses));
-                geometry::nearest_points(one, other)
-            });
-        let error = |[one, other]: &[Vector3<f64>; 2]| ((other - one).norm() - minimum.distance).abs();
+        let points = pairs.filter_map(|pair| {
+            let [one, other] = pair.map(|object| scene.collider_at(object, &poses));
+            geometry::nearest_points(one, other)
+        });
+        let error =
+            |[one, other]: &[Vector3<f64>; 2]| ((other - one).norm() - minimum.distance).abs();
         let nearest = points.min_by(|one, other| error(one).total_cmp(&error(other)));
         nearest.filter(|points| error(points) <= NEAREST_POINTS_TOLERANCE)
     };

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 use parry3d_f64::math::{Pose3, Vector};
-use parry3d_f64::query::{self, ClosestPoints};
 use parry3d_f64::query::details::closest_points_support_map_support_map_with_params;
 use parry3d_f64::query::gjk::{GJKResult, VoronoiSimplex};
+use parry3d_f64::query::{self, ClosestPoints};
 use parry3d_f64::shape::{Shape as Queried, SupportMap};
 
 use super::collider::PlacedCollider;

@@ -26,7 +26,8 @@ mod validate;
 pub(crate) use collider::{Collider, PlacedCollider};
 pub(crate) use collider_cache::{CachedCollider, ColliderCache};
 pub(crate) use distance::{
-    bounding_sphere_gap, distance, nearest_points, penetration_depth, separation, separation_along, signed_distance,
+    bounding_sphere_gap, distance, nearest_points, penetration_depth, separation, separation_along,
+    signed_distance,
 };
 pub(crate) use interval::Interval;
 pub use openings::{MAX_OPENINGS, box_with_openings};

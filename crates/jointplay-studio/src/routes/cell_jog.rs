@@ -150,8 +150,7 @@ fn document(
     let solutions = cell.robot.inverse(id, &WaferTarget::of(&rigid), at).map_err(cell_error)?;
     let (frames, _) = frames(motion_export, moment.time, at).map_err(export_error)?;
     let report = check_pose(cell, moment, at, &CheckOptions::default()).map_err(cell_error)?;
-    let nearest =
-        nearest_points(cell, moment, at, &report.distances).map_err(cell_error)?;
+    let nearest = nearest_points(cell, moment, at, &report.distances).map_err(cell_error)?;
     Ok(JogDocument {
         axes: axes(cell, at),
         platform: platform(cell, at),

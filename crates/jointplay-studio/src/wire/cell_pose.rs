@@ -77,7 +77,8 @@ impl PoseCheckDocument {
             PoseDistanceDocument {
                 bodies: entities.map(|one| cell.entity_name(one)).to_vec(),
                 distance_m: *distance,
-                nearest_points_m: points.map(|points| points.map(|point| Triple(point.into())).to_vec()),
+                nearest_points_m: points
+                    .map(|points| points.map(|point| Triple(point.into())).to_vec()),
             }
         };
         let violation = |one: &Violation| PoseViolationDocument {
