@@ -237,7 +237,7 @@ export async function setStation(text: string, station: string, change: StationC
 }
 
 /** A change of the stations and bodies of a cell. */
-export type EntryChange = Omit<Schemas['EntryRequest'], 'cell'>;
+export type EntryChange = Omit<Schemas['EntryRequest'], 'cell' | 'heading_rad'> & { heading_rad?: number };
 
 /** The text of the cell file with an added, duplicated or removed station or body; comments are preserved. */
 export async function changeEntry(text: string, change: EntryChange, signal: AbortSignal): Promise<Schemas['EntryDocument']> {

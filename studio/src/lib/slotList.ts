@@ -14,8 +14,8 @@ export function slotText(slots: readonly number[]): string {
 /** The numbers of a text, each once and in order; `null` if it is not a list of numbers from 1 to `count`. */
 export function parseSlots(text: string, count: number): number[] | null {
   const found = new Set<number>();
-  for (const part of text.split(/[,;\s]+(?![-–])/).filter(Boolean)) {
-    const range = /^(\d+)(?:\s*[-–]\s*(\d+))?$/.exec(part);
+  for (const part of text.replace(/\s*[-–]\s*/g, '-').split(/[,;\s]+/).filter(Boolean)) {
+    const range = /^(\d+)(?:-(\d+))?$/.exec(part);
     if (!range) return null;
     const [from, to] = [Number(range[1]), Number(range[2] ?? range[1])];
     if (from < 1 || to > count || from > to) return null;

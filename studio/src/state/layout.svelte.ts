@@ -1,6 +1,7 @@
 // Layout of the page; stored in the browser and not part of undo.
 
 import type { CellLink } from '../lib/cellLink';
+import type { MechanismLink } from '../lib/mechanismLink';
 import { load, save } from '../lib/settings';
 import type { ShortcutSheet } from './shortcuts';
 import { PanelLayout } from './panelLayout.svelte';
@@ -56,6 +57,8 @@ class Layout {
   explainOpen = $state(false);
   /** A link to the cell view that is still to be opened. */
   cellLink = $state.raw<CellLink | null>(null);
+  /** A link to the view of mechanisms that is still to be opened. */
+  mechanismLink = $state.raw<MechanismLink | null>(null);
   introductionShown = $state(load('introduction', true, flag));
   handles = $state(load('handles', true, flag));
   /** The maximized plot. */

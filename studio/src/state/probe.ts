@@ -31,6 +31,8 @@ export interface MechanismProbe {
   joints: () => Record<string, number[]>;
   /** Origins of the links in the base frame [m]. */
   links: () => Record<string, number[]>;
+  /** Position and target of the camera [sizes]. */
+  camera: () => { eye: number[]; target: number[] } | null;
   /** Position of a joint on the page [px]. */
   onPage: (joint: string) => { x: number; y: number } | null;
 }
