@@ -442,6 +442,14 @@ export class WorkcellSession {
     await this.teachPlane(station, [...this.pointsOf(station), point], by);
   }
 
+  /** Adds a clicked point [m] to the plane of the station that is taught by clicks; without a point, ends teaching. */
+  async teachClicked(point: number[] | null): Promise<void> {
+    const station = this.stations.find(({ name }) => name === this.tools.teaching);
+    // The picture has single precision.
+    if (station && point) await this.teachPlane(station, [...this.pointsOf(station), point.map((m) => Number(m.toFixed(6)))]);
+    else this.tools.teaching = null;
+  }
+
   /** Rejects the pending request to teach in contact. */
   cancelContact(): void {
     this.#contact = null;

@@ -36,6 +36,8 @@ export class ViewTools {
   nearestShown = $state(true);
   /** Names of the pair whose distance is drawn; `null` for the pair with the smallest distance. */
   pair = $state.raw<readonly string[] | null>(null);
+  /** Name of the station whose plane is taught by clicked points; `null` if clicks do not teach. */
+  teaching = $state<string | null>(null);
   /** Whether clicks measure distances. */
   measuring = $state(false);
   /** The clicked points [m], at most two, with the parts they are on. */
@@ -100,8 +102,16 @@ export class ViewTools {
     return this.pair?.join('\0') === pair.join('\0');
   }
 
+  /** Begins or ends teaching the plane of a station by clicked points. */
+  toggleTeaching(station: string): void {
+    const begins = this.teaching !== station;
+    this.setMeasuring(false);
+    this.teaching = begins ? station : null;
+  }
+
   setMeasuring(measuring: boolean): void {
     this.measuring = measuring;
+    if (measuring) this.teaching = null;
     this.points = [];
   }
 }
