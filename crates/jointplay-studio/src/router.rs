@@ -15,9 +15,10 @@ use crate::guard::{self, Guard};
 use crate::page;
 use crate::problem::Problem;
 use crate::routes::{
-    cell, cell_export, cell_jog, cell_parts, cell_plan, cell_samples, cell_station, compare,
-    forward, inverse, mechanism, mechanism_file, mechanism_mobility, mechanism_motions,
-    mechanism_open, mechanism_suggest, mesh, mobility, pose, quantity, robot, robot_file, sensitivity, study,
+    cell, cell_entry, cell_export, cell_jog, cell_parts, cell_plan, cell_samples, cell_station,
+    compare, forward, inverse, mechanism, mechanism_file, mechanism_mobility, mechanism_motions,
+    mechanism_open, mechanism_suggest, mesh, mobility, pose, quantity, robot, robot_file,
+    sensitivity, study,
 };
 use crate::state::AppState;
 
@@ -65,6 +66,7 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(cell_samples::samples))
         .routes(routes!(cell_export::export))
         .routes(routes!(cell_station::station))
+        .routes(routes!(cell_entry::entry))
         .routes(routes!(cell_parts::instructions))
         .routes(routes!(cell_parts::violations))
         .routes(routes!(cell_parts::overview))

@@ -155,13 +155,13 @@ export async function study(robot: RobotSource | null, motion: Motion, model: Mo
 }
 
 /** Time series of a motion as a file; Parquet only if the server supports it. */
-export async function studyFile(robot: RobotSource | null, motion: Motion, model: ModelChoice, kind: 'csv' | 'parquet'): Promise<Blob> {
-  return blob(request(`study.${kind}`, { motion: apiMotion(motion), model, ...ofRobot(robot) }));
+export async function studyFile(robot: RobotSource | null, motion: Motion, model: ModelChoice, kind: 'csv' | 'parquet', signal: AbortSignal): Promise<Blob> {
+  return blob(request(`study.${kind}`, { motion: apiMotion(motion), model, ...ofRobot(robot) }, signal));
 }
 
 /** Output of `jointplay forward --format json` for given rods. */
-export async function forward(robot: RobotSource | null, rods_m: number[], model: ModelChoice): Promise<Blob> {
-  return blob(request('forward', { rods_m, model, ignore_limits: true, ...ofRobot(robot) }));
+export async function forward(robot: RobotSource | null, rods_m: number[], model: ModelChoice, signal: AbortSignal): Promise<Blob> {
+  return blob(request('forward', { rods_m, model, ignore_limits: true, ...ofRobot(robot) }, signal));
 }
 
 /** Sampling rate of motions through key poses [Hz]: that of a screen. */
@@ -234,8 +234,8 @@ export async function cellScene(key: string, signal: AbortSignal): Promise<Array
 export type CellExportFormat = Schemas['CellExportFormat'];
 
 /** The motion of a program as a file, with its name. */
-export async function cellExport(what: Schemas['CellExportRequest']): Promise<{ blob: Blob; name: string }> {
-  const response = await request('cell/export', what);
+export async function cellExport(what: Schemas['CellExportRequest'], signal: AbortSignal): Promise<{ blob: Blob; name: string }> {
+  const response = await request('cell/export', what, signal);
   const name = /filename="([^"]+)"/.exec(response.headers.get('content-disposition') ?? '')?.[1] ?? 'export';
   return { blob: await blob(Promise.resolve(response)), name };
 }
@@ -256,8 +256,16 @@ export async function cellInstructions(plan: string, page: number): Promise<Sche
 }
 
 /** The text of the cell file with new values of one station; comments are preserved. */
-export async function setStation(text: string, station: string, change: StationChange): Promise<CellText> {
-  return json(request('cell/station', { cell: text, station, ...change }));
+export async function setStation(text: string, station: string, change: StationChange, signal: AbortSignal): Promise<CellText> {
+  return json(request('cell/station', { cell: text, station, ...change }, signal));
+}
+
+/** A change of the stations and bodies of a cell. */
+export type EntryChange = Omit<Schemas['EntryRequest'], 'cell' | 'heading_rad'> & { heading_rad?: number };
+
+/** The text of the cell file with an added, duplicated or removed station or body; comments are preserved. */
+export async function changeEntry(text: string, change: EntryChange, signal: AbortSignal): Promise<Schemas['EntryDocument']> {
+  return json(request('cell/entry', { cell: text, ...change }, signal));
 }
 
 // Mechanisms

@@ -15,10 +15,7 @@ import {
   Plane,
   Quaternion,
   Ray,
-  Raycaster,
-  Vector2,
   Vector3,
-  type Intersection,
   type Material,
 } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
@@ -28,7 +25,7 @@ import { slotNames } from '../lib/slots';
 import { CellMaterials, type CellMaterial } from '../scene/cellMaterials';
 import { Handles, type Freedom } from '../scene/handles';
 import type { Label } from '../scene/labels';
-import { SECTION_AXES, type Section } from './viewTools.svelte';
+import { SECTION_AXES, type PointOfPart, type Section } from './viewTools.svelte';
 import { SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
 import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
 
@@ -36,8 +33,8 @@ import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
 const VIOLATION_COLORS = { checked: [0xd62f1f, 0x8a1208], outdated: [0x8a9099, 0x30343a] } as const;
 
 export interface CellRendererEvents extends RendererEvents {
-  /** A part was clicked at a point of the base frame [m]; `null` for the background. */
-  picked: (name: string | null, point: number[] | null) => void;
+  /** A part was clicked, at a point that moves with it; `null` for the background. */
+  picked: (name: string | null, point: PointOfPart | null) => void;
   /** A cell was loaded, with the corners of the box around it [m]. */
   loaded: (extent: [number[], number[]]) => void;
 }
@@ -75,6 +72,8 @@ export class CellRenderer extends SceneRenderer {
   #preview: { station: string; slots: Set<string>; group: Group } | null = null;
   readonly #path = lineSegments(0xc2410c);
   readonly #measure = lineSegments(0x7c3aed);
+  readonly #nearest = lineSegments(0xb3261e);
+  #nearestLabel: Label | null = null;
   #measured: Vector3[] = [];
   #measuredText = '';
   #hidden: ReadonlySet<string> = new Set();
@@ -102,13 +101,13 @@ export class CellRenderer extends SceneRenderer {
     );
     this.#eye = eye;
     this.#events = events;
-    this.scene.add(this.#path, this.#measure);
+    this.scene.add(this.#path, this.#measure, this.#nearest);
     this.canvas.addEventListener('click', (event) => this.#pick(event));
     this.measure();
   }
 
   override dispose(): void {
-    for (const lines of [this.#path, this.#measure]) {
+    for (const lines of [this.#path, this.#measure, this.#nearest]) {
       lines.geometry.dispose();
       lines.material.dispose();
     }
@@ -229,13 +228,6 @@ export class CellRenderer extends SceneRenderer {
     this.invalidate();
   }
 
-  /** Called after each frame. */
-  onFrame: (() => void) | null = null;
-
-  protected override frameRendered(): void {
-    this.onFrame?.();
-  }
-
   /** Shows drag handles at a position [m] for the given degrees of freedom; hides them without a position. */
   showHandles(position: number[] | null, freedoms: readonly Freedom[]): void {
     if (this.dragging) {
@@ -353,6 +345,7 @@ export class CellRenderer extends SceneRenderer {
     const labels: Label[] = this.#stations.map(({ name, position }) => ({ position: this.#labelPosition(name, position), text: name, strong: true, extent: 0.3 }));
     const [from, to] = this.#measured;
     if (from && to) labels.push({ position: from.clone().add(to).multiplyScalar(0.5), text: this.#measuredText, strong: true });
+    if (this.#nearestLabel) labels.unshift(this.#nearestLabel);
     return { labels, covered: { left: 8, right: 8 } };
   }
 
@@ -386,12 +379,12 @@ export class CellRenderer extends SceneRenderer {
     this.#hidden = hidden;
     // The layer also hides the part from the pointer.
     for (const mesh of this.#materials.keys()) mesh.layers.set(hidden.has(nameOf(mesh)) ? HIDDEN_LAYER : 0);
-    this.invalidate();
+    this.partsMoved();
   }
 
   /** Names of the parts that are drawn. */
   get shownParts(): string[] {
-    return [...new Set([...this.#materials.keys()].filter(({ layers }) => layers.mask === 1).map((mesh) => nameOf(mesh)))];
+    return [...new Set([...this.#materials.keys()].filter(({ layers }) => layers.isEnabled(0)).map((mesh) => nameOf(mesh)))];
   }
 
   /** Cuts the view by a plane; `null` for none. */
@@ -433,12 +426,26 @@ export class CellRenderer extends SceneRenderer {
     this.#setLines(this.#path, points);
   }
 
+  /** Draws the line between the nearest points of two parts [m], with a text; `null` for none. */
+  showNearest(points: readonly number[][] | null, text: string): void {
+    this.#nearestLabel = null;
+    if (points) {
+      const [from, to] = points.map((point) => new Vector3().fromArray(point)) as [Vector3, Vector3];
+      this.#nearestLabel = { position: from.add(to).multiplyScalar(0.5), text, strong: true, offset: [10, -12] };
+    }
+    this.#setLines(this.#nearest, points ? [...points.flat(), ...points.flatMap((point) => cross(point, 0.006))] : []);
+  }
+
+  /** End points of the line between nearest points [m]; empty without a line. */
+  get nearestPoints(): number[] {
+    return this.#nearest.visible ? [...this.#nearest.geometry.getAttribute('position').array].slice(0, 6) : [];
+  }
+
   /** Draws the clicked points of a measurement [m], and the line between two of them with a text. */
   showMeasured(points: readonly number[][], text: string): void {
     this.#measured = points.map((point) => new Vector3().fromArray(point));
     this.#measuredText = text;
-    const arm = 0.012;
-    const crosses = points.flatMap(([x, y, z]) => [x! - arm, y!, z!, x! + arm, y!, z!, x!, y! - arm, z!, x!, y! + arm, z!, x!, y!, z! - arm, x!, y!, z! + arm]);
+    const crosses = points.flatMap((point) => cross(point, 0.012));
     this.#setLines(this.#measure, points.length === 2 ? [...crosses, ...points.flat()] : crosses);
   }
 
@@ -449,20 +456,21 @@ export class CellRenderer extends SceneRenderer {
     this.invalidate();
   }
 
-  /** The first visible part under the pointer. */
-  #hit(event: MouseEvent, cell: Object3D): Intersection | null {
-    const box = this.canvas.getBoundingClientRect();
-    const ray = new Raycaster();
-    ray.setFromCamera(new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2), this.#eye);
-    const planes = this.renderer.clippingPlanes as Plane[];
-    return ray.intersectObject(cell, true).find(({ point }) => planes.every((plane) => plane.distanceToPoint(point) >= 0)) ?? null;
-  }
-
   #pick(event: MouseEvent): void {
     if (!this.#cell || this.isDragOrHandle(event)) return;
-    const hit = this.#hit(event, this.#cell);
-    this.#events.picked(hit ? nameOf(hit.object) : null, hit ? hit.point.toArray() : null);
+    const hit = this.intersection(event, this.#cell);
+    if (!hit) return this.#events.picked(null, null);
+    // A clicked point moves with its part.
+    const { object } = hit;
+    const local = object.worldToLocal(hit.point.clone());
+    const point = () => (this.#materials.has(object as Mesh) ? object.localToWorld(local.clone()).toArray() : null);
+    this.#events.picked(nameOf(object), point);
   }
+}
+
+/** A cross at a point, with arms along the axes [m]. */
+function cross([x, y, z]: readonly number[], arm: number): number[] {
+  return [x! - arm, y!, z!, x! + arm, y!, z!, x!, y! - arm, z!, x!, y! + arm, z!, x!, y!, z! - arm, x!, y!, z! + arm];
 }
 
 /** Line segments that are drawn over all parts. */

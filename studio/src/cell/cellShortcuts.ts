@@ -21,6 +21,8 @@ const SHORTCUTS: Shortcut[] = [
   { group: 'View', keys: ['i'], description: 'isolate the selected part, or show all parts', run: () => session.isolate() },
   { group: 'View', keys: ['f'], description: 'follow the selected part, or stop following', run: () => (session.tools.followed = session.tools.followed === null ? session.selected : null) },
   { group: 'View', keys: ['m'], description: 'measure the distance of two clicked points', run: () => session.tools.setMeasuring(!session.tools.measuring) },
+  { group: 'View', keys: ['Escape'], description: 'end measuring and teaching by clicks', run: () => { session.tools.setMeasuring(false); session.tools.teaching = null; } },
+  { group: 'View', keys: ['d'], description: 'show or hide the line of the minimum distance', run: () => (session.tools.nearestShown = !session.tools.nearestShown) },
   { group: 'Page', keys: ['?'], description: 'keyboard shortcuts', run: () => (layout.helpOpen = !layout.helpOpen) },
   { group: 'Page', keys: ['t'], description: 'light or dark theme', run: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
 ];

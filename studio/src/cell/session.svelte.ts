@@ -9,6 +9,7 @@ import { History } from '../lib/history';
 import { slotNames, stationOf } from '../lib/slots';
 import { CONTACT_FIELD, contactNoteLine, type ContactRequest } from './contactNote';
 import { JogController } from './jogController.svelte';
+import { TextChanges } from './textChanges.svelte';
 import { UnknownPlan, Timeline } from './timeline.svelte';
 import { ViewTools } from './viewTools.svelte';
 import type { SceneView } from '../scene/standardViews';
@@ -41,6 +42,8 @@ const DEFAULT_THRESHOLD = 1e-4;
 
 /** Pause in typing after which the texts are planned [ms]. */
 const TYPING_PAUSE_MS = 250;
+/** Minimum duration of the time range of chart and plots [s]. */
+export const MIN_RANGE_S = 0.05;
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10] as const;
 
 export class WorkcellSession {
@@ -70,8 +73,8 @@ export class WorkcellSession {
   planned = $state.raw<{ texts: Texts; key: string } | null>(null);
   /** Whether the last requested plan has arrived. */
   #upToDate = $state(false);
-  /** Number of changes of stations whose text has not arrived yet. */
-  #pendingChanges = $state(0);
+  /** Pending changes of stations and bodies. */
+  readonly #changes = new TextChanges();
   /** Whether a number is being typed and not yet committed. */
   typing = $state(false);
   /** Whether the cell is valid, so that its robot can be jogged. */
@@ -131,7 +134,7 @@ export class WorkcellSession {
   draggedStation = $state.raw<StationDocument | null>(null);
   /** The displayed stations, with the dragged one at its current pose. */
   displayedStations = $derived(this.stations.map((one) => (one.name === this.draggedStation?.name ? this.draggedStation : one)));
-  canUndo = $state(false);
+  #hasPast = $state(false);
   canRedo = $state(false);
   /** Duration of the last planning request [ms]. */
   took_ms = $state(0);
@@ -141,7 +144,7 @@ export class WorkcellSession {
   outdated = $derived(
     this.plan !== null &&
       (!this.#upToDate ||
-        this.#pendingChanges > 0 ||
+        this.#changes.pending > 0 ||
         this.typing ||
         this.draggedStation !== null ||
         connection.state !== 'connected' ||
@@ -162,12 +165,10 @@ export class WorkcellSession {
   /** Key of the displayed 3D scene. */
   #scene: string | null = null;
   #identity = '';
-  /** Pending changes of stations, applied one after another. */
-  #changes: Promise<void> = Promise.resolve();
   #timer: ReturnType<typeof setTimeout> | undefined;
   #abort: AbortController | null = null;
   #frame = 0;
-  /** Called at the end of the range that is played once. */
+  /** Called at the end of the range that is played once, or when it is paused. */
   #once: (() => void) | null = null;
   #last = 0;
 
@@ -276,12 +277,30 @@ export class WorkcellSession {
   }
 
   #updateHistory(): void {
-    this.canUndo = this.#history.canUndo;
+    this.#hasPast = this.#history.canUndo;
     this.canRedo = this.#history.canRedo;
   }
 
+  /** Whether undo has an effect: on the history, or on a pending change. */
+  get canUndo(): boolean {
+    return this.#hasPast || this.#changes.pending > 0;
+  }
+
+  /** Cancels pending changes, or returns to the last step. */
   undo(): void {
+    if (this.#changes.cancel()) {
+      this.draggedStation = null;
+      return;
+    }
+    this.#completeEdit();
     this.#restore(this.#history.undo());
+  }
+
+  /** Adds an edit in progress to the history. */
+  #completeEdit(): void {
+    if (this.texts.cell === this.#history.present.texts.cell && this.texts.program === this.#history.present.texts.program) return;
+    clearTimeout(this.#timer);
+    if (this.#history.commit({ texts: this.texts, points: this.points })) this.#updateHistory();
   }
 
   redo(): void {
@@ -343,17 +362,46 @@ export class WorkcellSession {
    */
   setStation(station: string, change: api.StationChange, taken: () => void = () => undefined): Promise<void> {
     this.#contact = null;
-    // An edit in progress is completed first.
-    if (this.texts.cell !== this.#history.present.texts.cell || this.texts.program !== this.#history.present.texts.program) {
-      clearTimeout(this.#timer);
-      if (this.#history.commit({ texts: this.texts, points: this.points })) this.#updateHistory();
-    }
-    this.#pendingChanges += 1;
-    this.#changes = this.#changes.then(() => this.#change(station, change, taken));
-    return this.#changes;
+    this.#completeEdit();
+    return this.#changes.add((signal) => this.#change(station, change, taken, signal));
   }
 
-  async #change(station: string, change: api.StationChange, taken: () => void): Promise<void> {
+  /** Adds, duplicates or removes a station or a body, and selects the new one. */
+  changeEntry(change: api.EntryChange): Promise<void> {
+    this.#completeEdit();
+    return this.#changes.add(async (signal) => {
+      try {
+        let before: string;
+        let cell: string;
+        let name: string | null;
+        do {
+          before = this.texts.cell;
+          ({ cell, name } = await api.changeEntry(before, change, signal));
+        } while (this.texts.cell !== before);
+        this.texts = { ...this.texts, cell };
+        this.select(name);
+        this.commit();
+      } catch (error) {
+        if (error instanceof ConnectionError) this.notice = 'The cell was not changed: the server does not respond.';
+        else this.failed(error);
+      }
+    });
+  }
+
+  /** Adds a station where the wafer of the effector is. */
+  async addStation(): Promise<void> {
+    const [station] = this.stations;
+    const here = station && (await this.jog.queryFrom(station.name, 1))?.from_slot?.station_if_here;
+    await this.changeEntry({ action: 'add', list: 'station', ...(here ? { position_m: here.position_m, heading_rad: here.heading_rad } : {}) });
+  }
+
+  /** Adds a body where the camera looks. */
+  addBody(): Promise<void> {
+    const { target } = this.view?.cameraPose ?? this.camera ?? { target: [0, 0, 0] };
+    return this.changeEntry({ action: 'add', list: 'body', position_m: target.map((m) => Math.round(m * 1000) / 1000) });
+  }
+
+  async #change(station: string, change: api.StationChange, taken: () => void, signal: AbortSignal): Promise<void> {
     try {
       let before: string;
       let after: string;
@@ -361,10 +409,10 @@ export class WorkcellSession {
       // If the text was edited in the meantime, the change is applied to the new text.
       do {
         before = this.texts.cell;
-        ({ cell: after, contacts } = await api.setStation(before, station, change));
+        ({ cell: after, contacts } = await api.setStation(before, station, change, signal));
         // The comment of an earlier point is preserved.
         const { taught_by, ...values } = change;
-        if (taught_by && contacts.length === 0 && !change.position_m) after = (await api.setStation(before, station, values)).cell;
+        if (taught_by && contacts.length === 0 && !change.position_m) after = (await api.setStation(before, station, values, signal)).cell;
       } while (this.texts.cell !== before);
       this.texts = { ...this.texts, cell: after };
       taken();
@@ -386,14 +434,20 @@ export class WorkcellSession {
         };
       else if (error instanceof ConnectionError) this.notice = `${station} was not changed: the server does not respond.`;
       else this.failed(error);
-    } finally {
-      this.#pendingChanges -= 1;
     }
   }
 
   /** Adds a point of the plane of a station; three points define it. */
   async teachPoint(station: StationDocument, point: number[], by: api.TaughtBy): Promise<void> {
     await this.teachPlane(station, [...this.pointsOf(station), point], by);
+  }
+
+  /** Adds a clicked point [m] to the plane of the station that is taught by clicks; without a point, ends teaching. */
+  async teachClicked(point: number[] | null): Promise<void> {
+    const station = this.stations.find(({ name }) => name === this.tools.teaching);
+    // The picture has single precision.
+    if (station && point) await this.teachPlane(station, [...this.pointsOf(station), point.map((m) => Number(m.toFixed(6)))]);
+    else this.tools.teaching = null;
   }
 
   /** Rejects the pending request to teach in contact. */
@@ -426,7 +480,7 @@ export class WorkcellSession {
 
   /** Saves both texts; files that have changed on disk are overwritten only with `replace`. */
   async save(replace = false): Promise<void> {
-    await this.#changes;
+    await this.#changes.finished;
     if (!this.changed && !replace) return;
     const { texts } = this;
     try {
@@ -488,7 +542,7 @@ export class WorkcellSession {
     this.tab = tab;
     this.instruction = instruction;
     this.selected = selected;
-    this.range = range && range[1] <= this.duration ? range : null;
+    this.range = this.#within(range);
     this.tools.playScale = play;
     this.seek(time);
     if (!camera) return;
@@ -496,9 +550,16 @@ export class WorkcellSession {
     if (this.view) this.view.cameraPose = camera;
   }
 
+  /** The part of a time range within the motion [s]; `null` if there is none. */
+  #within(range: [number, number] | null): [number, number] | null {
+    if (!range) return null;
+    const [from, to] = [Math.max(range[0], 0), Math.min(range[1], this.duration)];
+    return to - from > MIN_RANGE_S && to - from < this.duration ? [from, to] : null;
+  }
+
   // Playback
 
-  /** Plays the shown time range once; calls `done` at its end. */
+  /** Plays the shown time range once; calls `done` at its end, or when the motion is paused. */
   playOnce(done: () => void): void {
     this.seek(this.range?.[0] ?? 0);
     this.#once = done;
@@ -528,9 +589,11 @@ export class WorkcellSession {
   pause(): void {
     if (!this.playing) return;
     this.playing = false;
-    this.#once = null;
     cancelAnimationFrame(this.#frame);
     this.jog.refresh();
+    const once = this.#once;
+    this.#once = null;
+    once?.();
   }
 
   #tick(now: number): void {
@@ -539,10 +602,8 @@ export class WorkcellSession {
     let to = this.time + passed * this.speed;
     const end = this.range?.[1] ?? this.duration;
     if (this.#once && to >= end) {
-      const done = this.#once;
       this.seek(end);
       this.pause();
-      done();
       return;
     }
     if (to >= this.duration) {

@@ -10,6 +10,18 @@ export interface Section {
   at: number;
 }
 
+/** A point that moves with its part: its position in the base frame [m]; `null` once the part is gone. */
+export type PointOfPart = () => number[] | null;
+
+/** A clicked point. */
+interface ClickedPoint {
+  /** Name of the part. */
+  part: string;
+  now: PointOfPart;
+  /** Position in the base frame [m]. */
+  point: number[];
+}
+
 export class ViewTools {
   /** Factor by which the picture enlarges the play of the platform. */
   playScale = $state(1);
@@ -20,10 +32,16 @@ export class ViewTools {
   followed = $state<string | null>(null);
   /** Name of the wafer whose path is drawn. */
   traced = $state<string | null>(null);
+  /** Whether the minimum distance in the shown pose is drawn as a line. */
+  nearestShown = $state(true);
+  /** Names of the pair whose distance is drawn; `null` for the pair with the smallest distance. */
+  pair = $state.raw<readonly string[] | null>(null);
+  /** Name of the station whose plane is taught by clicked points; `null` if clicks do not teach. */
+  teaching = $state<string | null>(null);
   /** Whether clicks measure distances. */
   measuring = $state(false);
   /** The clicked points [m], at most two, with the parts they are on. */
-  points = $state.raw<{ part: string; point: number[] }[]>([]);
+  points = $state.raw<ClickedPoint[]>([]);
   /** Distance of the two clicked points, and its components [m]. */
   distance = $derived.by(() => {
     const [from, to] = this.points;
@@ -57,12 +75,43 @@ export class ViewTools {
   }
 
   /** Adds a clicked point; a third one begins another measurement. */
-  measure(part: string, point: number[]): void {
-    this.points = this.points.length >= 2 ? [{ part, point }] : [...this.points, { part, point }];
+  measure(part: string, now: PointOfPart): void {
+    const point = now();
+    if (!point) return;
+    const clicked = { part, now, point };
+    this.points = this.points.length >= 2 ? [clicked] : [...this.points, clicked];
+  }
+
+  /** Moves the clicked points with their parts; without one of the parts, there is no measurement. */
+  partsMoved(): void {
+    if (this.points.length === 0) return;
+    const moved = this.points.flatMap(({ part, now }) => {
+      const point = now();
+      return point ? [{ part, now, point }] : [];
+    });
+    this.points = moved.length === this.points.length ? moved : [];
+  }
+
+  /** Draws the distance of a pair, or that of the nearest pair again. */
+  togglePair(pair: readonly string[]): void {
+    this.pair = this.isPair(pair) ? null : pair;
+    if (this.pair) this.nearestShown = true;
+  }
+
+  isPair(pair: readonly string[]): boolean {
+    return this.pair?.join('\0') === pair.join('\0');
+  }
+
+  /** Begins or ends teaching the plane of a station by clicked points. */
+  toggleTeaching(station: string): void {
+    const begins = this.teaching !== station;
+    this.setMeasuring(false);
+    this.teaching = begins ? station : null;
   }
 
   setMeasuring(measuring: boolean): void {
     this.measuring = measuring;
+    if (measuring) this.teaching = null;
     this.points = [];
   }
 }

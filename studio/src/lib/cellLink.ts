@@ -1,6 +1,7 @@
 // Conversion of the state of the cell view to the readable fragment of a URL, and back.
 
-import { EXAGGERATION } from './document';
+import { cameraText, hashParts, numbers, parseCamera, rounded, toHash, type CameraPose } from './hashParts';
+import { clampedScale } from './playScale';
 
 export const CELL_TABS = ['program', 'steps', 'parts', 'cell'] as const;
 export type CellTab = (typeof CELL_TABS)[number];
@@ -21,7 +22,7 @@ export interface CellLink {
   /** Play scale of the picture. */
   play: number;
   /** Position and target of the camera [m]. */
-  camera: { eye: number[]; target: number[] } | null;
+  camera: CameraPose | null;
 }
 
 const KEY = 'cell';
@@ -29,28 +30,21 @@ const KEY = 'cell';
 /** Whether a fragment is a link to the cell view. */
 export const isCellLink = (hash: string): boolean => hash.startsWith(`#${KEY}=`);
 
-const rounded = (value: number, digits: number) => String(Number(value.toFixed(digits)));
-
 export function toCellHash({ cell, time, tab, instruction, selected, range, play, camera }: CellLink): string {
   const parts: [string, string][] = [[KEY, encodeURIComponent(cell)], ['time', rounded(time, 6)], ['tab', tab]];
   if (instruction !== null) parts.push(['instruction', String(instruction)]);
   if (selected !== null) parts.push(['selected', encodeURIComponent(selected)]);
   if (range) parts.push(['range', range.map((value) => rounded(value, 6)).join(',')]);
   if (play !== 1) parts.push(['play', rounded(play, 3)]);
-  if (camera) parts.push(['view', [...camera.eye, ...camera.target].map((value) => rounded(value, 5)).join(',')]);
-  return '#' + parts.map(([key, value]) => `${key}=${value}`).join('&');
+  if (camera) parts.push(['view', cameraText(camera)]);
+  return toHash(parts);
 }
 
 /** Parses a link to the cell view; missing and invalid parts have their defaults. */
 export function fromCellHash(hash: string): CellLink | null {
   if (!isCellLink(hash)) return null;
-  const parts = new Map<string, string>();
-  for (const part of hash.slice(1).split('&')) {
-    const at = part.indexOf('=');
-    if (at > 0) parts.set(part.slice(0, at), decoded(part.slice(at + 1)));
-  }
+  const parts = hashParts(hash);
   const range = numbers(parts.get('range'), 2);
-  const view = numbers(parts.get('view'), 6);
   const instruction = Number(parts.get('instruction') ?? NaN);
   return {
     cell: parts.get(KEY) ?? '',
@@ -59,21 +53,7 @@ export function fromCellHash(hash: string): CellLink | null {
     instruction: Number.isInteger(instruction) && instruction >= 1 ? instruction : null,
     selected: parts.get('selected') || null,
     range: range && range[0]! >= 0 && range[1]! > range[0]! ? [range[0]!, range[1]!] : null,
-    play: Math.min(Math.max(numbers(parts.get('play'), 1)?.[0] ?? 1, EXAGGERATION.min), EXAGGERATION.max),
-    camera: view && view.slice(0, 3).some((value, k) => value !== view[k + 3]) ? { eye: view.slice(0, 3), target: view.slice(3) } : null,
+    play: clampedScale(numbers(parts.get('play'), 1)?.[0] ?? 1),
+    camera: parseCamera(parts.get('view')),
   };
-}
-
-function decoded(text: string): string {
-  try {
-    return decodeURIComponent(text);
-  } catch {
-    return text;
-  }
-}
-
-function numbers(text: string | undefined, count: number): number[] | null {
-  const words = (text ?? '').split(',');
-  const values = words.map((word) => (word.trim() === '' ? NaN : Number(word)));
-  return values.length === count && values.every((value) => Number.isFinite(value) && Math.abs(value) < 1e7) ? values : null;
 }

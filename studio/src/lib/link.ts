@@ -1,7 +1,7 @@
 // Conversion of a document and a view to the readable fragment of a URL, and back.
 
+import { clampedScale } from './playScale';
 import {
-  EXAGGERATION,
   SOLVERS,
   VIRTUALIZATIONS,
   type Command,
@@ -74,7 +74,7 @@ export function fromHash(hash: string, otherwise: Document): Linked {
       solver: SOLVERS.find((name) => name === solver) ?? otherwise.solver,
       metric: parseMetric(metric) ?? otherwise.metric,
       exaggeration:
-        play === null ? otherwise.exaggeration : Math.min(Math.max(play, EXAGGERATION.min), EXAGGERATION.max),
+        play === null ? otherwise.exaggeration : clampedScale(play),
       shown: show
         ? (Object.fromEntries(SHOWN.map((name) => [name, show.includes(name)])) as unknown as Shown)
         : otherwise.shown,

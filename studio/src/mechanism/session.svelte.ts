@@ -4,7 +4,11 @@ import * as api from '../api/client';
 import { ConnectionError, type ConfigurationDocument, type MechanismDocument, type MechanismSource, type OpenedDocument } from '../api/client';
 import { connection } from '../api/connection.svelte';
 import { History } from '../lib/history';
+import type { CameraPose } from '../lib/hashParts';
+import type { MechanismLink, MechanismTab } from '../lib/mechanismLink';
 import { shownNumber } from '../lib/shownNumber';
+import type { PicturedView } from '../state/picture';
+import type { RecordedView } from '../state/recorder.svelte';
 
 /** Pause in typing after which a text is read [ms]. */
 const TYPING_PAUSE_MS = 350;
@@ -39,10 +43,11 @@ export interface Analysis<T> {
   problem: string | null;
 }
 
-export type MechanismTab = 'catalogue' | 'tree' | 'text';
-export interface Selection {
-  kind: 'link' | 'joint' | 'virtual';
-  name: string;
+export type Selection = NonNullable<MechanismLink['selected']>;
+
+/** The 3D view, as far as other parts of the page use it. */
+export interface MechanismSceneView extends PicturedView, RecordedView {
+  cameraPose: CameraPose;
 }
 
 const EMPTY: Work = { name: '', text: '', parameters: {}, ofServer: false, saved: '' };
@@ -57,6 +62,12 @@ class MechanismSession {
   configuration = $state.raw<ConfigurationDocument | null>(null);
   /** Poses of the links at the play scale, once they differ from those of the configuration. */
   poses = $state.raw<ConfigurationDocument['poses'] | null>(null);
+  /** The 3D view, while there is one. */
+  view: MechanismSceneView | null = null;
+  /** A camera that the view is still to take over: that of a link, or of the view when it was last closed. */
+  camera = $state.raw<CameraPose | null>(null);
+  /** Whether catalogue and mechanism of the server are loaded. */
+  started = $state(false);
   /** Number of texts shown; the camera is placed again for each. */
   shown = $state(0);
   entries = $state.raw<api.CatalogueEntry[]>([]);
@@ -116,7 +127,7 @@ class MechanismSession {
     connection.onReconnect(() => {
       if (!this.#started) return;
       if (this.entries.length === 0) void this.#loadCatalogue();
-      if (this.work.text !== '') void this.#read(this.configuration !== null);
+      if (this.work.text !== '') void this.#read(this.#here);
     });
     window.addEventListener('beforeunload', (event) => {
       if (this.changed) event.preventDefault();
@@ -139,8 +150,8 @@ class MechanismSession {
   async start(ofServer: boolean): Promise<void> {
     if (this.#started) return;
     this.#started = true;
-    void this.#loadCatalogue();
-    if (ofServer) await this.reload();
+    await Promise.all([this.#loadCatalogue(), ofServer ? this.reload() : undefined]);
+    this.started = true;
   }
 
   async #loadCatalogue(): Promise<void> {
@@ -263,17 +274,29 @@ class MechanismSession {
     clearTimeout(this.#timer);
     this.#typing = false;
     if (this.#history.commit(this.work)) this.#updateHistory();
-    await this.#read(true);
+    await this.#read(this.#here);
   }
 
-  /** Reads the text again, near the shown configuration or from its guess. */
-  async #read(near: boolean): Promise<void> {
+  /** Sets parameters and play scale, and closes the loops near given coordinates, or near the guess of the file. */
+  async arrange(parameters: Record<string, number>, coordinates: number[] | null, playScale: number): Promise<void> {
+    this.work = { ...this.work, parameters };
+    this.playScale = playScale;
+    this.commitParameters();
+    await this.#read(coordinates);
+  }
+
+  /** Coordinates of the shown configuration. */
+  get #here(): number[] | null {
+    return this.configuration?.coordinates ?? null;
+  }
+
+  /** Reads the text again, near given coordinates or from its guess. */
+  async #read(from: number[] | null): Promise<void> {
     this.#abort?.abort();
     const abort = new AbortController();
     this.#abort = abort;
     this.reading = true;
     try {
-      const from = near ? (this.configuration?.coordinates ?? null) : null;
       const { playScale } = this;
       const opened = await api.openMechanism(this.#source, from, playScale, abort.signal);
       if (abort.signal.aborted) return;
@@ -307,7 +330,7 @@ class MechanismSession {
     const near = work.name === this.work.name;
     this.work = near ? { ...work, saved: this.work.saved } : work;
     this.#updateHistory();
-    void this.#read(near).then(() => {
+    void this.#read(near ? this.#here : null).then(() => {
       if (!near) this.shown += 1;
     });
   }
@@ -317,7 +340,7 @@ class MechanismSession {
     const { [name]: _, ...others } = this.work.parameters;
     this.work = { ...this.work, parameters: value === null ? others : { ...others, [name]: value } };
     this.#updateHistory();
-    void this.#read(true);
+    void this.#read(this.#here);
   }
 
   /** Adds the parameters to the undo history, at the end of a drag of a slider. */
@@ -364,7 +387,7 @@ class MechanismSession {
 
   /** Returns to the closed configuration near the guess of the file. */
   home(): void {
-    void this.#read(false);
+    void this.#read(null);
   }
 
   setPlayScale(scale: number): void {

@@ -2,6 +2,7 @@
 
 import { CylinderGeometry, DoubleSide, MeshPhysicalMaterial, MeshStandardMaterial, type BufferGeometry, type Mesh } from 'three';
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+import { ZONE_COLORS } from './palette';
 import { finished } from './solids';
 
 /** Names of the materials in the document. */
@@ -18,14 +19,14 @@ export class CellMaterials {
   readonly arm = new MeshStandardMaterial({ color: 0x3f7fbf, metalness: 0.45, roughness: 0.36 });
   readonly 'other arm' = new MeshStandardMaterial({ color: 0xd98a3d, metalness: 0.45, roughness: 0.36 });
   readonly wafer = new MeshStandardMaterial({ color: 0x9d95bd, metalness: 0.7, roughness: 0.2 });
-  readonly station = new MeshStandardMaterial({ color: 0x4f8f5f, metalness: 0.1, roughness: 0.6 });
+  readonly station = new MeshStandardMaterial({ color: ZONE_COLORS.slot, metalness: 0.1, roughness: 0.6 });
   /** Bodies of stations are transparent, because wafers are within. */
   readonly carrier = new MeshPhysicalMaterial({ color: 0x9fb4c6, metalness: 0, roughness: 0.14, transparent: true, opacity: 0.3, depthWrite: false });
   readonly body = new MeshStandardMaterial({ color: 0xd5dade, metalness: 0.25, roughness: 0.5 });
   /** A body between the viewer and the robot. */
   readonly obstructing = new MeshStandardMaterial({ color: 0xb9c2ca, metalness: 0.1, roughness: 0.5, transparent: true, opacity: 0.16, depthWrite: false });
-  readonly 'keep out' = new MeshStandardMaterial({ color: 0xc8281c, roughness: 0.9, transparent: true, opacity: 0.2, depthWrite: false, side: DoubleSide });
-  readonly safe = new MeshStandardMaterial({ color: 0x2c9c4b, roughness: 0.9, transparent: true, opacity: 0.14, depthWrite: false, side: DoubleSide });
+  readonly 'keep out' = new MeshStandardMaterial({ color: ZONE_COLORS['keep out'], roughness: 0.9, transparent: true, opacity: 0.2, depthWrite: false, side: DoubleSide });
+  readonly safe = new MeshStandardMaterial({ color: ZONE_COLORS.safe, roughness: 0.9, transparent: true, opacity: 0.14, depthWrite: false, side: DoubleSide });
   /** Surfaces that several parts share. */
   readonly #surfaces = new Map<BufferGeometry, BufferGeometry>();
 

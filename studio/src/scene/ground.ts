@@ -178,7 +178,10 @@ export class Ground {
   cast(renderer: WebGLRenderer, scene: Scene): void {
     scene.traverse((part) => {
       // Transparent parts darken the ground, but not the parts within.
-      if (part instanceof Mesh && (part.castShadow || part.userData['onGround'])) part.layers.enable(CASTERS);
+      if (!(part instanceof Mesh)) return;
+      // Hidden parts are in another layer.
+      if (part.layers.isEnabled(0) && (part.castShadow || part.userData['onGround'])) part.layers.enable(CASTERS);
+      else part.layers.disable(CASTERS);
     });
     const [first, second] = this.#targets as [WebGLRenderTarget, WebGLRenderTarget];
     const before = { color: renderer.getClearColor(new Color()), alpha: renderer.getClearAlpha(), shadows: renderer.shadowMap.needsUpdate };

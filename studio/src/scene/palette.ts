@@ -7,6 +7,9 @@ export const MODEL_COLOURS: Record<Theme, Record<string, string>> = {
   dark: { radial: '#f2f2f2', polar: '#e69f00', offset: '#56b4e9', planar: '#d98cb6', approximate: '#9a9a9a' },
 };
 
+/** Colors of zones and of the marks of slots. */
+export const ZONE_COLORS = { 'keep out': '#c8281c', safe: '#2c9c4b', slot: '#4f8f5f' } as const;
+
 export interface SceneColours {
   background: string;
   ink: string;

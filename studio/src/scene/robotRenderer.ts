@@ -48,8 +48,6 @@ export class RobotRenderer extends SceneRenderer {
   #initialView = true;
   /** Width at the left of the view that is covered by another element [px]. */
   #covered = 0;
-  /** Called after each frame, to record it. */
-  onFrame: (() => void) | null = null;
 
   constructor(host: HTMLElement, events: RobotRendererEvents) {
     const camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 10, 20000);
@@ -293,10 +291,6 @@ export class RobotRenderer extends SceneRenderer {
     const axes: AxisArrow[] = [];
     const labels = updateRobotScene(this.#picture, this.#robot, this.#annotations, this.vectors ? axes : null);
     return { labels, axes, covered: { left: this.#covered + 10, right: 104 }, occupied: [BUTTON, { left: 0, right: this.size.width, top: this.size.height - FOOTER, bottom: this.size.height }] };
-  }
-
-  protected override frameRendered(): void {
-    this.onFrame?.();
   }
 
   // The pointer

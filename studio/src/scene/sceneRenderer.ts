@@ -15,6 +15,7 @@ import {
   type Object3D,
   type OrthographicCamera,
   type PerspectiveCamera,
+  type Plane,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { environmentLight, installEnvironment } from './environment';
@@ -158,6 +159,7 @@ export abstract class SceneRenderer {
   }
 
   dispose(): void {
+    this.onDispose?.();
     this.#observer.disconnect();
     cancelAnimationFrame(this.#frame);
     clearTimeout(this.#still);
@@ -182,8 +184,10 @@ export abstract class SceneRenderer {
   protected abstract resized(): void;
   /** Updates the scene before a frame; `null` while there is nothing to render. */
   protected abstract update(): Overlay | null;
-  /** Called after each frame, with labels. */
-  protected frameRendered(): void {}
+  /** Called after each frame. */
+  onFrame: (() => void) | null = null;
+  /** Called before the view is removed. */
+  onDispose: (() => void) | null = null;
 
   /** Requests a frame. */
   invalidate(): void {
@@ -262,7 +266,7 @@ export abstract class SceneRenderer {
     this.#useRatio(this.#resolution.moving);
     if (!this.#draw()) return;
     this.#scheduleStill();
-    this.frameRendered();
+    this.onFrame?.();
     this.#events.rendered(performance.now() - start);
   }
 
@@ -445,9 +449,10 @@ export abstract class SceneRenderer {
 
   // Picking
 
-  /** The first intersection of the ray through the pointer with an object; `null` if there is none. */
+  /** The first intersection of the ray through the pointer with a visible surface of an object; `null` if there is none. */
   protected intersection(event: MouseEvent, object: Object3D): Intersection | null {
-    return this.#ray(event).intersectObject(object, true)[0] ?? null;
+    const planes = this.renderer.clippingPlanes as Plane[];
+    return this.#ray(event).intersectObject(object, true).find(({ point }) => planes.every((plane) => plane.distanceToPoint(point) >= 0)) ?? null;
   }
 
   /** Whether a click is the end of a drag of the view, or hits a handle. */

@@ -14,16 +14,16 @@ export function download(blob: Blob, name: string): void {
 }
 
 /** The current pose, as `jointplay forward --format json` writes it. */
-export async function forwardDocument(studio: Studio): Promise<Blob> {
+export async function forwardDocument(studio: Studio, signal: AbortSignal): Promise<Blob> {
   const { model, solver, metric } = studio.document;
   if (!studio.pose) throw new Error('no pose has been computed yet');
-  return api.forward(studio.file.source, studio.pose.rods_m, api.modelChoice(model, solver, metric));
+  return api.forward(studio.file.source, studio.pose.rods_m, api.modelChoice(model, solver, metric), signal);
 }
 
-export async function seriesFile(studio: Studio, kind: 'csv' | 'parquet'): Promise<Blob> {
+export async function seriesFile(studio: Studio, kind: 'csv' | 'parquet', signal: AbortSignal): Promise<Blob> {
   const { motion, model, solver, metric } = studio.document;
   if (!motion) throw new Error('time series need a motion: select one first');
-  return api.studyFile(studio.file.source, motion, api.modelChoice(model, solver, metric), kind);
+  return api.studyFile(studio.file.source, motion, api.modelChoice(model, solver, metric), kind, signal);
 }
 
 /** Pixels of a PNG figure per unit of the SVG figure. */

@@ -1,6 +1,7 @@
 // Layout of the page; stored in the browser and not part of undo.
 
 import type { CellLink } from '../lib/cellLink';
+import type { MechanismLink } from '../lib/mechanismLink';
 import { load, save } from '../lib/settings';
 import type { ShortcutSheet } from './shortcuts';
 import { PanelLayout } from './panelLayout.svelte';
@@ -60,6 +61,8 @@ class Layout {
   openShown = $state(false);
   /** Whether the robot file is shown next to the view. */
   robotEditor = $state(false);
+  /** A link to the view of mechanisms that is still to be opened. */
+  mechanismLink = $state.raw<MechanismLink | null>(null);
   introductionShown = $state(load('introduction', true, flag));
   handles = $state(load('handles', true, flag));
   /** The maximized plot. */

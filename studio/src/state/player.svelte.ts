@@ -26,7 +26,7 @@ export class Player {
   #position = 0;
   #last = 0;
   #frame = 0;
-  /** Called at the end of a motion that is played once. */
+  /** Called at the end of a motion that is played once, or when it is paused. */
   #ended: (() => void) | null = null;
 
   constructor(study: Study, events: PlayerEvents) {
@@ -64,7 +64,7 @@ export class Player {
     this.#frame = requestAnimationFrame((now) => this.#tick(now));
   }
 
-  /** Plays from the current sample to the end, regardless of `loop`. */
+  /** Plays from the current sample to the end, regardless of `loop`; calls `ended` there, or when the motion is paused. */
   playOnce(ended: () => void): void {
     this.pause();
     this.play();
@@ -74,9 +74,11 @@ export class Player {
   pause(): void {
     if (!this.playing) return;
     this.playing = false;
-    this.#ended = null;
     cancelAnimationFrame(this.#frame);
     this.#events.stopped();
+    const ended = this.#ended;
+    this.#ended = null;
+    ended?.();
   }
 
   /** Detaches the robot from the motion, so that it can be jogged from its current pose. */
@@ -94,10 +96,8 @@ export class Player {
     if (this.#position > end) {
       if (this.loop && !this.#ended) this.#position %= end + 1;
       else {
-        const ended = this.#ended;
         this.#show(end);
         this.pause();
-        ended?.();
         return;
       }
     }

@@ -19,6 +19,8 @@ export interface CellProbe {
   camera: () => { eye: number[]; target: number[] } | null;
   /** Names of the parts highlighted as in violation. */
   violating: () => string[];
+  /** End points of the line of the minimum distance [m]; empty without a line. */
+  nearest: () => number[];
   /** Color of these parts, as hexadecimal digits. */
   violationColor: () => string;
 }
@@ -29,6 +31,8 @@ export interface MechanismProbe {
   joints: () => Record<string, number[]>;
   /** Origins of the links in the base frame [m]. */
   links: () => Record<string, number[]>;
+  /** Position and target of the camera [sizes]. */
+  camera: () => { eye: number[]; target: number[] } | null;
   /** Position of a joint on the page [px]. */
   onPage: (joint: string) => { x: number; y: number } | null;
 }

@@ -6,6 +6,8 @@ import type { Picture } from '../scene/sceneRenderer';
 export interface RecordedView {
   /** Called after each frame. */
   onFrame: (() => void) | null;
+  /** Called before the view is removed. */
+  onDispose: (() => void) | null;
   /** Requests a frame. */
   invalidate(): void;
   /** Renders the view to another canvas, without handles. */
@@ -47,9 +49,21 @@ export class VideoRecorder {
       renderer.renderPicture(canvas, { ...VIDEO, note: note() }, false);
       for (const next of waiting.splice(0)) next();
     };
+    let ended = false;
+    const finish = () => {
+      if (ended) return;
+      ended = true;
+      this.#end = null;
+      renderer.onFrame = renderer.onDispose = null;
+      for (const next of waiting.splice(0)) next();
+      recorder.stop();
+      this.running = false;
+    };
+    // A view that is removed renders no more frames: the film ends with the last one.
+    renderer.onDispose = finish;
     const hold = async () => {
       const until = performance.now() + HOLD_MS;
-      for (let frame = 0; frame < HOLD_FRAMES || performance.now() < until; frame++)
+      for (let frame = 0; !ended && (frame < HOLD_FRAMES || performance.now() < until); frame++)
         await new Promise<void>((next) => {
           waiting.push(next);
           renderer.invalidate();
@@ -57,9 +71,7 @@ export class VideoRecorder {
     };
     this.#end = async () => {
       await hold();
-      renderer.onFrame = null;
-      recorder.stop();
-      this.running = false;
+      finish();
     };
     this.running = true;
     recorder.start(500);

@@ -17,6 +17,7 @@ import {
 } from '../lib/document';
 import { History } from '../lib/history';
 import { fromCellHash } from '../lib/cellLink';
+import { fromMechanismHash } from '../lib/mechanismLink';
 import { fingerprint, fromHash, toHash, type RobotIdentity, type View } from '../lib/link';
 import { withinTilt } from '../lib/limits';
 import { load, save } from '../lib/settings';
@@ -150,6 +151,12 @@ export class Studio {
     if (cellLink) {
       layout.cellLink = cellLink;
       if (this.robot?.cell) layout.setPart('cell');
+      hash = load(this.#linkKey, '', (value) => typeof value === 'string');
+    }
+    const mechanismLink = fromMechanismHash(hash);
+    if (mechanismLink) {
+      layout.mechanismLink = mechanismLink;
+      layout.setPart('mechanism');
       hash = load(this.#linkKey, '', (value) => typeof value === 'string');
     }
     const empty = this.robot ? initialDocument(millimetres(this.robot.working_height_m), degrees(this.robot.limits.tilt_max_rad)) : initialDocument(500);

@@ -33,7 +33,7 @@ pub(crate) use checker::CheckCache;
 pub use checker::check;
 pub use key_figures::KeyFigures;
 pub use options::CheckOptions;
-pub use pose::{ContactFreePath, PoseContext, advance_until_contact, check_pose};
+pub use pose::{ContactFreePath, PoseContext, advance_until_contact, check_pose, nearest_points};
 pub use remedy::{Remedy, remedies};
 pub use report::{CheckResult, InstructionResult, MinimumDistance, Report, Utilization};
 pub use zone_bodies::{BodyInZone, bodies_in_zones};

@@ -2,10 +2,10 @@
 
 use super::checker::check_uncached;
 use super::options::CheckOptions;
-use super::report::Report;
+use super::report::{MinimumDistance, Report};
 use super::step_checks::StepChecks;
 use crate::collision::Scene;
-use crate::geometry::ColliderCache;
+use crate::geometry::{self, ColliderCache};
 use crate::incremental::{JobContext, uninterrupted};
 use crate::program::{Path, Phase, SourceLocation, Step, WaferLocations};
 use crate::robot::EffectorId;
@@ -14,6 +14,7 @@ use crate::trajectory::{Trajectory, joint_space_line};
 use crate::violation::ViolationKind;
 use crate::workcell::Cell;
 use crate::{CellError, EntityId};
+use nalgebra::Vector3;
 
 /// Bisections of the path before a contact: 2⁻³⁰ m is a nanometre.
 const BISECTIONS: usize = 30;
@@ -23,6 +24,9 @@ const MAX_SHORTENINGS: usize = 16;
 const CONTACT_TOLERANCE: f64 = 1e-9;
 /// Margin to the contact, as a fraction of the path.
 const MARGIN: f64 = 1e-7;
+
+/// Largest difference between the reported distance of a pair and that of its nearest points (m).
+const NEAREST_POINTS_TOLERANCE: f64 = 1e-6;
 
 /// Context of a pose: locations of the wafers, and the slot that an effector may enter.
 #[derive(Debug, Clone, Copy)]
@@ -61,6 +65,44 @@ pub fn check_pose(
 ) -> Result<Report, CellError> {
     cell.robot.check_positions(positions)?;
     Ok(SceneAtTime::new(cell, context).pose(positions, options))
+}
+
+/// Nearest points of pairs of collision objects in one pose, in the base frame, in the order of the pair (m).
+///
+/// The distance of both points is that of [`check_pose`] in the same context.
+/// A pair has no points where it is in contact, or where the pose is unknown because the arm exceeds its droop data.
+///
+/// # Errors
+/// As [`check_pose`].
+pub fn nearest_points(
+    cell: &Cell,
+    context: &PoseContext<'_>,
+    positions: &[f64],
+    distances: &[MinimumDistance],
+) -> Result<Vec<Option<[Vector3<f64>; 2]>>, CellError> {
+    cell.robot.check_positions(positions)?;
+    let SceneAtTime { scene, .. } = SceneAtTime::new(cell, context);
+    let Ok(poses) = scene.link_poses(positions, Vec::new()) else {
+        return Ok(vec![None; distances.len()]);
+    };
+    let objects = |entity: EntityId| {
+        let numbered = scene.objects.iter().enumerate();
+        numbered.filter(move |(_, object)| object.entity == entity).map(|(index, _)| index)
+    };
+    let points = |minimum: &MinimumDistance| {
+        let [first, second] = minimum.entities;
+        // A body may consist of several objects, some of which are exempt from the check: those at the reported distance are meant.
+        let pairs = objects(first).flat_map(|one| objects(second).map(move |other| [one, other]));
+        let points = pairs.filter_map(|pair| {
+            let [one, other] = pair.map(|object| scene.collider_at(object, &poses));
+            geometry::nearest_points(one, other)
+        });
+        let error =
+            |[one, other]: &[Vector3<f64>; 2]| ((other - one).norm() - minimum.distance).abs();
+        let nearest = points.min_by(|one, other| error(one).total_cmp(&error(other)));
+        nearest.filter(|points| error(points) <= NEAREST_POINTS_TOLERANCE)
+    };
+    Ok(distances.iter().map(points).collect())
 }
 
 /// Moves all axes along a joint-space line from one pose toward another, up to the last state without contact.

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 use parry3d_f64::math::{Pose3, Vector};
-use parry3d_f64::query;
 use parry3d_f64::query::details::closest_points_support_map_support_map_with_params;
 use parry3d_f64::query::gjk::{GJKResult, VoronoiSimplex};
+use parry3d_f64::query::{self, ClosestPoints};
 use parry3d_f64::shape::{Shape as Queried, SupportMap};
 
 use super::collider::PlacedCollider;
@@ -48,22 +48,9 @@ pub(crate) fn separation(
     let guess = guess.map_or(between.translation, |guess| {
         pose_a.rotation.inverse() * Vector::new(guess.x, guess.y, guess.z)
     });
-    // For two boxes the library alternates between their faces once, which is inexact where these are parallel and crosswise.
-    let points = if let (Some(one), Some(other)) = (one.as_cuboid(), other.as_cuboid()) {
-        Some(closest_points(&between, one, other, guess))
-    } else if one.as_segment().is_some() && other.as_segment().is_some() {
-        None
-    } else if let (Some(one), Some(other)) = (one.as_support_map(), other.as_support_map()) {
-        Some(closest_points(&between, one, other, guess))
-    } else {
-        None
-    };
-    let (distance, along) = match points {
+    let (distance, along) = match convex_closest_points(&between, one, other, guess) {
         Some(None) => (0.0, None),
-        Some(Some(points)) => {
-            let round = [one, other].iter().any(|shape| shape.as_cylinder().is_some());
-            let [first, second] =
-                if round { refine_by_projection(&between, one, other, points) } else { points };
+        Some(Some([first, second])) => {
             let distance = (second - first).length();
             (distance, (distance > 0.0).then(|| (second - first) / distance))
         }
@@ -83,6 +70,51 @@ pub(crate) fn separation(
     let along = along.map(|along| pose_a.rotation * along);
     let along = along.map(|along| Vector3::new(along.x, along.y, along.z));
     Separation { distance: (distance - margin).max(0.0), direction: along }
+}
+
+/// Nearest points of two colliders in the base frame, on the surface of each (m); `None` where they overlap, or where their distance is unknown.
+pub(crate) fn nearest_points(
+    a: PlacedCollider<'_>,
+    b: PlacedCollider<'_>,
+) -> Option<[Vector3<f64>; 2]> {
+    let (pose_a, pose_b) = (a.pose(), b.pose());
+    let (one, other): (&dyn Queried, &dyn Queried) = (&*a.collider.shape.0, &*b.collider.shape.0);
+    let between = pose_a.inv_mul(&pose_b);
+    let [first, second] = match convex_closest_points(&between, one, other, between.translation) {
+        Some(points) => points?.map(|point| pose_a * point),
+        None => match query::closest_points(&pose_a, one, &pose_b, other, f64::MAX).ok()? {
+            ClosestPoints::WithinMargin(first, second) => [first, second],
+            ClosestPoints::Intersecting | ClosestPoints::Disjoint => return None,
+        },
+    };
+    let [first, second] = [first, second].map(|point| Vector3::new(point.x, point.y, point.z));
+    let distance = (second - first).norm();
+    if distance <= a.collider.margin + b.collider.margin {
+        return None;
+    }
+    let along = (second - first) / distance;
+    Some([first + along * a.collider.margin, second - along * b.collider.margin])
+}
+
+/// Closest points of two shapes in the frame of the first, `Some(None)` where they overlap; `None` for shapes that are not convex and for two segments.
+fn convex_closest_points(
+    between: &Pose3,
+    one: &dyn Queried,
+    other: &dyn Queried,
+    guess: Vector,
+) -> Option<Option<[Vector; 2]>> {
+    // For two boxes the library alternates between their faces once, which is inexact where these are parallel and crosswise.
+    let points = if let (Some(one), Some(other)) = (one.as_cuboid(), other.as_cuboid()) {
+        closest_points(between, one, other, guess)
+    } else if one.as_segment().is_some() && other.as_segment().is_some() {
+        return None;
+    } else {
+        closest_points(between, one.as_support_map()?, other.as_support_map()?, guess)
+    };
+    let is_round = [one, other].iter().any(|shape| shape.as_cylinder().is_some());
+    Some(points.map(|points| {
+        if is_round { refine_by_projection(between, one, other, points) } else { points }
+    }))
 }
 
 /// Closest points of two convex shapes in the frame of the first; `None` where they overlap.
@@ -335,6 +367,52 @@ mod tests {
             assert!((found - expected).abs() < 1e-8, "{round}: {found} for {expected}");
         }
         assert!(seen > 10_000, "{seen}");
+    }
+
+    #[test]
+    fn nearest_points_are_on_both_surfaces_at_the_distance() {
+        let mut state = 11_u64;
+        let mut random = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let shapes = [
+            Shape::Box { half: [0.05, 0.02, 0.1] },
+            Shape::Cylinder { radius: 0.15, half_height: 0.0004 },
+            Shape::Capsule { ends: [[0.0; 3], [0.2, 0.05, 0.0]], radius: 0.03 },
+            Shape::Convex {
+                points: vec![[0.0; 3], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]],
+            },
+            Shape::Mesh {
+                vertices: vec![[0.0; 3], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]],
+                triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+            },
+        ];
+        let (mut apart, mut overlapping) = (0, 0);
+        for round in 0..4000 {
+            let [a, b] = [round % 5, round / 5 % 5]
+                .map(|kind| Collider::new(&shapes[kind], &Pose::identity()).unwrap());
+            let poses = [0, 1].map(|_| {
+                let turn = Rotation3::new(Vector3::new(random(), random(), random()) * 2.0);
+                let shift = Vector3::new(random(), random(), random()) * 0.3;
+                Pose::from_parts(shift.into(), turn)
+            });
+            let [a, b] = [(&a, &poses[0]), (&b, &poses[1])]
+                .map(|(collider, base_from_parent)| PlacedCollider { collider, base_from_parent });
+            let distance = distance(a, b);
+            let Some(points) = nearest_points(a, b) else {
+                overlapping += 1;
+                assert!(distance < 1e-6, "{round}: {distance} without points");
+                continue;
+            };
+            apart += 1;
+            assert!(((points[1] - points[0]).norm() - distance).abs() < 1e-7, "{round}");
+            for (placed, point) in [(a, &points[0]), (b, &points[1])] {
+                let off = signed_distance(placed, point);
+                assert!(off.abs() < 1e-6, "{round}: {off} from the surface");
+            }
+        }
+        assert!(apart > 2000 && overlapping > 200, "{apart} {overlapping}");
     }
 
     #[test]

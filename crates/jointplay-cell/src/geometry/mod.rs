@@ -9,7 +9,7 @@
 //! | `collider` | shapes as the collision library takes them, with bounding spheres |
 //! | `collider_cache` | colliders of the last check |
 //! | `cache_key` | cache keys of shapes |
-//! | `distance` | minimum distance, separation along a direction, penetration depth |
+//! | `distance` | minimum distance, nearest points, separation along a direction, penetration depth |
 //!
 //! Nothing in this folder depends on robots or cells, except that invalid shapes are a [`CellError`](crate::CellError).
 
@@ -26,7 +26,8 @@ mod validate;
 pub(crate) use collider::{Collider, PlacedCollider};
 pub(crate) use collider_cache::{CachedCollider, ColliderCache};
 pub(crate) use distance::{
-    bounding_sphere_gap, distance, penetration_depth, separation, separation_along, signed_distance,
+    bounding_sphere_gap, distance, nearest_points, penetration_depth, separation, separation_along,
+    signed_distance,
 };
 pub(crate) use interval::Interval;
 pub use openings::{MAX_OPENINGS, box_with_openings};

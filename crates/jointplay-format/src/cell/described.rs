@@ -136,7 +136,8 @@ fn has_plane(table: &dyn TableLike) -> bool {
     taught.is_some_and(|taught| taught.contains_key("points_mm"))
 }
 
-fn all<'d>(document: &'d DocumentMut, key: &str) -> Vec<&'d dyn TableLike> {
+/// The tables of a list.
+pub(super) fn all<'d>(document: &'d DocumentMut, key: &str) -> Vec<&'d dyn TableLike> {
     match document.get(key) {
         Some(Item::ArrayOfTables(list)) => list.iter().map(|it| it as &dyn TableLike).collect(),
         Some(Item::Value(Value::Array(list))) => {

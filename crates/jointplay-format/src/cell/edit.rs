@@ -71,6 +71,8 @@ pub enum Change {
     Approach(Approach),
     /// Process time of a wafer (s).
     ProcessTime(f64),
+    /// Numbers of the slots that hold a wafer at the start, from 1; `None` for all slots.
+    Wafers(Option<Vec<usize>>),
 }
 
 /// Replaces values of one station in the text of a cell file; everything else remains, including comments.
@@ -80,11 +82,7 @@ pub enum Change {
 /// # Errors
 /// The text is not TOML, or has no station of this name.
 pub fn set_station(text: &str, name: &str, changes: &[Change]) -> Result<String, Problem> {
-    let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
-        let message = error.message().replace('\n', " ");
-        let span = error.span().unwrap_or(0..0);
-        Error::at(text, span, FileProblem::from(Form::Malformed { message }).into())
-    })?;
+    let mut document = document(text)?;
     let at_start = |fault| Error::at(text, 0..0, fault);
     let inherited = described::inherited(&document, name, &inherited_keys(changes));
     let mut station = station(&mut document, name).map_err(at_start)?;
@@ -97,6 +95,15 @@ pub fn set_station(text: &str, name: &str, changes: &[Change]) -> Result<String,
     }
     described::check_unchanged(station.table, name, &expressions).map_err(at_start)?;
     Ok(document.to_string())
+}
+
+/// A text as a document that keeps its comments.
+pub(super) fn document(text: &str) -> Result<DocumentMut, Problem> {
+    text.parse().map_err(|error: toml_edit::TomlError| {
+        let message = error.message().replace('\n', " ");
+        let span = error.span().unwrap_or(0..0);
+        Error::at(text, span, FileProblem::from(Form::Malformed { message }).into())
+    })
 }
 
 /// Keys whose present values the changes need, also where the station takes them from another table.
@@ -141,11 +148,7 @@ const NOTE: &str = "# Taught in contact: ";
 /// # Errors
 /// As [`set_station`].
 pub fn note_station(text: &str, name: &str, touching: &[[String; 2]]) -> Result<String, Problem> {
-    let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
-        let message = error.message().replace('\n', " ");
-        let span = error.span().unwrap_or(0..0);
-        Error::at(text, span, FileProblem::from(Form::Malformed { message }).into())
-    })?;
+    let mut document = document(text)?;
     // A missing station is an error here, as in `set_station`.
     station(&mut document, name).map_err(|fault| Error::at(text, 0..0, fault))?;
     let pairs: Vec<String> =
@@ -309,7 +312,7 @@ impl Station<'_> {
 }
 
 /// Replaces a value; the white space and comments around it remain.
-fn replace(old: &mut Value, mut new: Value) {
+pub(super) fn replace(old: &mut Value, mut new: Value) {
     // Equal values within a table or a list keep their notation.
     *new.decor_mut() = old.decor().clone();
     *old = new;
@@ -413,18 +416,23 @@ fn apply(station: &mut Station<'_>, change: &Change) {
             station.set("approach", Value::from(word));
         }
         Change::ProcessTime(time) => station.set("process_s", number(*time)),
+        Change::Wafers(None) => station.set("wafers", Value::from("all")),
+        Change::Wafers(Some(slots)) => {
+            let slots = slots.iter().map(|&slot| i64::try_from(slot).unwrap_or(i64::MAX));
+            station.set("wafers", Value::Array(slots.collect()));
+        }
     }
 }
 
-fn number(value: f64) -> Value {
+pub(super) fn number(value: f64) -> Value {
     Value::from(value)
 }
 
-fn point(point: &Vector3<f64>) -> Value {
+pub(super) fn point(point: &Vector3<f64>) -> Value {
     Value::Array(point.iter().map(|value| mm(*value)).collect())
 }
 
-fn inline<const N: usize>(values: [(&str, Value); N]) -> Value {
+pub(super) fn inline<const N: usize>(values: [(&str, Value); N]) -> Value {
     Value::InlineTable(table(values))
 }
 

@@ -5,7 +5,7 @@ use axum::extract::State;
 use axum::http::StatusCode;
 use jointplay::cell::StopRequested;
 use jointplay::cell::check::{
-    CheckOptions, ContactFreePath, PoseContext, advance_until_contact, check_pose,
+    CheckOptions, ContactFreePath, PoseContext, advance_until_contact, check_pose, nearest_points,
 };
 use jointplay::cell::jog::{JogOutcome, StopReason};
 use jointplay::cell::robot::{EffectorId, WaferTarget};
@@ -150,6 +150,7 @@ fn document(
     let solutions = cell.robot.inverse(id, &WaferTarget::of(&rigid), at).map_err(cell_error)?;
     let (frames, _) = frames(motion_export, moment.time, at).map_err(export_error)?;
     let report = check_pose(cell, moment, at, &CheckOptions::default()).map_err(cell_error)?;
+    let nearest = nearest_points(cell, moment, at, &report.distances).map_err(cell_error)?;
     Ok(JogDocument {
         axes: axes(cell, at),
         platform: platform(cell, at),
@@ -163,7 +164,7 @@ fn document(
         stopped: jogged.stopped.as_ref().map(|stopped| StoppedDocument::new(cell, stopped)),
         play: play(cell, at),
         frames: frames.into_iter().map(Into::into).collect(),
-        check: PoseCheckDocument::new(cell, &report),
+        check: PoseCheckDocument::new(cell, &report, &nearest),
     })
 }
 

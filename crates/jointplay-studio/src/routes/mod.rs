@@ -1,6 +1,7 @@
 //! The endpoints, one file each, and functions that several of them share.
 
 pub(crate) mod cell;
+pub(crate) mod cell_entry;
 pub(crate) mod cell_export;
 pub(crate) mod cell_jog;
 pub(crate) mod cell_parts;

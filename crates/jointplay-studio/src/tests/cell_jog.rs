@@ -242,6 +242,39 @@ fn every_pose_is_checked_and_a_contact_stops_a_jog() {
 }
 
 #[test]
+fn nearest_points_are_on_both_bodies_at_the_reported_distance() {
+    let server = server(CellFiles::example());
+    let home = jog(&server, json!({}));
+    let (start, to) = (positions(&home), through_the_wall(&home));
+    let stop = json!({ "to": { "kind": "axes", "positions": to }, "stop_at_contact": true });
+    let end = positions(&jog(&server, stop));
+    let mut on_the_wall = 0;
+    for share in [0.0, 0.3, 0.6, 0.8, 0.9, 0.97, 0.995] {
+        let at: Vec<f64> = start.iter().zip(&end).map(|(a, b)| a + share * (b - a)).collect();
+        let found = jog(&server, json!({ "to": { "kind": "axes", "positions": at } }));
+        for pair in found["check"]["distances"].as_array().unwrap() {
+            let point = |k: usize| -> Vec<f64> {
+                serde_json::from_value(pair["nearest_points_m"][k].clone()).unwrap()
+            };
+            let (first, second) = (point(0), point(1));
+            let apart = first.iter().zip(&second).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+            assert!((apart - pair["distance_m"].as_f64().unwrap()).abs() < 1e-6, "{pair}");
+            let bodies = pair["bodies"].as_array().unwrap();
+            if let Some(k) = bodies.iter().position(|name| name == "wall") {
+                on_the_wall += 1;
+                // The box of the file: its point is on the surface.
+                let [center, half] = [[0.1, -0.6, 0.5], [0.3, 0.01, 0.5]];
+                let off: Vec<f64> =
+                    (0..3).map(|i| (point(k)[i] - center[i]).abs() - half[i]).collect();
+                let farthest = off.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                assert!(farthest.abs() < 1e-7, "{pair}");
+            }
+        }
+    }
+    assert!(on_the_wall > 3, "{on_the_wall}");
+}
+
+#[test]
 fn teaching_in_contact_requires_a_confirmation_and_adds_a_comment() {
     let server = server(CellFiles::example());
     let home = jog(&server, json!({}));

@@ -1,6 +1,7 @@
 //! Tests of the server by requests.
 
 mod cell;
+mod cell_entry;
 mod cell_export;
 mod cell_jog;
 mod cell_windows;

@@ -315,6 +315,9 @@ pub(crate) struct StationRequest {
     /// Taught points of its plane, which replace the tilt.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) taught: Option<TaughtFields>,
+    /// Wafers at the start.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) wafers: Option<WafersFields>,
     /// Robot pose by which the values are taught. It is checked; a contact requires a confirmation.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) taught_by: Option<TaughtByFields>,
@@ -343,6 +346,19 @@ pub(crate) struct TaughtByFields {
     /// Whether the station is taught in contact; a comment in the file records this.
     #[serde(default)]
     pub(crate) confirm_contact: bool,
+}
+
+/// Slots of a station that hold a wafer at the start.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WafersFields {
+    /// Whether all slots hold one.
+    #[serde(default)]
+    pub(crate) all: bool,
+    /// Numbers of the slots, from 1, unless all hold one.
+    #[serde(default)]
+    #[schema(max_items = 1000)]
+    pub(crate) slots: Vec<usize>,
 }
 
 /// A tilt as rotation vector.
@@ -435,6 +451,9 @@ impl StationRequest {
         }
         if let Some(taught) = self.taught.clone() {
             changes.push(taught.change()?);
+        }
+        if let Some(WafersFields { all, slots }) = &self.wafers {
+            changes.push(Change::Wafers((!all).then(|| slots.clone())));
         }
         Ok(changes)
     }

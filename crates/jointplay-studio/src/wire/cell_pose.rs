@@ -3,9 +3,12 @@
 use jointplay::cell::EntityId;
 use jointplay::cell::check::{MinimumDistance, Report, Violation, ViolationKind};
 use jointplay::cell::workcell::Cell;
+use jointplay::nalgebra::Vector3;
 use jointplay::report::explain_violation;
 use serde::Serialize;
 use utoipa::ToSchema;
+
+use super::Triple;
 
 /// Minimum distances and violations of one pose of the robot at rest.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
@@ -26,6 +29,9 @@ pub(crate) struct PoseDistanceDocument {
     pub(crate) bodies: Vec<String>,
     /// Distance, 0 in contact (m).
     pub(crate) distance_m: f64,
+    /// Nearest point of each in the base frame (m); `null` in contact, or where the pose of the arm is unknown.
+    #[schema(required = true, min_items = 2, max_items = 2)]
+    pub(crate) nearest_points_m: Option<Vec<Triple>>,
 }
 
 /// A violation.
@@ -61,12 +67,20 @@ pub(crate) fn touching(report: &Report) -> Vec<[EntityId; 2]> {
 }
 
 impl PoseCheckDocument {
-    pub(crate) fn new(cell: &Cell, report: &Report) -> Self {
-        let distance =
-            |MinimumDistance { entities, distance, .. }: &MinimumDistance| PoseDistanceDocument {
+    pub(crate) fn new(
+        cell: &Cell,
+        report: &Report,
+        nearest_points: &[Option<[Vector3<f64>; 2]>],
+    ) -> Self {
+        let distance = |(minimum, points): (&MinimumDistance, &Option<[Vector3<f64>; 2]>)| {
+            let MinimumDistance { entities, distance, .. } = minimum;
+            PoseDistanceDocument {
                 bodies: entities.map(|one| cell.entity_name(one)).to_vec(),
                 distance_m: *distance,
-            };
+                nearest_points_m: points
+                    .map(|points| points.map(|point| Triple(point.into())).to_vec()),
+            }
+        };
         let violation = |one: &Violation| PoseViolationDocument {
             kind: one.kind.to_string(),
             names: one.entities.iter().map(|&one| cell.entity_name(one)).collect(),
@@ -78,7 +92,7 @@ impl PoseCheckDocument {
         in_contact.sort();
         in_contact.dedup();
         Self {
-            distances: report.distances.iter().map(distance).collect(),
+            distances: report.distances.iter().zip(nearest_points).map(distance).collect(),
             violations: report.violations.iter().map(violation).collect(),
             in_contact,
         }

@@ -4,6 +4,7 @@
 
 pub(crate) mod cell;
 pub(crate) mod cell_chain;
+pub(crate) mod cell_entry;
 pub(crate) mod cell_export;
 pub(crate) mod cell_jog;
 pub(crate) mod cell_jogged;

@@ -1,0 +1,1 @@
+export{i as session}from"./session.svelte-B9jXaKaw.js";

@@ -1,1 +1,0 @@
-export{r as session}from"./session.svelte-ClvSbx5L.js";

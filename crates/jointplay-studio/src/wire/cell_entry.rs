@@ -1,0 +1,92 @@
+//! Documents of requests to add, duplicate and remove stations and bodies of a cell file.
+
+use jointplay::format::cell::{EntryList, NewEntry};
+use jointplay::nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::Triple;
+use crate::problem::Problem;
+
+/// A change of the entries of a cell file.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct EntryRequest {
+    /// Text of the cell; default: that of the file.
+    #[serde(default)]
+    pub(crate) cell: Option<String>,
+    /// What is done.
+    pub(crate) action: EntryAction,
+    /// The list of the entry.
+    pub(crate) list: EntryListName,
+    /// Name of the duplicated or removed entry.
+    #[serde(default)]
+    pub(crate) name: Option<String>,
+    /// Position of an added entry in the base frame (m); default: the origin.
+    #[serde(default)]
+    pub(crate) position_m: Option<Triple>,
+    /// Heading of an added station (rad).
+    #[serde(default)]
+    #[schema(required = false, default = 0.0, minimum = -1000, maximum = 1000)]
+    pub(crate) heading_rad: f64,
+}
+
+/// A change of the entries of a list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum EntryAction {
+    /// An entry with assumed dimensions is added.
+    Add,
+    /// An entry is duplicated; with a station, the bodies attached to it.
+    Duplicate,
+    /// An entry is removed; with a station, the bodies attached to it.
+    Remove,
+}
+
+/// A list of a cell file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum EntryListName {
+    /// Stations.
+    Station,
+    /// Bodies.
+    Body,
+}
+
+/// Text of a cell file with changed entries.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct EntryDocument {
+    /// Text of the cell file.
+    pub(crate) cell: String,
+    /// Name of the new entry; `null` after a removal.
+    #[schema(required = true)]
+    pub(crate) name: Option<String>,
+}
+
+impl EntryRequest {
+    pub(crate) fn entry_list(&self) -> EntryList {
+        match self.list {
+            EntryListName::Station => EntryList::Station,
+            EntryListName::Body => EntryList::Body,
+        }
+    }
+
+    /// Name of the entry of an action that needs one.
+    pub(crate) fn required_name(&self) -> Result<&str, Problem> {
+        self.name.as_deref().ok_or_else(|| Problem::field("name", "this action needs a name"))
+    }
+
+    /// The entry to add.
+    pub(crate) fn new_entry(&self) -> Result<NewEntry, Problem> {
+        let Triple(position) = self.position_m.unwrap_or(Triple([0.0; 3]));
+        for (k, &value) in position.iter().enumerate() {
+            super::length(value, &format!("position_m[{k}]"))?;
+        }
+        let position = Vector3::from(position);
+        let heading = super::angle(self.heading_rad, "heading_rad")?;
+        Ok(match self.list {
+            EntryListName::Station => NewEntry::Station { position, heading },
+            EntryListName::Body => NewEntry::Body { position },
+        })
+    }
+}

@@ -1,0 +1,151 @@
+// The cell view states what it shows: jogged and outdated results, films that end, measured points that move with their parts.
+
+import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
+import type { Page } from 'playwright-core';
+import { EXAMPLE_CELL, cellFixture, complaints, load, partNames, unhandled, until, visit, waitForCheck, type CellFixture } from './studio';
+
+// LP2 is tilted: there the platform has play.
+const PROGRAM = 'HOME\nGET LP2 SLOT 1 WITH A\nHOME\n';
+
+let fixture: CellFixture;
+let page: Page;
+let heard: string[];
+
+beforeAll(async () => {
+  fixture = await cellFixture(PROGRAM, EXAMPLE_CELL.replace('name = "LP2"', 'name = "LP2"\nwafers = "all"'));
+  page = await visit(fixture.browser, { viewport: { width: 1440, height: 900 } });
+  heard = complaints(page);
+  await load(page, fixture.server.address);
+  await waitForCheck(page, 'passed');
+  await until('the cell is drawn', async () => (await partNames(page)).length > 0);
+});
+afterAll(() => fixture?.close());
+afterEach(() => {
+  expect(unhandled(heard.splice(0))).toEqual([]);
+});
+
+const plots = () => page.getByTestId('cell-plots').getAttribute('data-state');
+
+test('budget and plots are marked while the robot is jogged and while the check is outdated', async () => {
+  await page.getByTestId('cell-plots-toggle').click();
+  await page.getByTestId('plot-play').locator('canvas').waitFor();
+  expect(await plots()).toBe('current');
+  await page.getByTestId('field-jog-T').fill('20');
+  await page.getByTestId('field-jog-T').press('Enter');
+  await page.getByTestId('jogged').waitFor();
+  await until('the plots are marked', async () => (await plots()) === 'jogged');
+  await page.getByTestId('cell-play-budget').filter({ hasText: 'Jogged:' }).waitFor();
+  await page.getByTestId('jog-release').click();
+  await until('the plots are those of the view', async () => (await plots()) === 'current');
+  await page.route('**/api/v1/cell/plan', () => undefined);
+  await page.getByTestId('text-program').locator('.cm-content').click();
+  await page.keyboard.press('Control+End');
+  await page.keyboard.insertText('WAIT 1\n');
+  await until('the plots are outdated', async () => (await plots()) === 'outdated');
+  expect(await page.getByTestId('cell-play-budget').getAttribute('data-outdated')).toBe('true');
+  await page.unroute('**/api/v1/cell/plan');
+  await page.locator('.files').getByRole('button', { name: 'Undo' }).click();
+  await waitForCheck(page, 'passed');
+  await page.getByTestId('cell-plots-toggle').click();
+});
+
+test('legend and play scale do not cover each other', async () => {
+  await page.getByTestId('cell-play-scale').fill('600');
+  for (const viewport of [{ width: 1440, height: 900 }, { width: 390, height: 844 }]) {
+    await page.setViewportSize(viewport);
+    const boxes = async () => Promise.all([page.getByTestId('play-scale-note'), page.getByRole('list', { name: 'Legend' })].map((part) => part.boundingBox()));
+    await until('both are inside the window', async () => (await boxes()).every((box) => box !== null && box.x >= 0 && box.x + box.width <= viewport.width));
+    const [scale, legend] = (await boxes()) as { x: number; y: number; width: number; height: number }[];
+    const apart = scale!.x + scale!.width <= legend!.x || legend!.x + legend!.width <= scale!.x || scale!.y + scale!.height <= legend!.y || legend!.y + legend!.height <= scale!.y;
+    expect(apart, `${viewport.width} px`).toBe(true);
+  }
+  await page.setViewportSize({ width: 1440, height: 900 });
+  await page.getByTestId('cell-play-scale').fill('0');
+});
+
+test('only the left button chooses a time range', async () => {
+  const box = (await page.getByTestId('gantt').boundingBox())!;
+  const y = box.y + box.height - 6;
+  await page.mouse.move(box.x + 0.3 * box.width, y);
+  await page.mouse.down({ button: 'right' });
+  await page.mouse.move(box.x + 0.6 * box.width, y, { steps: 4 });
+  await page.mouse.up({ button: 'right' });
+  expect(await page.getByRole('button', { name: 'Fit time' }).count()).toBe(0);
+});
+
+test('measured points move with their parts', async () => {
+  await page.getByRole('button', { name: 'Top', exact: true }).click();
+  await page.getByTestId('measure').click();
+  const box = (await page.locator('.scene canvas').first().boundingBox())!;
+  const measured = async () => (await page.getByTestId('measured').textContent())!;
+  // The first point is on an arm, the second one on a part that does not move.
+  const robot = await page.evaluate(async () => (await (await fetch('./api/v1/cell/plan', { method: 'POST', headers: { 'content-type': 'application/json' }, body: '{}' })).json()) as { robot: { arms: { links: string[] }[] }; bodies: { name: string; attached_to: string }[] });
+  const links = robot.robot.arms.flatMap((arm) => arm.links);
+  const moving = new Set([...links, ...robot.bodies.filter(({ attached_to }) => links.includes(attached_to)).map(({ name }) => name)]);
+  // A third click begins another measurement: the points go outward from the centre, until one is on an arm and the other one is not.
+  let pair: string[] = [];
+  const isOnArm = (name: string) => moving.has(name);
+  for (let k = 0; k < 400 && pair.filter(isOnArm).length !== 1; k += 1) {
+    const [radius, turn] = [0.38 * Math.sqrt(k / 400), 2.399963 * k];
+    await page.mouse.click(box.x + box.width / 2 + radius * box.height * Math.cos(turn), box.y + box.height * (0.55 + radius * Math.sin(turn)));
+    pair = /^(.*) – (.*): [\d−]/.exec(await measured())?.slice(1) ?? [];
+  }
+  const link = pair.find(isOnArm)!;
+  const before = await measured();
+  expect(before).toContain('Δx');
+  await page.getByTestId('cell-time').fill(String(0.4 * Number(await page.getByTestId('cell-time').getAttribute('max'))));
+  await until('the distance is another one', async () => (await measured()) !== before);
+  expect(await measured()).toContain(link);
+  await page.getByTestId('measure').click();
+});
+
+test('a film ends when the motion is paused, and when the view is left', async () => {
+  const record = async (end: () => Promise<void>) => {
+    await page.getByTestId('cell-time').fill('0');
+    await page.getByTestId('cell-export').click();
+    const awaited = page.waitForEvent('download');
+    await page.getByTestId('cell-export-video').click();
+    await page.getByTestId('cell-stop-recording').waitFor();
+    await until('the motion is recorded', async () => Number(await page.getByTestId('cell-now').getAttribute('data-time')) > 0.2);
+    await end();
+    const download = await awaited;
+    expect(download.suggestedFilename()).toMatch(/^mine\.(mp4|webm)$/);
+  };
+  await record(() => page.getByTestId('cell-play').click());
+  expect(await page.getByTestId('cell-stop-recording').count()).toBe(0);
+  await record(() => page.getByRole('button', { name: 'Robot', exact: true }).click());
+  await page.getByRole('button', { name: 'Cell', exact: true }).click();
+  await until('the cell is drawn again', async () => (await partNames(page)).length > 0);
+});
+
+test('an export that is cancelled downloads nothing, and another one can follow', async () => {
+  await waitForCheck(page, 'passed');
+  let held: (() => void) | null = null;
+  await page.route('**/api/v1/cell/export', (route) => new Promise<void>((go) => (held = () => go(void route.continue().catch(() => undefined)))));
+  await page.getByTestId('cell-export').click();
+  await page.getByTestId('cell-export-csv').click();
+  await until('the request is pending', async () => held !== null);
+  await page.getByTestId('cell-export').click();
+  expect(await page.getByTestId('cell-export-csv').isDisabled()).toBe(true);
+  await page.keyboard.press('Escape');
+  await page.getByTestId('cell-export-cancel').click();
+  await until('nothing is exported', async () => (await page.getByTestId('cell-export').textContent()) === 'Export');
+  held!();
+  await page.unroute('**/api/v1/cell/export');
+  await page.getByTestId('cell-export').click();
+  const awaited = page.waitForEvent('download');
+  await page.getByTestId('cell-export-csv').click();
+  expect((await awaited).suggestedFilename()).toBe('mine.csv');
+});
+
+test('a link with a time range beyond the motion shows the part within', async () => {
+  const duration = Number(await page.getByTestId('cell-time').getAttribute('max'));
+  const other = await visit(fixture.browser, { viewport: { width: 1024, height: 700 } });
+  try {
+    await load(other, `${fixture.server.address}#cell=mine.toml&time=1&tab=program&range=2,${duration + 500}`);
+    await waitForCheck(other, 'passed');
+    await other.getByRole('button', { name: 'Fit time' }).waitFor();
+  } finally {
+    await other.context().close();
+  }
+});

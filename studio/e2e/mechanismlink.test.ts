@@ -1,0 +1,125 @@
+// Links to mechanisms, and their exported pictures and films.
+
+import { readFileSync } from 'node:fs';
+import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
+import type { Browser, Page } from 'playwright-core';
+import { accessibilityViolations, browse, complaints, load, serve, unhandled, until, visit, type Server } from './studio';
+
+let server: Server;
+let browser: Browser;
+let page: Page;
+let heard: string[];
+
+beforeAll(async () => {
+  [browser, server] = await Promise.all([browse(), serve()]);
+  page = await visit(browser, { viewport: { width: 1440, height: 900 } });
+  heard = complaints(page);
+  await load(page, server.address);
+  await page.getByRole('button', { name: 'Mechanism', exact: true }).click();
+});
+afterAll(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+afterEach(() => {
+  expect(unhandled(heard.splice(0))).toEqual([]);
+});
+
+const joints = (on: Page) => on.evaluate(() => window.jointplay.probe.mechanism?.joints() ?? {});
+const camera = (on: Page) => on.evaluate(() => window.jointplay.probe.mechanism?.camera() ?? null);
+const link = async (on: Page) => {
+  await on.getByTestId('mechanism-link').click();
+  await on.getByTestId('mechanism-link').filter({ hasText: 'Copied' }).waitFor();
+  return on.evaluate(() => window.location.href);
+};
+
+async function open(entry: string): Promise<void> {
+  await page.getByRole('tab', { name: 'Catalogue' }).click();
+  await page.getByTestId(`entry-${entry}`).click();
+  await until('its joints are drawn', async () => Object.keys(await joints(page)).length > 0);
+}
+
+/** Opens a link in another tab, and waits until it shows the same as this one. */
+async function same(address: string, more: (other: Page) => Promise<void> = async () => undefined): Promise<void> {
+  const [here, seen] = [await joints(page), (await camera(page))!];
+  const other = await visit(browser, { viewport: { width: 1440, height: 900 } });
+  const problems = complaints(other);
+  try {
+    await load(other, address);
+    await until('the joints are at the same places', async () => {
+      const there = await joints(other);
+      return Object.entries(here).every(([name, at]) => there[name]?.every((value, k) => Math.abs(value - at[k]!) < 1e-9));
+    });
+    await until('the camera is the same', async () => {
+      const there = await camera(other);
+      return there !== null && [...there.eye, ...there.target].every((value, k) => Math.abs(value - [...seen.eye, ...seen.target][k]!) < 1e-4);
+    });
+    await more(other);
+    expect(unhandled(problems)).toEqual([]);
+  } finally {
+    await other.context().close();
+  }
+}
+
+test('a link opens an entry of the catalogue in its configuration, with selection and camera', async () => {
+  await open('four-bar');
+  const home = await joints(page);
+  await page.getByTestId('value-A').fill('35');
+  await page.getByTestId('value-A').press('Enter');
+  await until('it has moved', async () => Object.entries(await joints(page)).some(([name, at]) => at.some((value, k) => Math.abs(value - home[name]![k]!) > 1e-4)));
+  await until('it rests', async () => (await page.getByText('Moving…').count()) === 0);
+  await page.getByRole('button', { name: 'Top', exact: true }).click();
+  const address = await link(page);
+  expect(address).toContain('#mechanism=four-bar&');
+  expect(address).not.toContain('text=');
+  await same(address);
+});
+
+test('a link contains a changed text', async () => {
+  await page.getByRole('tab', { name: 'Text' }).click();
+  await page.getByTestId('text-mechanism').locator('.cm-content').click();
+  await page.keyboard.press('Control+Home');
+  await page.keyboard.insertText('# My own mechanism.\n');
+  await until('the text is read', async () => (await page.getByTestId('mechanism-outdated').count()) === 0);
+  const address = await link(page);
+  expect(address).toContain('text=');
+  await same(address, async (other) => {
+    await other.getByTestId('text-mechanism').getByText('# My own mechanism.').waitFor();
+  });
+});
+
+test('a damaged link reports what is wrong, and one to an unknown file what to do', async () => {
+  for (const [fragment, expected] of [['#mechanism=a.toml&text=AAAA', 'damaged'], ['#mechanism=nowhere.toml', 'open the file first']]) {
+    const other = await visit(browser);
+    try {
+      await load(other, server.address + fragment);
+      await other.getByTestId('mechanism-notice').filter({ hasText: expected! }).waitFor();
+    } finally {
+      await other.context().close();
+    }
+  }
+});
+
+test('picture, film and text of a mechanism are exported', async () => {
+  const take = async (entry: string) => {
+    await page.getByTestId('mechanism-export').click();
+    const awaited = page.waitForEvent('download');
+    await page.getByTestId(`mechanism-export-${entry}`).click();
+    const download = await awaited;
+    return { name: download.suggestedFilename(), bytes: readFileSync((await download.path())!) };
+  };
+  const picture = await take('view');
+  expect([picture.name, picture.bytes.subarray(1, 4).toString()]).toEqual(['four-bar.png', 'PNG']);
+  const text = await take('text');
+  expect(text.bytes.toString()).toContain('# My own mechanism.');
+  await page.getByTestId('mechanism-export').click();
+  expect(await accessibilityViolations(page, '.menu')).toEqual([]);
+  await page.getByTestId('mechanism-export-video').click();
+  await page.getByTestId('mechanism-stop-recording').waitFor();
+  const frames = await page.evaluate(() => window.jointplay.probe.mechanismFrames);
+  await page.getByRole('button', { name: 'Front', exact: true }).click();
+  await until('it is recorded', async () => (await page.evaluate(() => window.jointplay.probe.mechanismFrames)) > frames);
+  const awaited = page.waitForEvent('download');
+  await page.getByTestId('mechanism-stop-recording').click();
+  expect((await awaited).suggestedFilename()).toMatch(/^four-bar\.(mp4|webm)$/);
+});
