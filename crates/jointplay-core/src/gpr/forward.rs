@@ -5,6 +5,7 @@ use nalgebra::{Vector2, Vector3};
 use super::{AxisHeight, Gpr, ball_sides};
 use crate::Error;
 use crate::error::length;
+use crate::float::sqrt;
 use crate::kernel::{self, Model, SinglePose, Task};
 use crate::spatial::{Pose, Tilt, fit_in_plane};
 use crate::virtualization::{
@@ -199,8 +200,9 @@ impl Gpr {
     ) -> f64 {
         let rho = pose.solution.characteristic_length;
         let moved = self.virtual_displacements(pose, virtualization);
-        let moved = moved.iter().zip(virtualization.joints());
-        moved.map(|(x, joint)| (x * joint.motion.weight(rho)).powi(2)).sum::<f64>().sqrt()
+        let weighted = moved.iter().zip(virtualization.joints());
+        let weighted = weighted.map(|(x, joint)| x * joint.motion.weight(rho));
+        sqrt(weighted.map(|length| length * length).sum())
     }
 }
 
