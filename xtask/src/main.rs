@@ -11,6 +11,7 @@
 //! | `cell`   | Do other programs read exported motions?             |
 //! | `c-library` | Installs the library for C.                        |
 //! | `c`      | Do programs in C, C++ and C#, and simulators, work with it? |
+//! | `embedded` | Does a microcontroller compute the same numbers, without standard library and heap? |
 //! | `studio` | Does the studio's server keep its own description?   |
 //! | `page`   | Does the studio's page work in a browser?           |
 //! | `book`   | Does the documentation build, without dead links?   |
@@ -29,6 +30,7 @@ mod cell;
 mod circles;
 mod command;
 mod deps;
+mod embedded;
 mod finding;
 mod markdown;
 mod package;
@@ -59,6 +61,7 @@ usage: cargo xtask CHORE
   python   the Python package: its wheel, tested in clean environments
   cell     exported motions, read by other programs
   c        the library for C, called by programs in C, C++ and C#, and in units by FMPy
+  embedded the core without the standard library, on a simulated microcontroller
   studio   the studio's server, checked against its own description
   page     the studio's page: built, and tested in a browser
   book     the documentation as a book, with every link checked
@@ -77,6 +80,8 @@ fn main() -> ExitCode {
         ["cell"] => cell::run(&root),
         ["c"] => c_library::run(&root),
         ["c-library", "--prefix", prefix] => c_library::install(prefix, &root),
+        ["embedded"] => embedded::run(&root),
+        ["embedded", "--check"] => embedded::check(&root),
         ["studio"] => studio::run(&root),
         ["page"] => page::run(&root),
         ["release", "--dry-run", ref steps @ ..] => release::dry_run(steps, &root),
