@@ -33,7 +33,7 @@ fn done(result: io::Result<()>) -> bool {
 
 fn cargo(what: &str, root: &Path) -> Command {
     let mut cargo = process::cargo();
-    cargo.args([what, "--locked", "--manifest-path", MANIFEST, "--target-dir"]);
+    cargo.args([what, "--manifest-path", MANIFEST, "--target-dir"]);
     cargo.arg(process::target(root).join("embedded")).current_dir(root);
     cargo
 }

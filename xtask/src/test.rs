@@ -78,6 +78,7 @@ pub(crate) fn run(root: &Path) -> bool {
         "xtask package" => package::run(root, false),
         "xtask book" => book::run(root),
         "xtask embedded --check" => embedded::check(root),
+        "xtask wasm --check" => wasm::check(root),
         "xtask cell" => ahead.wait("cell") && cell::run(root),
         "xtask c" => ahead.wait("c") && c_library::run(root),
         "xtask studio" => ahead.wait("studio") && studio::run(root),
@@ -129,6 +130,10 @@ fn steps(examples: &[String]) -> Vec<Step> {
     steps.push(Step::new(
         "xtask embedded --check",
         "use only what `core` has in the parts of jointplay-core that need no `std`, or put it under `#[cfg(feature = \"std\")]`",
+    ));
+    steps.push(Step::new(
+        "xtask wasm --check",
+        "run `cargo xtask wasm` and commit crates/jointplay-wasm/js; if its numbers differ, see crates/jointplay-wasm/tests/native.rs",
     ));
     steps.push(Step::new("xtask book", "correct the formula or link listed above"));
     steps.push(Step::new(
@@ -259,6 +264,7 @@ mod tests {
             &format!("RUSTDOCFLAGS=\"-D warnings\" cargo {DOC}"),
             "cargo xtask package",
             "cargo xtask embedded --check",
+            "cargo xtask wasm --check",
             "cargo xtask book",
             "cargo xtask cell",
             "cargo xtask c",

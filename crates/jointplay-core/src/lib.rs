@@ -43,6 +43,7 @@ mod error;
 pub mod expression;
 mod float;
 pub mod gpr;
+#[cfg(feature = "std")]
 mod kernel;
 pub mod linalg;
 #[cfg(feature = "std")]

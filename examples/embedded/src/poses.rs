@@ -28,7 +28,7 @@ fn uneven() -> Gpr {
 }
 
 /// Writes rods, poses, virtual joints and derivatives of both robots, and the refusals.
-pub fn write_poses(output: &mut impl Write) -> fmt::Result {
+pub(crate) fn write_poses(output: &mut impl Write) -> fmt::Result {
     for (name, robot) in [("paper", Gpr::paper()), ("uneven", uneven())] {
         let height = AxisHeight(robot.working_height());
         for (azimuth, angle) in TILTS {

@@ -5,6 +5,7 @@ use nalgebra::{Vector2, Vector3};
 use super::Limits;
 use crate::Error;
 use crate::error::{finite, length};
+#[cfg(feature = "std")]
 use crate::kernel::Geometry;
 use crate::virtualization::{Platform, Sides, Sockets, signed_area};
 
@@ -43,6 +44,7 @@ pub struct Gpr {
     checks_limits: bool,
     /// Clearance of the balls, as a radius, if known (m).
     pub(super) ball_clearance: Option<f64>,
+    #[cfg(feature = "std")]
     dimensions: Geometry,
 }
 
@@ -82,6 +84,7 @@ impl Gpr {
         let checks_limits = true;
         let ball_clearance = None;
         Ok(Self {
+            #[cfg(feature = "std")]
             dimensions: Geometry::new(&base_points, &platform),
             base_points,
             platform,
@@ -141,6 +144,7 @@ impl Gpr {
     }
 
     /// What the kernels know of the robot.
+    #[cfg(feature = "std")]
     #[inline]
     pub(crate) fn dimensions(&self) -> &Geometry {
         &self.dimensions

@@ -1,6 +1,6 @@
 //! As many poses side by side as the machine's registers hold.
 
-use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use pulp::{Scalar, Simd};
 

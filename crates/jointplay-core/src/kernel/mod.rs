@@ -2,11 +2,6 @@
 //!
 //! A kernel answers where the answer is beyond doubt; all else, errors included, is left to [`solve`](crate::virtualization::solve).
 
-#![cfg_attr(
-    not(feature = "std"),
-    allow(dead_code, unused_imports, reason = "for many poses at a time")
-)]
-
 mod geometry;
 mod lanes;
 mod model;

@@ -28,8 +28,8 @@ impl PartialEq for Processor {
 }
 
 /// The same text on all processors.
-impl core::fmt::Debug for Processor {
-    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+impl std::fmt::Debug for Processor {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.write_str("Processor")
     }
 }

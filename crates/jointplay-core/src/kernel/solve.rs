@@ -9,7 +9,6 @@ use super::lanes::{Lanes, Mask};
 use super::model::{self, Model};
 use super::pose::Plane;
 use super::shape::{Balls, Response, Shape, Three, first_step};
-use crate::float::sqrt;
 use crate::virtualization::Solver;
 
 /// Shapes found, where they are, and the steps that it took.
@@ -199,7 +198,7 @@ fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     let area = Plane::new(task.geometry, balls).area;
     let [l_12, l_23, l_31] = balls.squares;
     let half = (l_12 + l_23 + l_31) * 0.5;
-    let square = area.times_plus(area.like(sqrt(3.0)), half);
+    let square = area.times_plus(area.like(3.0_f64.sqrt()), half);
     // The sum of the three slides, and a third of one over it.
     let sum = square.sqrt();
     let third = sum.inverse() * (1.0 / 3.0);

@@ -3,7 +3,7 @@
 // The coefficients are those of the sources, to the last digit printed there.
 #![expect(clippy::excessive_precision, reason = "coefficients are as their sources print them")]
 
-use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
 use pulp::Simd;
 
