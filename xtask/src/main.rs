@@ -11,6 +11,8 @@
 //! | `cell`   | Do other programs read exported motions?             |
 //! | `c-library` | Installs the library for C.                        |
 //! | `c`      | Do programs in C, C++ and C#, and simulators, work with it? |
+//! | `embedded` | Does a microcontroller compute the same numbers, without standard library and heap? |
+//! | `wasm` | Builds the WebAssembly module. |
 //! | `studio` | Does the studio's server keep its own description?   |
 //! | `page`   | Does the studio's page work in a browser?           |
 //! | `book`   | Does the documentation build, without dead links?   |
@@ -29,6 +31,7 @@ mod cell;
 mod circles;
 mod command;
 mod deps;
+mod embedded;
 mod finding;
 mod markdown;
 mod package;
@@ -42,6 +45,7 @@ mod studio;
 mod test;
 mod tidy;
 mod tree;
+mod wasm;
 mod words;
 
 use std::process::ExitCode;
@@ -59,6 +63,8 @@ usage: cargo xtask CHORE
   python   the Python package: its wheel, tested in clean environments
   cell     exported motions, read by other programs
   c        the library for C, called by programs in C, C++ and C#, and in units by FMPy
+  embedded the core without the standard library, on a simulated microcontroller
+  wasm     the WebAssembly module, built; with --check, the one in the repository is tested
   studio   the studio's server, checked against its own description
   page     the studio's page: built, and tested in a browser
   book     the documentation as a book, with every link checked
@@ -77,6 +83,10 @@ fn main() -> ExitCode {
         ["cell"] => cell::run(&root),
         ["c"] => c_library::run(&root),
         ["c-library", "--prefix", prefix] => c_library::install(prefix, &root),
+        ["embedded"] => embedded::run(&root),
+        ["embedded", "--check"] => embedded::check(&root),
+        ["wasm"] => wasm::run(&root),
+        ["wasm", "--check"] => wasm::check(&root),
         ["studio"] => studio::run(&root),
         ["page"] => page::run(&root),
         ["release", "--dry-run", ref steps @ ..] => release::dry_run(steps, &root),

@@ -13,11 +13,11 @@ use crate::command;
 const NEW_ENOUGH: &str = "const [major, minor] = process.versions.node.split('.').map(Number); \
                           process.exit(major > 20 || (major === 20 && minor >= 19) ? 0 : 1)";
 
-/// The built page, as a part of the server's crate.
-const COMMITTED: &str = "crates/jointplay-studio/page";
-
-/// Where `studio/test.mjs` builds the page to compare it.
-const BUILT: &str = "target/page/built";
+/// Where `studio/test.mjs` builds page and playground to compare them, the folders that they have in the repository, and what builds them there.
+const PARTS: [[&str; 3]; 2] = [
+    ["target/page/built", "crates/jointplay-studio/page", "npm run build"],
+    ["target/page/playground", "docs/playground", "npm run playground"],
+];
 
 /// Builds and tests the page at `root`; true if all passed.
 pub(crate) fn run(root: &Path) -> bool {
@@ -29,25 +29,25 @@ pub(crate) fn run(root: &Path) -> bool {
     };
     // Debug builds of the command read the page from its folder: a new page needs no new command.
     test(None)
-        && is_current(root)
+        && PARTS.iter().all(|part| is_current(part, root))
         && command::built(root).is_some_and(|command| test(Some(command)))
 }
 
-/// Whether the page in the repository is what its sources give, byte for byte; prints what differs.
-fn is_current(root: &Path) -> bool {
-    let differences = match (files(&root.join(BUILT)), files(&root.join(COMMITTED))) {
+/// Whether a built folder of the repository is what its sources give, byte for byte; prints what differs.
+fn is_current([built, committed, command]: &[&str; 3], root: &Path) -> bool {
+    let differences = match (files(&root.join(built)), files(&root.join(committed))) {
         (Ok(built), Ok(committed)) => differences(&built, &committed),
-        (Err(error), _) => vec![format!("cannot read {BUILT}: {error}")],
-        (_, Err(error)) => vec![format!("cannot read {COMMITTED}: {error}")],
+        (Err(error), _) => vec![format!("cannot read {built}: {error}")],
+        (_, Err(error)) => vec![format!("cannot read {committed}: {error}")],
     };
     if differences.is_empty() {
         return true;
     }
-    eprintln!("page: {COMMITTED} is not what the folder studio gives:");
+    eprintln!("page: {committed} is not what the folder studio gives:");
     for difference in &differences {
         eprintln!("  {difference}");
     }
-    eprintln!("run `npm run build` in the folder studio, and commit {COMMITTED}");
+    eprintln!("run `{command}` in the folder studio, and commit {committed}");
     false
 }
 

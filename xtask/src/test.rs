@@ -5,7 +5,9 @@
 mod ahead;
 
 use self::ahead::Ahead;
-use crate::{book, c_library, cell, circles, deps, package, page, python, studio, tidy, words};
+use crate::{
+    book, c_library, cell, circles, deps, embedded, package, page, python, studio, tidy, words,
+};
 use std::io::{self, IsTerminal};
 use std::path::Path;
 use std::process::Command;
@@ -75,6 +77,8 @@ pub(crate) fn run(root: &Path) -> bool {
         }
         "xtask package" => package::run(root, false),
         "xtask book" => book::run(root),
+        "xtask embedded --check" => embedded::check(root),
+        "xtask wasm --check" => wasm::check(root),
         "xtask cell" => ahead.wait("cell") && cell::run(root),
         "xtask c" => ahead.wait("c") && c_library::run(root),
         "xtask studio" => ahead.wait("studio") && studio::run(root),
@@ -122,6 +126,14 @@ fn steps(examples: &[String]) -> Vec<Step> {
     steps.push(Step::new(
         "xtask package",
         "add what is missing to `include` in the crate's manifest, or move it into the crate's folder",
+    ));
+    steps.push(Step::new(
+        "xtask embedded --check",
+        "use only what `core` has in the parts of jointplay-core that need no `std`, or put it under `#[cfg(feature = \"std\")]`",
+    ));
+    steps.push(Step::new(
+        "xtask wasm --check",
+        "run `cargo xtask wasm` and commit crates/jointplay-wasm/js; if its numbers differ, see crates/jointplay-wasm/tests/native.rs",
     ));
     steps.push(Step::new("xtask book", "correct the formula or link listed above"));
     steps.push(Step::new(
@@ -251,6 +263,8 @@ mod tests {
             "cargo run -p jointplay --example 01_a",
             &format!("RUSTDOCFLAGS=\"-D warnings\" cargo {DOC}"),
             "cargo xtask package",
+            "cargo xtask embedded --check",
+            "cargo xtask wasm --check",
             "cargo xtask book",
             "cargo xtask cell",
             "cargo xtask c",

@@ -1,6 +1,7 @@
 //! Errors of the core, as facts.
 
 use crate::gpr::BrokenLimits;
+#[cfg(feature = "std")]
 use crate::linalg::LinalgError;
 use crate::virtualization::{Solver, VirtualJoints};
 
@@ -170,8 +171,13 @@ pub enum Error {
         virtual_joints: usize,
     },
     /// The iteration for the virtual joints did not converge.
+    #[cfg(feature = "std")]
     #[error(transparent)]
-    NotConverged(#[from] Box<Unconverged>),
+    NotConverged(Box<Unconverged>),
+    /// The iteration for the virtual joints did not converge; held here where there is no heap.
+    #[cfg(not(feature = "std"))]
+    #[error(transparent)]
+    NotConverged(#[from] Unconverged),
     /// A mechanism that dense algebra would work on for hours.
     #[error(
         "the mechanism has {found} {what}, but at most {allowed} are taken here: these matrices are dense, and their cost grows with the cube; mobility, closing and driving have sparse algebra for more"
@@ -185,6 +191,7 @@ pub enum Error {
         allowed: usize,
     },
     /// The loops of a mechanism could not be closed.
+    #[cfg(feature = "std")]
     #[error(transparent)]
     NotAssembled(#[from] Box<crate::mechanism::Unassembled>),
     /// Virtual joints that do not make a commanded motion possible.
@@ -206,6 +213,7 @@ pub enum Error {
         iterations: usize,
     },
     /// A joint without a stiffness that a rank by stiffness needs.
+    #[cfg(feature = "std")]
     #[error(
         "joint {joint:?} has no {direction} stiffness, which a rank by stiffness needs: add `stiffness = {{ {direction} = … }}` in {unit} to the joint, or give a stiffness for all joints without one"
     )]
@@ -246,6 +254,7 @@ pub enum Error {
         coordinate: usize,
     },
     /// Commanded coordinates that do not determine the motion.
+    #[cfg(feature = "std")]
     #[error(transparent)]
     Undetermined(#[from] Box<crate::mechanism::Undetermined>),
     /// Rates of commanded coordinates that the loops do not allow together.
@@ -295,6 +304,7 @@ pub enum Error {
     )]
     NotLinearized,
     /// A matrix without a decomposition.
+    #[cfg(feature = "std")]
     #[error(transparent)]
     Linalg(#[from] LinalgError),
 }
@@ -303,20 +313,30 @@ impl Error {
     /// Whether the input is valid and has no solution, as opposed to invalid input.
     #[must_use]
     pub fn is_infeasible(&self) -> bool {
+        #[cfg(feature = "std")]
+        if matches!(self, Self::NotAssembled(_) | Self::Undetermined(_)) {
+            return true;
+        }
         matches!(
             self,
             Self::NotConverged(_)
                 | Self::DependentSides { .. }
                 | Self::TurnedOver { .. }
                 | Self::BeyondLimits(_)
-                | Self::NotAssembled(_)
                 | Self::NotRelieved { .. }
                 | Self::NotLeast { .. }
                 | Self::NotReached { .. }
                 | Self::NotFollowed { .. }
-                | Self::Undetermined(_)
                 | Self::DependentCommands { .. }
         )
+    }
+}
+
+#[cfg(feature = "std")]
+impl From<Unconverged> for Error {
+    fn from(found: Unconverged) -> Self {
+        // A pointer, so that errors that occur more often stay small.
+        Self::NotConverged(Box::new(found))
     }
 }
 

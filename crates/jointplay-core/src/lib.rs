@@ -30,19 +30,32 @@
 //! # Ok::<(), jointplay_core::Error>(())
 //! ```
 
+#![cfg_attr(not(feature = "std"), no_std)]
+
+#[cfg(feature = "std")]
 pub mod bulk;
+#[cfg(feature = "std")]
 pub mod constraint;
+#[cfg(feature = "std")]
 pub mod decimal;
 mod error;
+#[cfg(feature = "std")]
 pub mod expression;
+mod float;
 pub mod gpr;
+#[cfg(feature = "std")]
 mod kernel;
 pub mod linalg;
+#[cfg(feature = "std")]
 pub mod mechanism;
+#[cfg(feature = "std")]
 pub mod mobility;
+#[cfg(feature = "std")]
 mod random;
+#[cfg(feature = "std")]
 pub mod sensitivity;
 pub mod spatial;
+mod tolerance;
 pub mod virtualization;
 
 pub use error::{Error, Unconverged};

@@ -4,11 +4,10 @@ mod newton;
 mod scaled_system;
 mod scaling;
 mod system;
-mod tolerance;
 
+pub use crate::tolerance::{ACCEPTED_RESIDUAL, CLOSURE_TOLERANCE};
 pub(crate) use newton::{Gain, NewtonLimits, backtrack, newton_at_rank};
 pub(crate) use scaled_system::ScaledSystem;
 pub use scaling::Dimension;
 pub(crate) use scaling::{scaled_jacobian, scaled_residual, units};
 pub use system::{Configuration, System};
-pub use tolerance::{ACCEPTED_RESIDUAL, CLOSURE_TOLERANCE};

@@ -5,10 +5,14 @@ use nalgebra::{Vector2, Vector3};
 use super::{AxisHeight, Gpr, ball_sides};
 use crate::Error;
 use crate::error::length;
+use crate::float::sqrt;
+#[cfg(feature = "std")]
 use crate::kernel::{self, Model, SinglePose, Task};
 use crate::spatial::{Pose, Tilt, fit_in_plane};
+#[cfg(feature = "std")]
+use crate::virtualization::BuiltIn;
 use crate::virtualization::{
-    BuiltIn, Sides, Solution, SolveOptions, VirtualJoints, Virtualization, signed_area, solve,
+    Sides, Solution, SolveOptions, VirtualJoints, Virtualization, signed_area, solve,
 };
 
 /// A pose of the platform, with the rods, sides and virtual joints that determine it.
@@ -82,6 +86,10 @@ impl Gpr {
         virtualization: &V,
         options: &SolveOptions,
     ) -> Result<PlatformPose, Error> {
+        // The closed equations are written for wide registers; without them there is less code.
+        #[cfg(not(feature = "std"))]
+        return self.general_pose(rods, virtualization, options);
+        #[cfg(feature = "std")]
         match virtualization.as_built_in() {
             Some(BuiltIn::Radial) => {
                 self.kernel_pose::<kernel::Radial, V>(rods, virtualization, options)
@@ -121,6 +129,7 @@ impl Gpr {
     }
 
     /// A pose by the closed equations of a built-in virtualization, or by [`solve`] where they leave a doubt.
+    #[cfg(feature = "std")]
     #[inline]
     fn kernel_pose<M: Model, V: Virtualization + ?Sized>(
         &self,
@@ -199,8 +208,9 @@ impl Gpr {
     ) -> f64 {
         let rho = pose.solution.characteristic_length;
         let moved = self.virtual_displacements(pose, virtualization);
-        let moved = moved.iter().zip(virtualization.joints());
-        moved.map(|(x, joint)| (x * joint.motion.weight(rho)).powi(2)).sum::<f64>().sqrt()
+        let weighted = moved.iter().zip(virtualization.joints());
+        let weighted = weighted.map(|(x, joint)| x * joint.motion.weight(rho));
+        sqrt(weighted.map(|length| length * length).sum())
     }
 }
 

@@ -5,8 +5,8 @@ use nalgebra::{Vector2, Vector3};
 use super::Limits;
 use crate::Error;
 use crate::error::{finite, length};
+#[cfg(feature = "std")]
 use crate::kernel::Geometry;
-use crate::mobility::kutzbach_mobility;
 use crate::virtualization::{Platform, Sides, Sockets, signed_area};
 
 /// One limb: a guide in the base, a rod, and a socket in the platform.
@@ -44,6 +44,7 @@ pub struct Gpr {
     checks_limits: bool,
     /// Clearance of the balls, as a radius, if known (m).
     pub(super) ball_clearance: Option<f64>,
+    #[cfg(feature = "std")]
     dimensions: Geometry,
 }
 
@@ -83,6 +84,7 @@ impl Gpr {
         let checks_limits = true;
         let ball_clearance = None;
         Ok(Self {
+            #[cfg(feature = "std")]
             dimensions: Geometry::new(&base_points, &platform),
             base_points,
             platform,
@@ -142,6 +144,7 @@ impl Gpr {
     }
 
     /// What the kernels know of the robot.
+    #[cfg(feature = "std")]
     #[inline]
     pub(crate) fn dimensions(&self) -> &Geometry {
         &self.dimensions
@@ -176,12 +179,6 @@ impl Gpr {
         let [b_1, b_2, b_3] = &self.base_points;
         [b_1.push(rods[0]), b_2.push(rods[1]), b_3.push(rods[2])]
     }
-
-    /// Freedoms by the Kutzbach count: five links, three prismatic and three spherical joints give 0.
-    #[must_use]
-    pub fn kutzbach_mobility(&self) -> i64 {
-        kutzbach_mobility(5, &[1, 1, 1, 3, 3, 3])
-    }
 }
 
 /// Sides L_12, L_23, L_31 of the triangle of the ball centres (m).
@@ -203,7 +200,7 @@ fn checked_limits(limits: Limits) -> Result<Limits, Error> {
             max: limits.rod_max,
         });
     }
-    let right_angle = std::f64::consts::FRAC_PI_2;
+    let right_angle = core::f64::consts::FRAC_PI_2;
     if !(finite("the largest tilt", limits.tilt_max)? > 0.0 && limits.tilt_max < right_angle) {
         return Err(Error::OutOfRange {
             what: "largest tilt",
@@ -330,7 +327,7 @@ mod tests {
     #[test]
     fn the_robot_of_the_paper() {
         let gpr = Gpr::paper();
-        assert_eq!((gpr.kutzbach_mobility(), gpr.working_height()), (0, 0.5));
+        assert_eq!(gpr.working_height(), 0.5);
         assert!(gpr.platform().equally_spaced());
         let sides = ball_sides(&gpr.ball_centers(&[0.5; 3]));
         for side in sides {

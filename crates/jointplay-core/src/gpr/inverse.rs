@@ -1,6 +1,6 @@
 //! From where the platform should be to the rods.
 
-use std::f64::consts::FRAC_PI_2;
+use core::f64::consts::FRAC_PI_2;
 
 use super::{AxisHeight, CenterHeight, Gpr, PlatformPose};
 use crate::Error;

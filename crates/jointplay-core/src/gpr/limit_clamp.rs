@@ -1,6 +1,7 @@
 //! Clamping of straight rod motions to the limits.
 
 use super::Gpr;
+use crate::float::sqrt;
 
 impl Gpr {
     /// Rods clamped to the limits: the last ones within the limits on the straight motion between two sets of rods (m).
@@ -38,7 +39,7 @@ impl Gpr {
         let r = start.z * libm::tan(limits.tilt_max);
         if end.xy().norm_squared() > r * r {
             let (along, room) = (a.dot(&d), r * r - a.norm_squared());
-            let root = (along * along + d.norm_squared() * room).max(0.0).sqrt();
+            let root = sqrt((along * along + d.norm_squared() * room).max(0.0));
             let leaves =
                 if along > 0.0 { room / (along + root) } else { (root - along) / d.norm_squared() };
             part = part.min(leaves);

@@ -86,8 +86,8 @@ impl BrokenLimits {
 }
 
 /// Such as `rod 1 is 0.2 m, from 0.246 to 0.754 m is allowed, and the tilt is 1.5 rad, up to 0.026 rad is allowed`.
-impl std::fmt::Display for BrokenLimits {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl core::fmt::Display for BrokenLimits {
+    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         for (place, limit) in self.iter().enumerate() {
             formatter.write_str(if place == 0 { "" } else { ", and " })?;
             match limit {

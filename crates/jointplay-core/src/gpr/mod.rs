@@ -20,10 +20,14 @@ mod limits;
 mod nearest_rods;
 mod placement;
 mod platform_derivatives;
+#[cfg(feature = "std")]
 mod recognition;
 mod rod_derivatives;
+#[cfg(feature = "std")]
 mod system;
+#[cfg(feature = "std")]
 mod tilt_play;
+#[cfg(feature = "std")]
 mod to_mechanism;
 
 pub use approximate::ApproximatePose;
@@ -34,7 +38,10 @@ pub use height::{AxisHeight, CenterHeight};
 pub use limits::{BrokenLimit, BrokenLimits, Limits};
 pub use nearest_rods::NearestRods;
 pub use platform_derivatives::{PlatformDerivatives, PlatformJacobian};
+#[cfg(feature = "std")]
 pub use recognition::{NotThreeRods, RodCoordinate, ThreeRodMechanism};
 pub use rod_derivatives::RodDerivatives;
+#[cfg(feature = "std")]
 pub use system::GprSystem;
+#[cfg(feature = "std")]
 pub use tilt_play::{EvaluatedBounds, TiltPlay};

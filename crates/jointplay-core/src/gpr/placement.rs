@@ -6,7 +6,8 @@ use super::in_plane::{InPlane, NO_LOADS};
 use super::limb_state::{LimbState, each, limbs, perpendicular};
 use super::{Gpr, PlatformPose};
 use crate::Error;
-use crate::constraint::CLOSURE_TOLERANCE;
+use crate::float::sqrt;
+use crate::tolerance::CLOSURE_TOLERANCE;
 use crate::virtualization::{BuiltIn, Solver, VirtualJoints, Virtualization, signed_area};
 
 /// Derivatives of a pose along one or two rods, in the platform frame.
@@ -249,7 +250,8 @@ fn sockets(gpr: &Gpr, pose: &PlatformPose) -> ([Vector2<f64>; 3], f64) {
     let mut off_plane = 0.0;
     let sockets = gpr.ball_centers(&pose.rods).map(|ball| {
         let arm = ball - pose.base_from_platform.translation.vector;
-        off_plane += rotation.column(2).dot(&arm).powi(2);
+        let off = rotation.column(2).dot(&arm);
+        off_plane += off * off;
         Vector2::new(rotation.column(0).dot(&arm), rotation.column(1).dot(&arm))
     });
     (sockets, off_plane)
@@ -268,7 +270,10 @@ fn distance(
     let of_limb = |k: usize| match built_in {
         BuiltIn::Radial => (sockets[k] - limbs[k].along * x[k]).norm_squared(),
         BuiltIn::Planar => (sockets[k] - nominal[k] + limbs[k].force).norm_squared(),
-        BuiltIn::Polar => (limbs[k].along.norm_squared() - 1.0).powi(2) * x[k] * x[k],
+        BuiltIn::Polar => {
+            let excess = limbs[k].along.norm_squared() - 1.0;
+            excess * excess * x[k] * x[k]
+        }
         BuiltIn::Offset => (sockets[k] - nominal[k] - limbs[k].along * x[k]).norm_squared(),
     };
     of_limb(0) + of_limb(1) + of_limb(2)
@@ -278,8 +283,9 @@ fn distance(
 #[inline(always)]
 fn check_closed(gpr: &Gpr, squares: f64) -> Result<(), Error> {
     let (length, allowed) = (gpr.platform().mean_radius(), CLOSURE_TOLERANCE);
-    if squares <= (allowed * length).powi(2) {
+    let most = allowed * length;
+    if squares <= most * most {
         return Ok(());
     }
-    Err(Error::NotClosed { residual: squares.sqrt() / length, allowed })
+    Err(Error::NotClosed { residual: sqrt(squares) / length, allowed })
 }

@@ -6,7 +6,7 @@ use super::placement::{Placement, Rate};
 use super::{Gpr, PlatformPose};
 use crate::Error;
 use crate::error::finite;
-use crate::mechanism::FrameTwist;
+use crate::spatial::FrameTwist;
 use crate::virtualization::{VirtualJoints, Virtualization};
 
 /// First derivatives of a pose of the platform by the rods.

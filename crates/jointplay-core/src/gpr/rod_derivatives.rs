@@ -136,7 +136,7 @@ fn slope_ratio(angle: f64) -> [f64; 3] {
         }
         return [value, 2.0 * first, 8.0 * half_second];
     }
-    let ratio = angle.tan() / angle;
+    let ratio = libm::tan(angle) / angle;
     let excess = (ratio - 1.0) / square;
     let first = ratio * ratio - excess;
     [ratio, first, 2.0 * ratio * first - (first - 2.0 * excess) / square]

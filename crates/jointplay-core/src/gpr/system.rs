@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::{Gpr, PlatformPose, ball_sides};
 use crate::Error;
 use crate::constraint::{Configuration, Dimension, System};
+use crate::mobility::kutzbach_mobility;
 use crate::virtualization::{Sockets, VirtualJointKind, Virtualization, sides_of};
 
 /// The constraint system of a robot under a virtualization.
@@ -29,6 +30,12 @@ const COORDINATES: usize = 12;
 const FIRST_SIDE: usize = 9;
 
 impl Gpr {
+    /// Freedoms by the Kutzbach count: five links, three prismatic and three spherical joints give 0.
+    #[must_use]
+    pub fn kutzbach_mobility(&self) -> i64 {
+        kutzbach_mobility(5, &[1, 1, 1, 3, 3, 3])
+    }
+
     /// The constraint system of this robot under a virtualization.
     #[must_use]
     pub fn system<'a, V: Virtualization + ?Sized>(

@@ -48,6 +48,7 @@ mod undetermined;
 mod virtual_candidates;
 mod virtual_sets;
 
+pub use crate::spatial::FrameTwist;
 pub use assembly::{assemble, branches, guess};
 pub use attached_frame::{AttachedFrame, FrameId};
 pub use blocks::{Block, MechanismMobility, blocks, mechanism_mobility};
@@ -76,8 +77,8 @@ pub use posing::{
     Posed, close_commanded, close_sparse, commanded_guess, pose_commanded, relieve_commanded,
 };
 pub use position::{
-    ChangedDimension, Dexterity, DifferentialKinematics, DimensionDerivatives, FrameTwist,
-    Position, PositionSolver, dexterity,
+    ChangedDimension, Dexterity, DifferentialKinematics, DimensionDerivatives, Position,
+    PositionSolver, dexterity,
 };
 pub use relief::{CommandedJoints, Relief, ReliefSolver, relieve, virtual_weights};
 pub use relieved_motion::drive_relieved;

@@ -3,7 +3,9 @@
 mod pose;
 mod quaternion;
 mod tilt;
+mod twist;
 
 pub use pose::{Pose, fit_in_plane, heading, rotation_vector, tilt_rotation};
 pub use quaternion::{continued_quaternion, quaternion_rate};
 pub use tilt::Tilt;
+pub use twist::FrameTwist;

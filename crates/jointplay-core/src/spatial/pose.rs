@@ -1,5 +1,6 @@
 //! Position and orientation of a body.
 
+use crate::float::sqrt;
 use nalgebra::{
     IsometryMatrix3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3,
 };
@@ -85,7 +86,7 @@ pub fn fit_in_plane(
         cosine += from.dot(&onto);
         sine += from.perp(&onto);
     }
-    let scale = 1.0 / (cosine * cosine + sine * sine).sqrt();
+    let scale = 1.0 / sqrt(cosine * cosine + sine * sine);
     let (c, s) = (cosine * scale, sine * scale);
     let turned_1 = e_1 * c + e_2 * s;
     let turned_2 = e_2 * c - e_1 * s;

@@ -2,6 +2,8 @@
 
 use nalgebra::Vector2;
 
+use crate::float::sqrt;
+
 use super::{BuiltIn, Platform, Sides, Sockets, VirtualJoint, VirtualJointKind, Virtualization};
 
 /// Sockets displaced by (u_k, v_k) in the platform plane: p_k = r_k u(β_k) + (u_k, v_k).
@@ -63,7 +65,7 @@ impl Virtualization for Planar {
         let [l_12, l_23, l_31] = *sides;
         // The first corner at the origin, the second along x; the third on the side on which the sockets run round.
         let along = 0.5 * (l_12 + (l_31 - l_23) * (l_31 + l_23) / l_12);
-        let across = ((l_31 - along) * (l_31 + along)).max(0.0).sqrt();
+        let across = sqrt(((l_31 - along) * (l_31 + along)).max(0.0));
         let up = across.copysign(super::signed_area(nominal));
         let triangle_center = Vector2::new((l_12 + along) * THIRD, up * THIRD);
         let nominal_center = (nominal[0] + nominal[1] + nominal[2]) * THIRD;
@@ -71,7 +73,7 @@ impl Virtualization for Planar {
         let (second, third) = (nominal[1] - nominal_center, nominal[2] - nominal_center);
         let cosine = l_12 * second.x + along * third.x + up * third.y;
         let sine = l_12 * second.y + along * third.y - up * third.x;
-        let scale = 1.0 / (cosine * cosine + sine * sine).sqrt();
+        let scale = 1.0 / sqrt(cosine * cosine + sine * sine);
         let (c, s) = (cosine * scale, sine * scale);
         let corners = [Vector2::zeros(), Vector2::new(l_12, 0.0), Vector2::new(along, up)];
         for k in 0..3 {

@@ -1,5 +1,7 @@
 //! Three radial slides, one at each socket.
 
+use crate::float::sqrt;
+
 use super::{BuiltIn, Platform, Sides, Sockets, VirtualJoint, VirtualJointKind, Virtualization};
 
 /// Sockets that slide along their radii: p_k = l_k u(β_k).
@@ -63,9 +65,8 @@ impl Virtualization for Radial {
             * (l_23 + l_31 - l_12)
             * (l_31 + l_12 - l_23)
             * (l_12 + l_23 - l_31);
-        let area = 0.25 * heron.max(0.0).sqrt();
-        let sum =
-            (0.5 * (l_12 * l_12 + l_23 * l_23 + l_31 * l_31) + 2.0 * 3.0_f64.sqrt() * area).sqrt();
+        let area = 0.25 * sqrt(heron.max(0.0));
+        let sum = sqrt(0.5 * (l_12 * l_12 + l_23 * l_23 + l_31 * l_31) + 2.0 * sqrt(3.0) * area);
         let difference = |a: f64, b: f64| (a - b) * (a + b) / sum;
         let (d_13, d_21, d_32) =
             (difference(l_12, l_23), difference(l_23, l_31), difference(l_31, l_12));

@@ -173,7 +173,7 @@ fn iterate<V: Virtualization + ?Sized>(
         settled = solver == Solver::Newton || squared <= threshold * threshold;
         (last_step, last_squared) = (step, squared);
     }
-    Err(Box::new(Unconverged { solver, best, residual: least, threshold, iterations }).into())
+    Err(Unconverged { solver, best, residual: least, threshold, iterations }.into())
 }
 
 #[inline(always)]
@@ -188,8 +188,7 @@ fn accept(
     if residual <= threshold {
         Ok(Solution { virtual_joints, solver, characteristic_length, iterations, residual })
     } else {
-        Err(Box::new(Unconverged { solver, best: virtual_joints, residual, threshold, iterations })
-            .into())
+        Err(Unconverged { solver, best: virtual_joints, residual, threshold, iterations }.into())
     }
 }
 
@@ -311,7 +310,7 @@ mod tests {
         let options =
             SolveOptions { solver: Solver::Newton, max_iterations: 1, ..SolveOptions::default() };
         let found = check(&Polar, sides_at(0.1), &options);
-        let message = Error::from(Box::new(found)).to_string();
+        let message = Error::from(found).to_string();
         assert!(
             message.starts_with("the newton iteration did not converge in 1 steps: the sides are ")
         );

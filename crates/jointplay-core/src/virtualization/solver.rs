@@ -14,8 +14,8 @@ pub enum Solver {
     ClosedForm,
 }
 
-impl std::fmt::Display for Solver {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl core::fmt::Display for Solver {
+    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         formatter.pad(match self {
             Self::Newton => "newton",
             Self::LeastNorm => "least-norm",

@@ -1,6 +1,6 @@
 //! Virtual joints, and their displacements.
 
-use std::ops::{Deref, DerefMut};
+use core::ops::{Deref, DerefMut};
 
 /// The most virtual joints that a virtualization may have: four for each limb, twice what moves a socket in its plane.
 pub const MAX_VIRTUAL_JOINTS: usize = 12;
@@ -82,8 +82,8 @@ impl DerefMut for VirtualJoints {
     }
 }
 
-impl std::fmt::Debug for VirtualJoints {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl core::fmt::Debug for VirtualJoints {
+    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         formatter.debug_list().entries(self.iter()).finish()
     }
 }

@@ -4,7 +4,6 @@ use nalgebra::{DVector, SVector, Vector3, Vector6};
 
 use super::closing_geometry::{ClosingGeometry, power};
 use super::differential::{DifferentialKinematics, Known, Order};
-use super::frame_motion::FrameTwist;
 use super::opening::SideUnknown;
 use super::solver::PositionSolver;
 use super::unknown::CoupledRow;
@@ -12,6 +11,7 @@ use crate::Error;
 use crate::mechanism::joint::Twist;
 use crate::mechanism::kinematics::{Kinematics, minus, plus};
 use crate::mechanism::{FrameId, Mechanism, MechanismSystem, virtual_weights};
+use crate::spatial::FrameTwist;
 use crate::spatial::{Pose, rotation_vector};
 
 /// Share of a change by which it may differ between steps of one and of two sizes.

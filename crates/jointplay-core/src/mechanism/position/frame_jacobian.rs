@@ -3,11 +3,11 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::differential::DifferentialKinematics;
-use super::frame_motion::FrameTwist;
 use crate::Error;
 use crate::linalg::svd;
 use crate::mechanism::FrameId;
 use crate::mobility::RANK_THRESHOLD;
+use crate::spatial::FrameTwist;
 
 /// How well a frame can be moved by the commanded coordinates, from a Jacobian in radians and characteristic lengths.
 ///

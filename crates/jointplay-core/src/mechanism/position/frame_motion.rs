@@ -5,16 +5,7 @@ use nalgebra::Vector3;
 use super::differential::{DifferentialKinematics, Known};
 use crate::Error;
 use crate::mechanism::FrameId;
-use crate::spatial::Pose;
-
-/// Angular and linear part of the motion of a frame, in the base frame, the linear one of its origin.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrameTwist {
-    /// Angular velocity (rad/s), angular acceleration (rad/s²).
-    pub angular: Vector3<f64>,
-    /// Velocity (m/s) or acceleration (m/s²) of the origin.
-    pub linear: Vector3<f64>,
-}
+use crate::spatial::{FrameTwist, Pose};
 
 impl DifferentialKinematics {
     /// Velocity of a frame, for the velocities computed last.

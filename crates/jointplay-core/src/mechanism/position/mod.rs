@@ -20,5 +20,4 @@ mod walk;
 pub use differential::DifferentialKinematics;
 pub use dimension::{ChangedDimension, DimensionDerivatives};
 pub use frame_jacobian::{Dexterity, dexterity};
-pub use frame_motion::FrameTwist;
 pub use solver::{Position, PositionSolver};

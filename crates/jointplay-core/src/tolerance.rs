@@ -2,6 +2,11 @@
 //!
 //! There are two, since a configuration is computed more closely than it can be given.
 
+#![cfg_attr(
+    not(feature = "std"),
+    allow(dead_code, unreachable_pub, reason = "of constraint systems")
+)]
+
 /// Largest residual of loops that a correction has closed: far above round-off, far below any play.
 pub const CLOSURE_TOLERANCE: f64 = 1e-11;
 

@@ -1,0 +1,94 @@
+// The start page of the documentation from a plain server of files in a subfolder, and the WebAssembly module in a browser.
+
+import { createServer, type Server } from 'node:http';
+import { existsSync, readFileSync } from 'node:fs';
+import type { AddressInfo } from 'node:net';
+import { extname, join, normalize } from 'node:path';
+import type { Browser } from 'playwright-core';
+import { afterAll, beforeAll, expect, test } from 'vitest';
+import { accessibilityViolations, browse, ROOT, until, visit } from './studio';
+
+const BOOK = join(ROOT, 'target/book');
+const MODULE = join(ROOT, 'crates/jointplay-wasm/js');
+const TYPES: Record<string, string> = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css', '.json': 'application/json', '.svg': 'image/svg+xml' };
+
+let server: Server;
+let browser: Browser;
+let address: string;
+
+beforeAll(async () => {
+  if (!existsSync(join(BOOK, 'introduction.html'))) throw new Error('there is no book: run `cargo xtask book`');
+  server = createServer((request, response) => {
+    const path = normalize(decodeURIComponent(new URL(request.url ?? '/', 'http://localhost').pathname));
+    const [, folder = ''] = path.split('/');
+    const root = { docs: BOOK, module: MODULE }[folder];
+    const file = root && join(root, path.slice(folder.length + 2) || 'index.html');
+    if (!file || !existsSync(file)) {
+      response.writeHead(404).end();
+      return;
+    }
+    // Servers that do not know WebAssembly send it as bytes.
+    response.writeHead(200, { 'content-type': TYPES[extname(file)] ?? 'application/octet-stream' }).end(readFileSync(file));
+  });
+  await new Promise<void>((done) => server.listen(0, '127.0.0.1', done));
+  address = `http://127.0.0.1:${(server.address() as AddressInfo).port}`;
+  browser = await browse();
+});
+
+afterAll(async () => {
+  await browser?.close();
+  server?.close();
+});
+
+test('the module computes the numbers of the library in the browser', async () => {
+  const page = await visit(browser);
+  await page.goto(`${address}/docs/index.html`);
+  const found = await page.evaluate(async () => {
+    const imported = (name: string) => import(/* @vite-ignore */ `/module/${name}`);
+    const [jointplay, { check }] = await Promise.all([imported('dist/jointplay.js'), imported('check.mjs')]);
+    const cases = await (await fetch('/module/native.json')).json();
+    return { differences: check(jointplay, await jointplay.load(fetch('/module/dist/jointplay.wasm')), cases), cases: cases.length };
+  });
+  expect(found.differences).toEqual([]);
+  expect(found.cases).toBeGreaterThan(150);
+  await page.context().close();
+});
+
+for (const [theme, width, height] of [['light', 1440, 900], ['navy', 390, 844]] as const)
+  test(`the robot of the start page moves in the browser, ${theme}, ${width} × ${height}`, async () => {
+    const page = await visit(browser, { viewport: { width, height } });
+    const external: string[] = [];
+    const errors: string[] = [];
+    let bytes = 0;
+    page.on('request', (request) => request.url().startsWith(address) || external.push(request.url()));
+    page.on('response', async (response) => (bytes += (await response.body().catch(() => Buffer.alloc(0))).length));
+    page.on('pageerror', (error) => errors.push(error.message));
+    await page.addInitScript((theme) => localStorage.setItem('mdbook-theme', theme), theme);
+    await page.goto(`${address}/docs/index.html`);
+    const drawn = () => page.evaluate(() => Number(document.querySelector<HTMLElement>('.playground .view')?.dataset.drawn ?? 0));
+    await until('the robot is drawn', async () => (await drawn()) > 0);
+    const picture = () => page.locator('.playground .view canvas').first().evaluate((canvas) => (canvas as HTMLCanvasElement).toDataURL().length);
+    expect(await picture()).toBeGreaterThan(2000);
+    const value = (name: string) => page.locator('.playground dl div', { hasText: name }).locator('dd').innerText();
+    // The paper's robot at 1.2° toward 20°: the numbers of `jointplay forward`.
+    expect(await page.getByLabel('polar').isChecked()).toBe(true);
+    const polar = await value('Shift of the centre');
+    expect(polar).toMatch(/^\d+\.\d\d µm$/);
+    await page.getByLabel('planar').check();
+    await until('another model has another shift', async () => (await value('Shift of the centre')) !== polar);
+    const before = await drawn();
+    await page.getByLabel('Tilt angle').fill('0');
+    await until('a level platform has no shift', async () => (await value('Shift of the centre')) === '0.00 µm');
+    await until('the level platform is drawn', async () => (await drawn()) > before);
+    await page.getByLabel('Tilt angle').fill('1.5');
+    await until('the platform is tilted to its limit', async () => (await value('Shift of the centre')) !== '0.00 µm');
+    await page.getByLabel('Tilt angle').fill('1.2');
+    expect(await accessibilityViolations(page, '.playground')).toEqual([]);
+    expect(external).toEqual([]);
+    expect(errors).toEqual([]);
+    expect(bytes).toBeLessThan(3e6);
+    const [scroll, client] = await page.evaluate(() => [document.documentElement.scrollWidth, document.documentElement.clientWidth]);
+    expect(scroll).toBeLessThanOrEqual(client!);
+    if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, `playground-${theme}.png`) });
+    await page.context().close();
+  });
