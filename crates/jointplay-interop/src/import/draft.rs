@@ -20,6 +20,8 @@ pub(super) struct Draft<'a> {
     joints: Named,
     pub(super) descriptions: Vec<Joint>,
     couplings: Vec<(Coupling, Range<usize>)>,
+    /// Names of constraints in the model.
+    constraints: BTreeSet<String>,
     /// Names in the model, which generated names avoid.
     taken: BTreeSet<&'a str>,
     ignored: BTreeMap<String, usize>,
@@ -60,6 +62,7 @@ impl<'a> Draft<'a> {
             joints: Named::default(),
             descriptions: Vec::new(),
             couplings: Vec::new(),
+            constraints: BTreeSet::new(),
             taken: root.descendants().filter_map(|node| node.attribute("name")).collect(),
             ignored: BTreeMap::new(),
             remarks: Vec::new(),
@@ -145,6 +148,20 @@ impl<'a> Draft<'a> {
         }
         let numbered = (2..).map(|number| format!("{name} ({number})"));
         numbered.into_iter().find(|name| is_free(name)).expect("names are finitely many")
+    }
+
+    /// The name for a constraint that has one in the model: with a number if a joint has the same.
+    pub(super) fn constraint_name(
+        &mut self,
+        name: &str,
+        place: Range<usize>,
+    ) -> Result<String, Error> {
+        if !self.constraints.insert(name.to_owned()) {
+            return Err(self.xml.error(place, MechanismError::NameTwice { name: name.to_owned() }));
+        }
+        let is_coupling = self.couplings.iter().any(|(coupling, _)| coupling.name == name);
+        let is_free = self.joint(name).is_none() && !is_coupling;
+        Ok(if is_free { name.to_owned() } else { self.fresh(name.to_owned()) })
     }
 
     pub(super) fn ignore(&mut self, what: impl Into<String>) {
