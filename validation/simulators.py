@@ -20,6 +20,7 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+import couplings
 import mujoco
 import numpy as np
 
@@ -364,5 +365,6 @@ def check(command: str, validate: Callable[[Path], dict]) -> None:
         check_play(command, folder)
         check_page(command, folder)
         check_catalogue(command, folder)
+        couplings.check(command, folder)
         check_parts(command, folder, validate)
         check_step(command, folder, validate)

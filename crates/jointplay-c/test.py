@@ -225,6 +225,26 @@ def documents(prefix: Path, command: Path) -> None:
             {"kind": "sensitivity", "command": {"rod 1": 0.001, "rod 2": -0.001}},
             ("sensitivity", "gpr-mechanism", "--command", "rod 1=1,rod 2=-1"),
         ),
+        (
+            "four-bar",
+            {"kind": "move", "to": {"A": math.radians(90)}, "steps": 6, "poses": True},
+            ("move", "four-bar", "--drive", "A=:90", "--steps", "6", "--poses"),
+        ),
+        (
+            "gpr-mechanism",
+            {"kind": "move", "to": {"rod 1": 0.001}, "steps": 4, "free": ["rod 2"]},
+            ("move", "gpr-mechanism", "--drive", "rod 1=:1", "--steps", "4", "--free", "rod 2"),
+        ),
+        (
+            "parallelogram",
+            {"kind": "suggest", "commands": [{"A1": math.radians(s * 5), "A2": math.radians(s * 4.9)} for s in (1, -1)]},
+            ("suggest", "parallelogram", "--command", "A1=5,A2=4.9", "--command", "A1=-5,A2=-4.9"),
+        ),
+        (
+            "gpr-mechanism",
+            {"kind": "suggest", "rank": "largest", "symmetric": True, "limit": 2000},
+            ("suggest", "gpr-mechanism", "--rank", "largest", "--symmetric", "--limit", "2000"),
+        ),
     ]
     for name, request, words in of_mechanisms:
         mechanism = ctypes.c_void_p()

@@ -3,13 +3,14 @@
     pip install pyondsel==0.0.3
     python asmt_reference.py
 
-writes models/slider-crank.asmt, models/flipped-four-bar.asmt, models/cardan.asmt and asmt-poses.csv (m, rad).
+writes models/slider-crank.asmt, models/flipped-four-bar.asmt, models/cardan.asmt, models/gear-train.asmt, models/rack-and-screw.asmt and asmt-poses.csv (m, rad).
 """
 
 import csv
 import math
 from pathlib import Path
 
+from pyondsel.asmt_solver import AsmtSolver
 from pyondsel.model.asmt_model import AsmtModel
 from pyondsel.model.joint import Joint
 from pyondsel.model.marker import Marker
@@ -97,12 +98,70 @@ def cardan():
     return a, 0.0
 
 
+def gear_train():
+    """A gear, a second one whose axis points in the opposite direction, a bevel gear on it, and a belt; parts are drawn off their axes."""
+    a = model("gear-train")
+    wheels = [("driver", (0.0, 0.0, 0.0), turned(0.3)), ("flipped", (0.3, 0.05, 0.0), FLIP)]
+    wheels += [("bevel", (0.4, 0.05, 0.1), ALONG_X), ("pulley", (-0.5, 0.2, 0.1), turned(-1.0))]
+    for name, place, rotation in wheels:
+        a.add_ground_marker(Marker(f"{name} bearing", place, rotation))
+        part = a.add_part(Part(name, place, rotation))
+        part.add_marker(Marker("hub", (0.07, 0.02, 0.0)))
+    for part, (_, place, rotation) in zip(a.parts, wheels):
+        # The part lies such that its hub is in the bearing.
+        hub = [sum(row[k] * (0.07, 0.02, 0.0)[k] for k in range(3)) for row in rotation]
+        part.position = tuple(p - h for p, h in zip(place, hub))
+    for name, _, _ in wheels:
+        joint = "drive" if name == "driver" else f"{name} axle"
+        a.add_joint(Joint(joint, "revolute", a.ground_path(f"{name} bearing"), a.part_path(name, "hub")))
+    pairs = [("driver", "flipped", 0.1, 0.2), ("bevel", "flipped", 0.06, 0.15), ("driver", "pulley", 0.1, -0.08)]
+    for first, second, i, j in pairs:
+        ends = a.part_path(first, "hub"), a.part_path(second, "hub")
+        a.add_joint(Joint(f"{first} and {second}", "gear", *ends, radius_i=i, radius_j=j))
+    a.add_motion(Motion("turn", "drive", "0.5*time"))
+    return a, 0.0
+
+
+def rack_and_screw():
+    """A pinion that moves a rack, and whose thread moves a nut; a lead screw in one cylindrical joint, driven by a gear."""
+    a = model("rack-and-screw")
+    a.add_ground_marker(Marker("bearing"))
+    a.add_ground_marker(Marker("bed", (0.0, -0.05, 0.0), ALONG_X))
+    a.add_ground_marker(Marker("post", (0.2, 0.0, 0.0)))
+    a.add_ground_marker(Marker("beam", (0.0, 0.4, 0.0)))
+    pinion = a.add_part(Part("pinion", (-0.05, 0.0, 0.0)))
+    pinion.add_marker(Marker("hub", (0.05, 0.0, 0.0)))
+    rack = a.add_part(Part("rack", (0.3, -0.05, 0.0)))
+    rack.add_marker(Marker("guided", (-0.3, 0.0, 0.0), ALONG_X))
+    # x is along the rack, against its slide.
+    rack.add_marker(Marker("teeth", (-0.3, 0.0, 0.0), ((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))))
+    nut = a.add_part(Part("nut", (0.2, 0.0, 0.1)))
+    nut.add_marker(Marker("guided"))
+    nut.add_marker(Marker("thread", (0.0, 0.0, 0.0), FLIP))
+    screw = a.add_part(Part("screw", (0.02, 0.4, 0.0)))
+    screw.add_marker(Marker("shaft", (-0.02, 0.0, 0.0)))
+    a.add_joint(Joint("drive", "revolute", a.ground_path("bearing"), a.part_path("pinion", "hub")))
+    a.add_joint(Joint("slide", "translational", a.ground_path("bed"), a.part_path("rack", "guided")))
+    a.add_joint(Joint("lift", "translational", a.ground_path("post"), a.part_path("nut", "guided")))
+    a.add_joint(Joint("spindle", "cylindrical", a.ground_path("beam"), a.part_path("screw", "shaft")))
+    teeth, hub = a.part_path("rack", "teeth"), a.part_path("pinion", "hub")
+    a.add_joint(Joint("teeth", "rack_pinion", teeth, hub, pitch_radius=0.05))
+    a.add_joint(Joint("thread", "screw", a.part_path("nut", "thread"), hub, pitch=0.4))
+    a.add_joint(Joint("pair", "gear", hub, a.part_path("screw", "shaft"), radius_i=0.01, radius_j=0.04))
+    a.add_joint(Joint("lead", "screw", a.ground_path("beam"), a.part_path("screw", "shaft"), pitch=-0.3))
+    a.add_motion(Motion("turn", "drive", "0.5*time"))
+    return a, 0.0
+
+
 def main():
     rows = []
-    for assembly, start in [slider_crank(), four_bar(), cardan()]:
+    for assembly, start in [slider_crank(), four_bar(), cardan(), gear_train(), rack_and_screw()]:
         text = assembly.to_asmt()
+        # The solver looks for lower case.
+        for label in ["RadiusI", "RadiusJ", "PitchRadius", "Pitch"]:
+            text = text.replace(f"\t{label}\n", f"\t{label[0].lower()}{label[1:]}\n")
         (HERE / "models" / f"{assembly.name}.asmt").write_text(text)
-        found = assembly.solve()
+        found = AsmtSolver().solve(text)
         for path, part in found.parts.items():
             name = path.rsplit("/", 1)[-1]
             for k in (2, 5, len(found.times) - 1):

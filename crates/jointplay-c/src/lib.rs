@@ -6,6 +6,7 @@
 mod catch;
 pub mod fmi;
 mod mechanism;
+mod motion_request;
 mod pointer;
 mod request;
 mod robot;

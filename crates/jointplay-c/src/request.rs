@@ -1,6 +1,5 @@
 //! Requests and answers in JSON.
 
-use std::collections::BTreeMap;
 use std::ffi::CString;
 
 use jointplay::constraint::System as _;
@@ -18,6 +17,7 @@ use jointplay::virtualization::{Planar, SolveOptions};
 use serde::{Deserialize, Serialize};
 
 use crate::catch::Failure;
+use crate::motion_request::{Move, Named, Suggest, Values};
 use crate::virtualization::named;
 
 #[derive(Deserialize)]
@@ -52,9 +52,6 @@ enum OfRobot {
     },
 }
 
-/// Joint coordinates by name (m, rad).
-type Values = BTreeMap<String, f64>;
-
 #[derive(Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 enum OfMechanism {
@@ -77,6 +74,8 @@ enum OfMechanism {
     Sensitivity {
         command: Values,
     },
+    Move(Move),
+    Suggest(Suggest),
 }
 
 fn parse<'a, T: Deserialize<'a>>(request: &'a str) -> Result<T, Failure> {
@@ -141,17 +140,9 @@ pub(crate) fn of_mechanism(
     request: &str,
 ) -> Result<CString, Failure> {
     let mechanism = &file.mechanism;
-    let index = |name: &String| {
-        coordinates.find(mechanism, name).map_err(|error| Failure::input(error.to_string()))
-    };
-    let commands = |values: &Values| -> Result<Vec<(usize, f64)>, Failure> {
-        let checked = |(name, value): (&String, &f64)| {
-            let k = index(name)?;
-            let value = coordinates.checked(k, *value);
-            Ok((k, value.map_err(|error| Failure::input(error.to_string()))?))
-        };
-        values.iter().map(checked).collect()
-    };
+    let of_file = Named { file, coordinates };
+    let index = |name: &String| of_file.index(name);
+    let commands = |values: &Values| of_file.commands(values);
     match parse(request)? {
         OfMechanism::Assemble { at } => {
             let posed = pose_commanded(mechanism, &commands(&at)?, None)?;
@@ -213,6 +204,8 @@ pub(crate) fn of_mechanism(
                 Err(error) => Err(Failure::no_answer(error.to_string())),
             }
         }
+        OfMechanism::Move(motion) => document(&motion.answer(of_file)?),
+        OfMechanism::Suggest(search) => document(&search.answer(of_file)?),
         OfMechanism::Sensitivity { command } => {
             if mechanism.virtual_joints().is_empty() || command.is_empty() {
                 let text = "sensitivity needs a mechanism with virtual joints, and a command";

@@ -184,16 +184,6 @@ pub enum Error {
         /// How many may be.
         allowed: usize,
     },
-    /// A mechanism with couplings that is too large for dense algebra.
-    #[error(
-        "a mechanism with couplings may have at most {allowed} coordinates and closure equations, but this one has {found} coordinates"
-    )]
-    NoCouplings {
-        /// Number of coordinates.
-        found: usize,
-        /// The most that are allowed.
-        allowed: usize,
-    },
     /// The loops of a mechanism could not be closed.
     #[error(transparent)]
     NotAssembled(#[from] Box<crate::mechanism::Unassembled>),

@@ -8,12 +8,13 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use jointplay_core::Error;
 use jointplay_core::constraint::System as _;
 use jointplay_core::mechanism::{
-    ChangedDimension, Coupling, DifferentialKinematics, Drive, Joint, JointCoordinate, JointKind,
-    Mechanism, MechanismError, MechanismSystem, MobilityClass, PositionSolver, ReliefSolver,
-    SparseSystem, StressScrew, assemble, blocks, drive, guess, mechanism_mobility, self_stresses,
+    Carrier, ChangedDimension, Coupling, DifferentialKinematics, Drive, Joint, JointCoordinate,
+    JointKind, Mechanism, MechanismError, MechanismSystem, MobilityClass, PositionSolver,
+    ReliefSolver, SparseSystem, StressScrew, SuggestOptions, VirtualJoint, VirtualMotion, assemble,
+    blocks, drive, guess, mechanism_mobility, relieve_commanded, self_stresses, suggest,
 };
 use jointplay_core::mobility::RANK_THRESHOLD;
-use jointplay_core::nalgebra::{DVector, Rotation3, Translation3, Vector2, Vector3};
+use jointplay_core::nalgebra::{DVector, Rotation2, Rotation3, Translation3, Vector2, Vector3};
 use jointplay_core::spatial::Pose;
 use proptest::prelude::*;
 
@@ -61,10 +62,23 @@ fn meeting(c: Vector2<f64>, d: Vector2<f64>, from_c: f64, from_d: f64) -> Vector
     c + along * x + Vector2::new(-along.y, along.x) * (from_c * from_c - x * x).sqrt()
 }
 
+/// By dense algebra; sparse algebra has the same counts, and the same finite mobility where it has one.
+#[track_caller]
 fn mobility(mechanism: &Mechanism) -> jointplay_core::mechanism::MechanismMobility {
     let home = guess(mechanism);
+    let sparse = SparseSystem::new(mechanism, home.clone()).unwrap().mobility(RANK_THRESHOLD);
     let system = MechanismSystem::new(mechanism, home).unwrap();
-    mechanism_mobility(&system, RANK_THRESHOLD, false).unwrap()
+    let found = mechanism_mobility(&system, RANK_THRESHOLD, false).unwrap();
+    let (sparse, first) = (sparse.unwrap(), &found.finite.instantaneous);
+    // Near a singular configuration, the two may take a small value for zero or not.
+    if first.smallest_nonzero().is_none_or(|least| least > 1e-6) {
+        assert_eq!(
+            (sparse.mobility, sparse.rank, sparse.redundancy),
+            (first.mobility, first.rank, first.redundancy)
+        );
+        assert!(sparse.finite.is_none() || sparse.finite == found.finite.mobility);
+    }
+    found
 }
 
 #[test]
@@ -288,9 +302,81 @@ fn couplings_of_nothing_are_refused() {
         E::NameTwice { .. }
     ));
     let kept = balls.with_couplings(vec![fixed(0.0)]).unwrap();
-    let start = guess(&kept);
-    let sparse = SparseSystem::new(&kept, start);
-    assert!(matches!(sparse, Err(Error::NoCouplings { .. })));
+    assert_eq!(kept.couplings().len(), 1);
+}
+
+/// Parallelograms on the base, each crank of which a gear drives from the crank before, or all of which one differential joins.
+fn row_of_parallelograms(count: usize, couplings: Vec<Coupling>) -> Mechanism {
+    let up = [0.0, 0.0, 1.0];
+    let loops = (0..count).flat_map(|k| {
+        #[expect(clippy::cast_precision_loss, reason = "a small count")]
+        let x = 3.0 * k as f64;
+        let links = [0, 3 * k + 1, 3 * k + 2, 3 * k + 3, 0];
+        let points = [[0.0, 0.0], [0.5, 1.0], [2.5, 1.0], [2.0, 0.0]];
+        (0..4).map(move |side| {
+            let [along, above] = points[side];
+            let ends = [links[side], links[side + 1]];
+            let name = format!("{k}-{side}");
+            joint(&name, JointKind::Revolute, ends, [x + along, above, 0.0], up)
+        })
+    });
+    let row = Mechanism::new("row", names(3 * count + 1), loops.collect()).unwrap();
+    row.with_couplings(couplings).unwrap()
+}
+
+#[test]
+fn hundreds_of_geared_loops_move_by_the_product_of_the_ratios() {
+    let count = 200;
+    let ratio = |k: usize| if k.is_multiple_of(3) { -0.5 } else { -1.25 };
+    let gears = (1..count).map(|k| gear(&format!("gear {k}"), 4 * k, 4 * (k - 1), ratio(k), 0.0));
+    let row = row_of_parallelograms(count, gears.collect());
+    assert!(!MechanismSystem::fits(&row));
+    let system = SparseSystem::new(&row, guess(&row)).unwrap();
+    let found = system.mobility(RANK_THRESHOLD).unwrap();
+    assert_eq!((found.mobility, found.finite, found.redundancy), (1, Some(1), 3 * count));
+    let motion = system.drive(&[Drive { coordinate: 0, to: 0.4 }], &[], 2).unwrap();
+    assert_eq!((motion.stopped, motion.waypoints[2].free_mobility), (None, 0));
+    let mut expected = 0.4;
+    for k in 0..count {
+        expected *= if k == 0 { 1.0 } else { ratio(k) };
+        let found = motion.waypoints[2].coordinates[4 * k];
+        assert!((found - expected).abs() < 1e-9, "{k}: {found} {expected}");
+    }
+    // Two cranks at other values than their gear allows are brought together.
+    let mut apart = guess(&row);
+    apart[4 * 7] = 0.2;
+    let mut system = SparseSystem::new(&row, apart).unwrap();
+    assert!(system.residual() > 0.05);
+    system.close(&[4 * 7], 100).unwrap();
+    assert!((system.coordinates()[4 * 8] - 0.2 * ratio(8)).abs() < 1e-9);
+    let mut against = guess(&row);
+    against[0] = 0.2;
+    let mut system = SparseSystem::new(&row, against).unwrap();
+    assert!(matches!(system.close(&[0, 4], 100), Err(Error::NotReached { .. })));
+}
+
+#[test]
+fn a_differential_of_many_cranks_and_a_brake() {
+    let count = 45;
+    let terms = (1..count).map(|k| (of(4 * k), 0.25)).collect();
+    let sum = Coupling { name: "sum".to_owned(), follower: of(0), terms, offset: 0.0 };
+    let brake = Coupling { name: "brake".to_owned(), follower: of(4), terms: vec![], offset: 0.1 };
+    let row = row_of_parallelograms(count, vec![sum, brake]);
+    assert!(!MechanismSystem::fits(&row));
+    let mut system = SparseSystem::new(&row, guess(&row)).unwrap();
+    system.close(&[], 100).unwrap();
+    let found = system.mobility(RANK_THRESHOLD).unwrap();
+    assert_eq!((found.mobility, found.finite), (count - 2, Some(count - 2)));
+    let q = system.coordinates();
+    let sum: f64 = (1..count).map(|k| 0.25 * q[4 * k]).sum();
+    assert!((q[0] - sum).abs() < 1e-9 && (q[4] - 0.1).abs() < 1e-9);
+    // Both coordinates of a gear driven against it: the motion stops where it starts.
+    let gears = (1..count).map(|k| gear(&format!("gear {k}"), 4 * k, 4 * (k - 1), 1.0, 0.0));
+    let row = row_of_parallelograms(count, gears.collect());
+    let system = SparseSystem::new(&row, guess(&row)).unwrap();
+    let against = [Drive { coordinate: 0, to: 0.1 }, Drive { coordinate: 4, to: -0.1 }];
+    let motion = system.drive(&against, &[], 2).unwrap();
+    assert!(motion.stopped.is_some());
 }
 
 #[test]
@@ -300,7 +386,100 @@ fn contradictory_couplings_are_named() {
     let held = |name: &str, offset| Coupling { terms: vec![], ..gear(name, 0, 0, 1.0, offset) };
     let door = door.with_couplings(vec![held("open", 1.0), held("shut", 0.0)]).unwrap();
     let error = assemble(&door, &guess(&door), &[], 5).unwrap_err();
-    assert!(error.to_string().contains("coupling \""), "{error}");
+    let message = error.to_string();
+    assert!(message.starts_with("the couplings contradict each other"), "{message}");
+    assert!(message.contains("; coupling \"") && !message.contains("loop"), "{message}");
+}
+
+/// What is worst is named alone, and a loop that is closed to round-off is not.
+#[test]
+fn the_worse_of_an_open_loop_and_a_violated_coupling_is_named() {
+    // A parallelogram cannot close if its coupler is too long; two brakes hold one crank.
+    let message = |coupler: f64, offset: f64| {
+        let free = planar(&[[0.0, 0.0], [0.5, 1.0], [2.5, 1.0], [2.0, 0.0]]);
+        let mut joints = free.joints().to_vec();
+        joints[2].frames[0].translation.x += coupler;
+        let held = |name: &str, offset| Coupling { terms: vec![], ..gear(name, 0, 0, 1.0, offset) };
+        let free = free.with_joints(joints).unwrap();
+        let both = free.with_couplings(vec![held("one", 0.0), held("two", offset)]).unwrap();
+        assemble(&both, &guess(&both), &[], 3).unwrap_err().to_string()
+    };
+    let loop_only = message(40.0, 0.0);
+    assert!(loop_only.starts_with("the loops cannot be closed"), "{loop_only}");
+    assert!(loop_only.contains("stays open by") && !loop_only.contains("coupling"), "{loop_only}");
+    let coupling_only = message(0.0, 0.2);
+    assert!(coupling_only.contains("is violated by"), "{coupling_only}");
+    assert!(!coupling_only.contains("e0 m and"), "{coupling_only}");
+}
+
+#[test]
+fn commands_that_contradict_couplings_name_them_and_advise_no_play() {
+    let hinge = |k: usize| {
+        joint(["A", "B", "C"][k], JointKind::Revolute, [0, k + 1], [0.0; 3], [0.0, 0.0, 1.0])
+    };
+    let wheels = Mechanism::new("wheels", names(4), (0..3).map(hinge).collect()).unwrap();
+    let train = vec![gear("AC", 2, 0, -2.0, 0.0), gear("CB", 1, 2, -0.5, 0.0)];
+    let wheels = wheels.with_couplings(train).unwrap();
+    let options = SuggestOptions::default();
+    let commands = [DVector::from_vec(vec![0.1, 0.3])];
+    let error = suggest(&wheels, &guess(&wheels), &[0, 1], &commands, &options).unwrap_err();
+    let Error::NotRelieved { couplings, .. } = &error else { panic!("{error}") };
+    // C is determined by A and by B; which of the two is wrong cannot be told.
+    let mut names = couplings.clone();
+    names.sort();
+    assert_eq!(names, ["AC", "CB"]);
+    let message = error.to_string();
+    assert!(
+        message.contains("contradict couplings") && !message.contains("add virtual"),
+        "{message}"
+    );
+    // Values that satisfy the train need no play.
+    let commands = [DVector::from_vec(vec![0.1, 0.1])];
+    assert!(!suggest(&wheels, &guess(&wheels), &[0, 1], &commands, &options).unwrap().needed);
+    // A loop that is in the way is none of the couplings.
+    let bars = planar(&[[0.0, 0.0], [0.5, 1.0], [2.5, 1.0], [2.0, 0.0]]);
+    let bars = bars.with_couplings(vec![gear("belt", 3, 0, -1.0, 0.0)]).unwrap();
+    let error = relieve_commanded(&bars, &[(0, 0.1), (1, 0.7)], None).unwrap_err();
+    let Error::NotRelieved { couplings, .. } = &error else { panic!("{error}") };
+    assert!(couplings.is_empty(), "{error}");
+}
+
+/// Three wheels with many couplings: without a bound, the basis of 200 self-stresses takes minutes.
+#[test]
+fn many_redundant_couplings_have_a_basis_soon() {
+    let hinge = |k: usize| {
+        joint(["A", "B", "C"][k], JointKind::Revolute, [0, k + 1], [0.0; 3], [0.0, 0.0, 1.0])
+    };
+    let wheels = Mechanism::new("wheels", names(4), (0..3).map(hinge).collect()).unwrap();
+    for (count, is_sparsest) in [(4, true), (200, false)] {
+        let all = (0..count).map(|k| gear(&format!("x{k}"), 1, 0, -2.0, 0.0));
+        let ring = [gear("BC", 2, 1, -0.5, 0.0), gear("CA", 0, 2, 1.0, 0.0)];
+        let coupled = wheels.clone().with_couplings(all.chain(ring).collect()).unwrap();
+        let system = MechanismSystem::new(&coupled, guess(&coupled)).unwrap();
+        let start = std::time::Instant::now();
+        let found = mobility(&coupled);
+        let first = &found.finite.instantaneous;
+        assert_eq!((first.mobility, first.redundancy), (1, count));
+        let stresses = self_stresses(&system, first).unwrap();
+        assert_eq!(stresses.sparsest, is_sparsest);
+        assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+        assert_eq!(stresses.stresses.iter().filter(|one| one.independent).count(), count);
+        assert!(stresses.couplings_in_all.is_empty() && stresses.in_all.is_empty());
+        let home = guess(&coupled);
+        for stress in &stresses.stresses {
+            // In equilibrium on every wheel; pairs of equal couplings, or one ring of three.
+            let mut torque = home.clone();
+            for one in &stress.couplings {
+                let coupling = &coupled.couplings()[one.coupling];
+                let (leader, ratio) = coupling.terms[0];
+                let force = one.force / 1.0_f64.hypot(ratio);
+                torque[coupling.follower.joint] += force;
+                torque[leader.joint] -= ratio * force;
+            }
+            assert!(torque.amax() < 1e-9, "{torque}");
+            assert!((2..=3).contains(&stress.couplings.len()), "{stress:?}");
+        }
+    }
 }
 
 /// Loops of four to seven joints with a screw among them.
@@ -414,4 +593,68 @@ fn a_whole_turn_of_a_coupled_hinge_is_not_removed() {
     assert!(found.is_closed());
     let q = found.coordinates;
     assert!((q[3] + q[0] - 2.0 * PI).abs() < 1e-10, "{q}");
+}
+
+/// Cranks on a base, joined by a coupler; the hinges of the cranks are coupled, so that no motion is left.
+fn locked(points: [[f64; 2]; 4], ratio: f64) -> Mechanism {
+    planar(&points).with_couplings(vec![gear("belt", 3, 0, ratio, 0.0)]).unwrap()
+}
+
+const TRAPEZOID: [[f64; 2]; 4] = [[0.0, 0.0], [0.5, 1.0], [2.0, 1.0], [2.5, 0.0]];
+
+#[test]
+fn a_slide_relieves_a_belt_of_another_ratio_by_the_distance_of_the_crank_pins() {
+    let slide = VirtualJoint {
+        name: "slide".to_owned(),
+        joint: 2,
+        carrier: Carrier::First,
+        motion: VirtualMotion::Slide(Vector3::x_axis()),
+        clearance: None,
+        stiffness: None,
+    };
+    for (ratio, command) in [(1.0, 0.05), (-0.5, 0.1), (2.0, -0.04)] {
+        let mechanism = locked(TRAPEZOID, ratio).with_virtual_joints(vec![slide.clone()]).unwrap();
+        let found = relieve_commanded(&mechanism, &[(0, command)], None).unwrap();
+        // The last hinge leads from the crank to the base.
+        let [a, b] = [Vector2::new(0.0, 0.0), Vector2::new(2.5, 0.0)];
+        let c = a + Rotation2::new(command) * Vector2::new(0.5, 1.0);
+        let d = b + Rotation2::new(-ratio * command) * Vector2::new(-0.5, 1.0);
+        let expected = (d - c).norm() - 1.5;
+        let off = found.virtual_joints[0].abs() - expected.abs();
+        assert!(off.abs() < 1e-9, "{ratio}: {:?} {expected}", found.virtual_joints);
+        assert!(mechanism.couplings_hold(&found.coordinates, 1e-10));
+    }
+}
+
+#[test]
+fn suggested_joints_keep_the_couplings_and_their_symmetry() {
+    for (ratio, is_symmetric) in [(1.0, true), (0.5, false)] {
+        let mechanism = locked(TRAPEZOID, ratio);
+        let home = guess(&mechanism);
+        let commands = [0.05, -0.05].map(|by| DVector::from_element(1, by));
+        let found =
+            suggest(&mechanism, &home, &[0], &commands, &SuggestOptions::default()).unwrap();
+        assert!(found.needed && !found.sets.is_empty());
+        for set in found.sets.iter().take(6) {
+            let relieved =
+                mechanism.clone().with_virtual_joints(set.virtual_joints.clone()).unwrap();
+            for (command, at) in commands.iter().zip(&set.configurations) {
+                assert!(mechanism.couplings_hold(at, 1e-9), "{set:?}");
+                assert!((at[0] - command[0]).abs() < 1e-12);
+                let again = relieve_commanded(&relieved, &[(0, command[0])], None).unwrap();
+                let size = again.virtual_joints.norm();
+                assert!(size < 0.2, "{size}");
+            }
+            assert!(set.size >= found.lower_bound * (1.0 - 1e-9));
+        }
+        // No smaller displacement than that of a slide along the coupler.
+        let slide = (Rotation2::new(-ratio * 0.05) * Vector2::new(-0.5, 1.0)
+            + Vector2::new(2.5, 0.0)
+            - Rotation2::new(0.05) * Vector2::new(0.5, 1.0))
+        .norm()
+            - 1.5;
+        assert!(found.sets[0].size <= slide.abs() + 1e-9, "{} {slide}", found.sets[0].size);
+        let symmetric = found.sets.iter().filter(|set| set.symmetric).count();
+        assert_eq!(symmetric > 0, is_symmetric, "{ratio}: {symmetric}");
+    }
 }

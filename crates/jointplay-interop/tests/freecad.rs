@@ -103,9 +103,15 @@ fn refuse(from: &str, to: &str, message: &str) {
 fn documents_that_would_be_another_mechanism_are_refused() {
     // Revolute joints as others, by their numbers.
     let number = |k: usize| format!("<Integer value=\"{k}\" CustomEnum=\"true\"/>");
-    let supported = "imported are the joints Fixed, Revolute, Cylindrical, Slider and Ball";
-    for k in 5..=12 {
+    let supported =
+        "imported are the joints Fixed, Revolute, Cylindrical, Slider, Ball, RackPinion";
+    for k in 5..=8 {
         refuse(&number(1), &number(k), supported);
+    }
+    refuse(&number(1), &number(9), "one of its parts must slide on a slider joint");
+    refuse(&number(1), &number(10), "its parts need one cylindrical joint between them");
+    for k in [11, 12] {
+        refuse(&number(1), &number(k), "`Joint` needs `Distance2`");
     }
     refuse(&number(1), &number(13), "the number of a choice");
     refuse(&number(1), "<Integer value=\"-1\"/>", "the number of a choice");
@@ -195,5 +201,102 @@ fn truncated_and_mutated_documents_do_not_panic() {
                 let _ = error.with_excerpt("Document.xml");
             }
         }
+    }
+}
+
+/// A rack that slides along x, and a pinion about z beside it, in millimetres; the joint between them names either first.
+fn rack_and_pinion(is_rack_first: bool) -> String {
+    let property =
+        |name: &str, value: &str| format!("<Property name=\"{name}\">{value}</Property>");
+    let label = |name: &str| property("Label", &format!("<String value=\"{name}\"/>"));
+    let placed = |name: &str, [x, y]: [f64; 2], [q0, q1, q2, q3]: [f64; 4]| {
+        let place = format!(
+            "Px=\"{x}\" Py=\"{y}\" Pz=\"0\" Q0=\"{q0}\" Q1=\"{q1}\" Q2=\"{q2}\" Q3=\"{q3}\""
+        );
+        property(name, &format!("<PropertyPlacement {place}/>"))
+    };
+    let level = [0.0, 0.0, 0.0, 1.0];
+    // z along x.
+    let along_x = [0.0, 0.5_f64.sqrt(), 0.0, 0.5_f64.sqrt()];
+    let joint = |kind: usize, ends: [(&str, [f64; 2], [f64; 4]); 2]| {
+        let mut text = property("JointType", &format!("<Integer value=\"{kind}\"/>"));
+        for (k, (part, at, turn)) in ends.into_iter().enumerate() {
+            let link =
+                format!("<XLink file=\"\" name=\"Assembly\"><Sub value=\"{part}.Face1\"/></XLink>");
+            text += &property(&format!("Reference{}", k + 1), &link);
+            text += &placed(&format!("Placement{}", k + 1), at, turn);
+        }
+        let off = "<Bool value=\"false\"/>";
+        for name in ["EnableLengthMin", "EnableLengthMax", "EnableAngleMin", "EnableAngleMax"] {
+            text += &property(name, off);
+        }
+        text + &property("Distance", "<Float value=\"20\"/>")
+    };
+    let group = |names: &[&str]| {
+        let links: String = names.iter().map(|name| format!("<Link value=\"{name}\"/>")).collect();
+        property("Group", &format!("<LinkList>{links}</LinkList>"))
+    };
+    let mut ends = [("Rack", [30.0, 0.0], along_x), ("Pinion", [0.0, 0.0], level)];
+    if !is_rack_first {
+        ends.reverse();
+    }
+    let part = |name: &str, at| label(name) + &placed("Placement", at, level);
+    let objects = [
+        (
+            "Assembly",
+            "Assembly::AssemblyObject",
+            label("drive") + &group(&["Joints", "Base", "Rack", "Pinion"]),
+        ),
+        ("Joints", "Assembly::JointGroup", group(&["Ground", "Slide", "Axle", "Teeth"])),
+        ("Base", "Part::Box", part("base", [0.0, 0.0])),
+        ("Rack", "Part::Box", part("rack", [10.0, -20.0])),
+        ("Pinion", "Part::Box", part("pinion", [50.0, 0.0])),
+        (
+            "Ground",
+            "App::FeaturePython",
+            label("ground") + &property("ObjectToGround", "<Link value=\"Base\"/>"),
+        ),
+        ("Teeth", "App::FeaturePython", label("teeth") + &joint(9, ends)),
+        (
+            "Slide",
+            "App::FeaturePython",
+            label("slide")
+                + &joint(3, [("Base", [10.0, -20.0], along_x), ("Rack", [0.0, 0.0], along_x)]),
+        ),
+        (
+            "Axle",
+            "App::FeaturePython",
+            label("axle")
+                + &joint(1, [("Base", [50.0, 0.0], level), ("Pinion", [0.0, 0.0], level)]),
+        ),
+    ];
+    let declared: String = objects
+        .iter()
+        .map(|(name, kind, _)| format!("<Object type=\"{kind}\" name=\"{name}\"/>"))
+        .collect();
+    let data: String = objects
+        .iter()
+        .map(|(name, _, all)| {
+            format!("<Object name=\"{name}\"><Properties>{all}</Properties></Object>")
+        })
+        .collect();
+    format!("<Document><Objects>{declared}</Objects><ObjectData>{data}</ObjectData></Document>")
+}
+
+#[test]
+fn a_rack_moves_by_the_radius_of_its_pinion() {
+    for is_rack_first in [true, false] {
+        let model = read(&rack_and_pinion(is_rack_first));
+        let [coupling] = model.mechanism.couplings() else { panic!("{model:?}") };
+        assert_eq!(coupling.name, "teeth");
+        let mechanism = &model.mechanism;
+        let index = |name: &str| {
+            Kinematics::new(mechanism).coordinates_of(mechanism.joint(name).unwrap()).start
+        };
+        let mut at = guess(mechanism);
+        at[index("axle")] += 0.5;
+        let closed = assemble(mechanism, &at, &[index("axle")], 10).unwrap().coordinates;
+        let slid = closed[index("slide")] - guess(mechanism)[index("slide")];
+        assert!((slid - 0.01).abs() < 1e-12, "{is_rack_first}: {slid}");
     }
 }

@@ -119,3 +119,36 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn couplings_of_a_file_of_loops_join_those_of_the_model() {
+    let sliding = CRANKS
+        .replace("<link name=\"right\"/>", "<link name=\"right\"/><link name=\"tool\"/>")
+        .replace("</robot>", "<joint name=\"c\" type=\"prismatic\"><parent link=\"base\"/><child link=\"tool\"/><axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\"/><mimic joint=\"a\" multiplier=\"0.1\"/></joint></robot>");
+    let chain = parse(&sliding).unwrap().mechanism;
+    let free = LOOPS.replace("kind = \"revolute\"", "kind = \"cylindrical\"");
+    let coupled = |coordinate: &str, other: &str| {
+        let terms = format!("terms = [{{ coordinate = \"{other}\", ratio = \"3 / 90\" }}]");
+        with_loops(
+            &chain,
+            &format!(
+                "{free}[[coupling]]\nname = \"thread\"\ncoordinate = \"{coordinate}\"\n{terms}\noffset = 2\n"
+            ),
+        )
+    };
+    let closed = coupled("rod[0]", "b").unwrap();
+    let [mimic, thread] = closed.couplings() else { panic!("{closed:?}") };
+    assert_eq!((mimic.follower.joint, thread.follower.joint), (2, 3));
+    assert_eq!((thread.follower.freedom, thread.terms[0].0.joint), (0, 1));
+    // 3 mm for 90°.
+    let expected = 0.003 / std::f64::consts::FRAC_PI_2;
+    assert!((thread.terms[0].1 - expected).abs() < 1e-15 && (thread.offset - 0.002).abs() < 1e-18);
+    for (coordinate, other, message) in [
+        ("rod", "b", "coordinate \"rod\" is not known"),
+        ("rod[0]", "base", "coordinate \"base\" is not known"),
+        ("rod[0]", "rod[0]", "twice"),
+    ] {
+        let error = coupled(coordinate, other).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+}

@@ -389,7 +389,7 @@ terms = [{ coordinate = "turn", ratio = -1.5 }]
 "#;
     let original = coupled(thread);
     let at = assemble(&original, &guess(&original), &[0], 30).unwrap().coordinates;
-    for (format, write) in [("MJCF", mjcf as Write), ("URDF", urdf)] {
+    for (format, write) in FORMATS {
         let written = write(&original, &at).unwrap();
         let found = check(format, &original, &at, &written);
         assert_eq!(found.couplings().len(), 2, "{format}");
@@ -419,18 +419,30 @@ terms = [{ coordinate = "turn", ratio = -1.5 }]
         let off = turned(&original, &at) - turned(&found, &guess(&found));
         assert!(off.amax() < 1e-9, "{format}: {off}");
     }
-    assert!(matches!(sdf(&original, &at), Err(Error::Coupling { .. })));
     let held = coupled("[[coupling]]\nname = \"brake\"\ncoordinate = \"turn\"\noffset = 20\n");
     let at = guess(&held);
     let found = check("MJCF", &held, &at, &mjcf(&held, &at).unwrap());
     assert!((found.couplings()[0].offset - f64::to_radians(20.0)).abs() < 1e-12);
-    assert!(matches!(urdf(&held, &at), Err(Error::Coupling { .. })));
+    let found = check("URDF", &held, &at, &urdf(&held, &at).unwrap());
+    assert_eq!(found.couplings()[0].terms, []);
     let three = coupled(
         "[[coupling]]\nname = \"sum\"\ncoordinate = \"turn\"\nterms = [{ coordinate = \"hook[0]\", ratio = 1 }, { coordinate = \"hook[1]\", ratio = 1 }]\noffset = 20\n",
     );
-    let at = guess(&three);
-    assert!(matches!(mjcf(&three, &at), Err(Error::Coupling { .. })));
-    assert!(matches!(urdf(&three, &at), Err(Error::Coupling { .. })));
+    let at = assemble(&three, &guess(&three), &[], 30).unwrap().coordinates;
+    let found = check("MJCF", &three, &at, &mjcf(&three, &at).unwrap());
+    let [sum] = found.couplings() else { panic!("{found:?}") };
+    let ratios: Vec<f64> = sum.terms.iter().map(|&(_, ratio)| ratio).collect();
+    assert_eq!(ratios, [1.0, 1.0]);
+    assert!((sum.offset - f64::to_radians(20.0)).abs() < 1e-12);
+    let written = urdf(&three, &at).unwrap();
+    assert!(written.lost.iter().any(|one| one.contains("file of loops")), "{:?}", written.lost);
+    let found = check("URDF", &three, &at, &written);
+    assert_eq!(found.couplings()[0].terms.len(), 2);
+    assert!(matches!(sdf(&three, &at), Err(Error::Coupling { .. })));
+    let second = "[[coupling]]\nname = \"again\"\ncoordinate = \"nut[0]\"\nterms = [{ coordinate = \"turn\", ratio = 0.01 }]\n";
+    let twice = coupled(&format!("{thread}{second}"));
+    let at = assemble(&twice, &guess(&twice), &[], 30).unwrap().coordinates;
+    assert!(matches!(sdf(&twice, &at), Err(Error::Coupling { .. })));
 }
 
 /// Wheels A, B and C on parallel axes.
@@ -484,17 +496,16 @@ fn check_mimics(text: &str) -> Vec<[String; 2]> {
 fn joints_of_ros_mimic_in_no_cycle_and_have_no_command_interface() {
     let urdf_of = |mechanism: &Mechanism| {
         let at = assemble(mechanism, &guess(mechanism), &[], 50).unwrap().coordinates;
-        urdf(mechanism, &at).map(|written| {
-            let mimics = check_mimics(&written.text);
-            let found = check("URDF", mechanism, &at, &written);
-            (mimics, written.lost, found)
-        })
+        let written = urdf(mechanism, &at).unwrap();
+        let mimics = check_mimics(&written.text);
+        let found = check("URDF", mechanism, &at, &written);
+        (mimics, written.lost, found)
     };
     let pairs =
         |all: &[[&str; 2]]| all.iter().map(|one| one.map(str::to_owned)).collect::<Vec<_>>();
     // The follower has the motor.
     let turned = wheels([false, true, false], &[("belt", "B", "A", -2.0, 0.5)]);
-    let (mimics, _, found) = urdf_of(&turned).unwrap();
+    let (mimics, _, found) = urdf_of(&turned);
     assert_eq!(mimics, pairs(&[["A", "B"]]));
     let [belt] = found.couplings() else { panic!("{found:?}") };
     assert_eq!((belt.terms[0].1, belt.offset), (-0.5, 0.25));
@@ -503,32 +514,37 @@ fn joints_of_ros_mimic_in_no_cycle_and_have_no_command_interface() {
     let (mimics, ..) = urdf_of(&wheels(
         [true, false, false],
         &[("AB", "B", "A", 2.0, 0.0), ("CB", "B", "C", 3.0, 0.1)],
-    ))
-    .unwrap();
+    ));
     assert_eq!(mimics, pairs(&[["B", "A"], ["C", "B"]]));
-    // A ring of gears: the last coupling is implied.
+    // A ring of gears: the last coupling is implied by the others.
     let ring =
         [("AB", "B", "A", -2.0, 0.0), ("BC", "C", "B", -0.5, 0.0), ("CA", "A", "C", 1.0, 0.0)];
-    let document = wheels([true, false, false], &ring);
-    let at = guess(&document);
-    let written = urdf(&document, &at).unwrap();
-    assert_eq!(check_mimics(&written.text), pairs(&[["B", "A"], ["C", "B"]]));
-    assert!(
-        written.lost.iter().any(|one| one.contains("\"CA\": the others imply it")),
-        "{:?}",
-        written.lost
-    );
+    let elsewhere = |lost: &[String], name: &str| {
+        let start = format!("coupling {name:?} is in the file of loops");
+        assert!(lost.iter().any(|one| one.starts_with(&start)), "{lost:?}");
+    };
+    let (mimics, lost, found) = urdf_of(&wheels([true, false, false], &ring));
+    assert_eq!(mimics, pairs(&[["B", "A"], ["C", "B"]]));
+    elsewhere(&lost, "CA");
+    assert_eq!(found.couplings().len(), 3);
     // Two motors on one train: one leads, the other is listed.
-    let (mimics, lost, _) = urdf_of(&wheels([false, true, true], &[ring[0], ring[1]])).unwrap();
+    let (mimics, lost, _) = urdf_of(&wheels([false, true, true], &[ring[0], ring[1]]));
     assert_eq!(mimics, pairs(&[["A", "B"], ["C", "B"]]));
     assert!(lost.iter().any(|one| one == "actuator of \"C\": it follows \"B\""), "{lost:?}");
     // A ring of another ratio stands still, and a ratio of zero fixes its follower.
-    for couplings in
-        [&[ring[0], ring[1], ("CA", "A", "C", 1.1, 0.0)][..], &[("still", "B", "A", 0.0, 0.3)]]
-    {
+    let still = [ring[0], ring[1], ("CA", "A", "C", 1.1, 0.0)];
+    for (couplings, name) in [(&still[..], "CA"), (&[("still", "B", "A", 0.0, 0.3)], "still")] {
         let fixed = wheels([true, false, false], couplings);
-        assert!(matches!(urdf_of(&fixed), Err(Error::Coupling { .. })), "{couplings:?}");
+        let (_, lost, _) = urdf_of(&fixed);
+        elsewhere(&lost, name);
+        let at = assemble(&fixed, &guess(&fixed), &[], 50).unwrap().coordinates;
+        assert!(matches!(sdf(&fixed, &at), Err(Error::Coupling { .. })), "{couplings:?}");
     }
+    // In SDF a motor leads, too.
+    let at = guess(&turned);
+    let closed = assemble(&turned, &at, &[], 50).unwrap().coordinates;
+    let found = check("SDF", &turned, &closed, &sdf(&turned, &closed).unwrap());
+    assert_eq!(found.couplings()[0].follower.joint, found.joint("A").unwrap());
 }
 
 #[test]

@@ -15,7 +15,13 @@ pub fn beyond_limits(coordinates: &Coordinates, found: &[BeyondLimits]) -> Vec<L
         let (found, unit) = (in_file(one.value), coordinates.unit(one.coordinate));
         let limit = coordinates.all()[one.coordinate].name.clone();
         let value = beyond(found, min, max);
-        let message = format!("{limit} is at {value} {unit}, its limits are {min} to {max} {unit}");
+        let range = match [min, max].map(f64::is_finite) {
+            [true, false] => format!("its least value is {min} {unit}"),
+            [false, true] => format!("its greatest value is {max} {unit}"),
+            _ => format!("its limits are {min} to {max} {unit}"),
+        };
+        let message = format!("{limit} is at {value} {unit}, {range}");
+        let [min, max] = [min, max].map(|end| end.is_finite().then_some(end));
         LimitReport { limit, found, min, max, unit, message }
     };
     found.iter().map(report).collect()

@@ -12,10 +12,12 @@ pub struct LimitReport {
     pub limit: String,
     /// The value found, in `unit`.
     pub found: f64,
-    /// Least allowed, in `unit`.
-    pub min: f64,
-    /// Greatest allowed, in `unit`.
-    pub max: f64,
+    /// Least allowed, in `unit`; `null` without a limit at this end.
+    #[cfg_attr(feature = "schema", schema(required))]
+    pub min: Option<f64>,
+    /// Greatest allowed, in `unit`; `null` without a limit at this end.
+    #[cfg_attr(feature = "schema", schema(required))]
+    pub max: Option<f64>,
     /// `mm` or `deg`; of a mechanism, a unit of its file.
     pub unit: &'static str,
     /// Message with values and units.
@@ -33,16 +35,16 @@ pub fn limits(broken: &[BrokenLimit]) -> Vec<LimitReport> {
                 BrokenLimit::Rod { limb, length, min, max } => LimitReport {
                     limit: format!("rod {limb}"),
                     found: mm(length),
-                    min: mm(min),
-                    max: mm(max),
+                    min: Some(mm(min)),
+                    max: Some(mm(max)),
                     unit: "mm",
                     message,
                 },
                 BrokenLimit::Tilt { angle: tilt_angle, max } => LimitReport {
                     limit: "tilt".to_owned(),
                     found: deg(tilt_angle),
-                    min: 0.0,
-                    max: deg(max),
+                    min: Some(0.0),
+                    max: Some(deg(max)),
                     unit: "deg",
                     message,
                 },

@@ -179,12 +179,27 @@ impl ReadMechanism {
                 decimals: coordinates.decimals(k),
                 actuated: actuated.contains(&k),
                 virtual_joint: !is_joint,
-                limits: limits[k].map(in_file),
-                range: is_joint
-                    .then(|| in_file(limits[k].unwrap_or([at[k] - reach, at[k] + reach]))),
+                limits: limits[k]
+                    .map(|range| in_file(range).map(|end| end.is_finite().then_some(end))),
+                range: is_joint.then(|| in_file(slider_range(limits[k], at[k], reach))),
             }
         })
         .collect()
+    }
+}
+
+/// The limits of a coordinate, with a reach from the configuration or the other end where there is none.
+fn slider_range(limits: Option<[f64; 2]>, at: f64, reach: f64) -> [f64; 2] {
+    let around = [at - reach, at + reach];
+    match limits {
+        Some([least, greatest]) if greatest.is_finite() && !least.is_finite() => {
+            [around[0].min(greatest - reach), greatest]
+        }
+        Some([least, greatest]) if least.is_finite() && !greatest.is_finite() => {
+            [least, around[1].max(least + reach)]
+        }
+        Some(limits) => limits,
+        None => around,
     }
 }
 

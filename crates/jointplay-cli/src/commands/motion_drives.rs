@@ -429,7 +429,9 @@ fn default_range(input: &Input, start: &DVector<f64>) -> Result<Range, Failure> 
     let named = input.coordinates.all();
     let found = named.iter().position(|one| one.joint == joint.name);
     let coordinate = found.unwrap_or_default();
-    if let Some(&[from, to]) = joint.limits.first() {
+    let [least, greatest] =
+        joint.limits.first().copied().unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    if let ([from, to], true) = ([least, greatest], least.is_finite() && greatest.is_finite()) {
         let name = joint.name.clone();
         return Ok(Range { coordinate, from, to, step: None, name });
     }
@@ -445,7 +447,8 @@ fn default_range(input: &Input, start: &DVector<f64>) -> Result<Range, Failure> 
     };
     let here = start[coordinate];
     let name = joint.name.clone();
-    Ok(Range { coordinate, from: here - reach, to: here + reach, step: None, name })
+    let (from, to) = ((here - reach).max(least), (here + reach).min(greatest));
+    Ok(Range { coordinate, from, to, step: None, name })
 }
 
 /// A number with fifteen digits: a change of units must not add a step to a range by round-off.

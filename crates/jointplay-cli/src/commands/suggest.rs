@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::mechanism::{self, MechanismFile, Units};
 use jointplay::mechanism::{
-    Commands, LinearAndAngular, MechanismSystem, SMALL_COMMAND, SingleCommand, SuggestOptions,
-    Suggestion, SuggestionRank, Suggestions, VirtualJoint, single_commands, small_commands,
-    suggest,
+    Commands, LinearAndAngular, SingleCommand, SuggestOptions, Suggestion, SuggestionRank,
+    Suggestions, VirtualJoint, single_commands, single_displacements, small_commands, suggest,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::report::{self, ByName, SetReport, SingleCommandReport, SuggestReport, WrittenSet};
@@ -132,7 +131,8 @@ impl Suggest {
         let bare = input.file.mechanism.clone().with_virtual_joints(Vec::new());
         input.file.mechanism = bare.expect("a mechanism without virtual joints is valid");
         let home = input.assembled(&[])?.coordinates;
-        let Commands { commanded, values: commands } = self.commands(&input, &home)?;
+        let all = self.commands(&input, &home)?;
+        let Commands { commanded, values: commands } = &all;
         let working = Progress::of_work("comparing sets");
         let options = SuggestOptions {
             limit: self.limit,
@@ -145,7 +145,7 @@ impl Suggest {
             },
             stiffness: self.stiffness.unwrap_or_default(),
         };
-        let found = suggest(&input.file.mechanism, &home, &commanded, &commands, &options)?;
+        let found = suggest(&input.file.mechanism, &home, commanded, commands, &options)?;
         drop(working);
         let coordinates = &input.coordinates;
         let names = commanded.iter().map(|&k| coordinates.all()[k].name.clone()).collect();
@@ -155,7 +155,7 @@ impl Suggest {
         };
         let in_file_units = commands.iter().map(in_units).collect();
         let mut report = report::suggestions(&input.file, names, in_file_units, &found);
-        let single = self.single_commands(&input, &home, &commanded, &commands, &found)?;
+        let single = single(&input, &home, &all, &found)?;
         report::add_single_commands(&mut report, &input.file, &single);
         // An invalid number of a set is reported after the sets.
         let chosen = self.write.map_or(Ok(0), |number| chosen(number, report.sets.len()));
@@ -167,7 +167,7 @@ impl Suggest {
         }
         self.mechanism
             .format
-            .print(&report, |report| text(&input, &commanded, report, self.rank))?;
+            .print(&report, |report| text(&input, commanded, report, self.rank))?;
         let k = chosen?;
         if !found.needed {
             return found.without_play.iter().try_for_each(|at| input.within_limits(at));
@@ -180,43 +180,6 @@ impl Suggest {
             Some(best) => within_clearances(&best),
             None => Err(Failure::Unsolved("no set of virtual joints was found".to_owned())),
         }
-    }
-
-    /// Displacements of single motors, or of single commanded coordinates without motors, for the sets that text lists.
-    fn single_commands(
-        &self,
-        input: &Input,
-        home: &DVector<f64>,
-        commanded: &[usize],
-        commands: &[DVector<f64>],
-        found: &Suggestions,
-    ) -> Result<Vec<Vec<SingleCommand>>, Failure> {
-        let mechanism = &input.file.mechanism;
-        let motors = mechanism.actuated_coordinates();
-        let moved = if motors.is_empty() { commanded } else { &motors };
-        let all = input.coordinates.all();
-        let away = |k: usize| {
-            // The largest displacement of the commanded coordinates with this unit.
-            let same =
-                (0..commanded.len()).filter(|&n| all[commanded[n]].quantity == all[k].quantity);
-            same.flat_map(|n| commands.iter().map(move |c| (c[n] - home[commanded[n]]).abs()))
-                .fold(0.0, f64::max)
-        };
-        let system = MechanismSystem::new(mechanism, home.clone())?;
-        let length = jointplay::constraint::System::characteristic_length(&system);
-        let displacements: Vec<(usize, f64)> = moved
-            .iter()
-            .map(|&k| match away(k) {
-                0.0 => (k, SMALL_COMMAND * system.kinematics().dimensions()[k].unit(length)),
-                by => (k, by),
-            })
-            .collect();
-        let of_set = |set: &Suggestion| {
-            let relieved = mechanism.clone().with_virtual_joints(set.virtual_joints.clone());
-            let relieved = relieved.expect("suggested joints are valid");
-            Ok(single_commands(&relieved, home, &displacements)?)
-        };
-        found.sets.iter().take(LISTED).map(of_set).collect()
     }
 
     /// The file to write, checked before the search.
@@ -288,6 +251,23 @@ impl Suggest {
     }
 }
 
+/// Displacements of single motors, or of single commanded coordinates without motors, for the sets that text lists.
+fn single(
+    input: &Input,
+    home: &DVector<f64>,
+    commands: &Commands,
+    found: &Suggestions,
+) -> Result<Vec<Vec<SingleCommand>>, Failure> {
+    let mechanism = &input.file.mechanism;
+    let displacements = single_displacements(mechanism, home, commands)?;
+    let of_set = |set: &Suggestion| {
+        let relieved = mechanism.clone().with_virtual_joints(set.virtual_joints.clone());
+        let relieved = relieved.expect("suggested joints are valid");
+        Ok(single_commands(&relieved, home, &displacements)?)
+    };
+    found.sets.iter().take(LISTED).map(of_set).collect()
+}
+
 /// Coordinates that describe the configuration: actuators that are not commanded, or joints with one freedom if there are no actuators.
 fn shown(input: &Input, commanded: &[usize]) -> Vec<usize> {
     let joints = input.file.mechanism.joints();
@@ -318,7 +298,7 @@ fn places(input: &Input, shown: &[usize], configurations: &[ByName<f64>]) -> Str
 }
 
 /// Lines with the displacements of single coordinates that a set makes possible, and those that it does not.
-fn single(input: &Input, commands: &[SingleCommandReport]) -> String {
+fn single_text(input: &Input, commands: &[SingleCommandReport]) -> String {
     let mut text = String::new();
     for (possible, heading) in [(true, "also possible"), (false, "not possible")] {
         let listed: Vec<String> = commands
@@ -432,7 +412,7 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport, rank: Rank) 
         for limit in &set.limits_broken {
             let _ = writeln!(text, "   joint limit exceeded: {}", limit.message);
         }
-        text.push_str(&single(input, set.single_commands.as_deref().unwrap_or_default()));
+        text.push_str(&single_text(input, set.single_commands.as_deref().unwrap_or_default()));
     }
     if let Some(WrittenSet { file, set, replaced }) = &report.written {
         let _ = write!(text, "set {set} written to {file}");

@@ -307,8 +307,8 @@ fn rod_limits(
     let mut first = None;
     for (limb, rod) in limbs.iter().zip(rods) {
         let joint = limb.rod.name.clone();
-        let [Some(a), Some(b)] = [0, 1].map(|end| Some(rod.length(limb.rod.limits.first()?[end])))
-        else {
+        let limits = limb.rod.limits.first().filter(|ends| ends.iter().all(|end| end.is_finite()));
+        let [Some(a), Some(b)] = [0, 1].map(|end| Some(rod.length(limits?[end]))) else {
             return Err(NotThreeRods::NoLimits { joint });
         };
         let (min, max) = (a.min(b), a.max(b));

@@ -39,7 +39,7 @@ pub struct Joint {
     pub actuated: bool,
     /// Start of the search for a closed configuration, a number for each freedom (m, rad); empty for zeros.
     pub guess: Vec<f64>,
-    /// Least and greatest value of each freedom (m, rad); empty where there are none.
+    /// Least and greatest value of each freedom, infinite at an end without limit (m, rad); empty where there are none.
     pub limits: Vec<[f64; 2]>,
     /// Free travel, where known.
     pub clearance: LinearAndAngular,
@@ -331,7 +331,8 @@ fn check_joint(joint: &Joint) -> Result<(), MechanismError> {
         finite("the lead", lead)?;
     }
     joint.guess.iter().try_for_each(|&value| finite("the guess", value))?;
-    joint.limits.iter().flatten().try_for_each(|&value| finite("a limit", value))?;
+    let limits = joint.limits.iter().flatten();
+    limits.filter(|value| value.is_nan()).try_for_each(|&value| finite("a limit", value))?;
     for (what, found) in [("the guess", joint.guess.len()), ("the limits", joint.limits.len())] {
         if found != 0 && found != freedoms {
             let name = name.clone();

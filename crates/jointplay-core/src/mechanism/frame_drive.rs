@@ -230,13 +230,8 @@ impl Measured {
 
 /// The coordinate that is beyond its limits by the largest share of its range, and the limit.
 fn worst(beyond: &[BeyondLimits]) -> Option<(usize, f64)> {
-    let limit = |one: &BeyondLimits| one.value.clamp(one.limits[0], one.limits[1]);
-    let share = |one: &BeyondLimits| {
-        let [least, greatest] = one.limits;
-        (one.value - limit(one)).abs() / (greatest - least).max(f64::MIN_POSITIVE)
-    };
-    let worst = beyond.iter().max_by(|a, b| share(a).total_cmp(&share(b)))?;
-    Some((worst.coordinate, limit(worst)))
+    let worst = beyond.iter().max_by(|a, b| a.share().total_cmp(&b.share()))?;
+    Some((worst.coordinate, worst.nearest()))
 }
 
 /// Appends six joints between the base and a link: slides along x, y, z of the base, turns about x, y, z of the axes.

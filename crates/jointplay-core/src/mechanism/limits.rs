@@ -4,8 +4,8 @@ use nalgebra::DVector;
 
 use super::{Kinematics, Mechanism};
 
-/// Round-off at a limit is not beyond it: this share of the range.
-const ROUND_OFF: f64 = 1e-9;
+/// Round-off at a limit is not beyond it: this share of the range, or of 1 m or 1 rad where the range has one end only.
+pub(super) const ROUND_OFF: f64 = 1e-9;
 
 /// A joint coordinate beyond its limits, or a virtual joint beyond its clearance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,8 +14,28 @@ pub struct BeyondLimits {
     pub coordinate: usize,
     /// Value found (m or rad).
     pub value: f64,
-    /// Least and greatest value allowed (m or rad).
+    /// Least and greatest value allowed, infinite where there is none (m or rad).
     pub limits: [f64; 2],
+}
+
+impl BeyondLimits {
+    /// The limit that the value is beyond (m or rad).
+    #[must_use]
+    pub fn nearest(&self) -> f64 {
+        self.value.clamp(self.limits[0], self.limits[1])
+    }
+
+    /// How far the value is beyond, as a share of the range.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        (self.value - self.nearest()).abs() / range_scale(self.limits).max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Length of a range; 1 m or 1 rad where it has one end only.
+pub(super) fn range_scale([least, greatest]: [f64; 2]) -> f64 {
+    let range = greatest - least;
+    if range.is_finite() { range } else { 1.0 }
 }
 
 impl Mechanism {
@@ -24,12 +44,13 @@ impl Mechanism {
         let of_joints = self
             .joints()
             .iter()
-            .flat_map(|joint| (0..joint.kind.freedoms()).map(|k| joint.limits.get(k).copied()));
+            .flat_map(|joint| (0..joint.kind.freedoms()).map(|k| joint.limits.get(k).copied()))
+            .map(|limits| limits.filter(|range| range.iter().any(|end| end.is_finite())));
         let clearance = |most: f64| [-most, most];
         of_joints.chain(self.virtual_joints().iter().map(move |one| one.clearance.map(clearance)))
     }
 
-    /// (f + M) limits of every coordinate, see [`Mechanism::beyond_limits`] (m, rad).
+    /// (f + M) limits of every coordinate, see [`Mechanism::beyond_limits`]; infinite at an end without limit (m, rad).
     #[must_use]
     pub fn limits(&self) -> Vec<Option<[f64; 2]>> {
         self.all_limits().collect()
@@ -62,7 +83,7 @@ impl Mechanism {
         let found = self.all_limits().zip(coordinates.iter()).enumerate();
         let beyond = |(coordinate, (limits, &value)): (usize, (Option<[f64; 2]>, &f64))| {
             let limits @ [least, greatest] = limits?;
-            let slack = ROUND_OFF * (greatest - least);
+            let slack = ROUND_OFF * range_scale(limits);
             let within = value >= least - slack && value <= greatest + slack;
             (!within).then_some(BeyondLimits { coordinate, value, limits })
         };

@@ -85,7 +85,7 @@ pub use relieved_motion::drive_relieved;
 pub use self_stress::{
     CouplingForce, JointWrench, SelfStress, SelfStresses, StressScrew, self_stresses,
 };
-pub use single_commands::{SingleCommand, single_commands};
+pub use single_commands::{SingleCommand, single_commands, single_displacements};
 pub use small_commands::{Commands, SMALL_COMMAND, small_commands};
 pub use sparse::{SparseMobility, SparseSystem};
 pub use suggest::{Suggestion, Suggestions, suggest};

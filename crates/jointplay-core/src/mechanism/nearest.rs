@@ -9,6 +9,7 @@ use super::coupling_rows::coupling_rows;
 use super::description::Mechanism;
 use super::joint::Factor;
 use super::kinematics::Kinematics;
+use super::limits::{ROUND_OFF, range_scale};
 use super::system::MechanismSystem;
 use crate::Error;
 use crate::constraint::{Dimension, System, scaled_jacobian, units};
@@ -204,8 +205,8 @@ impl<'a> Search<'a> {
         for _ in 0..MAX_STEPS {
             let towards = self.displacement(&here.coordinates, self.system.home());
             let leaves = |k: usize, by: f64| {
-                self.limits[k].is_some_and(|[least, greatest]| {
-                    let slack = 1e-9 * (greatest - least);
+                self.limits[k].is_some_and(|limits @ [least, greatest]| {
+                    let slack = ROUND_OFF * range_scale(limits);
                     let value = here.coordinates[k];
                     (by < 0.0 && value <= least + slack) || (by > 0.0 && value >= greatest - slack)
                 })

@@ -3,8 +3,10 @@
 use nalgebra::DVector;
 
 use super::relief::size_in_metric;
+use super::small_commands::{Commands, SMALL_COMMAND};
 use super::{CommandedJoints, Mechanism, MechanismSystem, ReliefSolver, relieve};
 use crate::Error;
+use crate::constraint::System as _;
 
 /// A displacement of one commanded coordinate from home to either side, with the other ones held.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,6 +17,36 @@ pub struct SingleCommand {
     pub by: f64,
     /// The larger of the two displacements of the virtual joints, in the metric (m); `None` where a side is not possible.
     pub size: Option<f64>,
+}
+
+/// Displacements of single motors, or of the commanded coordinates of a mechanism without motors, by which sets of virtual joints are compared.
+///
+/// Each is as large as the largest command to a coordinate of its dimension, or [`SMALL_COMMAND`].
+///
+/// # Arguments
+/// * `home` – (f) closed coordinates without virtual joints (m, rad)
+///
+/// # Errors
+/// Those of [`MechanismSystem::new`].
+pub fn single_displacements(
+    mechanism: &Mechanism,
+    home: &DVector<f64>,
+    Commands { commanded, values }: &Commands,
+) -> Result<Vec<(usize, f64)>, Error> {
+    let motors = mechanism.actuated_coordinates();
+    let moved = if motors.is_empty() { commanded } else { &motors };
+    let system = MechanismSystem::new(mechanism, home.clone())?;
+    let (length, dimensions) = (system.characteristic_length(), system.kinematics().dimensions());
+    let largest = |k: usize| {
+        let same = (0..commanded.len()).filter(|&n| dimensions[commanded[n]] == dimensions[k]);
+        same.flat_map(|n| values.iter().map(move |c| (c[n] - home[commanded[n]]).abs()))
+            .fold(0.0, f64::max)
+    };
+    let displacement = |&k: &usize| match largest(k) {
+        0.0 => (k, SMALL_COMMAND * dimensions[k].unit(length)),
+        by => (k, by),
+    };
+    Ok(moved.iter().map(displacement).collect())
 }
 
 /// Displacements of the virtual joints of a mechanism for displacements of single coordinates.

@@ -1,10 +1,12 @@
 //! Symmetries of a mechanism: rotations and reflections that map its joints onto each other.
 
-use nalgebra::{DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
+use super::coupling_rows::coupling_rows;
 use super::{CommandedJoints, JointKind, MechanismSystem};
 use crate::Error;
 use crate::constraint::System;
+use crate::linalg::svd;
 use crate::spatial::Pose;
 
 /// Places and directions that differ by no more than this map onto each other, in characteristic lengths and radians.
@@ -38,7 +40,7 @@ pub(super) fn parallel(a: &Vector3<f64>, b: &Vector3<f64>) -> bool {
 /// All symmetries of a mechanism at a configuration but those that leave every joint where it is.
 ///
 /// Joints that all lie on one line have none here: what turns about the line is not looked for.
-/// Neither have mechanisms with couplings, of which only the geometry may be symmetric.
+/// Couplings are mapped onto combinations of couplings, or the map is no symmetry.
 ///
 /// # Arguments
 /// * `home` – (f + M) (m, rad)
@@ -50,8 +52,7 @@ pub(super) fn symmetries(
     let links = system.kinematics().link_poses(home)?;
     let unit = system.characteristic_length();
     let joints = mechanism.joints();
-    let is_coupled = !mechanism.couplings().is_empty();
-    if joints.len() > MOST_JOINTS || joints.is_empty() || is_coupled {
+    if joints.len() > MOST_JOINTS || joints.is_empty() {
         return Ok(Vec::new());
     }
     let mut places: Vec<Place> = Vec::with_capacity(joints.len());
@@ -105,13 +106,77 @@ pub(super) fn symmetries(
                 }
                 let images = Matrix3::from_columns(&[image_of_a.at, image_of_b.at, normal * sense]);
                 let turn = images * inverse;
-                if let Some(symmetry) = mapped(system, &places, &turn, unit) {
+                if let Some(symmetry) = mapped(system, &places, &turn, unit)
+                    && keeps_couplings(system, &links, &symmetry)?
+                {
                     found.push(symmetry);
                 }
             }
         }
     }
     Ok(found)
+}
+
+/// Whether a symmetry maps each coupling onto a combination of the couplings.
+///
+/// Coordinates of joints that have no single axis are not examined: a coupling of them counts as unsymmetric.
+fn keeps_couplings(
+    system: &MechanismSystem<'_>,
+    links: &[Pose],
+    symmetry: &Symmetry,
+) -> Result<bool, Error> {
+    let kinematics = system.kinematics();
+    let (length, dimensions) = (system.characteristic_length(), kinematics.dimensions());
+    let rows = coupling_rows(kinematics, length);
+    let mut couplings = DMatrix::zeros(kinematics.mechanism().joint_freedoms(), rows.len());
+    let mut images = couplings.clone();
+    for (c, row) in rows.iter().enumerate() {
+        for &(k, factor) in &row.entries {
+            let Some((image, sign)) = image_of(system, links, symmetry, k) else {
+                return Ok(false);
+            };
+            let scaled = factor * dimensions[k].unit(length);
+            couplings[(k, c)] = scaled;
+            images[(image, c)] = sign * scaled;
+        }
+    }
+    if rows.is_empty() {
+        return Ok(true);
+    }
+    let found = svd(&couplings)?;
+    let rank = found.singular_values.iter().filter(|&&value| value > SAME).count();
+    let span = found.u.columns(0, rank);
+    let outside = &images - span * span.tr_mul(&images);
+    Ok(outside.amax() <= SAME)
+}
+
+/// The coordinate onto which a symmetry maps one, and whether it reverses its sense.
+fn image_of(
+    system: &MechanismSystem<'_>,
+    links: &[Pose],
+    symmetry: &Symmetry,
+    coordinate: usize,
+) -> Option<(usize, f64)> {
+    let kinematics = system.kinematics();
+    let joints = kinematics.mechanism().joints();
+    let j = (0..joints.len()).find(|&j| kinematics.coordinates_of(j).contains(&coordinate))?;
+    let freedom = coordinate - kinematics.coordinates_of(j).start;
+    let axial = match (joints[j].kind, freedom) {
+        (JointKind::Revolute | JointKind::Helical { .. }, _) | (JointKind::Cylindrical, 1) => true,
+        (JointKind::Prismatic | JointKind::Cylindrical, _) => false,
+        _ => return None,
+    };
+    let image = symmetry.joints[j];
+    let [from, to] = [j, image].map(|joint| {
+        let joint = &joints[joint];
+        (links[joint.links[0]] * joint.frames[0]).rotation * Vector3::z()
+    });
+    // Reversed where the image of the first link is the second link.
+    let kept = symmetry.links[joints[j].links[0]] == joints[image].links[0];
+    let handedness = if axial { symmetry.turn.determinant() } else { 1.0 };
+    let along = (symmetry.turn * from).dot(&to) * handedness;
+    let sign = if kept { along.signum() } else { -along.signum() };
+    Some((kinematics.coordinates_of(image).start + freedom, sign))
 }
 
 /// Whether a symmetry maps each command onto one of the commands.

@@ -1,15 +1,21 @@
 //! Couplings of joint coordinates, from their tables.
 
 use jointplay_core::mechanism::joint::Coordinate;
-use jointplay_core::mechanism::{Coupling, JointCoordinate};
+use jointplay_core::mechanism::{Coupling, Joint, JointCoordinate};
 
 use super::joint::named;
 use super::tree::{Entry, Table};
 use super::values::Values;
-use super::virtual_joint::Joints;
 
-/// A coupling from its table; its coordinates have to be those of `joints`.
-pub(super) fn coupling(values: &Values, table: &mut Table, joints: &Joints) -> Option<Coupling> {
+/// A coupling from its table.
+///
+/// # Arguments
+/// * `joints` – the joints of which it may name coordinates; nothing for an invalid one
+pub(super) fn coupling(
+    values: &Values,
+    table: &mut Table,
+    joints: &[Option<Joint>],
+) -> Option<Coupling> {
     let name = named(table, "coupling");
     let follower = table.needed("coordinate").and_then(|entry| coordinate(values, &entry, joints));
     let offset = table.entry("offset").map(|entry| values.number(&entry));
@@ -35,7 +41,7 @@ pub(super) fn coupling(values: &Values, table: &mut Table, joints: &Joints) -> O
 /// A coordinate, and whether it is a slide or a turn.
 type Found = (JointCoordinate, Coordinate);
 
-fn read_term(values: &Values, table: &Table, joints: &Joints) -> Option<(Found, f64)> {
+fn read_term(values: &Values, table: &Table, joints: &[Option<Joint>]) -> Option<(Found, f64)> {
     let found = table.needed("coordinate").and_then(|entry| coordinate(values, &entry, joints));
     let ratio = table.needed("ratio").and_then(|entry| values.number(&entry));
     table.finish();
@@ -43,10 +49,10 @@ fn read_term(values: &Values, table: &Table, joints: &Joints) -> Option<(Found, 
 }
 
 /// The joint coordinate with a name such as `crank` or `nut[1]`.
-fn coordinate(values: &Values, entry: &Entry, joints: &Joints) -> Option<Found> {
+fn coordinate(values: &Values, entry: &Entry, joints: &[Option<Joint>]) -> Option<Found> {
     let wanted = entry.text(values.reader)?;
     let mut known = Vec::new();
-    for (index, joint) in joints.joints.iter().enumerate() {
+    for (index, joint) in joints.iter().enumerate() {
         // The names of the coordinates of an invalid joint are not known, and its error is one of its own.
         let joint = joint.as_ref()?;
         let quantities = joint.kind.coordinates();

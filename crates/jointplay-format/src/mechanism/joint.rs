@@ -179,7 +179,10 @@ fn limits(values: &Values, table: &Table, kind: Option<JointKind>) -> Option<Vec
     }
     let read = |(&coordinate, pair): (&Coordinate, &Pair)| {
         let [min, max] = pair.numbers?;
-        let si = |index: usize, value| values.coordinate(&pair.entries[index], coordinate, value);
+        let si = |index: usize, value: f64| match value.is_infinite() {
+            true => Some(value),
+            false => values.coordinate(&pair.entries[index], coordinate, value),
+        };
         let (min, max) = (si(0, min), si(1, max));
         Some([min?, max?])
     };
@@ -189,7 +192,8 @@ fn limits(values: &Values, table: &Table, kind: Option<JointKind>) -> Option<Vec
 
 fn pair<'r, 'a>(values: &Values, entry: Entry<'r, 'a>) -> Pair<'r, 'a> {
     let entries = entries(&entry);
-    let numbers: Vec<_> = entries.iter().map(|entry| values.number(entry)).collect();
+    let number = |entry: &Entry| endless(entry).or_else(|| values.number(entry));
+    let numbers: Vec<_> = entries.iter().map(number).collect();
     let numbers = match numbers.as_slice() {
         &[Some(min), Some(max)] if min < max => Some([min, max]),
         &[Some(min), Some(max)] => {
@@ -205,6 +209,12 @@ fn pair<'r, 'a>(values: &Values, entry: Entry<'r, 'a>) -> Pair<'r, 'a> {
         }
     };
     Pair { entries, numbers }
+}
+
+/// An end of a range that is written as `inf` or `-inf`: no limit.
+fn endless(entry: &Entry) -> Option<f64> {
+    let DeValue::Float(number) = entry.value.get_ref() else { return None };
+    number.as_str().parse().ok().filter(|value: &f64| value.is_infinite())
 }
 
 /// The entries of a list, or the one value that is no list.

@@ -1,14 +1,15 @@
-//! Joints that close loops of an open chain, from a loop closure file.
+//! Joints that close loops of an open chain, and couplings, from a loop closure file.
 
-use jointplay_core::mechanism::{Joint, Kinematics, Mechanism, MechanismError};
+use jointplay_core::mechanism::{Coupling, Joint, Kinematics, Mechanism, MechanismError};
 use jointplay_core::spatial::Pose;
 use nalgebra::DVector;
 use toml::de::DeValue;
 
+use super::coupling::coupling;
 use super::header::{MAX_BYTES, has_other_kind, units};
 use super::joint::{Links, joint};
 use super::problem::{Errors, Problem};
-use super::read::{FALLBACK_UNITS, joint_tables};
+use super::read::FALLBACK_UNITS;
 use super::tree::{Entry, Reader, Table};
 use super::values::Values;
 use crate::toml_reader::parameters;
@@ -18,6 +19,7 @@ const KIND: &str = "loops";
 
 /// Closes loops of an open chain by the joints of a file, for formats such as URDF that have trees only.
 ///
+/// Couplings may name joints of the chain and of the file.
 /// A joint is placed on one of the links by `in`, or without it in the base frame, with all joint coordinates at zero; or on each of its links by `frames`.
 ///
 /// # Errors
@@ -77,14 +79,26 @@ fn closed(chain: &Mechanism, top: &Table) -> Option<Mechanism> {
         .expect("zeros are finite, and as many as there are coordinates");
     let chain_links = ChainLinks { base_from_link, links: Links::of(chain.links()) };
     let mut links = chain_links.links.clone();
-    let mut tables = joint_tables(top);
+    let mut tables = top.tables("joint");
+    let has_couplings = top.entry("coupling").is_some();
+    if tables.is_empty() && !has_couplings {
+        top.needed("joint");
+    }
     let added: Vec<Option<Joint>> = tables
         .iter_mut()
         .map(|table| closing_joint(&values, table, &chain_links, &mut links))
         .collect();
-    let added = added.into_iter().collect::<Option<Vec<Joint>>>()?;
-    let joints = chain.joints().iter().cloned().chain(added).collect();
-    let result = chain.clone().with_joints(joints);
+    let of_chain = chain.joints().iter().cloned().map(Some);
+    let joints: Vec<Option<Joint>> = of_chain.chain(added).collect();
+    let mut coupling_tables = top.tables("coupling");
+    let couplings: Vec<_> =
+        coupling_tables.iter_mut().map(|table| coupling(&values, table, &joints)).collect();
+    let joints = joints.into_iter().collect::<Option<Vec<Joint>>>()?;
+    let couplings = couplings.into_iter().collect::<Option<Vec<Coupling>>>()?;
+    let couplings = chain.couplings().iter().cloned().chain(couplings).collect();
+    tables.extend(coupling_tables);
+    let closed = chain.clone().with_joints(joints);
+    let result = closed.and_then(|closed| closed.with_couplings(couplings));
     result.map_err(|error| report(top, &tables, error)).ok()
 }
 
@@ -146,11 +160,13 @@ fn is_link_known(values: &Values, entry: &Entry, chain: &ChainLinks) -> bool {
     is_known
 }
 
-/// Reports an error of the closed mechanism at the joint that it is about.
+/// Reports an error of the closed mechanism at the joint or coupling that it is about.
 fn report(top: &Table, tables: &[Table], error: MechanismError) {
     use MechanismError as E;
     let about = match &error {
         E::NameTwice { name }
+        | E::CoupledRotation { coupling: name, .. }
+        | E::CoupledTwice { coupling: name, .. }
         | E::JoinedToItself { joint: name, .. }
         | E::NotFinite { name, .. } => {
             let names = tables.iter().rev().filter_map(|table| table.entry("name"));

@@ -173,7 +173,7 @@ fn mechanism(
         virtual_tables.iter_mut().map(|table| virtual_joint(values, table, &known)).collect();
     let mut coupling_tables = top.tables("coupling");
     let couplings: Vec<_> =
-        coupling_tables.iter_mut().map(|table| coupling(values, table, &known)).collect();
+        coupling_tables.iter_mut().map(|table| coupling(values, table, &joints)).collect();
     let mut frame_tables = top.tables("frame");
     let frames: Vec<_> =
         frame_tables.iter_mut().map(|table| attached_frame(values, table, &links)).collect();
@@ -198,7 +198,7 @@ fn mechanism(
 }
 
 /// The tables of the joints, of which there is at least one.
-pub(super) fn joint_tables<'r, 'a>(top: &Table<'r, 'a>) -> Vec<Table<'r, 'a>> {
+fn joint_tables<'r, 'a>(top: &Table<'r, 'a>) -> Vec<Table<'r, 'a>> {
     top.needed("joint");
     top.tables("joint")
 }

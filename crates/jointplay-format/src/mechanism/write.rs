@@ -49,16 +49,24 @@ pub fn write(mechanism: &Mechanism, source: Option<&str>) -> String {
     file
 }
 
-/// Writes a file of joints that close loops, in m and rad, for [`super::with_loops`].
+/// Writes a file of joints that close loops, and of couplings, in m and rad, for [`super::with_loops`].
 ///
 /// # Arguments
 /// * `links` – names of the links to which the joints refer
+/// * `couplings` – with the mechanism whose coordinates they have
 #[must_use]
-pub fn write_loops(links: &[String], joints: &[Joint]) -> String {
+pub fn write_loops(
+    links: &[String],
+    joints: &[Joint],
+    (mechanism, couplings): (&Mechanism, &[Coupling]),
+) -> String {
     let mut file = "kind = \"loops\"\n".to_owned();
     line(&mut file, "units", "{ length = \"m\", angle = \"rad\" }");
     for joint in joints {
         write_joint(&mut file, links, joint);
+    }
+    for coupling in couplings {
+        write_coupling(&mut file, mechanism, coupling);
     }
     file
 }

@@ -145,7 +145,9 @@ fn write_variable(xml: &mut Xml, variable: &Variable, version: FmiVersion) {
     let mut of_type = Vec::new();
     of_type.extend(quantity.unit().map(|unit| ("unit", unit.to_owned())));
     if let Some([least, greatest]) = limits {
-        of_type.extend([("min", number(*least)), ("max", number(*greatest))]);
+        let ends = [("min", *least), ("max", *greatest)].into_iter();
+        let finite = ends.filter(|(_, end)| end.is_finite());
+        of_type.extend(finite.map(|(name, end)| (name, number(end))));
     }
     of_type.extend(start.map(|value| ("start", number(value))));
     match version {

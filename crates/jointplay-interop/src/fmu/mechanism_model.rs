@@ -195,11 +195,7 @@ fn variables(
     start: &DVector<f64>,
 ) -> Variables {
     let mechanism = &file.mechanism;
-    let limits: Vec<Option<[f64; 2]>> = mechanism
-        .joints()
-        .iter()
-        .flat_map(|joint| (0..joint.kind.freedoms()).map(|k| joint.limits.get(k).copied()))
-        .collect();
+    let limits = mechanism.limits();
     let mut variables = Variables::default();
     for &k in drives {
         let named = &coordinates.all()[k];

@@ -17,7 +17,7 @@ pub struct Variable {
     pub description: String,
     /// Initial value of an input (m, rad).
     pub start: Option<f64>,
-    /// Least and greatest value (m, rad), where the file states limits.
+    /// Least and greatest value, infinite where there is none (m, rad), where the file states limits.
     pub limits: Option<[f64; 2]>,
 }
 

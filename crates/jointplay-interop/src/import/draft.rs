@@ -11,6 +11,7 @@ use roxmltree::Node;
 
 use super::model::{Dialect, Imported};
 use super::problem::Error;
+use super::starts::start;
 use super::xml::{Value, Xml, place};
 
 pub(super) struct Draft<'a> {
@@ -117,6 +118,11 @@ impl<'a> Draft<'a> {
         self.couplings.len()
     }
 
+    /// Whether a coupling has this name.
+    pub(super) fn is_coupling(&self, name: &str) -> bool {
+        self.couplings.iter().any(|(coupling, _)| coupling.name == name)
+    }
+
     /// The coordinate of a joint, which has to have one.
     pub(super) fn coordinate(&self, joint: &Value) -> Result<JointCoordinate, Error> {
         let number = self.joint(joint.text);
@@ -138,8 +144,7 @@ impl<'a> Draft<'a> {
     /// A generated name: this one, with a number if the model already has it.
     pub(super) fn fresh(&self, name: String) -> String {
         let is_free = |name: &str| {
-            let is_coupling = self.couplings.iter().any(|(coupling, _)| coupling.name == name);
-            !(self.taken.contains(name) || is_coupling)
+            !(self.taken.contains(name) || self.is_coupling(name))
                 && self.link(name).is_none()
                 && self.joint(name).is_none()
         };
@@ -159,8 +164,7 @@ impl<'a> Draft<'a> {
         if !self.constraints.insert(name.to_owned()) {
             return Err(self.xml.error(place, MechanismError::NameTwice { name: name.to_owned() }));
         }
-        let is_coupling = self.couplings.iter().any(|(coupling, _)| coupling.name == name);
-        let is_free = self.joint(name).is_none() && !is_coupling;
+        let is_free = self.joint(name).is_none() && !self.is_coupling(name);
         Ok(if is_free { name.to_owned() } else { self.fresh(name.to_owned()) })
     }
 
@@ -182,8 +186,9 @@ impl<'a> Draft<'a> {
 
     /// The mechanism, or an error with its place.
     pub(super) fn finish(self, name: &str, dialect: Dialect) -> Result<Imported, Error> {
-        let Self { xml, root, links, joints, descriptions, ignored, mut remarks, .. } = self;
+        let Self { xml, root, links, joints, mut descriptions, ignored, mut remarks, .. } = self;
         let (couplings, places): (Vec<_>, Vec<_>) = self.couplings.into_iter().unzip();
+        remarks.extend(start(&mut descriptions, &couplings));
         let names: Vec<String> = couplings.iter().map(|one| one.name.clone()).collect();
         let place_of = |coupling: &String| {
             let number = names.iter().position(|name| name == coupling)?;

@@ -27,7 +27,9 @@ mod mjcf;
 mod model;
 mod problem;
 mod read;
+mod repair;
 mod sdf;
+mod starts;
 #[cfg(test)]
 mod testing;
 mod urdf;

@@ -1,9 +1,9 @@
 //! An imported model.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
-use jointplay_core::mechanism::{Coupling, Joint, JointCoordinate, Mechanism, MechanismError};
+use jointplay_core::mechanism::{Mechanism, MechanismError};
 use jointplay_format::mechanism::{
     AngleUnit, Expected, LengthUnit, MechanismFile, Units, allowed_joint_name,
 };
@@ -49,23 +49,8 @@ impl Dialect {
 }
 
 impl Imported {
-    /// The model as a mechanism file can have it, see [`Imported::with_allowed_names`] and [`coupled_guesses`].
-    pub(super) fn completed(mut self) -> Result<Self, MechanismError> {
-        let guesses = coupled_guesses(&self.mechanism);
-        if !guesses.is_empty() {
-            let mut joints = self.mechanism.joints().to_vec();
-            for (JointCoordinate { joint, freedom }, value) in guesses {
-                let Joint { kind, guess, .. } = &mut joints[joint];
-                guess.resize(kind.freedoms(), 0.0);
-                guess[freedom] = value;
-            }
-            self.mechanism = self.mechanism.with_joints(joints)?;
-        }
-        self.with_allowed_names()
-    }
-
     /// The model with other names for joints and couplings whose names mechanism files do not allow, and a remark for each.
-    fn with_allowed_names(mut self) -> Result<Self, MechanismError> {
+    pub(super) fn with_allowed_names(mut self) -> Result<Self, MechanismError> {
         let mut joints = self.mechanism.joints().to_vec();
         let mut couplings = self.mechanism.couplings().to_vec();
         let mut names: Vec<(&str, &mut String)> = Vec::new();
@@ -102,45 +87,4 @@ impl Imported {
             expected: Expected::default(),
         }
     }
-}
-
-/// Guesses of coordinates that follow others, for joints without one: the values of their couplings at the guesses of the others.
-///
-/// Where several couplings have the same follower, the first counts; a cycle starts at zero.
-fn coupled_guesses(mechanism: &Mechanism) -> Vec<(JointCoordinate, f64)> {
-    let joints = mechanism.joints();
-    let mut couplings: BTreeMap<JointCoordinate, &Coupling> = BTreeMap::new();
-    for coupling in mechanism.couplings() {
-        if joints[coupling.follower.joint].guess.is_empty() {
-            couplings.entry(coupling.follower).or_insert(coupling);
-        }
-    }
-    let mut values: BTreeMap<JointCoordinate, f64> = BTreeMap::new();
-    let mut is_open: BTreeSet<JointCoordinate> = BTreeSet::new();
-    for &follower in couplings.keys() {
-        if values.contains_key(&follower) {
-            continue;
-        }
-        // An explicit stack, because a chain of followers can be as long as the file.
-        let mut open = vec![follower];
-        while let Some(&last) = open.last() {
-            is_open.insert(last);
-            let Coupling { terms, offset, .. } = couplings[&last];
-            let is_missing =
-                |one: &JointCoordinate| couplings.contains_key(one) && !is_open.contains(one);
-            match terms.iter().map(|&(one, _)| one).find(is_missing) {
-                Some(next) => open.push(next),
-                None => {
-                    let value = |one: JointCoordinate| {
-                        let stated = joints[one.joint].guess.get(one.freedom);
-                        values.get(&one).or(stated).copied().unwrap_or(0.0)
-                    };
-                    let sum = terms.iter().map(|&(one, ratio)| ratio * value(one)).sum::<f64>();
-                    values.insert(last, offset + sum);
-                    open.pop();
-                }
-            }
-        }
-    }
-    values.into_iter().filter(|(_, value)| value.is_finite() && *value != 0.0).collect()
 }

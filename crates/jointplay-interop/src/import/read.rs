@@ -3,12 +3,14 @@
 use std::collections::BTreeSet;
 
 use jointplay_format::mechanism::{LengthUnit, MAX_BYTES};
+use roxmltree::Document;
 
 use super::draft::Draft;
 use super::freecad::{MAX_DOCUMENT_BYTES, asmt, assembly};
 use super::loops::{LoopFile, LoopsError};
 use super::model::Imported;
 use super::problem::{Error, Problem};
+use super::repair::repaired;
 use super::xml::{Advice, Xml};
 use super::{mjcf, sdf, urdf, xml};
 
@@ -22,7 +24,7 @@ pub fn is_model(text: &str) -> bool {
 #[must_use]
 pub fn is_assembly(text: &str) -> bool {
     let first = text.trim_start_matches('\u{feff}').lines().next();
-    first.is_some_and(|line| line.trim() == asmt::FIRST_LINE)
+    first.is_some_and(|line| asmt::FIRST_LINES.contains(&line.trim()))
 }
 
 /// Whether a text may be that of a document of FreeCAD, which is longer than other models: before its root element it has only a declaration and comments.
@@ -62,12 +64,12 @@ pub fn parse_with_unit(text: &str, unit: LengthUnit) -> Result<Imported, Error> 
 
 /// Imports a model without a file of loops.
 fn open(text: &str, unit: Option<LengthUnit>) -> Result<Imported, Error> {
-    completed(read(text, unit, &BTreeSet::new())?, text)
+    named(read(text, unit, &BTreeSet::new())?, text)
 }
 
-/// A model with names that mechanism files allow, and guesses that fit its couplings.
-fn completed(model: Imported, text: &str) -> Result<Imported, Error> {
-    model.completed().map_err(|error| Error::at(text, 0..0, error.into()))
+/// A model with names that mechanism files allow.
+fn named(model: Imported, text: &str) -> Result<Imported, Error> {
+    model.with_allowed_names().map_err(|error| Error::at(text, 0..0, error.into()))
 }
 
 /// Error of a model, or of the file that closes its loops.
@@ -119,7 +121,7 @@ pub fn parse_closed(
     let Imported { mechanism, dialect, mut ignored } = read(text, unit, &file.solved())?;
     let mechanism = file.close(&mechanism, &mut ignored)?;
     // After the loops are closed: their file refers to joints by the names in the model.
-    Ok(completed(Imported { mechanism, dialect, ignored }, text)?)
+    Ok(named(Imported { mechanism, dialect, ignored }, text)?)
 }
 
 /// Imports a model.
@@ -137,7 +139,20 @@ fn read(text: &str, unit: Option<LengthUnit>, solved: &BTreeSet<&str>) -> Result
         let unit = unit.ok_or_else(|| Error::at(text, first, Problem::NoUnit))?;
         return asmt::read(text, unit);
     }
-    let document = xml::document(text)?;
+    match xml::document(text) {
+        Ok(document) => read_document(text, &document, solved),
+        Err(error) => {
+            let text = repaired(text).ok_or(error)?;
+            read_document(&text, &xml::document(&text)?, solved)
+        }
+    }
+}
+
+fn read_document(
+    text: &str,
+    document: &Document<'_>,
+    solved: &BTreeSet<&str>,
+) -> Result<Imported, Error> {
     let root = document.root_element();
     let draft = Draft::new(Xml { text }, root);
     match root.tag_name().name() {
@@ -173,8 +188,10 @@ mod tests {
     fn the_root_element_determines_the_format() {
         let dialects = MODELS.map(|model| testing::read(model).dialect);
         assert_eq!(dialects.map(Dialect::name), ["SDF", "MJCF", "MJCF", "URDF"]);
-        let assembly = "OndselSolver\nAssembly\n";
-        assert_eq!(*parse(assembly).unwrap_err().problem, Problem::NoUnit);
+        for first in ["OndselSolver", "freeCAD: 3D CAD with Motion Simulation  by  askoh.com "] {
+            let assembly = format!("{first}\nAssembly\n");
+            assert_eq!(*parse(&assembly).unwrap_err().problem, Problem::NoUnit);
+        }
         testing::refuse("<robots/>", "<robots/>", "<svg/>", "<svg/>", "<Document> (FCStd)");
         testing::refuse("<sdf><a></sdf>", "", "", "", "not well-formed XML: expected 'a' tag");
         assert!(is_model("\u{feff}\n <robot/>") && !is_model("kind = \"mechanism\""));

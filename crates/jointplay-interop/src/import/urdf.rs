@@ -218,9 +218,10 @@ fn joint<'a>(
         let bounds = [attribute(limit, "lower"), attribute(limit, "upper")];
         let has_bounds = bounds.iter().any(Option::is_some);
         let [least, most] =
-            bounds.map(|bound| bound.map_or(Ok(0.0), |bound: Value| xml.number(&bound)));
+            bounds.map(|bound| bound.map_or(Ok(0.0), |bound: Value| xml.bound(&bound)));
         let (least, most) = (least?, most?);
         match value.text {
+            "revolute" | "prismatic" if least.is_infinite() && most.is_infinite() => {}
             "revolute" | "prismatic" if least < most => joint.limits = vec![[least, most]],
             "revolute" | "prismatic" if has_bounds => {
                 draft.ignore("limit whose lower is not below its upper");
@@ -343,6 +344,29 @@ mod tests {
             let listed = format!("1 × limit of a {kind} joint");
             assert_eq!(model.ignored.contains(&listed), !has_limits, "{:?}", model.ignored);
         }
+    }
+
+    #[test]
+    fn limits_may_have_one_end() {
+        let limits = |lower: &str, upper: &str| {
+            let limit = format!("lower=\"{lower}\" upper=\"{upper}\"");
+            let text = ARM.replace("lower=\"-1\" upper=\"1\"", &limit);
+            assert_ne!(text, ARM);
+            testing::read(&text).mechanism.joints()[0].limits.clone()
+        };
+        assert_eq!(limits("-inf", "2"), [[f64::NEG_INFINITY, 2.0]]);
+        assert_eq!(limits("0.5", "1e16"), [[0.5, f64::INFINITY]]);
+        assert!(limits("-1e17", "INF").is_empty());
+    }
+
+    #[test]
+    fn joints_start_within_their_limits() {
+        let text = ARM.replace("lower=\"-1\" upper=\"1\"", "lower=\"0.3\" upper=\"1\"");
+        let read = testing::read(&text);
+        assert_eq!(read.mechanism.joints()[0].guess, [0.3]);
+        let listed = "joint \"wrist\" starts at its limit: zero is beyond".to_owned();
+        assert!(read.ignored.contains(&listed), "{:?}", read.ignored);
+        assert!(testing::read(ARM).mechanism.joints()[0].guess.is_empty());
     }
 
     #[test]

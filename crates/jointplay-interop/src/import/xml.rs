@@ -14,6 +14,9 @@ pub(super) const MOST_QUOTED: usize = 60;
 /// Longest name, in bytes: names of nested models are concatenated, and would grow without bound.
 pub(super) const LONGEST_NAME: usize = 1000;
 
+/// Limits of joints from here on mean no limit: mechanism files have none beyond (m, rad).
+pub(super) const ENDLESS: f64 = 1e6;
+
 /// Greatest depth of nested elements; a chain of that many links is no robot.
 const DEEPEST: usize = 1000;
 
@@ -205,6 +208,15 @@ impl<'a> Xml<'a> {
             "true" | "1" => Ok(true),
             "false" | "0" => Ok(false),
             _ => Err(self.unusable(value, "true or false")),
+        }
+    }
+
+    /// An end of a range (in the unit of the file); infinite for numbers that mean no limit.
+    pub(super) fn bound(&self, value: &Value) -> Result<f64, Error> {
+        match value.text.parse::<f64>() {
+            Ok(bound) if bound.abs() >= ENDLESS => Ok(f64::INFINITY.copysign(bound)),
+            Ok(bound) if bound.is_finite() => Ok(bound),
+            _ => Err(self.unusable(value, "a number")),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Mechanisms written and read again.
 
 use jointplay_core::mechanism::{
-    Carrier, Coupling, JointCoordinate, JointKind, LinearAndAngular, Mechanism, guess,
+    Carrier, Coupling, Joint, JointCoordinate, JointKind, LinearAndAngular, Mechanism, guess,
 };
 use jointplay_format::mechanism::{self, with_loops};
 use jointplay_interop::export::mechanism::{Written, mjcf, sdf, urdf};
@@ -281,12 +281,25 @@ fn limits_and_motors() -> Vec<Row> {
             yes(is_same)
         }
     };
+    let one_limit = |end: usize| {
+        let kind = [JointKind::Prismatic, JointKind::Revolute][end];
+        let limits = [[LIMITS[0], f64::INFINITY], [f64::NEG_INFINITY, LIMITS[1]]][end];
+        pair(Joint { limits: vec![limits], ..joint(kind) })
+    };
     let all_driven = |count: usize| {
         move |reading: &Reading| yes(reading.found.actuated_coordinates().len() == count)
     };
     vec![
         row("limits of a revolute joint", limited(JointKind::Revolute), "limits", |reading| {
             yes(has_limits(named(&reading.found, "j")?, &[LIMITS]))
+        }),
+        row("limit of a revolute joint at one end", one_limit(1), "limits", |reading| {
+            let [[least, most]] = named(&reading.found, "j")?.limits[..] else { return None };
+            yes(least == f64::NEG_INFINITY && is_near(most, LIMITS[1]))
+        }),
+        row("limit of a prismatic joint at one end", one_limit(0), "limits", |reading| {
+            let [[least, most]] = named(&reading.found, "j")?.limits[..] else { return None };
+            yes(is_near(least, LIMITS[0]) && most == f64::INFINITY)
         }),
         row("limits of a prismatic joint", limited(JointKind::Prismatic), "limits", |reading| {
             yes(has_limits(named(&reading.found, "j")?, &[LIMITS]))

@@ -26,6 +26,7 @@ pub(crate) enum Part {
     Joint(JointKind),
     LinkName,
     Limits,
+    OneLimit,
     Actuated,
     Start,
     Frame,
@@ -81,6 +82,7 @@ fn toml_joint(part: Part, links: &str) -> Option<String> {
             writeln!(keys, "lead = {}", LEAD * std::f64::consts::TAU).ok()?;
         }
         Part::Limits => writeln!(keys, "limits = [{}, {}]", LIMITS[0], LIMITS[1]).ok()?,
+        Part::OneLimit => writeln!(keys, "limits = [-inf, {}]", LIMITS[1]).ok()?,
         Part::Actuated => keys += "actuated = true\n",
         Part::Start => writeln!(keys, "guess = {START}").ok()?,
         Part::Clearance => writeln!(keys, "clearance = {{ linear = {CLEARANCE} }}").ok()?,
@@ -144,6 +146,7 @@ fn mjcf(part: Part) -> Option<String> {
             }
         }
         Part::Limits => joints = with(&format!("range=\"{} {}\"", LIMITS[0], LIMITS[1])),
+        Part::OneLimit => joints = with(&format!("range=\"-1e10 {}\"", LIMITS[1])),
         Part::Start => joints = with(&format!("ref=\"{START}\"")),
         Part::Damping => joints = with("damping=\"0.3\""),
         Part::JointStiffness => joints = with(&format!("stiffness=\"{STIFFNESS}\"")),
@@ -188,6 +191,7 @@ fn sdf(part: Part) -> Option<String> {
             JointKind::Floating => kind = "",
             _ => return None,
         },
+        Part::OneLimit => inside = format!("<limit><upper>{}</upper></limit>", LIMITS[1]),
         Part::Limits => {
             inside =
                 format!("<limit><lower>{}</lower><upper>{}</upper></limit>", LIMITS[0], LIMITS[1]);
@@ -255,6 +259,10 @@ fn urdf(part: Part) -> Option<String> {
                 _ => return None,
             }
         }
+        Part::OneLimit => {
+            kind = "revolute";
+            inside = format!("<limit lower=\"-1e16\" upper=\"{}\"/>", LIMITS[1]);
+        }
         Part::Limits => {
             kind = "revolute";
             inside = format!(
@@ -306,10 +314,16 @@ fn loops(format: Format, part: Part) -> Option<Fixture> {
             let joint = match part {
                 Part::Joint(_)
                 | Part::Limits
+                | Part::OneLimit
                 | Part::Actuated
                 | Part::Start
                 | Part::Clearance
                 | Part::JointStiffness => toml_joint(part, "[\"base\", \"part\"]")?,
+                Part::Coupling => {
+                    let joint = toml_joint(part, "[\"base\", \"part\"]")?;
+                    let coupling = "[[coupling]]\nname = \"gear\"\ncoordinate = \"k\"\nterms = [{ coordinate = \"j\", ratio = 2 }]\n";
+                    format!("{joint}{coupling}")
+                }
                 Part::Parameters => {
                     let joint = toml_joint(part, "[\"base\", \"part\"]")?;
                     joint.replace("point = [0.1", "point = [\"arm / 2\"")
@@ -319,7 +333,12 @@ fn loops(format: Format, part: Part) -> Option<Fixture> {
             let parameters =
                 if part == Part::Parameters { "[parameters]\narm = 0.2\n" } else { "" };
             let head = "kind = \"loops\"\nunits = { length = \"m\", angle = \"rad\" }\n";
-            (tree("part"), format!("{head}{parameters}[[joint]]\n{joint}"))
+            let second = "<link name=\"second\"/><joint name=\"k\" type=\"continuous\"><parent link=\"part\"/><child link=\"second\"/><axis xyz=\"0 0 1\"/></joint></robot>";
+            let text = match part {
+                Part::Coupling => tree("part").replace("</robot>", second),
+                _ => tree("part"),
+            };
+            (text, format!("{head}{parameters}[[joint]]\n{joint}"))
         }
         Format::LoopClosures => {
             let closure = "closures:\n- {link_a: base, link_b: part, point: [0.1, 0.02, 0.05], axis: [0, 0, 1]}\n";
@@ -388,27 +407,40 @@ fn fcstd(part: Part) -> Option<String> {
             JointKind::Cylindrical => 2,
             JointKind::Prismatic => 3,
             JointKind::Spherical => 4,
-            JointKind::Helical { .. } => 10,
+            // A screw constrains a cylindrical joint.
+            JointKind::Helical { .. } => 2,
             _ => return None,
         },
-        Part::Coupling => 11,
-        Part::LinkName | Part::Limits | Part::Actuated | Part::Start | Part::Shape => 1,
+        Part::LinkName
+        | Part::Coupling
+        | Part::Limits
+        | Part::OneLimit
+        | Part::Actuated
+        | Part::Start
+        | Part::Shape => 1,
         _ => return None,
     };
     let label = if part == Part::LinkName { ESCAPED } else { "part" };
     let turn = if part == Part::Start { START } else { 0.0 };
     let flag = |name: &str, on: bool| property(name, &format!("<Bool value=\"{on}\"/>"));
     let float = |name: &str, value: f64| property(name, &format!("<Float value=\"{value:?}\"/>"));
-    let limited = part == Part::Limits;
+    let limited = [part == Part::Limits, matches!(part, Part::Limits | Part::OneLimit)];
+    let frames =
+        |name: &str, number: usize, [(first, place), (second, other)]: [(&str, [f64; 3]); 2]| {
+            [
+                property("JointType", &format!("<Integer value=\"{number}\"/>")),
+                text("Label", name),
+                reference("Reference1", first),
+                reference("Reference2", second),
+                placement("Placement1", place, 0.0),
+                placement("Placement2", other, 0.0),
+            ]
+            .concat()
+        };
     let joint = [
-        property("JointType", &format!("<Integer value=\"{number}\"/>")),
-        text("Label", "j"),
-        reference("Reference1", "Base"),
-        reference("Reference2", "Moved"),
-        placement("Placement1", [100.0, 20.0, 50.0], 0.0),
-        placement("Placement2", [0.0; 3], 0.0),
-        flag("EnableAngleMin", limited),
-        flag("EnableAngleMax", limited),
+        frames("j", number, [("Base", [100.0, 20.0, 50.0]), ("Moved", [0.0; 3])]),
+        flag("EnableAngleMin", limited[0]),
+        flag("EnableAngleMax", limited[1]),
         float("AngleMin", LIMITS[0].to_degrees()),
         float("AngleMax", LIMITS[1].to_degrees()),
     ]
@@ -417,9 +449,9 @@ fn fcstd(part: Part) -> Option<String> {
         (
             "Assembly",
             "Assembly::AssemblyObject",
-            text("Label", "model") + &group(&["Joints", "Base", "Moved", "Motion"]),
+            text("Label", "model") + &group(&["Joints", "Base", "Moved", "Second", "Motion"]),
         ),
-        ("Joints", "Assembly::JointGroup", group(&["Ground", "Joint"])),
+        ("Joints", "Assembly::JointGroup", group(&["Ground", "Joint", "Axle", "Pair"])),
         ("Base", "Part::Box", text("Label", "base") + &placement("Placement", [0.0; 3], 0.0)),
         (
             "Moved",
@@ -433,6 +465,30 @@ fn fcstd(part: Part) -> Option<String> {
         ),
         ("Joint", "App::FeaturePython", joint),
     ];
+    let none = String::new;
+    let (mut axle, mut pair, mut second) = (none(), none(), none());
+    match part {
+        Part::Coupling => {
+            let place = [300.0, 0.0, 0.0];
+            second = text("Label", "second") + &placement("Placement", place, 0.0);
+            let of_second = |at| ("Second", at);
+            axle = frames("k", 1, [("Base", place), of_second([0.0; 3])])
+                + &flag("EnableAngleMin", false)
+                + &flag("EnableAngleMax", false);
+            pair = frames("belt", 12, [("Moved", [0.0; 3]), of_second([0.0; 3])])
+                + &float("Distance", 20.0)
+                + &float("Distance2", 10.0);
+        }
+        Part::Joint(JointKind::Helical { lead }) => {
+            let ends = [("Base", [100.0, 20.0, 50.0]), ("Moved", [0.0; 3])];
+            let pitch = 1000.0 * lead * std::f64::consts::TAU;
+            pair = frames("thread", 10, ends) + &float("Distance", pitch);
+        }
+        _ => {}
+    }
+    objects.push(("Second", "Part::Box", second));
+    objects.push(("Axle", "App::FeaturePython", axle));
+    objects.push(("Pair", "App::FeaturePython", pair));
     let motion = if part == Part::Actuated {
         property("MotionType", "<Integer value=\"0\"/>")
             + &property("Joint", "<Link value=\"Joint\"/>")
@@ -466,13 +522,18 @@ fn asmt(part: Part) -> Option<String> {
             JointKind::Fixed => "FixedJoint",
             JointKind::Universal => "UniversalJoint",
             JointKind::Planar => "PlanarJoint",
-            JointKind::Helical { .. } => "ScrewJoint",
+            // A screw constrains a cylindrical joint.
+            JointKind::Helical { .. } => "CylindricalJoint",
             JointKind::Floating => return None,
         },
-        Part::Coupling => "GearJoint",
-        Part::LinkName | Part::Limits | Part::Actuated | Part::Start | Part::Frame | Part::Mass => {
-            "RevoluteJoint"
-        }
+        Part::LinkName
+        | Part::Coupling
+        | Part::Limits
+        | Part::OneLimit
+        | Part::Actuated
+        | Part::Start
+        | Part::Frame
+        | Part::Mass => "RevoluteJoint",
         _ => return None,
     };
     let name = if part == Part::LinkName { NAME } else { "part" };
@@ -513,18 +574,47 @@ fn asmt(part: Part) -> Option<String> {
     };
     let motions = match part {
         Part::Actuated => "\t\tMotions\n\t\t\tRotationalMotion\n\t\t\t\tName\n\t\t\t\t\tm\n\t\t\t\tMotionJoint\n\t\t\t\t\t/model/j\n\t\t\t\tRotationZ\n\t\t\t\t\ttime\n".to_owned(),
-        Part::Limits => {
+        Part::Limits | Part::OneLimit => {
             let limit = |kind: &str, value: f64| {
                 format!("\t\t\tRotationLimit\n\t\t\t\tName\n\t\t\t\t\tl\n\t\t\t\tMarkerI\n\t\t\t\t\t/model/g\n\t\t\t\tMarkerJ\n\t\t\t\t\t/model/part/m\n\t\t\t\tLimit\n\t\t\t\t\t{value:?}\n\t\t\t\tType\n\t\t\t\t\t{kind}\n")
             };
-            format!("\t\tLimits\n{}{}", limit("=>", LIMITS[0]), limit("=<", LIMITS[1]))
+            let least = if part == Part::Limits { limit("=>", LIMITS[0]) } else { String::new() };
+            format!("\t\tLimits\n{least}{}", limit("=<", LIMITS[1]))
         }
         _ => String::new(),
     };
+    let between = |kind: &str, name: &str, ends: [&str; 2], values: &str| {
+        let [first, second] = ends;
+        format!(
+            "\t\t\t{kind}\n\t\t\t\tName\n\t\t\t\t\t{name}\n\t\t\t\tMarkerI\n\t\t\t\t\t/model/{first}\n\t\t\t\tMarkerJ\n\t\t\t\t\t/model/{second}\n{values}"
+        )
+    };
+    let value = |label: &str, value: f64| format!("\t\t\t\t{label}\n\t\t\t\t\t{value:?}\n");
+    let (mut others, mut more, mut bearing) = (String::new(), String::new(), String::new());
+    match part {
+        Part::Coupling => {
+            let place = [0.3, 0.0, 0.0];
+            bearing = marker(2, "h", place, level_rows);
+            others = format!(
+                "\t\tPart\n\t\t\tName\n\t\t\t\tsecond\n{}\t\t\tRefPoints\n{}",
+                pose(3, place, level_rows),
+                marker(4, "m", [0.0; 3], level_rows)
+            );
+            // Belts of FreeCAD are gears with a negative radius.
+            let radii = value("radiusI", 0.02) + &value("radiusJ", -0.01);
+            more = between("RevoluteJoint", "k", ["h", "second/m"], "")
+                + &between("GearJoint", "belt", ["part/m", "second/m"], &radii);
+        }
+        Part::Joint(JointKind::Helical { lead }) => {
+            let pitch = value("pitch", lead * std::f64::consts::TAU);
+            more = between("ScrewJoint", "thread", ["g", "part/m"], &pitch);
+        }
+        _ => {}
+    }
     Some(format!(
-        "OndselSolver\nAssembly\n\tName\n\t\tmodel\n{}\tRefPoints\n{}\tParts\n\t\tPart\n\t\t\tName\n\t\t\t\t{name}\n{}{mass}\t\t\tRefPoints\n{markers}\tConstraintSets\n\t\tJoints\n\t\t\t{kind}\n\t\t\t\tName\n\t\t\t\t\tj\n\t\t\t\tMarkerI\n\t\t\t\t\t/model/g\n\t\t\t\tMarkerJ\n\t\t\t\t\t/model/{name}/m\n{motions}",
+        "OndselSolver\nAssembly\n\tName\n\t\tmodel\n{}\tRefPoints\n{}\tParts\n\t\tPart\n\t\t\tName\n\t\t\t\t{name}\n{}{mass}\t\t\tRefPoints\n{markers}{others}\tConstraintSets\n\t\tJoints\n\t\t\t{kind}\n\t\t\t\tName\n\t\t\t\t\tj\n\t\t\t\tMarkerI\n\t\t\t\t\t/model/g\n\t\t\t\tMarkerJ\n\t\t\t\t\t/model/{name}/m\n{more}{motions}",
         pose(1, [0.0; 3], level_rows),
-        marker(2, "g", [0.1, 0.02, 0.05], level_rows),
+        marker(2, "g", [0.1, 0.02, 0.05], level_rows) + &bearing,
         pose(3, [0.1, 0.02, 0.05], turned(turn)),
     ))
 }

@@ -37,6 +37,7 @@ pub(crate) fn table() -> String {
     rows.extend(names.into_iter().zip(kinds().map(Part::Joint)));
     rows.extend([
         ("limits of a joint", Part::Limits),
+        ("limit of a joint at one end", Part::OneLimit),
         ("actuated joint", Part::Actuated),
         ("value of a coordinate at the start", Part::Start),
         ("coupling of two joints", Part::Coupling),
@@ -138,6 +139,10 @@ fn kept(format: Format, part: Part, reading: &Reading) -> Option<String> {
         Part::Joint(kind) => Some(kind_of(format, kind, found)),
         Part::LinkName => yes(found.link(NAME).is_some()),
         Part::Limits => yes(has_limits(joint_of(found)?, &[LIMITS])),
+        Part::OneLimit => {
+            let [[least, most]] = joint_of(found)?.limits[..] else { return None };
+            yes(least == f64::NEG_INFINITY && is_near(most, LIMITS[1]))
+        }
         Part::Actuated => yes(found.joints().iter().any(|joint| joint.actuated)),
         Part::Start => {
             let value = joint_of(found)?.guess.first().copied().unwrap_or(0.0);
@@ -190,6 +195,13 @@ fn kind_of(format: Format, kind: JointKind, found: &Mechanism) -> String {
         _ => joint.name != "tree" && joint.name != "h",
     };
     let joints: Vec<&Joint> = found.joints().iter().filter(is_of_fixture).collect();
+    if let ([joint], [thread]) = (&joints[..], found.couplings()) {
+        let [slide, turn] = [thread.follower.freedom, thread.terms[0].0.freedom];
+        let ratio = if slide == 0 { thread.terms[0].1 } else { 1.0 / thread.terms[0].1 };
+        assert!((joint.kind, slide + turn) == (JointKind::Cylindrical, 1));
+        assert!((ratio - LEAD).abs() < 1e-12, "{format:?}: {thread:?}");
+        return "as 1 cylindrical with a coupling".to_owned();
+    }
     let freedoms: usize = joints.iter().map(|joint| joint.kind.freedoms()).sum();
     assert_eq!(freedoms, kind.freedoms(), "{format:?} {kind:?}");
     let poses = Kinematics::new(found).link_poses(&guess(found)).unwrap();

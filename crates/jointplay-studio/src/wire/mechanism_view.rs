@@ -237,10 +237,10 @@ pub(crate) struct CoordinateInfo {
     pub(crate) actuated: bool,
     /// Whether it is that of a virtual joint.
     pub(crate) virtual_joint: bool,
-    /// Least and greatest allowed value, in `unit`: limits of the joint, or the clearance of the virtual joint.
+    /// Least and greatest allowed value, in `unit`: limits of the joint, or the clearance of the virtual joint; `null` at an end without limit.
     #[schema(required = true, min_items = 2, max_items = 2)]
-    pub(crate) limits: Option<[f64; 2]>,
-    /// Range of a slider, in `unit`: the limits, or a half turn or one size to either side of the configuration.
+    pub(crate) limits: Option<[Option<f64>; 2]>,
+    /// Range of a slider, in `unit`: the limits, or a half turn or one size to the side of the configuration where there is none.
     #[schema(required = true, min_items = 2, max_items = 2)]
     pub(crate) range: Option<[f64; 2]>,
 }

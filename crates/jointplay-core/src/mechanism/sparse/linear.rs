@@ -6,6 +6,7 @@ use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Side};
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 
+use super::coupling::{LinearCoupling, SparseCoupling, for_each_coupled};
 use crate::Error;
 use crate::mechanism::Kinematics;
 use crate::mechanism::joint::Twist;
@@ -28,12 +29,17 @@ pub(super) struct Pattern {
 }
 
 impl Pattern {
-    pub(super) fn new(kinematics: &Kinematics<'_>) -> Self {
+    pub(super) fn new(kinematics: &Kinematics<'_>, couplings: &[SparseCoupling]) -> Self {
         let mechanism = kinematics.mechanism();
         let size = 6 * (mechanism.links().len() - 1);
         let mut places = Vec::new();
         for joint in mechanism.joints() {
             for_each_place(joint.links, |_, row, column| places.push(Pair { row, col: column }));
+        }
+        for coupling in couplings {
+            for_each_coupled(coupling.links(), |_, _, row, column| {
+                places.push(Pair { row, col: column });
+            });
         }
         places.extend((0..size).map(|k| Pair { row: k, col: k }));
         let (symbolic, argsort) = SymbolicSparseColMat::try_new_from_indices(size, size, &places)
@@ -147,21 +153,23 @@ impl JointRow {
     }
 
     /// (6,6) the twist at the joint's point of a link's own.
-    fn transport(&self, side: usize) -> Matrix6<f64> {
+    pub(super) fn transport(&self, side: usize) -> Matrix6<f64> {
         let mut matrix = Matrix6::identity();
         matrix.fixed_view_mut::<3, 3>(3, 0).copy_from(&(-self.arms[side].cross_matrix()));
         matrix
     }
 }
 
-/// All joints linearized, and the factor of their damped normal equations.
+/// All joints and couplings linearized, and the factor of their damped normal equations.
 ///
 /// ```text
 ///    J x  =  M (x_first − x_second)  at each joint        M: what the joint refuses
+///            g · x                   of each coupling
 ///    N    =  Jᵀ J + δ² 1  =  L Lᵀ
 /// ```
 pub(super) struct Linear {
     pub(super) joints: Vec<JointRow>,
+    pub(super) couplings: Vec<LinearCoupling>,
     /// Twist of each coordinate in the base frame, the linear part at the point of its joint (m).
     pub(super) screws: Vec<Twist>,
     factor: Llt<usize, f64>,
@@ -175,6 +183,7 @@ impl Linear {
         pattern: &Pattern,
         links: usize,
         joints: Vec<JointRow>,
+        couplings: Vec<LinearCoupling>,
         screws: Vec<Twist>,
     ) -> Result<Self, Error> {
         let size = 6 * (links - 1);
@@ -190,6 +199,9 @@ impl Linear {
                 values.push(blocks[block][(row, column)]);
             });
         }
+        for coupling in &couplings {
+            coupling.for_each_product(|product| values.push(product));
+        }
         // No less than one joint that refuses anything would make it.
         let largest = values.iter().copied().map(f64::abs).fold(1.0, f64::max);
         let entries = values.len();
@@ -203,7 +215,7 @@ impl Linear {
             let factor =
                 Llt::try_new_with_symbolic(pattern.factor.clone(), matrix.as_ref(), Side::Lower);
             match factor {
-                Ok(factor) => return Ok(Self { joints, screws, factor, damping, size }),
+                Ok(factor) => return Ok(Self { joints, couplings, screws, factor, damping, size }),
                 // Not positive to round-off; with damping as large as the matrix itself it is.
                 Err(_) if damping < largest => damping *= MORE_DAMPING,
                 Err(_) => {
@@ -219,24 +231,36 @@ impl Linear {
         self.size
     }
 
-    /// J x, six numbers a joint.
+    /// J x, six numbers a joint and one a coupling.
     pub(super) fn apply(&self, x: &[f64]) -> DVector<f64> {
-        let mut y = DVector::zeros(6 * self.joints.len());
+        let joints = 6 * self.joints.len();
+        let mut y = DVector::zeros(joints + self.couplings.len());
         for (j, joint) in self.joints.iter().enumerate() {
             y.fixed_rows_mut::<6>(6 * j).copy_from(&(joint.refused * joint.relative(x)));
+        }
+        for (c, coupling) in self.couplings.iter().enumerate() {
+            y[joints + c] = coupling.apply(x);
         }
         y
     }
 
-    /// The part of each joint's six numbers that it refuses.
-    pub(super) fn refused(&self, y: &DVector<f64>) -> DVector<f64> {
-        let mut refused = DVector::zeros(y.len());
+    /// What is violated while no link moves: of each joint the part of its twist that it refuses, of each coupling the change by rates of coordinates.
+    ///
+    /// # Arguments
+    /// * `beyond` – (6 joints) twists of the joints
+    /// * `rates` – rates of all coordinates for these twists (m, rad)
+    pub(super) fn violated(&self, beyond: &DVector<f64>, rates: &DVector<f64>) -> DVector<f64> {
+        let joints = 6 * self.joints.len();
+        let mut violated = DVector::zeros(joints + self.couplings.len());
         for (j, joint) in self.joints.iter().enumerate() {
-            refused
+            violated
                 .fixed_rows_mut::<6>(6 * j)
-                .copy_from(&(joint.refused * y.fixed_rows::<6>(6 * j)));
+                .copy_from(&(joint.refused * beyond.fixed_rows::<6>(6 * j)));
         }
-        refused
+        for (c, coupling) in self.couplings.iter().enumerate() {
+            violated[joints + c] = coupling.change(rates);
+        }
+        violated
     }
 
     /// Jᵀ y.
@@ -254,6 +278,9 @@ impl Linear {
                     }
                 }
             }
+        }
+        for (c, coupling) in self.couplings.iter().enumerate() {
+            coupling.add_transposed(y[6 * self.joints.len() + c], &mut x);
         }
         x
     }

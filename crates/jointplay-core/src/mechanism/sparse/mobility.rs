@@ -387,7 +387,7 @@ impl SparseSystem<'_> {
         Ok(quadrics.collect())
     }
 
-    /// Violation of each joint as links and coordinates continue at constant speed: second derivative of its closure.
+    /// Violation of each joint and coupling as links and coordinates continue at constant speed: second derivative of closures and couplings.
     fn second_derivative(
         &self,
         linear: &Linear,
@@ -409,7 +409,10 @@ impl SparseSystem<'_> {
             let (angular, linear) = beyond.acceleration;
             broken.fixed_rows_mut::<6>(6 * j).copy_from(&self.scaled(&angular, &linear));
         }
-        linear.refused(&broken)
+        // Links that do not accelerate require accelerations of the coordinates, which the couplings join.
+        let still = DVector::zeros(linear.size());
+        let following = linear.rates(still.as_slice(), &broken, self.coordinates.len());
+        linear.violated(&broken, &following)
     }
 
     fn units(&self) -> DVector<f64> {

@@ -3,6 +3,7 @@
 //! A loop closure involves every joint of the loop, so that its equations fill up; what a joint refuses involves two links only.
 //! Both give the same mobility and redundancy.
 
+mod coupling;
 mod linear;
 mod mobility;
 mod motion;

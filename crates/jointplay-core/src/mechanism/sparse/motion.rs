@@ -79,11 +79,20 @@ impl SparseSystem<'_> {
             }
             beyond.fixed_rows_mut::<6>(6 * j).copy_from(&twist);
         }
-        let x = linear.solve_least(&-linear.refused(&beyond), SETTLED);
-        let mut by = linear.rates(x.as_slice(), &beyond, self.coordinates.len());
-        if let Some(drives) = drives {
-            by += drives;
+        let rates = |x: &DVector<f64>| {
+            let mut rates = linear.rates(x.as_slice(), &beyond, self.coordinates.len());
+            if let Some(drives) = drives {
+                rates += drives;
+            }
+            rates
+        };
+        let mut open = linear.violated(&beyond, &rates(&DVector::zeros(linear.size())));
+        let first = 6 * linear.joints.len();
+        for (c, coupling) in linear.couplings.iter().enumerate() {
+            open[first + c] += coupling.mismatch;
         }
+        let x = linear.solve_least(&-open, SETTLED);
+        let by = rates(&x);
         (x, by)
     }
 

@@ -2,9 +2,9 @@
 
 use nalgebra::{DVector, Rotation3, Translation3, Vector3, Vector6};
 
+use super::coupling::{SparseCoupling, sparse_couplings};
 use super::linear::{JointRow, Linear, Pattern};
 use crate::Error;
-use crate::mechanism::MAX_DENSE;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::description::Mechanism;
 use crate::mechanism::kinematics::{Kinematics, cayley, check_coordinates, skew_part};
@@ -19,6 +19,7 @@ use crate::spatial::Pose;
 #[derive(Debug, Clone)]
 pub struct SparseSystem<'a> {
     pub(super) kinematics: Kinematics<'a>,
+    pub(super) couplings: Vec<SparseCoupling>,
     pub(super) pattern: Pattern,
     pub(super) length: f64,
     /// Middle of the joints of each link, in its own frame (m).
@@ -35,20 +36,17 @@ impl<'a> SparseSystem<'a> {
     /// * `coordinates` – (f + M) of the joints, then of the virtual joints (m, rad)
     ///
     /// # Errors
-    /// [`Error::LengthMismatch`], [`Error::NotFinite`]; [`Error::NoCouplings`] for a mechanism with couplings, which dense algebra solves only.
+    /// [`Error::LengthMismatch`], [`Error::NotFinite`].
     pub fn new(mechanism: &'a Mechanism, coordinates: DVector<f64>) -> Result<Self, Error> {
-        if !mechanism.couplings().is_empty() {
-            let found = mechanism.joint_freedoms() + mechanism.virtual_joints().len();
-            return Err(Error::NoCouplings { found, allowed: MAX_DENSE });
-        }
         let kinematics = Kinematics::new(mechanism);
         check_coordinates(&coordinates, kinematics.dimensions().len())?;
         let poses = kinematics.link_poses(&coordinates)?;
         let middles = middles(mechanism);
         let length =
             mechanism.characteristic_length().unwrap_or_else(|| spread(mechanism, &middles));
-        let pattern = Pattern::new(&kinematics);
-        Ok(Self { kinematics, pattern, length, middles, poses, coordinates })
+        let couplings = sparse_couplings(&kinematics, length);
+        let pattern = Pattern::new(&kinematics, &couplings);
+        Ok(Self { kinematics, couplings, pattern, length, middles, poses, coordinates })
     }
 
     /// Tree, loops and poses.
@@ -75,7 +73,7 @@ impl<'a> SparseSystem<'a> {
         self.length
     }
 
-    /// Largest mismatch of a joint, in radians and characteristic lengths.
+    /// Largest mismatch of a joint or coupling, in radians and characteristic lengths.
     #[must_use]
     pub fn residual(&self) -> f64 {
         let zero = DVector::zeros(self.coordinates.len());
@@ -88,6 +86,12 @@ impl<'a> SparseSystem<'a> {
             let apart = led * second.inverse_transform_point(&point.into()) - point;
             let turned = (led.rotation.matrix() - second.rotation.matrix()).norm();
             let size = (turned / std::f64::consts::SQRT_2).max(apart.coords.norm() / self.length);
+            if size > largest || size.is_nan() {
+                largest = size;
+            }
+        }
+        for coupling in &self.couplings {
+            let size = coupling.residual(&self.coordinates).abs();
             if size > largest || size.is_nan() {
                 largest = size;
             }
@@ -106,7 +110,7 @@ impl<'a> SparseSystem<'a> {
         }
     }
 
-    /// The closures of all joints linearized in the twists of the links; coordinates for which `held` is true do not follow.
+    /// The closures of all joints, and the couplings, linearized in the twists of the links; coordinates for which `held` is true do not follow.
     pub(super) fn linear(&self, held: &[bool]) -> Result<Linear, Error> {
         let mechanism = self.kinematics.mechanism();
         let centers: Vec<Vector3<f64>> = self
@@ -146,8 +150,10 @@ impl<'a> SparseSystem<'a> {
                 refused,
             }
         });
-        let rows = rows.collect();
-        Linear::new(&self.pattern, mechanism.links().len(), rows, screws)
+        let rows: Vec<JointRow> = rows.collect();
+        let couplings = self.couplings.iter().map(|one| one.linear(&rows, &self.coordinates));
+        let couplings = couplings.collect();
+        Linear::new(&self.pattern, mechanism.links().len(), rows, couplings, screws)
     }
 
     pub(super) fn scaled(&self, angular: &Vector3<f64>, linear: &Vector3<f64>) -> Vector6<f64> {

@@ -2,9 +2,8 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use jointplay_core::mechanism::{Coupling, JointCoordinate};
+use jointplay_core::mechanism::Coupling;
 
-use super::error::Error;
 use super::skeleton::Skeleton;
 
 /// Two couplings of the same coordinates with ratios as close as this state the same relation: round-off of their products.
@@ -38,67 +37,64 @@ impl Mimic {
 /// The couplings of a mechanism, such that each coordinate follows at most one other, and none itself over others.
 pub(super) struct Mimics {
     pub(super) all: Vec<Mimic>,
-    /// Redundant couplings, and actuators of coordinates that have to follow.
+    /// Couplings that follow from others.
+    pub(super) implied: Vec<Coupling>,
+    /// Couplings that no coordinate can follow, with the reason.
+    pub(super) impossible: Vec<(Coupling, &'static str)>,
+    /// Actuators of coordinates that have to follow.
     pub(super) lost: Vec<String>,
 }
 
 impl Mimics {
-    /// The coordinate that another follows, if it does.
+    /// The relation of a coordinate that follows another.
     pub(super) fn of(&self, follower: usize) -> Option<Mimic> {
         self.all.iter().find(|mimic| mimic.follower == follower).copied()
     }
 
-    /// Turns couplings round where the coordinates that they join have an actuator that does not lead.
+    /// Couplings that are not among the relations.
+    pub(super) fn others(&self) -> Vec<Coupling> {
+        self.implied.iter().chain(self.impossible.iter().map(|(one, _)| one)).cloned().collect()
+    }
+
+    /// Turns couplings round where one of the coordinates that they join has an actuator and does not lead.
     ///
-    /// # Errors
-    /// [`Error::Coupling`] for couplings of one coordinate or more than two, and for couplings that together fix their coordinates.
-    pub(super) fn new(skeleton: &Skeleton<'_>, format: &'static str) -> Result<Self, Error> {
+    /// # Arguments
+    /// * `is_possible` – whether the format has the coordinates of a coupling
+    pub(super) fn new(skeleton: &Skeleton<'_>, is_possible: impl Fn(&Coupling) -> bool) -> Self {
         let mut groups = Groups::default();
         let mut kept: Vec<Mimic> = Vec::new();
-        let mut lost = Vec::new();
+        let (mut implied, mut impossible) = (Vec::new(), Vec::new());
         for coupling in skeleton.mechanism.couplings() {
-            let refused =
-                |reason| Err(Error::Coupling { coupling: coupling.name.clone(), reason, format });
-            let Some(mimic) = two(skeleton, coupling) else {
-                return refused("`mimic` needs two coordinates; choose MJCF");
+            let [(leader, ratio)] = coupling.terms[..] else {
+                impossible.push((coupling.clone(), "`mimic` has two coordinates; choose MJCF"));
+                continue;
             };
+            if ratio == 0.0 || !is_possible(coupling) {
+                impossible.push((coupling.clone(), "it joins no two coordinates; choose MJCF"));
+                continue;
+            }
+            let [follower, leader] =
+                [coupling.follower, leader].map(|one| skeleton.coordinate(one));
+            let mimic = Mimic { follower, leader, ratio, offset: coupling.offset };
             match groups.join(mimic) {
                 Joined::New => kept.push(mimic),
-                Joined::Redundant => {
-                    lost.push(format!("coupling {:?}: the others imply it", coupling.name));
-                }
+                Joined::Implied => implied.push(coupling.clone()),
                 Joined::Fixed => {
-                    return refused(
-                        "with the other couplings it fixes its coordinates, which `mimic` cannot; choose MJCF",
-                    );
+                    let reason = "with the other couplings it fixes its coordinates; choose MJCF";
+                    impossible.push((coupling.clone(), reason));
                 }
             }
         }
         let is_actuated = |coordinate| actuated_joint(skeleton, coordinate);
         let all = directed(&kept, is_actuated);
-        for mimic in all.iter().filter(|mimic| is_actuated(mimic.follower)) {
+        let followers = all.iter().filter(|mimic| is_actuated(mimic.follower));
+        let lost = followers.map(|mimic| {
             let [follower, leader] =
                 [mimic.follower, mimic.leader].map(|one| skeleton.motion_name(one));
-            lost.push(format!("actuator of {follower:?}: it follows {leader:?}"));
-        }
-        Ok(Self { all, lost })
-    }
-}
-
-/// The relation of a coupling of two coordinates that depend on each other.
-fn two(skeleton: &Skeleton<'_>, coupling: &Coupling) -> Option<Mimic> {
-    let index = |one: JointCoordinate| {
-        let joints = &skeleton.mechanism.joints()[..one.joint];
-        joints.iter().map(|joint| joint.kind.freedoms()).sum::<usize>() + one.freedom
-    };
-    match coupling.terms[..] {
-        [(leader, ratio)] if ratio != 0.0 => Some(Mimic {
-            follower: index(coupling.follower),
-            leader: index(leader),
-            ratio,
-            offset: coupling.offset,
-        }),
-        _ => None,
+            format!("actuator of {follower:?}: it follows {leader:?}")
+        });
+        let lost = lost.collect();
+        Self { all, implied, impossible, lost }
     }
 }
 
@@ -123,7 +119,7 @@ struct Groups {
 enum Joined {
     New,
     /// The relation follows from earlier ones.
-    Redundant,
+    Implied,
     /// It holds with earlier ones at single values only.
     Fixed,
 }
@@ -136,7 +132,7 @@ impl Groups {
         if kept == joined {
             let off = (expected - by_follower).abs();
             let is_same = off <= SAME_RATIO * expected.abs().max(by_follower.abs());
-            return if is_same { Joined::Redundant } else { Joined::Fixed };
+            return if is_same { Joined::Implied } else { Joined::Fixed };
         }
         let change = expected / by_follower;
         for (group, ratio) in self.of.values_mut().filter(|(group, _)| *group == joined) {

@@ -42,13 +42,13 @@ struct Scale {
 ///
 /// Links are bodies with their frames; joints are hinges, slides and balls with the coordinates and limits of the mechanism.
 /// Virtual joints are slides and hinges with a spring; actuated joints have position actuators.
-/// Loops are closed by `connect` at spherical joints and by `weld` otherwise; couplings are equalities of joints, attached frames are sites.
+/// Loops are closed by `connect` at spherical joints and by `weld` otherwise; couplings are equalities of joints, or of a fixed tendon where there are more than two; attached frames are sites.
 ///
 /// # Arguments
 /// * `coordinates` – (f + M) of a closed configuration, which becomes the model's reference (m, rad)
 ///
 /// # Errors
-/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Unsupported`] for screw joints, [`Error::Coupling`] for couplings of more than two coordinates.
+/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Unsupported`] for screw joints, [`Error::Coupling`] for couplings of joints that close loops.
 ///
 /// # Source
 /// \[MJCF\]
@@ -71,16 +71,14 @@ pub fn mjcf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written
     let mut writer = Writer::new(&skeleton);
     writer.couplings = couplings
         .into_iter()
-        .map(|(coupling, (follower, other))| {
+        .map(|(coupling, (follower, others))| {
             // MuJoCo counts from the reference.
-            let by_other = other.as_ref().map_or(0.0, |(joint, ratio)| ratio * joint.value);
-            let constant = coupling.offset + by_other - follower.value;
-            let ratio = other.as_ref().map_or(0.0, |(_, ratio)| *ratio);
-            let mut attributes =
-                vec![("name", coupling.name.clone()), ("joint1", follower.name.to_owned())];
-            attributes.extend(other.map(|(joint, _)| ("joint2", joint.name.to_owned())));
-            attributes.push(("polycoef", numbers(&[constant, ratio, 0.0, 0.0, 0.0])));
-            attributes
+            let by_others: f64 = others.iter().map(|(joint, ratio)| ratio * joint.value).sum();
+            let constant = coupling.offset + by_others - follower.value;
+            let terms = others.iter().map(|(joint, ratio)| (joint.name.to_owned(), *ratio));
+            let terms = terms.collect();
+            let follower = follower.name.to_owned();
+            CoupledSum { name: coupling.name.clone(), follower, terms, constant }
         })
         .collect();
     writer.model();
@@ -91,6 +89,9 @@ pub fn mjcf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written
     Ok(Written { text: xml.text, loops: None, lost })
 }
 
+/// An end of a range without limit: positions beyond are invalid in MuJoCo (mjMAXVAL).
+const ENDLESS: f64 = 1e10;
+
 struct Writer<'s, 'a> {
     skeleton: &'s Skeleton<'a>,
     scale: Scale,
@@ -100,9 +101,16 @@ struct Writer<'s, 'a> {
     positions: Vec<f64>,
     /// Actuated hinges and slides: name, position, limits, whether it is an angle.
     actuators: Vec<(String, f64, Option<[f64; 2]>, bool)>,
-    /// Attributes of the couplings.
-    couplings: Vec<Vec<(&'static str, String)>>,
+    couplings: Vec<CoupledSum>,
     lost: Vec<String>,
+}
+
+/// A coupling, counted from the reference: `follower = constant + Σ ratio · joint`.
+struct CoupledSum {
+    name: String,
+    follower: String,
+    terms: Vec<(String, f64)>,
+    constant: f64,
 }
 
 impl<'s, 'a> Writer<'s, 'a> {
@@ -149,6 +157,7 @@ impl<'s, 'a> Writer<'s, 'a> {
         self.xml.open("worldbody", &[]);
         self.tree();
         self.xml.close();
+        self.tendons();
         self.closures();
         self.actuators();
         self.keyframe();
@@ -257,6 +266,7 @@ impl<'s, 'a> Writer<'s, 'a> {
             attributes.push(("ref", number(value)));
         }
         let limits = skeleton.limits(joint, motion.coordinate);
+        let limits = limits.map(|ends| ends.map(|end| end.clamp(-ENDLESS, ENDLESS)));
         if let Some(limits) = limits {
             attributes.push(("range", numbers(&limits)));
         }
@@ -329,9 +339,47 @@ impl<'s, 'a> Writer<'s, 'a> {
             attributes.extend(stiff());
             self.xml.empty(if closure.is_ball { "connect" } else { "weld" }, &attributes);
         }
-        for mut attributes in std::mem::take(&mut self.couplings) {
+        for coupling in &self.couplings {
+            let mut attributes = vec![("name", coupling.name.clone())];
+            let tag = match &coupling.terms[..] {
+                [] | [_] => {
+                    attributes.push(("joint1", coupling.follower.clone()));
+                    let other = coupling.terms.first();
+                    attributes.extend(other.map(|(joint, _)| ("joint2", joint.clone())));
+                    let ratio = other.map_or(0.0, |(_, ratio)| *ratio);
+                    let polynomial = [coupling.constant, ratio, 0.0, 0.0, 0.0];
+                    attributes.push(("polycoef", numbers(&polynomial)));
+                    "joint"
+                }
+                _ => {
+                    attributes.push(("tendon1", coupling.name.clone()));
+                    attributes
+                        .push(("polycoef", numbers(&[coupling.constant, 0.0, 0.0, 0.0, 0.0])));
+                    "tendon"
+                }
+            };
             attributes.extend(stiff());
-            self.xml.empty("joint", &attributes);
+            self.xml.empty(tag, &attributes);
+        }
+        self.xml.close();
+    }
+
+    /// Sums of more than two coordinates, which couplings hold at a value.
+    fn tendons(&mut self) {
+        let sums: Vec<&CoupledSum> =
+            self.couplings.iter().filter(|coupling| coupling.terms.len() > 1).collect();
+        if sums.is_empty() {
+            return;
+        }
+        self.xml.open("tendon", &[]);
+        for CoupledSum { name, follower, terms, .. } in sums {
+            self.xml.open("fixed", &[("name", name.clone())]);
+            let others = terms.iter().map(|(joint, ratio)| (joint, -ratio));
+            for (joint, coefficient) in std::iter::once((follower, 1.0)).chain(others) {
+                let attributes = [("joint", joint.clone()), ("coef", number(coefficient))];
+                self.xml.empty("joint", &attributes);
+            }
+            self.xml.close();
         }
         self.xml.close();
     }

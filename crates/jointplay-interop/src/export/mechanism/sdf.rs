@@ -7,11 +7,14 @@ use nalgebra::{DVector, Translation3, Vector3};
 
 use super::Written;
 use super::error::Error;
+use super::mimics::{Mimic, Mimics};
 use super::skeleton::{DEFAULT_STIFFNESS, Skeleton};
 use super::xml::{Xml, number, roll_pitch_yaw, vector};
 
 /// The version of the format.
 const VERSION: &str = "1.9";
+/// The first version of the format whose axes mimic others.
+const VERSION_WITH_MIMICS: &str = "1.11";
 /// Name of the world as a link, which the format reserves.
 const WORLD: &str = "world";
 
@@ -19,25 +22,19 @@ const WORLD: &str = "world";
 ///
 /// Links have their frames; each joint is one of the same kind, or a sequence of slides and hinges with links between them.
 /// Virtual joints are slides and hinges with a spring; actuated joints have a position controller.
-/// The base is fixed to the world; attached frames are frames.
+/// The base is fixed to the world; attached frames are frames; an axis that is coupled to another mimics it, such that an actuated one leads; couplings that others imply are omitted.
 ///
 /// # Arguments
 /// * `coordinates` – (f + M) of a closed configuration: there the joints of the model are at zero (m, rad)
 ///
 /// # Errors
-/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Coupling`] for couplings.
+/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Coupling`] for couplings of one coordinate, of more than two, and for those that together fix their coordinates.
 ///
 /// # Source
 /// \[SDFormat\]
 pub fn sdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written, Error> {
-    if let Some(coupling) = mechanism.couplings().first() {
-        return Err(Error::Coupling {
-            coupling: coupling.name.clone(),
-            reason: "this export has no couplings; choose MJCF or URDF",
-            format: "SDF",
-        });
-    }
     let skeleton = Skeleton::new(mechanism, coordinates)?;
+    let mimics = mimics(&skeleton)?;
     let kinematics = Kinematics::new(mechanism);
     let poses = kinematics.link_poses(coordinates)?;
     let mut writer = Writer {
@@ -46,9 +43,11 @@ pub fn sdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written,
         poses: poses.clone(),
         driven: Vec::new(),
         renamed: Vec::new(),
-        lost: skeleton.lost.clone(),
+        lost: skeleton.lost.iter().chain(&mimics.lost).cloned().collect(),
+        mimics,
     };
-    writer.xml.open("sdf", &[("version", VERSION.into())]);
+    let version = if writer.mimics.all.is_empty() { VERSION } else { VERSION_WITH_MIMICS };
+    writer.xml.open("sdf", &[("version", version.into())]);
     writer.xml.open("model", &[("name", mechanism.name().into())]);
     let base = &mechanism.links()[0];
     for (link, name) in mechanism.links().iter().enumerate() {
@@ -92,7 +91,23 @@ struct Writer<'s, 'a> {
     driven: Vec<String>,
     /// Joints that got another name, because a link or frame has theirs.
     renamed: Vec<(String, String)>,
+    mimics: Mimics,
     lost: Vec<String>,
+}
+
+/// The couplings of a mechanism; joints of the model are at zero in the configuration.
+fn mimics(skeleton: &Skeleton<'_>) -> Result<Mimics, Error> {
+    let mut mimics = Mimics::new(skeleton, |_| true);
+    if let Some((coupling, reason)) = mimics.impossible.first() {
+        return Err(Error::Coupling { coupling: coupling.name.clone(), reason, format: "SDF" });
+    }
+    let at = &skeleton.coordinates;
+    for mimic in &mut mimics.all {
+        mimic.offset += mimic.ratio * at[mimic.leader] - at[mimic.follower];
+    }
+    let implied = mimics.implied.iter();
+    mimics.lost.extend(implied.map(|one| format!("coupling {:?}: the others imply it", one.name)));
+    Ok(mimics)
 }
 
 /// An axis of a joint, in the frame of the joint.
@@ -134,9 +149,9 @@ impl Writer<'_, '_> {
         let joint = &mechanism.joints()[j];
         let [first, second] = joint.links.map(|link| mechanism.links()[link].clone());
         let chain = kinematics.elementary_chain(j);
-        let has_virtual = mechanism.virtual_joints().iter().any(|one| one.joint == j);
         for motion in &chain.motions {
-            if !self.skeleton.is_actuated(j, motion.coordinate) {
+            let follows = self.mimics.of(motion.coordinate).is_some();
+            if follows || !self.skeleton.is_actuated(j, motion.coordinate) {
                 continue;
             }
             let name = self.skeleton.motion_name(motion.coordinate);
@@ -150,7 +165,7 @@ impl Writer<'_, '_> {
             self.lost.push(format!("limits of {:?}: balls of SDF have none", joint.name));
         }
         let at = &self.skeleton.coordinates.clone();
-        if joint.kind == JointKind::Universal && !has_virtual && !joint.actuated {
+        if self.is_universal(j) {
             let first_turn = &chain.motions[0];
             let behind = first_turn.before * first_turn.transform(at);
             let child_from_joint = chain.transform(at).inverse() * behind;
@@ -210,6 +225,44 @@ impl Writer<'_, '_> {
         }
     }
 
+    /// Whether a joint is one with two axes in the model.
+    fn is_universal(&self, j: usize) -> bool {
+        let mechanism = self.skeleton.mechanism;
+        let joint = &mechanism.joints()[j];
+        let has_virtual = mechanism.virtual_joints().iter().any(|one| one.joint == j);
+        joint.kind == JointKind::Universal && !has_virtual && !joint.actuated
+    }
+
+    /// Joint and axis of the model for a coordinate.
+    fn axis_of(&mut self, coordinate: usize) -> (String, &'static str) {
+        let mut first = 0;
+        for (j, joint) in self.skeleton.mechanism.joints().iter().enumerate() {
+            let freedoms = first..first + joint.kind.freedoms();
+            if freedoms.contains(&coordinate) && self.is_universal(j) {
+                let name = self.joint_name(&joint.name);
+                return (name, if coordinate == first { "axis" } else { "axis2" });
+            }
+            first = freedoms.end;
+        }
+        let name = self.skeleton.motion_name(coordinate);
+        (self.joint_name(&name), "axis")
+    }
+
+    fn mimic(&mut self, mimic: Mimic) {
+        let (joint, axis) = self.axis_of(mimic.leader);
+        let mut attributes = vec![("joint", joint)];
+        if axis != "axis" {
+            attributes.push(("axis", axis.to_owned()));
+        }
+        self.xml.open("mimic", &attributes);
+        for (name, value) in
+            [("multiplier", mimic.ratio), ("offset", mimic.offset), ("reference", 0.0)]
+        {
+            self.xml.with_text(name, &[], &number(value));
+        }
+        self.xml.close();
+    }
+
     /// The name of a joint in the model, where links, frames and joints share one list of names.
     fn joint_name(&mut self, name: &str) -> String {
         if let Some((_, new)) = self.renamed.iter().find(|(old, _)| old == name) {
@@ -248,11 +301,17 @@ impl Writer<'_, '_> {
         for (axis, tag) in axes.iter().zip(["axis", "axis2"]) {
             self.xml.open(tag, &[]);
             self.xml.with_text("xyz", &[], &vector(&axis.direction));
+            if let Some(mimic) = self.mimics.of(axis.coordinate) {
+                self.mimic(mimic);
+            }
             if let Some(limits) = skeleton.limits(j, axis.coordinate) {
                 let zero = skeleton.coordinates[axis.coordinate];
                 self.xml.open("limit", &[]);
-                self.xml.with_text("lower", &[], &number(limits[0] - zero));
-                self.xml.with_text("upper", &[], &number(limits[1] - zero));
+                for (tag, end) in ["lower", "upper"].into_iter().zip(limits) {
+                    if end.is_finite() {
+                        self.xml.with_text(tag, &[], &number(end - zero));
+                    }
+                }
                 self.xml.close();
             }
             if let Some(m) = skeleton.virtual_joint(axis.coordinate) {

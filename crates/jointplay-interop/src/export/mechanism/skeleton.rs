@@ -223,35 +223,36 @@ impl<'a> Skeleton<'a> {
         mechanism.virtual_joints()[coordinate - first].name.clone()
     }
 
-    /// The exported joints of a coupling with at most one other coordinate: names of the follower and the other, and the ratio of the latter.
+    /// Index of a coordinate of a joint.
+    pub(super) fn coordinate(&self, one: JointCoordinate) -> usize {
+        let joints = &self.mechanism.joints()[..one.joint];
+        joints.iter().map(|joint| joint.kind.freedoms()).sum::<usize>() + one.freedom
+    }
+
+    /// The exported joints of a coupling: the follower, and the others with their ratios.
     ///
     /// # Errors
-    /// [`Error::Coupling`] for more coordinates, and for a coordinate of a joint that is not in the tree.
+    /// [`Error::Coupling`] for a coordinate of a joint that is not in the tree.
     pub(super) fn coupled<'s>(
         &'s self,
         coupling: &Coupling,
         format: &'static str,
-    ) -> Result<(CoupledJoint<'s>, Option<(CoupledJoint<'s>, f64)>), Error> {
-        let refused = |reason| {
-            let coupling = coupling.name.clone();
-            Error::Coupling { coupling, reason, format }
-        };
+    ) -> Result<(CoupledJoint<'s>, Vec<(CoupledJoint<'s>, f64)>), Error> {
         let joint = |one: JointCoordinate| {
-            let joints = &self.mechanism.joints()[..one.joint];
-            let first: usize = joints.iter().map(|joint| joint.kind.freedoms()).sum();
-            let coordinate = first + one.freedom;
+            let coordinate = self.coordinate(one);
             let motions = |body: &'s Body| body.chain.motions.iter().zip(&body.names);
             let mut all = self.bodies.iter().flat_map(motions);
             let found = all.find(|(motion, _)| motion.coordinate == coordinate);
-            let (_, name) = found.ok_or_else(|| refused("a joint of it closes a loop"))?;
+            let (_, name) = found.ok_or_else(|| Error::Coupling {
+                coupling: coupling.name.clone(),
+                reason: "a joint of it closes a loop",
+                format,
+            })?;
             Ok::<_, Error>(CoupledJoint { name, value: self.coordinates[coordinate] })
         };
-        let other = match coupling.terms[..] {
-            [] => None,
-            [(one, ratio)] => Some((joint(one)?, ratio)),
-            _ => return Err(refused("it has more than two coordinates")),
-        };
-        Ok((joint(coupling.follower)?, other))
+        let others = coupling.terms.iter().map(|&(one, ratio)| Ok((joint(one)?, ratio)));
+        let others = others.collect::<Result<_, Error>>()?;
+        Ok((joint(coupling.follower)?, others))
     }
 
     /// A name that no link and joint has.
@@ -276,14 +277,15 @@ impl<'a> Skeleton<'a> {
         coordinate.checked_sub(self.mechanism.joint_freedoms())
     }
 
-    /// Least and greatest value of a coordinate (m, rad): limits of a joint, or the clearance of a virtual joint.
+    /// Least and greatest value of a coordinate, infinite where there is none (m, rad): limits of a joint, or the clearance of a virtual joint.
     pub(super) fn limits(&self, joint: usize, coordinate: usize) -> Option<[f64; 2]> {
         if let Some(m) = self.virtual_joint(coordinate) {
             return self.mechanism.virtual_joints()[m].clearance.map(|most| [-most, most]);
         }
         let first: usize =
             self.mechanism.joints()[..joint].iter().map(|one| one.kind.freedoms()).sum();
-        self.mechanism.joints()[joint].limits.get(coordinate - first).copied()
+        let limits = self.mechanism.joints()[joint].limits.get(coordinate - first).copied();
+        limits.filter(|ends| ends.iter().any(|end| end.is_finite()))
     }
 
     /// Whether a motor drives a coordinate.

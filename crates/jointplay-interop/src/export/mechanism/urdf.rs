@@ -2,7 +2,7 @@
 
 use jointplay_core::mechanism::joint::Factor;
 use jointplay_core::mechanism::{
-    ElementaryMotion, FrameId, Joint, JointKind, LinearAndAngular, Mechanism,
+    Coupling, ElementaryMotion, FrameId, Joint, JointKind, LinearAndAngular, Mechanism,
 };
 use jointplay_core::spatial::Pose;
 use jointplay_format::mechanism::{allowed_joint_name, write_loops};
@@ -16,6 +16,8 @@ use super::xml::{Xml, number, roll_pitch_yaw, vector};
 
 /// Travel of a slide without limits, for which URDF needs some (m).
 const TRAVEL: f64 = 1000.0;
+/// An end of a range without limit (m, rad); readers of URDF know no infinity.
+const ENDLESS: f64 = 1e16;
 /// Mass of each link (kg).
 const MASS: f64 = 1.0;
 
@@ -24,25 +26,23 @@ const MASS: f64 = 1.0;
 /// Links have their frames, joints their coordinates and limits; several motions of one joint are joints with links between them, a ball is three turns about x, y and z.
 /// Actuated joints have a command interface, all joints an initial value at the closed configuration.
 /// Virtual joints are joints; their stiffness has no place.
-/// A joint that is coupled to another mimics it: an actuated one leads, and redundant couplings are omitted.
+/// A joint that is coupled to another mimics it: an actuated one leads. Couplings that URDF cannot describe, and those that others imply, are in the second file.
 ///
 /// # Arguments
 /// * `coordinates` – (f + M) of a closed configuration (m, rad)
 ///
 /// # Errors
-/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Unsupported`] for screw joints that close no loop; [`Error::Coupling`] for couplings of one coordinate, of more than two, of joints that close loops, and for those that together fix their coordinates.
+/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Unsupported`] for screw joints that close no loop.
 ///
 /// # Source
 /// \[URDF\]
 pub fn urdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written, Error> {
     let skeleton = Skeleton::with_whole_closures(mechanism, coordinates)?;
-    for coupling in mechanism.couplings() {
-        // Joints that close loops are in the second file, and mimic none.
-        skeleton.coupled(coupling, "URDF")?;
-    }
-    let mimics = Mimics::new(&skeleton, "URDF")?;
+    // Joints that close loops are in the second file, and mimic none.
+    let mimics = Mimics::new(&skeleton, |coupling| skeleton.coupled(coupling, "URDF").is_ok());
     let mut lost = skeleton.lost.clone();
     lost.extend(mimics.lost.iter().cloned());
+    let couplings = mimics.others();
     let mut writer = Writer {
         skeleton: &skeleton,
         xml: Xml::new(),
@@ -71,7 +71,12 @@ pub fn urdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written
         lost.push("stiffness of virtual joints".to_owned());
     }
     lost.push("masses are not those of a real robot: each link has the same".to_owned());
-    let loops = loops(&skeleton);
+    let elsewhere = |coupling: &Coupling| {
+        let name = &coupling.name;
+        format!("coupling {name:?} is in the file of loops, which other programs do not read")
+    };
+    lost.extend(couplings.iter().map(elsewhere));
+    let loops = loops(&skeleton, &couplings);
     Ok(Written { text: xml.text, loops, lost })
 }
 
@@ -183,9 +188,10 @@ impl Writer<'_, '_> {
                     let name = &one.name;
                     self.lost.push(format!("{name:?} has no limits; URDF needs some: ±{TRAVEL} m"));
                 }
+                let bound = |end: f64| number(end.clamp(-ENDLESS, ENDLESS));
                 let limit = [
-                    ("lower", number(least)),
-                    ("upper", number(most)),
+                    ("lower", bound(least)),
+                    ("upper", bound(most)),
                     ("effort", "1e6".to_owned()),
                     ("velocity", "1e3".to_owned()),
                 ];
@@ -311,8 +317,8 @@ impl Writer<'_, '_> {
     }
 }
 
-/// The file of joints that close loops; `None` if there are none.
-fn loops(skeleton: &Skeleton<'_>) -> Option<String> {
+/// The file of joints that close loops, and of couplings; `None` if there are none.
+fn loops(skeleton: &Skeleton<'_>, couplings: &[Coupling]) -> Option<String> {
     let mut names: Vec<String> = skeleton.bodies.iter().map(|body| body.name.clone()).collect();
     let link = |names: &mut Vec<String>, name: &String| {
         names.iter().position(|one| one == name).unwrap_or_else(|| {
@@ -343,5 +349,6 @@ fn loops(skeleton: &Skeleton<'_>) -> Option<String> {
             stiffness: LinearAndAngular::default(),
         });
     }
-    (!joints.is_empty()).then(|| write_loops(&names, &joints))
+    let is_needed = !joints.is_empty() || !couplings.is_empty();
+    is_needed.then(|| write_loops(&names, &joints, (skeleton.mechanism, couplings)))
 }

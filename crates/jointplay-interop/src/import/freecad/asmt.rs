@@ -14,14 +14,16 @@ use jointplay_format::mechanism::frame::pose;
 use jointplay_format::place::nearest;
 use nalgebra::{Matrix3, Unit, Vector3};
 
+use super::gearing::{DrawnJoints, Gearing};
 use super::joint_limits::{self, FrameLimit, FrameMotion, RangeEnd};
 use super::placed_joint::{PlacedFrame, placed_joint};
 use crate::import::model::{Dialect, Imported};
 use crate::import::problem::{Error, Problem};
 use crate::import::xml::LONGEST_NAME;
 
-/// First line of a file.
-pub(in crate::import) const FIRST_LINE: &str = "OndselSolver";
+/// First lines of files: of the solver, and of the program that it comes from.
+pub(in crate::import) const FIRST_LINES: [&str; 2] =
+    ["OndselSolver", "freeCAD: 3D CAD with Motion Simulation  by  askoh.com"];
 /// Largest deviation of a rotation matrix from orthonormal; files have rounded numbers.
 const ROTATION_TOLERANCE: f64 = 1e-5;
 
@@ -101,12 +103,25 @@ impl<'l, 'a> Block<'l, 'a> {
         Ok(name)
     }
 
+    /// The name of a joint; those that FreeCAD left without one are named by their kind and number.
+    fn joint_name(self, number: usize) -> Result<String, Error> {
+        match self.find("Name").is_some() && self.optional("Name").is_none() {
+            true => Ok(format!("{} {number}", self.head.text)),
+            false => Ok(self.name()?.to_owned()),
+        }
+    }
+
     fn vector(self, what: &str) -> Result<Vector3<f64>, Error> {
         let numbers: Result<Vec<f64>, _> =
             self.head.text.split_whitespace().map(str::parse).collect();
         let numbers = numbers.ok().filter(|numbers| numbers.iter().all(|n| n.is_finite()));
         let numbers: Option<[f64; 3]> = numbers.and_then(|numbers| numbers.try_into().ok());
         numbers.map(Vector3::from).ok_or_else(|| self.value_error(what, "3 numbers"))
+    }
+
+    fn number(self, what: &str) -> Result<f64, Error> {
+        let number = self.head.text.parse().ok().filter(|number: &f64| number.is_finite());
+        number.ok_or_else(|| self.value_error(what, "a number"))
     }
 
     /// The pose of a part, a reference point or a marker (m).
@@ -135,7 +150,7 @@ impl<'l, 'a> Block<'l, 'a> {
 pub(in crate::import) fn read(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
     let lines = lines(text);
     let Some(at) = lines.iter().position(|line| line.indent == 0 && line.text == "Assembly") else {
-        let problem = Problem::Missing { whose: FIRST_LINE.to_owned(), what: "Assembly" };
+        let problem = Problem::Missing { whose: FIRST_LINES[0].to_owned(), what: "Assembly" };
         return Err(Error::at(text, 0..0, problem));
     };
     let below = &lines[at + 1..];
@@ -145,6 +160,7 @@ pub(in crate::import) fn read(text: &str, unit: LengthUnit) -> Result<Imported, 
 
     // The base is the assembly itself.
     let mut links = vec![(name.to_owned(), assembly)];
+    let mut poses = vec![Pose::identity()];
     let mut markers = BTreeMap::new();
     let ground = PlacedFrame { link: 0, in_link: Pose::identity(), drawn: Pose::identity() };
     add_markers(&mut markers, assembly, &format!("/{name}"), &ground, unit)?;
@@ -155,6 +171,7 @@ pub(in crate::import) fn read(text: &str, unit: LengthUnit) -> Result<Imported, 
         let owner = PlacedFrame { link: links.len(), in_link: Pose::identity(), drawn };
         add_markers(&mut markers, part, &format!("/{name}/{part_name}"), &owner, unit)?;
         links.push((part_name.to_owned(), part));
+        poses.push(drawn);
         if part.find("PrincipalMassMarker").is_some() {
             ignore("PrincipalMassMarker".to_owned());
         }
@@ -168,9 +185,19 @@ pub(in crate::import) fn read(text: &str, unit: LengthUnit) -> Result<Imported, 
     assembly.list("ForceTorques").for_each(|force| ignore(force.head.text.to_owned()));
 
     let mut joints: Vec<Joint> = Vec::new();
-    let mut blocks = Vec::new();
+    let (mut blocks, mut gearings) = (Vec::new(), Vec::new());
     for block in sets("Joints") {
-        joints.push(joint(block, &markers, &mut ignore)?);
+        if let Some(gearing) = gearing(block, unit)? {
+            gearings.push((block, gearing, frames(block, &markers)?));
+            continue;
+        }
+        let frames = frames(block, &markers)?;
+        let name = block.joint_name(joints.len() + 1)?;
+        if frames[0].link == frames[1].link {
+            ignore(format!("joint {name:?} of a part with itself"));
+            continue;
+        }
+        joints.push(joint(block, name, frames, unit, &mut ignore)?);
         blocks.push(block);
     }
     let moved = MovedJoints::new(name, &blocks, &joints)?;
@@ -178,8 +205,13 @@ pub(in crate::import) fn read(text: &str, unit: LengthUnit) -> Result<Imported, 
         let driven = match motion.head.text {
             "RotationalMotion" => JointKind::Revolute,
             "TranslationalMotion" => JointKind::Prismatic,
+            // It moves markers and leaves the joints as they are.
+            "GeneralMotion" => {
+                ignore("GeneralMotion".to_owned());
+                continue;
+            }
             other => {
-                let advice = "imported are RotationalMotion and TranslationalMotion";
+                let advice = "imported are RotationalMotion, TranslationalMotion and GeneralMotion";
                 return Err(motion.unsupported(format!("motion {other:?}"), advice));
             }
         };
@@ -206,6 +238,17 @@ pub(in crate::import) fn read(text: &str, unit: LengthUnit) -> Result<Imported, 
         joint_limits::apply(joint, limits, &mut ignore);
     }
 
+    let drawn = DrawnJoints::new(&joints, &poses);
+    let mut couplings = Vec::new();
+    for (block, gearing, frames) in gearings {
+        let name = block.joint_name(joints.len() + couplings.len() + 1)?;
+        let coupling = drawn.coupling(name, gearing, frames);
+        let coupling = coupling
+            .map_err(|advice| block.unsupported(format!("this {}", block.head.text), advice));
+        couplings.push(coupling?);
+        blocks.push(block);
+    }
+
     // An assembly that nothing is joined to is no link; its first part is the base.
     if joints.iter().all(|joint| !joint.links.contains(&0)) && links.len() > 1 {
         links.remove(0);
@@ -214,7 +257,9 @@ pub(in crate::import) fn read(text: &str, unit: LengthUnit) -> Result<Imported, 
         }
     }
     let names = links.iter().map(|(name, _)| name.clone()).collect();
-    let mechanism = Mechanism::new(name, names, joints).map_err(|error| {
+    let mechanism = Mechanism::new(name, names, joints)
+        .and_then(|mechanism| mechanism.with_couplings(couplings));
+    let mechanism = mechanism.map_err(|error| {
         use MechanismError as E;
         let about = match &error {
             E::Dangling { link: name, .. } => links.iter().find(|(link, _)| link == name),
@@ -339,10 +384,36 @@ fn unknown(what: &'static str, value: Block, known: Vec<String>) -> Error {
     value.error(Problem::Unknown { what, found, nearest, known })
 }
 
+/// A constraint between the motions of two parts, by gears, a rack or a thread.
+fn gearing(block: Block, unit: LengthUnit) -> Result<Option<Gearing>, Error> {
+    let number = |label| block.value(label)?.number(label);
+    Ok(match block.head.text {
+        "GearJoint" => Some(Gearing::Gears([number("radiusI")?, number("radiusJ")?])),
+        "RackPinionJoint" => Some(Gearing::Rack(unit.to_meters(number("pitchRadius")?))),
+        "ScrewJoint" => Some(Gearing::Screw(unit.to_meters(number("pitch")?))),
+        _ => None,
+    })
+}
+
+/// The frames at the two markers of a joint.
+fn frames<'m>(
+    block: Block,
+    markers: &'m BTreeMap<String, PlacedFrame>,
+) -> Result<[&'m PlacedFrame; 2], Error> {
+    let end = |label| {
+        let path = block.value(label)?;
+        let known = || markers.keys().cloned().collect();
+        markers.get(path.head.text).ok_or_else(|| unknown("marker", path, known()))
+    };
+    Ok([end("MarkerI")?, end("MarkerJ")?])
+}
+
 /// A joint between two markers, as drawn.
 fn joint(
     block: Block,
-    markers: &BTreeMap<String, PlacedFrame>,
+    name: String,
+    frames: [&PlacedFrame; 2],
+    unit: LengthUnit,
     ignore: &mut impl FnMut(String),
 ) -> Result<Joint, Error> {
     let kind = match block.head.text {
@@ -352,19 +423,19 @@ fn joint(
         "TranslationalJoint" => JointKind::Prismatic,
         "SphericalJoint" => JointKind::Spherical,
         "UniversalJoint" => JointKind::Universal,
-        "PlanarJoint" if block.find("Offset").is_none() => JointKind::Planar,
+        "PlanarJoint" => JointKind::Planar,
         other => {
-            let advice = "imported are FixedJoint, RevoluteJoint, CylindricalJoint, TranslationalJoint, SphericalJoint, UniversalJoint, and PlanarJoint without Offset";
+            let advice = "imported are FixedJoint, RevoluteJoint, CylindricalJoint, TranslationalJoint, SphericalJoint, UniversalJoint, PlanarJoint, GearJoint, RackPinionJoint and ScrewJoint";
             return Err(block.unsupported(format!("joint {other:?}"), advice));
         }
     };
-    let end = |label| {
-        let path = block.value(label)?;
-        let known = || markers.keys().cloned().collect();
-        markers.get(path.head.text).ok_or_else(|| unknown("marker", path, known()))
+    let offset = match block.optional("offset").filter(|_| kind == JointKind::Planar) {
+        Some(value) => unit.to_meters(value.number("offset")?),
+        None => 0.0,
     };
-    let frames = [end("MarkerI")?, end("MarkerJ")?];
-    Ok(placed_joint(block.name()?.to_owned(), kind, frames, ignore))
+    // The second frame moves in a plane at this distance from the first.
+    let first = frames[0].shifted(Vector3::new(0.0, 0.0, offset));
+    Ok(placed_joint(name, kind, [&first, frames[1]], ignore))
 }
 
 #[cfg(test)]
@@ -379,17 +450,23 @@ mod tests {
     const FLIPPED: &str =
         include_str!("../../../../../validation/golden/models/flipped-four-bar.asmt");
 
+    const GEARS: &str = include_str!("../../../../../validation/golden/models/gear-train.asmt");
+    const RACK: &str = include_str!("../../../../../validation/golden/models/rack-and-screw.asmt");
     const CARDAN: &str = include_str!("../../../../../validation/golden/models/cardan.asmt");
 
     #[test]
     fn assemblies_close_as_drawn() {
-        for (text, joints, actuated, links) in
-            [(SLIDER_CRANK, 4, 1, 4), (FLIPPED, 4, 1, 4), (CARDAN, 3, 1, 3)]
-        {
+        for (text, joints, actuated, links, couplings) in [
+            (SLIDER_CRANK, 4, 1, 4, 0),
+            (FLIPPED, 4, 1, 4, 0),
+            (CARDAN, 3, 1, 3, 0),
+            (GEARS, 4, 1, 5, 3),
+            (RACK, 4, 1, 5, 4),
+        ] {
             let model = testing::read(text);
             let mechanism = &model.mechanism;
             assert_eq!((model.dialect, mechanism.joints().len()), (Dialect::Asmt, joints));
-            assert_eq!(mechanism.links().len(), links);
+            assert_eq!((mechanism.links().len(), mechanism.couplings().len()), (links, couplings));
             assert_eq!(mechanism.joints().iter().filter(|j| j.actuated).count(), actuated);
             let start = guess(mechanism);
             let closed = assemble(mechanism, &start, &[], 0).unwrap();
@@ -401,8 +478,13 @@ mod tests {
     #[test]
     fn parts_move_as_in_the_solver_of_freecad() {
         let rows = include_str!("../../../../../validation/golden/asmt-poses.csv");
-        let models =
-            [("slider-crank", SLIDER_CRANK), ("flipped-four-bar", FLIPPED), ("cardan", CARDAN)];
+        let models = [
+            ("slider-crank", SLIDER_CRANK),
+            ("flipped-four-bar", FLIPPED),
+            ("cardan", CARDAN),
+            ("gear-train", GEARS),
+            ("rack-and-screw", RACK),
+        ];
         let mut compared = 0;
         for row in rows.lines().skip(1) {
             let cells: Vec<&str> = row.split(',').collect();
@@ -428,7 +510,7 @@ mod tests {
             assert!(difference.amax() < 1e-6, "{row}: {difference}");
             compared += 1;
         }
-        assert!(compared >= 12);
+        assert!(compared >= 36);
     }
 
     #[test]
@@ -481,13 +563,15 @@ mod tests {
         close(&limits("drive"), [-30_f64.to_radians(), 120_f64.to_radians()]);
         close(&limits("guide"), [0.2, 0.4]);
         assert_eq!(limits("tip"), Vec::<[f64; 2]>::new());
+        let one = with_limits(&[("RotationLimit", DRIVE, "1", "=>")]);
+        let model = parse_with_unit(&one, LengthUnit::Millimeter).unwrap();
+        assert_eq!(model.mechanism.joints()[0].limits, [[1.0, f64::INFINITY]]);
         assert_eq!(model.ignored, ["3 × PrincipalMassMarker"]);
     }
 
     #[test]
     fn limits_without_a_counterpart_are_listed() {
         for (limit, listed) in [
-            (("RotationLimit", DRIVE, "1", "=>"), "limits of joint \"drive\", which do not bound"),
             (("RotationLimit", DRIVE, "sin(time)", "=>"), "RotationLimit that is not a number"),
             (("TranslationLimit", DRIVE, "1", "=<"), "limit of joint \"drive\", which has no such"),
             (("RotationLimit", [DRIVE[1], DRIVE[0]], "1", "=<"), "of two markers without a joint"),
@@ -518,18 +602,89 @@ mod tests {
     }
 
     #[test]
+    fn gears_racks_and_screws_of_other_axes_are_refused() {
+        let gears = |from, to, blamed, message| testing::refuse(GEARS, from, to, blamed, message);
+        let rack = |from, to, blamed, message| testing::refuse(RACK, from, to, blamed, message);
+        gears("radiusJ\n\t\t\t\t\t0.2", "radiusJ\n\t\t\t\t\t0.0", "GearJoint", "other than 0");
+        gears("radiusJ\n\t\t\t\t\t0.2", "radiusJ\n\t\t\t\t\tx", "x", "a number");
+        gears("radiusI", "RadiusI", "GearJoint", "needs `radiusI`");
+        let turning = "must turn about z of its frames";
+        gears(
+            "RevoluteJoint\n\t\t\t\tName\n\t\t\t\t\tbevel",
+            "SphericalJoint\n\t\t\t\tName\n\t\t\t\t\tbevel",
+            "GearJoint",
+            turning,
+        );
+        let sliding = "one of its parts must slide on a slider joint";
+        rack(
+            "TranslationalJoint\n\t\t\t\tName\n\t\t\t\t\tslide",
+            "CylindricalJoint\n\t\t\t\tName\n\t\t\t\t\tslide",
+            "RackPinionJoint",
+            sliding,
+        );
+        let advancing = "one cylindrical joint between them";
+        rack(
+            "TranslationalJoint\n\t\t\t\tName\n\t\t\t\t\tlift",
+            "PlanarJoint\n\t\t\t\tName\n\t\t\t\t\tlift",
+            "ScrewJoint",
+            advancing,
+        );
+        rack("pitch\n\t\t\t\t\t0.4", "pitch\n\t\t\t\t\t0.0", "ScrewJoint", "other than 0");
+    }
+
+    #[test]
+    fn joints_without_names_and_joints_of_a_part_with_itself() {
+        let nameless = SLIDER_CRANK.replacen(
+            "\t\t\t\t\ttip\n\t\t\t\tMarkerI",
+            "\t\t\t\t\t\n\t\t\t\tMarkerI",
+            1,
+        );
+        assert_ne!(nameless, SLIDER_CRANK);
+        let model = testing::read(&nameless);
+        let names: Vec<&str> = model.mechanism.joints().iter().map(|j| j.name.as_str()).collect();
+        assert_eq!(names, ["drive", "RevoluteJoint 2", "pin", "guide"]);
+        let general = SLIDER_CRANK.replacen("RotationalMotion", "GeneralMotion", 1);
+        let read = testing::read(&general);
+        assert!(read.ignored.contains(&"1 × GeneralMotion".to_owned()), "{:?}", read.ignored);
+        assert!(read.mechanism.actuated_coordinates().is_empty());
+        let own = "\t\t\tFixedJoint\n\t\t\t\tName\n\t\t\t\t\tself\n\t\t\t\tMarkerI\n\t\t\t\t\t/slider-crank/pivot\n\t\t\t\tMarkerJ\n\t\t\t\t\t/slider-crank/guide\n";
+        let motions = "\t\tMotions\n";
+        assert!(SLIDER_CRANK.contains(motions));
+        let read = testing::read(&SLIDER_CRANK.replacen(motions, &(own.to_owned() + motions), 1));
+        let listed = "1 × joint \"self\" of a part with itself".to_owned();
+        assert!(read.ignored.contains(&listed), "{:?}", read.ignored);
+        assert_eq!(read.mechanism, testing::read(SLIDER_CRANK).mechanism);
+    }
+
+    #[test]
+    fn an_offset_of_a_plane_is_kept() {
+        let planar = SLIDER_CRANK.replacen("SphericalJoint", "PlanarJoint", 1);
+        let end = "/slider-crank/slider/pin\n";
+        let with_offset =
+            planar.replacen(end, &format!("{end}\t\t\t\toffset\n\t\t\t\t\t0.25\n"), 1);
+        assert_ne!(planar, with_offset);
+        let [flat, raised] = [planar, with_offset].map(|text| {
+            let joints = testing::read(&text).mechanism.joints().to_vec();
+            joints.iter().find(|joint| joint.name == "pin").unwrap().frames[0]
+        });
+        let shift = (flat.inverse() * raised).translation.vector;
+        assert!((shift - Vector3::new(0.0, 0.0, 0.25)).amax() < 1e-12, "{shift}");
+    }
+
+    #[test]
     fn what_would_change_the_mechanism_is_refused() {
         let refuse = |from: &str, to: &str, blamed: &str, message: &str| {
             testing::refuse(SLIDER_CRANK, from, to, blamed, message);
         };
-        refuse("RevoluteJoint", "GearJoint", "GearJoint", "imported are FixedJoint");
+        refuse("RevoluteJoint", "AngleJoint", "AngleJoint", "imported are FixedJoint");
+        refuse("RevoluteJoint", "GearJoint", "GearJoint", "needs `radiusI`");
         refuse(
             "/slider-crank/crank/tip",
             "/slider-crank/crank/tap",
             "/slider-crank/crank/tap",
             "did you mean",
         );
-        refuse("RotationalMotion", "GeneralMotion", "GeneralMotion", "motion \"GeneralMotion\"");
+        refuse("RotationalMotion", "AllowRotation", "AllowRotation", "motion \"AllowRotation\"");
         refuse("0.1\t0.0\t0.0", "0.1\tx\t0.0", "0.1\tx\t0.0", "3 numbers");
     }
 
@@ -537,7 +692,7 @@ mod tests {
     fn truncated_assemblies_do_not_panic() {
         for cut in (0..SLIDER_CRANK.len()).step_by(7) {
             for text in [&SLIDER_CRANK[..cut], &SLIDER_CRANK[cut..]] {
-                let text = format!("{FIRST_LINE}\n{text}");
+                let text = format!("{}\n{text}", FIRST_LINES[0]);
                 if let Err(error) = parse_with_unit(&text, LengthUnit::Meter) {
                     let _ = error.with_excerpt("x");
                 }

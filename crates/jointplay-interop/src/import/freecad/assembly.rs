@@ -6,9 +6,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use jointplay_core::mechanism::JointKind;
 use jointplay_core::spatial::Pose;
+use nalgebra::{Matrix3, Rotation3, UnitVector3, Vector3};
 use roxmltree::Node;
 
 use super::document::{Document, Object, Reference, UNIT};
+use super::gearing::{DrawnJoints, Gearing};
 use super::joint_limits::{self, FrameLimit, FrameMotion, RangeEnd};
 use super::placed_joint::{PlacedFrame, placed_joint};
 use crate::import::draft::Draft;
@@ -35,8 +37,9 @@ const JOINT_TYPES: [&str; 13] = [
     "Gears",
     "Belt",
 ];
-const SUPPORTED: Advice =
-    Advice("imported are the joints Fixed, Revolute, Cylindrical, Slider and Ball");
+const SUPPORTED: Advice = Advice(
+    "imported are the joints Fixed, Revolute, Cylindrical, Slider, Ball, RackPinion, Screw, Gears and Belt",
+);
 
 /// Reads the assembly of a document.
 pub(in crate::import) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Imported, Error> {
@@ -44,19 +47,29 @@ pub(in crate::import) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Resul
     let assembly = only_assembly(&document, root)?;
     let name = document.label(assembly)?;
     let (parts, joints) = (BTreeMap::new(), BTreeMap::new());
-    let mut reader = Reader { draft, document: &document, assembly, parts, joints };
+    let poses = Vec::new();
+    let mut reader = Reader { draft, document: &document, assembly, parts, poses, joints };
     let members = reader.members()?;
     // The base is the assembly itself; without a grounded part it is no link.
     let (grounds, joints): (Vec<_>, Vec<_>) =
         members.joints.iter().partition(|joint| joint.has("ObjectToGround"));
     if !grounds.is_empty() {
         reader.draft.add_link(name.clone(), place(assembly.node))?;
+        reader.poses.push(Pose::identity());
     }
     for ground in grounds {
         reader.add_ground(ground)?;
     }
+    // The joints that carry parts are complete before those that relate their motions.
+    let mut gearings = Vec::new();
     for joint in joints {
-        reader.add_joint(joint)?;
+        match reader.gearing(joint)? {
+            Some(gearing) => gearings.push((joint, gearing)),
+            None => reader.add_joint(joint)?,
+        }
+    }
+    for (joint, gearing) in gearings {
+        reader.add_gearing(joint, gearing)?;
     }
     for motion in members.motions {
         reader.add_motion(motion)?;
@@ -124,6 +137,8 @@ struct Reader<'d, 'a> {
     assembly: &'d Object<'a>,
     /// Links by the names of their parts.
     parts: BTreeMap<&'a str, usize>,
+    /// Pose of each link in the assembly.
+    poses: Vec<Pose>,
     /// Joints by their names in the file.
     joints: BTreeMap<&'a str, usize>,
 }
@@ -188,6 +203,42 @@ impl<'d, 'a> Reader<'d, 'a> {
         let second = self.frame(joint, "Reference2", "Placement2")?;
         let limits = self.limits(joint, kind)?;
         self.add(joint, kind, [&first, &second], &limits)
+    }
+
+    /// The relation of a joint between the motions of two parts.
+    fn gearing(&self, joint: &'d Object<'a>) -> Result<Option<Gearing>, Error> {
+        let number = |name| self.document.number(joint, name);
+        let length = |name| Ok::<f64, Error>(UNIT.to_meters(number(name)?));
+        Ok(match self.document.choice(joint, "JointType", &JOINT_TYPES)? {
+            "Gears" => Some(Gearing::Gears([number("Distance")?, number("Distance2")?])),
+            "Belt" => Some(Gearing::Gears([number("Distance")?, -number("Distance2")?])),
+            "RackPinion" => Some(Gearing::Rack(length("Distance")?)),
+            "Screw" => Some(Gearing::Screw(length("Distance")?)),
+            _ => None,
+        })
+    }
+
+    fn add_gearing(&mut self, joint: &'d Object<'a>, gearing: Gearing) -> Result<(), Error> {
+        let first = self.frame(joint, "Reference1", "Placement1")?;
+        let second = self.frame(joint, "Reference2", "Placement2")?;
+        let is_taken =
+            |name: &str| self.draft.joint(name).is_some() || self.draft.is_coupling(name);
+        let name = unique(self.document, joint, is_taken)?;
+        let drawn = DrawnJoints::new(&self.draft.descriptions, &self.poses);
+        let coupling =
+            |a: &PlacedFrame, b: &PlacedFrame| drawn.coupling(name.clone(), gearing, [a, b]);
+        let found = match gearing {
+            // Either part may be the rack, which slides along z of its frame.
+            Gearing::Rack(_) => coupling(&rack(&first, &second), &second)
+                .or_else(|_| coupling(&rack(&second, &first), &first)),
+            _ => coupling(&first, &second),
+        };
+        let coupling = found.map_err(|advice| {
+            let what = format!("joint {name:?}");
+            self.document.xml.unsupported(joint.node, what, Advice(advice))
+        })?;
+        self.draft.add_coupling(coupling, place(joint.node));
+        Ok(())
     }
 
     fn add(
@@ -303,6 +354,7 @@ impl<'d, 'a> Reader<'d, 'a> {
         let name = unique(self.document, part, |name| self.draft.link(name).is_some())?;
         let link = self.draft.add_link(name, place(part.node))?;
         self.parts.insert(part.name, link);
+        self.poses.push(self.document.placement(part, "Placement")?);
         Ok(link)
     }
 
@@ -344,6 +396,19 @@ impl<'d, 'a> Reader<'d, 'a> {
         }
         Ok(limits)
     }
+}
+
+/// The frame of a rack: x is along z of the frame of its joint, z is that of the pinion.
+fn rack(rack: &PlacedFrame, pinion: &PlacedFrame) -> PlacedFrame {
+    let axes = [rack, pinion].map(|frame| frame.drawn.rotation * Vector3::z());
+    let along = axes[0] - axes[1] * axes[0].dot(&axes[1]);
+    let across = UnitVector3::try_new(along, 1e-9);
+    let turned = across.map_or_else(Rotation3::identity, |x| {
+        let z = UnitVector3::new_normalize(axes[1]);
+        let matrix = Matrix3::from_columns(&[x.into_inner(), z.cross(&x), z.into_inner()]);
+        rack.drawn.rotation.inverse() * Rotation3::from_matrix_unchecked(matrix)
+    });
+    rack.turned(turned)
 }
 
 /// The label of an object, with the name in the file where the label is taken.

@@ -28,7 +28,7 @@ pub(super) struct FrameLimit {
     pub(super) value: f64,
 }
 
-/// Applies limits to a joint, and lists those that it cannot have: a joint has both limits for each freedom, or none.
+/// Applies limits to a joint, and lists those of motions that it does not have.
 ///
 /// A drawn angle that is within the limits after whole turns starts there.
 pub(super) fn apply(joint: &mut Joint, limits: &[FrameLimit], ignore: &mut impl FnMut(String)) {
@@ -49,19 +49,16 @@ pub(super) fn apply(joint: &mut Joint, limits: &[FrameLimit], ignore: &mut impl 
     if used == 0 {
         return;
     }
-    if !ranges.iter().flatten().all(|value| value.is_finite()) {
-        ignore(format!(
-            "limits of joint {:?}, which do not bound each of its motions at both ends",
-            joint.name
-        ));
-        return;
-    }
     for (k, &[least, greatest]) in ranges.iter().enumerate() {
         if Some(k) == coordinate(joint.kind, FrameMotion::Turn) {
-            let turns = ((least - joint.guess[k]) / TAU).ceil() * TAU;
-            let within = joint.guess[k] + turns;
-            let is_outside = !(least..=greatest).contains(&joint.guess[k]);
-            if is_outside && within <= greatest {
+            let drawn = joint.guess[k];
+            let turns = match drawn < least {
+                true => ((least - drawn) / TAU).ceil(),
+                false => ((greatest - drawn) / TAU).floor(),
+            };
+            let within = drawn + turns * TAU;
+            let is_outside = !(least..=greatest).contains(&drawn);
+            if is_outside && (least..=greatest).contains(&within) {
                 joint.guess[k] = within;
             }
         }
@@ -112,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_are_kept_where_all_motions_have_both() {
+    fn limits_are_kept_at_the_ends_that_they_have() {
         use FrameMotion::{Slide, Turn};
         let range = [(Turn, LEAST, -1.0), (Turn, GREATEST, 2.0)];
         check(JointKind::Revolute, &[0.5], &range, &[[-1.0, 2.0]], &[0.5], 0);
@@ -120,11 +117,14 @@ mod tests {
         let more = [range[0], range[1], (Turn, LEAST, 0.0), (Turn, GREATEST, 3.0)];
         check(JointKind::Revolute, &[0.5], &more, &[[0.0, 2.0]], &[0.5], 0);
         // One end only, and a motion that the joint does not have.
-        check(JointKind::Revolute, &[0.5], &range[..1], &[], &[0.5], 1);
+        let endless = [f64::NEG_INFINITY, f64::INFINITY];
+        let open = [[-1.0, f64::INFINITY]];
+        check(JointKind::Revolute, &[0.5], &range[..1], &open, &[0.5], 0);
         check(JointKind::Prismatic, &[0.5], &range, &[], &[0.5], 1);
         check(JointKind::Spherical, &[0.0; 3], &range, &[], &[0.0; 3], 1);
         let both = [range[0], range[1], (Slide, LEAST, 0.1), (Slide, GREATEST, 0.3)];
-        check(JointKind::Cylindrical, &[0.2, 0.0], &both[2..], &[], &[0.2, 0.0], 1);
+        let slide = [[0.1, 0.3], endless];
+        check(JointKind::Cylindrical, &[0.2, 0.0], &both[2..], &slide, &[0.2, 0.0], 0);
         let expected = [[0.1, 0.3], [-1.0, 2.0]];
         check(JointKind::Cylindrical, &[0.2, 0.0], &both, &expected, &[0.2, 0.0], 0);
     }
@@ -142,5 +142,11 @@ mod tests {
         let negative = [(Turn, LEAST, -TAU), (Turn, GREATEST, -TAU / 2.0)];
         let expected = [[-TAU, -TAU / 2.0]];
         check(JointKind::Revolute, &[2.0], &negative, &expected, &[2.0 - TAU], 0);
+        // One end: the nearest angle within.
+        let least = [(Turn, LEAST, 7.0)];
+        check(JointKind::Revolute, &[2.0], &least, &[[7.0, f64::INFINITY]], &[2.0 + TAU], 0);
+        let greatest = [(Turn, GREATEST, -7.0)];
+        let expected = [[f64::NEG_INFINITY, -7.0]];
+        check(JointKind::Revolute, &[2.0], &greatest, &expected, &[2.0 - 2.0 * TAU], 0);
     }
 }

@@ -4,6 +4,7 @@ mod archive;
 pub(super) mod asmt;
 pub(super) mod assembly;
 mod document;
+mod gearing;
 mod joint_limits;
 mod placed_joint;
 

@@ -13,6 +13,22 @@ pub(super) struct PlacedFrame {
     pub(super) drawn: Pose,
 }
 
+impl PlacedFrame {
+    /// The frame at another point, in its own coordinates (m).
+    pub(super) fn shifted(&self, by: Vector3<f64>) -> Self {
+        self.moved(Pose::from_parts(Translation3::from(by), Rotation3::identity()))
+    }
+
+    /// The frame turned about its origin.
+    pub(super) fn turned(&self, by: Rotation3<f64>) -> Self {
+        self.moved(Pose::from_parts(Translation3::identity(), by))
+    }
+
+    fn moved(&self, by: Pose) -> Self {
+        Self { link: self.link, in_link: self.in_link * by, drawn: self.drawn * by }
+    }
+}
+
 /// A joint between two frames, which starts as drawn.
 pub(super) fn placed_joint(
     name: String,

@@ -1,4 +1,4 @@
-//! Loops and couplings: `connect` and `weld` between bodies or sites, `joint` between joints.
+//! Loops and couplings: `connect` and `weld` between bodies or sites, `joint` between joints, `tendon` between sums of joints.
 
 use jointplay_core::mechanism::{Coupling, JointCoordinate, JointKind};
 use jointplay_core::spatial::Pose;
@@ -26,14 +26,13 @@ impl<'a> Reader<'a> {
             "connect" => JointKind::Spherical,
             "weld" => JointKind::Fixed,
             "joint" => return self.coupling(node),
+            "tendon" => return self.tendon_equality(node),
             "flex" | "flexvert" | "flexstrain" => {
                 self.draft.ignore(tag);
                 return Ok(());
             }
             _ => {
-                let advice = Advice(
-                    "it couples joints by a tendon; couple them by a <joint> of equality, or set active=\"false\" to import the model without it",
-                );
+                let advice = Advice("set active=\"false\" to import the model without it");
                 return Err(xml.unsupported(node, format!("<{tag}> in equality"), advice));
             }
         };
@@ -80,32 +79,11 @@ impl<'a> Reader<'a> {
         let follower = self.draft.coordinate(&first)?;
         let second = attribute(node, "joint2");
         let leader = second.map(|second| self.draft.coordinate(&second)).transpose()?;
-        let coefficients = match attribute(node, "polycoef") {
-            Some(value) => {
-                let all: Vec<f64> = value
-                    .text
-                    .split_whitespace()
-                    .map(|number| number.parse().ok().filter(|number: &f64| number.is_finite()))
-                    .collect::<Option<_>>()
-                    .filter(|all: &Vec<f64>| (1..=5).contains(&all.len()))
-                    .ok_or_else(|| xml.unusable(&value, "1 to 5 numbers"))?;
-                if leader.is_some() && all.iter().skip(2).any(|&coefficient| coefficient != 0.0) {
-                    let advice = Advice("only constant and linear coefficients are supported");
-                    let what = "a polynomial of higher degree between joints";
-                    return Err(xml.unsupported(node, what, advice));
-                }
-                all
-            }
-            None => vec![0.0, 1.0],
-        };
-        let ratio = coefficients.get(1).copied().unwrap_or(1.0);
-        let reference =
-            |one: JointCoordinate| self.draft.descriptions[one.joint].guess.first().copied();
-        let reference = |one| reference(one).unwrap_or(0.0);
-        let mut offset = coefficients[0] + reference(follower);
+        let [constant, ratio] = self.linear_polynomial(node, leader.is_some())?;
+        let mut offset = constant + self.reference(follower);
         let mut terms = Vec::new();
         if let Some(leader) = leader {
-            offset -= ratio * reference(leader);
+            offset -= ratio * self.reference(leader);
             terms.push((leader, ratio));
         }
         let name = match xml.name(node)? {
@@ -116,6 +94,34 @@ impl<'a> Reader<'a> {
         self.draft.ignore_attributes(node, &used);
         self.draft.add_coupling(Coupling { name, follower, terms, offset }, place(node));
         Ok(())
+    }
+
+    /// Value of a coordinate in MuJoCo's reference configuration (m, rad).
+    pub(super) fn reference(&self, one: JointCoordinate) -> f64 {
+        self.draft.descriptions[one.joint].guess.first().copied().unwrap_or(0.0)
+    }
+
+    /// Constant and linear coefficient of an equality; others have to be zero where there is a variable.
+    pub(super) fn linear_polynomial(
+        &self,
+        node: Node<'a, 'a>,
+        has_variable: bool,
+    ) -> Result<[f64; 2], Error> {
+        let xml = self.draft.xml;
+        let Some(value) = attribute(node, "polycoef") else { return Ok([0.0, 1.0]) };
+        let all: Vec<f64> = value
+            .text
+            .split_whitespace()
+            .map(|number| number.parse().ok().filter(|number: &f64| number.is_finite()))
+            .collect::<Option<_>>()
+            .filter(|all: &Vec<f64>| (1..=5).contains(&all.len()))
+            .ok_or_else(|| xml.unusable(&value, "1 to 5 numbers"))?;
+        if has_variable && all.iter().skip(2).any(|&coefficient| coefficient != 0.0) {
+            let advice = Advice("only constant and linear coefficients are supported");
+            let what = "a polynomial of higher degree in an equality";
+            return Err(xml.unsupported(node, what, advice));
+        }
+        Ok([all[0], all.get(1).copied().unwrap_or(1.0)])
     }
 
     fn between_bodies(

@@ -10,6 +10,7 @@ mod defaults;
 mod include;
 mod placing;
 mod reader;
+mod tendons;
 
 pub use include::{Expanded, IncludeError, expand_includes};
 pub(super) use reader::read;

@@ -17,7 +17,7 @@ use super::placing::{Angles, PLACING, shift};
 use crate::import::draft::{Draft, bare};
 use crate::import::model::{Dialect, Imported};
 use crate::import::problem::Error;
-use crate::import::xml::{Advice, attribute, children, elements, place};
+use crate::import::xml::{Advice, ENDLESS, attribute, children, elements, place};
 use jointplay_format::mechanism::frame::{pose, some_perpendicular};
 
 /// Elements of a body that do not affect the mechanism.
@@ -303,7 +303,12 @@ impl<'a> Reader<'a> {
                     return Err(xml.unsupported(node, "a range alone", advice));
                 }
             };
+            let [least, most] = [least, most].map(|end| match end.abs() < ENDLESS {
+                true => end,
+                false => f64::INFINITY.copysign(end),
+            });
             match (limited, has_axis) {
+                (true, true) if least.is_infinite() && most.is_infinite() => {}
                 (true, true) if least < most => joint.limits = vec![[least, most].map(si)],
                 (true, true) => return Err(xml.unusable(&range, "the least before the greatest")),
                 (true, false) => passed_over = Some("range of a ball"),
@@ -457,6 +462,9 @@ mod tests {
         assert_eq!(limits("range=\"1 2\" limited=\"auto\""), [[1.0, 2.0]]);
         assert!(limits("range=\"1 2\" limited=\"false\"").is_empty());
         assert!(limits("range=\"0 0\"").is_empty());
+        assert_eq!(limits("range=\"-1e10 2\""), [[f64::NEG_INFINITY, 2.0]]);
+        assert_eq!(limits("range=\"1 1e12\""), [[1.0, f64::INFINITY]]);
+        assert!(limits("range=\"-1e10 1e10\"").is_empty());
         // A joint whose reference is not zero keeps its own coordinates.
         let joint = joint("<joint type=\"slide\" ref=\"0.5\" range=\"0 1\"/>");
         assert_eq!((joint.limits, joint.guess), (vec![[0.0, 1.0]], vec![0.5]));

@@ -173,7 +173,8 @@ impl<'a> Frames<'a> {
         value.map(|value| self.find(scope, &value)).transpose()
     }
 
-    fn find(&self, scope: usize, value: &Value<'a>) -> Result<usize, Error> {
+    /// The frame with a name, as seen from a scope.
+    pub(super) fn find(&self, scope: usize, value: &Value<'a>) -> Result<usize, Error> {
         if value.text == "__model__" && scope != WORLD || value.text == "world" && scope == WORLD {
             return Ok(scope);
         }

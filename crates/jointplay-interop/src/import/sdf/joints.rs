@@ -11,15 +11,12 @@ use super::reader::Reader;
 use crate::import::draft::bare;
 use crate::import::problem::Error;
 use crate::import::xml::{
-    Advice, Value, attribute, child, children, content, elements, is_foreign, place,
+    Advice, attribute, child, children, content, elements, is_foreign, place,
 };
 use jointplay_format::mechanism::frame::{pose, some_perpendicular};
 
 /// Largest deviation of the axes of a universal joint from perpendicular (rad).
 const PERPENDICULAR: f64 = 1e-6;
-
-/// Numbers from here on mean no limit.
-const ENDLESS: f64 = 1e16;
 
 impl<'a> Reader<'a> {
     pub(super) fn joint(&mut self, frame: usize) -> Result<(), Error> {
@@ -67,18 +64,15 @@ impl<'a> Reader<'a> {
         let links = ends.map(|end| self.link_of_frame[end].expect("every end is a link"));
         let name = self.shown(frame).to_owned();
         let mut joint = bare(name, kind, links, frames);
-        let limits: Option<Vec<_>> = axes
-            .into_iter()
-            .flatten()
-            .map(|name| self.limits(node, name))
-            .collect::<Result<_, _>>()?;
+        let named = axes.into_iter().flatten();
+        let limits = named.map(|name| self.limits(node, name)).collect::<Result<Vec<_>, _>>()?;
         let takes_limits = !matches!(kind, JointKind::Helical { .. }) && value.text != "continuous";
-        match limits {
-            Some(limits) if takes_limits => joint.limits = limits,
-            Some(limits) if !limits.is_empty() => {
+        if limits.iter().flatten().any(|end| end.is_finite()) {
+            if takes_limits {
+                joint.limits = limits;
+            } else {
                 self.draft.ignore(format!("limit of a {} joint", value.text));
             }
-            _ => {}
         }
         self.draft.add_joint(joint, place(node))
     }
@@ -101,7 +95,7 @@ impl<'a> Reader<'a> {
                             _ if is_foreign(inner) => {
                                 ignored.push(inner_name.to_owned());
                             }
-                            "xyz" | "use_parent_model_frame" => {}
+                            "xyz" | "use_parent_model_frame" | "mimic" => {}
                             "limit" => {
                                 let sides = ["lower", "upper"];
                                 let all = children(inner).map(|side| side.tag_name().name());
@@ -110,13 +104,6 @@ impl<'a> Reader<'a> {
                             }
                             "dynamics" | "initial_position" => {
                                 ignored.push(format!("{inner_name} of a joint"));
-                            }
-                            "mimic" => {
-                                let advice = Advice(
-                                    "it couples joints, which only URDF and MJCF are read with; remove it to import the model without it",
-                                );
-                                let what = "a joint that mimics another";
-                                return Err(self.draft.xml.unsupported(inner, what, advice));
                             }
                             _ => return refused(inner, &format!("<{inner_name}> of an axis")),
                         }
@@ -171,31 +158,20 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Least and greatest coordinate about an axis, if both are given (m, rad).
-    fn limits(
-        &mut self,
-        joint: Node<'a, 'a>,
-        axis: &'static str,
-    ) -> Result<Option<[f64; 2]>, Error> {
+    /// Least and greatest coordinate about an axis, infinite where there is none (m, rad).
+    fn limits(&mut self, joint: Node<'a, 'a>, axis: &'static str) -> Result<[f64; 2], Error> {
+        const NONE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
         let limit = elements(joint, axis).flat_map(|axis| elements(axis, "limit")).next();
-        let Some(limit) = limit else { return Ok(None) };
-        let [least, most] = ["lower", "upper"]
-            .map(|side| child(limit, side).map(|value| self.bound(&value)).transpose());
-        match (least?.flatten(), most?.flatten()) {
-            (Some(least), Some(most)) if least < most => return Ok(Some([least, most])),
-            (Some(_), Some(_)) => self.draft.ignore("limit whose lower is not below its upper"),
-            (None, None) => {}
-            _ => self.draft.ignore("limit on one side"),
+        let Some(limit) = limit else { return Ok(NONE) };
+        let end = |side: usize| {
+            let value = child(limit, ["lower", "upper"][side]);
+            value.map_or(Ok(NONE[side]), |value| self.draft.xml.bound(&value))
+        };
+        let (least, most) = (end(0)?, end(1)?);
+        if least < most {
+            return Ok([least, most]);
         }
-        Ok(None)
-    }
-
-    /// A limit; `None` for a number that means no limit.
-    fn bound(&self, value: &Value<'a>) -> Result<Option<f64>, Error> {
-        match value.text.parse::<f64>() {
-            Ok(bound) if bound.abs() >= ENDLESS => Ok(None),
-            Ok(bound) if bound.is_finite() => Ok(Some(bound)),
-            _ => Err(self.draft.xml.unusable(value, "a number")),
-        }
+        self.draft.ignore("limit whose lower is not below its upper");
+        Ok(NONE)
     }
 }

@@ -5,6 +5,7 @@
 
 mod frames;
 mod joints;
+mod mimics;
 mod pose;
 mod reader;
 

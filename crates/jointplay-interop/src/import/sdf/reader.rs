@@ -89,6 +89,9 @@ pub(in crate::import) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Resul
     for index in 0..reader.joints.len() {
         reader.joint(reader.joints[index])?;
     }
+    for index in 0..reader.joints.len() {
+        reader.mimics(reader.joints[index])?;
+    }
     reader.actuate();
     reader.add_floating_joints()?;
     reader.draft.finish(name, Dialect::Sdf)
@@ -385,7 +388,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_are_imported_only_with_both_bounds() {
+    fn limits_may_have_one_end() {
         let limit = |kind: &str, lower: &str, upper: &str| {
             let limit = format!("<limit><lower>{lower}</lower><upper>{upper}</upper></limit>");
             let model = knee(
@@ -398,7 +401,12 @@ mod tests {
         assert_eq!(limit("prismatic", "-2", "3"), (vec![[-2.0, 3.0]], String::new()));
         assert_eq!(limit("revolute", "-inf", "inf"), (vec![], String::new()));
         assert_eq!(limit("revolute", "-1e16", "1e16"), (vec![], String::new()));
-        assert_eq!(limit("revolute", "-1e16", "1"), (vec![], "1 × limit on one side".to_owned()));
+        let upper = (vec![[f64::NEG_INFINITY, 1.0]], String::new());
+        assert_eq!(limit("revolute", "-1e16", "1"), upper);
+        let lower = (vec![[-1.0, f64::INFINITY]], String::new());
+        assert_eq!(limit("revolute", "-1", "inf"), lower);
+        let one = "<axis><limit><lower>0.2</lower></limit></axis>";
+        assert_eq!(knee("prismatic", one).mechanism.joints()[0].limits, [[0.2, f64::INFINITY]]);
         let reversed = "1 × limit whose lower is not below its upper";
         assert_eq!(limit("revolute", "0", "0"), (vec![], reversed.to_owned()));
         assert_eq!(limit("screw", "0", "1"), (vec![], "1 × limit of a screw joint".to_owned()));
@@ -454,7 +462,18 @@ mod tests {
             "<joint name=\"knee\" type=\"screw\">",
             "needs `screw_thread_pitch`",
         );
-        refuse("</axis>", "<mimic joint=\"x\"/></axis>", "<mimic joint=\"x\"/>", "couples joints");
+        refuse("</axis>", "<mimic joint=\"x\"/></axis>", "x", "frame \"x\" is not known");
+        refuse("</axis>", "<mimic joint=\"hip\"/></axis>", "hip", "the name of a joint");
+        refuse("</axis>", "<mimic/></axis>", "<mimic/>", "`mimic` needs `joint`");
+        let itself = "<mimic joint=\"knee\"/>";
+        let axis = format!("{itself}</axis>");
+        testing::refuse(ARM, "</axis>", &axis, itself, "twice");
+        let second = "<mimic joint=\"knee\" axis=\"axis2\"/></axis>";
+        refuse("</axis>", second, "axis2", "an axis of a joint");
+        let third = "<mimic joint=\"knee\" axis=\"axis3\"/></axis>";
+        refuse("</axis>", third, "axis3", "axis or axis2");
+        let text = "<mimic joint=\"knee\"><offset>much</offset></mimic></axis>";
+        refuse("</axis>", text, "much", "a number");
         refuse(
             "</axis>",
             "</axis><gearbox_ratio>2</gearbox_ratio>",

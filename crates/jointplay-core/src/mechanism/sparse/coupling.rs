@@ -1,0 +1,131 @@
+//! Couplings linearized in the twists of the links.
+
+use nalgebra::{DVector, Vector6};
+
+use super::linear::JointRow;
+use crate::mechanism::coupling_rows::{CouplingRow, coupling_rows};
+use crate::mechanism::kinematics::Kinematics;
+
+/// A coupling, with the joint of each of its coordinates.
+#[derive(Debug, Clone)]
+pub(super) struct SparseCoupling {
+    row: CouplingRow,
+    joints: Vec<usize>,
+    /// Moving links of these joints, ascending, each once.
+    links: Vec<usize>,
+}
+
+/// The couplings of a mechanism.
+///
+/// # Arguments
+/// * `length` – characteristic length (m)
+pub(super) fn sparse_couplings(kinematics: &Kinematics<'_>, length: f64) -> Vec<SparseCoupling> {
+    let mechanism = kinematics.mechanism();
+    let rows = coupling_rows(kinematics, length).into_iter();
+    let couplings = rows.zip(mechanism.couplings()).map(|(row, coupling)| {
+        let joints: Vec<usize> = coupling.coordinates().map(|one| one.joint).collect();
+        let ends = joints.iter().flat_map(|&joint| mechanism.joints()[joint].links);
+        let mut links: Vec<usize> = ends.filter(|&link| link != 0).collect();
+        links.sort_unstable();
+        links.dedup();
+        SparseCoupling { row, joints, links }
+    });
+    couplings.collect()
+}
+
+impl SparseCoupling {
+    /// Violation, in radians and characteristic lengths.
+    pub(super) fn residual(&self, coordinates: &DVector<f64>) -> f64 {
+        self.row.residual(|k| coordinates[k])
+    }
+
+    /// Moving links that it connects, ascending.
+    pub(super) fn links(&self) -> &[usize] {
+        &self.links
+    }
+
+    /// The coupling linearized at the joints of a mechanism.
+    pub(super) fn linear(&self, joints: &[JointRow], coordinates: &DVector<f64>) -> LinearCoupling {
+        let mut gradients = vec![Vector6::zeros(); self.links.len()];
+        for (&j, &(k, factor)) in self.joints.iter().zip(&self.row.entries) {
+            let joint = &joints[j];
+            let Some(row) = joint.follows.iter().position(|&follows| follows == k) else {
+                continue;
+            };
+            let rate = joint.rates.row(row).transpose() * factor;
+            for (side, sense) in [(0, -1.0), (1, 1.0)] {
+                if let Ok(place) = self.links.binary_search(&joint.links[side]) {
+                    gradients[place] += joint.transport(side).tr_mul(&rate) * sense;
+                }
+            }
+        }
+        let gradient = self.links.iter().copied().zip(gradients).collect();
+        LinearCoupling {
+            gradient,
+            terms: self.row.entries.clone(),
+            mismatch: self.residual(coordinates),
+        }
+    }
+}
+
+/// A coupling in the twists of the links.
+///
+/// ```text
+///    g · x  =  −mismatch − Σ factor · q̇        q̇: rates of the coordinates at x = 0
+/// ```
+#[derive(Debug, Clone)]
+pub(super) struct LinearCoupling {
+    /// Links, with the six derivatives by the twist of each.
+    gradient: Vec<(usize, Vector6<f64>)>,
+    /// Index and factor of each coordinate.
+    terms: Vec<(usize, f64)>,
+    /// Violation, in radians and characteristic lengths.
+    pub(super) mismatch: f64,
+}
+
+impl LinearCoupling {
+    /// g · x.
+    pub(super) fn apply(&self, x: &[f64]) -> f64 {
+        let along = |&(link, ref gradient): &(usize, Vector6<f64>)| {
+            (0..6).map(|axis| gradient[axis] * x[6 * (link - 1) + axis]).sum::<f64>()
+        };
+        self.gradient.iter().map(along).sum()
+    }
+
+    /// Adds g · y to a vector of twists.
+    pub(super) fn add_transposed(&self, y: f64, x: &mut DVector<f64>) {
+        for &(link, ref gradient) in &self.gradient {
+            (0..6).for_each(|axis| x[6 * (link - 1) + axis] += gradient[axis] * y);
+        }
+    }
+
+    /// Change of the violation by rates of coordinates (m, rad).
+    pub(super) fn change(&self, rates: &DVector<f64>) -> f64 {
+        self.terms.iter().map(|&(k, factor)| factor * rates[k]).sum()
+    }
+
+    /// Entries of the lower triangle of g gᵀ, in the order of [`for_each_coupled`].
+    pub(super) fn for_each_product(&self, mut see: impl FnMut(f64)) {
+        let links: Vec<usize> = self.gradient.iter().map(|&(link, _)| link).collect();
+        for_each_coupled(&links, |(a, row), (b, column), _, _| {
+            see(self.gradient[a].1[row] * self.gradient[b].1[column]);
+        });
+    }
+}
+
+/// Entries of the lower triangle that a coupling of links touches: place among the links and axis of the row, those of the column; row and column of the matrix.
+pub(super) fn for_each_coupled(
+    links: &[usize],
+    mut see: impl FnMut((usize, usize), (usize, usize), usize, usize),
+) {
+    for (a, &lower) in links.iter().enumerate() {
+        for (b, &upper) in links[..=a].iter().enumerate() {
+            for row in 0..6 {
+                let columns = if a == b { row + 1 } else { 6 };
+                for column in 0..columns {
+                    see((a, row), (b, column), 6 * (lower - 1) + row, 6 * (upper - 1) + column);
+                }
+            }
+        }
+    }
+}
