@@ -278,6 +278,7 @@ def test_mobility(ask, name):
     assert len(found.redundant_constraints) == len(report["redundant_constraints"])
     for one, reported in zip(found.redundant_constraints, report["redundant_constraints"]):
         assert [one.what, list(one.joints)] == [reported["what"], reported["joints"]]
+        assert list(one.couplings) == reported["couplings"]
         assert [one.group, one.independent] == [reported["group"], reported["independent"]]
         for load, in_mm in zip(one.remove_any_one_of, reported["remove_any_one_of"]):
             assert load.joint == in_mm["joint"]
@@ -286,6 +287,8 @@ def test_mobility(ask, name):
     basis = report["redundant_constraint_basis"]
     assert found.redundant_constraints_sparsest == basis["sparsest"]
     assert list(found.joints_in_all_self_stresses) == basis["joints_in_all"]
+    assert list(found.couplings_in_all_self_stresses) == basis["couplings_in_all"]
+    assert found.couplings == report.get("couplings", 0)
     for link, motion in report["link_motions"].items():
         mine = found.link_motions[link]
         assert (mine.dimension, mine.translations) == (motion["dimension"], motion["translations"])
@@ -677,3 +680,43 @@ def test_units_are_those_of_the_command(tmp_path, ask, library, gpr, monkeypatch
     (tmp_path / "lib" / "libjointplay.so").write_bytes(library.read_bytes())
     if sys.platform == "linux":
         assert mechanism.to_fmu(name="gpr-mechanism") == unit
+
+
+GEARS = """
+kind = "mechanism"
+name = "gear ring"
+units = { length = "mm", angle = "deg" }
+base = "frame"
+joint = [
+  { name = "A", kind = "revolute", links = ["frame", "a"], point = [0, 0, 0], axis = [0, 0, 1], actuated = true },
+  { name = "nut", kind = "cylindrical", links = ["frame", "b"], point = [30, 0, 0], axis = [0, 0, 1] },
+]
+coupling = [
+  { name = "mesh", coordinate = "nut[1]", terms = [{ coordinate = "A", ratio = -2 }] },
+  { name = "thread", coordinate = "nut[0]", terms = [{ coordinate = "nut[1]", ratio = "5 / 360" }], offset = 2 },
+  { name = "feed", coordinate = "nut[0]", terms = [{ coordinate = "A", ratio = "-10 / 360" }], offset = 2 },
+]
+"""
+
+
+def test_couplings(ask, tmp_path):
+    path = tmp_path / "gears.toml"
+    path.write_text(GEARS)
+    gears = jp.Mechanism.from_file(path)
+    mesh, thread, feed = gears.couplings
+    assert (mesh.name, mesh.coordinate, mesh.terms, mesh.offset) == ("mesh", "nut[1]", (("A", -2.0),), 0.0)
+    # 5 mm a turn, in metres and radians.
+    assert thread.terms[0][0] == "nut[1]"
+    assert thread.terms[0][1] == pytest.approx(0.005 / math.tau)
+    assert thread.offset == pytest.approx(0.002)
+    assert feed.name == "feed"
+    assert jp.Mechanism.from_catalogue("four-bar").couplings == ()
+    report = ask("mobility", path)
+    found = same(gears.mobility())
+    assert found.couplings == report["couplings"] == 3
+    [redundant] = found.redundant_constraints
+    assert redundant.joints == ()
+    assert list(redundant.couplings) == report["redundant_constraints"][0]["couplings"]
+    assert set(redundant.couplings) == {"mesh", "thread", "feed"}
+    assert set(found.couplings_in_all_self_stresses) == {"mesh", "thread", "feed"}
+    assert list(found.couplings_in_all_self_stresses) == report["redundant_constraint_basis"]["couplings_in_all"]

@@ -278,7 +278,7 @@ impl Input {
         Ok(closed)
     }
 
-    /// A note of the distance from the guess, where corrections from it do not close the loops.
+    /// A note of the distance from the guess, where corrections from it do not close the loops within the limits.
     fn note_search(&self, commands: &[(usize, f64)], closed: &Closure) {
         if !closed.is_searched {
             return;
@@ -292,7 +292,7 @@ impl Input {
             format!("; farthest from the guess is {} by {value} {unit}", moved.name)
         });
         console::note(&format!(
-            "the loops do not close from the guess: using the nearest closed configuration found within the limits{moved}"
+            "the loops do not close within the limits from the guess: using the nearest closed configuration found{moved}"
         ));
     }
 

@@ -195,14 +195,14 @@ pub enum Error {
     #[error(transparent)]
     NotAssembled(#[from] Box<crate::mechanism::Unassembled>),
     /// Virtual joints that do not make a commanded motion possible.
-    #[error(
-        "the virtual joints do not close the loops for this command: the smallest mismatch found is {residual:.3e} (radians and characteristic lengths), allowed is {allowed:.0e}; command a smaller motion, or add virtual joints"
-    )]
+    #[error("{}", not_relieved(*residual, *allowed, couplings))]
     NotRelieved {
         /// Largest mismatch that is left.
         residual: f64,
         /// Largest that counts as closed.
         allowed: f64,
+        /// Names of the couplings that the commanded values contradict, the most violated first; play at joints does not relieve them.
+        couplings: Vec<String>,
     },
     /// Virtual joints that close the loops for a command, but whose least displacement was not found.
     #[error(
@@ -372,4 +372,24 @@ pub(crate) fn length(what: &'static str, value: f64) -> Result<f64, Error> {
 /// `value` if finite.
 pub(crate) fn finite(what: &'static str, value: f64) -> Result<f64, Error> {
     if value.is_finite() { Ok(value) } else { Err(Error::NotFinite { what, value }) }
+}
+
+fn not_relieved(residual: f64, allowed: f64, couplings: &[String]) -> String {
+    let found = format!(
+        "the smallest mismatch found is {residual:.3e} (radians and characteristic lengths), allowed is {allowed:.0e}"
+    );
+    let names: Vec<String> = couplings.iter().map(|name| format!("{name:?}")).collect();
+    match names.len() {
+        0 => format!(
+            "the virtual joints do not close the loops for this command: {found}; command a smaller motion, or add virtual joints"
+        ),
+        1 => format!(
+            "the commanded values contradict coupling {}, which play at joints does not relieve: {found}; command values that satisfy it",
+            names[0]
+        ),
+        _ => format!(
+            "the commanded values contradict couplings {}, which play at joints does not relieve: {found}; command values that satisfy them",
+            names.join(", ")
+        ),
+    }
 }

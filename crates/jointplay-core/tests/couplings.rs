@@ -387,7 +387,100 @@ fn contradictory_couplings_are_named() {
     let held = |name: &str, offset| Coupling { terms: vec![], ..gear(name, 0, 0, 1.0, offset) };
     let door = door.with_couplings(vec![held("open", 1.0), held("shut", 0.0)]).unwrap();
     let error = assemble(&door, &guess(&door), &[], 5).unwrap_err();
-    assert!(error.to_string().contains("coupling \""), "{error}");
+    let message = error.to_string();
+    assert!(message.starts_with("the couplings contradict each other"), "{message}");
+    assert!(message.contains("; coupling \"") && !message.contains("loop"), "{message}");
+}
+
+/// What is worst is named alone, and a loop that is closed to round-off is not.
+#[test]
+fn the_worse_of_an_open_loop_and_a_violated_coupling_is_named() {
+    // A parallelogram cannot close if its coupler is too long; two brakes hold one crank.
+    let message = |coupler: f64, offset: f64| {
+        let free = planar(&[[0.0, 0.0], [0.5, 1.0], [2.5, 1.0], [2.0, 0.0]]);
+        let mut joints = free.joints().to_vec();
+        joints[2].frames[0].translation.x += coupler;
+        let held = |name: &str, offset| Coupling { terms: vec![], ..gear(name, 0, 0, 1.0, offset) };
+        let free = free.with_joints(joints).unwrap();
+        let both = free.with_couplings(vec![held("one", 0.0), held("two", offset)]).unwrap();
+        assemble(&both, &guess(&both), &[], 3).unwrap_err().to_string()
+    };
+    let loop_only = message(40.0, 0.0);
+    assert!(loop_only.starts_with("the loops cannot be closed"), "{loop_only}");
+    assert!(loop_only.contains("stays open by") && !loop_only.contains("coupling"), "{loop_only}");
+    let coupling_only = message(0.0, 0.2);
+    assert!(coupling_only.contains("is violated by"), "{coupling_only}");
+    assert!(!coupling_only.contains("e0 m and"), "{coupling_only}");
+}
+
+#[test]
+fn commands_that_contradict_couplings_name_them_and_advise_no_play() {
+    let hinge = |k: usize| {
+        joint(["A", "B", "C"][k], JointKind::Revolute, [0, k + 1], [0.0; 3], [0.0, 0.0, 1.0])
+    };
+    let wheels = Mechanism::new("wheels", names(4), (0..3).map(hinge).collect()).unwrap();
+    let train = vec![gear("AC", 2, 0, -2.0, 0.0), gear("CB", 1, 2, -0.5, 0.0)];
+    let wheels = wheels.with_couplings(train).unwrap();
+    let options = SuggestOptions::default();
+    let commands = [DVector::from_vec(vec![0.1, 0.3])];
+    let error = suggest(&wheels, &guess(&wheels), &[0, 1], &commands, &options).unwrap_err();
+    let Error::NotRelieved { couplings, .. } = &error else { panic!("{error}") };
+    // C is determined by A and by B; which of the two is wrong cannot be told.
+    let mut names = couplings.clone();
+    names.sort();
+    assert_eq!(names, ["AC", "CB"]);
+    let message = error.to_string();
+    assert!(
+        message.contains("contradict couplings") && !message.contains("add virtual"),
+        "{message}"
+    );
+    // Values that satisfy the train need no play.
+    let commands = [DVector::from_vec(vec![0.1, 0.1])];
+    assert!(!suggest(&wheels, &guess(&wheels), &[0, 1], &commands, &options).unwrap().needed);
+    // A loop that is in the way is none of the couplings.
+    let bars = planar(&[[0.0, 0.0], [0.5, 1.0], [2.5, 1.0], [2.0, 0.0]]);
+    let bars = bars.with_couplings(vec![gear("belt", 3, 0, -1.0, 0.0)]).unwrap();
+    let error = relieve_commanded(&bars, &[(0, 0.1), (1, 0.7)], None).unwrap_err();
+    let Error::NotRelieved { couplings, .. } = &error else { panic!("{error}") };
+    assert!(couplings.is_empty(), "{error}");
+}
+
+/// Three wheels with many couplings: without a bound, the basis of 200 self-stresses takes minutes.
+#[test]
+fn many_redundant_couplings_have_a_basis_soon() {
+    let hinge = |k: usize| {
+        joint(["A", "B", "C"][k], JointKind::Revolute, [0, k + 1], [0.0; 3], [0.0, 0.0, 1.0])
+    };
+    let wheels = Mechanism::new("wheels", names(4), (0..3).map(hinge).collect()).unwrap();
+    for (count, is_sparsest) in [(4, true), (200, false)] {
+        let all = (0..count).map(|k| gear(&format!("x{k}"), 1, 0, -2.0, 0.0));
+        let ring = [gear("BC", 2, 1, -0.5, 0.0), gear("CA", 0, 2, 1.0, 0.0)];
+        let coupled = wheels.clone().with_couplings(all.chain(ring).collect()).unwrap();
+        let system = MechanismSystem::new(&coupled, guess(&coupled)).unwrap();
+        let start = std::time::Instant::now();
+        let found = mobility(&coupled);
+        let first = &found.finite.instantaneous;
+        assert_eq!((first.mobility, first.redundancy), (1, count));
+        let stresses = self_stresses(&system, first).unwrap();
+        assert_eq!(stresses.sparsest, is_sparsest);
+        assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+        assert_eq!(stresses.stresses.iter().filter(|one| one.independent).count(), count);
+        assert!(stresses.couplings_in_all.is_empty() && stresses.in_all.is_empty());
+        let home = guess(&coupled);
+        for stress in &stresses.stresses {
+            // In equilibrium on every wheel; pairs of equal couplings, or one ring of three.
+            let mut torque = home.clone();
+            for one in &stress.couplings {
+                let coupling = &coupled.couplings()[one.coupling];
+                let (leader, ratio) = coupling.terms[0];
+                let force = one.force / 1.0_f64.hypot(ratio);
+                torque[coupling.follower.joint] += force;
+                torque[leader.joint] -= ratio * force;
+            }
+            assert!(torque.amax() < 1e-9, "{torque}");
+            assert!((2..=3).contains(&stress.couplings.len()), "{stress:?}");
+        }
+    }
 }
 
 /// Loops of four to seven joints with a screw among them.

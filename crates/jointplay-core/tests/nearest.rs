@@ -3,7 +3,8 @@
 
 use jointplay_core::Error;
 use jointplay_core::mechanism::{
-    Joint, JointKind, Kinematics, LinearAndAngular, Mechanism, assemble, nearest_closure,
+    Coupling, Joint, JointCoordinate, JointKind, Kinematics, LinearAndAngular, Mechanism, assemble,
+    close_commanded, nearest_closure,
 };
 use jointplay_core::nalgebra::{DVector, Matrix4, Rotation3, Translation3, Vector3};
 use jointplay_core::spatial::Pose;
@@ -116,6 +117,42 @@ fn limits_are_kept_and_the_nearest_may_be_on_one() {
     let held = nearest_closure(&mechanism, &guess, &[0], 30).unwrap().unwrap();
     assert_eq!(held.coordinates[0], 1.4);
     assert!(distance(held.coordinates.as_slice(), &closed) < 1e-9);
+}
+
+/// Two slides, y = 3 x + 0.1: the shortest correction from zeros makes x negative.
+#[test]
+fn a_correction_that_ends_beyond_limits_leads_to_the_nearest_configuration_within() {
+    let slide = |name, link, limits: [f64; 2]| Joint {
+        limits: vec![limits],
+        ..joint(name, JointKind::Prismatic, [0, link], [at(0.0), at(0.0)])
+    };
+    let slides = |x: [f64; 2], y: [f64; 2]| {
+        let joints = vec![slide("x", 1, x), slide("y", 2, y), slide("z", 3, [-9.0, 9.0])];
+        let coupling = Coupling {
+            name: "c".to_owned(),
+            follower: JointCoordinate { joint: 1, freedom: 0 },
+            terms: vec![(JointCoordinate { joint: 0, freedom: 0 }, 3.0)],
+            offset: 0.1,
+        };
+        let links = ["b", "c", "d", "e"].map(str::to_owned).to_vec();
+        Mechanism::new("t", links, joints).unwrap().with_couplings(vec![coupling]).unwrap()
+    };
+    let check = |mechanism: &Mechanism, commands: &[(usize, f64)], expected: [f64; 3]| {
+        let found = close_commanded(mechanism, commands, None).unwrap();
+        let off = (&found.coordinates - DVector::from_row_slice(&expected)).amax();
+        assert!(off < 1e-9, "{found:?}");
+        found.is_searched
+    };
+    let bounded = slides([0.0, 0.3], [-1.0, 1.0]);
+    assert!(check(&bounded, &[], [0.0, 0.1, 0.0]));
+    assert!(check(&bounded, &[(2, 1.0)], [0.0, 0.1, 1.0]));
+    // A correction that ends within is kept; so is a commanded value beyond its limits.
+    let wide = slides([-1.0, 1.0], [-1.0, 1.0]);
+    assert!(!check(&wide, &[], [-0.03, 0.01, 0.0]));
+    assert!(!check(&bounded, &[(0, -0.05)], [-0.05, -0.05, 0.0]));
+    // Without a configuration within the limits, the correction is returned.
+    let none = slides([0.0, 0.3], [-1.0, -0.5]);
+    assert!(!check(&none, &[], [-0.03, 0.01, 0.0]));
 }
 
 #[test]

@@ -9,9 +9,9 @@ use jointplay_core::mechanism::{
 };
 use jointplay_core::spatial::Pose;
 use jointplay_format::catalogue;
-use jointplay_format::mechanism::{self, with_loops};
+use jointplay_format::mechanism;
 use jointplay_interop::export::mechanism::{Error, Written, mjcf, sdf, urdf};
-use jointplay_interop::import::parse;
+use jointplay_interop::import::{Imported, parse, parse_closed};
 use nalgebra::{DMatrix, DVector, Rotation3, Translation3, Unit, Vector3};
 use proptest::prelude::*;
 
@@ -19,18 +19,24 @@ type Write = fn(&Mechanism, &DVector<f64>) -> Result<Written, Error>;
 
 const FORMATS: [(&str, Write); 3] = [("MJCF", mjcf), ("SDF", sdf), ("URDF", urdf)];
 
-/// Reads the files of an export.
+/// Reads the files of an export; what is read can be saved as a mechanism file.
 fn read(written: &Written) -> Mechanism {
-    let tree = parse(&written.text)
-        .map_err(|error| format!("{}\n{}", error.with_excerpt("written"), written.text))
-        .unwrap()
-        .mechanism;
-    match &written.loops {
-        None => tree,
+    let Written { text, loops, .. } = written;
+    let imported = match loops {
+        None => parse(text).map_err(|error| format!("{}\n{text}", error.with_excerpt("written"))),
         Some(loops) => {
-            with_loops(&tree, loops).map_err(|error| format!("{error:?}\n{loops}")).unwrap()
+            parse_closed(text, None, loops).map_err(|error| format!("{error}\n{text}\n{loops}"))
         }
-    }
+    };
+    saved(&imported.unwrap())
+}
+
+/// What a mechanism file of an imported model is read as.
+fn saved(imported: &Imported) -> Mechanism {
+    let text = mechanism::write(&imported.mechanism, None);
+    let found = mechanism::parse(&text).map_err(|errors| format!("{errors}\n{text}")).unwrap();
+    assert_eq!(found.mechanism, imported.mechanism);
+    found.mechanism
 }
 
 /// Singular values of the constraints of joints and virtual joints together, and the number of coordinates.
@@ -151,6 +157,79 @@ fn moved(format: &str, original: &Mechanism, at: &DVector<f64>, found: &Mechanis
     for (name, pose) in original.links().iter().zip(&poses) {
         let off = read_poses[found.link(name).unwrap()].to_homogeneous() - pose.to_homogeneous();
         assert!(off.amax() < 1e-8, "{format} {}: {name:?} by {}", original.name(), off.amax());
+    }
+}
+
+/// Joints and couplings whose names have a meaning in commands, as strangers write them.
+#[test]
+fn forbidden_names_of_joints_are_replaced_and_reported() {
+    let mjcf = r#"<mujoco><worldbody><body name="a,b"><joint name="x,y"/><geom size="1"/>
+        <body><joint name="x_y" type="slide"/><geom size="1"/></body></body></worldbody>
+        <equality><joint name="pair[1]" joint1="x,y" joint2="x_y"/></equality>
+        <actuator><motor joint="x,y"/></actuator></mujoco>"#;
+    let sdf = r#"<sdf version="1.9"><model name="m"><link name="l"/>
+        <joint name="j=1" type="revolute"><parent>world</parent><child>l</child>
+        <axis><xyz>0 0 1</xyz></axis></joint></model></sdf>"#;
+    let urdf = r#"<robot name="r"><link name="a"/><link name="b"/>
+        <joint name="j,=1 [0]" type="continuous"><parent link="a"/><child link="b"/></joint></robot>"#;
+    let check = |text: &str, joints: &[&str], renamed: &[[&str; 2]]| {
+        let imported = parse(text).map_err(|error| error.with_excerpt("model")).unwrap();
+        let found = saved(&imported);
+        let names: Vec<&str> = found.joints().iter().map(|joint| joint.name.as_str()).collect();
+        assert_eq!(names, joints);
+        for [old, new] in renamed {
+            let is_named = |one: &&String| {
+                one.contains(&format!("{old:?}")) && one.contains(&format!("{new:?}"))
+            };
+            assert_eq!(imported.ignored.iter().filter(is_named).count(), 1, "{imported:?}");
+        }
+        found
+    };
+    let found = check(mjcf, &["x_y (2)", "x_y"], &[["x,y", "x_y (2)"], ["pair[1]", "pair(1)"]]);
+    assert!(found.joints()[0].actuated && found.link("a,b").is_some());
+    assert_eq!(found.couplings()[0].name, "pair(1)");
+    check(sdf, &["j_1"], &[["j=1", "j_1"]]);
+    check(urdf, &["j__1 (0)"], &[["j,=1 [0]", "j__1 (0)"]]);
+    // A file of loops names joints as the model does.
+    let pair = r#"<robot name="pair"><link name="base"/><link name="left"/><link name="right"/>
+        <joint name="a[0]" type="continuous"><parent link="base"/><child link="left"/></joint>
+        <joint name="b" type="continuous"><parent link="base"/><child link="right"/></joint></robot>"#;
+    let loops = "closures:\n  - { link_a: left, link_b: right, point: [1, 0, 0], axis: [0, 0, 1] }\nindependent: ['a[0]']\ndependent: [b]\n";
+    let closed = parse_closed(pair, None, loops).unwrap();
+    let joints = saved(&closed).joints().to_vec();
+    assert!(joints[0].name == "a(0)" && joints[0].actuated && !joints[1].actuated);
+}
+
+/// Names of MuJoCo are unique among elements of a type.
+#[test]
+fn constraints_may_have_the_names_of_joints() {
+    let model = |equality: &str| {
+        format!(
+            r#"<mujoco><worldbody>
+            <body name="k"><joint name="k" axis="0 1 0"/><geom size="1"/>
+              <body name="m" pos="1 0 0"><joint name="m" axis="0 1 0"/><geom size="1"/></body></body>
+            </worldbody><equality>{equality}</equality></mujoco>"#
+        )
+    };
+    let read = |equality: &str| parse(&model(equality));
+    let names = |equality: &str| {
+        let imported = read(equality).map_err(|error| error.with_excerpt("model")).unwrap();
+        let found = saved(&imported);
+        let joints = found.joints().iter().map(|one| one.name.clone());
+        let couplings = found.couplings().iter().map(|one| one.name.clone());
+        joints.chain(couplings).collect::<Vec<_>>()
+    };
+    assert_eq!(names(r#"<joint name="k" joint1="k" joint2="m"/>"#), ["k", "m", "k (2)"]);
+    assert_eq!(names(r#"<joint name="own" joint1="k"/>"#), ["k", "m", "own"]);
+    for closure in ["connect", "weld"] {
+        let closure = format!("<{closure} name=\"m\" body1=\"m\" anchor=\"0 0 1\"/>");
+        let fixed = r#"<joint name="k" joint1="k" polycoef="0"/>"#;
+        assert_eq!(names(&format!("{closure}{fixed}")), ["k", "m", "m (2)", "k (2)"]);
+        assert_eq!(names(&format!("{fixed}{closure}")), ["k", "m", "m (2)", "k (2)"]);
+        // Two constraints of one name: MuJoCo refuses them, too.
+        let twice = format!("{closure}<joint name=\"m\" joint1=\"k\"/>");
+        let error = read(&twice).unwrap_err().with_excerpt("model");
+        assert!(error.contains("\"m\" is used twice"), "{error}");
     }
 }
 
@@ -319,9 +398,9 @@ terms = [{ coordinate = "turn", ratio = -1.5 }]
         let turned = |mechanism: &Mechanism, at: &DVector<f64>| {
             let turn = mechanism.joint("turn").unwrap();
             let index = Kinematics::new(mechanism).coordinates_of(turn).start;
-            let hook = mechanism.joints().iter().position(|one| one.name.contains("hook[0]"));
+            let hook = mechanism.joints().iter().position(|one| one.name.contains("hook(0)"));
             let hook = hook.unwrap_or_else(|| mechanism.joint("hook").unwrap());
-            let nut = mechanism.joints().iter().position(|one| one.name.contains("nut[1]"));
+            let nut = mechanism.joints().iter().position(|one| one.name.contains("nut(1)"));
             let nut = nut.map_or_else(
                 || {
                     Kinematics::new(mechanism).coordinates_of(mechanism.joint("nut").unwrap()).start
@@ -364,6 +443,108 @@ terms = [{ coordinate = "turn", ratio = -1.5 }]
     let twice = coupled(&format!("{thread}{second}"));
     let at = assemble(&twice, &guess(&twice), &[], 30).unwrap().coordinates;
     assert!(matches!(sdf(&twice, &at), Err(Error::Coupling { .. })));
+}
+
+/// Wheels A, B and C on parallel axes.
+fn wheels(actuated: [bool; 3], couplings: &[(&str, &str, &str, f64, f64)]) -> Mechanism {
+    let mut text = "kind = \"mechanism\"\nname = \"gears\"\nunits = { length = \"mm\", angle = \"rad\" }\nbase = \"frame\"\n".to_owned();
+    for ((k, name), actuated) in ["A", "B", "C"].into_iter().enumerate().zip(actuated) {
+        text += &format!(
+            "[[joint]]\nname = {name:?}\nkind = \"revolute\"\nlinks = [\"frame\", \"w{k}\"]\npoint = [{}, 0, 0]\naxis = [0, 0, 1]\nactuated = {actuated}\n",
+            30 * k
+        );
+    }
+    for (name, follower, leader, ratio, offset) in couplings {
+        text += &format!(
+            "[[coupling]]\nname = {name:?}\ncoordinate = {follower:?}\nterms = [{{ coordinate = {leader:?}, ratio = {ratio} }}]\noffset = {offset}\n"
+        );
+    }
+    mechanism::parse(&text).map_err(|errors| format!("{errors}\n{text}")).unwrap().mechanism
+}
+
+/// The rules of ROS: a joint mimics at most one other, none over others itself, and no joint that mimics has a command interface.
+fn check_mimics(text: &str) -> Vec<[String; 2]> {
+    let document = roxmltree::Document::parse(text).unwrap();
+    let root = document.root_element();
+    let elements = |name: &'static str| root.children().filter(move |one| one.has_tag_name(name));
+    let mut mimics = Vec::new();
+    for joint in elements("joint") {
+        let found: Vec<_> = joint.children().filter(|one| one.has_tag_name("mimic")).collect();
+        assert!(found.len() < 2, "{text}");
+        let name = joint.attribute("name").unwrap().to_owned();
+        mimics
+            .extend(found.iter().map(|one| [name.clone(), one.attribute("joint").unwrap().into()]));
+    }
+    let leader =
+        |of: &str| mimics.iter().find(|[one, _]| one == of).map(|[_, leader]| leader.as_str());
+    for [joint, _] in &mimics {
+        let chain = std::iter::successors(leader(joint), |one| leader(one));
+        assert!(
+            chain.take(mimics.len() + 1).count() <= mimics.len(),
+            "{joint} is in a cycle: {text}"
+        );
+    }
+    for joint in elements("ros2_control").flat_map(|one| one.children()) {
+        let commands = joint.children().filter(|one| one.has_tag_name("command_interface")).count();
+        let mimics = joint.attribute("name").is_some_and(|name| leader(name).is_some());
+        assert!(commands == 0 || !mimics, "{:?}: {text}", joint.attribute("name"));
+    }
+    mimics
+}
+
+#[test]
+fn joints_of_ros_mimic_in_no_cycle_and_have_no_command_interface() {
+    let urdf_of = |mechanism: &Mechanism| {
+        let at = assemble(mechanism, &guess(mechanism), &[], 50).unwrap().coordinates;
+        let written = urdf(mechanism, &at).unwrap();
+        let mimics = check_mimics(&written.text);
+        let found = check("URDF", mechanism, &at, &written);
+        (mimics, written.lost, found)
+    };
+    let pairs =
+        |all: &[[&str; 2]]| all.iter().map(|one| one.map(str::to_owned)).collect::<Vec<_>>();
+    // The follower has the motor.
+    let turned = wheels([false, true, false], &[("belt", "B", "A", -2.0, 0.5)]);
+    let (mimics, _, found) = urdf_of(&turned);
+    assert_eq!(mimics, pairs(&[["A", "B"]]));
+    let [belt] = found.couplings() else { panic!("{found:?}") };
+    assert_eq!((belt.terms[0].1, belt.offset), (-0.5, 0.25));
+    assert!(found.joints()[1].actuated);
+    // A follower of two is one of them and leads the other.
+    let (mimics, ..) = urdf_of(&wheels(
+        [true, false, false],
+        &[("AB", "B", "A", 2.0, 0.0), ("CB", "B", "C", 3.0, 0.1)],
+    ));
+    assert_eq!(mimics, pairs(&[["B", "A"], ["C", "B"]]));
+    // A ring of gears: the last coupling is implied by the others.
+    let ring =
+        [("AB", "B", "A", -2.0, 0.0), ("BC", "C", "B", -0.5, 0.0), ("CA", "A", "C", 1.0, 0.0)];
+    let elsewhere = |lost: &[String], name: &str| {
+        let start = format!("coupling {name:?} is in the file of loops");
+        assert!(lost.iter().any(|one| one.starts_with(&start)), "{lost:?}");
+    };
+    let (mimics, lost, found) = urdf_of(&wheels([true, false, false], &ring));
+    assert_eq!(mimics, pairs(&[["B", "A"], ["C", "B"]]));
+    elsewhere(&lost, "CA");
+    assert_eq!(found.couplings().len(), 3);
+    // Two motors on one train: one leads, the other is listed.
+    let (mimics, lost, _) = urdf_of(&wheels([false, true, true], &[ring[0], ring[1]]));
+    assert_eq!(mimics, pairs(&[["A", "B"], ["C", "B"]]));
+    assert!(lost.iter().any(|one| one == "actuator of \"C\": it follows \"B\""), "{lost:?}");
+    // A ring of another ratio stands still, and a ratio of zero fixes its follower.
+    let still = [ring[0], ring[1], ("CA", "A", "C", 1.1, 0.0)];
+    for (couplings, name) in [(&still[..], "CA"), (&[("still", "B", "A", 0.0, 0.3)], "still")] {
+        let fixed = wheels([true, false, false], couplings);
+        let (_, lost, _) = urdf_of(&fixed);
+        elsewhere(&lost, name);
+        let at = assemble(&fixed, &guess(&fixed), &[], 50).unwrap().coordinates;
+        assert!(matches!(sdf(&fixed, &at), Err(Error::Coupling { .. })), "{couplings:?}");
+    }
+    // In SDF a motor leads, too.
+    let at = guess(&turned);
+    let closed = assemble(&turned, &at, &[], 50).unwrap().coordinates;
+    let found = check("SDF", &turned, &closed, &sdf(&turned, &closed).unwrap());
+    assert_eq!(found.couplings()[0].follower.joint, found.joint("A").unwrap());
 }
 
 #[test]

@@ -131,9 +131,10 @@ fn class_and_facts<'py>(
                 .collect();
             ("NotAssembledError", fields!(py; branches = branches))
         }
-        E::NotRelieved { residual, allowed } => {
-            ("NotRelievedError", fields!(py; residual = *residual, allowed = *allowed))
-        }
+        E::NotRelieved { residual, allowed, couplings } => (
+            "NotRelievedError",
+            fields!(py; residual = *residual, allowed = *allowed, couplings = couplings.clone()),
+        ),
         E::NotReached { residual, allowed, iterations } => (
             "NotReachedError",
             fields!(py; residual = *residual, allowed = *allowed, iterations = *iterations),

@@ -11,13 +11,14 @@ use jointplay::format::mechanism::{
 use jointplay::format::three_rods;
 use jointplay::interop::import::{self, ClosedError, LoopsError};
 use jointplay::mechanism::joint::Coordinate;
-use jointplay::mechanism::{ChangedDimension, VirtualJoint};
+use jointplay::mechanism::{ChangedDimension, Coupling, JointCoordinate, Kinematics, VirtualJoint};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::gpr::PyGpr;
 use crate::model::Model;
 use crate::numbers::finite;
+use crate::skin::{self, fields};
 use crate::{errors, files};
 
 /// Values for coordinates by name, `{"crank": 0.5}`.
@@ -199,6 +200,29 @@ impl PyMechanism {
     #[getter]
     fn joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         PyTuple::new(py, self.file.mechanism.joints().iter().map(|joint| &joint.name))
+    }
+
+    /// Its couplings: linear relations between joint coordinates.
+    #[getter]
+    fn couplings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let mechanism = &self.file.mechanism;
+        let kinematics = Kinematics::new(mechanism);
+        let name = |one: JointCoordinate| {
+            let index = kinematics.coordinates_of(one.joint).start + one.freedom;
+            self.coordinates.all()[index].name.as_str()
+        };
+        let coupling = |coupling: &Coupling| {
+            let terms = coupling.terms.iter().map(|&(one, ratio)| (name(one), ratio));
+            let fields = fields!(py;
+                name = coupling.name.as_str(),
+                coordinate = name(coupling.follower),
+                terms = PyTuple::new(py, terms.collect::<Vec<_>>())?,
+                offset = coupling.offset,
+            );
+            skin::result(py, "Coupling", &fields)
+        };
+        let all = mechanism.couplings().iter().map(coupling).collect::<PyResult<Vec<_>>>()?;
+        PyTuple::new(py, all)
     }
 
     /// Names of the joint coordinates: that of the joint, with `[k]` where it has several freedoms.

@@ -71,6 +71,7 @@ pub(crate) fn mobility<'py>(
         let fields = fields!(py;
             what = one.what.as_str(),
             joints = PyTuple::new(py, &one.joints)?,
+            couplings = PyTuple::new(py, &one.couplings)?,
             group = one.group,
             independent = one.independent,
             remove_any_one_of = PyTuple::new(py, loads)?,
@@ -112,6 +113,12 @@ pub(crate) fn mobility<'py>(
     let in_all = stresses.in_all.iter().map(|&j| &mechanism.joints()[j].name);
     fields
         .set_item("joints_in_all_self_stresses", PyTuple::new(py, in_all.collect::<Vec<_>>())?)?;
+    let in_all = stresses.couplings_in_all.iter().map(|&k| &mechanism.couplings()[k].name);
+    fields.set_item(
+        "couplings_in_all_self_stresses",
+        PyTuple::new(py, in_all.collect::<Vec<_>>())?,
+    )?;
+    fields.set_item("couplings", mechanism.couplings().len())?;
     fields.set_item("link_motions", links)?;
     fields.set_item("near", near.transpose()?)?;
     skin::result(py, "MechanismMobility", &fields)
@@ -145,6 +152,8 @@ pub(crate) fn sparse_mobility<'py>(
         redundant_constraints = PyTuple::empty(py),
         redundant_constraints_sparsest = py.None(),
         joints_in_all_self_stresses = PyTuple::empty(py),
+        couplings_in_all_self_stresses = PyTuple::empty(py),
+        couplings = of.file.mechanism.couplings().len(),
         link_motions = PyDict::new(py),
         near = py.None(),
     );

@@ -23,7 +23,7 @@ pub struct RedundantConstraintReport {
     pub group: usize,
     /// Whether it is a member of the basis; the others depend on the basis.
     pub independent: bool,
-    /// Constraints of which the removal of any one removes this self-stress: its joints, in the direction of their forces and moments.
+    /// Constraints of which the removal of any one removes this self-stress: its joints, in the direction of their forces and moments; any one of `couplings` does, too.
     pub remove_any_one_of: Vec<CarriedReport>,
 }
 

@@ -1,11 +1,12 @@
 //! Configurations of mechanisms as documents.
 
+use jointplay::constraint::{CLOSURE_TOLERANCE, System as _};
 use jointplay::format::explain::explain;
 use jointplay::interop::export::MechanismShapes;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    Carrier, Closure, Kinematics, Mechanism, MechanismSystem, VirtualMotion, assemble,
-    close_sparse, exaggerated_link_poses, guess, pose_commanded,
+    Carrier, Closure, Kinematics, Mechanism, MechanismSystem, SparseSystem, VirtualMotion,
+    assemble, close_sparse, exaggerated_link_poses, guess, pose_commanded,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::plot::MechanismPicture;
@@ -44,6 +45,22 @@ impl ReadMechanism {
         Ok(pose_commanded(mechanism, &[], None)?.closed)
     }
 
+    /// A configuration that has to be closed.
+    pub(crate) fn closed_at(&self, coordinates: DVector<f64>) -> Result<Closure, jointplay::Error> {
+        let mechanism = &self.file.mechanism;
+        let residual = if MechanismSystem::fits(mechanism) {
+            let system = MechanismSystem::new(mechanism, coordinates.clone())?;
+            system.mismatch(&system.at_home())
+        } else {
+            SparseSystem::new(mechanism, coordinates.clone())?.residual()
+        };
+        let closed = Closure { coordinates, residual, iterations: 0, is_searched: false };
+        if closed.is_closed() {
+            return Ok(closed);
+        }
+        Err(jointplay::Error::NotClosed { residual, allowed: CLOSURE_TOLERANCE })
+    }
+
     /// The document of a closed configuration.
     ///
     /// # Arguments
@@ -64,7 +81,7 @@ impl ReadMechanism {
                 let decimals = self.coordinates.decimals(k);
                 format!("; farthest from the guess is {} by {value:.decimals$} {}", moved.name, self.coordinates.unit(k))
             });
-            format!("The loops do not close from the guess: this is the nearest closed configuration found within the limits{moved}.")
+            format!("The loops do not close within the limits from the guess: this is the nearest closed configuration found{moved}.")
         });
         Ok(ConfigurationDocument {
             coordinates: at.iter().copied().collect(),

@@ -70,6 +70,7 @@ from ._jointplay import (
 )
 from ._mechanisms import (
     Configuration,
+    Coupling,
     Jacobian,
     JointLoad,
     LinkMotion,

@@ -220,6 +220,8 @@ class NotRelievedError(NoAnswerError):
     """Largest residual mismatch, in radians and characteristic lengths."""
     allowed: float
     """Largest mismatch of closed loops."""
+    couplings: list[str]
+    """Couplings that the commanded values contradict, the most violated first; play at joints does not relieve them."""
 
 
 class UndeterminedError(NoAnswerError):

@@ -9,6 +9,7 @@ from ._analyses import BoundsCheck, Comparison, Mobility, Sensitivity, Study, Ti
 from ._cells import Samples
 from ._mechanisms import (
     Configuration,
+    Coupling,
     Jacobian,
     MechanismMobility,
     Motion,
@@ -369,6 +370,8 @@ class Mechanism:
     def links(self) -> tuple[str, ...]: ...
     @property
     def joints(self) -> tuple[str, ...]: ...
+    @property
+    def couplings(self) -> tuple[Coupling, ...]: ...
     @property
     def frames(self) -> tuple[str, ...]: ...
     @property

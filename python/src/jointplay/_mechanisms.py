@@ -55,6 +55,20 @@ class Configuration(Result, Mapping[str, float]):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Coupling(Result):
+    """A linear relation between joint coordinates: coordinate = offset + Σ ratio · term, such as that of gears, belts and screws."""
+
+    name: str
+    """Name of the coupling."""
+    coordinate: str
+    """The coordinate that follows the others."""
+    terms: tuple[tuple[str, float], ...]
+    """The other coordinates, each with its ratio [m/m, m/rad, rad/m or rad/rad]."""
+    offset: float
+    """Value of the coordinate with the others at zero [m, rad]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class JointLoad(Result):
     """Load of a joint in a self-stress, on the second link of the joint."""
 
@@ -76,6 +90,8 @@ class RedundantConstraint(Result):
     """In words, such as ``'moment about x, in A, B, C, D'``."""
     joints: tuple[str, ...]
     """The joints that transmit it."""
+    couplings: tuple[str, ...]
+    """The couplings that transmit it; removing any one of them removes it, too."""
     group: int
     """Number of its group, from 1; symmetries of the mechanism map the members of a group onto each other."""
     independent: bool
@@ -141,6 +157,10 @@ class MechanismMobility(Freedoms):
     """Whether no basis of self-stresses has fewer joints in total; ``None`` with sparse algebra, which finds no basis."""
     joints_in_all_self_stresses: tuple[str, ...]
     """Joints that take part in all self-stresses."""
+    couplings_in_all_self_stresses: tuple[str, ...]
+    """Couplings that take part in all self-stresses."""
+    couplings: int
+    """Number of couplings, a constraint each."""
     link_motions: Mapping[str, LinkMotion]
     """Instantaneous motion of each link but the base."""
     near: NearMobility | None

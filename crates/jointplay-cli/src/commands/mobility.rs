@@ -298,12 +298,22 @@ fn redundant_constraints(report: &MechanismMobilityReport) -> String {
     if all.len() > independent {
         let _ = writeln!(text, "  {independent} of these {} are independent", all.len());
     }
-    let _ = writeln!(
-        text,
-        "  to remove one: release any one of its joints along its force or about its moment"
+    let release = "release any one of its joints along its force or about its moment";
+    let remove = "remove any one of its couplings";
+    let (have_joints, have_couplings) = (
+        all.iter().any(|one| !one.joints.is_empty()),
+        all.iter().any(|one| !one.couplings.is_empty()),
     );
-    if !basis.joints_in_all.is_empty() {
-        let _ = writeln!(text, "  in all self-stresses: {}", basis.joints_in_all.join(", "));
+    let remedy = match (have_joints, have_couplings) {
+        (_, false) => release.to_owned(),
+        (false, true) => remove.to_owned(),
+        (true, true) => format!("{release}, or {remove}"),
+    };
+    let _ = writeln!(text, "  to remove one: {remedy}");
+    for (what, names) in [("", &basis.joints_in_all), ("couplings ", &basis.couplings_in_all)] {
+        if !names.is_empty() {
+            let _ = writeln!(text, "  {what}in all self-stresses: {}", names.join(", "));
+        }
     }
     text
 }

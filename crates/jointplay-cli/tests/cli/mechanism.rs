@@ -937,3 +937,43 @@ coupling = [{ name = "thread", coordinate = "nut[0]", terms = [{ coordinate = "n
     let found = sandbox.json("suggest press.toml --command \"nut[1] = 72\"");
     assert_eq!(found["open_chain"], false);
 }
+
+#[test]
+fn redundant_couplings_are_removed_and_not_released() {
+    let sandbox = Sandbox::new();
+    let wheel = |name: &str, actuated: bool| {
+        format!(
+            "[[joint]]\nname = {name:?}\nkind = \"revolute\"\nlinks = [\"frame\", \"wheel {name}\"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\nactuated = {actuated}\n"
+        )
+    };
+    let gear = |name: &str, follower: &str, leader: &str, ratio: f64| {
+        format!(
+            "[[coupling]]\nname = {name:?}\ncoordinate = {follower:?}\nterms = [{{ coordinate = {leader:?}, ratio = {ratio} }}]\n"
+        )
+    };
+    let head = "kind = \"mechanism\"\nname = \"ring\"\nunits = { length = \"mm\", angle = \"deg\" }\nbase = \"frame\"\n";
+    let text = [
+        head.to_owned(),
+        wheel("A", true),
+        wheel("B", true),
+        wheel("C", false),
+        gear("AB", "B", "A", -2.0),
+        gear("BC", "C", "B", -0.5),
+        gear("CA", "A", "C", 1.0),
+    ];
+    sandbox.write("ring.toml", &text.concat());
+    let text = sandbox.done("mobility ring.toml");
+    for words in [
+        "forces of couplings alone, in couplings AB, BC, CA",
+        "  to remove one: remove any one of its couplings\n",
+        "  couplings in all self-stresses: AB, BC, CA\n",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    assert!(!text.contains("release"), "{text}");
+    // Both motors are of one train: play at joints makes no difference.
+    let run = sandbox.run("suggest ring.toml");
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("contradict couplings \"AB\""), "{}", run.stderr);
+    assert!(!run.stderr.contains("virtual joints"), "{}", run.stderr);
+}

@@ -18,7 +18,7 @@ pub struct Closure {
     pub residual: f64,
     /// Corrections done.
     pub iterations: usize,
-    /// Whether corrections from the guess did not close the loops, so that the configuration is the nearest one that a search found.
+    /// Whether corrections from the guess did not close the loops within the limits, so that the configuration is the nearest one that a search found.
     pub is_searched: bool,
 }
 

@@ -40,6 +40,7 @@ mod span;
 mod sparse;
 mod suggest;
 mod suggest_options;
+mod supports;
 mod symmetry;
 mod system;
 mod tree;

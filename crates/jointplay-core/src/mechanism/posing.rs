@@ -5,6 +5,7 @@ use nalgebra::DVector;
 use super::assembly::{assemble, guess};
 use super::closure::Closure;
 use super::description::Mechanism;
+use super::nearest::nearest_closure;
 use super::relief::{CommandedJoints, Relief, ReliefSolver, relieve};
 use super::sparse::SparseSystem;
 use super::system::MechanismSystem;
@@ -38,7 +39,7 @@ pub fn commanded_guess(mechanism: &Mechanism, commands: &[(usize, f64)]) -> DVec
 
 /// The closed configuration nearest to the guess, with commanded coordinates held and virtual joints at rest.
 ///
-/// Where corrections from the guess do not close the loops, it is the one that [`Unassembled::accepted`] chooses.
+/// Where corrections from the guess do not close the loops, it is the one that [`Unassembled::accepted`] chooses; where they end beyond limits, it is the nearest found within, if any: with commands on the same branch only.
 ///
 /// # Arguments
 /// * `commands` – indices of joint coordinates with their values (m, rad)
@@ -51,7 +52,18 @@ pub fn close_commanded(
     commands: &[(usize, f64)],
     tolerance: Option<f64>,
 ) -> Result<Closure, Error> {
-    close(mechanism, commands, tolerance, |found, tolerance| found.accepted(tolerance).cloned())
+    let accepted = |found: &Unassembled, tolerance: Option<f64>| found.accepted(tolerance).cloned();
+    let closed = close(mechanism, commands, tolerance, accepted)?;
+    let is_held = |k: usize| commands.iter().any(|&(held, _)| held == k);
+    let beyond = mechanism.beyond_limits(&closed.coordinates);
+    let is_within = beyond.iter().all(|one| is_held(one.coordinate));
+    if is_within || closed.is_searched || !closed.is_closed() || !MechanismSystem::fits(mechanism) {
+        return Ok(closed);
+    }
+    let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+    let starts = if commands.is_empty() { STARTS } else { 0 };
+    let guess = commanded_guess(mechanism, commands);
+    Ok(nearest_closure(mechanism, &guess, &held, starts)?.unwrap_or(closed))
 }
 
 /// The closed configuration from the guess, or one that is accepted in its place.

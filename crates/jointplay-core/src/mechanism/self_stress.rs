@@ -1,14 +1,13 @@
 //! Self-stresses: redundant constraints as wrenches in equilibrium, each in as few joints as possible.
 
-use std::collections::BTreeSet;
-
 use nalgebra::{DMatrix, DVector, Matrix3, Unit, Vector3};
 
 use super::span::Span;
+use super::supports::{Evidence, Support};
 use super::symmetry::{Symmetry, symmetries};
 use super::{JointKind, MechanismSystem};
 use crate::Error;
-use crate::linalg::{LinalgError, svd};
+use crate::linalg::LinalgError;
 use crate::mobility::InstantaneousMobility;
 
 /// Least share of a self-stress that counts as a part of it.
@@ -113,21 +112,6 @@ pub struct SelfStresses {
     pub smallest_nonzero: f64,
 }
 
-/// Subspace of the self-stresses without any wrench outside some joints.
-struct Support {
-    /// Blocks with a wrench or force, ascending: joints, then couplings.
-    blocks: Vec<usize>,
-    /// (redundancy, dimension) orthonormal.
-    basis: DMatrix<f64>,
-}
-
-/// Which shares of self-stresses count as zero.
-struct Evidence {
-    tolerance: f64,
-    largest_zero: f64,
-    smallest_nonzero: f64,
-}
-
 /// A sparsest basis of the self-stresses: of all bases the one with the fewest joints in total.
 ///
 /// # Errors
@@ -138,7 +122,7 @@ struct Evidence {
 /// So the greedy choice is optimal: take the lightest self-stress that does not depend on those taken before.
 /// The self-stresses within a set of joints are a subspace; all such subspaces are enumerated by setting the wrenches of one joint after another to zero.
 /// Each self-stress v lies in the subspace of its own joints, which this enumeration meets, so that the choice is among all self-stresses.
-/// Beyond [a limit](SelfStresses::sparsest) of subspaces, the choice is among those found.
+/// Beyond [a limit](SelfStresses::sparsest) of subspaces and of the work that they need, the choice is among those found and the self-stresses of an elimination with full pivoting, each of which is zero at the pivots of all others.
 /// Self-stresses of the same joints are chosen by the fewest components, in the axes of the base or of one of the joints.
 ///
 /// # Source
@@ -162,6 +146,11 @@ pub fn self_stresses(
     let blocks: Vec<DMatrix<f64>> = (0..joints + couplings).map(block).collect();
     let whole = DMatrix::identity(redundancy, redundancy);
     let (mut supports, sparsest) = evidence.supports(&blocks, &whole, MAX_SUPPORTS)?;
+    if !sparsest {
+        // A choice within subspaces of several dimensions would take as long as the enumeration.
+        supports.retain(|one| one.basis.ncols() == 1);
+        supports.extend(evidence.eliminated(&all, &blocks));
+    }
     supports.sort_by(|a, b| (a.blocks.len(), &a.blocks).cmp(&(b.blocks.len(), &b.blocks)));
     let symmetries = symmetries(system, system.home())?;
     let places = Places::of(system);
@@ -192,7 +181,8 @@ pub fn self_stresses(
     }
     let (mut in_all, mut couplings_in_all) = (Vec::new(), Vec::new());
     for (b, block) in blocks.iter().enumerate().filter(|_| redundancy > 0) {
-        if evidence.kernel(block, &whole)?.ncols() == 0 {
+        // With fewer rows than self-stresses, some of them do without the block.
+        if block.nrows() >= redundancy && evidence.kernel(block, &whole)?.ncols() == 0 {
             match b.checked_sub(joints) {
                 None => in_all.push(b),
                 Some(coupling) => couplings_in_all.push(coupling),
@@ -259,75 +249,6 @@ impl Places {
 }
 
 impl Evidence {
-    /// Part of a subspace that a block maps to zero.
-    fn kernel(
-        &mut self,
-        block: &DMatrix<f64>,
-        basis: &DMatrix<f64>,
-    ) -> Result<DMatrix<f64>, LinalgError> {
-        let found = svd(&(block * basis))?;
-        let mut rank = 0;
-        for &value in &found.singular_values {
-            if value > self.tolerance {
-                rank += 1;
-                self.smallest_nonzero = self.smallest_nonzero.min(value);
-            } else {
-                self.largest_zero = self.largest_zero.max(value);
-            }
-        }
-        Ok(basis * found.null_space(rank))
-    }
-
-    /// All subspaces that remain where some blocks are zero, and whether these are all.
-    fn supports(
-        &mut self,
-        blocks: &[DMatrix<f64>],
-        whole: &DMatrix<f64>,
-        most: usize,
-    ) -> Result<(Vec<Support>, bool), LinalgError> {
-        let tolerance = self.tolerance;
-        let nonzero = |basis: &DMatrix<f64>| -> Vec<usize> {
-            (0..blocks.len()).filter(|&j| (&blocks[j] * basis).amax() > tolerance).collect()
-        };
-        let start = nonzero(whole);
-        if start.is_empty() {
-            return Ok((Vec::new(), true));
-        }
-        // Blocks that vanish together are tried once: joints in series transmit the same wrench.
-        let mut tried: Vec<(usize, Vec<usize>)> = Vec::new();
-        for &j in &start {
-            let kernel = self.kernel(&blocks[j], whole)?;
-            let rest = if kernel.ncols() == 0 { Vec::new() } else { nonzero(&kernel) };
-            if !tried.iter().any(|(_, known)| *known == rest && !known.contains(&j)) {
-                tried.push((j, rest));
-            }
-        }
-        let mut seen = BTreeSet::from([start.clone()]);
-        let mut found = vec![Support { blocks: start, basis: whole.clone() }];
-        // Small supports soon, in case there are too many.
-        let mut open = vec![0];
-        while let Some(next) = open.pop() {
-            if found.len() > most {
-                return Ok((found, false));
-            }
-            for &(j, _) in &tried {
-                if found[next].blocks.binary_search(&j).is_err() {
-                    continue;
-                }
-                let basis = self.kernel(&blocks[j], &found[next].basis)?;
-                if basis.ncols() == 0 {
-                    continue;
-                }
-                let support = nonzero(&basis);
-                if !support.is_empty() && seen.insert(support.clone()) {
-                    open.push(found.len());
-                    found.push(Support { blocks: support, basis });
-                }
-            }
-        }
-        Ok((found, true))
-    }
-
     /// The self-stress within a support that is outside a span and has the fewest components, in the axes of the base or of a joint.
     fn simplest(
         &mut self,

@@ -1,6 +1,7 @@
 //! Loops that could not be closed, as facts.
 
 use super::closure::Closure;
+use crate::constraint::CLOSURE_TOLERANCE;
 
 /// A mismatch up to this one may be the rounding of dimensions, and the message states so.
 const NEARLY_CLOSED: f64 = 1e-3;
@@ -95,15 +96,25 @@ impl Unassembled {
                 closure.residual
             )
         });
-        let worst = self.loops.first().map_or(String::new(), |open| {
-            let OpenLoop { joint, links: [first, second], mismatch, distance, angle } = open;
-            format!(
-                "; the loop closed by joint {joint:?} stays open by {mismatch:.3e}: its frames on links {first:?} and {second:?} are {distance:.3e} m and {angle:.3e} rad apart"
-            )
-        });
-        let coupled = self.couplings.first().map_or(String::new(), |open| {
-            format!("; coupling {:?} is violated by {:.3e}", open.name, open.mismatch)
-        });
+        let open = self.loops.first().filter(|open| open.mismatch > CLOSURE_TOLERANCE);
+        let violated = self.couplings.first();
+        let most = open.map_or(0.0, |open| open.mismatch);
+        let worst = match (open, violated.filter(|violated| violated.mismatch > most)) {
+            (_, Some(OpenCoupling { name, mismatch })) => {
+                format!("; coupling {name:?} is violated by {mismatch:.3e}")
+            }
+            (Some(open), None) => {
+                let OpenLoop { joint, links: [first, second], mismatch, distance, angle } = open;
+                format!(
+                    "; the loop closed by joint {joint:?} stays open by {mismatch:.3e}: its frames on links {first:?} and {second:?} are {distance:.3e} m and {angle:.3e} rad apart"
+                )
+            }
+            (None, None) => String::new(),
+        };
+        let what = match open {
+            None if violated.is_some() => "the couplings contradict each other",
+            _ => "the loops cannot be closed",
+        };
         let drifts = if self.near_guess_drifts {
             format!(
                 "; from the guess the correction did not converge in {} iterations, and the links moved apart",
@@ -114,7 +125,7 @@ impl Unassembled {
         };
         if self.branches.is_empty() {
             format!(
-                "the loops cannot be closed: best mismatch {:.3e} (radians and characteristic lengths) from the guess and {} other starts{worst}{coupled}{near_miss}{drifts}",
+                "{what}: best mismatch {:.3e} (radians and characteristic lengths) from the guess and {} other starts{worst}{near_miss}{drifts}",
                 self.best.residual, self.starts
             )
         } else {

@@ -44,6 +44,7 @@ pub use edit::with_virtual_joints;
 pub use header::MAX_BYTES;
 pub use kind::kind_of;
 pub use loops::with_loops;
+pub use names::allowed_joint_name;
 pub use problem::{Error, Errors, Problem};
 pub use read::{Expected, MechanismFile, parse, parse_with};
 pub use values::{LengthUnit, Units};

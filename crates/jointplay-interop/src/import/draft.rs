@@ -11,6 +11,7 @@ use roxmltree::Node;
 
 use super::model::{Dialect, Imported};
 use super::problem::Error;
+use super::starts::start;
 use super::xml::{Value, Xml, place};
 
 pub(super) struct Draft<'a> {
@@ -20,6 +21,8 @@ pub(super) struct Draft<'a> {
     joints: Named,
     pub(super) descriptions: Vec<Joint>,
     couplings: Vec<(Coupling, Range<usize>)>,
+    /// Names of constraints in the model.
+    constraints: BTreeSet<String>,
     /// Names in the model, which generated names avoid.
     taken: BTreeSet<&'a str>,
     ignored: BTreeMap<String, usize>,
@@ -60,6 +63,7 @@ impl<'a> Draft<'a> {
             joints: Named::default(),
             descriptions: Vec::new(),
             couplings: Vec::new(),
+            constraints: BTreeSet::new(),
             taken: root.descendants().filter_map(|node| node.attribute("name")).collect(),
             ignored: BTreeMap::new(),
             remarks: Vec::new(),
@@ -151,6 +155,19 @@ impl<'a> Draft<'a> {
         numbered.into_iter().find(|name| is_free(name)).expect("names are finitely many")
     }
 
+    /// The name for a constraint that has one in the model: with a number if a joint has the same.
+    pub(super) fn constraint_name(
+        &mut self,
+        name: &str,
+        place: Range<usize>,
+    ) -> Result<String, Error> {
+        if !self.constraints.insert(name.to_owned()) {
+            return Err(self.xml.error(place, MechanismError::NameTwice { name: name.to_owned() }));
+        }
+        let is_free = self.joint(name).is_none() && !self.is_coupling(name);
+        Ok(if is_free { name.to_owned() } else { self.fresh(name.to_owned()) })
+    }
+
     pub(super) fn ignore(&mut self, what: impl Into<String>) {
         *self.ignored.entry(what.into()).or_default() += 1;
     }
@@ -170,8 +187,8 @@ impl<'a> Draft<'a> {
     /// The mechanism, or an error with its place.
     pub(super) fn finish(self, name: &str, dialect: Dialect) -> Result<Imported, Error> {
         let Self { xml, root, links, joints, mut descriptions, ignored, mut remarks, .. } = self;
-        remarks.extend(descriptions.iter_mut().filter_map(start_within_limits));
         let (couplings, places): (Vec<_>, Vec<_>) = self.couplings.into_iter().unzip();
+        remarks.extend(start(&mut descriptions, &couplings));
         let names: Vec<String> = couplings.iter().map(|one| one.name.clone()).collect();
         let place_of = |coupling: &String| {
             let number = names.iter().position(|name| name == coupling)?;
@@ -197,19 +214,6 @@ impl<'a> Draft<'a> {
         remarks.extend(ignored.into_iter().map(|(what, count)| format!("{count} × {what}")));
         Ok(Imported { mechanism, dialect, ignored: remarks })
     }
-}
-
-/// Puts a joint whose start the model does not state within its limits, and remarks on it.
-fn start_within_limits(joint: &mut Joint) -> Option<String> {
-    let nearest = |&[least, greatest]: &[f64; 2]| {
-        if least < greatest { 0.0_f64.clamp(least, greatest) } else { 0.0 }
-    };
-    let nearest: Vec<f64> = joint.limits.iter().map(nearest).collect();
-    let is_beyond = joint.guess.is_empty() && nearest.iter().any(|&value| value != 0.0);
-    is_beyond.then(|| {
-        joint.guess = nearest;
-        format!("joint {:?} starts at its limit: zero is beyond", joint.name)
-    })
 }
 
 /// A joint with a kind, links and frames only.

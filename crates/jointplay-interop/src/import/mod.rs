@@ -29,6 +29,7 @@ mod problem;
 mod read;
 mod repair;
 mod sdf;
+mod starts;
 #[cfg(test)]
 mod testing;
 mod urdf;

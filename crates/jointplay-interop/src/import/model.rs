@@ -1,7 +1,12 @@
 //! An imported model.
 
-use jointplay_core::mechanism::Mechanism;
-use jointplay_format::mechanism::{AngleUnit, Expected, LengthUnit, MechanismFile, Units};
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+
+use jointplay_core::mechanism::{Mechanism, MechanismError};
+use jointplay_format::mechanism::{
+    AngleUnit, Expected, LengthUnit, MechanismFile, Units, allowed_joint_name,
+};
 
 /// An imported model.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,6 +49,33 @@ impl Dialect {
 }
 
 impl Imported {
+    /// The model with other names for joints and couplings whose names mechanism files do not allow, and a remark for each.
+    pub(super) fn with_allowed_names(mut self) -> Result<Self, MechanismError> {
+        let mut joints = self.mechanism.joints().to_vec();
+        let mut couplings = self.mechanism.couplings().to_vec();
+        let mut names: Vec<(&str, &mut String)> = Vec::new();
+        names.extend(joints.iter_mut().map(|joint| ("joint", &mut joint.name)));
+        names.extend(couplings.iter_mut().map(|coupling| ("coupling", &mut coupling.name)));
+        let mut taken: BTreeSet<String> = names.iter().map(|(_, name)| (*name).clone()).collect();
+        let mut remarks = Vec::new();
+        for (what, name) in names {
+            let Cow::Owned(allowed) = allowed_joint_name(name) else { continue };
+            let numbered = (2..).map(|number| format!("{allowed} ({number})"));
+            let mut candidates = std::iter::once(allowed.clone()).chain(numbered);
+            let free = candidates.find(|one| taken.insert(one.clone()));
+            let free = free.expect("names are finitely many");
+            remarks.push(format!(
+                "{what} {name:?} is called {free:?}: names have none of the letters , = [ ]"
+            ));
+            *name = free;
+        }
+        if !remarks.is_empty() {
+            self.mechanism = self.mechanism.with_joints(joints)?.with_couplings(couplings)?;
+            self.ignored.extend(remarks);
+        }
+        Ok(self)
+    }
+
     /// The mechanism as a mechanism file in m and rad.
     #[must_use]
     pub fn into_file(self) -> MechanismFile {

@@ -49,7 +49,7 @@ fn is_document(text: &str) -> bool {
 /// # Source
 /// \[ASMT\], \[MJCF\], \[SDFormat\], \[URDF\]
 pub fn parse(text: &str) -> Result<Imported, Error> {
-    read(text, None, &BTreeSet::new())
+    open(text, None)
 }
 
 /// Imports a model as [`parse`] does, with the unit of lengths for assemblies, which do not state theirs.
@@ -59,7 +59,17 @@ pub fn parse(text: &str) -> Result<Imported, Error> {
 /// # Errors
 /// Those of [`parse`].
 pub fn parse_with_unit(text: &str, unit: LengthUnit) -> Result<Imported, Error> {
-    read(text, Some(unit), &BTreeSet::new())
+    open(text, Some(unit))
+}
+
+/// Imports a model without a file of loops.
+fn open(text: &str, unit: Option<LengthUnit>) -> Result<Imported, Error> {
+    named(read(text, unit, &BTreeSet::new())?, text)
+}
+
+/// A model with names that mechanism files allow.
+fn named(model: Imported, text: &str) -> Result<Imported, Error> {
+    model.with_allowed_names().map_err(|error| Error::at(text, 0..0, error.into()))
 }
 
 /// Error of a model, or of the file that closes its loops.
@@ -110,7 +120,8 @@ pub fn parse_closed(
     let file = LoopFile::parse(loops)?;
     let Imported { mechanism, dialect, mut ignored } = read(text, unit, &file.solved())?;
     let mechanism = file.close(&mechanism, &mut ignored)?;
-    Ok(Imported { mechanism, dialect, ignored })
+    // After the loops are closed: their file refers to joints by the names in the model.
+    Ok(named(Imported { mechanism, dialect, ignored }, text)?)
 }
 
 /// Imports a model.

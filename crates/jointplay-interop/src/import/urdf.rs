@@ -452,6 +452,36 @@ mod tests {
         assert_eq!(model.mechanism.kutzbach_mobility(), 1);
     }
 
+    /// A chain of followers, the last one listed first, and one that states where it starts.
+    #[test]
+    fn joints_that_mimic_start_where_their_couplings_hold() {
+        let chain = r#"<robot name="gripper">
+  <link name="base"/><link name="a"/><link name="b"/><link name="c"/><link name="d"/>
+  <joint name="tip" type="continuous"><parent link="b"/><child link="c"/><mimic joint="knuckle" multiplier="-2"/></joint>
+  <joint name="knuckle" type="revolute"><parent link="a"/><child link="b"/><limit lower="0.05" upper="1"/>
+    <mimic joint="lift" multiplier="3" offset="0.1"/></joint>
+  <joint name="lift" type="prismatic"><parent link="base"/><child link="a"/><limit lower="0" upper="0.3"/></joint>
+  <joint name="own" type="continuous"><parent link="c"/><child link="d"/><mimic joint="tip" offset="0.5"/></joint>
+  <ros2_control><joint name="lift"><state_interface name="position"><param name="initial_value">0.2</param></state_interface></joint></ros2_control>
+</robot>"#;
+        let guesses = |text: &str| {
+            let joints = testing::read(text).mechanism.joints().to_vec();
+            joints.into_iter().map(|joint| joint.guess).collect::<Vec<_>>()
+        };
+        let near = |found: &[f64], expected: f64| (found[0] - expected).abs() < 1e-12;
+        let found = guesses(chain);
+        assert!(
+            near(&found[0], -1.4) && near(&found[1], 0.7) && near(&found[3], -0.9),
+            "{found:?}"
+        );
+        let stated = chain.replace("<joint name=\"lift\"><state", "<joint name=\"own\"><state");
+        let found = guesses(&stated);
+        assert!(near(&found[0], -0.2) && near(&found[1], 0.1) && near(&found[3], 0.2), "{found:?}");
+        // A ring starts somewhere.
+        let ring = chain.replace("joint=\"lift\"", "joint=\"own\"");
+        assert_eq!(guesses(&ring).len(), 4);
+    }
+
     #[test]
     fn unsupported_and_invalid_elements_are_rejected() {
         let refuse = |from: &str, to: &str, blamed: &str, message: &str| {

@@ -79,6 +79,10 @@ fn read(format: Format, Fixture { text, loops }: &Fixture) -> Result<Reading, St
         }
     };
     let Imported { mechanism, ignored, .. } = read?;
+    // What is written is read again.
+    let written = mechanism::write(&mechanism, None);
+    let again = mechanism::parse(&written).map_err(|errors| format!("{errors}\n{written}"));
+    let mechanism = again.unwrap().mechanism;
     Ok(Reading { mechanism, ignored, parameters: 0 })
 }
 

@@ -6,24 +6,24 @@ use axum::Json;
 use axum::extract::State;
 use jointplay::format::catalogue;
 use jointplay::format::coordinates::Coordinates;
-use jointplay::format::mechanism::{self, MechanismFile};
-use jointplay::format::{robot, three_rods};
+use jointplay::format::mechanism::MechanismFile;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{Kinematics, pose_commanded};
 use jointplay::nalgebra::DVector;
 use jointplay::report;
-use jointplay::virtualization::BuiltIn;
 
 use crate::body::Body;
+use crate::mechanism_source::{self, ReadMechanism, Unread, how_to_open};
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::mechanism::{
     CoordinateDocument, MechanismFrame, MechanismPosesDocument, MechanismPosesRequest,
 };
+use crate::wire::mechanism_view::MechanismSource;
 
 /// The poses of all links and attached frames of a mechanism
 ///
-/// The mechanism is an entry of the catalogue or the text of a file; commanded joints are closed with rigid links, or with the least displacement of the virtual joints.
+/// The mechanism is the text of a file or an entry of the catalogue; commanded joints are closed with rigid links, or with the least displacement of the virtual joints.
 #[utoipa::path(
     post,
     path = "/api/v1/mechanism/poses",
@@ -44,35 +44,31 @@ pub(crate) async fn mechanism_poses(
 }
 
 /// The mechanism of a request.
-fn read(request: &MechanismPosesRequest) -> Result<MechanismFile, Problem> {
-    let (field, text) = match (&request.catalogue, &request.text) {
-        (Some(name), None) => match catalogue::find(name) {
-            Some(entry) => ("catalogue", entry.text),
-            None => return Err(Problem::field("catalogue", format!("unknown entry {name:?}"))),
-        },
-        (None, Some(text)) => ("text", text.as_str()),
-        _ => return Err(Problem::field("", "expected either `catalogue` or `text`")),
+fn read(request: &MechanismPosesRequest) -> Result<ReadMechanism, Problem> {
+    let name = match (&request.mechanism, &request.catalogue) {
+        (Some(source), None) => return mechanism_source::required(source),
+        (None, Some(name)) => name,
+        _ => return Err(Problem::field("", "expected either `mechanism` or `catalogue`")),
     };
-    if mechanism::kind_of(text).as_deref() == Some("gpr") {
-        let robot =
-            robot::parse(text).map_err(|errors| Problem::field(field, errors.to_string()))?;
-        let virtualization = BuiltIn::Planar;
-        return Ok(three_rods::mechanism_file(&robot, virtualization).expect("it has slides only"));
-    }
-    mechanism::parse(text).map_err(|errors| Problem::field(field, errors.to_string()))
+    let unknown = || Problem::field("catalogue", format!("unknown entry {name:?}"));
+    let entry = catalogue::find(name).ok_or_else(unknown)?;
+    let text = entry.text.to_owned();
+    let source = MechanismSource { text, loops: None, parameters: BTreeMap::new() };
+    mechanism_source::read(&source).map_err(|unread| match unread {
+        Unread::OtherKind(kind) => Problem::field("catalogue", how_to_open(kind)),
+        Unread::Invalid(_) => unknown(),
+    })
 }
 
 fn compute(request: &MechanismPosesRequest) -> Result<MechanismPosesDocument, Problem> {
-    let file = read(request)?;
-    let (mechanism, coordinates) = (&file.mechanism, Coordinates::of(&file));
+    let ReadMechanism { file, coordinates, .. } = read(request)?;
+    let mechanism = &file.mechanism;
     let mut commands = BTreeMap::new();
     for (name, &value) in &request.at {
-        let field = || format!("at.{name}");
-        let k = coordinates
-            .find(mechanism, name)
-            .map_err(|error| Problem::field(field(), error.to_string()))?;
+        let failed = |why: String| Problem::field(format!("at.{name}"), why);
+        let k = coordinates.find(mechanism, name).map_err(|error| failed(error.to_string()))?;
         if !value.is_finite() {
-            return Err(Problem::field(field(), "must be a finite number"));
+            return Err(failed("must be a finite number".to_owned()));
         }
         commands.insert(k, value);
     }

@@ -52,8 +52,8 @@ fn motions(request: &ConfigurationRequest) -> Result<MotionsDocument, Problem> {
     play_scale(request.play_scale)?;
     let read = mechanism_source::required(&request.mechanism)?;
     dense(&read)?;
-    let at = read.checked(&request.coordinates, "coordinates")?;
-    let system = MechanismSystem::new(&read.file.mechanism, at)?;
+    let at = read.closed_at(read.checked(&request.coordinates, "coordinates")?)?;
+    let system = MechanismSystem::new(&read.file.mechanism, at.coordinates)?;
     let first = instantaneous_mobility(&system, &system.at_home(), RANK_THRESHOLD)?;
     let motion = |motion: usize| {
         let step = |k: i32| {

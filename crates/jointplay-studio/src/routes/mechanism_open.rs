@@ -2,10 +2,7 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::constraint::{CLOSURE_TOLERANCE, System as _};
-use jointplay::mechanism::{
-    Closure, Drive, DrivePath, MechanismSystem, SparseSystem, drive_from, held_actuators,
-};
+use jointplay::mechanism::{Closure, Drive, DrivePath, drive_from, held_actuators};
 use jointplay::report;
 
 use crate::body::Body;
@@ -97,18 +94,7 @@ fn configuration(request: &ConfigurationRequest) -> Result<ConfigurationDocument
     let scale = play_scale(request.play_scale)?;
     let read = mechanism_source::required(&request.mechanism)?;
     let coordinates = read.checked(&request.coordinates, "coordinates")?;
-    let mechanism = &read.file.mechanism;
-    let residual = if MechanismSystem::fits(mechanism) {
-        let system = MechanismSystem::new(mechanism, coordinates.clone())?;
-        system.mismatch(&system.at_home())
-    } else {
-        SparseSystem::new(mechanism, coordinates.clone())?.residual()
-    };
-    let closed = Closure { coordinates, residual, iterations: 0, is_searched: false };
-    if !closed.is_closed() {
-        return Err(jointplay::Error::NotClosed { residual, allowed: CLOSURE_TOLERANCE }.into());
-    }
-    read.configuration(&closed, scale)
+    read.configuration(&read.closed_at(coordinates)?, scale)
 }
 
 /// Drive joints of a mechanism from a configuration

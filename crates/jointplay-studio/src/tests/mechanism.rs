@@ -8,7 +8,10 @@ const PATH: &str = "/api/v1/mechanism/poses";
 fn links_of_a_slider_crank_are_where_trigonometry_places_them() {
     // Crank 40 mm about A, connecting rod 120 mm, slider along x.
     let text = r#"kind = "mechanism"\nname = "crank"\nunits = { length = "mm", angle = "deg" }\nbase = "ground"\n[[joint]]\nname = "A"\nkind = "revolute"\nlinks = ["ground", "crank"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\nactuated = true\n[[joint]]\nname = "B"\nkind = "revolute"\nlinks = ["crank", "rod"]\npoint = [40, 0, 0]\naxis = [0, 0, 1]\n[[joint]]\nname = "C"\nkind = "revolute"\nlinks = ["rod", "slider"]\npoint = [160, 0, 0]\naxis = [0, 0, 1]\n[[joint]]\nname = "D"\nkind = "prismatic"\nlinks = ["ground", "slider"]\naxis = [1, 0, 0]\nlimits = [-30, 0]\n"#;
-    let body = format!(r#"{{"text": "{}", "at": {{"A": 1.2}}}}"#, text.replace('"', "\\\""));
+    let body = format!(
+        r#"{{"mechanism": {{"text": "{}"}}, "at": {{"A": 1.2}}}}"#,
+        text.replace('"', "\\\"")
+    );
     let document = answered(PATH, &body);
     let x = |k: usize| document["frames"][k]["pose"]["origin_m"][0].as_f64().unwrap();
     let names: Vec<&str> =
@@ -47,10 +50,12 @@ fn invalid_requests_name_their_field() {
     let bad = |body: &str, field: Option<&str>, detail: &str| {
         refused(PATH, body, 422, field, detail);
     };
-    bad("{}", None, "either `catalogue` or `text`");
-    bad(r#"{"catalogue": "gpr", "text": ""}"#, None, "either `catalogue` or `text`");
+    let either = "either `mechanism` or `catalogue`";
+    bad("{}", None, either);
+    bad(r#"{"catalogue": "gpr", "mechanism": {"text": ""}}"#, None, either);
     bad(r#"{"catalogue": "four-baar"}"#, Some("catalogue"), "unknown entry");
     bad(r#"{"catalogue": "four-bar", "at": {"Z": 1}}"#, Some("at.Z"), "is not known");
-    bad(r#"{"text": "kind = 3"}"#, Some("text"), "kind");
+    bad(r#"{"mechanism": {"text": "kind = 3"}}"#, Some("mechanism.text"), "kind");
+    bad(r#"{"text": "kind = 3"}"#, Some("text"), "unknown field");
     refused(PATH, r#"{"catalogue": "slider-crank", "at": {"cylinder": 90}}"#, 409, None, "");
 }

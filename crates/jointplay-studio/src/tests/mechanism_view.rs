@@ -227,6 +227,33 @@ fn motions_and_modes_are_those_of_the_configuration() {
     assert_eq!(modes["branches"].as_array().unwrap().len(), 2, "{modes}");
 }
 
+#[test]
+fn open_configurations_have_no_mobility_and_no_motions() {
+    let text = entry("four-bar");
+    let body = json!({ "mechanism": source(&text), "coordinates": [0.1, 0.1, 0.1, 0.1] });
+    for path in ["mobility", "motions", "configuration"] {
+        let path = format!("/api/v1/mechanism/{path}");
+        refused(&path, &body.to_string(), 409, None, "close the loops first");
+    }
+    // A coupling that does not hold is open, too.
+    let gears = r#"
+kind = "mechanism"
+name = "gears"
+units = { length = "m", angle = "rad" }
+base = "frame"
+joint = [
+  { name = "A", kind = "revolute", links = ["frame", "a"], point = [0, 0, 0], axis = [0, 0, 1] },
+  { name = "B", kind = "revolute", links = ["frame", "b"], point = [1, 0, 0], axis = [0, 0, 1] },
+]
+coupling = [{ name = "mesh", coordinate = "B", terms = [{ coordinate = "A", ratio = -2 }] }]
+"#;
+    let path = "/api/v1/mechanism/motions";
+    let at =
+        |values: [f64; 2]| json!({ "mechanism": source(gears), "coordinates": values }).to_string();
+    refused(path, &at([0.1, 0.1]), 409, None, "close the loops first");
+    assert_eq!(answered(path, &at([0.1, -0.2]))["motions"].as_array().unwrap().len(), 1);
+}
+
 /// Place of a point of a link, for a pose of the link.
 fn place(pose: &Value, point: &Value) -> [f64; 3] {
     let number = |value: &Value| value.as_f64().unwrap();

@@ -6,18 +6,20 @@ use jointplay::report::LimitReport;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::mechanism_view::MechanismSource;
 use super::pose::PlacedDocument;
+use crate::strict;
 
 /// Request of the poses of the links of a mechanism.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MechanismPosesRequest {
-    /// Name of a mechanism or three-rod robot of the catalogue; this or `text`.
+    /// The mechanism; this or `catalogue`.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) mechanism: Option<MechanismSource>,
+    /// Name of a mechanism or three-rod robot of the catalogue.
     #[serde(default)]
     pub(crate) catalogue: Option<String>,
-    /// Text of a mechanism or robot file.
-    #[serde(default)]
-    pub(crate) text: Option<String>,
     /// Values of commanded joint coordinates by name; default: none (m, rad).
     #[serde(default)]
     #[schema(required = false)]

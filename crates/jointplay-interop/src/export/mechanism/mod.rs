@@ -10,6 +10,7 @@
 //! | ROS | [`urdf`](fn@urdf) | a second file of joints, see [`jointplay_format::mechanism::with_loops`] |
 
 mod error;
+mod mimics;
 mod mjcf;
 mod sdf;
 mod skeleton;

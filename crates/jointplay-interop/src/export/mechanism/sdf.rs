@@ -7,6 +7,7 @@ use nalgebra::{DVector, Translation3, Vector3};
 
 use super::Written;
 use super::error::Error;
+use super::mimics::{Mimic, Mimics};
 use super::skeleton::{DEFAULT_STIFFNESS, Skeleton};
 use super::xml::{Xml, number, roll_pitch_yaw, vector};
 
@@ -21,13 +22,13 @@ const WORLD: &str = "world";
 ///
 /// Links have their frames; each joint is one of the same kind, or a sequence of slides and hinges with links between them.
 /// Virtual joints are slides and hinges with a spring; actuated joints have a position controller.
-/// The base is fixed to the world; attached frames are frames; an axis that is coupled to another mimics it.
+/// The base is fixed to the world; attached frames are frames; an axis that is coupled to another mimics it, such that an actuated one leads; couplings that others imply are omitted.
 ///
 /// # Arguments
 /// * `coordinates` – (f + M) of a closed configuration: there the joints of the model are at zero (m, rad)
 ///
 /// # Errors
-/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Coupling`] for couplings of one coordinate, of more than two, and for a second one of a follower.
+/// [`Error::Core`] for coordinates that are not those of the mechanism; [`Error::Coupling`] for couplings of one coordinate, of more than two, and for those that together fix their coordinates.
 ///
 /// # Source
 /// \[SDFormat\]
@@ -42,10 +43,10 @@ pub fn sdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written,
         poses: poses.clone(),
         driven: Vec::new(),
         renamed: Vec::new(),
+        lost: skeleton.lost.iter().chain(&mimics.lost).cloned().collect(),
         mimics,
-        lost: skeleton.lost.clone(),
     };
-    let version = if writer.mimics.is_empty() { VERSION } else { VERSION_WITH_MIMICS };
+    let version = if writer.mimics.all.is_empty() { VERSION } else { VERSION_WITH_MIMICS };
     writer.xml.open("sdf", &[("version", version.into())]);
     writer.xml.open("model", &[("name", mechanism.name().into())]);
     let base = &mechanism.links()[0];
@@ -90,39 +91,22 @@ struct Writer<'s, 'a> {
     driven: Vec<String>,
     /// Joints that got another name, because a link or frame has theirs.
     renamed: Vec<(String, String)>,
-    mimics: Vec<Mimic>,
+    mimics: Mimics,
     lost: Vec<String>,
 }
 
-/// An axis that follows another.
-#[derive(Clone, Copy)]
-struct Mimic {
-    follower: usize,
-    leader: usize,
-    ratio: f64,
-    /// Value of the follower in the model with the leader at zero (m, rad).
-    offset: f64,
-}
-
 /// The couplings of a mechanism; joints of the model are at zero in the configuration.
-fn mimics(skeleton: &Skeleton<'_>) -> Result<Vec<Mimic>, Error> {
-    let mut mimics: Vec<Mimic> = Vec::new();
-    for coupling in skeleton.mechanism.couplings() {
-        let refused = |reason| {
-            Err(Error::Coupling { coupling: coupling.name.clone(), reason, format: "SDF" })
-        };
-        let [(leader, ratio)] = coupling.terms[..] else {
-            return refused("`mimic` has two coordinates; choose MJCF");
-        };
-        let follower = skeleton.coordinate(coupling.follower);
-        if mimics.iter().any(|mimic| mimic.follower == follower) {
-            return refused("its follower follows another coordinate already");
-        }
-        let leader = skeleton.coordinate(leader);
-        let at = &skeleton.coordinates;
-        let offset = coupling.offset + ratio * at[leader] - at[follower];
-        mimics.push(Mimic { follower, leader, ratio, offset });
+fn mimics(skeleton: &Skeleton<'_>) -> Result<Mimics, Error> {
+    let mut mimics = Mimics::new(skeleton, |_| true);
+    if let Some((coupling, reason)) = mimics.impossible.first() {
+        return Err(Error::Coupling { coupling: coupling.name.clone(), reason, format: "SDF" });
     }
+    let at = &skeleton.coordinates;
+    for mimic in &mut mimics.all {
+        mimic.offset += mimic.ratio * at[mimic.leader] - at[mimic.follower];
+    }
+    let implied = mimics.implied.iter();
+    mimics.lost.extend(implied.map(|one| format!("coupling {:?}: the others imply it", one.name)));
     Ok(mimics)
 }
 
@@ -166,7 +150,8 @@ impl Writer<'_, '_> {
         let [first, second] = joint.links.map(|link| mechanism.links()[link].clone());
         let chain = kinematics.elementary_chain(j);
         for motion in &chain.motions {
-            if !self.skeleton.is_actuated(j, motion.coordinate) {
+            let follows = self.mimics.of(motion.coordinate).is_some();
+            if follows || !self.skeleton.is_actuated(j, motion.coordinate) {
                 continue;
             }
             let name = self.skeleton.motion_name(motion.coordinate);
@@ -316,8 +301,7 @@ impl Writer<'_, '_> {
         for (axis, tag) in axes.iter().zip(["axis", "axis2"]) {
             self.xml.open(tag, &[]);
             self.xml.with_text("xyz", &[], &vector(&axis.direction));
-            let mimic = self.mimics.iter().find(|mimic| mimic.follower == axis.coordinate);
-            if let Some(&mimic) = mimic {
+            if let Some(mimic) = self.mimics.of(axis.coordinate) {
                 self.mimic(mimic);
             }
             if let Some(limits) = skeleton.limits(j, axis.coordinate) {

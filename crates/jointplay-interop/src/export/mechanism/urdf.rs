@@ -5,11 +5,12 @@ use jointplay_core::mechanism::{
     Coupling, ElementaryMotion, FrameId, Joint, JointKind, LinearAndAngular, Mechanism,
 };
 use jointplay_core::spatial::Pose;
-use jointplay_format::mechanism::write_loops;
+use jointplay_format::mechanism::{allowed_joint_name, write_loops};
 use nalgebra::{DVector, Rotation3, Translation3, Vector3};
 
 use super::Written;
 use super::error::Error;
+use super::mimics::Mimics;
 use super::skeleton::{Body, Skeleton};
 use super::xml::{Xml, number, roll_pitch_yaw, vector};
 
@@ -24,7 +25,8 @@ const MASS: f64 = 1.0;
 ///
 /// Links have their frames, joints their coordinates and limits; several motions of one joint are joints with links between them, a ball is three turns about x, y and z.
 /// Actuated joints have a command interface, all joints an initial value at the closed configuration.
-/// Virtual joints are joints; their stiffness has no place. A joint that is coupled to another mimics it.
+/// Virtual joints are joints; their stiffness has no place.
+/// A joint that is coupled to another mimics it: an actuated one leads. Couplings that URDF cannot describe, and those that others imply, are in the second file.
 ///
 /// # Arguments
 /// * `coordinates` – (f + M) of a closed configuration (m, rad)
@@ -36,20 +38,16 @@ const MASS: f64 = 1.0;
 /// \[URDF\]
 pub fn urdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written, Error> {
     let skeleton = Skeleton::with_whole_closures(mechanism, coordinates)?;
-    let (mut mimics, mut couplings) = (Vec::new(), Vec::new());
-    for coupling in mechanism.couplings() {
-        match mimic(&skeleton, coupling) {
-            Some(mimic) if mimics.iter().all(|one: &Mimic| one.joint != mimic.joint) => {
-                mimics.push(mimic);
-            }
-            _ => couplings.push(coupling.clone()),
-        }
-    }
+    // Joints that close loops are in the second file, and mimic none.
+    let mimics = Mimics::new(&skeleton, |coupling| skeleton.coupled(coupling, "URDF").is_ok());
+    let mut lost = skeleton.lost.clone();
+    lost.extend(mimics.lost.iter().cloned());
+    let couplings = mimics.others();
     let mut writer = Writer {
         skeleton: &skeleton,
         xml: Xml::new(),
         parts: Vec::new(),
-        lost: skeleton.lost.clone(),
+        lost,
         controlled: Vec::new(),
         mimics,
     };
@@ -90,30 +88,14 @@ struct Writer<'s, 'a> {
     lost: Vec<String>,
     /// Joints with a state: name, value, whether a motor drives it.
     controlled: Vec<(String, f64, bool)>,
-    mimics: Vec<Mimic>,
-}
-
-/// A joint that follows another.
-struct Mimic {
-    joint: String,
-    attributes: [(&'static str, String); 3],
-}
-
-/// The joint that follows another by a coupling; `None` where URDF cannot describe it.
-fn mimic(skeleton: &Skeleton<'_>, coupling: &Coupling) -> Option<Mimic> {
-    let (follower, others) = skeleton.coupled(coupling, "URDF").ok()?;
-    let [(other, ratio)] = &others[..] else { return None };
-    let attributes = [
-        ("joint", other.name.to_owned()),
-        ("multiplier", number(*ratio)),
-        ("offset", number(coupling.offset)),
-    ];
-    Some(Mimic { joint: follower.name.to_owned(), attributes })
+    mimics: Mimics,
 }
 
 /// A motion of one coordinate about or along an axis of the frame before it.
 struct Elementary {
     name: String,
+    /// Index among all coordinates; `None` for a turn of a ball.
+    coordinate: Option<usize>,
     before: Pose,
     axis: Vector3<f64>,
     point: Vector3<f64>,
@@ -215,17 +197,25 @@ impl Writer<'_, '_> {
                 ];
                 self.xml.empty("limit", &limit);
             }
-            if let Some(mimic) = self.mimics.iter().find(|mimic| mimic.joint == one.name) {
-                self.xml.empty("mimic", &mimic.attributes);
+            let mimic = one.coordinate.and_then(|coordinate| self.mimics.of(coordinate));
+            if let Some(mimic) = mimic {
+                let attributes = [
+                    ("joint", skeleton.motion_name(mimic.leader)),
+                    ("multiplier", number(mimic.ratio)),
+                    ("offset", number(mimic.offset)),
+                ];
+                self.xml.empty("mimic", &attributes);
             }
             self.xml.close();
-            self.controlled.push((one.name.clone(), one.value, one.is_driven));
+            // A joint that mimics another must not have a command interface.
+            self.controlled.push((one.name.clone(), one.value, one.is_driven && mimic.is_none()));
             from_link = Pose::from_parts(Translation3::from(-one.point), Rotation3::identity());
             from = child;
         }
         if from != body.name {
             self.link(&body.name, false);
-            let name = skeleton.fresh(format!("{} on {}", body.name, from));
+            let name = format!("{} on {}", body.name, from);
+            let name = skeleton.fresh(allowed_joint_name(&name).into_owned());
             self.joint(&name, "fixed", [&from, &body.name], &(from_link * body.chain.end));
             self.xml.close();
         }
@@ -262,6 +252,7 @@ impl Writer<'_, '_> {
                 {
                     all.push(Elementary {
                         name: skeleton.fresh(format!("{name} about {}", ["x", "y", "z"][k])),
+                        coordinate: None,
                         before: std::mem::replace(&mut before, Pose::identity()),
                         axis,
                         point: Vector3::zeros(),
@@ -286,6 +277,7 @@ impl Writer<'_, '_> {
         let coordinate = motion.coordinate;
         all.push(Elementary {
             name: name.to_owned(),
+            coordinate: Some(coordinate),
             before: motion.before,
             axis,
             point,
@@ -301,7 +293,7 @@ impl Writer<'_, '_> {
     fn part(&mut self, joint: &str) -> String {
         let number = 1 + self.parts.iter().filter(|one| *one == joint).count();
         self.parts.push(joint.to_owned());
-        self.skeleton.fresh(format!("{joint}, part {number}"))
+        self.skeleton.fresh(format!("{joint} part {number}"))
     }
 
     /// Interfaces of the joints, as `ros2_control` has them.

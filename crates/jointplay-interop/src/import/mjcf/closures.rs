@@ -42,7 +42,7 @@ impl<'a> Reader<'a> {
             return Err(xml.unsupported(node, "a weld whose torquescale is 0", advice));
         }
         let name = match xml.name(node)? {
-            Some(name) => name.to_owned(),
+            Some(name) => self.draft.constraint_name(name, place(node))?,
             None => self.draft.fresh(format!("{tag} {}", self.draft.descriptions.len() + 1)),
         };
         let (links, frames) = match (attribute(node, "site1"), attribute(node, "site2")) {
@@ -87,7 +87,7 @@ impl<'a> Reader<'a> {
             terms.push((leader, ratio));
         }
         let name = match xml.name(node)? {
-            Some(name) => name.to_owned(),
+            Some(name) => self.draft.constraint_name(name, place(node))?,
             None => self.draft.fresh(format!("coupling {}", self.draft.couplings() + 1)),
         };
         let used = ["name", "class", "active", "joint1", "joint2", "polycoef"];

@@ -33,7 +33,7 @@ impl<'a> Reader<'a> {
         let terms = sum[1..].iter().map(|&(one, coefficient)| (one, -coefficient / factor));
         let terms = terms.collect();
         let name = match xml.name(node)? {
-            Some(name) => name.to_owned(),
+            Some(name) => self.draft.constraint_name(name, place(node))?,
             None => self.draft.fresh(format!("coupling {}", self.draft.couplings() + 1)),
         };
         let used = ["name", "class", "active", "tendon1", "tendon2", "polycoef"];
