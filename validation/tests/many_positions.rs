@@ -5,8 +5,8 @@ use jointplay::Error;
 use jointplay::bulk::Status;
 use jointplay::format::{catalogue, mechanism as file};
 use jointplay::mechanism::{
-    CommandedPositions, DifferentialKinematics, Mechanism, MechanismSystem,
-    PositionSolver, ReliefSolver, assemble, guess,
+    CommandedPositions, DifferentialKinematics, Mechanism, MechanismSystem, PositionSolver,
+    ReliefSolver, assemble, guess,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::study::parallel;
@@ -16,7 +16,8 @@ struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 }
@@ -77,17 +78,17 @@ fn many_at_a_time_are_those_one_by_one() {
         for relief in [ReliefSolver::Newton, ReliefSolver::LeastNorm] {
             let mut found = start.clone();
             let (mut residuals, mut status) = (vec![0.0; 150], vec![Status::BeyondLimits; 150]);
-            let tally =
-                solver.solve_many(&mut found, relief, &mut residuals, &mut status).unwrap();
+            let tally = solver.solve_many(&mut found, relief, &mut residuals, &mut status).unwrap();
             assert_eq!(tally.count(Status::NotFinite), 1, "{name}");
-            for (row, (found, from)) in
-                found.chunks(width).zip(start.chunks(width)).enumerate()
-            {
+            for (row, (found, from)) in found.chunks(width).zip(start.chunks(width)).enumerate() {
                 let mut one = from.to_vec();
                 match solver.solve(&mut one, relief) {
                     Ok(position) => {
                         assert_eq!(status[row], Status::Solved, "{name} {row}");
-                        assert!(residuals[row] < 1e-11 && position.residual < 1e-11, "{name} {row}");
+                        assert!(
+                            residuals[row] < 1e-11 && position.residual < 1e-11,
+                            "{name} {row}"
+                        );
                         // Far commands may be closed in another way.
                         if row % 37 != 36 && is_determined(&mechanism, &driven, &one) {
                             let apart = found.iter().zip(&one).map(|(a, b)| (a - b).abs());
@@ -111,7 +112,9 @@ fn many_at_a_time_are_those_one_by_one() {
 
 #[test]
 fn a_row_does_not_depend_on_the_others() {
-    for (name, reach) in [("delta", 0.2), ("3-rps", 0.02), ("bennett", 0.3), ("gpr-mechanism", 1e-4)] {
+    for (name, reach) in
+        [("delta", 0.2), ("3-rps", 0.02), ("bennett", 0.3), ("gpr-mechanism", 1e-4)]
+    {
         let (mechanism, home, driven) = closed(name);
         let width = home.len();
         let start = rows(&home, &driven, reach, 1100);
@@ -155,8 +158,7 @@ fn rows_and_columns_of_different_length_are_refused() {
         let newton = ReliefSolver::Newton;
         let found = solver.solve_many(&mut rows, newton, &mut column, &mut status);
         assert!(matches!(found, Err(Error::LengthMismatch { .. })), "{numbers} {residuals}");
-        let found =
-            positions.solve_many(&mechanism, &mut rows, newton, &mut column, &mut status);
+        let found = positions.solve_many(&mechanism, &mut rows, newton, &mut column, &mut status);
         assert!(matches!(found, Err(Error::LengthMismatch { .. })), "{numbers} {residuals}");
     }
     let none = solver.solve_many(&mut [], ReliefSolver::Newton, &mut [], &mut []).unwrap();

@@ -171,8 +171,9 @@ mod tests {
             let mut many = linkage::Linkage::many(name).expect("it is in the catalogue");
             check(&mut one, 200);
             check(&mut many, 200);
-            let numbers =
-                |work: &dyn Work| work.answers().into_iter().flatten().flatten().collect::<Vec<f64>>();
+            let numbers = |work: &dyn Work| {
+                work.answers().into_iter().flatten().flatten().collect::<Vec<f64>>()
+            };
             let apart = numbers(&one).into_iter().zip(numbers(&many)).map(|(a, b)| (a - b).abs());
             assert!(apart.fold(0.0, f64::max) < 1e-10, "{name}");
         }

@@ -355,7 +355,8 @@ impl PyMechanism {
                     }
                 }
                 let solved = status.iter_mut().zip(residuals).zip(values.chunks_exact_mut(width));
-                for ((status, residual), row) in solved.filter(|((s, _), _)| **s == Status::Solved) {
+                for ((status, residual), row) in solved.filter(|((s, _), _)| **s == Status::Solved)
+                {
                     *status = of_beyond(&DVector::from_column_slice(row));
                     if *status != Status::Solved {
                         row.fill(f64::NAN);

@@ -352,7 +352,8 @@ impl LoopBlock {
     fn substitute(&self, right: &mut [f64], step: &mut [f64]) {
         let e = self.equations;
         let right = &mut right[..self.rank];
-        let others = (self.own..self.columns.len()).map(|position| (position, self.columns[position]));
+        let others =
+            (self.own..self.columns.len()).map(|position| (position, self.columns[position]));
         let deferred = (self.rank..self.own).map(|position| (position, self.own_column(position)));
         for (position, column) in others.chain(deferred) {
             let by = step[column];

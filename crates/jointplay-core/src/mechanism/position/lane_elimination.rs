@@ -115,8 +115,7 @@ impl<'a, S: Simd> LaneElimination<'a, S> {
         for &(column, factor) in self.plan.coupled.iter().flat_map(|(_, entries)| entries) {
             largest = largest.max(zero.like((factor * unit(column)).powi(2)));
         }
-        let (least, most) =
-            (largest * SHORTEST_PIVOT.powi(2), largest * DEPENDENT.powi(2));
+        let (least, most) = (largest * SHORTEST_PIVOT.powi(2), largest * DEPENDENT.powi(2));
         let mut serves = zero.at_most(largest);
         let mut first = 0;
         for (l, (matrix, plan)) in self.loops.iter_mut().zip(&self.plan.loops).enumerate() {

@@ -79,11 +79,7 @@ pub(super) fn times<S: Simd>(a: &Three<S>, factor: Lanes<S>) -> Three<S> {
 /// `to + along · by`.
 #[inline(always)]
 fn advanced<S: Simd>(to: &Three<S>, along: &Three<S>, by: Lanes<S>) -> Three<S> {
-    [
-        along[0].times_plus(by, to[0]),
-        along[1].times_plus(by, to[1]),
-        along[2].times_plus(by, to[2]),
-    ]
+    [along[0].times_plus(by, to[0]), along[1].times_plus(by, to[1]), along[2].times_plus(by, to[2])]
 }
 
 impl<S: Simd> LaneScrew<S> {

@@ -60,7 +60,12 @@ impl PositionSolver {
         let mut rows = Rows { width, coordinates, residuals, status };
         match self.plan.take() {
             Some(plan) => {
-                Arch::new().dispatch(Block { solver: self, plan: &plan, rows: &mut rows, relief: solver });
+                Arch::new().dispatch(Block {
+                    solver: self,
+                    plan: &plan,
+                    rows: &mut rows,
+                    relief: solver,
+                });
                 self.plan = Some(plan);
             }
             None => (0..rows.status.len()).for_each(|row| self.solve_row(&mut rows, row, solver)),
@@ -115,7 +120,10 @@ impl WithSimd for Block<'_, '_> {
             let residuals = room.residual.numbers();
             for (lane, row) in (first..last).enumerate() {
                 if solved[lane] {
-                    room.numbers(lane, &mut rows.coordinates[row * rows.width..(row + 1) * rows.width]);
+                    room.numbers(
+                        lane,
+                        &mut rows.coordinates[row * rows.width..(row + 1) * rows.width],
+                    );
                     (rows.residuals[row], rows.status[row]) = (residuals[lane], Status::Solved);
                 } else {
                     solver.solve_row(rows, row, relief);
@@ -197,7 +205,8 @@ impl<'a, S: Simd> Room<'a, S> {
                 return done & serves;
             }
             self.linearize(solver);
-            serves = serves & (done | self.elimination.solve(|column| solver.unknowns[column].unit));
+            serves =
+                serves & (done | self.elimination.solve(|column| solver.unknowns[column].unit));
             self.step(solver, done);
             before = residual;
             steps += 1;

@@ -311,7 +311,9 @@ mod tests {
     fn graphs() -> Vec<(usize, Vec<[usize; 2]>)> {
         let ring = |n: usize| (0..n).map(|k| [k, (k + 1) % n]).collect::<Vec<_>>();
         let grid = (0..5).flat_map(|x| {
-            (0..5).flat_map(move |y| [[5 * x + y, 5 * ((x + 1) % 5) + y], [5 * x + y, 5 * x + (y + 1) % 5]])
+            (0..5).flat_map(move |y| {
+                [[5 * x + y, 5 * ((x + 1) % 5) + y], [5 * x + y, 5 * x + (y + 1) % 5]]
+            })
         });
         let all = (0..7).flat_map(|a| (0..a).map(move |b| [a, b]));
         let star = (1..9).map(|k| [k, 0]);

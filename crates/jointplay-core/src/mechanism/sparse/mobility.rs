@@ -346,7 +346,9 @@ impl SparseSystem<'_> {
         let mut random = Random(2);
         let directions: Vec<Vec<f64>> = match rates {
             [_] => vec![vec![1.0], vec![-1.0]],
-            _ => (0..rates.len() + 2).map(|_| rates.iter().map(|_| random.next()).collect()).collect(),
+            _ => (0..rates.len() + 2)
+                .map(|_| rates.iter().map(|_| random.next()).collect())
+                .collect(),
         };
         for shares in directions {
             let mut direction = DVector::zeros(self.coordinates.len());

@@ -59,16 +59,7 @@ impl<'a> SparseSystem<'a> {
         let (displacements, screws) = joints_at(&kinematics, &coordinates);
         let poses = tree_poses(&kinematics, &displacements);
         let (kinematics, middles) = (Arc::new(kinematics), middles.into());
-        Ok(Self {
-            kinematics,
-            pattern,
-            middles,
-            length,
-            poses,
-            coordinates,
-            displacements,
-            screws,
-        })
+        Ok(Self { kinematics, pattern, middles, length, poses, coordinates, displacements, screws })
     }
 
     /// Tree, loops and poses.
@@ -142,7 +133,8 @@ impl<'a> SparseSystem<'a> {
         let mut rows = JointRows::with_capacity(joints.len(), screws.len());
         for (j, joint) in joints.iter().enumerate() {
             let first = &self.poses[joint.links[0]];
-            let point = first.rotation * joint.frames[0].translation.vector + first.translation.vector;
+            let point =
+                first.rotation * joint.frames[0].translation.vector + first.translation.vector;
             for k in self.kinematics.columns_of(j) {
                 let (angular, linear) = &mut screws[k];
                 (*angular, *linear) = (first.rotation * *angular, first.rotation * *linear);
@@ -238,7 +230,8 @@ fn joints_at(kinematics: &Kinematics<'_>, coordinates: &DVector<f64>) -> (Vec<Po
 
 /// Poses of the links where the joints of the spanning tree put them.
 fn tree_poses(kinematics: &Kinematics<'_>, displacements: &[Pose]) -> Vec<Pose> {
-    let branches = kinematics.branches().map(|(j, links, against)| (links, against, displacements[j]));
+    let branches =
+        kinematics.branches().map(|(j, links, against)| (links, against, displacements[j]));
     link_poses(kinematics.mechanism().links().len(), branches)
 }
 
