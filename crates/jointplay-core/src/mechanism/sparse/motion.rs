@@ -18,8 +18,10 @@ const SETTLED: f64 = 1e-6;
 const MAX_HALVINGS: usize = 10;
 /// The longest step of a coordinate, in radians and characteristic lengths.
 const LONGEST_STEP: f64 = 0.3;
-/// Steps of a coordinate longer than this are taken in the direction halfway, in radians and characteristic lengths.
-const LONG_STEP: f64 = 0.05;
+/// Corrections after a step that is still long: two to five are usual, and half the step needs fewer.
+const FEW_CORRECTIONS: usize = 6;
+/// Steps are long above this many times the shortest.
+const LONG_STEP: f64 = 8.0;
 /// The shortest step, as a share of the whole path: drives that cannot move so far are locked.
 const SHORTEST_STEP: f64 = 1e-5;
 
@@ -87,24 +89,7 @@ impl SparseSystem<'_> {
         linear: &Linear,
         drives: Option<&DVector<f64>>,
     ) -> (DVector<f64>, DVector<f64>) {
-        self.least_step_beyond(linear, self.mismatches(), &self.violations(), drives)
-    }
-
-    /// Twists of links and rates of coordinates that leave all mismatches as they are while the drives move.
-    fn tangent(&self, linear: &Linear, drives: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
-        let closed = DVector::zeros(6 * linear.joints.len());
-        let kept = DVector::zeros(linear.couplings.len());
-        self.least_step_beyond(linear, closed, &kept, Some(drives))
-    }
-
-    /// The same for mismatches of joints and violations of couplings.
-    fn least_step_beyond(
-        &self,
-        linear: &Linear,
-        mut beyond: DVector<f64>,
-        violations: &DVector<f64>,
-        drives: Option<&DVector<f64>>,
-    ) -> (DVector<f64>, DVector<f64>) {
+        let mut beyond = self.mismatches();
         if let Some(drives) = drives {
             for j in 0..linear.joints.len() {
                 for k in self.kinematics.columns_of(j).filter(|&k| drives[k] != 0.0) {
@@ -123,7 +108,7 @@ impl SparseSystem<'_> {
         };
         let mut open = linear.violated(&beyond, &rates(&DVector::zeros(linear.size())));
         let mut of_couplings = open.rows_mut(6 * linear.joints.len(), linear.couplings.len());
-        of_couplings += violations;
+        of_couplings += self.violations();
         let x = linear.solve_least(&-open, SETTLED);
         let by = rates(&x);
         (x, by)
@@ -159,20 +144,15 @@ impl SparseSystem<'_> {
                 Some(linear) => linear,
                 None => self.linear(held)?,
             };
-            let path = path * share;
-            let (mut x, mut by) = self.least_step(&linear, Some(&path));
-            if self.largest(&by) > LONG_STEP {
-                // The direction halfway: of a long chain the error of each cell shifts all cells beyond.
-                let mut halfway = self.clone();
-                halfway.displace((&x * 0.5).as_slice(), &(&by * 0.5));
-                (x, by) = halfway.tangent(&halfway.linear(held)?, &path);
-            }
+            let (x, by) = self.least_step(&linear, Some(&(path * share)));
             let size = self.largest(&by);
+            let corrections =
+                if *step > LONG_STEP * shortest { FEW_CORRECTIONS } else { MAX_CORRECTIONS };
             let mut there = self.clone();
             there.displace(x.as_slice(), &by);
             let stayed = size <= LONGEST_STEP
                 && matches!(
-                    there.correct(held, MAX_CORRECTIONS),
+                    there.correct(held, corrections),
                     Ok((_, moved)) if on_branch(moved, size)
                 );
             if stayed {
