@@ -5,7 +5,7 @@ use nalgebra::{Vector2, Vector3};
 use super::{AxisHeight, Gpr, ball_sides};
 use crate::Error;
 use crate::error::length;
-use crate::kernel::{self, Model, SinglePose, Task};
+use crate::kernel::{self, Model, SingleJoints, SinglePose, Task};
 use crate::spatial::{Pose, Tilt, fit_in_plane};
 use crate::virtualization::{
     BuiltIn, Sides, Solution, SolveOptions, VirtualJoints, Virtualization, signed_area, solve,
@@ -51,16 +51,70 @@ impl Gpr {
         virtualization: &V,
         options: &SolveOptions,
     ) -> Result<PlatformPose, Error> {
-        for rod in rods {
+        self.check_rods(&rods)?;
+        self.pose(rods, virtualization, options)
+    }
+
+    /// Virtual joints for given rods, without the pose of the platform; those of [`Self::forward`].
+    ///
+    /// # Arguments
+    /// * `rods` – (3) lengths q_k (m)
+    ///
+    /// # Errors
+    /// Those of [`Self::forward`].
+    ///
+    /// # Numerics
+    /// Does not allocate.
+    ///
+    /// # Example
+    /// ```
+    /// use jointplay_core::gpr::Gpr;
+    /// use jointplay_core::virtualization::{Polar, SolveOptions};
+    ///
+    /// let gpr = Gpr::paper();
+    /// let (rods, options) = ([0.5, 0.501, 0.499], SolveOptions::default());
+    /// let solution = gpr.virtual_joints(rods, &Polar, &options)?;
+    /// assert_eq!(solution, gpr.forward(rods, &Polar, &options)?.solution);
+    /// # Ok::<(), jointplay_core::Error>(())
+    /// ```
+    #[inline]
+    pub fn virtual_joints<V: Virtualization + ?Sized>(
+        &self,
+        rods: [f64; 3],
+        virtualization: &V,
+        options: &SolveOptions,
+    ) -> Result<Solution, Error> {
+        self.check_rods(&rods)?;
+        match virtualization.as_built_in() {
+            Some(BuiltIn::Radial) => {
+                self.kernel_joints::<kernel::Radial, V>(rods, virtualization, options)
+            }
+            Some(BuiltIn::Polar) => {
+                self.kernel_joints::<kernel::Polar, V>(rods, virtualization, options)
+            }
+            Some(BuiltIn::Offset) => {
+                self.kernel_joints::<kernel::Offset, V>(rods, virtualization, options)
+            }
+            Some(BuiltIn::Planar) => {
+                self.kernel_joints::<kernel::Planar, V>(rods, virtualization, options)
+            }
+            None => Ok(self.general_pose(rods, virtualization, options)?.solution),
+        }
+    }
+
+    /// Whether rods are numbers, and within the limits of a robot that checks them.
+    #[inline]
+    fn check_rods(&self, rods: &[f64; 3]) -> Result<(), Error> {
+        for &rod in rods {
             length("a rod length", rod)?;
         }
-        if self.checks_limits() && !self.clearly_within_limits(&rods) {
-            let broken = self.limits().broken(&rods, self.plane_tilt(&rods));
+        if self.checks_limits() && !self.clearly_within_limits(rods) {
+            let broken = self.limits().broken(rods, self.plane_tilt(rods));
             if !broken.is_empty() {
                 return Err(Error::BeyondLimits(broken));
             }
         }
-        self.pose(rods, virtualization, options)
+        Ok(())
     }
 
     /// Whether rods are within the limits, without an arc tangent; `false` leaves the limits themselves to [`Limits::broken`](super::Limits::broken).
@@ -139,16 +193,44 @@ impl Gpr {
                 };
                 let sides = ball_sides(&self.ball_centers(&rods));
                 let base_from_platform = found.base_from_platform;
-                let solution = Solution {
-                    virtual_joints: found.virtual_joints,
-                    solver: task.solver,
-                    characteristic_length,
-                    iterations: found.iterations,
-                    residual: found.residual,
-                };
+                let solution = solution(&task, characteristic_length, found.joints);
                 Ok(PlatformPose { rods, sides, solution, base_from_platform })
             },
         )
+    }
+
+    /// Virtual joints by the closed equations of a built-in virtualization, or by [`solve`] where they leave a doubt.
+    #[inline]
+    fn kernel_joints<M: Model, V: Virtualization + ?Sized>(
+        &self,
+        rods: [f64; 3],
+        virtualization: &V,
+        options: &SolveOptions,
+    ) -> Result<Solution, Error> {
+        let characteristic_length = options.metric.characteristic_length(self.platform())?;
+        let dimensions = self.dimensions();
+        dimensions.processor.run(
+            #[inline(always)]
+            || {
+                let task = Task::new::<M>(dimensions, options, characteristic_length);
+                match SingleJoints::new::<M>(&task, &rods) {
+                    Some(found) => Ok(solution(&task, characteristic_length, found)),
+                    None => Ok(self.general_pose(rods, virtualization, options)?.solution),
+                }
+            },
+        )
+    }
+}
+
+/// What was found, with the method.
+#[inline(always)]
+fn solution(task: &Task<'_>, characteristic_length: f64, found: SingleJoints) -> Solution {
+    Solution {
+        virtual_joints: found.virtual_joints,
+        solver: task.solver,
+        characteristic_length,
+        iterations: found.iterations,
+        residual: found.residual,
     }
 }
 

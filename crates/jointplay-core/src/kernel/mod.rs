@@ -5,6 +5,7 @@
 mod geometry;
 mod lanes;
 mod model;
+mod polar;
 mod pose;
 mod processor;
 mod shape;
@@ -17,6 +18,6 @@ pub(crate) use lanes::{Lanes, MOST, Mask};
 pub(crate) use model::{Model, Offset, Planar, Polar, Radial};
 pub(crate) use pose::{Plane, PlatformPoses};
 pub(crate) use shape::{Balls, Shape, Three};
-pub(crate) use single::SinglePose;
-pub(crate) use solve::{Found, solved, squared};
+pub(crate) use single::{SingleJoints, SinglePose};
+pub(crate) use solve::{ClosedForm, Found, LeastNorm, Method, Newton, squared};
 pub(crate) use trigonometry::sin_cos;
