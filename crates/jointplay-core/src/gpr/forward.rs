@@ -8,7 +8,8 @@ use crate::error::length;
 use crate::kernel::{self, Model, SingleJoints, SinglePose, Task};
 use crate::spatial::{Pose, Tilt, fit_in_plane};
 use crate::virtualization::{
-    BuiltIn, Sides, Solution, SolveOptions, VirtualJoints, Virtualization, signed_area, solve,
+    BuiltIn, Offset, Planar, Polar, Radial, Sides, Solution, SolveOptions, VirtualJoints,
+    Virtualization, signed_area, solve,
 };
 
 /// A pose of the platform, with the rods, sides and virtual joints that determine it.
@@ -86,18 +87,7 @@ impl Gpr {
     ) -> Result<Solution, Error> {
         self.check_rods(&rods)?;
         match virtualization.as_built_in() {
-            Some(BuiltIn::Radial) => {
-                self.kernel_joints::<kernel::Radial, V>(rods, virtualization, options)
-            }
-            Some(BuiltIn::Polar) => {
-                self.kernel_joints::<kernel::Polar, V>(rods, virtualization, options)
-            }
-            Some(BuiltIn::Offset) => {
-                self.kernel_joints::<kernel::Offset, V>(rods, virtualization, options)
-            }
-            Some(BuiltIn::Planar) => {
-                self.kernel_joints::<kernel::Planar, V>(rods, virtualization, options)
-            }
+            Some(built_in) => self.built_in_joints(built_in, &rods, options),
             None => Ok(self.general_pose(rods, virtualization, options)?.solution),
         }
     }
@@ -137,18 +127,7 @@ impl Gpr {
         options: &SolveOptions,
     ) -> Result<PlatformPose, Error> {
         match virtualization.as_built_in() {
-            Some(BuiltIn::Radial) => {
-                self.kernel_pose::<kernel::Radial, V>(rods, virtualization, options)
-            }
-            Some(BuiltIn::Polar) => {
-                self.kernel_pose::<kernel::Polar, V>(rods, virtualization, options)
-            }
-            Some(BuiltIn::Offset) => {
-                self.kernel_pose::<kernel::Offset, V>(rods, virtualization, options)
-            }
-            Some(BuiltIn::Planar) => {
-                self.kernel_pose::<kernel::Planar, V>(rods, virtualization, options)
-            }
+            Some(built_in) => self.built_in_pose(built_in, &rods, options),
             None => self.general_pose(rods, virtualization, options),
         }
     }
@@ -174,12 +153,44 @@ impl Gpr {
         Ok(PlatformPose { rods, sides, solution, base_from_platform })
     }
 
+    /// A pose of a built-in virtualization.
+    ///
+    /// No type parameter, so that its kernels are compiled once and not by every user.
+    fn built_in_pose(
+        &self,
+        built_in: BuiltIn,
+        rods: &[f64; 3],
+        options: &SolveOptions,
+    ) -> Result<PlatformPose, Error> {
+        match built_in {
+            BuiltIn::Radial => self.kernel_pose::<kernel::Radial>(&Radial, rods, options),
+            BuiltIn::Polar => self.kernel_pose::<kernel::Polar>(&Polar, rods, options),
+            BuiltIn::Offset => self.kernel_pose::<kernel::Offset>(&Offset, rods, options),
+            BuiltIn::Planar => self.kernel_pose::<kernel::Planar>(&Planar, rods, options),
+        }
+    }
+
+    /// Virtual joints of a built-in virtualization; see [`Self::built_in_pose`].
+    fn built_in_joints(
+        &self,
+        built_in: BuiltIn,
+        rods: &[f64; 3],
+        options: &SolveOptions,
+    ) -> Result<Solution, Error> {
+        match built_in {
+            BuiltIn::Radial => self.kernel_joints::<kernel::Radial>(&Radial, rods, options),
+            BuiltIn::Polar => self.kernel_joints::<kernel::Polar>(&Polar, rods, options),
+            BuiltIn::Offset => self.kernel_joints::<kernel::Offset>(&Offset, rods, options),
+            BuiltIn::Planar => self.kernel_joints::<kernel::Planar>(&Planar, rods, options),
+        }
+    }
+
     /// A pose by the closed equations of a built-in virtualization, or by [`solve`] where they leave a doubt.
     #[inline]
-    fn kernel_pose<M: Model, V: Virtualization + ?Sized>(
+    fn kernel_pose<M: Model>(
         &self,
-        rods: [f64; 3],
-        virtualization: &V,
+        virtualization: &dyn Virtualization,
+        rods: &[f64; 3],
         options: &SolveOptions,
     ) -> Result<PlatformPose, Error> {
         let characteristic_length = options.metric.characteristic_length(self.platform())?;
@@ -188,23 +199,23 @@ impl Gpr {
             #[inline(always)]
             || {
                 let task = Task::new::<M>(dimensions, options, characteristic_length);
-                let Some(found) = SinglePose::new::<M>(&task, &rods) else {
-                    return self.general_pose(rods, virtualization, options);
+                let Some(found) = SinglePose::new::<M>(&task, rods) else {
+                    return self.general_pose(*rods, virtualization, options);
                 };
-                let sides = ball_sides(&self.ball_centers(&rods));
+                let sides = ball_sides(&self.ball_centers(rods));
                 let base_from_platform = found.base_from_platform;
                 let solution = solution(&task, characteristic_length, found.joints);
-                Ok(PlatformPose { rods, sides, solution, base_from_platform })
+                Ok(PlatformPose { rods: *rods, sides, solution, base_from_platform })
             },
         )
     }
 
     /// Virtual joints by the closed equations of a built-in virtualization, or by [`solve`] where they leave a doubt.
     #[inline]
-    fn kernel_joints<M: Model, V: Virtualization + ?Sized>(
+    fn kernel_joints<M: Model>(
         &self,
-        rods: [f64; 3],
-        virtualization: &V,
+        virtualization: &dyn Virtualization,
+        rods: &[f64; 3],
         options: &SolveOptions,
     ) -> Result<Solution, Error> {
         let characteristic_length = options.metric.characteristic_length(self.platform())?;
@@ -213,9 +224,9 @@ impl Gpr {
             #[inline(always)]
             || {
                 let task = Task::new::<M>(dimensions, options, characteristic_length);
-                match SingleJoints::new::<M>(&task, &rods) {
+                match SingleJoints::new::<M>(&task, rods) {
                     Some(found) => Ok(solution(&task, characteristic_length, found)),
-                    None => Ok(self.general_pose(rods, virtualization, options)?.solution),
+                    None => Ok(self.general_pose(*rods, virtualization, options)?.solution),
                 }
             },
         )
@@ -328,7 +339,7 @@ impl PlatformPose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::virtualization::{Planar, Solver, built_in};
+    use crate::virtualization::{Solver, built_in};
 
     fn kernel_answers<M: Model>(gpr: &Gpr, rods: &[f64; 3], options: &SolveOptions) -> bool {
         let length = options.metric.characteristic_length(gpr.platform()).unwrap();
