@@ -4,14 +4,14 @@
 //!    L_ij² = l_i² + l_j² − 2 l_i l_j cos ψ_ij        ψ_ij = β_j − β_i + φ_j − φ_i
 //! ```
 //! Only differences of the φ_k enter, so that every step leaves their sum unchanged.
-//! The steps are those of the other virtualizations in [`solve`](super::solve), with half as many operations.
+//! The steps are those of the other virtualizations in `solve.rs`, with half as many operations.
 
 use pulp::Simd;
 
+use super::found::{Found, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless};
 use super::geometry::{Geometry, Task};
 use super::lanes::{Lanes, Mask};
 use super::shape::{Balls, Three};
-use super::solve::{Found, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless};
 use super::trigonometry::{sin_cos_of_steps, tiny_steps};
 
 /// The sockets of many poses, in polar coordinates.

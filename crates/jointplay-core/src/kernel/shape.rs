@@ -21,8 +21,6 @@ pub(crate) struct Balls<S: Simd> {
     pub(crate) rises: Three<S>,
     /// Squared sides L_ij² (m²).
     pub(crate) squares: Three<S>,
-    /// For each side the product of the other two squares (m⁴).
-    others: Three<S>,
     /// Product of all three squares (m⁶).
     pub(super) product: Lanes<S>,
 }
@@ -37,9 +35,8 @@ impl<S: Simd> Balls<S> {
             squares[k] = rises[k].times_plus(rises[k], q_1.like(geometry.base_squares[k]));
         }
         let [l_1, l_2, l_3] = squares;
-        let others = [l_2 * l_3, l_3 * l_1, l_1 * l_2];
-        let product = others[2] * l_3;
-        Self { mean: (q_1 + q_2 + q_3) * (1.0 / 3.0), rises, squares, others, product }
+        let product = l_1 * l_2 * l_3;
+        Self { mean: (q_1 + q_2 + q_3) * (1.0 / 3.0), rises, squares, product }
     }
 
     /// Difference of each squared side from that of the nominal sockets (m²).
@@ -58,8 +55,9 @@ impl<S: Simd> Balls<S> {
     #[inline(always)]
     pub(crate) fn worst(&self, missing: &Three<S>) -> Lanes<S> {
         let [m_1, m_2, m_3] = *missing;
-        let [o_1, o_2, o_3] = self.others;
-        (m_1.squared() * o_1).max(m_2.squared() * o_2).max(m_3.squared() * o_3)
+        let [l_1, l_2, l_3] = self.squares;
+        let (a, b, c) = (m_1.squared() * l_2, m_2.squared() * l_1, m_3.squared() * l_2);
+        (a.max(b) * l_3).max(c * l_1)
     }
 
     /// What [`Self::worst`] is below where all sides are within the threshold of a task (m⁸).

@@ -3,12 +3,13 @@
 use nalgebra::{Matrix3, Rotation3, Translation3};
 use pulp::Scalar;
 
+use super::found::Found;
 use super::geometry::Task;
 use super::lanes::Lanes;
 use super::model::Model;
 use super::pose::{Plane, PlatformPoses};
 use super::shape::{Balls, Shape};
-use super::solve::{Found, solved};
+use super::solve::solved;
 use crate::spatial::Pose;
 use crate::virtualization::VirtualJoints;
 

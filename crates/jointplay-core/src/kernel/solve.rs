@@ -4,6 +4,7 @@
 
 use pulp::Simd;
 
+use super::found::{Found, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless};
 use super::geometry::Task;
 use super::lanes::{Lanes, Mask};
 use super::model::{self, Model};
@@ -11,50 +12,6 @@ use super::polar;
 use super::pose::Plane;
 use super::shape::{Balls, Response, Shape, Three, first_step};
 use crate::virtualization::Solver;
-
-/// Virtual joints found, where they are, and the steps that it took.
-#[derive(Clone, Copy)]
-pub(crate) struct Found<S: Simd> {
-    /// Coordinates along the directions (m).
-    pub(crate) a: Three<S>,
-    /// Coordinates across ((m), (rad)).
-    pub(crate) b: Three<S>,
-    /// Twice the signed area of the sockets (m²).
-    pub(crate) area: Lanes<S>,
-    /// Difference of the sides, see [`Balls::worst`].
-    worst: Lanes<S>,
-    pub(crate) iterations: Lanes<S>,
-    /// Where the sides are met.
-    pub(crate) met: Mask<S>,
-}
-
-impl<S: Simd> Found<S> {
-    #[inline(always)]
-    pub(super) fn new(
-        a: Three<S>,
-        b: Three<S>,
-        area: Lanes<S>,
-        worst: Lanes<S>,
-        iterations: Lanes<S>,
-        met: Mask<S>,
-    ) -> Self {
-        Self { a, b, area, worst, iterations, met }
-    }
-
-    /// Largest of |L − l| = |L² − l²|/(L + l), where L + l is 2 L beyond all digits (m).
-    #[inline(always)]
-    pub(crate) fn residual(&self, balls: &Balls<S>) -> Lanes<S> {
-        // What the division needs is there long before the rest.
-        (self.worst * (balls.product.like(0.25) / balls.product)).sqrt()
-    }
-}
-
-/// Steps of Newton's method that are done here: it doubles its digits, and starts with five or more.
-pub(super) const NEWTON_STEPS: usize = 8;
-/// Steps toward the least displacement that are done here: each gains three digits at 2°, one at 10°.
-pub(super) const LEAST_NORM_STEPS: usize = 40;
-/// Least share of a pivot that elimination may leave here: less is nearly dependent, and taken with more care elsewhere.
-pub(super) const LEAST_PIVOT: f64 = 1e-6;
 
 /// How a kernel finds the virtual joints.
 ///
@@ -278,35 +235,6 @@ fn begin<S: Simd, M: Model>(
         return (by_a, by_b, zero.at_most(zero));
     }
     step::<S, M>(task, &start.response::<M>(), missing, 0.5)
-}
-
-/// Three numbers, and zero where the sides are met already.
-#[inline(always)]
-pub(super) fn unless<S: Simd>(met: Mask<S>, numbers: Three<S>) -> Three<S> {
-    if !met.any() {
-        return numbers;
-    }
-    let mut left = numbers;
-    for number in &mut left {
-        *number = met.select(number.like(0.0), *number);
-    }
-    left
-}
-
-/// ‖(a, b)‖² in the metric.
-#[inline(always)]
-pub(crate) fn squared<S: Simd, M: Model>(task: &Task<'_>, a: &Three<S>, b: &Three<S>) -> Lanes<S> {
-    let of_a = sum_of_squares(a);
-    if M::ACROSS {
-        sum_of_squares(b).times_plus(a[0].like(1.0 / task.compliance), of_a)
-    } else {
-        of_a
-    }
-}
-
-#[inline(always)]
-fn sum_of_squares<S: Simd>([a, b, c]: &Three<S>) -> Lanes<S> {
-    a.times_plus(*a, b.times_plus(*b, *c * *c))
 }
 
 /// The least step that gives each edge what it lacks: C Eᵀ (E C Eᵀ)⁻¹ · target · share.

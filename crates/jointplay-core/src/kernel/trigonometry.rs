@@ -126,7 +126,7 @@ pub(crate) fn sin_cos_of_steps<S: Simd>(angles: [Lanes<S>; 3]) -> ([Lanes<S>; 3]
 /// Sines and versines of three angles that are mostly below 10⁻⁴ (rad).
 ///
 /// # Numerics
-/// Exact to round-off beside one; a series of two terms where all three are that small, else [`sin_cos_of_steps`].
+/// Exact to round-off in comparison with one; a series of two terms where all three are that small, else [`sin_cos_of_steps`].
 #[inline(always)]
 pub(crate) fn tiny_steps<S: Simd>(angles: [Lanes<S>; 3]) -> ([Lanes<S>; 3], [Lanes<S>; 3]) {
     let squares = [angles[0].squared(), angles[1].squared(), angles[2].squared()];
