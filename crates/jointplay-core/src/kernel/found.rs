@@ -1,4 +1,4 @@
-//! Virtual joints found, and what the ways to them share.
+//! Virtual joints found, and what all solvers of the kernels share.
 
 use pulp::Simd;
 
@@ -24,25 +24,13 @@ pub(crate) struct Found<S: Simd> {
     /// Twice the signed area of the sockets (m²).
     pub(crate) area: Lanes<S>,
     /// Difference of the sides, see [`Balls::worst`].
-    worst: Lanes<S>,
+    pub(super) worst: Lanes<S>,
     pub(crate) iterations: Lanes<S>,
     /// Where the sides are met.
     pub(crate) met: Mask<S>,
 }
 
 impl<S: Simd> Found<S> {
-    #[inline(always)]
-    pub(super) fn new(
-        a: Three<S>,
-        b: Three<S>,
-        area: Lanes<S>,
-        worst: Lanes<S>,
-        iterations: Lanes<S>,
-        met: Mask<S>,
-    ) -> Self {
-        Self { a, b, area, worst, iterations, met }
-    }
-
     /// Largest of |L − l| = |L² − l²|/(L + l), where L + l is 2 L beyond all digits (m).
     #[inline(always)]
     pub(crate) fn residual(&self, balls: &Balls<S>) -> Lanes<S> {

@@ -113,7 +113,7 @@ impl<S: Simd> Sockets<S> {
         met: Mask<S>,
     ) -> Found<S> {
         let [t_0, t_1, t_2] = response.by_turn;
-        Found::new(self.l, self.phi, t_0 + t_1 + t_2, worst, iterations, met)
+        Found { a: self.l, b: self.phi, area: t_0 + t_1 + t_2, worst, iterations, met }
     }
 }
 

@@ -92,7 +92,7 @@ fn newton<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         worst = balls.worst(&missing);
         met = met | worst.below(bound);
     }
-    Found::new(shape.a, shape.b, shape.area(), worst, iterations, met & !doubtful)
+    Found { a: shape.a, b: shape.b, area: shape.area(), worst, iterations, met: met & !doubtful }
 }
 
 /// The least displacement near nominal, see [`Solver::LeastNorm`](crate::virtualization::Solver::LeastNorm).
@@ -160,7 +160,7 @@ fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> 
         let now = last_squared.at_most(least_step) & worst.below(bound);
         met = met | (now & !doubtful);
     }
-    Found::new(shape.a, shape.b, shape.area(), worst, iterations, met)
+    Found { a: shape.a, b: shape.b, area: shape.area(), worst, iterations, met }
 }
 
 /// The least displacement of all, see [`Planar`](crate::virtualization::Planar).
@@ -219,7 +219,14 @@ fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
 fn closed<S: Simd>(balls: &Balls<S>, task: &Task<'_>, shape: Shape<S>) -> Found<S> {
     let worst = balls.worst(&shape.missing(balls));
     let met = worst.below(balls.bound(task.threshold));
-    Found::new(shape.a, shape.b, shape.area(), worst, balls.mean.like(0.0), met)
+    Found {
+        a: shape.a,
+        b: shape.b,
+        area: shape.area(),
+        worst,
+        iterations: balls.mean.like(0.0),
+        met,
+    }
 }
 
 /// The first step from nominal, and where the sides are independent there.
