@@ -4,6 +4,10 @@
     python3 bench/run.py                 everything, into bench/results
     python3 bench/run.py --rounds 3      fewer rounds
     python3 bench/run.py --only gpr      one work: gpr, linkages, words or scaling
+    python3 bench/run.py --write-docs    no run: tables of README.md and docs from bench/results
+
+After a run it compares the ratios of jointplay to the best other program with the recorded ones, and ends with 1 if one
+lost more than a tenth.
 
 It needs Python 3.11, a C++ compiler, cargo, and the network once, for the packages of bench/requirements.txt.
 What cannot be installed, built or run is reported as missing, with the reason.
@@ -22,6 +26,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE / "harness"))
 import kernels  # noqa: E402
 import limits  # noqa: E402
+import ratios  # noqa: E402
 
 VENV = HERE / ".venv"
 BUILD = HERE / ".build"
@@ -34,14 +39,29 @@ def main():
     parser.add_argument("--rounds", type=int, default=7, help="rounds, of which the best counts (default 7)")
     parser.add_argument("--only", choices=WORKS, action="append", help="this work alone; may be repeated")
     parser.add_argument("--out", type=Path, default=HERE / "results", help="folder for the results")
+    parser.add_argument("--write-docs", action="store_true", help="write the tables of README.md and docs, and run nothing")
     arguments = parser.parse_args()
+    if arguments.write_docs:
+        python = PYTHON if PYTHON.exists() else sys.executable
+        return subprocess.run([python, HERE / "harness" / "documents.py", arguments.out, HERE.parent]).returncode
     if arguments.rounds < 1:
         parser.error("--rounds has to be at least 1")
     missing = {**install(), **build()}
     BUILD.joinpath("missing.json").write_text(json.dumps(missing))
     only = arguments.only or WORKS
+    recorded = ratios.rows(only_of(only, ratios.load(HERE / "results")))
     command = [PYTHON, HERE / "harness" / "compare.py", BUILD, arguments.out, str(arguments.rounds), *only]
-    return subprocess.run(command, env=one_thread()).returncode
+    done = subprocess.run(command, env=one_thread()).returncode
+    if done != 0:
+        return done
+    found = ratios.rows(only_of(only, ratios.load(arguments.out)))
+    print("\n".join(ratios.compared(recorded, found)))
+    return 1 if ratios.lost(recorded, found) else 0
+
+
+def only_of(only, results):
+    """The results of some works."""
+    return {work: document for work, document in results.items() if work in only}
 
 
 def one_thread():

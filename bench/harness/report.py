@@ -8,6 +8,8 @@ matplotlib.use("Agg")
 matplotlib.rcParams.update({"svg.hashsalt": "bench", "svg.fonttype": "path", "font.size": 10})
 from matplotlib import pyplot
 
+from quantities import figures, rate
+
 OURS, THEIRS = "#0b6e99", "#b8b8b8"
 
 
@@ -35,24 +37,6 @@ def method(document):
         f"All programs do the work in one run, in {document['rounds']} rounds in which each takes its turn; the round with the least CPU time counts.",
         "Rates are of one core; on another machine only the ratios mean something.",
     ]
-
-
-def rate(result, asked):
-    """Work items per second of CPU time, in the best round."""
-    return len(range(0, asked, result["stride"])) / min(result["cpu_s"])
-
-
-def quantity(rate):
-    for unit, size in (("G", 1e9), ("M", 1e6), ("k", 1e3)):
-        if rate >= size:
-            return f"{rate / size:.3g} {unit}"
-    return f"{rate:.3g}"
-
-
-def figures(value):
-    """Three figures, without an exponent."""
-    text = f"{value:.3g}"
-    return f"{float(text):,.0f}" if "e+" in text else text
 
 
 def linkages(out, document):

@@ -2,7 +2,8 @@
 
 from matplotlib import pyplot
 
-from report import about, figures, method, quantity, rate, save, write
+from quantities import figures, quantity, rate, time
+from report import about, method, save, write
 
 # Of each family: what it is, and the colours of jointplay and of the others in the chart.
 FAMILIES = {
@@ -25,7 +26,7 @@ WHAT = {
 }
 NOTES = {
     "closed": [
-        "*jointplay, one by one*: `virtualization::solve`, and with pose `Gpr::forward`; *bulk*: `Gpr::forward_many`, whose pose is origin, normal and torsion.",
+        "*jointplay, one by one*: `Gpr::virtual_joints`, and with pose `Gpr::forward`; *bulk*: `Gpr::forward_many`, whose pose is origin, normal and torsion.",
         "*C, vectors over poses*: 8 or 16 poses in the vectors of the compiler, or a loop without branches under `#pragma omp simd`. *C, by hand*: pose by pose. Both use the law of cosines, series for the sines of small turns, a first step computed once for all poses, and one division for a 3×3 system. *C, textbook* omits the series and the first step.",
         "*Numba*, *JAX*, *NumPy* use the same formulas, Numba and JAX the same series; *CasADi* derives them and generates C, which is compiled like the rest.",
         "Of C, every kernel is built by every compiler found, with `-O3 -march=native`, with and without `-ffast-math`; the fastest counts, all are below.",
@@ -92,8 +93,8 @@ def table(results, poses):
 
 
 def million(work):
-    result = work["million"]
-    poses = result["copies"] * work["poses"]
+    shared = work["million"]
+    poses = shared["copies"] * work["poses"]
     lines = [
         "## jointplay, many poses at a time",
         "",
@@ -106,7 +107,7 @@ def million(work):
     few = {**work["bulk"], "polar, X, from Python": work["families"]["closed"]["jointplay, bulk, from Python"]}
     for name, result in few.items():
         cells = [f"failed: {result['failed']}" if "failed" in result else quantity(rate(result, work["poses"]))]
-        one, every = (result["results"][f"{name}, {cores}"] for cores in ("one core", "all cores"))
+        one, every = (shared["results"][f"{name}, {cores}"] for cores in ("one core", "all cores"))
         if "failed" in one or "failed" in every:
             cells += [f"failed: {one.get('failed', every.get('failed'))}", "–", "–", "–"]
         else:
@@ -162,10 +163,6 @@ def calls(results):
         shown = f"failed: {result['failed']}" if "failed" in result else time(result["median_s"])
         lines.append(f"| {name} | {shown} |")
     return lines
-
-
-def time(seconds):
-    return f"{figures(1e9 * seconds)} ns" if seconds < 1e-6 else f"{figures(1e6 * seconds)} µs"
 
 
 def tried(work):

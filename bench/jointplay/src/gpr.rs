@@ -5,14 +5,14 @@ use std::fmt::Write as _;
 use std::hint::black_box;
 
 use jointplay::format::{catalogue, mechanism as file, robot};
-use jointplay::gpr::{AxisHeight, Gpr, ball_sides};
+use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::mechanism::{
     Carrier, Kinematics, Mechanism, MechanismSystem, PositionSolver, ReliefSolver, VirtualJoint,
     VirtualMotion,
 };
 use jointplay::nalgebra::{DVector, Unit, Vector3};
 use jointplay::spatial::{Pose, Tilt};
-use jointplay::virtualization::{Metric, Polar, SolveOptions, Solver, solve};
+use jointplay::virtualization::{Metric, Polar, SolveOptions, Solver};
 
 use crate::work::Work;
 
@@ -146,8 +146,7 @@ impl JointsAlone {
 
     #[inline]
     fn one(&self, rods: &[f64; 3]) -> Option<[f64; 6]> {
-        let sides = ball_sides(&self.gpr.ball_centers(rods));
-        let found = solve(&Polar, self.gpr.platform(), &sides, &self.options).ok()?;
+        let found = self.gpr.virtual_joints(*rods, &Polar, &self.options).ok()?;
         let mut virtual_joints = [0.0; 6];
         virtual_joints.copy_from_slice(&found.virtual_joints);
         Some(virtual_joints)

@@ -189,7 +189,8 @@ fn refuse(text: &str, line: usize, message: &str) {
 #[test]
 fn invalid_studies_of_cells_are_refused_with_their_places() {
     let head = format!("kind = \"study\"\n{QUANTITIES}\ncell = \"cells/mine.toml\"\n");
-    let refuse = |text: &str, line: usize, message: &str| refuse(&format!("{head}{text}"), line, message);
+    let refuse =
+        |text: &str, line: usize, message: &str| refuse(&format!("{head}{text}"), line, message);
     refuse("mechanism = \"slider-crank\"", 4, "either `mechanism` or `cell`");
     refuse("program = \"gone.program\"", 4, "there is no file");
     refuse("program = [\"short.program\", \"short.program\"]", 4, "twice");
@@ -203,7 +204,11 @@ fn invalid_studies_of_cells_are_refused_with_their_places() {
     refuse("[stations.ALIGN]\ndx_mm = 1", 5, "expression");
     refuse("[stations.LP2]\ndx_mm = { normal = [0, 1] }", 4, "samples");
     refuse("samples = 5", 4, "nothing is random");
-    super_refuse("kind = \"study\"\nquantities = [\"cycle_time\"]\ncell = \"example\"", 2, "cycle_time_s");
+    super_refuse(
+        "kind = \"study\"\nquantities = [\"cycle_time\"]\ncell = \"example\"",
+        2,
+        "cycle_time_s",
+    );
     super_refuse("kind = \"study\"\nquantities = [\"slip\"]\ncell = \"dual-arm\"", 3, "is no cell");
     super_refuse("kind = \"study\"\nquantities = [\"slip\"]\ncell = \"short.toml\"", 3, "no file");
 }

@@ -7,15 +7,14 @@ use pulp::{Arch, Simd, WithSimd};
 use super::singular_values;
 use super::{Column, Quantity, Status, StatusCounts};
 use crate::Error;
-use crate::error::LARGEST_LENGTH;
 use crate::gpr::{Gpr, Limits, PlatformPose};
 use crate::kernel::{
-    self, Balls, FirstStep, Found, Geometry, Lanes, Mask, Model, Offset, Planar, Plane,
-    PlatformPoses, Polar, Radial, Shape, Task, Three,
+    self, Balls, ClosedForm, FirstStep, Found, Geometry, Lanes, LeastNorm, Mask, Method, Model,
+    Newton, Offset, Planar, Plane, PlatformPoses, Polar, Radial, Shape, Task, Three,
 };
 use crate::mobility::RANK_THRESHOLD;
 use crate::sensitivity::sensitivity;
-use crate::virtualization::{BuiltIn, SolveOptions, Virtualization, signed_area};
+use crate::virtualization::{BuiltIn, SolveOptions, Solver, Virtualization, signed_area};
 
 impl Gpr {
     /// Platform poses for many sets of rods; see [`Self::forward`].
@@ -86,11 +85,34 @@ impl Work<'_, '_> {
             Some(first_step) if self.options.max_iterations > 0 => {
                 let limits = self.gpr.checks_limits().then(|| Within::of(self.gpr));
                 let task = Task { first_step: Some(&first_step), ..task };
-                let model = PhantomData::<M>;
-                Arch::new().dispatch(Blocks { work: self, task, limits, model })
+                match task.solver {
+                    Solver::Newton => self.by_method::<M, Newton>(task, limits),
+                    Solver::LeastNorm => self.by_method::<M, LeastNorm>(task, limits),
+                    Solver::ClosedForm => self.by_method::<M, ClosedForm>(task, limits),
+                }
             }
             _ => self.one_by_one(0..self.status.len()),
         }
+    }
+
+    fn by_method<M: Model, W: Method>(
+        &mut self,
+        task: Task<'_>,
+        limits: Option<Within>,
+    ) -> Result<(), Error> {
+        let kernel = PhantomData::<(M, W)>;
+        let doubtful = Arch::new().dispatch(Blocks { work: &mut *self, task, limits, kernel });
+        if doubtful { self.by_scalar_kernel() } else { Ok(()) }
+    }
+
+    /// Poses that a kernel has left, by the scalar kernel.
+    fn by_scalar_kernel(&mut self) -> Result<(), Error> {
+        for i in 0..self.status.len() {
+            if self.status[i] != Status::Solved {
+                self.one_by_one(i..i + 1)?;
+            }
+        }
+        Ok(())
     }
 
     /// Poses by the scalar kernel, which also finds the reason where there is no answer.
@@ -117,12 +139,12 @@ impl Work<'_, '_> {
 }
 
 /// The work cut into blocks of as many poses as the machine computes side by side.
-struct Blocks<'w, 'a, 'b, M> {
+struct Blocks<'w, 'a, 'b, M, W> {
     work: &'w mut Work<'a, 'b>,
     task: Task<'w>,
     /// `None` where limits are not checked.
     limits: Option<Within>,
-    model: PhantomData<M>,
+    kernel: PhantomData<(M, W)>,
 }
 
 /// Limits as a kernel checks them: poses within these are within the limits; of others the scalar kernel decides.
@@ -153,47 +175,68 @@ impl Within {
     }
 }
 
-impl<M: Model> WithSimd for Blocks<'_, '_, '_, M> {
-    type Output = Result<(), Error>;
+impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, '_, M, W> {
+    /// Whether poses remain for the scalar kernel; their status is another than solved.
+    type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Result<(), Error> {
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
         let Self { work, task, limits, .. } = self;
         let geometry = task.geometry;
         let poses = work.status.len();
+        let whole = poses / Lanes::<S>::COUNT;
         let needs = Needs::of(work.wanted);
         let mut values = [Lanes::splat(simd, 0.0); PLACES];
+        // Columns as registers, so that a whole block is written without a check of its end.
+        let mut columns: [(usize, &mut [S::f64s], &mut [f64]); PLACES] =
+            std::array::from_fn(|_| (0, &mut [][..], &mut [][..]));
+        let count = work.wanted.len().min(PLACES);
+        let (direct, others) = work.wanted.split_at_mut(count);
+        for ((quantity, wanted), column) in direct.iter_mut().zip(&mut columns) {
+            let (registers, rest) = S::as_mut_simd_f64s(wanted);
+            *column = (place(*quantity), registers, rest);
+        }
+        let columns = &mut columns[..count];
+        let mut doubtful = false;
         work.status.fill(Status::Solved);
-        for first in (0..poses).step_by(Lanes::<S>::COUNT) {
+        for block in 0..poses.div_ceil(Lanes::<S>::COUNT) {
+            let first = block * Lanes::<S>::COUNT;
             let rods = [
                 work.rods[0].lanes(simd, first),
                 work.rods[1].lanes(simd, first),
                 work.rods[2].lanes(simd, first),
             ];
             let balls = Balls::new(geometry, rods);
-            let found = kernel::solved::<S, M>(&task, &balls);
-            let upright = balls.mean.like(0.0).below(found.shape.area() * geometry.base_area);
+            let found = W::found::<S, M>(&task, &balls);
+            let upright = balls.mean.like(0.0).below(found.area * geometry.base_area);
             let certain = fill::<S, M>(&mut values, &needs, &task, &balls, &found);
-            let [l_1, l_2, l_3] = balls.squares;
-            let size = balls.mean.abs() + l_1 + l_2 + l_3;
-            let mut solved =
-                found.met & upright & certain & size.at_most(size.like(LARGEST_LENGTH));
+            let mut solved = found.met & upright & certain & balls.moderate();
             if let Some(limits) = &limits {
                 solved = solved & limits.holds(geometry, &rods, &balls);
             }
-            for (quantity, column) in &mut *work.wanted {
+            if block < whole {
+                for (place, registers, _) in &mut *columns {
+                    registers[block] = values[*place].register();
+                }
+            } else {
+                for (place, _, rest) in &mut *columns {
+                    values[*place].store(rest, 0);
+                }
+            }
+            for (quantity, column) in &mut *others {
                 values[place(*quantity)].store(column, first);
             }
             if !solved.all() {
+                doubtful = true;
                 let lanes = Lanes::<S>::COUNT.min(poses - first);
                 for (lane, solved) in solved.answers()[..lanes].iter().enumerate() {
                     if !solved {
-                        work.one_by_one(first + lane..first + lane + 1)?;
+                        work.status[first + lane] = Status::NotConverged;
                     }
                 }
             }
         }
-        Ok(())
+        doubtful
     }
 }
 
@@ -203,8 +246,11 @@ struct Needs {
     displacement: bool,
     ball_displacements: bool,
     residual: bool,
+    iterations: bool,
     pose: bool,
-    angles: bool,
+    azimuth: bool,
+    tilt_angle: bool,
+    torsion: bool,
     axis_height: bool,
     sensitivity: bool,
 }
@@ -212,8 +258,9 @@ struct Needs {
 impl Needs {
     fn of(wanted: &[(Quantity, &mut [f64])]) -> Self {
         let any = |asked: fn(Quantity) -> bool| wanted.iter().any(|(quantity, _)| asked(*quantity));
-        let angles =
-            any(|q| matches!(q, Quantity::Azimuth | Quantity::TiltAngle | Quantity::Torsion));
+        let azimuth = any(|q| q == Quantity::Azimuth);
+        let tilt_angle = any(|q| q == Quantity::TiltAngle);
+        let torsion = any(|q| q == Quantity::Torsion);
         let axis_height = any(|q| q == Quantity::AxisHeight);
         let pose = any(|q| matches!(q, Quantity::Origin(_) | Quantity::Normal(_)));
         Self {
@@ -221,8 +268,11 @@ impl Needs {
             displacement: any(|q| q == Quantity::Displacement),
             ball_displacements: any(|q| matches!(q, Quantity::BallDisplacement(_))),
             residual: any(|q| q == Quantity::Residual),
-            pose: pose || angles || axis_height,
-            angles,
+            iterations: any(|q| q == Quantity::Iterations),
+            pose: pose || azimuth || tilt_angle || torsion || axis_height,
+            azimuth,
+            tilt_angle,
+            torsion,
             axis_height,
             sensitivity: any(|q| matches!(q, Quantity::Sensitivity(_))),
         }
@@ -261,14 +311,15 @@ fn fill<S: Simd, M: Model>(
     balls: &Balls<S>,
     found: &Found<S>,
 ) -> Mask<S> {
-    let shape = &found.shape;
     let zero = balls.mean.like(0.0);
     let mut certain = zero.at_most(zero);
-    values[place(Quantity::Iterations)] = found.iterations;
+    if needs.iterations {
+        values[place(Quantity::Iterations)] = found.iterations;
+    }
     for k in 0..3 {
-        values[place(Quantity::VirtualJoint(k))] = shape.a[k];
+        values[place(Quantity::VirtualJoint(k))] = found.a[k];
         if M::ACROSS {
-            values[place(Quantity::VirtualJoint(3 + k))] = shape.b[k];
+            values[place(Quantity::VirtualJoint(3 + k))] = found.b[k];
         }
     }
     if needs.sides {
@@ -277,9 +328,10 @@ fn fill<S: Simd, M: Model>(
         }
     }
     if needs.displacement {
-        values[place(Quantity::Displacement)] = displacement::<S, M>(task, shape);
+        values[place(Quantity::Displacement)] = displacement::<S, M>(task, found);
     }
     if needs.ball_displacements {
+        let shape = Shape::at::<M>(task.geometry, found.a, found.b);
         for (k, displacement) in shape.ball_displacements(task.geometry).into_iter().enumerate() {
             values[place(Quantity::BallDisplacement(k))] = displacement;
         }
@@ -288,15 +340,20 @@ fn fill<S: Simd, M: Model>(
         values[place(Quantity::Residual)] = found.residual(balls);
     }
     if needs.pose {
-        let placed =
-            PlatformPoses::new(task.geometry, balls, &Plane::new(task.geometry, balls), shape);
+        let shape = Shape::at::<M>(task.geometry, found.a, found.b);
+        let plane = Plane::new(task.geometry, balls);
+        let placed = PlatformPoses::new(task.geometry, balls, &plane, &shape);
         for axis in 0..3 {
             values[place(Quantity::Origin(axis))] = placed.origin[axis];
             values[place(Quantity::Normal(axis))] = placed.normal[axis];
         }
-        if needs.angles {
+        if needs.azimuth {
             values[place(Quantity::Azimuth)] = placed.azimuth();
+        }
+        if needs.tilt_angle {
             values[place(Quantity::TiltAngle)] = placed.tilt_angle();
+        }
+        if needs.torsion {
             values[place(Quantity::Torsion)] = placed.torsion();
         }
         if needs.axis_height {
@@ -304,8 +361,9 @@ fn fill<S: Simd, M: Model>(
         }
     }
     if needs.sensitivity {
+        let shape = Shape::at::<M>(task.geometry, found.a, found.b);
         let (singular_values, orthogonal) =
-            singular_values::sensitivity::<S, M>(task, balls, shape);
+            singular_values::sensitivity::<S, M>(task, balls, &shape);
         for (index, value) in singular_values.into_iter().enumerate() {
             values[place(Quantity::Sensitivity(index))] = value;
         }
@@ -315,12 +373,12 @@ fn fill<S: Simd, M: Model>(
 }
 
 #[inline(always)]
-fn displacement<S: Simd, M: Model>(task: &Task<'_>, shape: &Shape<S>) -> Lanes<S> {
-    let mut a = shape.a;
+fn displacement<S: Simd, M: Model>(task: &Task<'_>, found: &Found<S>) -> Lanes<S> {
+    let mut a = found.a;
     for (a, start) in a.iter_mut().zip(task.geometry.start::<M>()) {
         *a = *a - start;
     }
-    kernel::squared::<S, M>(task, &a, &shape.b).sqrt()
+    kernel::squared::<S, M>(task, &a, &found.b).sqrt()
 }
 
 /// A quantity of one pose.
@@ -362,6 +420,14 @@ mod tests {
 
     const POSES: usize = 67;
 
+    fn vectorized<S: Simd, M: Model, W: Method>(
+        simd: S,
+        work: &mut Work<'_, '_>,
+        task: Task<'_>,
+    ) -> bool {
+        simd.vectorize(Blocks { work, task, limits: None, kernel: PhantomData::<(M, W)> })
+    }
+
     /// Bits of all quantities of a virtualization, computed with one kind of registers, with the statuses.
     fn with<S: Simd, M: Model>(
         simd: S,
@@ -398,8 +464,14 @@ mod tests {
         let first_step = FirstStep::new(gpr.platform(), virtualization, length);
         let task = Task::new::<M>(gpr.dimensions(), options, length);
         let task = Task { first_step: first_step.as_ref(), ..task };
-        let model = PhantomData::<M>;
-        simd.vectorize(Blocks { work: &mut work, task, limits: None, model }).unwrap();
+        let doubtful = match task.solver {
+            Solver::Newton => vectorized::<S, M, Newton>(simd, &mut work, task),
+            Solver::LeastNorm => vectorized::<S, M, LeastNorm>(simd, &mut work, task),
+            Solver::ClosedForm => vectorized::<S, M, ClosedForm>(simd, &mut work, task),
+        };
+        if doubtful {
+            work.by_scalar_kernel().unwrap();
+        }
         let bits = |column: &Vec<f64>| {
             // The bits of what is no number have no meaning.
             column.iter().map(|v| if v.is_nan() { u64::MAX } else { v.to_bits() }).collect()

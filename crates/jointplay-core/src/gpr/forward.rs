@@ -7,10 +7,10 @@ use crate::Error;
 use crate::error::length;
 use crate::float::sqrt;
 #[cfg(feature = "std")]
-use crate::kernel::{self, Model, SinglePose, Task};
+use crate::kernel::{self, Model, SingleJoints, SinglePose, Task};
 use crate::spatial::{Pose, Tilt, fit_in_plane};
 #[cfg(feature = "std")]
-use crate::virtualization::BuiltIn;
+use crate::virtualization::{BuiltIn, Offset, Planar, Polar, Radial};
 use crate::virtualization::{
     Sides, Solution, SolveOptions, VirtualJoints, Virtualization, signed_area, solve,
 };
@@ -55,16 +55,62 @@ impl Gpr {
         virtualization: &V,
         options: &SolveOptions,
     ) -> Result<PlatformPose, Error> {
-        for rod in rods {
+        self.check_rods(&rods)?;
+        self.pose(rods, virtualization, options)
+    }
+
+    /// Virtual joints for given rods, without the pose of the platform; those of [`Self::forward`].
+    ///
+    /// # Arguments
+    /// * `rods` – (3) lengths q_k (m)
+    ///
+    /// # Errors
+    /// Those of [`Self::forward`].
+    ///
+    /// # Numerics
+    /// Does not allocate.
+    ///
+    /// # Example
+    /// ```
+    /// use jointplay_core::gpr::Gpr;
+    /// use jointplay_core::virtualization::{Polar, SolveOptions};
+    ///
+    /// let gpr = Gpr::paper();
+    /// let (rods, options) = ([0.5, 0.501, 0.499], SolveOptions::default());
+    /// let solution = gpr.virtual_joints(rods, &Polar, &options)?;
+    /// assert_eq!(solution, gpr.forward(rods, &Polar, &options)?.solution);
+    /// # Ok::<(), jointplay_core::Error>(())
+    /// ```
+    #[inline]
+    pub fn virtual_joints<V: Virtualization + ?Sized>(
+        &self,
+        rods: [f64; 3],
+        virtualization: &V,
+        options: &SolveOptions,
+    ) -> Result<Solution, Error> {
+        self.check_rods(&rods)?;
+        #[cfg(not(feature = "std"))]
+        return Ok(self.general_pose(rods, virtualization, options)?.solution);
+        #[cfg(feature = "std")]
+        match virtualization.as_built_in() {
+            Some(built_in) => self.built_in_joints(built_in, &rods, options),
+            None => Ok(self.general_pose(rods, virtualization, options)?.solution),
+        }
+    }
+
+    /// Whether rods are numbers, and within the limits of a robot that checks them.
+    #[inline]
+    fn check_rods(&self, rods: &[f64; 3]) -> Result<(), Error> {
+        for &rod in rods {
             length("a rod length", rod)?;
         }
-        if self.checks_limits() && !self.clearly_within_limits(&rods) {
-            let broken = self.limits().broken(&rods, self.plane_tilt(&rods));
+        if self.checks_limits() && !self.clearly_within_limits(rods) {
+            let broken = self.limits().broken(rods, self.plane_tilt(rods));
             if !broken.is_empty() {
                 return Err(Error::BeyondLimits(broken));
             }
         }
-        self.pose(rods, virtualization, options)
+        Ok(())
     }
 
     /// Whether rods are within the limits, without an arc tangent; `false` leaves the limits themselves to [`Limits::broken`](super::Limits::broken).
@@ -91,18 +137,7 @@ impl Gpr {
         return self.general_pose(rods, virtualization, options);
         #[cfg(feature = "std")]
         match virtualization.as_built_in() {
-            Some(BuiltIn::Radial) => {
-                self.kernel_pose::<kernel::Radial, V>(rods, virtualization, options)
-            }
-            Some(BuiltIn::Polar) => {
-                self.kernel_pose::<kernel::Polar, V>(rods, virtualization, options)
-            }
-            Some(BuiltIn::Offset) => {
-                self.kernel_pose::<kernel::Offset, V>(rods, virtualization, options)
-            }
-            Some(BuiltIn::Planar) => {
-                self.kernel_pose::<kernel::Planar, V>(rods, virtualization, options)
-            }
+            Some(built_in) => self.built_in_pose(built_in, &rods, options),
             None => self.general_pose(rods, virtualization, options),
         }
     }
@@ -128,13 +163,47 @@ impl Gpr {
         Ok(PlatformPose { rods, sides, solution, base_from_platform })
     }
 
+    /// A pose of a built-in virtualization.
+    ///
+    /// No type parameter, so that its kernels are compiled once and not by every user.
+    #[cfg(feature = "std")]
+    fn built_in_pose(
+        &self,
+        built_in: BuiltIn,
+        rods: &[f64; 3],
+        options: &SolveOptions,
+    ) -> Result<PlatformPose, Error> {
+        match built_in {
+            BuiltIn::Radial => self.kernel_pose::<kernel::Radial>(&Radial, rods, options),
+            BuiltIn::Polar => self.kernel_pose::<kernel::Polar>(&Polar, rods, options),
+            BuiltIn::Offset => self.kernel_pose::<kernel::Offset>(&Offset, rods, options),
+            BuiltIn::Planar => self.kernel_pose::<kernel::Planar>(&Planar, rods, options),
+        }
+    }
+
+    /// Virtual joints of a built-in virtualization; see [`Self::built_in_pose`].
+    #[cfg(feature = "std")]
+    fn built_in_joints(
+        &self,
+        built_in: BuiltIn,
+        rods: &[f64; 3],
+        options: &SolveOptions,
+    ) -> Result<Solution, Error> {
+        match built_in {
+            BuiltIn::Radial => self.kernel_joints::<kernel::Radial>(&Radial, rods, options),
+            BuiltIn::Polar => self.kernel_joints::<kernel::Polar>(&Polar, rods, options),
+            BuiltIn::Offset => self.kernel_joints::<kernel::Offset>(&Offset, rods, options),
+            BuiltIn::Planar => self.kernel_joints::<kernel::Planar>(&Planar, rods, options),
+        }
+    }
+
     /// A pose by the closed equations of a built-in virtualization, or by [`solve`] where they leave a doubt.
     #[cfg(feature = "std")]
     #[inline]
-    fn kernel_pose<M: Model, V: Virtualization + ?Sized>(
+    fn kernel_pose<M: Model>(
         &self,
-        rods: [f64; 3],
-        virtualization: &V,
+        virtualization: &dyn Virtualization,
+        rods: &[f64; 3],
         options: &SolveOptions,
     ) -> Result<PlatformPose, Error> {
         let characteristic_length = options.metric.characteristic_length(self.platform())?;
@@ -143,21 +212,51 @@ impl Gpr {
             #[inline(always)]
             || {
                 let task = Task::new::<M>(dimensions, options, characteristic_length);
-                let Some(found) = SinglePose::new::<M>(&task, &rods) else {
-                    return self.general_pose(rods, virtualization, options);
+                let Some(found) = SinglePose::new::<M>(&task, rods) else {
+                    return self.general_pose(*rods, virtualization, options);
                 };
-                let sides = ball_sides(&self.ball_centers(&rods));
+                let sides = ball_sides(&self.ball_centers(rods));
                 let base_from_platform = found.base_from_platform;
-                let solution = Solution {
-                    virtual_joints: found.virtual_joints,
-                    solver: task.solver,
-                    characteristic_length,
-                    iterations: found.iterations,
-                    residual: found.residual,
-                };
-                Ok(PlatformPose { rods, sides, solution, base_from_platform })
+                let solution = solution(&task, characteristic_length, found.joints);
+                Ok(PlatformPose { rods: *rods, sides, solution, base_from_platform })
             },
         )
+    }
+
+    /// Virtual joints by the closed equations of a built-in virtualization, or by [`solve`] where they leave a doubt.
+    #[cfg(feature = "std")]
+    #[inline]
+    fn kernel_joints<M: Model>(
+        &self,
+        virtualization: &dyn Virtualization,
+        rods: &[f64; 3],
+        options: &SolveOptions,
+    ) -> Result<Solution, Error> {
+        let characteristic_length = options.metric.characteristic_length(self.platform())?;
+        let dimensions = self.dimensions();
+        dimensions.processor.run(
+            #[inline(always)]
+            || {
+                let task = Task::new::<M>(dimensions, options, characteristic_length);
+                match SingleJoints::new::<M>(&task, rods) {
+                    Some(found) => Ok(solution(&task, characteristic_length, found)),
+                    None => Ok(self.general_pose(*rods, virtualization, options)?.solution),
+                }
+            },
+        )
+    }
+}
+
+/// What was found, with the method.
+#[cfg(feature = "std")]
+#[inline(always)]
+fn solution(task: &Task<'_>, characteristic_length: f64, found: SingleJoints) -> Solution {
+    Solution {
+        virtual_joints: found.virtual_joints,
+        solver: task.solver,
+        characteristic_length,
+        iterations: found.iterations,
+        residual: found.residual,
     }
 }
 
@@ -256,7 +355,7 @@ impl PlatformPose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::virtualization::{Planar, Solver, built_in};
+    use crate::virtualization::{Solver, built_in};
 
     fn kernel_answers<M: Model>(gpr: &Gpr, rods: &[f64; 3], options: &SolveOptions) -> bool {
         let length = options.metric.characteristic_length(gpr.platform()).unwrap();

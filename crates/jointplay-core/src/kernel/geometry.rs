@@ -31,6 +31,8 @@ pub(crate) struct Geometry {
     pub(crate) equally_spaced: bool,
     radii: [f64; 3],
     directions: [[f64; 2]; 3],
+    /// Cosines and sines of the angles from each direction to the next.
+    pub(super) between: [[f64; 2]; 3],
     /// That of the machine on which the robot was made.
     pub(crate) processor: Processor,
 }
@@ -51,6 +53,10 @@ impl Geometry {
             equally_spaced: platform.equally_spaced(),
             radii: *platform.radii(),
             directions: platform.directions().map(Into::into),
+            between: [0, 1, 2].map(|k| {
+                let (own, next) = (platform.directions()[k], platform.directions()[(k + 1) % 3]);
+                [own.dot(&next), own.perp(&next)]
+            }),
             processor: Processor::new(),
         }
     }

@@ -4,36 +4,36 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use pulp::{Scalar, Simd};
 
-/// One number of each pose in a block, in two registers: sixteen with AVX-512, eight with AVX2, four with NEON, else two.
+/// One number of each pose in a block, in one register: eight with AVX-512, four with AVX2, two with NEON, else one.
 ///
-/// Two, since each step of a kernel waits for the one before, and while one register waits the other works.
+/// One, since the numbers of two blocks exceed the registers; while one block waits for a step, the processor begins the next one by itself.
 /// Arithmetic is lane by lane, so that poses are independent of each other.
 /// In memory they begin where a line of the cache begins: a register that lies across two lines takes both.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(crate) struct Lanes<S: Simd> {
     simd: S,
-    value: [S::f64s; 2],
+    value: S::f64s,
 }
 
 /// A Boolean for each pose in a block.
 #[derive(Clone, Copy)]
 pub(crate) struct Mask<S: Simd> {
     simd: S,
-    value: [S::m64s; 2],
+    value: S::m64s,
 }
 
 /// The most lanes that any machine has.
-pub(crate) const MOST: usize = 16;
+pub(crate) const MOST: usize = 8;
 
 // Everything here is inlined, always: what is not would be compiled without the machine's wide instructions.
 impl<S: Simd> Lanes<S> {
     /// Poses in a block.
-    pub(crate) const COUNT: usize = 2 * S::F64_LANES;
+    pub(crate) const COUNT: usize = S::F64_LANES;
 
     #[inline(always)]
     pub(crate) fn splat(simd: S, value: f64) -> Self {
-        Self { simd, value: [simd.splat_f64s(value); 2] }
+        Self { simd, value: simd.splat_f64s(value) }
     }
 
     /// The same number as another, of the same machine.
@@ -46,7 +46,7 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub(crate) fn of(simd: S, numbers: &[f64]) -> Self {
         let (whole, _) = S::as_simd_f64s(numbers);
-        Self { simd, value: [whole[0], whole[1]] }
+        Self { simd, value: whole[0] }
     }
 
     /// Writes the lanes to a column from `first` on, up to its end.
@@ -54,13 +54,17 @@ impl<S: Simd> Lanes<S> {
     pub(crate) fn store(&self, column: &mut [f64], first: usize) {
         if first + Self::COUNT <= column.len() {
             let (whole, _) = S::as_mut_simd_f64s(&mut column[first..first + Self::COUNT]);
-            let [a, b] = self.value;
-            whole[0] = a;
-            whole[1] = b;
+            whole[0] = self.value;
         } else {
             let rest = &mut column[first..];
             rest.copy_from_slice(&self.numbers()[..rest.len()]);
         }
+    }
+
+    /// The register.
+    #[inline(always)]
+    pub(crate) fn register(self) -> S::f64s {
+        self.value
     }
 
     /// The numbers of all lanes; those that the machine does not have are zero.
@@ -68,7 +72,7 @@ impl<S: Simd> Lanes<S> {
     pub(crate) fn numbers(self) -> [f64; MOST] {
         let mut numbers = [0.0; MOST];
         let (whole, _) = S::as_mut_simd_f64s(&mut numbers[..Self::COUNT]);
-        [whole[0], whole[1]] = self.value;
+        whole[0] = self.value;
         numbers
     }
 
@@ -85,9 +89,7 @@ impl<S: Simd> Lanes<S> {
     /// `self · factor + addend`, rounded once on every processor: in software where it has no fused multiply-add.
     #[inline(always)]
     pub(crate) fn times_plus(self, factor: Self, addend: Self) -> Self {
-        let ([a, b], [c, d], [e, f]) = (self.value, factor.value, addend.value);
-        let simd = self.simd;
-        Self { simd, value: [simd.mul_add_f64s(a, c, e), simd.mul_add_f64s(b, d, f)] }
+        Self { value: self.simd.mul_add_f64s(self.value, factor.value, addend.value), ..self }
     }
 
     /// `minuend − self · factor`, rounded once.
@@ -103,14 +105,12 @@ impl<S: Simd> Lanes<S> {
 
     #[inline(always)]
     pub(crate) fn sqrt(self) -> Self {
-        let [a, b] = self.value;
-        Self { value: [self.simd.sqrt_f64s(a), self.simd.sqrt_f64s(b)], ..self }
+        Self { value: self.simd.sqrt_f64s(self.value), ..self }
     }
 
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
-        let [a, b] = self.value;
-        Self { value: [self.simd.abs_f64s(a), self.simd.abs_f64s(b)], ..self }
+        Self { value: self.simd.abs_f64s(self.value), ..self }
     }
 
     /// One over it.
@@ -122,41 +122,34 @@ impl<S: Simd> Lanes<S> {
     /// The larger of two; either where one is not a number.
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
-        let ([a, b], [c, d]) = (self.value, other.value);
-        Self { value: [self.simd.max_f64s(a, c), self.simd.max_f64s(b, d)], ..self }
+        Self { value: self.simd.max_f64s(self.value, other.value), ..self }
     }
 
     /// The smaller of two; either where one is not a number.
     #[inline(always)]
     pub(crate) fn min(self, other: Self) -> Self {
-        let ([a, b], [c, d]) = (self.value, other.value);
-        Self { value: [self.simd.min_f64s(a, c), self.simd.min_f64s(b, d)], ..self }
+        Self { value: self.simd.min_f64s(self.value, other.value), ..self }
     }
 
     /// Where `self ≤ other`; false where either is not a number.
     #[inline(always)]
     pub(crate) fn at_most(self, other: Self) -> Mask<S> {
-        let ([a, b], [c, d], simd) = (self.value, other.value, self.simd);
-        let value = [simd.less_than_or_equal_f64s(a, c), simd.less_than_or_equal_f64s(b, d)];
-        Mask { simd, value }
+        let simd = self.simd;
+        Mask { simd, value: simd.less_than_or_equal_f64s(self.value, other.value) }
     }
 
     /// Where `self < other`; false where either is not a number.
     #[inline(always)]
     pub(crate) fn below(self, other: Self) -> Mask<S> {
-        let ([a, b], [c, d], simd) = (self.value, other.value, self.simd);
-        Mask { simd, value: [simd.less_than_f64s(a, c), simd.less_than_f64s(b, d)] }
+        Mask { simd: self.simd, value: self.simd.less_than_f64s(self.value, other.value) }
     }
 
     /// Where this bit of the number's representation is set.
     #[inline(always)]
     pub(crate) fn bit(self, bit: u64) -> Mask<S> {
-        let ([a, b], simd, bit) = (self.value, self.simd, self.simd.splat_u64s(bit));
-        let bits = [
-            simd.and_u64s(simd.transmute_u64s_f64s(a), bit),
-            simd.and_u64s(simd.transmute_u64s_f64s(b), bit),
-        ];
-        Mask { simd, value: [simd.equal_u64s(bits[0], bit), simd.equal_u64s(bits[1], bit)] }
+        let (simd, bit) = (self.simd, self.simd.splat_u64s(bit));
+        let bits = simd.and_u64s(simd.transmute_u64s_f64s(self.value), bit);
+        Mask { simd, value: simd.equal_u64s(bits, bit) }
     }
 }
 
@@ -164,7 +157,7 @@ impl Lanes<Scalar> {
     /// The number of a machine with one lane.
     #[inline(always)]
     pub(crate) fn number(self) -> f64 {
-        self.value[0]
+        self.value
     }
 }
 
@@ -172,9 +165,8 @@ impl<S: Simd> Mask<S> {
     /// `yes` where the mask is true, `no` elsewhere.
     #[inline(always)]
     pub(crate) fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
-        let ([a, b], [c, d], [e, f]) = (self.value, yes.value, no.value);
         let simd = self.simd;
-        Lanes { simd, value: [simd.select_f64s(a, c, e), simd.select_f64s(b, d, f)] }
+        Lanes { simd, value: simd.select_f64s(self.value, yes.value, no.value) }
     }
 
     /// Whether all lanes are true.
@@ -186,8 +178,7 @@ impl<S: Simd> Mask<S> {
     /// Whether any lane is true.
     #[inline(always)]
     pub(crate) fn any(self) -> bool {
-        let [a, b] = self.value;
-        self.simd.first_true_m64s(self.simd.or_m64s(a, b)) < S::F64_LANES
+        self.simd.first_true_m64s(self.value) < S::F64_LANES
     }
 
     /// The value of each lane; false for lanes that the machine does not have.
@@ -210,8 +201,7 @@ macro_rules! lane_by_lane {
 
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                let ([a, b], [c, d]) = (self.value, other.value);
-                Self { value: [self.simd.$of_simd(a, c), self.simd.$of_simd(b, d)], ..self }
+                Self { value: self.simd.$of_simd(self.value, other.value), ..self }
             }
         }
 
@@ -233,8 +223,7 @@ impl<S: Simd> Neg for Lanes<S> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        let [a, b] = self.value;
-        Self { value: [self.simd.neg_f64s(a), self.simd.neg_f64s(b)], ..self }
+        Self { value: self.simd.neg_f64s(self.value), ..self }
     }
 }
 
@@ -243,8 +232,7 @@ impl<S: Simd> BitAnd for Mask<S> {
 
     #[inline(always)]
     fn bitand(self, other: Self) -> Self {
-        let ([a, b], [c, d]) = (self.value, other.value);
-        Self { value: [self.simd.and_m64s(a, c), self.simd.and_m64s(b, d)], ..self }
+        Self { value: self.simd.and_m64s(self.value, other.value), ..self }
     }
 }
 
@@ -253,8 +241,7 @@ impl<S: Simd> BitOr for Mask<S> {
 
     #[inline(always)]
     fn bitor(self, other: Self) -> Self {
-        let ([a, b], [c, d]) = (self.value, other.value);
-        Self { value: [self.simd.or_m64s(a, c), self.simd.or_m64s(b, d)], ..self }
+        Self { value: self.simd.or_m64s(self.value, other.value), ..self }
     }
 }
 
@@ -263,7 +250,6 @@ impl<S: Simd> Not for Mask<S> {
 
     #[inline(always)]
     fn not(self) -> Self {
-        let [a, b] = self.value;
-        Self { value: [self.simd.not_m64s(a), self.simd.not_m64s(b)], ..self }
+        Self { value: self.simd.not_m64s(self.value), ..self }
     }
 }

@@ -2,9 +2,11 @@
 //!
 //! A kernel answers where the answer is beyond doubt; all else, errors included, is left to [`solve`](crate::virtualization::solve).
 
+mod found;
 mod geometry;
 mod lanes;
 mod model;
+mod polar;
 mod pose;
 mod processor;
 mod shape;
@@ -12,11 +14,12 @@ mod single;
 mod solve;
 mod trigonometry;
 
+pub(crate) use found::{Found, squared};
 pub(crate) use geometry::{FirstStep, Geometry, Task};
 pub(crate) use lanes::{Lanes, MOST, Mask};
 pub(crate) use model::{Model, Offset, Planar, Polar, Radial};
 pub(crate) use pose::{Plane, PlatformPoses};
 pub(crate) use shape::{Balls, Shape, Three};
-pub(crate) use single::SinglePose;
-pub(crate) use solve::{Found, solved, squared};
+pub(crate) use single::{SingleJoints, SinglePose};
+pub(crate) use solve::{ClosedForm, LeastNorm, Method, Newton};
 pub(crate) use trigonometry::{angle_of, sin_cos};

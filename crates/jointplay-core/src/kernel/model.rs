@@ -12,6 +12,8 @@ pub(crate) trait Model: Copy {
     const FROM_SOCKET: bool;
     /// Whether directions are those toward the sockets, or e_p1.
     const TOWARD_SOCKET: bool;
+    /// Whether coordinates are polar: angles turn the sockets about O_p.
+    const AROUND_CENTER: bool = Self::TURNS && !Self::FROM_SOCKET;
 }
 
 macro_rules! models {

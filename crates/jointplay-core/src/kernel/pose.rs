@@ -5,7 +5,7 @@ use pulp::Simd;
 use super::geometry::Geometry;
 use super::lanes::Lanes;
 use super::shape::{Balls, Shape, Three};
-use super::trigonometry::angle_of;
+use super::trigonometry::{angle_of, small_angle_of};
 
 /// The plane through the balls of many poses.
 #[derive(Clone, Copy)]
@@ -147,7 +147,7 @@ impl<S: Simd> PlatformPoses<S> {
     #[inline(always)]
     pub(crate) fn torsion(&self) -> Lanes<S> {
         let [cosine, sine] = self.turn;
-        angle_of(sine, cosine)
+        small_angle_of(sine, cosine)
     }
 
     /// Axis height: height at which the platform plane crosses the base axis (m).

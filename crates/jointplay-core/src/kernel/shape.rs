@@ -5,6 +5,7 @@ use pulp::Simd;
 use super::geometry::{FirstStep, Geometry};
 use super::lanes::{Lanes, Mask};
 use super::model::Model;
+use crate::error::LARGEST_LENGTH;
 
 /// Three numbers of each pose.
 pub(crate) type Three<S> = [Lanes<S>; 3];
@@ -20,6 +21,8 @@ pub(crate) struct Balls<S: Simd> {
     pub(crate) rises: Three<S>,
     /// Squared sides L_ij² (m²).
     pub(crate) squares: Three<S>,
+    /// Product of all three squares (m⁶).
+    pub(super) product: Lanes<S>,
 }
 
 impl<S: Simd> Balls<S> {
@@ -31,7 +34,9 @@ impl<S: Simd> Balls<S> {
         for k in 0..3 {
             squares[k] = rises[k].times_plus(rises[k], q_1.like(geometry.base_squares[k]));
         }
-        Self { mean: (q_1 + q_2 + q_3) * (1.0 / 3.0), rises, squares }
+        let [l_1, l_2, l_3] = squares;
+        let product = l_1 * l_2 * l_3;
+        Self { mean: (q_1 + q_2 + q_3) * (1.0 / 3.0), rises, squares, product }
     }
 
     /// Difference of each squared side from that of the nominal sockets (m²).
@@ -44,15 +49,37 @@ impl<S: Simd> Balls<S> {
         missing
     }
 
-    /// Lanes where the difference of all squared sides is within the threshold of a task.
+    /// Largest of the squared differences of squared sides, each times the squares of the other two sides (m⁸).
+    ///
+    /// Compared with the product of all three squares it is the largest share, for which no division is needed.
     #[inline(always)]
-    pub(crate) fn met(&self, threshold: f64, missing: &Three<S>) -> Mask<S> {
-        // |L − l| ≤ ε max L, squared and with (L + l)² = 4 L², for which no root is needed.
+    pub(crate) fn worst(&self, missing: &Three<S>) -> Lanes<S> {
+        let [m_1, m_2, m_3] = *missing;
         let [l_1, l_2, l_3] = self.squares;
-        let most = l_1.max(l_2).max(l_3) * threshold;
-        missing[0].squared().at_most(most * l_1)
-            & missing[1].squared().at_most(most * l_2)
-            & missing[2].squared().at_most(most * l_3)
+        let (a, b, c) = (m_1.squared() * l_2, m_2.squared() * l_1, m_3.squared() * l_2);
+        (a.max(b) * l_3).max(c * l_1)
+    }
+
+    /// What [`Self::worst`] is below where all sides are within the threshold of a task (m⁸).
+    ///
+    /// Zero where numbers are too small for it, so that nothing is below.
+    #[inline(always)]
+    pub(crate) fn bound(&self, threshold: f64) -> Lanes<S> {
+        // |L − l| ≤ ε max L, squared and with (L + l)² = 4 L², for which no root is needed.
+        self.longest_squared() * threshold * self.product
+    }
+
+    /// Lanes whose rods and squared sides are far below [`LARGEST_LENGTH`].
+    #[inline(always)]
+    pub(crate) fn moderate(&self) -> Mask<S> {
+        self.longest_squared().max(self.mean.abs()).at_most(self.mean.like(0.25 * LARGEST_LENGTH))
+    }
+
+    /// Square of the longest side (m²).
+    #[inline(always)]
+    pub(crate) fn longest_squared(&self) -> Lanes<S> {
+        let [l_1, l_2, l_3] = self.squares;
+        l_1.max(l_2).max(l_3)
     }
 }
 
@@ -102,11 +129,21 @@ impl<S: Simd> Shape<S> {
         shape
     }
 
-    /// A shape from its virtual joints, for virtualizations without angles.
+    /// The shape of given virtual joints.
     #[inline(always)]
-    pub(crate) fn of<M: Model>(geometry: &Geometry, a: Three<S>, b: Three<S>) -> Self {
+    pub(crate) fn at<M: Model>(geometry: &Geometry, a: Three<S>, b: Three<S>) -> Self {
         let mut shape = Self::start::<M>(geometry, a[0]);
         (shape.a, shape.b) = (a, b);
+        if M::TURNS {
+            let (sines, versines) = super::trigonometry::sin_cos_of_steps(b);
+            for k in 0..3 {
+                let [x, y] = shape.directions[k];
+                shape.directions[k] = [
+                    versines[k].times_from(x, sines[k].times_from(y, x)),
+                    versines[k].times_from(y, sines[k].times_plus(x, y)),
+                ];
+            }
+        }
         shape.lay_out::<M>(geometry);
         shape
     }

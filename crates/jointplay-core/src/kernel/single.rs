@@ -3,11 +3,12 @@
 use nalgebra::{Matrix3, Rotation3, Translation3};
 use pulp::Scalar;
 
+use super::found::Found;
 use super::geometry::Task;
 use super::lanes::Lanes;
 use super::model::Model;
 use super::pose::{Plane, PlatformPoses};
-use super::shape::Balls;
+use super::shape::{Balls, Shape};
 use super::solve::solved;
 use crate::spatial::Pose;
 use crate::virtualization::VirtualJoints;
@@ -15,55 +16,90 @@ use crate::virtualization::VirtualJoints;
 /// One over the cosine of the largest tilt that is computed here.
 const STEEPEST: f64 = 2.0;
 
-/// A pose by the closed equations.
+/// Virtual joints by the closed equations.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct SinglePose {
+pub(crate) struct SingleJoints {
     pub(crate) virtual_joints: VirtualJoints,
     pub(crate) iterations: usize,
     /// Largest difference between a side and its virtual length (m).
     pub(crate) residual: f64,
+}
+
+/// A pose by the closed equations.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SinglePose {
+    pub(crate) joints: SingleJoints,
     pub(crate) base_from_platform: Pose,
 }
 
-impl SinglePose {
-    /// The pose for given rods; `None` where the answer is not beyond doubt.
-    ///
-    /// The same operations as for many poses, in scalar registers: for a caller that [`Processor::run`] has given the instructions of the processor.
+/// Virtual joints and what they were found from, in scalar registers.
+struct Solved {
+    balls: Balls<Scalar>,
+    plane: Plane<Scalar>,
+    found: Found<Scalar>,
+}
+
+impl Solved {
+    /// `None` where the answer is not beyond doubt.
     #[inline(always)]
-    pub(crate) fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
+    fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
         if task.max_iterations == 0 {
             return None;
         }
         let geometry = task.geometry;
-        let balls = Balls::new(geometry, rods.map(|rod| Lanes::splat(Scalar, rod)));
+        let [a, b, c] = *rods;
+        let rods = [Lanes::splat(Scalar, a), Lanes::splat(Scalar, b), Lanes::splat(Scalar, c)];
+        let balls = Balls::new(geometry, rods);
         let found = solved::<Scalar, M>(task, &balls);
-        let upright = balls.mean.like(0.0).below(found.shape.area() * geometry.base_area);
+        let upright = balls.mean.like(0.0).below(found.area * geometry.base_area);
         // Steeper triangles are slender: round-off in their sides is large in their corners.
         let plane = Plane::new(geometry, &balls);
         let flat = plane.area.at_most(plane.area.like(STEEPEST * geometry.base_area.abs()));
-        if !(found.met & upright & flat).any() {
-            return None;
-        }
+        (found.met & upright & flat).any().then_some(Self { balls, plane, found })
+    }
+
+    #[inline(always)]
+    fn joints<M: Model>(&self) -> SingleJoints {
         let mut virtual_joints = VirtualJoints::zeros(if M::ACROSS { 6 } else { 3 });
         for k in 0..3 {
-            virtual_joints[k] = found.shape.a[k].number();
+            virtual_joints[k] = self.found.a[k].number();
             if M::ACROSS {
-                virtual_joints[3 + k] = found.shape.b[k].number();
+                virtual_joints[3 + k] = self.found.b[k].number();
             }
         }
-        let placed = PlatformPoses::new(geometry, &balls, &plane, &found.shape);
-        let axes = placed.axes().map(|axis| axis.map(Lanes::number));
-        let rotation = Matrix3::from_columns(&axes.map(Into::into));
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "a small whole number"
         )]
-        let iterations = found.iterations.number() as usize;
+        let iterations = self.found.iterations.number() as usize;
+        let residual = self.found.residual(&self.balls).number();
+        SingleJoints { virtual_joints, iterations, residual }
+    }
+}
+
+impl SingleJoints {
+    /// The virtual joints for given rods; `None` where the answer is not beyond doubt.
+    ///
+    /// The same operations as for many poses, in scalar registers: for a caller that [`Processor::run`](super::processor::Processor::run) has given the instructions of the processor.
+    #[inline(always)]
+    pub(crate) fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
+        Some(Solved::new::<M>(task, rods)?.joints::<M>())
+    }
+}
+
+impl SinglePose {
+    /// The pose for given rods; `None` where the answer is not beyond doubt; see [`SingleJoints::new`].
+    #[inline(always)]
+    pub(crate) fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
+        let solved = Solved::new::<M>(task, rods)?;
+        let geometry = task.geometry;
+        let shape = Shape::at::<M>(geometry, solved.found.a, solved.found.b);
+        let placed = PlatformPoses::new(geometry, &solved.balls, &solved.plane, &shape);
+        let axes = placed.axes().map(|axis| axis.map(Lanes::number));
+        let rotation = Matrix3::from_columns(&axes.map(Into::into));
         Some(Self {
-            virtual_joints,
-            iterations,
-            residual: found.residual(&balls).number(),
+            joints: solved.joints::<M>(),
             base_from_platform: Pose::from_parts(
                 Translation3::from(placed.origin.map(Lanes::number)),
                 Rotation3::from_matrix_unchecked(rotation),

@@ -4,66 +4,61 @@
 
 use pulp::Simd;
 
+use super::found::{Found, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless};
 use super::geometry::Task;
 use super::lanes::{Lanes, Mask};
 use super::model::{self, Model};
+use super::polar;
 use super::pose::Plane;
 use super::shape::{Balls, Response, Shape, Three, first_step};
 use crate::virtualization::Solver;
 
-/// Shapes found, where they are, and the steps that it took.
-#[derive(Clone, Copy)]
-pub(crate) struct Found<S: Simd> {
-    pub(crate) shape: Shape<S>,
-    pub(crate) missing: Three<S>,
-    pub(crate) iterations: Lanes<S>,
-    /// Where the sides are met.
-    pub(crate) met: Mask<S>,
+/// How a kernel finds the virtual joints.
+///
+/// A type, so that a loop over poses is compiled for each: with all of them in one loop the registers do not suffice.
+pub(crate) trait Method {
+    fn found<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S>;
 }
 
-impl<S: Simd> Found<S> {
-    /// Largest of |L − l| = |L² − l²|/(L + l), where L + l is 2 L beyond all digits.
+/// See [`Solver::Newton`].
+pub(crate) struct Newton;
+/// See [`Solver::LeastNorm`].
+pub(crate) struct LeastNorm;
+/// See [`Solver::ClosedForm`]; for virtualizations that have one.
+pub(crate) struct ClosedForm;
+
+impl Method for Newton {
     #[inline(always)]
-    pub(crate) fn residual(&self, balls: &Balls<S>) -> Lanes<S> {
-        let ([m_1, m_2, m_3], [l_1, l_2, l_3]) = (self.missing, balls.squares);
-        // The largest of three fractions, with one division.
-        let fraction =
-            |missing: Lanes<S>, square| Fraction { above: missing.squared(), below: square };
-        let most = larger(fraction(m_1, l_1), fraction(m_2, l_2));
-        let most = larger(most, fraction(m_3, l_3));
-        (most.above / most.below).sqrt() * 0.5
+    fn found<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+        if M::AROUND_CENTER { polar::newton(task, balls) } else { newton::<S, M>(task, balls) }
     }
 }
 
-/// A fraction with a positive denominator, not yet divided.
-#[derive(Clone, Copy)]
-struct Fraction<S: Simd> {
-    above: Lanes<S>,
-    below: Lanes<S>,
+impl Method for LeastNorm {
+    #[inline(always)]
+    fn found<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+        if M::AROUND_CENTER {
+            polar::least_norm(task, balls)
+        } else {
+            least_norm::<S, M>(task, balls)
+        }
+    }
 }
 
-/// The larger of two fractions.
-#[inline(always)]
-fn larger<S: Simd>(a: Fraction<S>, b: Fraction<S>) -> Fraction<S> {
-    let more = (a.above * b.below).below(b.above * a.below);
-    Fraction { above: more.select(b.above, a.above), below: more.select(b.below, a.below) }
+impl Method for ClosedForm {
+    #[inline(always)]
+    fn found<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+        if M::TOWARD_SOCKET { radial(task, balls) } else { planar(task, balls) }
+    }
 }
-
-/// Steps of Newton's method that are done here: it doubles its digits, and starts with five or more.
-const NEWTON_STEPS: usize = 8;
-/// Steps toward the least displacement that are done here: each gains three digits at 2°, one at 10°.
-const LEAST_NORM_STEPS: usize = 40;
-/// Least share of a pivot that elimination may leave here: less is nearly dependent, and taken with more care elsewhere.
-const LEAST_PIVOT: f64 = 1e-6;
 
 /// The virtual joints by the solver of a task.
 #[inline(always)]
 pub(crate) fn solved<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     match task.solver {
-        Solver::Newton => newton::<S, M>(task, balls),
-        Solver::LeastNorm => least_norm::<S, M>(task, balls),
-        Solver::ClosedForm if M::TOWARD_SOCKET => radial(task, balls),
-        Solver::ClosedForm => planar(task, balls),
+        Solver::Newton => Newton::found::<S, M>(task, balls),
+        Solver::LeastNorm => LeastNorm::found::<S, M>(task, balls),
+        Solver::ClosedForm => ClosedForm::found::<S, M>(task, balls),
     }
 }
 
@@ -73,14 +68,16 @@ fn newton<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     let zero = balls.mean.like(0.0);
     let one = balls.mean.like(1.0);
     let at_start = balls.missing_at_start(task.geometry);
-    let mut met = balls.met(task.threshold, &at_start);
+    let bound = balls.bound(task.threshold);
+    let mut met = balls.worst(&at_start).below(bound);
     let mut shape = Shape::start::<M>(task.geometry, zero);
     let (by_a, by_b, independent) = begin::<S, M>(task, &shape, &unless(met, at_start));
     let mut doubtful = !(independent | met);
     shape.advance::<M>(task.geometry, by_a, by_b);
     let mut iterations = met.select(zero, one);
     let mut missing = shape.missing(balls);
-    met = met | balls.met(task.threshold, &missing);
+    let mut worst = balls.worst(&missing);
+    met = met | worst.below(bound);
     for _ in 1..task.max_iterations.min(NEWTON_STEPS) {
         if met.all() {
             break;
@@ -92,9 +89,10 @@ fn newton<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         shape.advance::<M>(task.geometry, by_a, by_b);
         iterations = iterations + met.select(zero, one);
         missing = shape.missing(balls);
-        met = met | balls.met(task.threshold, &missing);
+        worst = balls.worst(&missing);
+        met = met | worst.below(bound);
     }
-    Found { shape, missing, iterations, met: met & !doubtful }
+    Found { a: shape.a, b: shape.b, area: shape.area(), worst, iterations, met: met & !doubtful }
 }
 
 /// The least displacement near nominal, see [`Solver::LeastNorm`](crate::virtualization::Solver::LeastNorm).
@@ -104,8 +102,8 @@ fn newton<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
 fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     let zero = balls.mean.like(0.0);
     let one = balls.mean.like(1.0);
-    let [l_1, l_2, l_3] = balls.squares;
-    let least_step = l_1.max(l_2).max(l_3) * (0.25 * task.threshold);
+    let bound = balls.bound(task.threshold);
+    let least_step = balls.longest_squared() * (0.25 * task.threshold);
     let at_start = balls.missing_at_start(task.geometry);
     let mut shape = Shape::start::<M>(task.geometry, zero);
     let (by_a, by_b, independent) = begin::<S, M>(task, &shape, &at_start);
@@ -114,7 +112,8 @@ fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> 
     let mut last_squared = squared::<S, M>(task, &by_a, &by_b);
     let mut iterations = one;
     let mut missing = shape.missing(balls);
-    let mut met = last_squared.at_most(least_step) & balls.met(task.threshold, &missing);
+    let mut worst = balls.worst(&missing);
+    let mut met = last_squared.at_most(least_step) & worst.below(bound);
     // Where a step turned back on the last one, or the sides were nearly dependent.
     let mut doubtful = !independent;
     for _ in 1..task.max_iterations.min(LEAST_NORM_STEPS) {
@@ -155,12 +154,13 @@ fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> 
         shape.advance::<M>(task.geometry, by_a, by_b);
         iterations = iterations + met.select(zero, one);
         missing = shape.missing(balls);
+        worst = balls.worst(&missing);
         last_squared = squared::<S, M>(task, &by_a, &by_b);
         (last_a, last_b) = (by_a, by_b);
-        let now = last_squared.at_most(least_step) & balls.met(task.threshold, &missing);
+        let now = last_squared.at_most(least_step) & worst.below(bound);
         met = met | (now & !doubtful);
     }
-    Found { shape, missing, iterations, met }
+    Found { a: shape.a, b: shape.b, area: shape.area(), worst, iterations, met }
 }
 
 /// The least displacement of all, see [`Planar`](crate::virtualization::Planar).
@@ -189,7 +189,7 @@ fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         x[k] = sine.times_from(from[1], cosine * from[0]) - from_center(k, 0);
         y[k] = sine.times_plus(from[0], cosine * from[1]) - from_center(k, 1);
     }
-    closed(balls, task, Shape::of::<model::Planar>(task.geometry, x, y))
+    closed(balls, task, Shape::at::<model::Planar>(task.geometry, x, y))
 }
 
 /// The only displacement, for sockets 120° apart, see [`Radial`](crate::virtualization::Radial).
@@ -209,7 +209,7 @@ fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         (square + d_32 - d_13) * third,
     ];
     let zero = sum.like(0.0);
-    let shape = Shape::of::<model::Radial>(task.geometry, slides, [zero; 3]);
+    let shape = Shape::at::<model::Radial>(task.geometry, slides, [zero; 3]);
     let found = closed(balls, task, shape);
     let within = zero.below(slides[0]) & zero.below(slides[1]) & zero.below(slides[2]);
     Found { met: found.met & within, ..found }
@@ -217,9 +217,16 @@ fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
 
 #[inline(always)]
 fn closed<S: Simd>(balls: &Balls<S>, task: &Task<'_>, shape: Shape<S>) -> Found<S> {
-    let missing = shape.missing(balls);
-    let met = balls.met(task.threshold, &missing);
-    Found { shape, missing, iterations: balls.mean.like(0.0), met }
+    let worst = balls.worst(&shape.missing(balls));
+    let met = worst.below(balls.bound(task.threshold));
+    Found {
+        a: shape.a,
+        b: shape.b,
+        area: shape.area(),
+        worst,
+        iterations: balls.mean.like(0.0),
+        met,
+    }
 }
 
 /// The first step from nominal, and where the sides are independent there.
@@ -235,26 +242,6 @@ fn begin<S: Simd, M: Model>(
         return (by_a, by_b, zero.at_most(zero));
     }
     step::<S, M>(task, &start.response::<M>(), missing, 0.5)
-}
-
-/// Three numbers, and zero where the sides are met already.
-#[inline(always)]
-fn unless<S: Simd>(met: Mask<S>, numbers: Three<S>) -> Three<S> {
-    if !met.any() {
-        return numbers;
-    }
-    let mut left = numbers;
-    for number in &mut left {
-        *number = met.select(number.like(0.0), *number);
-    }
-    left
-}
-
-/// ‖(a, b)‖² in the metric.
-#[inline(always)]
-pub(crate) fn squared<S: Simd, M: Model>(task: &Task<'_>, a: &Three<S>, b: &Three<S>) -> Lanes<S> {
-    let sum = |v: &Three<S>| v[0].times_plus(v[0], v[1].times_plus(v[1], v[2] * v[2]));
-    if M::ACROSS { sum(b).times_plus(a[0].like(1.0 / task.compliance), sum(a)) } else { sum(a) }
 }
 
 /// The least step that gives each edge what it lacks: C Eᵀ (E C Eᵀ)⁻¹ · target · share.

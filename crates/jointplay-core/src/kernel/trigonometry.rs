@@ -96,6 +96,73 @@ pub(crate) fn sin_cos_of_step<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) 
     (small.select(sine, any_sine), small.select(cosine, any_cosine))
 }
 
+/// Sines and versines, 1 − cos, of three angles that are mostly far below 1/32 (rad).
+///
+/// # Numerics
+/// Exact to round-off; a short series where all three are small, else [`sin_cos`].
+#[inline(always)]
+pub(crate) fn sin_cos_of_steps<S: Simd>(angles: [Lanes<S>; 3]) -> ([Lanes<S>; 3], [Lanes<S>; 3]) {
+    const SINE: [f64; 3] = [-1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0];
+    const VERSINE: [f64; 3] = [1.0 / 720.0, -1.0 / 24.0, 0.5];
+    let squares = [angles[0].squared(), angles[1].squared(), angles[2].squared()];
+    let (mut sines, mut versines) = (squares, squares);
+    for k in 0..3 {
+        let square = squares[k];
+        sines[k] = (square * angles[k]).times_plus(polynomial(square, &SINE), angles[k]);
+        versines[k] = square * polynomial(square, &VERSINE);
+    }
+    let [a, b, c] = squares;
+    let small = a.max(b).max(c).at_most(a.like(1.0 / 1024.0));
+    if !small.all() {
+        for k in 0..3 {
+            let (sine, cosine) = sin_cos(angles[k]);
+            sines[k] = small.select(sines[k], sine);
+            versines[k] = small.select(versines[k], a.like(1.0) - cosine);
+        }
+    }
+    (sines, versines)
+}
+
+/// Sines and versines of three angles that are mostly below 10⁻⁴ (rad).
+///
+/// # Numerics
+/// Exact to round-off in comparison with one; a series of two terms where all three are that small, else [`sin_cos_of_steps`].
+#[inline(always)]
+pub(crate) fn tiny_steps<S: Simd>(angles: [Lanes<S>; 3]) -> ([Lanes<S>; 3], [Lanes<S>; 3]) {
+    let squares = [angles[0].squared(), angles[1].squared(), angles[2].squared()];
+    let (mut sines, mut versines) = (squares, squares);
+    for k in 0..3 {
+        sines[k] = (angles[k] * (1.0 / 6.0)).times_from(squares[k], angles[k]);
+        versines[k] = squares[k] * 0.5;
+    }
+    let [a, b, c] = squares;
+    let tiny = a.max(b).max(c).at_most(a.like(1e-8));
+    if !tiny.all() {
+        let (any_sines, any_versines) = sin_cos_of_steps(angles);
+        for k in 0..3 {
+            sines[k] = tiny.select(sines[k], any_sines[k]);
+            versines[k] = tiny.select(versines[k], any_versines[k]);
+        }
+    }
+    (sines, versines)
+}
+
+/// The angle of a vector of length one, to ten digits, whose sine is mostly small (rad).
+///
+/// # Numerics
+/// A series of the arc sine where the angle is below 1/32, else [`angle_of`].
+#[inline(always)]
+pub(crate) fn small_angle_of<S: Simd>(sine: Lanes<S>, cosine: Lanes<S>) -> Lanes<S> {
+    const ARC_SINE: [f64; 5] = [63.0 / 2816.0, 35.0 / 1152.0, 5.0 / 112.0, 3.0 / 40.0, 1.0 / 6.0];
+    let square = sine.squared();
+    let angle = (square * sine).times_plus(polynomial(square, &ARC_SINE), sine);
+    let small = sine.abs().at_most(cosine * (1.0 / 32.0));
+    if small.all() {
+        return angle;
+    }
+    small.select(angle, angle_of(sine, cosine))
+}
+
 /// The angle of a vector (x, y) of finite numbers, from −π to π; zero for no vector at all (rad).
 ///
 /// # Numerics

@@ -1,0 +1,69 @@
+//! Virtual joints found, and what all solvers of the kernels share.
+
+use pulp::Simd;
+
+use super::geometry::Task;
+use super::lanes::{Lanes, Mask};
+use super::model::Model;
+use super::shape::{Balls, Three};
+
+/// Steps of Newton's method that are done here: it doubles its digits, and starts with five or more.
+pub(super) const NEWTON_STEPS: usize = 8;
+/// Steps toward the least displacement that are done here: each gains three digits at 2°, one at 10°.
+pub(super) const LEAST_NORM_STEPS: usize = 40;
+/// Least share of a pivot that elimination may leave here: less is nearly dependent, and taken with more care elsewhere.
+pub(super) const LEAST_PIVOT: f64 = 1e-6;
+
+/// Virtual joints found, where they are, and the steps that it took.
+#[derive(Clone, Copy)]
+pub(crate) struct Found<S: Simd> {
+    /// Coordinates along the directions (m).
+    pub(crate) a: Three<S>,
+    /// Coordinates across ((m), (rad)).
+    pub(crate) b: Three<S>,
+    /// Twice the signed area of the sockets (m²).
+    pub(crate) area: Lanes<S>,
+    /// Difference of the sides, see [`Balls::worst`].
+    pub(super) worst: Lanes<S>,
+    pub(crate) iterations: Lanes<S>,
+    /// Where the sides are met.
+    pub(crate) met: Mask<S>,
+}
+
+impl<S: Simd> Found<S> {
+    /// Largest of |L − l| = |L² − l²|/(L + l), where L + l is 2 L beyond all digits (m).
+    #[inline(always)]
+    pub(crate) fn residual(&self, balls: &Balls<S>) -> Lanes<S> {
+        // What the division needs is there long before the rest.
+        (self.worst * (balls.product.like(0.25) / balls.product)).sqrt()
+    }
+}
+
+/// Three numbers, and zero where the sides are met already.
+#[inline(always)]
+pub(super) fn unless<S: Simd>(met: Mask<S>, numbers: Three<S>) -> Three<S> {
+    if !met.any() {
+        return numbers;
+    }
+    let mut left = numbers;
+    for number in &mut left {
+        *number = met.select(number.like(0.0), *number);
+    }
+    left
+}
+
+/// ‖(a, b)‖² in the metric.
+#[inline(always)]
+pub(crate) fn squared<S: Simd, M: Model>(task: &Task<'_>, a: &Three<S>, b: &Three<S>) -> Lanes<S> {
+    let of_a = sum_of_squares(a);
+    if M::ACROSS {
+        sum_of_squares(b).times_plus(a[0].like(1.0 / task.compliance), of_a)
+    } else {
+        of_a
+    }
+}
+
+#[inline(always)]
+fn sum_of_squares<S: Simd>([a, b, c]: &Three<S>) -> Lanes<S> {
+    a.times_plus(*a, b.times_plus(*b, *c * *c))
+}

@@ -1,0 +1,339 @@
+//! Polar virtual joints of many poses, by the law of cosines.
+//!
+//! ```text
+//!    L_ij² = l_i² + l_j² − 2 l_i l_j cos ψ_ij        ψ_ij = β_j − β_i + φ_j − φ_i
+//! ```
+//! Only differences of the φ_k enter, so that every step leaves their sum unchanged.
+//! The steps are those of the other virtualizations in `solve.rs`, with half as many operations.
+
+use pulp::Simd;
+
+use super::found::{Found, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless};
+use super::geometry::{Geometry, Task};
+use super::lanes::{Lanes, Mask};
+use super::shape::{Balls, Three};
+use super::trigonometry::{sin_cos_of_steps, tiny_steps};
+
+/// The sockets of many poses, in polar coordinates.
+#[derive(Clone, Copy)]
+struct Sockets<S: Simd> {
+    /// Distances from O_p (m).
+    l: Three<S>,
+    /// Displacements of the angles from nominal (rad).
+    phi: Three<S>,
+    /// Cosines of the angles between neighbours.
+    cosine: Three<S>,
+    /// Sines of the angles between neighbours.
+    sine: Three<S>,
+}
+
+/// Half the derivatives of the squared sides: by l_i, by l_j, and by φ_j, which is minus that by φ_i.
+#[derive(Clone, Copy)]
+struct Response<S: Simd> {
+    by_i: Three<S>,
+    by_j: Three<S>,
+    by_turn: Three<S>,
+}
+
+/// A step: of the l_k, and the share of each side in those of the φ_k.
+struct Step<S: Simd> {
+    l: Three<S>,
+    turns: Three<S>,
+    /// Where the three sides are independent beyond doubt.
+    independent: Mask<S>,
+}
+
+impl<S: Simd> Step<S> {
+    /// Steps of the φ_k: each side turns its two sockets in opposite senses.
+    #[inline(always)]
+    fn phi(&self) -> Three<S> {
+        let [t_01, t_12, t_20] = self.turns;
+        [t_20 - t_01, t_01 - t_12, t_12 - t_20]
+    }
+}
+
+/// Differences between neighbours.
+#[inline(always)]
+fn between<S: Simd>([a, b, c]: Three<S>) -> Three<S> {
+    [b - a, c - b, a - c]
+}
+
+impl<S: Simd> Sockets<S> {
+    #[inline(always)]
+    fn nominal(geometry: &Geometry, any: Lanes<S>) -> Self {
+        let mut nominal =
+            Self { l: [any; 3], phi: [any.like(0.0); 3], cosine: [any; 3], sine: [any; 3] };
+        for k in 0..3 {
+            nominal.l[k] = any.like(geometry.start::<super::Polar>()[k]);
+            nominal.cosine[k] = any.like(geometry.between[k][0]);
+            nominal.sine[k] = any.like(geometry.between[k][1]);
+        }
+        nominal
+    }
+
+    /// Turns the directions by differences of steps whose sines and versines are given.
+    #[inline(always)]
+    fn turn(&mut self, sines: &Three<S>, versines: &Three<S>) {
+        for k in 0..3 {
+            let (c, s) = (self.cosine[k], self.sine[k]);
+            self.cosine[k] = versines[k].times_from(c, sines[k].times_from(s, c));
+            self.sine[k] = versines[k].times_from(s, sines[k].times_plus(c, s));
+        }
+    }
+
+    #[inline(always)]
+    fn response(&self) -> Response<S> {
+        let mut response = Response { by_i: self.l, by_j: self.l, by_turn: self.l };
+        for k in 0..3 {
+            let (i, j) = (self.l[k], self.l[(k + 1) % 3]);
+            response.by_i[k] = j.times_from(self.cosine[k], i);
+            response.by_j[k] = i.times_from(self.cosine[k], j);
+            response.by_turn[k] = i * j * self.sine[k];
+        }
+        response
+    }
+
+    /// Difference of each squared side from that of this triangle (m²).
+    #[inline(always)]
+    fn missing(&self, response: &Response<S>, balls: &Balls<S>) -> Three<S> {
+        let mut missing = balls.squares;
+        for k in 0..3 {
+            let (i, j) = (self.l[k], self.l[(k + 1) % 3]);
+            missing[k] = j.times_from(response.by_j[k], i.times_from(response.by_i[k], missing[k]));
+        }
+        missing
+    }
+
+    #[inline(always)]
+    fn found(
+        &self,
+        response: &Response<S>,
+        worst: Lanes<S>,
+        iterations: Lanes<S>,
+        met: Mask<S>,
+    ) -> Found<S> {
+        let [t_0, t_1, t_2] = response.by_turn;
+        Found { a: self.l, b: self.phi, area: t_0 + t_1 + t_2, worst, iterations, met }
+    }
+}
+
+/// The step from nominal, by the matrix that all poses share or by itself.
+#[inline(always)]
+fn begin<S: Simd>(
+    task: &Task<'_>,
+    nominal: &Sockets<S>,
+    missing: &Three<S>,
+) -> (Sockets<S>, Mask<S>) {
+    let zero = missing[0].like(0.0);
+    let mut sockets = *nominal;
+    let independent = if let Some(first_step) = task.first_step {
+        for k in 0..3 {
+            sockets.l[k] = product(&first_step.0[k], missing, sockets.l[k]);
+        }
+        let first = product(&first_step.0[3], missing, zero);
+        let last = product(&first_step.0[5], missing, zero);
+        sockets.phi = [first, -(first + last), last];
+        zero.at_most(zero)
+    } else {
+        let step = step(task, &nominal.response(), missing, 0.5);
+        sockets.l = sum(sockets.l, step.l);
+        sockets.phi = step.phi();
+        step.independent
+    };
+    let (sines, versines) = sin_cos_of_steps(between(sockets.phi));
+    sockets.turn(&sines, &versines);
+    (sockets, independent)
+}
+
+/// A row times a vector, and an addend.
+#[inline(always)]
+fn product<S: Simd>(row: &[f64; 3], vector: &Three<S>, addend: Lanes<S>) -> Lanes<S> {
+    let [a, b, c] = *vector;
+    a.times_plus(a.like(row[0]), b.times_plus(b.like(row[1]), c.times_plus(c.like(row[2]), addend)))
+}
+
+#[inline(always)]
+fn sum<S: Simd>(a: Three<S>, b: Three<S>) -> Three<S> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// Newton's method from nominal, see [`Solver::Newton`](crate::virtualization::Solver::Newton).
+#[inline(always)]
+pub(super) fn newton<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    let zero = balls.mean.like(0.0);
+    let one = balls.mean.like(1.0);
+    let nominal = Sockets::nominal(task.geometry, zero);
+    let at_start = balls.missing_at_start(task.geometry);
+    let bound = balls.bound(task.threshold);
+    let met = balls.worst(&at_start).below(bound);
+    let (sockets, independent) = begin(task, &nominal, &unless(met, at_start));
+    let response = sockets.response();
+    let missing = sockets.missing(&response, balls);
+    let worst = balls.worst(&missing);
+    let mut at = Iterate {
+        sockets,
+        response,
+        missing,
+        worst,
+        met: met | worst.below(bound),
+        doubtful: !(independent | met),
+        iterations: met.select(zero, one),
+    };
+    let steps = task.max_iterations.min(NEWTON_STEPS);
+    // The second step, which nearly always is the last one, by itself: the registers of a loop would be moved to and fro.
+    if steps > 1 && !at.met.all() {
+        at.advance(task, balls, bound);
+        for _ in 2..steps {
+            if at.met.all() {
+                break;
+            }
+            at.advance(task, balls, bound);
+        }
+    }
+    at.sockets.found(&at.response, at.worst, at.iterations, at.met & !at.doubtful)
+}
+
+/// Where Newton's method is.
+struct Iterate<S: Simd> {
+    sockets: Sockets<S>,
+    response: Response<S>,
+    missing: Three<S>,
+    worst: Lanes<S>,
+    met: Mask<S>,
+    /// Where the sides were nearly dependent.
+    doubtful: Mask<S>,
+    iterations: Lanes<S>,
+}
+
+impl<S: Simd> Iterate<S> {
+    #[inline(always)]
+    fn advance(&mut self, task: &Task<'_>, balls: &Balls<S>, bound: Lanes<S>) {
+        let (zero, one) = (bound.like(0.0), bound.like(1.0));
+        // Nothing is missing where the sides are met, so that the step is none.
+        let step = step(task, &self.response, &unless(self.met, self.missing), 0.5);
+        self.doubtful = self.doubtful | !(step.independent | self.met);
+        self.sockets.l = sum(self.sockets.l, step.l);
+        let by_phi = step.phi();
+        self.sockets.phi = sum(self.sockets.phi, by_phi);
+        let (sines, versines) = tiny_steps(between(by_phi));
+        self.sockets.turn(&sines, &versines);
+        self.iterations = self.iterations + self.met.select(zero, one);
+        self.response = self.sockets.response();
+        self.missing = self.sockets.missing(&self.response, balls);
+        self.worst = balls.worst(&self.missing);
+        self.met = self.met | self.worst.below(bound);
+    }
+}
+
+/// The least displacement near nominal, see [`Solver::LeastNorm`](crate::virtualization::Solver::LeastNorm).
+///
+/// Only where steps become smaller by half or more; others may overshoot.
+#[inline(always)]
+pub(super) fn least_norm<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    let zero = balls.mean.like(0.0);
+    let one = balls.mean.like(1.0);
+    let nominal = Sockets::nominal(task.geometry, zero);
+    let bound = balls.bound(task.threshold);
+    let least_step = balls.longest_squared() * (0.25 * task.threshold);
+    let at_start = balls.missing_at_start(task.geometry);
+    let (mut sockets, independent) = begin(task, &nominal, &at_start);
+    let mut moved = sockets.l;
+    for (moved, start) in moved.iter_mut().zip(nominal.l) {
+        *moved = *moved - start;
+    }
+    let mut last_squared = squared::<S, super::Polar>(task, &moved, &sockets.phi);
+    let mut doubtful = !independent;
+    let mut iterations = one;
+    let mut response = sockets.response();
+    let mut missing = sockets.missing(&response, balls);
+    let mut worst = balls.worst(&missing);
+    let mut met = last_squared.at_most(least_step) & worst.below(bound);
+    for _ in 1..task.max_iterations.min(LEAST_NORM_STEPS) {
+        if (met | doubtful).all() {
+            break;
+        }
+        // What the sides would lack at nominal, were they linear.
+        let turned = between(sockets.phi);
+        let mut target = missing;
+        for k in 0..3 {
+            let (i, j) = (moved[k], moved[(k + 1) % 3]);
+            let linear = response.by_turn[k].times_plus(turned[k], response.by_j[k] * j);
+            let linear = response.by_i[k].times_plus(i, linear);
+            target[k] = target[k].times_plus(one * 0.5, linear);
+        }
+        let step = step(task, &response, &target, 1.0);
+        let phi = step.phi();
+        let (mut by_l, mut by_phi) = (step.l, phi);
+        for k in 0..3 {
+            by_l[k] = by_l[k] - moved[k];
+            by_phi[k] = by_phi[k] - sockets.phi[k];
+        }
+        (by_l, by_phi) = (unless(met, by_l), unless(met, by_phi));
+        let by_squared = squared::<S, super::Polar>(task, &by_l, &by_phi);
+        // A step of at most half the last one cannot reverse more than half of it.
+        let shrinks = by_squared.at_most(last_squared * 0.25);
+        doubtful = doubtful | !((shrinks & step.independent) | met);
+        for k in 0..3 {
+            moved[k] = moved[k] + by_l[k];
+            sockets.l[k] = nominal.l[k] + moved[k];
+        }
+        sockets.phi = sum(sockets.phi, by_phi);
+        let (sines, versines) = sin_cos_of_steps(between(by_phi));
+        sockets.turn(&sines, &versines);
+        iterations = iterations + met.select(zero, one);
+        response = sockets.response();
+        missing = sockets.missing(&response, balls);
+        worst = balls.worst(&missing);
+        last_squared = by_squared;
+        let now = last_squared.at_most(least_step) & worst.below(bound);
+        met = met | (now & !doubtful);
+    }
+    sockets.found(&response, worst, iterations, met)
+}
+
+/// The least step that gives each squared side what it lacks: W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ · target · share, with halves of J.
+#[inline(always)]
+fn step<S: Simd>(
+    task: &Task<'_>,
+    response: &Response<S>,
+    target: &Three<S>,
+    share: f64,
+) -> Step<S> {
+    let Response { by_i, by_j, by_turn } = response;
+    let mut turns = *by_turn;
+    let mut diagonal = *by_turn;
+    for k in 0..3 {
+        turns[k] = by_turn[k] * task.compliance;
+        let along = by_i[k].times_plus(by_i[k], by_j[k].squared());
+        diagonal[k] = (turns[k] + turns[k]).times_plus(by_turn[k], along);
+    }
+    let [n_00, n_11, n_22] = diagonal;
+    let n_01 = turns[0].times_from(by_turn[1], by_j[0] * by_i[1]);
+    let n_12 = turns[1].times_from(by_turn[2], by_j[1] * by_i[2]);
+    let n_20 = turns[2].times_from(by_turn[0], by_j[2] * by_i[0]);
+    // The inverse by cofactors: one division, and none of it waits for another.
+    let product = n_00 * n_11;
+    let c_00 = n_12.times_from(n_12, n_11 * n_22);
+    let c_11 = n_20.times_from(n_20, n_00 * n_22);
+    let c_22 = n_01.times_from(n_01, product);
+    let c_01 = n_01.times_from(n_22, n_20 * n_12);
+    let c_12 = n_12.times_from(n_00, n_20 * n_01);
+    let c_20 = n_20.times_from(n_11, n_01 * n_12);
+    let determinant = n_00.times_plus(c_00, n_01.times_plus(c_01, n_20 * c_20));
+    let scale = determinant.like(share) / determinant;
+    let [t_0, t_1, t_2] = *target;
+    let y = [
+        c_00.times_plus(t_0, c_01.times_plus(t_1, c_20 * t_2)) * scale,
+        c_01.times_plus(t_0, c_11.times_plus(t_1, c_12 * t_2)) * scale,
+        c_20.times_plus(t_0, c_12.times_plus(t_1, c_22 * t_2)) * scale,
+    ];
+    let mut l = y;
+    for k in 0..3 {
+        let before = (k + 2) % 3;
+        l[k] = by_i[k].times_plus(y[k], by_j[before] * y[before]);
+        turns[k] = turns[k] * y[k];
+    }
+    // The pivots of a positive matrix are at most its diagonal, and their product is its determinant.
+    let independent = (product * (n_22 * LEAST_PIVOT)).below(determinant);
+    Step { l, turns, independent }
+}
