@@ -236,6 +236,7 @@ test('a rod moves along the limit of the tilt, and back', async () => {
   await page.getByRole('alert').filter({ hasText: 'Held by a limit: the tilt is' }).waitFor();
   await page.getByRole('button', { name: 'Level', exact: true }).click();
   await drawn(page, 'pose.tilt.angle_rad < 1e-9');
+  await page.getByRole('tab', { name: 'Rods' }).click();
   // In one drag the other rods come back to where they were.
   const height = await page.evaluate(() => window.jointplay.probe.pose!.axis_height_m);
   const slider = page.getByTestId('slider-rod-1');
@@ -251,12 +252,14 @@ test('a rod moves along the limit of the tilt, and back', async () => {
 
 test('pictures have vector labels and axes', async () => {
   await page.getByTestId('export').click();
-  await page.getByTestId('picture-size').selectOption('column');
+  await page.getByTestId('picture-size').selectOption('slide');
   const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-vectors').click()]);
   const svg = readFileSync(await download.path(), 'utf8');
-  expect(svg).toContain('width="85.01mm"');
+  expect(svg).toContain('width="254mm" height="142.88mm"');
   expect(svg).toContain('href="data:image/png;base64,iVBOR');
-  expect(svg).toMatch(/<text[^>]*>polar /);
+  // The labels of the virtual joints, with subscripts, and those of the axes.
+  expect(svg).toMatch(/<text[^>]*>l<\/text>\n<text[^>]*>1<\/text>/);
+  expect(svg).toMatch(/<text[^>]*>x<\/text>/);
   // Six arrows of two frames, each a line and a head.
   expect(svg.match(/<path d="M[^"]*" fill="#/g)).toHaveLength(6);
   expect(svg).toContain('Play scale 500× · polar');
