@@ -8,7 +8,7 @@ import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from 'vitest
 import { ROOT, accessibilityViolations, browse, complaints, drawn, load, reload, serve, unhandled, until, visit, type Server } from './studio';
 
 const PAPER = readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/gpr.toml'), 'utf8');
-/** A robot as a stranger writes it: a parameter, comments, inline tables, rods beside their sockets. */
+/** A robot as a stranger writes it: a parameter, comments, inline tables, rods away from their sockets. */
 const STRANGE = `kind = 'gpr'
 name = "test bench 3" # ours
 limb = [
@@ -110,12 +110,12 @@ test('errors of the text are reported at their lines, and the last robot without
   await saved();
   expect(readFileSync(file, 'utf8')).toBe(`${PAPER}[limit]\ntilt_deg = 3\n`);
   await page.keyboard.press('Control+z');
-  await until('the errors are gone', async () => (await page.getByTestId('robot-diagnostics').count()) === 0);
+  await until('there are no errors', async () => (await page.getByTestId('robot-diagnostics').count()) === 0);
   // A limit by which the working height is invalid has the line of the height.
   await type('field-robot-rod_min', '600');
   await page.getByTestId('robot-diagnostics').filter({ hasText: 'line 32' }).waitFor();
   await type('field-robot-rod_min', '300');
-  await until('the errors are gone', async () => (await page.getByTestId('robot-diagnostics').count()) === 0);
+  await until('there are no errors', async () => (await page.getByTestId('robot-diagnostics').count()) === 0);
   // A smaller limit of the tilt moves the robot to it.
   await type('field-robot-tilt_limit', '0.5');
   await drawn(page, 'Math.abs(pose.tilt.angle_rad - Math.PI / 360) < 1e-9');

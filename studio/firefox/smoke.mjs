@@ -63,7 +63,7 @@ const browser = await puppeteer.launch({
     'browser.download.folderList': 2,
     'browser.download.dir': downloads,
     'browser.helperApps.neverAsk.saveToDisk': 'application/octet-stream,application/toml,text/csv,image/svg+xml,text/plain',
-    // Firefox renders by software only where it is told to.
+    // Firefox renders by software only with this setting.
     'webgl.force-enabled': true,
     'ui.prefersReducedMotion': 1,
   },

@@ -45,9 +45,9 @@ mod session;
 mod state;
 mod strict;
 mod study;
-mod text_file;
 #[cfg(test)]
 mod tests;
+mod text_file;
 mod wire;
 mod work;
 

@@ -17,7 +17,8 @@ use crate::problem::Problem;
 use crate::routes::{
     cell, cell_export, cell_jog, cell_parts, cell_plan, cell_samples, cell_station, compare,
     forward, inverse, mechanism, mechanism_file, mechanism_mobility, mechanism_motions,
-    mechanism_open, mechanism_suggest, mesh, mobility, pose, quantity, robot, robot_file, sensitivity, study,
+    mechanism_open, mechanism_suggest, mesh, mobility, pose, quantity, robot, robot_file,
+    sensitivity, study,
 };
 use crate::state::AppState;
 

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::cell::MAX_BYTES;
 use jointplay::format::mechanism::MAX_BYTES as MAX_MECHANISM_BYTES;
-use jointplay_studio::{CellFiles, DEFAULT_PORT, EXAMPLE, Error, MechanismFileOnDisk, RobotFileOnDisk, Server};
+use jointplay_studio::{
+    CellFiles, DEFAULT_PORT, EXAMPLE, Error, MechanismFileOnDisk, RobotFileOnDisk, Server,
+};
 use serde::Serialize;
 
 use crate::arguments::{RobotArgs, whole};

@@ -59,7 +59,8 @@ impl Gpr {
                 .map(|state| (state > 0).then(|| bounds[state - 1]));
             let Some(rods) = nearest_with(&slope, largest, wanted, fixed) else { continue };
             let slack = 1e-13 * limits.rod_max.abs().max(limits.rod_min.abs());
-            let within = |length: f64| (limits.rod_min - slack..=limits.rod_max + slack).contains(&length);
+            let within =
+                |length: f64| (limits.rod_min - slack..=limits.rod_max + slack).contains(&length);
             if !rods.into_iter().all(within) {
                 continue;
             }
@@ -79,8 +80,7 @@ impl Gpr {
             room <= AT_LIMIT * span && rods[k].to_bits() != wanted[k].to_bits()
         });
         let tilted = self.plane_tilt(&rods).angle >= limits.tilt_max * (1.0 - AT_LIMIT);
-        let reported =
-            [0, 1, 2].map(|k| if beyond.rods()[k] { wanted[k] } else { rods[k] });
+        let reported = [0, 1, 2].map(|k| if beyond.rods()[k] { wanted[k] } else { rods[k] });
         let tilt = if beyond.tilt() { self.plane_tilt(wanted) } else { self.plane_tilt(&rods) };
         let held_by = BrokenLimits::at(*limits, reported, tilt, [at[0], at[1], at[2], tilted]);
         Some(NearestRods { rods, held_by })
@@ -122,9 +122,8 @@ fn nearest_with(
     let eigen = SymmetricEigen::new(Matrix2::from(free * free.transpose()));
     let parts = eigen.eigenvectors.transpose() * at_start;
     let slope_at = |multiplier: f64| {
-        let scaled = parts.zip_map(&eigen.eigenvalues, |part, value| {
-            part / (1.0 + multiplier * value.max(0.0))
-        });
+        let scaled = parts
+            .zip_map(&eigen.eigenvalues, |part, value| part / (1.0 + multiplier * value.max(0.0)));
         eigen.eigenvectors * scaled
     };
     let mut low = 0.0;
@@ -153,7 +152,7 @@ mod tests {
     use crate::gpr::{AxisHeight, BrokenLimit, Limb, Limits};
     use crate::spatial::Tilt;
 
-    /// Robots of other shapes: equilateral, right-angled with rods beside their sockets, narrow.
+    /// Robots of other shapes: equilateral, right-angled with rods away from their sockets, narrow.
     fn robots() -> Vec<Gpr> {
         let limb = |radius, angle_deg: f64| Limb::under_socket(radius, angle_deg.to_radians());
         let moved = |mut limb: Limb, x: f64, y: f64| {
@@ -178,12 +177,14 @@ mod tests {
     fn numbers(count: usize) -> impl Iterator<Item = f64> {
         let mut state = 7_u64;
         (0..count).map(move |_| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             f64::from(u32::try_from(state >> 32).unwrap()) / f64::from(u32::MAX) * 2.0 - 1.0
         })
     }
 
-    /// No rods within the limits are nearer: the angle between the way back and the way to any of them is obtuse.
+    /// No rods within the limits are nearer: the angle between the displacement back and that to any of them is obtuse.
     #[test]
     fn the_nearest_rods_satisfy_the_variational_inequality() {
         for gpr in robots() {

@@ -177,7 +177,11 @@ pub fn with_dimensions(text: &str, changes: &[(Dimension, f64)]) -> Result<Strin
     let original = Document::parse(text).map_err(|error| {
         let message = error.message().replace('\n', " ");
         let span = error.span().unwrap_or(0..0);
-        Errors::from(vec![Error::at(text, span, FileProblem::from(Form::Malformed { message }).into())])
+        Errors::from(vec![Error::at(
+            text,
+            span,
+            FileProblem::from(Form::Malformed { message }).into(),
+        )])
     })?;
     let mut document: DocumentMut = original.clone().into_mut();
     for (dimension, value) in changes {
@@ -185,16 +189,13 @@ pub fn with_dimensions(text: &str, changes: &[(Dimension, f64)]) -> Result<Strin
         if let Some(found) = item(original.as_table(), &location)
             && let Some(expression) = found.expression()
         {
-            let problem = Problem::Expression {
-                key: location.key,
-                expression: expression.to_owned(),
-            };
+            let problem =
+                Problem::Expression { key: location.key, expression: expression.to_owned() };
             let span = found.span().unwrap_or(0..0);
             return Err(vec![Error::at(text, span, problem)].into());
         }
         let missing = |whose: &str, key: &str| {
-            let problem =
-                FileProblem::MissingKey { whose: whose.to_owned(), key: key.to_owned() };
+            let problem = FileProblem::MissingKey { whose: whose.to_owned(), key: key.to_owned() };
             Errors::from(vec![Error::at(text, 0..0, problem.into())])
         };
         let value = dimension.in_file(*value);
@@ -221,7 +222,8 @@ pub fn with_dimensions(text: &str, changes: &[(Dimension, f64)]) -> Result<Strin
                 }
                 let table = document.get_mut(name).and_then(Item::as_table_like_mut);
                 let table = table.ok_or_else(|| missing("a robot", &format!("[{name}]")))?;
-                if matches!(dimension, Dimension::Parameter(_)) && !table.contains_key(&location.key)
+                if matches!(dimension, Dimension::Parameter(_))
+                    && !table.contains_key(&location.key)
                 {
                     return Err(missing("`[parameters]`", &location.key));
                 }
@@ -291,7 +293,8 @@ mod tests {
         assert_eq!(parse(&text).unwrap().gpr.ball_clearance(), Some(12.5e-6));
         // The other coordinate is that under the socket.
         let text = changed(PAPER, Dimension::BaseX(1), -0.05);
-        let [limb, other] = [parse(&text).unwrap().gpr, parse(PAPER).unwrap().gpr].map(|gpr| gpr.base_points()[1]);
+        let [limb, other] =
+            [parse(&text).unwrap().gpr, parse(PAPER).unwrap().gpr].map(|gpr| gpr.base_points()[1]);
         assert_eq!(limb.x, -0.05);
         assert!((limb.y - other.y).abs() < 1e-15, "{text}");
     }
@@ -322,8 +325,8 @@ mod tests {
 
     #[test]
     fn expressions_and_missing_tables_are_refused_with_their_place() {
-        let text = PAPER.replacen("[246.0, 754.0]", "[\"h - 254\", 754]", 1)
-            + "[parameters]\nh = 500\n";
+        let text =
+            PAPER.replacen("[246.0, 754.0]", "[\"h - 254\", 754]", 1) + "[parameters]\nh = 500\n";
         let error = with_dimensions(&text, &[(Dimension::RodMin, 0.3)]).unwrap_err();
         assert_eq!(error[0].place.line, 26);
         assert!(error.to_string().contains("`rod_mm` is the expression \"h - 254\""), "{error}");

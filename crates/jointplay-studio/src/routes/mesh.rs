@@ -50,8 +50,7 @@ async fn mesh(
     let read = move || {
         let robot = state.robot.robot();
         let missing = |why: String| Problem::request(StatusCode::NOT_FOUND, why);
-        let mesh =
-            of(&robot).ok_or_else(|| missing("the robot file names no such mesh".into()))?;
+        let mesh = of(&robot).ok_or_else(|| missing("the robot file names no such mesh".into()))?;
         let bytes = state.meshes.read(mesh).map_err(|error| missing(error.to_string()))?;
         Ok((media_type(mesh.format), bytes))
     };

@@ -14,7 +14,8 @@ use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::pose::{
-    AnswerDocument, AtLimits, MAX_MODELS, MobilityDocument, ModelDocument, PoseDocument, PoseRequest,
+    AnswerDocument, AtLimits, MAX_MODELS, MobilityDocument, ModelDocument, PoseDocument,
+    PoseRequest,
 };
 use crate::wire::{self, ModelChoice, Rods};
 

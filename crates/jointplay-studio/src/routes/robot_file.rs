@@ -103,7 +103,8 @@ fn open(
 ) -> Result<OpenedRobotDocument, Problem> {
     let OpenRobotRequest { robot: mut source, changes } = request;
     if changes.len() > MAX_CHANGES {
-        let detail = format!("{} changes are given, at most {MAX_CHANGES} are allowed", changes.len());
+        let detail =
+            format!("{} changes are given, at most {MAX_CHANGES} are allowed", changes.len());
         return Err(Problem::field("changes", detail));
     }
     let read = changes.into_iter().enumerate();

@@ -80,7 +80,8 @@ pub(crate) async fn study_parquet(
     State(state): State<AppState>,
     Body(request): Body<StudyRequest>,
 ) -> Result<Response, Problem> {
-    let body = study::parquet(&state, Study::new(state.robot(request.robot.as_ref())?, request)?).await?;
+    let body =
+        study::parquet(&state, Study::new(state.robot(request.robot.as_ref())?, request)?).await?;
     let headers = [
         (header::CONTENT_TYPE, "application/vnd.apache.parquet"),
         (header::CONTENT_DISPOSITION, "attachment; filename=\"study.parquet\""),

@@ -116,7 +116,8 @@ fn requests_about_an_edited_robot_use_its_text() {
     assert!((forward["platform"]["axis_height_mm"].as_f64().unwrap() - 250.0).abs() < 1e-9);
     let broken = json!({ "command": tilt, "robot": { "text": "kind = 'gpr'" } });
     refused("/api/v1/pose", &broken.to_string(), 422, Some("robot.text"), "line 1");
-    let unknown = json!({ "command": tilt, "robot": { "text": PAPER, "parameters": { "r": 1.0 } } });
+    let unknown =
+        json!({ "command": tilt, "robot": { "text": PAPER, "parameters": { "r": 1.0 } } });
     refused("/api/v1/pose", &unknown.to_string(), 422, Some("robot.text"), "parameter");
 }
 
@@ -173,7 +174,10 @@ fn the_robot_file_is_saved_if_it_has_not_changed_on_disk() {
     // The saved robot is that of the server.
     assert_eq!(served.robot.robot().gpr.limits().tilt_max, 1.25_f64.to_radians());
     let outdated = ask("PUT", Some(json!({ "text": PAPER, "replaces": read["version"] })));
-    assert_eq!((outdated.status, &outdated.json()["field"]), (StatusCode::CONFLICT, &"replaces".into()));
+    assert_eq!(
+        (outdated.status, &outdated.json()["field"]),
+        (StatusCode::CONFLICT, &"replaces".into())
+    );
     assert_eq!(std::fs::read_to_string(&path).unwrap(), edited);
     // A text with errors is saved, and the server keeps its robot.
     let broken = ask("PUT", Some(json!({ "text": "kind = " })));

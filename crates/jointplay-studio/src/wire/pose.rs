@@ -2,7 +2,8 @@
 
 use jointplay::format::explain::explain_limit;
 use jointplay::gpr::{
-    ApproximatePose, BallClearance, BrokenLimit, EvaluatedBounds, Gpr, PlatformPose, TiltPlay, ball_sides,
+    ApproximatePose, BallClearance, BrokenLimit, EvaluatedBounds, Gpr, PlatformPose, TiltPlay,
+    ball_sides,
 };
 use jointplay::mobility::{FiniteMobility, InstantaneousMobility};
 use jointplay::spatial::{Pose, Tilt};
@@ -11,8 +12,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::model::SolverName;
-use super::{CommandFields, ModelChoice, Pair, Rods, Triple};
 use super::robot_file::RobotSource;
+use super::{CommandFields, ModelChoice, Pair, Rods, Triple};
 use crate::strict;
 
 /// Maximum number of models in a request.

@@ -34,7 +34,8 @@ impl RobotSource {
     pub(crate) fn read(&self, field: &str) -> Result<Robot, Problem> {
         self.parse().map_err(|errors| {
             let first = &errors[0];
-            let detail = format!("line {}, column {}: {first}", first.place.line, first.place.column);
+            let detail =
+                format!("line {}, column {}: {first}", first.place.line, first.place.column);
             Problem::field(format!("{field}.text"), detail)
         })
     }
@@ -125,7 +126,8 @@ pub(crate) struct DimensionChange {
 impl DimensionChange {
     /// The number of the file at `field`.
     pub(crate) fn read(self, field: &str) -> Result<(Dimension, f64), Problem> {
-        let missing = |key: &str| Problem::field(format!("{field}.{key}"), format!("{key} is missing"));
+        let missing =
+            |key: &str| Problem::field(format!("{field}.{key}"), format!("{key} is missing"));
         let limb = || match self.limb {
             Some(limb) if limb < 3 => Ok(limb),
             Some(limb) => {
@@ -135,7 +137,9 @@ impl DimensionChange {
             None => Err(missing("limb")),
         };
         let dimension = match self.dimension {
-            DimensionName::Parameter => Dimension::Parameter(self.name.clone().ok_or_else(|| missing("name"))?),
+            DimensionName::Parameter => {
+                Dimension::Parameter(self.name.clone().ok_or_else(|| missing("name"))?)
+            }
             DimensionName::SocketRadius => Dimension::SocketRadius(limb()?),
             DimensionName::SocketAngle => Dimension::SocketAngle(limb()?),
             DimensionName::BaseX => Dimension::BaseX(limb()?),
