@@ -144,7 +144,7 @@ test('time series and plots are exported', async () => {
   const csv = (await take('export-csv')).toString().trim().split('\n');
   expect(csv).toHaveLength(778);
   expect(csv[0]).toContain('q1_m');
-  const shown = await page.locator('[data-testid^=plot-]').count();
+  const shown = await page.locator('figure[data-testid^=plot-]').count();
   expect(shown).toBeGreaterThan(4);
   const svg = (await take('export-svg')).toString();
   expect(svg.match(/<g transform/g)).toHaveLength(shown);

@@ -8,7 +8,7 @@ import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from 'vitest
 import { ROOT, accessibilityViolations, browse, complaints, drawn, load, reload, serve, unhandled, until, visit, type Server } from './studio';
 
 const PAPER = readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/gpr.toml'), 'utf8');
-/** A robot as a stranger writes it: a parameter, comments, inline tables, rods beside their sockets. */
+/** A robot as a stranger writes it: a parameter, comments, inline tables, rods away from their sockets. */
 const STRANGE = `kind = 'gpr'
 name = "test bench 3" # ours
 limb = [
@@ -110,12 +110,12 @@ test('errors of the text are reported at their lines, and the last robot without
   await saved();
   expect(readFileSync(file, 'utf8')).toBe(`${PAPER}[limit]\ntilt_deg = 3\n`);
   await page.keyboard.press('Control+z');
-  await until('the errors are gone', async () => (await page.getByTestId('robot-diagnostics').count()) === 0);
+  await until('there are no errors', async () => (await page.getByTestId('robot-diagnostics').count()) === 0);
   // A limit by which the working height is invalid has the line of the height.
   await type('field-robot-rod_min', '600');
   await page.getByTestId('robot-diagnostics').filter({ hasText: 'line 32' }).waitFor();
   await type('field-robot-rod_min', '300');
-  await until('the errors are gone', async () => (await page.getByTestId('robot-diagnostics').count()) === 0);
+  await until('there are no errors', async () => (await page.getByTestId('robot-diagnostics').count()) === 0);
   // A smaller limit of the tilt moves the robot to it.
   await type('field-robot-tilt_limit', '0.5');
   await drawn(page, 'Math.abs(pose.tilt.angle_rad - Math.PI / 360) < 1e-9');
@@ -236,6 +236,7 @@ test('a rod moves along the limit of the tilt, and back', async () => {
   await page.getByRole('alert').filter({ hasText: 'Held by a limit: the tilt is' }).waitFor();
   await page.getByRole('button', { name: 'Level', exact: true }).click();
   await drawn(page, 'pose.tilt.angle_rad < 1e-9');
+  await page.getByRole('tab', { name: 'Rods' }).click();
   // In one drag the other rods come back to where they were.
   const height = await page.evaluate(() => window.jointplay.probe.pose!.axis_height_m);
   const slider = page.getByTestId('slider-rod-1');
@@ -251,12 +252,14 @@ test('a rod moves along the limit of the tilt, and back', async () => {
 
 test('pictures have vector labels and axes', async () => {
   await page.getByTestId('export').click();
-  await page.getByTestId('picture-size').selectOption('column');
+  await page.getByTestId('picture-size').selectOption('slide');
   const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-vectors').click()]);
   const svg = readFileSync(await download.path(), 'utf8');
-  expect(svg).toContain('width="85.01mm"');
+  expect(svg).toContain('width="254mm" height="142.88mm"');
   expect(svg).toContain('href="data:image/png;base64,iVBOR');
-  expect(svg).toMatch(/<text[^>]*>polar /);
+  // The labels of the virtual joints, with subscripts, and those of the axes.
+  expect(svg).toMatch(/<text[^>]*>l<\/text>\n<text[^>]*>1<\/text>/);
+  expect(svg).toMatch(/<text[^>]*>x<\/text>/);
   // Six arrows of two frames, each a line and a head.
   expect(svg.match(/<path d="M[^"]*" fill="#/g)).toHaveLength(6);
   expect(svg).toContain('Play scale 500× · polar');

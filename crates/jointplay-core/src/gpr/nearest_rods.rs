@@ -152,7 +152,7 @@ mod tests {
     use crate::gpr::{AxisHeight, BrokenLimit, Limb, Limits};
     use crate::spatial::Tilt;
 
-    /// Robots of other shapes: equilateral, right-angled with rods beside their sockets, narrow.
+    /// Robots of other shapes: equilateral, right-angled with rods away from their sockets, narrow.
     fn robots() -> Vec<Gpr> {
         let limb = |radius, angle_deg: f64| Limb::under_socket(radius, angle_deg.to_radians());
         let moved = |mut limb: Limb, x: f64, y: f64| {
@@ -184,7 +184,7 @@ mod tests {
         })
     }
 
-    /// No rods within the limits are nearer: the angle between the way back and the way to any of them is obtuse.
+    /// No rods within the limits are nearer: the angle between the displacement back and that to any of them is obtuse.
     #[test]
     fn the_nearest_rods_satisfy_the_variational_inequality() {
         for gpr in robots() {
