@@ -106,7 +106,7 @@ test('a film ends when the motion is paused, and when the view is left', async (
     const awaited = page.waitForEvent('download');
     await page.getByTestId('cell-export-video').click();
     await page.getByTestId('cell-stop-recording').waitFor();
-    await until('the motion is recorded', async () => Number(await page.getByTestId('cell-now').getAttribute('data-time')) > 0.2);
+    await until('the motion is recorded', async () => Number(await page.getByTestId('cell-now').getAttribute('data-time')) > 0.05);
     await end();
     const download = await awaited;
     expect(download.suggestedFilename()).toMatch(/^mine\.(mp4|webm)$/);

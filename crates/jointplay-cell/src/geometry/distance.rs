@@ -370,52 +370,6 @@ mod tests {
     }
 
     #[test]
-    fn nearest_points_are_on_both_surfaces_at_the_distance() {
-        let mut state = 11_u64;
-        let mut random = move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
-        let shapes = [
-            Shape::Box { half: [0.05, 0.02, 0.1] },
-            Shape::Cylinder { radius: 0.15, half_height: 0.0004 },
-            Shape::Capsule { ends: [[0.0; 3], [0.2, 0.05, 0.0]], radius: 0.03 },
-            Shape::Convex {
-                points: vec![[0.0; 3], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]],
-            },
-            Shape::Mesh {
-                vertices: vec![[0.0; 3], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]],
-                triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
-            },
-        ];
-        let (mut apart, mut overlapping) = (0, 0);
-        for round in 0..4000 {
-            let [a, b] = [round % 5, round / 5 % 5]
-                .map(|kind| Collider::new(&shapes[kind], &Pose::identity()).unwrap());
-            let poses = [0, 1].map(|_| {
-                let turn = Rotation3::new(Vector3::new(random(), random(), random()) * 2.0);
-                let shift = Vector3::new(random(), random(), random()) * 0.3;
-                Pose::from_parts(shift.into(), turn)
-            });
-            let [a, b] = [(&a, &poses[0]), (&b, &poses[1])]
-                .map(|(collider, base_from_parent)| PlacedCollider { collider, base_from_parent });
-            let distance = distance(a, b);
-            let Some(points) = nearest_points(a, b) else {
-                overlapping += 1;
-                assert!(distance < 1e-6, "{round}: {distance} without points");
-                continue;
-            };
-            apart += 1;
-            assert!(((points[1] - points[0]).norm() - distance).abs() < 1e-7, "{round}");
-            for (placed, point) in [(a, &points[0]), (b, &points[1])] {
-                let off = signed_distance(placed, point);
-                assert!(off.abs() < 1e-6, "{round}: {off} from the surface");
-            }
-        }
-        assert!(apart > 2000 && overlapping > 200, "{apart} {overlapping}");
-    }
-
-    #[test]
     fn depth_of_an_overlap() {
         let a = Collider::new(&Shape::Box { half: [0.1; 3] }, &Pose::identity()).unwrap();
         let first = PlacedCollider { collider: &a, base_from_parent: &Pose::identity() };

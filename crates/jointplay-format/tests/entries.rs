@@ -1,0 +1,100 @@
+//! Stations and bodies of cell files, added, duplicated and removed.
+#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
+
+use jointplay_format::cell::{
+    EXAMPLE, EntryAdded, EntryList, NewEntry, Problem, add_entry, duplicate_entry, read,
+    remove_entry,
+};
+use nalgebra::Vector3;
+
+fn comments(text: &str) -> Vec<&str> {
+    text.lines().filter(|line| line.trim_start().starts_with('#')).collect()
+}
+
+#[track_caller]
+fn cell(text: &str) -> jointplay_cell::workcell::Cell {
+    read(text, &mut |_| Err("no files".to_owned())).unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+#[test]
+fn a_duplicated_station_has_its_bodies_and_follows_the_original() {
+    let before = cell(EXAMPLE);
+    let EntryAdded { text, name } = duplicate_entry(EXAMPLE, EntryList::Station, "LP1").unwrap();
+    assert_eq!(name, "LP3");
+    let after = cell(&text);
+    let stations: Vec<&str> = after.stations.iter().map(|it| it.name.as_str()).collect();
+    assert_eq!(stations, ["LP1", "LP3", "LP2", "ALIGN", "PM1"]);
+    assert_eq!(after.bodies.len(), before.bodies.len() + 4);
+    assert!(text.contains("name = \"LP3-left\"\non = { station = \"LP3\" }"));
+    assert_eq!(comments(&text), comments(EXAMPLE));
+    // What is added is removed again, with all that belongs to it.
+    assert_eq!(remove_entry(&text, EntryList::Station, "LP3").unwrap(), EXAMPLE);
+}
+
+#[test]
+fn a_removed_entry_leaves_the_comments_of_sections_and_of_others() {
+    let text = remove_entry(EXAMPLE, EntryList::Station, "LP1").unwrap();
+    let after = cell(&text);
+    assert!(after.stations.iter().all(|it| it.name != "LP1"));
+    assert!(after.bodies.iter().all(|it| !it.name.starts_with("LP1")));
+    assert_eq!(comments(&text), comments(EXAMPLE));
+    // Its own comment goes with it, and so do its allowed contacts.
+    let text = remove_entry(EXAMPLE, EntryList::Body, "wall").unwrap();
+    assert!(!text.contains("# The wall of the cell;"));
+    assert_eq!(comments(&text).len(), comments(EXAMPLE).len() - 1);
+    let text = remove_entry(EXAMPLE, EntryList::Body, "post-A").unwrap();
+    assert!(!text.contains("post-A"));
+    cell(&text);
+}
+
+#[test]
+fn a_new_entry_is_valid_and_removed_without_a_trace() {
+    let position = Vector3::new(0.4, -0.2, 0.61);
+    let entries = [
+        (NewEntry::Station { position, heading: 0.5 }, EntryList::Station, "S1"),
+        (NewEntry::Body { position }, EntryList::Body, "body-1"),
+    ];
+    for (entry, list, expected) in entries {
+        let EntryAdded { text, name } = add_entry(EXAMPLE, &entry).unwrap();
+        assert_eq!(name, expected);
+        let after = cell(&text);
+        match list {
+            EntryList::Station => {
+                let made = after.stations.iter().find(|it| it.name == name).unwrap();
+                let origin = made.slot_frame(0).translation.vector;
+                assert!((origin - position).norm() < 1e-12);
+            }
+            EntryList::Body => assert!(after.bodies.iter().any(|it| it.name == name)),
+        }
+        let again = add_entry(&text, &entry).unwrap();
+        assert_ne!(again.name, name);
+        assert_eq!(remove_entry(&text, list, &name).unwrap(), EXAMPLE);
+    }
+}
+
+#[test]
+fn tables_within_tables_and_inline_lists_are_duplicated_too() {
+    let nested = "[[station]]\nname = \"A\"\n[station.stroke]\nbelow_mm = 1 # low\n[[station]]\nname = \"B\"\n";
+    let found = duplicate_entry(nested, EntryList::Station, "A").unwrap();
+    assert_eq!(found.name, "A2");
+    let expected = "[[station]]\nname = \"A\"\n[station.stroke]\nbelow_mm = 1 # low\n\n[[station]]\nname = \"A2\"\n[station.stroke]\nbelow_mm = 1 # low\n[[station]]\nname = \"B\"\n";
+    assert_eq!(found.text, expected);
+    let inline = "station = [{ name = \"A\" }, { name = \"B\" }]\n";
+    let found = duplicate_entry(inline, EntryList::Station, "A").unwrap();
+    assert_eq!(found.text.matches("name").count(), 3);
+    let removed = remove_entry(inline, EntryList::Station, "B").unwrap();
+    assert!(removed.contains("\"A\"") && !removed.contains("\"B\""));
+}
+
+#[test]
+fn what_cannot_be_changed_is_refused_with_the_reason() {
+    let like = "[[station]]\nname = \"A\"\n[[station]]\nname = \"B\"\nlike = \"A\"\n";
+    let message = |found: Result<String, Problem>| found.unwrap_err().to_string();
+    assert!(message(remove_entry(like, EntryList::Station, "A")).contains("`like`"));
+    assert!(message(remove_entry(like, EntryList::Station, "C")).contains("\"C\""));
+    assert!(message(remove_entry(EXAMPLE, EntryList::Body, "wal")).contains("wall"));
+    assert!(message(remove_entry("= 1", EntryList::Body, "a")).contains("line 1"));
+    let added =
+        add_entry("station = 3\n", &NewEntry::Station { position: Vector3::zeros(), heading: 0.0 });
+    assert!(added.unwrap_err().to_string().contains("not a list"));
+}
