@@ -51,7 +51,9 @@ mod tests {
     #[test]
     fn servers_of_other_programs_are_no_studio() {
         let server = crate::guard::SERVER;
-        let own = format!("HTTP/1.1 200 OK\r\ncontent-type: application/json\r\nServer: {server}\r\n\r\n{{}}");
+        let own = format!(
+            "HTTP/1.1 200 OK\r\ncontent-type: application/json\r\nServer: {server}\r\n\r\n{{}}"
+        );
         assert!(is_studio(own.as_bytes()));
         for other in [
             "HTTP/1.1 200 OK\r\nServer: nginx\r\n\r\n{}",

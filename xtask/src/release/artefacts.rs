@@ -92,17 +92,20 @@ mod tests {
             root: root.clone(),
         };
         fs::write(folders.out.join("stale.deb"), "old").unwrap();
-        let write = |name: &'static str| {
-            move |folders: &Folders| fs::write(folders.out.join(name), "abc")
-        };
+        let write =
+            |name: &'static str| move |folders: &Folders| fs::write(folders.out.join(name), "abc");
         folders.run("one", write("a.deb")).unwrap();
         folders.run("two", write("a.crate")).unwrap();
         for _ in 0..2 {
             publish(&folders, &["one", "two", "three"]).unwrap();
         }
         let sums = fs::read_to_string(folders.out.join(CHECKSUMS)).unwrap();
-        let mut names: Vec<String> =
-            folders.out.read_dir().unwrap().map(|entry| file_name(&entry.unwrap().path())).collect();
+        let mut names: Vec<String> = folders
+            .out
+            .read_dir()
+            .unwrap()
+            .map(|entry| file_name(&entry.unwrap().path()))
+            .collect();
         names.sort();
         fs::remove_dir_all(&root).unwrap();
         // FIPS 180-2, B.1.

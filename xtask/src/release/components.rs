@@ -132,8 +132,7 @@ fn checksums(lock: &str) -> io::Result<BTreeMap<(String, String), String>> {
 
 /// Packages of npm that are in the page.
 pub(super) fn packages_of_page(studio: &Path) -> io::Result<Vec<Component>> {
-    let lock: Value =
-        serde_json::from_str(&fs::read_to_string(studio.join("package-lock.json"))?)?;
+    let lock: Value = serde_json::from_str(&fs::read_to_string(studio.join("package-lock.json"))?)?;
     let packages = lock["packages"].as_object().cloned().unwrap_or_default();
     let mut found = Vec::new();
     for path in in_page(&packages)? {
@@ -166,9 +165,9 @@ pub(super) fn packages_of_page(studio: &Path) -> io::Result<Vec<Component>> {
 /// These are the packages that the page uses when it runs, and those with code in it although the lock file marks them as tools.
 /// The bundler omits modules that nothing imports: the page contains no other packages, and possibly fewer.
 fn in_page(packages: &Map<String, Value>) -> io::Result<BTreeSet<&str>> {
-    let at_run_time = packages.iter().filter(|(path, package)| {
-        path.starts_with("node_modules/") && package["dev"] != true
-    });
+    let at_run_time = packages
+        .iter()
+        .filter(|(path, package)| path.starts_with("node_modules/") && package["dev"] != true);
     let mut found: BTreeSet<&str> = at_run_time.map(|(path, _)| path.as_str()).collect();
     let mut open = Vec::new();
     for name in COMPILED {

@@ -34,7 +34,8 @@ pub(super) fn text(components: &[Component], root: &Path) -> io::Result<String> 
     let mut sections: Vec<(Vec<String>, String)> =
         packages.into_iter().map(|(text, names)| (names, text)).collect();
     sections.sort();
-    let mut all = "Third-party software in the binaries of jointplay, and its licences.\n".to_owned();
+    let mut all =
+        "Third-party software in the binaries of jointplay, and its licences.\n".to_owned();
     for (names, text) in sections {
         let rule = "=".repeat(80);
         all += &format!("\n{rule}\n{}\n{rule}\n\n{text}\n", names.join("\n"));

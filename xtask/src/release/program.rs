@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::{fs, io};
 
-use super::folders::{PLATFORM, Folders, VERSION};
+use super::folders::{Folders, PLATFORM, VERSION};
 use crate::{package, process};
 
 /// Completion scripts: the shell, and where it looks for them below `share`.

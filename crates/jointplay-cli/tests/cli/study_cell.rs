@@ -75,7 +75,10 @@ fn rows_are_the_answers_of_cell_check() {
             let found: f64 = found.parse().unwrap();
             // Conversion to millimetres may round the last digit.
             let error = (found - expected).abs();
-            assert!(error <= 2.0 * f64::EPSILON * expected.abs(), "{set}: {name} {found} {expected}");
+            assert!(
+                error <= 2.0 * f64::EPSILON * expected.abs(),
+                "{set}: {name} {found} {expected}"
+            );
         }
     }
 }

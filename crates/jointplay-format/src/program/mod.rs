@@ -38,8 +38,8 @@ pub use layout::format;
 pub use parser::{MAX_BYTES, MAX_DEPTH, parse, parse_recovering};
 pub use phase::phase_name;
 pub use problem::{Error, Problem};
-pub(crate) use settings::{parameters, value_text};
 pub use settings::{Setting, SettingProblem, with_parameters};
+pub(crate) use settings::{parameters, value_text};
 pub use words::keywords;
 pub use write::write;
 

@@ -383,7 +383,8 @@ fn columns(varied: &[Varied], asked: &[Asked<CellQuantity>]) -> (Vec<Column>, Ve
         columns.push(Column { name: "draw".to_owned(), source: Source::Draw });
     }
     let own: Vec<String> = asked.iter().map(column_name).collect();
-    let is_reserved = |name: &str| ["draw", "status"].contains(&name) || own.iter().any(|other| other == name);
+    let is_reserved =
+        |name: &str| ["draw", "status"].contains(&name) || own.iter().any(|other| other == name);
     for (index, one) in varied.iter().enumerate() {
         let (unit, repeats) = (one.unit, !is_random(one));
         let mut name = format!("{}{}", one.name, unit.suffix());

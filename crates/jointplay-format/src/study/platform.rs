@@ -108,8 +108,7 @@ fn read_robot(top: &Table, sources: &mut Sources) -> Option<Robot> {
         None => "gpr",
     };
     let report = |problem: Problem| top.report_at("robot", problem);
-    let text =
-        text_of(name, sources).map_err(|message| report(Problem::Robot { message })).ok()?;
+    let text = text_of(name, sources).map_err(|message| report(Problem::Robot { message })).ok()?;
     if let Some(kind) = mechanism::kind_of(&text).filter(|kind| kind != "gpr") {
         let message = format!(
             "robot {name:?} is of the kind {kind:?}, but `robot` names three-rod robots, of the kind \"gpr\"; for a mechanism, write `mechanism = {name:?}`"

@@ -138,7 +138,8 @@ impl Marker {
         let kind = TableKind::of_ending(&document.format)
             .ok_or_else(|| malformed("its format is neither csv nor parquet"))?;
         let totals = document.totals.read().map_err(malformed)?;
-        let foot = from_hexadecimal(&document.foot).ok_or_else(|| malformed("its foot is not hexadecimal"))?;
+        let foot = from_hexadecimal(&document.foot)
+            .ok_or_else(|| malformed("its foot is not hexadecimal"))?;
         let here = instruction_set();
         let instructions = match &document.instructions {
             Some(found) if found != here => {
