@@ -159,8 +159,8 @@ fn samples_without_an_answer_are_outcomes() {
         other => panic!("{other:?}"),
     };
     let found: Vec<ProgramOutcome> = (0..6).map(outcome).collect();
-    use ProgramOutcome::{OutOfReach, Passed};
-    assert_eq!(found, [Passed, Passed, Passed, Passed, OutOfReach, OutOfReach]);
+    let (passed, out) = (ProgramOutcome::Passed, ProgramOutcome::OutOfReach);
+    assert_eq!(found, [passed, passed, passed, passed, out, out]);
     assert_eq!(column(&study, &block, "program"), [1.0, 1.0, 1.0, 2.0, 2.0, 2.0]);
     let numbers = block.columns[2..].iter();
     assert!(numbers.clone().all(|column| column[4].is_nan() && column[5].is_nan()));
@@ -178,7 +178,7 @@ fn samples_without_an_answer_are_outcomes() {
 }
 
 #[track_caller]
-fn refuse(text: &str, line: usize, message: &str) {
+fn refuse_all(text: &str, line: usize, message: &str) {
     let Err(errors) = parse(text, &mut from_files(&files())) else { panic!("{text} is accepted") };
     let is_reported = |error: &jointplay_format::study::Error| {
         error.place.line == line && error.to_string().contains(message)
@@ -189,14 +189,15 @@ fn refuse(text: &str, line: usize, message: &str) {
 #[test]
 fn invalid_studies_of_cells_are_refused_with_their_places() {
     let head = format!("kind = \"study\"\n{QUANTITIES}\ncell = \"cells/mine.toml\"\n");
-    let refuse =
-        |text: &str, line: usize, message: &str| refuse(&format!("{head}{text}"), line, message);
+    let refuse = |text: &str, line: usize, message: &str| {
+        refuse_all(&format!("{head}{text}"), line, message)
+    };
     refuse("mechanism = \"slider-crank\"", 4, "either `mechanism` or `cell`");
     refuse("program = \"gone.program\"", 4, "there is no file");
     refuse("program = [\"short.program\", \"short.program\"]", 4, "twice");
     refuse("program = \"cells/mine.toml\"", 4, "line 1:");
     refuse("[parameters]\ny = 1", 5, "parameter");
-    refuse("[program_parameters]\nfeed = 1", 5, "n, speed".split(", ").last().unwrap());
+    refuse("[program_parameters]\nfeed = 1", 5, "speed");
     refuse("[stations.LP3]\ndx_mm = 1", 4, "LP1");
     refuse("[stations.LP2]\ndx = 1", 5, "dx_mm");
     refuse("[stations.LP2]\n", 4, "at least one entry");
@@ -204,16 +205,11 @@ fn invalid_studies_of_cells_are_refused_with_their_places() {
     refuse("[stations.ALIGN]\ndx_mm = 1", 5, "expression");
     refuse("[stations.LP2]\ndx_mm = { normal = [0, 1] }", 4, "samples");
     refuse("samples = 5", 4, "nothing is random");
-    super_refuse(
+    refuse_all(
         "kind = \"study\"\nquantities = [\"cycle_time\"]\ncell = \"example\"",
         2,
         "cycle_time_s",
     );
-    super_refuse("kind = \"study\"\nquantities = [\"slip\"]\ncell = \"dual-arm\"", 3, "is no cell");
-    super_refuse("kind = \"study\"\nquantities = [\"slip\"]\ncell = \"short.toml\"", 3, "no file");
-}
-
-#[track_caller]
-fn super_refuse(text: &str, line: usize, message: &str) {
-    refuse(text, line, message);
+    refuse_all("kind = \"study\"\nquantities = [\"slip\"]\ncell = \"dual-arm\"", 3, "is no cell");
+    refuse_all("kind = \"study\"\nquantities = [\"slip\"]\ncell = \"short.toml\"", 3, "no file");
 }
