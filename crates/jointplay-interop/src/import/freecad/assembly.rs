@@ -6,11 +6,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use jointplay_core::mechanism::JointKind;
 use jointplay_core::spatial::Pose;
-use nalgebra::{Matrix3, Rotation3, UnitVector3, Vector3};
 use roxmltree::Node;
 
 use super::document::{Document, Object, Reference, UNIT};
-use super::gearing::{DrawnJoints, Gearing};
+use super::gearing::{DrawnJoints, Gearing, rack_frame};
 use super::joint_limits::{self, FrameLimit, FrameMotion, RangeEnd};
 use super::placed_joint::{PlacedFrame, placed_joint};
 use crate::import::draft::Draft;
@@ -229,8 +228,8 @@ impl<'d, 'a> Reader<'d, 'a> {
             |a: &PlacedFrame, b: &PlacedFrame| drawn.coupling(name.clone(), gearing, [a, b]);
         let found = match gearing {
             // Either part may be the rack, which slides along z of its frame.
-            Gearing::Rack(_) => coupling(&rack(&first, &second), &second)
-                .or_else(|_| coupling(&rack(&second, &first), &first)),
+            Gearing::Rack(_) => coupling(&rack_frame(&first, &second), &second)
+                .or_else(|_| coupling(&rack_frame(&second, &first), &first)),
             _ => coupling(&first, &second),
         };
         let coupling = found.map_err(|advice| {
@@ -396,19 +395,6 @@ impl<'d, 'a> Reader<'d, 'a> {
         }
         Ok(limits)
     }
-}
-
-/// The frame of a rack: x is along z of the frame of its joint, z is that of the pinion.
-fn rack(rack: &PlacedFrame, pinion: &PlacedFrame) -> PlacedFrame {
-    let axes = [rack, pinion].map(|frame| frame.drawn.rotation * Vector3::z());
-    let along = axes[0] - axes[1] * axes[0].dot(&axes[1]);
-    let across = UnitVector3::try_new(along, 1e-9);
-    let turned = across.map_or_else(Rotation3::identity, |x| {
-        let z = UnitVector3::new_normalize(axes[1]);
-        let matrix = Matrix3::from_columns(&[x.into_inner(), z.cross(&x), z.into_inner()]);
-        rack.drawn.rotation.inverse() * Rotation3::from_matrix_unchecked(matrix)
-    });
-    rack.turned(turned)
 }
 
 /// The label of an object, with the name in the file where the label is taken.
