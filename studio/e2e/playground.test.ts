@@ -73,8 +73,10 @@ for (const [theme, width, height] of [['light', 1440, 900], ['navy', 390, 844]] 
     expect(await page.getByLabel('polar').isChecked()).toBe(true);
     const polar = await value('Shift of the centre');
     expect(polar).toMatch(/^\d+\.\d\d µm$/);
-    await page.getByLabel('radial').check();
+    await page.getByLabel('planar').check();
     await until('another model has another shift', async () => (await value('Shift of the centre')) !== polar);
+    await page.getByLabel('polar').check();
+    await until('the first model has its shift again', async () => (await value('Shift of the centre')) === polar);
     const before = await drawn();
     await page.getByLabel('Tilt angle').fill('0');
     await until('a level platform has no shift', async () => (await value('Shift of the centre')) === '0.00 µm');
