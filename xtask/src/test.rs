@@ -6,7 +6,8 @@ mod ahead;
 
 use self::ahead::Ahead;
 use crate::{
-    book, c_library, cell, circles, deps, embedded, package, page, python, studio, tidy, words,
+    book, c_library, cell, circles, deps, embedded, package, page, python, studio, tidy, wasm,
+    words,
 };
 use std::io::{self, IsTerminal};
 use std::path::Path;

@@ -26,12 +26,13 @@ fn robots() -> [Gpr; 3] {
         limb(-0.0371, -0.0789, 0.087, 4.27),
     ];
     let large = [limb(1.5, 0.01, 1.5, 0.0), limb(-0.4, -1.2, 1.3, -1.9), limb(-0.5, 1.1, 1.2, 2.0)];
+    let robot = |limbs, limits, height| Gpr::new(limbs, limits, height).expect("a robot");
     let limits = Limits { rod_min: 0.1, rod_max: 0.4, tilt_max: 0.05 };
     let high = Limits { rod_min: 1.0, rod_max: 6.0, tilt_max: 0.3 };
     [
         Gpr::paper(),
-        Gpr::new(uneven, limits, 0.25).unwrap().with_ball_clearance(150e-6).unwrap(),
-        Gpr::new(large, high, 3.0).unwrap(),
+        robot(uneven, limits, 0.25).with_ball_clearance(150e-6).expect("a clearance"),
+        robot(large, high, 3.0),
     ]
 }
 
@@ -186,4 +187,7 @@ fn numbers_of_the_library_are_those_that_javascript_compares_with() {
     }
     let saved = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(text == saved, "{FILE} has other numbers: see the top of this test");
+    // The robot of the start page of the documentation.
+    let paper: Value = serde_json::from_str(include_str!("../js/paper.json")).unwrap();
+    assert_eq!(paper, geometry(&Gpr::paper()));
 }
