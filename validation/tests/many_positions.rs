@@ -89,13 +89,17 @@ fn many_at_a_time_are_those_one_by_one() {
                             residuals[row] < 1e-11 && position.residual < 1e-11,
                             "{name} {row}"
                         );
-                        // Far commands may be closed in another way.
+                        // Far commands may end at another closed configuration.
                         if row % 37 != 36 && is_determined(&mechanism, &driven, &one) {
                             let apart = found.iter().zip(&one).map(|(a, b)| (a - b).abs());
                             let apart = apart.fold(0.0, f64::max);
                             assert!(apart < 1e-9, "{name} {row}: {apart:e}");
                             determined += 1;
                         }
+                    }
+                    // Far commands may be reached with other steps.
+                    Err(_) if row % 37 == 36 && status[row] == Status::Solved => {
+                        assert!(residuals[row] < 1e-11, "{name} {row}");
                     }
                     Err(error) => {
                         assert_eq!(Some(status[row]), Status::of(&error), "{name} {row}");

@@ -279,7 +279,6 @@ impl PyMechanism {
     /// The first row starts from the closed configuration nearest the guesses of the file, every other from the one before it that closed: neighbours should be near.
     /// Independent rows, as of a workspace map or of random samples, have to be near the first one instead: rows that Newton's method does not close from there have the status `NOT_CONVERGED`.
     #[pyo3(signature = (commanded, *, solver="least-norm", check_limits=true, independent=false, threads=None))]
-    #[expect(clippy::too_many_arguments, reason = "options of a Python function")]
     fn positions<'py>(
         slf: &Bound<'py, Self>,
         py: Python<'py>,

@@ -350,3 +350,8 @@ pub(super) fn solve_symmetric(factor: &[f64], b: &mut [f64]) {
         }
     }
 }
+
+/// The larger of two numbers, NaN if one is.
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}

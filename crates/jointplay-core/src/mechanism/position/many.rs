@@ -1,4 +1,8 @@
 //! Positions for many configurations of one mechanism, side by side in the registers of the processor.
+#![allow(
+    clippy::needless_range_loop,
+    reason = "closures would not be inlined, and be compiled without wide instructions"
+)]
 
 use std::f64::consts::TAU;
 

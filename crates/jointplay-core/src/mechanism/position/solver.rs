@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::bordered::{Bordered, EliminationPlan};
+use super::elimination::larger;
 use super::opening::{Closing, Meeting, SideUnknown, TreeEdge, moved_by};
 use super::unknown::{Ball, CoupledRow, Unknown};
 use super::walk::{Frame, Part, Screw, Turned, Walk};
@@ -496,9 +497,4 @@ impl PositionSolver {
             coordinates[ball.coordinate..ball.coordinate + 3].copy_from_slice(vector.as_slice());
         }
     }
-}
-
-/// The larger of two numbers, NaN if one is.
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a || b.is_nan() { b } else { a }
 }

@@ -1,6 +1,7 @@
 //! Cholesky factorization of a symmetric matrix of 6×6 blocks: one row of blocks for each link, one pair of blocks for each joint.
 //!
 //! The factors of mechanisms have a few blocks in a column, too few for the dense kernels of a general sparse library; of scalar entries they have as many indices as numbers.
+#![allow(clippy::needless_range_loop, reason = "indices are those of the equations")]
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::amd;

@@ -18,10 +18,6 @@ const SETTLED: f64 = 1e-6;
 const MAX_HALVINGS: usize = 10;
 /// The longest step of a coordinate, in radians and characteristic lengths.
 const LONGEST_STEP: f64 = 0.3;
-/// Corrections after a step that is still long: two to five are usual, and half the step needs fewer.
-const FEW_CORRECTIONS: usize = 6;
-/// Steps are long above this many times the shortest.
-const LONG_STEP: f64 = 8.0;
 /// The shortest step, as a share of the whole path: drives that cannot move so far are locked.
 const SHORTEST_STEP: f64 = 1e-5;
 
@@ -146,13 +142,11 @@ impl SparseSystem<'_> {
             };
             let (x, by) = self.least_step(&linear, Some(&(path * share)));
             let size = self.largest(&by);
-            let corrections =
-                if *step > LONG_STEP * shortest { FEW_CORRECTIONS } else { MAX_CORRECTIONS };
             let mut there = self.clone();
             there.displace(x.as_slice(), &by);
             let stayed = size <= LONGEST_STEP
                 && matches!(
-                    there.correct(held, corrections),
+                    there.correct(held, MAX_CORRECTIONS),
                     Ok((_, moved)) if on_branch(moved, size)
                 );
             if stayed {
