@@ -132,7 +132,8 @@ fn begin<S: Simd>(
         }
         let first = product(&first_step.0[3], missing, zero);
         let last = product(&first_step.0[5], missing, zero);
-        sockets.phi = [first, -(first + last), last];
+        // A difference from zero, since the negative of zero plus a step of zero is another zero.
+        sockets.phi = [first, zero - (first + last), last];
         zero.at_most(zero)
     } else {
         let step = step(task, &nominal.response(), missing, 0.5);
