@@ -361,12 +361,13 @@ fn a_differential_of_many_cranks_and_a_brake() {
     let terms = (1..count).map(|k| (of(4 * k), 0.25)).collect();
     let sum = Coupling { name: "sum".to_owned(), follower: of(0), terms, offset: 0.0 };
     let brake = Coupling { name: "brake".to_owned(), follower: of(4), terms: vec![], offset: 0.1 };
-    let row = row_of_parallelograms(count, vec![sum, brake]);
+    let alike = (3..count).map(|k| gear(&format!("gear {k}"), 4 * k, 4 * (k - 1), 1.0, 0.0));
+    let row = row_of_parallelograms(count, [vec![sum, brake], alike.collect()].concat());
     assert!(!MechanismSystem::fits(&row));
     let mut system = SparseSystem::new(&row, guess(&row)).unwrap();
     system.close(&[], 100).unwrap();
     let found = system.mobility(RANK_THRESHOLD).unwrap();
-    assert_eq!((found.mobility, found.finite), (count - 2, Some(count - 2)));
+    assert_eq!((found.mobility, found.finite), (1, Some(1)));
     let q = system.coordinates();
     let sum: f64 = (1..count).map(|k| 0.25 * q[4 * k]).sum();
     assert!((q[0] - sum).abs() < 1e-9 && (q[4] - 0.1).abs() < 1e-9);
@@ -640,8 +641,7 @@ fn suggested_joints_keep_the_couplings_and_their_symmetry() {
                 assert!(mechanism.couplings_hold(at, 1e-9), "{set:?}");
                 assert!((at[0] - command[0]).abs() < 1e-12);
                 let again = relieve_commanded(&relieved, &[(0, command[0])], None).unwrap();
-                let size = again.virtual_joints.norm();
-                assert!(size < 0.2, "{size}");
+                assert!(relieved.couplings_hold(&again.coordinates, 1e-9), "{set:?}");
             }
             assert!(set.size >= found.lower_bound * (1.0 - 1e-9));
         }
@@ -652,7 +652,9 @@ fn suggested_joints_keep_the_couplings_and_their_symmetry() {
         .norm()
             - 1.5;
         assert!(found.sets[0].size <= slide.abs() + 1e-9, "{} {slide}", found.sets[0].size);
-        let symmetric = found.sets.iter().filter(|set| set.symmetric).count();
-        assert_eq!(symmetric > 0, is_symmetric, "{ratio}: {symmetric}");
+        // The mirror maps the hinges onto each other, and a belt of another ratio onto none that is there.
+        let only = SuggestOptions { symmetric_only: true, ..SuggestOptions::default() };
+        let symmetric = suggest(&mechanism, &home, &[0], &commands, &only).unwrap();
+        assert_eq!(symmetric.in_class > 0.0, is_symmetric, "{ratio}: {}", symmetric.in_class);
     }
 }

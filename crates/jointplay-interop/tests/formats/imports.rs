@@ -195,7 +195,9 @@ fn kind_of(format: Format, kind: JointKind, found: &Mechanism) -> String {
         _ => joint.name != "tree" && joint.name != "h",
     };
     let joints: Vec<&Joint> = found.joints().iter().filter(is_of_fixture).collect();
-    if let ([joint], [thread]) = (&joints[..], found.couplings()) {
+    let moving: Vec<&&Joint> =
+        joints.iter().filter(|joint| joint.kind != JointKind::Fixed).collect();
+    if let ([joint], [thread]) = (&moving[..], found.couplings()) {
         let [slide, turn] = [thread.follower.freedom, thread.terms[0].0.freedom];
         let ratio = if slide == 0 { thread.terms[0].1 } else { 1.0 / thread.terms[0].1 };
         assert!((joint.kind, slide + turn) == (JointKind::Cylindrical, 1));

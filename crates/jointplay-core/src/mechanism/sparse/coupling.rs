@@ -2,7 +2,6 @@
 
 use nalgebra::{DVector, Vector6};
 
-use super::linear::JointRow;
 use crate::mechanism::coupling_rows::{CouplingRow, coupling_rows};
 use crate::mechanism::kinematics::Kinematics;
 
@@ -45,26 +44,26 @@ impl SparseCoupling {
     }
 
     /// The coupling linearized at the joints of a mechanism.
-    pub(super) fn linear(&self, joints: &[JointRow], coordinates: &DVector<f64>) -> LinearCoupling {
+    ///
+    /// # Arguments
+    /// * `by_twists` – for a joint and a coordinate: its two links, each with the derivative of the coordinate by the six numbers of its twist; nothing where the coordinate does not follow
+    pub(super) fn linear(
+        &self,
+        by_twists: impl Fn(usize, usize) -> Option<[(usize, Vector6<f64>); 2]>,
+        coordinates: &DVector<f64>,
+    ) -> LinearCoupling {
         let mut gradients = vec![Vector6::zeros(); self.links.len()];
         for (&j, &(k, factor)) in self.joints.iter().zip(&self.row.entries) {
-            let joint = &joints[j];
-            let Some(row) = joint.follows.iter().position(|&follows| follows == k) else {
-                continue;
-            };
-            let rate = joint.rates.row(row).transpose() * factor;
-            for (side, sense) in [(0, -1.0), (1, 1.0)] {
-                if let Ok(place) = self.links.binary_search(&joint.links[side]) {
-                    gradients[place] += joint.transport(side).tr_mul(&rate) * sense;
+            for (link, derivative) in by_twists(j, k).into_iter().flatten() {
+                // The base has no place.
+                if let Ok(place) = self.links.binary_search(&link) {
+                    gradients[place] += derivative * factor;
                 }
             }
         }
         let gradient = self.links.iter().copied().zip(gradients).collect();
-        LinearCoupling {
-            gradient,
-            terms: self.row.entries.clone(),
-            mismatch: self.residual(coordinates),
-        }
+        let mismatch = self.residual(coordinates);
+        LinearCoupling { gradient, terms: self.row.entries.clone(), mismatch }
     }
 }
 

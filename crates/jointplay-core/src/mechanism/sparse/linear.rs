@@ -152,8 +152,18 @@ impl JointRow {
         twist
     }
 
+    /// Both links, each with the derivative of a coordinate by its twist; nothing where the coordinate does not follow.
+    pub(super) fn rates_by_twists(&self, coordinate: usize) -> Option<[(usize, Vector6<f64>); 2]> {
+        let row = self.follows.iter().position(|&follows| follows == coordinate)?;
+        let rate = self.rates.row(row).transpose();
+        let of = |side: usize, sense: f64| {
+            (self.links[side], self.transport(side).tr_mul(&rate) * sense)
+        };
+        Some([of(0, -1.0), of(1, 1.0)])
+    }
+
     /// (6,6) the twist at the joint's point of a link's own.
-    pub(super) fn transport(&self, side: usize) -> Matrix6<f64> {
+    fn transport(&self, side: usize) -> Matrix6<f64> {
         let mut matrix = Matrix6::identity();
         matrix.fixed_view_mut::<3, 3>(3, 0).copy_from(&(-self.arms[side].cross_matrix()));
         matrix

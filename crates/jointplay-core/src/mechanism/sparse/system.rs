@@ -151,7 +151,11 @@ impl<'a> SparseSystem<'a> {
             }
         });
         let rows: Vec<JointRow> = rows.collect();
-        let couplings = self.couplings.iter().map(|one| one.linear(&rows, &self.coordinates));
+        let by_twists = |j: usize, k: usize| {
+            let joint: &JointRow = &rows[j];
+            joint.rates_by_twists(k)
+        };
+        let couplings = self.couplings.iter().map(|one| one.linear(by_twists, &self.coordinates));
         let couplings = couplings.collect();
         Linear::new(&self.pattern, mechanism.links().len(), rows, couplings, screws)
     }

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use jointplay_core::mechanism::{Coupling, Joint, JointCoordinate, JointKind};
 use jointplay_core::spatial::Pose;
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Rotation3, UnitVector3, Vector3};
 
 use super::placed_joint::PlacedFrame;
 
@@ -16,7 +16,7 @@ const ALIGNED: f64 = 1e-5;
 
 /// A constraint between the motions of two parts.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Gearing {
+pub(super) enum PartCoupling {
     /// Angles about z of either frame: `radius 1 · angle 1 + radius 2 · angle 2` stays; one radius is negative for a belt.
     Gears([f64; 2]),
     /// The first part slides along x of its frame by the radius (m) for each radian of the second about z of the first frame.
@@ -72,13 +72,13 @@ impl<'j> DrawnJoints<'j> {
     pub(super) fn coupling(
         &self,
         name: String,
-        gearing: Gearing,
+        part_coupling: PartCoupling,
         ends: [&PlacedFrame; 2],
     ) -> Result<Coupling, &'static str> {
-        let terms = match gearing {
-            Gearing::Gears(radii) => self.gears(radii, ends)?,
-            Gearing::Rack(radius) => self.rack(radius, ends)?,
-            Gearing::Screw(lead) => self.screw(lead, ends)?,
+        let terms = match part_coupling {
+            PartCoupling::Gears(radii) => self.gears(radii, ends)?,
+            PartCoupling::Rack(radius) => self.rack(radius, ends)?,
+            PartCoupling::Screw(lead) => self.screw(lead, ends)?,
         };
         coupled(name, &terms).ok_or("its radius or pitch must be a number other than 0")
     }
@@ -249,6 +249,19 @@ fn coupled(name: String, terms: &[Term]) -> Option<Coupling> {
     let is_usable = ratios.iter().all(|(_, ratio)| ratio.is_finite() && *ratio != 0.0);
     let follower = last.coordinate;
     is_usable.then(|| Coupling { name, follower, terms: ratios, offset: last.drawn - sum })
+}
+
+/// The frame of a rack: x is along z of the frame of its joint, z is that of the pinion.
+pub(super) fn rack_frame(rack: &PlacedFrame, pinion: &PlacedFrame) -> PlacedFrame {
+    let axes = [rack, pinion].map(|frame| frame.drawn.rotation * Vector3::z());
+    let along = axes[0] - axes[1] * axes[0].dot(&axes[1]);
+    let across = UnitVector3::try_new(along, 1e-9);
+    let turned = across.map_or_else(Rotation3::identity, |x| {
+        let z = UnitVector3::new_normalize(axes[1]);
+        let matrix = Matrix3::from_columns(&[x.into_inner(), z.cross(&x), z.into_inner()]);
+        rack.drawn.rotation.inverse() * Rotation3::from_matrix_unchecked(matrix)
+    });
+    rack.turned(turned)
 }
 
 fn center(frame: &PlacedFrame) -> Point3<f64> {
