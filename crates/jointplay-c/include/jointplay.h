@@ -344,7 +344,7 @@ int32_t jp_mechanism_jacobian(const struct JpMechanism *mechanism,
                               double *rates);
 
 /*
- Answers a request in JSON: `{"kind": "mobility", "at": {"A": 0.5}}`, `assemble`, `jacobian` or `sensitivity`; joint coordinates in m and rad.
+ Answers a request in JSON: `{"kind": "mobility", "at": {"A": 0.5}}`, `assemble`, `jacobian`, `sensitivity`, `move` or `suggest`; joint coordinates in m and rad.
 
  The answer is the document of the command of that name with `--format json`; `jp_text_free` frees it.
 

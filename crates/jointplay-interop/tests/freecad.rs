@@ -205,7 +205,7 @@ fn truncated_and_mutated_documents_do_not_panic() {
     }
 }
 
-/// A rack that slides along x, and a pinion about z beside it, in millimetres; the joint between them names either first.
+/// A rack that slides along x, and a pinion about z next to it, in millimetres; the joint between them names either first.
 fn rack_and_pinion(is_rack_first: bool) -> String {
     let property =
         |name: &str, value: &str| format!("<Property name=\"{name}\">{value}</Property>");

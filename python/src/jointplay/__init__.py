@@ -120,6 +120,7 @@ __all__ = [
     "RedundantConstraint",
     "Comparison",
     "Configuration",
+    "Coupling",
     "DependentCommandsError",
     "DependentSidesError",
     "FileError",

@@ -107,7 +107,7 @@ mod tests {
     fn errors_of_repaired_texts_have_their_places() {
         let text = WORLD.replace("a world", "a -- world").replace("<child>b", "<child>c");
         let message = parse(&text).unwrap_err().with_excerpt("w.sdf");
-        assert!(message.contains("w.sdf:5:61"), "{message}");
+        assert!(message.contains("w.sdf:5:58"), "{message}");
         assert!(repaired(WORLD).is_none());
         assert!(repaired("").is_none() && repaired("<?xml").is_none());
         // Nothing that is not well-formed for other reasons.

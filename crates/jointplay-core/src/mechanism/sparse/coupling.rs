@@ -3,7 +3,6 @@
 use nalgebra::{DVector, Vector6};
 
 use super::block_cholesky::{Block, BlockMatrix, BlockPattern, EMPTY, Place};
-use super::linear::JointRows;
 use crate::mechanism::coupling_rows::{CouplingRow, coupling_rows};
 use crate::mechanism::kinematics::Kinematics;
 
@@ -46,13 +45,19 @@ impl SparseCoupling {
     }
 
     /// The coupling linearized at the joints of a mechanism.
-    pub(super) fn linear(&self, rows: &JointRows) -> LinearCoupling {
+    ///
+    /// # Arguments
+    /// * `by_twists` – for a joint and a coordinate: its two links, each with the derivative of the coordinate by the six numbers of its twist; nothing where the coordinate does not follow
+    pub(super) fn linear(
+        &self,
+        by_twists: impl Fn(usize, usize) -> Option<[(usize, Vector6<f64>); 2]>,
+    ) -> LinearCoupling {
         let mut gradients = vec![Vector6::zeros(); self.links.len()];
         for (&j, &(k, factor)) in self.joints.iter().zip(&self.row.entries) {
-            let (joint, Some(rate)) = rows.rate(j, k) else { continue };
-            for (side, sense) in [(0, -1.0), (1, 1.0)] {
-                if let Ok(place) = self.links.binary_search(&joint.links[side]) {
-                    gradients[place] += joint.at_middle(side, &rate) * (sense * factor);
+            for (link, derivative) in by_twists(j, k).into_iter().flatten() {
+                // The base has no place.
+                if let Ok(place) = self.links.binary_search(&link) {
+                    gradients[place] += derivative * factor;
                 }
             }
         }

@@ -158,7 +158,7 @@ impl JointRow {
     }
 
     /// Tᵀ w: a wrench at the joint's point as one at the middle of a link.
-    pub(super) fn at_middle(&self, side: usize, wrench: &Vector6<f64>) -> Vector6<f64> {
+    fn at_middle(&self, side: usize, wrench: &Vector6<f64>) -> Vector6<f64> {
         let force = wrench.fixed_rows::<3>(3);
         let moment = wrench.fixed_rows::<3>(0) + self.arms[side].cross(&force);
         Vector6::new(moment.x, moment.y, moment.z, force[0], force[1], force[2])
@@ -236,15 +236,17 @@ impl JointRows {
 }
 
 impl JointRows {
-    /// A joint, and how fast one of its coordinates goes, of the relative twist; `None` if it does not follow, or depends on others.
-    pub(super) fn rate(
+    /// The two links of a joint, each with the derivative of a coordinate by the six numbers of its twist; `None` where the coordinate does not follow, or depends on others.
+    pub(super) fn rates_by_twists(
         &self,
         joint: usize,
         coordinate: usize,
-    ) -> (&JointRow, Option<Vector6<f64>>) {
+    ) -> Option<[(usize, Vector6<f64>); 2]> {
         let row = &self.joints[joint];
-        let motion = row.allowed(&self.motions).iter().find(|one| one.coordinate == coordinate);
-        (row, motion.map(|one| one.rate))
+        let motion = row.allowed(&self.motions).iter().find(|one| one.coordinate == coordinate)?;
+        let by = |side: usize| (row.links[side], row.at_middle(side, &motion.rate));
+        let [(first, by_first), second] = [0, 1].map(by);
+        Some([(first, -by_first), second])
     }
 }
 

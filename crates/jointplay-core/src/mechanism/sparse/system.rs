@@ -158,7 +158,9 @@ impl<'a> SparseSystem<'a> {
             let arms = joint.links.map(|link| (point - centers[link]) / self.length);
             rows.push(joint.links, arms, follows);
         }
-        let couplings = self.couplings.iter().map(|one| one.linear(&rows)).collect();
+        let couplings = self.couplings.iter();
+        let couplings = couplings.map(|one| one.linear(|j, k| rows.rates_by_twists(j, k)));
+        let couplings = couplings.collect();
         Linear::new(&self.pattern, mechanism.links().len(), rows, couplings, screws)
     }
 

@@ -14,8 +14,8 @@ use jointplay_format::mechanism::frame::pose;
 use jointplay_format::place::nearest;
 use nalgebra::{Matrix3, Unit, Vector3};
 
-use super::gearing::{DrawnJoints, Gearing};
 use super::joint_limits::{self, FrameLimit, FrameMotion, RangeEnd};
+use super::part_coupling::{DrawnJoints, PartCoupling};
 use super::placed_joint::{PlacedFrame, placed_joint};
 use crate::import::model::{Dialect, Imported};
 use crate::import::problem::{Error, Problem};
@@ -185,10 +185,10 @@ pub(in crate::import) fn read(text: &str, unit: LengthUnit) -> Result<Imported, 
     assembly.list("ForceTorques").for_each(|force| ignore(force.head.text.to_owned()));
 
     let mut joints: Vec<Joint> = Vec::new();
-    let (mut blocks, mut gearings) = (Vec::new(), Vec::new());
+    let (mut blocks, mut part_couplings) = (Vec::new(), Vec::new());
     for block in sets("Joints") {
-        if let Some(gearing) = gearing(block, unit)? {
-            gearings.push((block, gearing, frames(block, &markers)?));
+        if let Some(part_coupling) = part_coupling(block, unit)? {
+            part_couplings.push((block, part_coupling, frames(block, &markers)?));
             continue;
         }
         let frames = frames(block, &markers)?;
@@ -240,9 +240,9 @@ pub(in crate::import) fn read(text: &str, unit: LengthUnit) -> Result<Imported, 
 
     let drawn = DrawnJoints::new(&joints, &poses);
     let mut couplings = Vec::new();
-    for (block, gearing, frames) in gearings {
+    for (block, part_coupling, frames) in part_couplings {
         let name = block.joint_name(joints.len() + couplings.len() + 1)?;
-        let coupling = drawn.coupling(name, gearing, frames);
+        let coupling = drawn.coupling(name, part_coupling, frames);
         let coupling = coupling
             .map_err(|advice| block.unsupported(format!("this {}", block.head.text), advice));
         couplings.push(coupling?);
@@ -385,12 +385,12 @@ fn unknown(what: &'static str, value: Block, known: Vec<String>) -> Error {
 }
 
 /// A constraint between the motions of two parts, by gears, a rack or a thread.
-fn gearing(block: Block, unit: LengthUnit) -> Result<Option<Gearing>, Error> {
+fn part_coupling(block: Block, unit: LengthUnit) -> Result<Option<PartCoupling>, Error> {
     let number = |label| block.value(label)?.number(label);
     Ok(match block.head.text {
-        "GearJoint" => Some(Gearing::Gears([number("radiusI")?, number("radiusJ")?])),
-        "RackPinionJoint" => Some(Gearing::Rack(unit.to_meters(number("pitchRadius")?))),
-        "ScrewJoint" => Some(Gearing::Screw(unit.to_meters(number("pitch")?))),
+        "GearJoint" => Some(PartCoupling::Gears([number("radiusI")?, number("radiusJ")?])),
+        "RackPinionJoint" => Some(PartCoupling::Rack(unit.to_meters(number("pitchRadius")?))),
+        "ScrewJoint" => Some(PartCoupling::Screw(unit.to_meters(number("pitch")?))),
         _ => None,
     })
 }

@@ -9,8 +9,8 @@ use jointplay_core::spatial::Pose;
 use roxmltree::Node;
 
 use super::document::{Document, Object, Reference, UNIT};
-use super::gearing::{DrawnJoints, Gearing, rack_frame};
 use super::joint_limits::{self, FrameLimit, FrameMotion, RangeEnd};
+use super::part_coupling::{DrawnJoints, PartCoupling, rack_frame};
 use super::placed_joint::{PlacedFrame, placed_joint};
 use crate::import::draft::Draft;
 use crate::import::model::{Dialect, Imported};
@@ -60,15 +60,15 @@ pub(in crate::import) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Resul
         reader.add_ground(ground)?;
     }
     // The joints that carry parts are complete before those that relate their motions.
-    let mut gearings = Vec::new();
+    let mut part_couplings = Vec::new();
     for joint in joints {
-        match reader.gearing(joint)? {
-            Some(gearing) => gearings.push((joint, gearing)),
+        match reader.part_coupling(joint)? {
+            Some(part_coupling) => part_couplings.push((joint, part_coupling)),
             None => reader.add_joint(joint)?,
         }
     }
-    for (joint, gearing) in gearings {
-        reader.add_gearing(joint, gearing)?;
+    for (joint, part_coupling) in part_couplings {
+        reader.add_part_coupling(joint, part_coupling)?;
     }
     for motion in members.motions {
         reader.add_motion(motion)?;
@@ -205,19 +205,23 @@ impl<'d, 'a> Reader<'d, 'a> {
     }
 
     /// The relation of a joint between the motions of two parts.
-    fn gearing(&self, joint: &'d Object<'a>) -> Result<Option<Gearing>, Error> {
+    fn part_coupling(&self, joint: &'d Object<'a>) -> Result<Option<PartCoupling>, Error> {
         let number = |name| self.document.number(joint, name);
         let length = |name| Ok::<f64, Error>(UNIT.to_meters(number(name)?));
         Ok(match self.document.choice(joint, "JointType", &JOINT_TYPES)? {
-            "Gears" => Some(Gearing::Gears([number("Distance")?, number("Distance2")?])),
-            "Belt" => Some(Gearing::Gears([number("Distance")?, -number("Distance2")?])),
-            "RackPinion" => Some(Gearing::Rack(length("Distance")?)),
-            "Screw" => Some(Gearing::Screw(length("Distance")?)),
+            "Gears" => Some(PartCoupling::Gears([number("Distance")?, number("Distance2")?])),
+            "Belt" => Some(PartCoupling::Gears([number("Distance")?, -number("Distance2")?])),
+            "RackPinion" => Some(PartCoupling::Rack(length("Distance")?)),
+            "Screw" => Some(PartCoupling::Screw(length("Distance")?)),
             _ => None,
         })
     }
 
-    fn add_gearing(&mut self, joint: &'d Object<'a>, gearing: Gearing) -> Result<(), Error> {
+    fn add_part_coupling(
+        &mut self,
+        joint: &'d Object<'a>,
+        part_coupling: PartCoupling,
+    ) -> Result<(), Error> {
         let first = self.frame(joint, "Reference1", "Placement1")?;
         let second = self.frame(joint, "Reference2", "Placement2")?;
         let is_taken =
@@ -225,10 +229,10 @@ impl<'d, 'a> Reader<'d, 'a> {
         let name = unique(self.document, joint, is_taken)?;
         let drawn = DrawnJoints::new(&self.draft.descriptions, &self.poses);
         let coupling =
-            |a: &PlacedFrame, b: &PlacedFrame| drawn.coupling(name.clone(), gearing, [a, b]);
-        let found = match gearing {
+            |a: &PlacedFrame, b: &PlacedFrame| drawn.coupling(name.clone(), part_coupling, [a, b]);
+        let found = match part_coupling {
             // Either part may be the rack, which slides along z of its frame.
-            Gearing::Rack(_) => coupling(&rack_frame(&first, &second), &second)
+            PartCoupling::Rack(_) => coupling(&rack_frame(&first, &second), &second)
                 .or_else(|_| coupling(&rack_frame(&second, &first), &first)),
             _ => coupling(&first, &second),
         };

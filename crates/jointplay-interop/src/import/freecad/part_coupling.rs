@@ -16,7 +16,7 @@ const ALIGNED: f64 = 1e-5;
 
 /// A constraint between the motions of two parts.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Gearing {
+pub(super) enum PartCoupling {
     /// Angles about z of either frame: `radius 1 · angle 1 + radius 2 · angle 2` stays; one radius is negative for a belt.
     Gears([f64; 2]),
     /// The first part slides along x of its frame by the radius (m) for each radian of the second about z of the first frame.
@@ -72,13 +72,13 @@ impl<'j> DrawnJoints<'j> {
     pub(super) fn coupling(
         &self,
         name: String,
-        gearing: Gearing,
+        part_coupling: PartCoupling,
         ends: [&PlacedFrame; 2],
     ) -> Result<Coupling, &'static str> {
-        let terms = match gearing {
-            Gearing::Gears(radii) => self.gears(radii, ends)?,
-            Gearing::Rack(radius) => self.rack(radius, ends)?,
-            Gearing::Screw(lead) => self.screw(lead, ends)?,
+        let terms = match part_coupling {
+            PartCoupling::Gears(radii) => self.gears(radii, ends)?,
+            PartCoupling::Rack(radius) => self.rack(radius, ends)?,
+            PartCoupling::Screw(lead) => self.screw(lead, ends)?,
         };
         coupled(name, &terms).ok_or("its radius or pitch must be a number other than 0")
     }
