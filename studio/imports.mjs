@@ -32,10 +32,12 @@ function script(path) {
 function imports(path, known) {
   return ts.preProcessFile(script(path), true, true).importedFiles.flatMap(({ fileName }) => {
     if (!fileName.startsWith('.')) return [];
-    const base = resolve(dirname(path), fileName);
+    // An address is asked for by `?url`.
+    const base = resolve(dirname(path), fileName.replace(/\?url$/, ''));
     const found = ENDINGS.map((ending) => base + ending).find((candidate) => known.has(candidate));
     if (found) return [found];
-    if (existsAsFile(base)) return [];
+    // Files beside the sources, such as the script of the WebAssembly module.
+    if (existsAsFile(base) || (relative(ROOT, base).startsWith('..') && ENDINGS.some((ending) => existsAsFile(base + ending)))) return [];
     throw new Error(`${relative(ROOT, path)} imports ${fileName}, which is not a source file`);
   });
 }

@@ -3,7 +3,7 @@
 /** Largest difference from the numbers of the library: of those above one, relative to them. */
 export const BOUND = 1e-12;
 
-/** Differences of two results; numbers that only tell how a solution was found are not compared. */
+/** Differences of two results; how a solution was found is not compared. */
 function differences(found, expected, where) {
   if (typeof expected === 'number') {
     const off = Math.abs(found - expected) / Math.max(1, Math.abs(expected));

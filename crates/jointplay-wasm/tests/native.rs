@@ -19,7 +19,7 @@ fn robots() -> [Gpr; 3] {
         socket_radius,
         socket_angle,
     };
-    // Uneven, in metres instead of centimetres, and with sockets that run round the other way.
+    // Uneven, in metres instead of centimetres, and with sockets that run round in the opposite sense.
     let uneven = [
         limb(0.0803, 0.0012, 0.08, 0.0),
         limb(-0.0452, 0.0831, 0.095, 2.07),
