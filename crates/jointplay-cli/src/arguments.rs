@@ -166,7 +166,7 @@ impl ModelArgs {
 pub(crate) struct LimitArgs {
     /// Compute poses beyond the robot's limits, and report the exceeded limits
     #[arg(long)]
-    ignore_limits: bool,
+    pub(crate) ignore_limits: bool,
 }
 
 impl LimitArgs {

@@ -221,14 +221,16 @@ impl Input {
     /// Commanded coordinates with their values (m, rad).
     pub(crate) fn commands(&self, at: &[JointValues]) -> Result<Vec<(usize, f64)>, Failure> {
         let names = Names::of(&self.file);
-        at.iter()
-            .flat_map(|values| &values.0)
-            .map(|one| {
-                let k = self.find(&one.name)?;
-                let value = self.expression(&one.name, &one.text, &names)?;
-                Ok((k, self.value(k, &value, &names, 0.0)?))
-            })
-            .collect()
+        let mut commands: Vec<(usize, f64)> = Vec::new();
+        for one in at.iter().flat_map(|values| &values.0) {
+            let k = self.find(&one.name)?;
+            if commands.iter().any(|&(other, _)| other == k) {
+                return Err(Failure::Usage(format!("{} has two values", one.name)));
+            }
+            let value = self.expression(&one.name, &one.text, &names)?;
+            commands.push((k, self.value(k, &value, &names, 0.0)?));
+        }
+        Ok(commands)
     }
 
     /// The expression in the text of a value of a joint.

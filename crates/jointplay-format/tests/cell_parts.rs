@@ -187,6 +187,8 @@ box = {{ size_mm = [\"n\", 10, 10] }}
     refused(&negative, "-10", "has to be positive");
     assert_eq!(cell_of(&negative).unwrap_err().len(), 1);
     refused(&text.replace("count = 3", "count = 401"), "401", "from 0 to 400");
+    let many = text.replace("count = 4", "count = 401");
+    assert_eq!(cell_of(&many).unwrap_err().len(), 1, "`n` is known nevertheless");
     refused(&text.replace("count = 3", "cont = 3"), "cont", "did you mean `count`?");
     let with_n = format!("{text}\n[parameters]\nn = 3\n");
     refused(

@@ -341,7 +341,38 @@ fn invalid_studies_are_refused_with_their_places() {
     refuse("\"joints\"", "\"tool_x\"", 5, "`tool_x` needs a unit");
     refuse("\"joints\"", "\"coupler_position_error_um\"", 5, "is not known");
     refuse("\"joints\"", "\"displacement_um\"", 5, "is not known");
+    let errors = parse(&OWN_STUDY.replace("own.toml", "nowhere"), mechanism_of);
+    let errors = errors.map(|_| ()).unwrap_err();
+    assert_eq!(errors.iter().count(), 1, "{}", errors.with_excerpt("s.toml"));
     let robot = "kind = \"study\"\nrobot = \"hexapod\"\nquantities = [\"rods_mm\"]\n[pose]\nazimuth_deg = 0\ntilt_deg = 0\n";
     let errors = parse(robot, mechanism_of).map(|_| ()).unwrap_err().to_string();
     assert!(errors.contains("write `mechanism = \"hexapod\"`"), "{errors}");
+}
+
+/// Commanded values were written twice when they were asked for too, and parameters could have the names of other columns.
+#[test]
+fn every_column_has_a_name_of_its_own() {
+    let names = |study: &StudyFile| {
+        study.columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>().join(" ")
+    };
+    let with = |quantities: &str| {
+        study(&format!(
+            "kind = \"study\"\nmechanism = \"slider-crank\"\nquantities = [{quantities}]\n[drives]\n\"main bearing\" = [10, 20]\n"
+        ))
+    };
+    let asked = with(r#""main bearing_deg", "main bearing_rad", "cylinder_mm""#);
+    assert_eq!(names(&asked), "sample main bearing_deg main bearing_rad cylinder_mm status");
+    let block = computed(&asked);
+    assert_eq!(column(&asked, &block, "main bearing_deg"), [10.0, 20.0]);
+    assert_eq!(column(&asked, &block, "main bearing_rad"), [10.0, 20.0].map(f64::to_radians));
+    for name in ["sample", "status", "mobility"] {
+        let own =
+            OWN.replace("\na = ", &format!("\n{name} = ")).replace("\"a\"", &format!("\"{name}\""));
+        assert_ne!(own, OWN);
+        let text = format!(
+            "kind = \"study\"\nmechanism = \"own.toml\"\nquantities = [\"mobility\"]\n[parameters]\n{name} = [30, 31]\n"
+        );
+        let errors = parse(&text, |_| Ok(own.clone())).map(|_| ()).unwrap_err().to_string();
+        assert!(errors.contains(&format!("two columns {name:?}")), "{errors}");
+    }
 }

@@ -183,6 +183,7 @@ impl ReadMechanism {
                 .coordinates
                 .find(&self.file.mechanism, name)
                 .map_err(|error| failed(error.to_string()))?;
+            let text = typed(text, &format!("{field}.{name}"))?;
             let value = jointplay::format::command::CommandValue::parse(text, &names)
                 .map_err(|error| failed(error.to_string()))?
                 .evaluate(self.coordinates.all()[k].quantity, &names, 0.0)
@@ -192,6 +193,18 @@ impl ReadMechanism {
         }
         Ok(commands.into_iter().collect())
     }
+}
+
+/// Longest text of a value (bytes).
+const LONGEST: usize = 1000;
+
+/// Checks the length of the text of a value; messages quote it.
+pub(crate) fn typed<'a>(text: &'a str, field: &str) -> Result<&'a str, Problem> {
+    if text.len() <= LONGEST {
+        return Ok(text);
+    }
+    let detail = format!("the text has {} bytes, at most {LONGEST} are allowed", text.len());
+    Err(Problem::field(field, detail))
 }
 
 /// Checks a play scale.

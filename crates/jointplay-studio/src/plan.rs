@@ -173,11 +173,11 @@ impl Plan {
         (&self.cell_text, &self.program_text)
     }
 
-    /// The motion in the form of exports.
+    /// The motion in the form of exports; `None` if nothing moves.
     pub(crate) fn motion_export(&self) -> Option<MotionExport<'_>> {
         Some(MotionExport {
             cell: self.cell.as_ref()?,
-            motion: self.motion.as_ref()?,
+            motion: self.motion.as_ref().filter(|motion| !motion.steps.is_empty())?,
             program: &self.program_text,
             violation_notes: &self.violation_notes,
         })

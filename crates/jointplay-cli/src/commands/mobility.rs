@@ -103,6 +103,10 @@ impl Mobility {
             let text = "--q-mm and --virtualization apply to the three-rod robot; use --at for a mechanism";
             return Err(Failure::Usage(text.to_owned()));
         }
+        if self.answer.limits.ignore_limits {
+            let text = "--ignore-limits applies to the three-rod robot; the mobility of a mechanism beyond its limits is that of its file with wider `limits`";
+            return Err(Failure::Usage(text.to_owned()));
+        }
         let tolerance = self.near.tolerance;
         let input = Input { tolerance, ..Input::parse(source, &self.answer.robot.set.set)? };
         let working = Progress::of_work("mobility");

@@ -63,6 +63,22 @@ fn flags_that_make_no_sense() {
     refuse("frobnicate", 2, "unrecognized subcommand");
 }
 
+/// These were accepted, and had no effect.
+#[test]
+fn nothing_given_is_ignored() {
+    refuse("assemble four-bar --at A=10,A=20", 2, "A has two values");
+    refuse("mobility four-bar --at A=10 --at A=20", 2, "A has two values");
+    refuse("jacobian four-bar --velocity A=1,A=5", 2, "A has two values");
+    refuse("suggest parallelogram --command A=5,A=9", 2, "A has two values");
+    refuse(
+        "mobility four-bar --ignore-limits",
+        2,
+        "--ignore-limits applies to the three-rod robot",
+    );
+    refuse("cell export --to csv --dialect points", 2, "--dialect is for controller text");
+    refuse("cell export --from-s 1 --dialect points", 2, "--dialect is for controller text");
+}
+
 #[test]
 fn poses_beyond_the_limits() {
     let rod = "rod 3 is 800.000000 mm long, its limits are 246 to 754 mm";

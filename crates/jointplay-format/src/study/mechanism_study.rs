@@ -1,5 +1,6 @@
 //! Studies of mechanisms with loops.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use jointplay_core::mechanism::joint::Coordinate;
@@ -41,7 +42,8 @@ pub(super) fn read(
     let seed = count(top, "seed", 0);
     let tables = [("drives", "`[drives]`"), ("parameters", "`[parameters]`")]
         .map(|(key, whose)| top.entry(key).map(|entry| entry.table(reader, whose)));
-    // Names are known from the mechanism only.
+    // Names are known from the mechanism only; without it, quantities are not read, but are no unknown key either.
+    let quantities_are_known = top.entry("quantities").is_some();
     let (file, mechanism_text) = subject?;
     let [drives, parameters] = tables;
     let coordinates = Coordinates::of(&file);
@@ -84,6 +86,10 @@ pub(super) fn read(
         _ => {}
     }
     let columns = columns(&mut plan, &quantities?, &names, &file, &coordinates);
+    if let Some(name) = repeated(&columns) {
+        top.report_at("mechanism", Problem::SameColumn { name: name.to_owned() });
+        return None;
+    }
     plan.samples().map_err(|error| reader.report(span.clone(), Problem::Plan(error))).ok()?;
     plan.check().map_err(|error| top.report_at("mechanism", Problem::Plan(error))).ok()?;
     Some(StudyFile {
@@ -293,7 +299,15 @@ fn columns(
         number(name, MechanismQuantity::Drive(k), unit, true, !one.values.is_random());
     }
     let terms = terms(file, coordinates);
-    for asked in asked {
+    let is_commanded = |asked: &Asked<MechanismQuantity>| {
+        let of = |one: &VariedDrive| {
+            let same = asked.wanted == MechanismQuantity::Coordinate(one.coordinate);
+            same && asked.unit == unit(file.units, coordinates, one.coordinate)
+        };
+        plan.drives.iter().any(of)
+    };
+    // The column of a commanded coordinate is there already.
+    for asked in asked.iter().filter(|asked| !is_commanded(asked)) {
         let term = terms.iter().find(|term| term.wanted == asked.wanted);
         let stem = &term.expect("what is asked for was found among the terms").stem;
         let counts = matches!(
@@ -306,6 +320,12 @@ fn columns(
     columns.push(Column { name: "status".to_owned(), source: Source::Status { model: 0 } });
     plan.wanted = wanted;
     columns
+}
+
+/// The name of two columns.
+fn repeated(columns: &[Column]) -> Option<&str> {
+    let mut known = HashSet::new();
+    columns.iter().map(|column| column.name.as_str()).find(|name| !known.insert(*name))
 }
 
 /// The unit of a coordinate in a table: that of the file, or mm for inches.

@@ -145,6 +145,14 @@ pub enum Problem {
         /// The errors of the robot file.
         errors: place::Errors<robot::Problem>,
     },
+    /// Two columns of the table with one name.
+    #[error(
+        "the table would have two columns {name:?}: rename the parameter, joint or frame of this name in the mechanism"
+    )]
+    SameColumn {
+        /// The name.
+        name: String,
+    },
     /// More samples than can be counted.
     #[error("{0}")]
     Plan(jointplay_study::Error),

@@ -33,6 +33,12 @@ impl MotionExport<'_> {
         Some(format!("NOT SAFE TO RUN: {count} {what}, the first: {}", first.message))
     }
 
+    /// The end of the names of its files, without the extension: a warning against execution, or nothing without violations.
+    #[must_use]
+    pub fn name_warning(&self) -> &'static str {
+        if self.violation_notes.is_empty() { "" } else { "-not-safe-to-run" }
+    }
+
     /// The program line of a step.
     pub(crate) fn line(&self, step: usize) -> &str {
         let line = self.motion.steps.get(step).map_or(0, |step| step.place.line);

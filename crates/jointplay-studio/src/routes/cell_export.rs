@@ -6,8 +6,7 @@ use axum::response::{IntoResponse, Response};
 use jointplay::cell::StopRequested;
 use jointplay::cell::check::{CheckOptions, remedies};
 use jointplay::format::number::counted;
-use jointplay::format::place;
-use jointplay::interop::export::dialect::{DIALECTS, Dialect};
+use jointplay::interop::export::dialect::{DIALECTS, Dialect, IncludedDialect};
 use jointplay::interop::export::{self, MotionExport, SampleOptions, report_page};
 use jointplay::report::{self, CellReport, PageProgram, table};
 
@@ -24,8 +23,6 @@ use crate::wire::program_parameters::with_parameters;
 const MAX_SAMPLES: f64 = 500_000.0;
 /// Maximum number of samples of a scene, which is made of all of them at once.
 const MAX_SCENE_SAMPLES: f64 = 100_000.0;
-/// Part of the names of files that must not be run.
-const MARK: &str = "-not-safe-to-run";
 
 /// The motion of a program as a file: samples, 3D scene, controller text, or report
 ///
@@ -48,6 +45,10 @@ pub(crate) async fn export(
 ) -> Result<Response, Problem> {
     let session = state.session()?;
     request.rate()?;
+    if request.dialect.is_some() && request.format != CellExportFormat::Text {
+        let detail = "only files of the format `text` have a dialect";
+        return Err(Problem::field("dialect", detail.to_owned()));
+    }
     let (cell, program) = session.texts(request.cell.take(), request.program.take());
     let program = with_parameters(program, std::mem::take(&mut request.parameters))?;
     let name = session.files().name();
@@ -101,7 +102,7 @@ fn file(
         );
         Err(Problem::field("rate_hz", detail))
     };
-    let mark = if violations > 0 { MARK } else { "" };
+    let mark = motion_export.name_warning();
     let failed = |error: export::Error| refused(error.to_string());
     let (ending, contents) = match request.format {
         CellExportFormat::Csv => {
@@ -189,11 +190,8 @@ impl From<export::Error> for Stopped {
 }
 
 fn dialect(name: Option<&str>) -> Result<Dialect, Problem> {
-    let name = name.unwrap_or(DIALECTS[0].name);
-    let Some(known) = DIALECTS.iter().find(|entry| entry.name == name) else {
-        let names = DIALECTS.map(|entry| entry.name.to_owned());
-        return Err(Problem::field("dialect", place::not_known("the dialect", name, &names)));
-    };
+    let known = IncludedDialect::named(name.unwrap_or(DIALECTS[0].name));
+    let known = known.map_err(|why| Problem::field("dialect", why))?;
     Dialect::parse(known.text).map_err(|errors| Problem::broken(&errors.to_string()))
 }
 

@@ -21,7 +21,7 @@ pub(super) fn interrupted(_: Interrupted) -> Problem {
 pub(super) fn no_motion(plan: &Plan) -> String {
     match plan.diagnostics.first() {
         Some(first) => format!("the plan has no motion: line {}: {}", first.line, first.message),
-        None => "the plan has no motion".to_owned(),
+        None => "the program contains no motion (all axes stay at home)".to_owned(),
     }
 }
 

@@ -7,11 +7,9 @@ use jointplay::format::mechanism::{LengthUnit, Units};
 use jointplay::mechanism::joint::Coordinate;
 
 use crate::body::Body;
+use crate::mechanism_source::typed;
 use crate::problem::Problem;
 use crate::wire::quantity::{QuantityDocument, QuantityKind, QuantityRequest, TypedUnit};
-
-/// Longest text of a field (bytes).
-const LONGEST: usize = 200;
 
 /// The value of a length or an angle as typed
 ///
@@ -30,10 +28,7 @@ const LONGEST: usize = 200;
 pub(crate) async fn quantity(
     Body(QuantityRequest { text, unit }): Body<QuantityRequest>,
 ) -> Result<Json<QuantityDocument>, Problem> {
-    if text.len() > LONGEST {
-        let detail = format!("the text has {} bytes, at most {LONGEST} are allowed", text.len());
-        return Err(Problem::field("text", detail));
-    }
+    typed(&text, "text")?;
     let (kind, units) = match unit {
         TypedUnit::Mm => (QuantityKind::Length, Units::MM),
         TypedUnit::In => (QuantityKind::Length, Units { length: LengthUnit::Inch, ..Units::MM }),

@@ -78,6 +78,12 @@ fn a_motion_with_violations_is_exported_only_on_request_and_with_a_warning() {
 
 #[test]
 fn bad_requests_name_their_field() {
+    let answer = exported(&json!({ "program": SHORT, "format": "csv", "dialect": "points" }));
+    assert_eq!(answer.json()["field"], "dialect", "it would have no effect");
+    let answer = exported(&json!({ "program": "", "format": "csv" }));
+    assert_eq!(answer.status, StatusCode::CONFLICT);
+    let detail = answer.json()["detail"].as_str().unwrap().to_owned();
+    assert!(detail.contains("the program contains no motion"), "{detail}");
     for (request, field, status) in [
         (json!({ "format": "csv", "rate_hz": 0.0 }), "rate_hz", 422),
         (json!({ "format": "csv", "rate_hz": 1e5 }), "rate_hz", 422),

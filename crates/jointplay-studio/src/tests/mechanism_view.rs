@@ -145,6 +145,7 @@ fn invalid_texts_and_other_kinds_of_files_are_answers() {
     bad(request(start.clone(), json!({ "A": "1 +" })), "to.A", "");
     bad(request(start.clone(), json!({ "A": "3 mm" })), "to.A", "");
     bad(request(start.clone(), json!({})), "to", "at least one");
+    bad(request(start.clone(), json!({ "A": "1+".repeat(50_000) })), "to.A", "at most 1000");
     bad(request(json!([0.0]), json!({ "A": "1" })), "from", "expected 4 coordinates");
     refused(
         OPEN,

@@ -93,6 +93,6 @@ fn typed_lengths_and_angles_have_units_of_their_own() {
     refuse("", "mm", "expected a number");
     refuse("1e999", "mm", "");
     refuse("(".repeat(90).as_str(), "mm", "");
-    refuse("1+".repeat(200_000).as_str(), "mm", "400000 bytes, at most 200");
+    refuse("1+".repeat(200_000).as_str(), "mm", "400000 bytes, at most 1000");
     refuse("height", "mm", "unknown name `height`");
 }

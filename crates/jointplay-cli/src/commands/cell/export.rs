@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use jointplay::format::number::{counted, number};
-use jointplay::format::place;
-use jointplay::interop::export::dialect::{DIALECTS, Dialect, MAX_BYTES};
+use jointplay::interop::export::dialect::{DIALECTS, Dialect, IncludedDialect, MAX_BYTES};
 use jointplay::interop::export::{
     self, COLUMN_GROUPS, MotionExport, SampleColumn, SampleOptions, sample_columns, select_columns,
 };
@@ -65,9 +64,9 @@ pub(super) struct Export {
     /// End of the window of the tables [default: end of the motion]
     #[arg(long, value_name = "S", value_parser = finite)]
     to_s: Option<f64>,
-    /// Dialect of the controller text: an included one (neutral, points), or a dialect file
-    #[arg(long, value_name = "DIALECT", default_value = "neutral")]
-    dialect: PathBuf,
+    /// Dialect of the controller text: an included one (neutral, points), or a dialect file [default: neutral]
+    #[arg(long, value_name = "DIALECT")]
+    dialect: Option<PathBuf>,
     /// Sampling rate
     #[arg(long, value_name = "HZ", default_value = "100", value_parser = rate)]
     rate: Rate,
@@ -83,9 +82,6 @@ pub(super) struct Export {
     #[arg(long)]
     despite_errors: bool,
 }
-
-/// Part of the names of files that must not be run.
-const MARK: &str = "-not-safe-to-run";
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
@@ -174,7 +170,7 @@ impl Export {
         }
         let kinds = self.kinds()?;
         folder::check_folder(&self.out, self.force)?;
-        let dialect = dialect(&self.dialect)?;
+        let dialect = dialect(self.dialect.as_deref().unwrap_or(Path::new(DIALECTS[0].name)))?;
         let columns = self.selected_columns()?;
         let planned = self.input.plan()?;
         if !planned.passed() && !self.despite_errors {
@@ -218,7 +214,7 @@ impl Export {
         if kinds.is_empty() {
             let for_tables = has_window || !self.columns.is_empty();
             let all: &[Kind] = &[Kind::Csv, Kind::Gltf, Kind::Solidworks, Kind::Text];
-            return Ok(if for_tables { vec![Kind::Csv] } else { all.to_vec() });
+            kinds = if for_tables { vec![Kind::Csv] } else { all.to_vec() };
         }
         let other = kinds.iter().find(|kind| !kind.is_table());
         if let (Some(other), true) = (other, has_window) {
@@ -231,7 +227,16 @@ impl Export {
             let text = "--columns selects columns of tables, but --to names no table; use --to csv";
             return Err(Failure::Usage(text.to_owned()));
         }
+        self.refuse_dialect_without_text(&kinds)?;
         Ok(kinds)
+    }
+
+    fn refuse_dialect_without_text(&self, kinds: &[Kind]) -> Result<(), Failure> {
+        if self.dialect.is_none() || kinds.contains(&Kind::Text) {
+            return Ok(());
+        }
+        let text = "--dialect is for controller text, which is not exported; use --to text";
+        Err(Failure::Usage(text.to_owned()))
     }
 
     /// The chosen columns; unknown ones are refused before the planning.
@@ -271,8 +276,7 @@ impl Export {
         table: &SampleOptions,
     ) -> Result<Vec<WrittenFile>, Failure> {
         let motion_export = planned.motion_export();
-        let mark = if motion_export.violation_notes.is_empty() { "" } else { MARK };
-        let stem = format!("{}{mark}", planned.input.cell.stem);
+        let stem = format!("{}{}", planned.input.cell.stem, motion_export.name_warning());
         let contents = FileContents { stem: &stem, dialect, table };
         let progress = Progress::new(kinds.len());
         let reporter = progress.reporter();
@@ -352,14 +356,11 @@ pub(super) fn csv(
 /// An included dialect, or the dialect in a file.
 fn dialect(path: &Path) -> Result<NamedDialect, Failure> {
     let label = label(path);
-    let known = DIALECTS.iter().find(|entry| entry.name == label && !path.exists());
-    let text = match known {
-        Some(entry) => entry.text.to_owned(),
-        None if !path.exists() && path.extension().is_none() && path != Path::new(STANDARD) => {
-            let names = DIALECTS.map(|entry| entry.name.to_owned());
-            return Err(Failure::Usage(place::not_known("the dialect", &label, &names)));
-        }
-        None => read_text(path, MAX_BYTES as u64)?,
+    let is_name = !path.exists() && path.extension().is_none() && path != Path::new(STANDARD);
+    let text = if is_name {
+        IncludedDialect::named(&label).map_err(Failure::Usage)?.text.to_owned()
+    } else {
+        read_text(path, MAX_BYTES as u64)?
     };
     match Dialect::parse(&text) {
         Ok(dialect) => Ok(NamedDialect { dialect, label }),

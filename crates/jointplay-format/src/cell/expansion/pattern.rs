@@ -36,9 +36,9 @@ fn copies<'a>(reader: &Reader<'a>, mut node: Node<'a>, groups: &mut Groups) -> V
     let _ = table.entry("step_mm");
     table.finish();
     let step = table.entry("step_mm").map(|step| step.value.clone());
-    let (Some(count), Some(scope)) = (count, reader.scope(node.span.start)) else {
-        return vec![node];
-    };
+    let Some(scope) = reader.scope(node.span.start) else { return vec![node] };
+    // One copy with an invalid count, so that `n` is known.
+    let count = count.unwrap_or(1);
     if scope.parameters.contains(NUMBER) {
         let why = format!(
             "the parameter `{NUMBER}` hides the number of the copy, which is called `{NUMBER}` within `repeat`: rename the parameter"
