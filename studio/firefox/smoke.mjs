@@ -151,7 +151,7 @@ try {
       await click('export');
       await click('export-vectors');
     });
-    assert.match(svg.toString(), /<text[^>]*>x<\/text>/);
+    assert.ok(/<image[^>]*image\/png/.test(svg) && /<text[^>]*>Play scale 500× · polar<\/text>/.test(svg), 'a picture with vectors');
     await click('robot-save');
     await until('it is saved', () => readFileSync(robot, 'utf8') === text.replaceAll('93.218', '100.0'));
   });

@@ -109,9 +109,9 @@ fn nearest_with(
 ) -> Option<[f64; 3]> {
     let start = Vector3::from([0, 1, 2].map(|k| fixed[k].unwrap_or(wanted[k])));
     let mut free = *slope;
-    for k in 0..3 {
-        if fixed[k].is_some() {
-            free.column_mut(k).fill(0.0);
+    for (mut column, fixed) in free.column_iter_mut().zip(fixed) {
+        if fixed.is_some() {
+            column.fill(0.0);
         }
     }
     let at_start: Vector2<f64> = slope * start;
@@ -214,10 +214,10 @@ mod tests {
                     assert!(product <= 1e-12, "{wanted:?} {found:?} {other:?}: {product}");
                 }
                 assert_eq!(found.held_by.is_empty(), broken(&wanted).is_empty());
-                for k in 0..3 {
-                    held[k] += usize::from(found.held_by.rods()[k]);
+                let [q_1, q_2, q_3] = found.held_by.rods();
+                for (count, is_held) in held.iter_mut().zip([q_1, q_2, q_3, found.held_by.tilt()]) {
+                    *count += usize::from(is_held);
                 }
-                held[3] += usize::from(found.held_by.tilt());
                 // It is its own nearest point, and the same for any order of evaluation.
                 let again = gpr.nearest_rods(&found.rods).unwrap();
                 assert_eq!(again.rods, found.rods);
