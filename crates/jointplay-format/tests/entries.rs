@@ -38,7 +38,7 @@ fn a_removed_entry_leaves_the_comments_of_sections_and_of_others() {
     assert!(after.stations.iter().all(|it| it.name != "LP1"));
     assert!(after.bodies.iter().all(|it| !it.name.starts_with("LP1")));
     assert_eq!(comments(&text), comments(EXAMPLE));
-    // Its own comment goes with it, and so do its allowed contacts.
+    // Its own comment and its allowed contacts are removed with it.
     let text = remove_entry(EXAMPLE, EntryList::Body, "wall").unwrap();
     assert!(!text.contains("# The wall of the cell;"));
     assert_eq!(comments(&text).len(), comments(EXAMPLE).len() - 1);
