@@ -51,12 +51,12 @@ test('a station is duplicated with its bodies, and deleted again; comments remai
   const text = await cellText();
   expect(comments(text)).toEqual(comments(EXAMPLE_CELL));
   await page.getByTestId('part-delete').click();
-  await until('LP3 is gone', async () => (await part('LP3').count()) === 0);
+  await until('LP3 is deleted', async () => (await part('LP3').count()) === 0);
   expect(await cellText()).toBe(EXAMPLE_CELL);
   await undo();
   await part('LP3').waitFor();
   await undo();
-  await until('LP3 is gone again', async () => (await part('LP3').count()) === 0);
+  await until('LP3 is deleted again', async () => (await part('LP3').count()) === 0);
   await waitForCheck(page, 'passed');
 });
 
@@ -70,7 +70,7 @@ test('stations and bodies are added where robot and camera are', async () => {
   expect(await accessibilityViolations(page)).toEqual([]);
   await undo();
   await undo();
-  await until('both are gone', async () => (await part('S1').count()) === 0 && (await part('body-1').count()) === 0);
+  await until('both are removed', async () => (await part('S1').count()) === 0 && (await part('body-1').count()) === 0);
   await waitForCheck(page, 'passed');
 });
 

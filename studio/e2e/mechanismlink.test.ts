@@ -88,7 +88,7 @@ test('a link contains a changed text', async () => {
   });
 });
 
-test('a damaged link reports what is wrong, and one to an unknown file what to do', async () => {
+test('a damaged link is reported, and one to an unknown file with the remedy', async () => {
   for (const [fragment, expected] of [['#mechanism=a.toml&text=AAAA', 'damaged'], ['#mechanism=nowhere.toml', 'open the file first']]) {
     const other = await visit(browser);
     try {

@@ -10,7 +10,7 @@ export interface Section {
   at: number;
 }
 
-/** A point that moves with its part: its position in the base frame [m]; `null` once the part is gone. */
+/** A point that moves with its part: its position in the base frame [m]; `null` once the part is removed. */
 export type PointOfPart = () => number[] | null;
 
 /** A clicked point. */
