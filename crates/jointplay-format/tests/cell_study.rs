@@ -18,9 +18,11 @@ fn cell_text() -> String {
 }
 
 const PROGRAM: &str = "\
-PARAMETER speed = 100 % FROM 10 % TO 100 %
+PARAMETER pace = 100 FROM 10 TO 100
+PARAMETER pause = 0.5 s
 PARAMETER n = 2
-SPEED speed
+SPEED pace %
+WAIT pause s
 REPEAT n AS k
   TRANSFER LP1 SLOT k TO ALIGN WITH A
   TRANSFER ALIGN TO LP2 SLOT k WITH A
@@ -99,14 +101,14 @@ const QUANTITIES: &str = "quantities = [\"cycle_time_s\", \"margins\", \"violati
 fn samples_are_the_checks_of_single_cells() {
     let study = study(&format!(
         "kind = \"study\"\ncell = \"cells/mine.toml\"\n{QUANTITIES}
-        [parameters]\nx = [350, 340.5]\n[program_parameters]\nspeed = [100, 37]\nn = 1"
+        [parameters]\nx = [350, 340.5]\n[program_parameters]\npace = [100, 37]\nn = 1\npause = 1.5"
     ));
     let block = computed(&study);
     assert_eq!(block.samples.len(), 4);
     for row in 0..4 {
         let (x, speed) = ([350.0, 340.5][row / 2], [100, 37][row % 2]);
-        let program = PROGRAM.replace("speed = 100 %", &format!("speed = {speed} %"));
-        let program = program.replace("n = 2", "n = 1");
+        let program = PROGRAM.replace("pace = 100", &format!("pace = {speed}"));
+        let program = program.replace("n = 2", "n = 1").replace("0.5 s", "1.5 s");
         compare(&study, &block, row, &checked(&cell_text(), &[("x", x)], &program));
     }
     assert_eq!(column(&study, &block, "x"), [350.0, 350.0, 340.5, 340.5]);
@@ -168,7 +170,7 @@ fn samples_without_an_answer_are_outcomes() {
 
     let others = self::study(&format!(
         "kind = \"study\"\ncell = \"cells/mine.toml\"\n{QUANTITIES}
-        [program_parameters]\nspeed = [5, 100]\nn = [0, 1, 26]\n"
+        [program_parameters]\npace = [5, 100]\nn = [0, 1, 26]\n"
     ));
     let block = computed(&others);
     let found: Vec<&str> = block.outcomes[0].iter().map(|outcome| outcome.name()).collect();
@@ -195,9 +197,9 @@ fn invalid_studies_of_cells_are_refused_with_their_places() {
     refuse("mechanism = \"slider-crank\"", 4, "either `mechanism` or `cell`");
     refuse("program = \"gone.program\"", 4, "there is no file");
     refuse("program = [\"short.program\", \"short.program\"]", 4, "twice");
-    refuse("program = \"cells/mine.toml\"", 4, "line 1:");
+    refuse("program = \"cells/mine.toml\"", 4, "more errors");
     refuse("[parameters]\ny = 1", 5, "parameter");
-    refuse("[program_parameters]\nfeed = 1", 5, "speed");
+    refuse("[program_parameters]\nfeed = 1", 5, "pace");
     refuse("[stations.LP3]\ndx_mm = 1", 4, "LP1");
     refuse("[stations.LP2]\ndx = 1", 5, "dx_mm");
     refuse("[stations.LP2]\n", 4, "at least one entry");

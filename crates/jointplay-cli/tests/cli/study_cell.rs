@@ -15,12 +15,12 @@ quantities = ["cycle_time_s", "min_distance_mm", "slip", "tilt", "play", "violat
 aligner_x = [350, 345.5, 900]
 
 [program_parameters]
-speed = [100, 60]
+pace = [100, 60]
 "#;
 
 const PROGRAM: &str = "\
-PARAMETER speed = 80 % FROM 10 % TO 100 %
-SPEED speed
+PARAMETER pace = 80 FROM 10 TO 100
+SPEED pace %
 TRANSFER LP1 SLOT 2 TO ALIGN WITH A
 HOME
 ";
@@ -46,11 +46,11 @@ fn rows_are_the_answers_of_cell_check() {
     let table = sandbox.read("t.csv");
     let mut rows = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let names = rows.next().unwrap();
-    assert_eq!(names[1..4], ["aligner_x", "speed", "cycle_time_s"]);
+    assert_eq!(names[1..4], ["aligner_x", "pace", "cycle_time_s"]);
     let rows: Vec<Vec<&str>> = rows.collect();
     assert_eq!(rows.len(), 6);
     for row in rows {
-        let set = format!("cell.aligner_x={},speed={}%", row[1], row[2]);
+        let set = format!("cell.aligner_x={},pace={}", row[1], row[2]);
         let line = format!("cell check mine.toml --set {set} --format json");
         let check = sandbox.run(&line);
         if *row.last().unwrap() != "passed" {

@@ -93,8 +93,8 @@ pub(super) fn read(
             let explained =
                 errors.iter().map(|error| program::explain(&cell.robot, &program.text, error));
             let errors = lines(explained.map(|error| (error.place.line, error.to_string())));
-            let (key, name) = ("program", program.name.clone());
-            top.report_at(key, Problem::ProgramFile { name, errors });
+            let name = program.name.clone();
+            top.report_at(program_key(top), Problem::ProgramFile { name, errors });
             are_valid = false;
         }
     }
@@ -193,7 +193,7 @@ fn read_programs(
             names
         }
     };
-    let report = |problem: Problem| top.report_at("program", problem);
+    let report = |problem: Problem| top.report_at(program_key(top), problem);
     let mut programs = Vec::new();
     for name in names {
         let text = if name == EXAMPLE {
@@ -214,11 +214,21 @@ fn read_programs(
     Some(programs)
 }
 
-/// Messages with their lines.
+/// The key that names the program: that of the cell where it is next to it.
+fn program_key(top: &Table) -> &'static str {
+    if top.entry("program").is_some() { "program" } else { "cell" }
+}
+
+/// Largest number of errors of a program that a message lists.
+const MOST_ERRORS: usize = 5;
+
+/// The first messages with their lines.
 fn lines(errors: impl Iterator<Item = (usize, String)>) -> String {
-    let errors: Vec<String> =
+    let all: Vec<String> =
         errors.map(|(line, message)| format!("line {line}: {message}")).collect();
-    errors.join("\n")
+    let left = all.len().saturating_sub(MOST_ERRORS);
+    let listed = all[..all.len() - left].join("\n");
+    if left == 0 { listed } else { format!("{listed}\nand {left} more errors") }
 }
 
 /// The number of the program, of several.
