@@ -39,7 +39,7 @@ pub(super) fn read(
     let tables = [("drives", "`[drives]`"), ("parameters", "`[parameters]`")]
         .map(|(key, whose)| top.entry(key).map(|entry| entry.table(reader, whose)));
     // Names are known from the mechanism only; without it, quantities are not read, but are no unknown key either.
-    let quantities_are_known = top.entry("quantities").is_some();
+    let _ = top.entry("quantities");
     let (file, mechanism_text) = subject?;
     let [drives, parameters] = tables;
     let coordinates = Coordinates::of(&file);
