@@ -3,9 +3,9 @@
 use jointplay_core::mechanism::{
     Carrier, Coupling, Joint, JointCoordinate, JointKind, LinearAndAngular, Mechanism, guess,
 };
-use jointplay_format::mechanism::{self, with_loops};
+use jointplay_format::mechanism;
 use jointplay_interop::export::mechanism::{Written, mjcf, sdf, urdf};
-use jointplay_interop::import::parse;
+use jointplay_interop::import::{parse, parse_closed};
 use nalgebra::DVector;
 
 use super::probes::{
@@ -69,9 +69,11 @@ fn read(column: usize, mechanism: &Mechanism, at: &DVector<f64>) -> Result<Readi
     let found = if column == 0 {
         mechanism::parse(&text).map_err(|error| error.with_excerpt("written")).unwrap().mechanism
     } else {
-        let model = parse(&text).map_err(|error| error.with_excerpt("written")).unwrap();
-        let tree = model.mechanism;
-        loops.as_ref().map_or(tree.clone(), |loops| with_loops(&tree, loops).unwrap())
+        let model = match &loops {
+            None => parse(&text).map_err(|error| error.with_excerpt("written")),
+            Some(loops) => parse_closed(&text, None, loops).map_err(|error| error.to_string()),
+        };
+        model.unwrap().mechanism
     };
     let is_in_two_files = loops.is_some();
     let text = text + loops.as_deref().unwrap_or_default();
