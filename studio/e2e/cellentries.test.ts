@@ -9,7 +9,7 @@ let page: Page;
 let heard: string[];
 
 beforeAll(async () => {
-  fixture = await cellFixture('HOME\n');
+  fixture = await cellFixture();
   page = await visit(fixture.browser, { viewport: { width: 1440, height: 900 } });
   heard = complaints(page);
   await load(page, fixture.server.address);

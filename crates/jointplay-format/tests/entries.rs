@@ -50,7 +50,10 @@ fn a_removed_entry_leaves_the_comments_of_sections_and_of_others() {
 #[test]
 fn a_new_entry_is_valid_and_removed_without_a_trace() {
     let position = Vector3::new(0.4, -0.2, 0.61);
+    // Where the wafer is with the robot at home.
+    let axis = Vector3::new(0.0, 0.0, 0.6);
     let entries = [
+        (NewEntry::Station { position: axis, heading: 0.5 }, EntryList::Station, "S1"),
         (NewEntry::Station { position, heading: 0.5 }, EntryList::Station, "S1"),
         (NewEntry::Body { position }, EntryList::Body, "body-1"),
     ];
@@ -58,13 +61,17 @@ fn a_new_entry_is_valid_and_removed_without_a_trace() {
         let EntryAdded { text, name } = add_entry(EXAMPLE, &entry).unwrap();
         assert_eq!(name, expected);
         let after = cell(&text);
-        match list {
-            EntryList::Station => {
+        match entry {
+            NewEntry::Station { position, .. } => {
                 let made = after.stations.iter().find(|it| it.name == name).unwrap();
                 let origin = made.slot_frame(1).translation.vector;
-                assert!((origin - position).norm() < 1e-12);
+                if position == axis {
+                    assert!((origin.xy().norm() - 0.3).abs() < 1e-9 && origin.z == axis.z);
+                } else {
+                    assert!((origin - position).norm() < 1e-12);
+                }
             }
-            EntryList::Body => assert!(after.bodies.iter().any(|it| it.name == name)),
+            NewEntry::Body { .. } => assert!(after.bodies.iter().any(|it| it.name == name)),
         }
         let again = add_entry(&text, &entry).unwrap();
         assert_ne!(again.name, name);

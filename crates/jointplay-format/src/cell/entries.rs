@@ -26,7 +26,7 @@ pub enum EntryList {
 pub enum NewEntry {
     /// A station with one slot.
     Station {
-        /// Centre of the wafer at rest in the base frame (m).
+        /// Centre of the wafer at rest in the base frame; at least 0.3 m from the robot's axis (m).
         position: Vector3<f64>,
         /// Rotation about the vertical (rad).
         heading: f64,
@@ -47,6 +47,18 @@ pub struct EntryAdded {
     pub name: String,
 }
 
+/// Least distance of a new station from the robot's axis, on which it would have no direction of approach (m).
+const MIN_DISTANCE: f64 = 0.3;
+
+/// Position of a new station: nearer to the robot's axis, it is moved out along its y axis.
+fn off_the_axis(position: &Vector3<f64>, heading: f64) -> Vector3<f64> {
+    if position.xy().norm() >= MIN_DISTANCE {
+        return *position;
+    }
+    let (sin, cos) = heading.sin_cos();
+    Vector3::new(-sin * MIN_DISTANCE, cos * MIN_DISTANCE, position.z)
+}
+
 /// Lists whose names are distinct, or that `like` refers to.
 const NAMED: [&str; 6] = ["station", "part", "body", "zone", "frame", "template"];
 
@@ -60,7 +72,7 @@ pub fn add_entry(text: &str, entry: &NewEntry) -> Result<EntryAdded, Problem> {
         NewEntry::Station { position, heading } => {
             let stroke = [("below_mm", 4.0), ("above_mm", 3.0), ("speed_mm_s", 20.0)];
             let values = vec![
-                ("position_mm", point(position)),
+                ("position_mm", point(&off_the_axis(position, *heading))),
                 ("heading_deg", number(deg(*heading))),
                 ("stroke", inline(stroke.map(|(key, value)| (key, number(value))))),
                 ("retract_mm", number(10.0)),

@@ -22,7 +22,7 @@ pub(crate) struct EntryRequest {
     /// Name of the duplicated or removed entry.
     #[serde(default)]
     pub(crate) name: Option<String>,
-    /// Position of an added entry in the base frame (m); default: the origin.
+    /// Position of an added entry in the base frame, of a station at least 0.3 m from the robot's axis (m); default: the origin.
     #[serde(default)]
     pub(crate) position_m: Option<Triple>,
     /// Heading of an added station (rad).
