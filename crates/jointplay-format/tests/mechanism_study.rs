@@ -243,7 +243,8 @@ off = [0, -0.2, 0.05]
 /// A rod too far outside displaces its own socket by as much, and no other.
 #[test]
 fn dimensions_that_do_not_close_displace_virtual_joints() {
-    let study = parse(MISBUILT, |_| Ok(misbuilt())).unwrap_or_else(|error| panic!("{error}"));
+    let study = parse(MISBUILT, &mut |_| Ok(misbuilt().into_bytes()))
+        .unwrap_or_else(|error| panic!("{error}"));
     let block = computed(&study);
     assert_eq!(statuses(&block), ["solved"; 6]);
     for (i, off) in [0.0, -0.2, 0.05].into_iter().enumerate() {
@@ -257,7 +258,10 @@ fn dimensions_that_do_not_close_displace_virtual_joints() {
     let rigid = rigid[..rigid.find("[[virtual_joint]]").unwrap()].to_owned();
     let level = MISBUILT.replace("[0, 3]", "0").replace("virtual_joints", "joints");
     let statuses_of = |study: &str| {
-        statuses(&computed(&parse(study, |_| Ok(rigid.clone())).unwrap_or_else(|e| panic!("{e}"))))
+        statuses(&computed(
+            &parse(study, &mut |_| Ok(rigid.clone().into_bytes()))
+                .unwrap_or_else(|e| panic!("{e}")),
+        ))
     };
     assert_eq!(statuses_of(&level), ["solved", "not converged", "not converged"]);
     let none = level.replace("off = [0, -0.2, 0.05]", "off = [5e11, 1e12]").replace("off =", "r =");
@@ -341,7 +345,7 @@ fn invalid_studies_are_refused_with_their_places() {
     refuse("\"joints\"", "\"tool_x\"", 5, "`tool_x` needs a unit");
     refuse("\"joints\"", "\"coupler_position_error_um\"", 5, "is not known");
     refuse("\"joints\"", "\"displacement_um\"", 5, "is not known");
-    let errors = parse(&OWN_STUDY.replace("own.toml", "nowhere"), mechanism_of);
+    let errors = parse(&OWN_STUDY.replace("own.toml", "nowhere"), &mut included);
     let errors = errors.map(|_| ()).unwrap_err();
     assert_eq!(errors.iter().count(), 1, "{}", errors.with_excerpt("s.toml"));
     let robot = "kind = \"study\"\nrobot = \"hexapod\"\nquantities = [\"rods_mm\"]\n[pose]\nazimuth_deg = 0\ntilt_deg = 0\n";
@@ -372,7 +376,10 @@ fn every_column_has_a_name_of_its_own() {
         let text = format!(
             "kind = \"study\"\nmechanism = \"own.toml\"\nquantities = [\"mobility\"]\n[parameters]\n{name} = [30, 31]\n"
         );
-        let errors = parse(&text, |_| Ok(own.clone())).map(|_| ()).unwrap_err().to_string();
+        let errors = parse(&text, &mut |_| Ok(own.clone().into_bytes()))
+            .map(|_| ())
+            .unwrap_err()
+            .to_string();
         assert!(errors.contains(&format!("two columns {name:?}")), "{errors}");
     }
 }
