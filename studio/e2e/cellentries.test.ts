@@ -34,6 +34,10 @@ async function cellText(): Promise<string> {
   return text;
 }
 const part = (name: string) => page.getByTestId('parts').getByRole('button', { name: new RegExp(`^${name}( |$)`) });
+/** Selects a part that may be selected already. */
+const choose = async (name: string) => {
+  if ((await part(name).getAttribute('aria-pressed')) !== 'true') await part(name).click();
+};
 const openList = async (name: string) => {
   const list = page.getByTestId('parts').locator('details').filter({ has: page.locator('summary', { hasText: name }) }).last();
   if ((await list.getAttribute('open')) === null) await list.locator('summary').first().click();
@@ -43,7 +47,7 @@ const comments = (text: string) => text.split('\n').filter((line) => line.trim()
 
 test('a station is duplicated with its bodies, and deleted again; comments remain', async () => {
   await page.getByRole('tab', { name: 'Parts' }).click();
-  await part('LP1').click();
+  await choose('LP1');
   await page.getByTestId('part-duplicate').click();
   await part('LP3').waitFor();
   await until('LP3 is selected', async () => (await part('LP3').getAttribute('aria-pressed')) === 'true');
@@ -75,7 +79,7 @@ test('stations and bodies are added where robot and camera are', async () => {
 });
 
 test('wafers of a station are typed as ranges; what is no slot is refused', async () => {
-  await part('LP2').click();
+  await choose('LP2');
   const field = page.getByTestId('station-LP2-wafers');
   await field.fill('2-4, 7');
   await field.press('Enter');
@@ -95,7 +99,7 @@ test('wafers of a station are typed as ranges; what is no slot is refused', asyn
 test('undo cancels a pending change and not the step before', async () => {
   await waitForCheck(page, 'passed');
   const before = await cellText();
-  await part('LP2').click();
+  await choose('LP2');
   await page.getByTestId('station-LP2-wafers-all').click();
   await until('the wafers are there', async () => (await partNames(page)).includes('wafer of LP2 1'));
   await page.route('**/api/v1/cell/entry', () => undefined);
@@ -113,7 +117,7 @@ test('undo cancels a pending change and not the step before', async () => {
 test('a station is taught by clicked points of bodies', async () => {
   await waitForCheck(page, 'passed');
   await page.getByRole('button', { name: 'Top', exact: true }).click();
-  if ((await part('ALIGN').getAttribute('aria-pressed')) !== 'true') await part('ALIGN').click();
+  await choose('ALIGN');
   await page.getByTestId('teach-ALIGN-click').click();
   const box = (await page.locator('.scene canvas').first().boundingBox())!;
   const points = async () => page.getByTestId('points-ALIGN').locator('li').count();
