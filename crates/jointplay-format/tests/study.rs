@@ -84,8 +84,8 @@ fn invalid_studies_are_rejected_with_the_place_of_the_error() {
     refuse("kind = \"study\"", "kind = \"gpr\"", 1, "known: study");
     refuse("\"a study\"", "\"a\\u001b\"", 2, "control characters");
     refuse("\"gpr\"", "\"delta\"", 3, "of the kind \"mechanism\"");
-    let broken = |_: &str| Ok("kind = \"gpr\"\nlimb = 3".to_owned());
-    let error = parse(STUDY, broken).err().unwrap();
+    let mut broken = |_: &str| Ok("kind = \"gpr\"\nlimb = 3".into());
+    let error = parse(STUDY, &mut broken).err().unwrap();
     assert!(error.to_string().contains("the robot \"gpr\" is invalid: line 1:"), "{error}");
     refuse("\"gpr\"", "\"gprs\"", 3, "not in the catalogue");
     refuse("\"planar\",", "\"planer\",", 4, "did you mean `planar`?");

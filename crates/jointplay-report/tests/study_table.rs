@@ -2,7 +2,7 @@
 
 use jointplay_format::study::{StudyFile, included, parse};
 use jointplay_report::study_table::{Marker, MarkerError, TableKind};
-use jointplay_study::plan::{Moments, Totals};
+use jointplay_study::plan::{Moments, Outcome, Totals};
 
 const STUDY: &str = r#"kind = "study"
 name = "a study"
@@ -32,7 +32,7 @@ fn markers_read_back_exactly() {
     let file = study(STUDY);
     let mut totals = Totals::new(3, 2);
     totals.columns[0] = Moments::of(&[0.1, 0.2, f64::NAN, 1e-300]);
-    totals.outcomes[1].no_mechanism = 7;
+    totals.outcomes[1].counts[Outcome::NoMechanism.index()] = 7;
     let mut marker = Marker::new(&file, TableKind::Csv, totals);
     (marker.chunks, marker.bytes, marker.foot) = (3, u64::MAX, vec![0, 255, 16]);
     let text = marker.to_json(9);

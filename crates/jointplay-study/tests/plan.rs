@@ -203,7 +203,8 @@ fn samples_without_an_answer_say_why() {
     let mut totals = Totals::new(2, 2);
     totals.add(&Totals::of_chunk(std::slice::from_ref(&block)));
     let tally = totals.outcomes[1];
-    assert!(tally.no_mechanism > 0 && tally.poses[Status::TiltTooLarge as usize] > 0);
+    let count = |outcome: Outcome| tally.counts[outcome.index()];
+    assert!(count(Outcome::NoMechanism) > 0 && count(Outcome::Pose(Status::TiltTooLarge)) > 0);
     assert_eq!(tally.solved() + tally.failed(), 3000);
     assert_eq!(tally.reasons().map(|(_, count)| count).sum::<u64>(), tally.failed());
     assert_eq!(totals.columns[1].count, tally.solved());
