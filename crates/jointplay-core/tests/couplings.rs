@@ -425,7 +425,7 @@ fn commands_that_contradict_couplings_name_them_and_advise_no_play() {
     let commands = [DVector::from_vec(vec![0.1, 0.3])];
     let error = suggest(&wheels, &guess(&wheels), &[0, 1], &commands, &options).unwrap_err();
     let Error::NotRelieved { couplings, .. } = &error else { panic!("{error}") };
-    // C is determined by A and by B; which of the two is wrong cannot be told.
+    // C follows from A and from B, and either value may be the unintended one.
     let mut names = couplings.clone();
     names.sort();
     assert_eq!(names, ["AC", "CB"]);
@@ -437,7 +437,7 @@ fn commands_that_contradict_couplings_name_them_and_advise_no_play() {
     // Values that satisfy the train need no play.
     let commands = [DVector::from_vec(vec![0.1, 0.1])];
     assert!(!suggest(&wheels, &guess(&wheels), &[0, 1], &commands, &options).unwrap().needed);
-    // A loop that is in the way is none of the couplings.
+    // An obstructing loop is none of the couplings.
     let bars = planar(&[[0.0, 0.0], [0.5, 1.0], [2.5, 1.0], [2.0, 0.0]]);
     let bars = bars.with_couplings(vec![gear("belt", 3, 0, -1.0, 0.0)]).unwrap();
     let error = relieve_commanded(&bars, &[(0, 0.1), (1, 0.7)], None).unwrap_err();

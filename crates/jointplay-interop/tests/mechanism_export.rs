@@ -541,7 +541,7 @@ fn joints_of_ros_mimic_in_no_cycle_and_have_no_command_interface() {
     let (mimics, lost, _) = urdf_of(&wheels([false, true, true], &[ring[0], ring[1]]));
     assert_eq!(mimics, pairs(&[["A", "B"], ["C", "B"]]));
     assert!(lost.iter().any(|one| one == "actuator of \"C\": it follows \"B\""), "{lost:?}");
-    // A ring of another ratio stands still, and a ratio of zero fixes its follower.
+    // A ring of another ratio does not move, and a ratio of zero fixes its follower.
     let still = [ring[0], ring[1], ("CA", "A", "C", 1.1, 0.0)];
     for (couplings, name) in [(&still[..], "CA"), (&[("still", "B", "A", 0.0, 0.3)], "still")] {
         let fixed = wheels([true, false, false], couplings);
