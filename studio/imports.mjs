@@ -36,7 +36,7 @@ function imports(path, known) {
     const base = resolve(dirname(path), fileName.replace(/\?url$/, ''));
     const found = ENDINGS.map((ending) => base + ending).find((candidate) => known.has(candidate));
     if (found) return [found];
-    // Files beside the sources, such as the script of the WebAssembly module.
+    // Files next to the sources, such as the script of the WebAssembly module.
     if (existsAsFile(base) || (relative(ROOT, base).startsWith('..') && ENDINGS.some((ending) => existsAsFile(base + ending)))) return [];
     throw new Error(`${relative(ROOT, path)} imports ${fileName}, which is not a source file`);
   });

@@ -2,15 +2,20 @@
 
 import json
 
-import matplotlib
-
-matplotlib.use("Agg")
-matplotlib.rcParams.update({"svg.hashsalt": "bench", "svg.fonttype": "path", "font.size": 10})
-from matplotlib import pyplot
-
 from quantities import figures, rate
 
 OURS, THEIRS = "#0b6e99", "#b8b8b8"
+
+
+def charts():
+    """The library for charts, without a window; the tables need none."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    matplotlib.rcParams.update({"svg.hashsalt": "bench", "svg.fonttype": "path", "font.size": 10})
+    from matplotlib import pyplot
+
+    return pyplot
 
 
 def write(out, name, document, lines):
@@ -92,6 +97,7 @@ def linkages(out, document):
         "![Time for a position](linkages.svg)",
     ]
     write(out, "linkages", document, lines)
+    pyplot = charts()
     figure, axes = pyplot.subplots(figsize=(7.5, 4.2), layout="constrained")
     markers = "osD^v<>"
     for index, name in enumerate(names):
@@ -243,6 +249,7 @@ def scaling(out, document):
             lines.append(f"| {row['loops']} | {row['joints']} | {finite} | {' | '.join(cells)} |")
     lines += ["", "![Cost against loops](scaling.svg)"]
     write(out, "scaling", document, lines)
+    pyplot = charts()
     figure, panels = pyplot.subplots(1, 2, figsize=(9, 3.8), sharey=True, layout="constrained")
     for axes, (family, rows) in zip(panels, document["work"].items()):
         for key, (label, color, line) in SCALED.items():
@@ -292,4 +299,4 @@ def conclusions(mechanisms, pinocchio, exudyn):
 def save(figure, path):
     # Without a date, so that the same numbers give the same file.
     figure.savefig(path, metadata={"Date": None})
-    pyplot.close(figure)
+    charts().close(figure)

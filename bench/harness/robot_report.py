@@ -1,9 +1,7 @@
 """Tables and chart of the three-rod robot."""
 
-from matplotlib import pyplot
-
 from quantities import figures, quantity, rate, time
-from report import about, method, save, write
+from report import about, charts, method, save, write
 
 # Of each family: what it is, and the colours of jointplay and of the others in the chart.
 FAMILIES = {
@@ -196,6 +194,7 @@ def chart(out, work):
         _, ours, theirs = FAMILIES[family]
         rows += [(name, rates[name], ours if name.startswith("jointplay") else theirs) for name in ordered]
     rows.reverse()
+    pyplot = charts()
     figure, axes = pyplot.subplots(figsize=(8, 0.27 * len(rows) + 0.9), layout="constrained")
     for at, (name, value, color) in enumerate(rows):
         if value is not None:

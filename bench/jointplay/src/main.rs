@@ -213,44 +213,30 @@ mod tests {
         }
     }
 
-    /// Each row of a table in a document is a row of the results, or its beginning.
+    /// Tables of the documents are those that `bench/run.py --write-docs` writes from the recorded results.
     #[test]
     fn documents_quote_the_results() {
-        let read = |path: &str| {
-            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path);
-            std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path:?}: {error}"))
-        };
-        let results =
-            ["gpr", "linkages", "scaling"].map(|name| read(&format!("bench/results/{name}.md")));
-        let results = results.concat();
-        let section = |path: &str, heading: &str| {
-            let document = read(path);
-            let (_, section) = document.split_once(heading).expect("the section");
-            section.split_once("\n## ").map_or(section, |(section, _)| section).to_owned()
-        };
-        let speed = section("docs/explanation/performance.md", "## Comparison with other programs");
-        let lines: Vec<&str> = speed.lines().chain([""]).collect();
-        let rows = lines.windows(2).filter(|pair| {
-            let heading = pair[1].starts_with("| ---");
-            pair[0].starts_with("| ") && !pair[0].starts_with("| ---") && !heading
-        });
-        let rows: Vec<&str> = rows.map(|pair| pair[0]).collect();
-        assert!(rows.len() > 50, "{rows:?}");
-        for row in rows {
-            assert!(results.contains(row), "no result has the row {row}");
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let copies = std::env::temp_dir().join(format!("jointplay-bench-{}", std::process::id()));
+        let pages = ["README.md", "docs/explanation/performance.md"];
+        for page in pages {
+            let copy = copies.join(page);
+            std::fs::create_dir_all(copy.parent().expect("a folder")).expect("a folder is made");
+            std::fs::copy(root.join(page), copy).expect("the page is copied");
         }
-        // Rows of program, what it is given, and poses per second.
-        let short = section("README.md", "## Performance");
-        let rows =
-            short.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| ---"));
-        let rows: Vec<Vec<&str>> = rows
-            .skip(1)
-            .map(|row| row.trim_matches('|').split('|').map(str::trim).collect())
-            .collect();
-        assert!(rows.len() > 3, "{rows:?}");
-        for row in rows {
-            let row = format!("| {} | {} |", row[0], row[2]);
-            assert!(results.contains(&row), "no result has the row {row}");
+        let script = root.join("bench/harness/documents.py");
+        let done = std::process::Command::new("python3")
+            .args([script, root.join("bench/results"), copies.clone()])
+            .output()
+            .expect("python3 runs");
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        for page in pages {
+            let [written, copy] = [root.join(page), copies.join(page)].map(|path| {
+                std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path:?}: {error}"))
+            });
+            assert!(written.matches("<!-- bench: end -->").count() > 0, "{page} has tables");
+            assert_eq!(written, copy, "write {page} by `python3 bench/run.py --write-docs`");
         }
+        std::fs::remove_dir_all(copies).expect("the copies are removed");
     }
 }

@@ -195,7 +195,7 @@ fn invalid_studies_of_cells_are_refused_with_their_places() {
         refuse_all(&format!("{head}{text}"), line, message)
     };
     refuse("mechanism = \"slider-crank\"", 4, "either `mechanism` or `cell`");
-    refuse("program = \"gone.program\"", 4, "there is no file");
+    refuse("program = \"missing.program\"", 4, "there is no file");
     refuse("program = [\"short.program\", \"short.program\"]", 4, "twice");
     refuse("program = \"cells/mine.toml\"", 4, "more errors");
     refuse("[parameters]\ny = 1", 5, "parameter");

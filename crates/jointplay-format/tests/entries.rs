@@ -1,5 +1,4 @@
 //! Stations and bodies of cell files, added, duplicated and removed.
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_format::cell::{
     EXAMPLE, EntryAdded, EntryList, NewEntry, Problem, add_entry, duplicate_entry, read,

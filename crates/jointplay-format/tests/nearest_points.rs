@@ -1,5 +1,4 @@
 //! Nearest points of the pairs of a pose, in the example cell.
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, PoseContext, check_pose, nearest_points};

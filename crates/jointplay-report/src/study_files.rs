@@ -58,7 +58,6 @@ pub(crate) fn from_hexadecimal(text: &str) -> Option<Vec<u8>> {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 mod tests {
     use super::*;
 

@@ -2,7 +2,7 @@
 
 use jointplay_format::study::{StudyFile, included, parse};
 use jointplay_report::study_table::{Marker, MarkerError, TableKind};
-use jointplay_study::plan::{Moments, Outcome, Totals};
+use jointplay_study::plan::{Moments, Totals};
 
 const STUDY: &str = r#"kind = "study"
 name = "a study"

@@ -175,6 +175,9 @@ impl Within {
     }
 }
 
+/// Place of a quantity, and its column as registers with the rest behind them.
+type Registers<'c, S> = (usize, &'c mut [<S as Simd>::f64s], &'c mut [f64]);
+
 impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, '_, M, W> {
     /// Whether poses remain for the scalar kernel; their status is another than solved.
     type Output = bool;
@@ -188,7 +191,7 @@ impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, '_, M, W> {
         let needs = Needs::of(work.wanted);
         let mut values = [Lanes::splat(simd, 0.0); PLACES];
         // Columns as registers, so that a whole block is written without a check of its end.
-        let mut columns: [(usize, &mut [S::f64s], &mut [f64]); PLACES] =
+        let mut columns: [Registers<'_, S>; PLACES] =
             std::array::from_fn(|_| (0, &mut [][..], &mut [][..]));
         let count = work.wanted.len().min(PLACES);
         let (direct, others) = work.wanted.split_at_mut(count);

@@ -97,9 +97,9 @@ impl<S: Simd> Sockets<S> {
     #[inline(always)]
     fn missing(&self, response: &Response<S>, balls: &Balls<S>) -> Three<S> {
         let mut missing = balls.squares;
-        for k in 0..3 {
+        for (k, missing) in missing.iter_mut().enumerate() {
             let (i, j) = (self.l[k], self.l[(k + 1) % 3]);
-            missing[k] = j.times_from(response.by_j[k], i.times_from(response.by_i[k], missing[k]));
+            *missing = j.times_from(response.by_j[k], i.times_from(response.by_i[k], *missing));
         }
         missing
     }

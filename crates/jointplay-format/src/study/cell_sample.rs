@@ -9,7 +9,7 @@ use jointplay_cell::workcell::Cell;
 use jointplay_cell::{IncrementalPlanner, PlanError, PlanOptions};
 use jointplay_study::plan::{Outcome, ProgramOutcome};
 
-use super::read::from_files;
+use super::sources::from_files;
 use crate::cell::{self, Change};
 use crate::program::{self, Setting};
 use crate::units::{m_from_mm, mm};

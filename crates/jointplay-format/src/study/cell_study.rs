@@ -11,7 +11,7 @@ use super::cell_sample::{CellQuantity, Subject, SweptInput, SweptProgram};
 use super::file::StudyFile;
 use super::names::{Column, Source};
 use super::quantity::{Asked, Group, LENGTHS, NUMBERS, TIMES, Term, quantities};
-use super::read::{Sources, text_of};
+use super::sources::{Sources, text_of};
 use super::spread::{self, Allowed, in_order};
 use super::tree::{Entry, Table, count, entries, report_twice};
 use crate::file_problem::FileProblem;

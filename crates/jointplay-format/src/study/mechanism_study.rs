@@ -13,7 +13,7 @@ use super::Problem;
 use super::file::StudyFile;
 use super::names::{Column, Source};
 use super::quantity::{ANGLES, Asked, Group, LENGTHS, NUMBERS, Term, quantities};
-use super::read::{Sources, text_of};
+use super::sources::{Sources, text_of};
 use super::spread::{self, Allowed, in_order};
 use super::tree::{Entry, Table, count, report_twice};
 use crate::coordinates::Coordinates;

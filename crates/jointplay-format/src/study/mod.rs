@@ -16,6 +16,7 @@ mod platform;
 mod problem;
 mod quantity;
 mod read;
+mod sources;
 mod spread;
 mod tree;
 
@@ -23,4 +24,5 @@ pub use examples::{Example, example, examples};
 pub use file::StudyFile;
 pub use names::{Column, Source};
 pub use problem::{Error, Errors, Problem};
-pub use read::{MAX_BYTES, Sources, from_files, included, parse};
+pub use read::{MAX_BYTES, parse};
+pub use sources::{Sources, from_files, included};

@@ -12,7 +12,7 @@ use super::Problem;
 use super::file::StudyFile;
 use super::names::{self, Column};
 use super::quantity::quantities;
-use super::read::{Sources, text_of};
+use super::sources::{Sources, text_of};
 use super::spread::{self, Allowed};
 use super::tree::{Table, count, entries, report_twice};
 use crate::mechanism;

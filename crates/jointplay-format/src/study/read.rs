@@ -3,40 +3,17 @@
 use std::collections::BTreeMap;
 
 use super::file::StudyFile;
+use super::sources::Sources;
 use super::tree::{Reader, Table};
 use super::{Errors, Problem, cell_study, mechanism_study, platform};
-use crate::catalogue;
 
 /// Longer texts are refused unread.
 pub const MAX_BYTES: usize = 1_000_000;
 
-/// Returns the bytes of a file that a study names, or the reason why it cannot be read.
-pub type Sources<'f> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'f;
-
-/// The text of a robot or mechanism of the catalogue.
-///
-/// # Errors
-/// That there is none of this name, and which there are.
-pub fn included(name: &str) -> Result<Vec<u8>, String> {
-    match catalogue::find(name) {
-        Some(entry) => Ok(entry.text.as_bytes().to_vec()),
-        None => Err(format!(
-            "{name:?} is not in the catalogue; a study takes a name of `jointplay catalogue`, or a file in its folder whose name ends in .toml"
-        )),
-    }
-}
-
-/// The sources of a study that was read before: its [`files`](StudyFile::files).
-pub fn from_files(
-    files: &BTreeMap<String, Vec<u8>>,
-) -> impl FnMut(&str) -> Result<Vec<u8>, String> {
-    |name| files.get(name).cloned().ok_or_else(|| format!("there is no file {name:?}"))
-}
-
 /// Reads a study file.
 ///
 /// # Arguments
-/// * `sources` – returns the bytes of a file that the study names, or of a robot or mechanism of the catalogue, see [`included`]
+/// * `sources` – returns the bytes of a file that the study names, or of a robot or mechanism of the catalogue, see [`included`](super::included)
 ///
 /// # Errors
 /// All errors in the order of their places: invalid TOML, missing and unknown keys, unknown names, values out of range.
@@ -83,11 +60,4 @@ fn read(top: &Table, text: &str, sources: &mut Sources) -> Option<StudyFile> {
         (None, Some(entry)) => mechanism_study::read(top, &entry, name, text, sources),
         (None, None) => platform::read(top, name, text, sources),
     }
-}
-
-/// The text of a file that a study names.
-pub(super) fn text_of(name: &str, sources: &mut Sources) -> Result<String, String> {
-    let bytes = sources(name)?;
-    String::from_utf8(bytes)
-        .map_err(|_| format!("cannot read the file {name:?}: it is not text in UTF-8"))
 }

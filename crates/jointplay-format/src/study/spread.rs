@@ -150,7 +150,7 @@ pub(super) fn in_order<'r, 'a>(table: &Table<'r, 'a>) -> Vec<(Entry<'r, 'a>, Ran
     entries
 }
 
-/// Whether there is a number of draws if, and only if, anything is random; reports what is wrong.
+/// Whether there is a number of draws if, and only if, anything is random; reports the error otherwise.
 ///
 /// # Arguments
 /// * `random` – key of the table with random values

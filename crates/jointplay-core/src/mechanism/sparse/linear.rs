@@ -51,7 +51,7 @@ const MOST: usize = 6;
 #[derive(Debug, Clone, Copy)]
 struct AllowedMotion {
     coordinate: usize,
-    /// How fast the coordinate goes, of the relative twist.
+    /// Rate of the coordinate, of the relative twist.
     rate: Vector6<f64>,
     /// Direction that the coordinate adds to those before it; the directions of a joint are orthonormal.
     unit: Vector6<f64>,

@@ -76,13 +76,13 @@ fn with_least_deviation<'v, const N: usize>(
         let shares = Vector2::new(s3 - 2.0 * s2 + s, s3 - s2) * span;
         normal += shares * shares.transpose();
         let rest = hermite(&still[0], &still[1], time);
-        for i in 0..N {
-            right[i] += shares * (value[i] - rest[i]);
+        for (right, (value, rest)) in right.iter_mut().zip(value.iter().zip(&rest)) {
+            *right += shares * (value - rest);
         }
     }
     let inverse = normal.try_inverse()?;
-    for i in 0..N {
-        let rates = inverse * right[i];
+    for (i, right) in right.iter().enumerate() {
+        let rates = inverse * right;
         a.rates[1][i] = single(rates[0]);
         b.rates[0][i] = single(rates[1]);
     }

@@ -248,7 +248,7 @@ fn coupled(name: String, terms: &[Term]) -> Option<Coupling> {
     let sum: f64 = others.iter().zip(&ratios).map(|(one, (_, ratio))| one.drawn * ratio).sum();
     let is_usable = ratios.iter().all(|(_, ratio)| ratio.is_finite() && *ratio != 0.0);
     let follower = last.coordinate;
-    is_usable.then(|| Coupling { name, follower, terms: ratios, offset: last.drawn - sum })
+    is_usable.then_some(Coupling { name, follower, terms: ratios, offset: last.drawn - sum })
 }
 
 /// The frame of a rack: x is along z of the frame of its joint, z is that of the pinion.
