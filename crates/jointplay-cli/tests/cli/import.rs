@@ -230,14 +230,14 @@ fn a_document_of_freecad_is_a_model() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("ignored: 1 × suppressed joint \"old guide\""), "{}", run.stderr);
     assert_eq!(run.stdout, "written to press.toml: 5 links, 5 joints, 1 loop\n");
-    // The limits are those of the file: the carriage stops at -40 mm.
+    // The limits are those of the file: the pin stops at -20°, its only limit.
     let run = sandbox.run("move press.toml --drive drive=0.5:3.1:0.1");
     assert!(
-        run.code == 1 && run.stderr.contains("its limits are -0.04 to 0.02525 m"),
+        run.code == 1 && run.stderr.contains("pin is at -0.367880 rad, its least value is -0.349"),
         "{}",
         run.stderr
     );
-    assert_eq!(sandbox.run("move press.toml --drive drive=0.5:0.9:0.1").code, 0);
+    assert_eq!(sandbox.run("move press.toml --drive drive=0.5:0.7:0.1").code, 0);
     // Other commands take it as it is.
     assert_eq!(sandbox.json("mobility press.FCStd --quiet")["finite_mobility"], 1);
     refused(&sandbox, "import press.FCStd --units mm", "--units applies to assemblies");

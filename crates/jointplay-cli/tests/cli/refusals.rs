@@ -69,7 +69,7 @@ fn nothing_given_is_ignored() {
     refuse("assemble four-bar --at A=10,A=20", 2, "A has two values");
     refuse("mobility four-bar --at A=10 --at A=20", 2, "A has two values");
     refuse("jacobian four-bar --velocity A=1,A=5", 2, "A has two values");
-    refuse("suggest parallelogram --command A=5,A=9", 2, "A has two values");
+    refuse("suggest parallelogram --command A1=5,A1=9", 2, "A1 has two values");
     refuse(
         "mobility four-bar --ignore-limits",
         2,

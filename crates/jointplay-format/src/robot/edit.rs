@@ -12,23 +12,23 @@ use crate::units::{deg, mm, um};
 pub enum Dimension {
     /// A parameter, in the units of the file.
     Parameter(String),
-    /// Distance of the socket of a limb from the platform centre; limbs are counted from 0 [m].
+    /// Distance of the socket of a limb from the platform centre; limbs are counted from 0 (m).
     SocketRadius(usize),
-    /// Direction of the socket of a limb, counted from x toward y of the platform [rad].
+    /// Direction of the socket of a limb, counted from x toward y of the platform (rad).
     SocketAngle(usize),
-    /// x of the point of a rod in the base plane [m].
+    /// x of the point of a rod in the base plane (m).
     BaseX(usize),
-    /// y of the point of a rod in the base plane [m].
+    /// y of the point of a rod in the base plane (m).
     BaseY(usize),
-    /// Shortest rod [m].
+    /// Shortest rod (m).
     RodMin,
-    /// Longest rod [m].
+    /// Longest rod (m).
     RodMax,
-    /// Largest tilt toward any azimuth [rad].
+    /// Largest tilt toward any azimuth (rad).
     TiltLimit,
-    /// Axis height at which the robot works [m].
+    /// Axis height at which the robot works (m).
     WorkingHeight,
-    /// Clearance of the balls, as a radius [m].
+    /// Clearance of the balls, as a radius (m).
     BallClearance,
 }
 

@@ -79,14 +79,14 @@ impl Document {
         interpolation: Interpolation,
         keys: &[Key<N>],
     ) {
-        let rests = keys.iter().all(|key| key.value == keys[0].value && key.rates == [[0.0; N]; 2]);
+        let rests = keys.iter().all(|key| key.value == keys[0].value && key.rate == [0.0; N]);
         if rests {
             return;
         }
         let times: Vec<f32> = keys.iter().map(|key| key.time).collect();
         let values: Vec<[f32; N]> = match interpolation {
             Interpolation::CubicSpline => {
-                keys.iter().flat_map(|key| [key.rates[0], key.value, key.rates[1]]).collect()
+                keys.iter().flat_map(|key| [key.rate, key.value, key.rate]).collect()
             }
             _ => keys.iter().map(|key| key.value).collect(),
         };

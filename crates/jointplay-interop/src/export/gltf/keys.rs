@@ -1,15 +1,15 @@
 //! Keys of animations: the samples that a viewer needs to interpolate the others within a tolerance.
 
-use nalgebra::{Matrix2, Quaternion, UnitQuaternion, Vector2};
+use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::numbers::single;
 
-/// A value at a time, and its rates of change before and after.
+/// A value at a time, and its rate of change there.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Key<const N: usize> {
     pub(super) time: f32,
     pub(super) value: [f32; N],
-    pub(super) rates: [[f32; N]; 2],
+    pub(super) rate: [f32; N],
 }
 
 /// Samples of a quantity, with its rates.
@@ -21,7 +21,6 @@ pub(super) struct Samples<'a, const N: usize> {
 
 /// The samples of a quantity that a viewer interpolates by cubics, so that every other sample is within a tolerance.
 ///
-/// Where the rates at two keys do not suffice, those with the least squares of the deviations are used: spans are then up to 1.5 times as long.
 /// The tolerance limits the norm of the difference, with the rounding of the keys to single precision included where a sample is omitted.
 pub(super) fn cubic<const N: usize>(samples: &Samples<'_, N>, tolerance: f64) -> Vec<Key<N>> {
     let all = distinct(samples.times);
@@ -32,62 +31,17 @@ pub(super) fn cubic<const N: usize>(samples: &Samples<'_, N>, tolerance: f64) ->
         // The time is rounded; the value is the one at the rounded time.
         let late = f64::from(time) - samples.times[at];
         let value = std::array::from_fn(|i| single(value[i] + late * rate[i]));
-        Key { time, value, rates: [rate.map(single); 2] }
+        Key { time, value, rate: rate.map(single) }
     };
     let keys: Vec<Key<N>> = (0..all.len()).map(key).collect();
-    // The keys at both ends of a span between which the others fit.
-    let fitted = |from: usize, to: usize| {
-        let within = |[a, b]: &[Key<N>; 2]| {
-            (from + 1..to).all(|k| {
-                let found = hermite(a, b, samples.times[all[k]]);
-                distance(&found, &samples.values[all[k]]) <= tolerance
-            })
-        };
-        let own = [keys[from], keys[to]];
-        if within(&own) {
-            return Some(own);
-        }
-        let between = all[from + 1..to].iter().map(|&at| (samples.times[at], &samples.values[at]));
-        with_least_deviation(own, between).filter(within)
+    let fits = |from: usize, to: usize| {
+        (from + 1..to).all(|k| {
+            let at = all[k];
+            let found = hermite(&keys[from], &keys[to], samples.times[at]);
+            distance(&found, &samples.values[at]) <= tolerance
+        })
     };
-    let kept = thinned(keys.len(), |from, to| fitted(from, to).is_some());
-    let mut found: Vec<Key<N>> = kept.iter().map(|&k| keys[k]).collect();
-    for (span, ends) in kept.windows(2).enumerate() {
-        if let Some([a, b]) = fitted(ends[0], ends[1]) {
-            found[span].rates[1] = a.rates[1];
-            found[span + 1].rates[0] = b.rates[0];
-        }
-    }
-    found
-}
-
-/// Two keys with the rates between them for which the sum of the squares of the deviations is least; `None` for fewer than two values between.
-fn with_least_deviation<'v, const N: usize>(
-    [mut a, mut b]: [Key<N>; 2],
-    between: impl Iterator<Item = (f64, &'v [f64; N])>,
-) -> Option<[Key<N>; 2]> {
-    // Without rates, the cubic is what the values at the ends contribute.
-    let still = [a, b].map(|key| Key { rates: [[0.0; N]; 2], ..key });
-    let mut normal = Matrix2::zeros();
-    let mut right = [Vector2::zeros(); N];
-    for (time, value) in between {
-        let (s, span) = (share(&a, &b, time), f64::from(b.time) - f64::from(a.time));
-        let (s2, s3) = (s * s, s * s * s);
-        let shares = Vector2::new(s3 - 2.0 * s2 + s, s3 - s2) * span;
-        normal += shares * shares.transpose();
-        let rest = hermite(&still[0], &still[1], time);
-        for (right, (value, rest)) in right.iter_mut().zip(value.iter().zip(&rest)) {
-            *right += shares * (value - rest);
-        }
-    }
-    let inverse = normal.try_inverse()?;
-    for (i, right) in right.iter().enumerate() {
-        let rates = inverse * right;
-        a.rates[1][i] = single(rates[0]);
-        b.rates[0][i] = single(rates[1]);
-    }
-    let is_finite = a.rates[1].iter().chain(&b.rates[0]).all(|rate| rate.is_finite());
-    is_finite.then_some([a, b])
+    thinned(keys.len(), fits).into_iter().map(|k| keys[k]).collect()
 }
 
 /// The places that a viewer interpolates by straight lines, so that every other one is within a tolerance (m).
@@ -122,12 +76,8 @@ pub(super) fn arcs(times: &[f64], turns: &[[f64; 4]], tolerance: f64) -> Vec<Key
 
 fn plain<const N: usize>(times: &[f64], values: &[[f64; N]]) -> Vec<Key<N>> {
     let keys = times.iter().zip(values);
-    keys.map(|(&time, value)| Key {
-        time: single(time),
-        value: value.map(single),
-        rates: [[0.0; N]; 2],
-    })
-    .collect()
+    keys.map(|(&time, value)| Key { time: single(time), value: value.map(single), rate: [0.0; N] })
+        .collect()
 }
 
 /// Indices of times that differ in single precision, in which late times of a long motion may be equal.
@@ -183,9 +133,9 @@ fn hermite<const N: usize>(from: &Key<N>, to: &Key<N>, time: f64) -> [f64; N] {
     let (s2, s3) = (s * s, s * s * s);
     std::array::from_fn(|i| {
         (2.0 * s3 - 3.0 * s2 + 1.0) * f64::from(from.value[i])
-            + span * (s3 - 2.0 * s2 + s) * f64::from(from.rates[1][i])
+            + span * (s3 - 2.0 * s2 + s) * f64::from(from.rate[i])
             + (3.0 * s2 - 2.0 * s3) * f64::from(to.value[i])
-            + span * (s3 - s2) * f64::from(to.rates[0][i])
+            + span * (s3 - s2) * f64::from(to.rate[i])
     })
 }
 
@@ -210,24 +160,6 @@ mod tests {
         let keys = cubic(&Samples { times: &times, values: &jump, rates: &still }, 1e-6);
         let at: Vec<f32> = keys.iter().map(|key| key.time).collect();
         assert_eq!(at, [0.0, 0.5, 0.51, 1.0]);
-    }
-
-    /// Of t⁴ over a span of 2h, the cubic with the rates at the ends deviates by h⁴, the best one by 0.17 h⁴.
-    #[test]
-    fn fitted_rates_make_spans_longer() {
-        let times: Vec<f64> = (0..=4000).map(|k| 0.001 * f64::from(k)).collect();
-        let values: Vec<[f64; 1]> = times.iter().map(|t| [t.powi(4)]).collect();
-        let rates: Vec<[f64; 1]> = times.iter().map(|t| [4.0 * t.powi(3)]).collect();
-        let samples = Samples { times: &times, values: &values, rates: &rates };
-        let tolerance = 1e-4;
-        let keys = cubic(&samples, tolerance);
-        // √√10⁻⁴ = 0.1: spans of 0.2 with the rates, and of 0.2 · 0.17^(−1/4) = 0.31 at most.
-        assert!((13..=16).contains(&(keys.len() - 1)), "{}", keys.len());
-        for (time, value) in times.iter().zip(&values) {
-            let next = keys.iter().position(|key| f64::from(key.time) >= *time).unwrap().max(1);
-            let found = hermite(&keys[next - 1], &keys[next], *time);
-            assert!((found[0] - value[0]).abs() <= tolerance + 1e-5, "{time}");
-        }
     }
 
     #[test]
