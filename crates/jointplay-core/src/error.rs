@@ -195,6 +195,7 @@ pub enum Error {
     #[error(transparent)]
     NotAssembled(#[from] Box<crate::mechanism::Unassembled>),
     /// Virtual joints that do not make a commanded motion possible.
+    #[cfg(feature = "std")]
     #[error("{}", not_relieved(*residual, *allowed, couplings))]
     NotRelieved {
         /// Largest mismatch that is left.
@@ -314,7 +315,8 @@ impl Error {
     #[must_use]
     pub fn is_infeasible(&self) -> bool {
         #[cfg(feature = "std")]
-        if matches!(self, Self::NotAssembled(_) | Self::Undetermined(_)) {
+        if matches!(self, Self::NotAssembled(_) | Self::Undetermined(_) | Self::NotRelieved { .. })
+        {
             return true;
         }
         matches!(
@@ -323,7 +325,6 @@ impl Error {
                 | Self::DependentSides { .. }
                 | Self::TurnedOver { .. }
                 | Self::BeyondLimits(_)
-                | Self::NotRelieved { .. }
                 | Self::NotLeast { .. }
                 | Self::NotReached { .. }
                 | Self::NotFollowed { .. }
@@ -374,6 +375,7 @@ pub(crate) fn finite(what: &'static str, value: f64) -> Result<f64, Error> {
     if value.is_finite() { Ok(value) } else { Err(Error::NotFinite { what, value }) }
 }
 
+#[cfg(feature = "std")]
 fn not_relieved(residual: f64, allowed: f64, couplings: &[String]) -> String {
     let found = format!(
         "the smallest mismatch found is {residual:.3e} (radians and characteristic lengths), allowed is {allowed:.0e}"
