@@ -32,6 +32,15 @@ class Host(secsgem.gem.GemHostHandler):
         values = {value["dvid"]: value["value"] for value in data["values"]}
         self.finished.put((values[RESULT], values[DURATION]))
 
+    def connect(self, attempts=4, wait=5.0):
+        """Opens the connection, again if the first message was lost: secsgem drops one that overtakes the state of the connection."""
+        for _ in range(attempts):
+            self.enable()
+            if self.waitfor_communicating(wait):
+                return
+            self.disable()
+        raise RuntimeError("the equipment does not answer")
+
     def status(self):
         """The answer of the robot's controller to STATUS."""
         answer = self.settings.streams_functions.decode(self.send_and_waitfor_response(self.stream_function(1, 3)([STATUS])))
@@ -48,9 +57,7 @@ class Host(secsgem.gem.GemHostHandler):
 
 def main(port, source, target, effector, count):
     host = Host(int(port))
-    host.enable()
-    if not host.waitfor_communicating(20):
-        raise RuntimeError("the equipment does not answer")
+    host.connect()
     host.go_online()
     host.subscribe_collection_event(TRANSFER_FINISHED, [RESULT, DURATION])
     total = 0.0

@@ -47,11 +47,10 @@ beforeEach(async () => {
   await drawn(page);
 });
 afterEach(async () => {
-  // The server refuses outdated versions. What the page asks for while it is closed is not heard.
-  const found = unhandled(heard);
   await page.context().close();
   await server.stop();
-  expect(found).toEqual([]);
+  // The server refuses outdated versions.
+  expect(unhandled(heard)).toEqual([]);
 });
 
 const text = () => page.getByTestId('text-robot').locator('.cm-content').innerText();

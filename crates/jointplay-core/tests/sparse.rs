@@ -126,8 +126,7 @@ fn a_tall_lift_folds() {
             #[expect(clippy::cast_precision_loss, reason = "a count of stages")]
             let expected = left_of_a_stage * stage as f64;
             let off = poses[2 * stage + 1].translation.vector - expected;
-            // Each of up to 800 joints is closed to 1e-11, and turns all stages beyond it.
-            assert!(off.norm() < 1e-8, "stage {stage}: {off:?}");
+            assert!(off.norm() < 1e-9, "stage {stage}: {off:?}");
         }
     }
 }
