@@ -126,7 +126,10 @@ fn a_tall_lift_folds() {
             #[expect(clippy::cast_precision_loss, reason = "a count of stages")]
             let expected = left_of_a_stage * stage as f64;
             let off = poses[2 * stage + 1].translation.vector - expected;
-            assert!(off.norm() < 1e-9, "stage {stage}: {off:?}");
+            // Each joint is closed to 1e-13 rad, and turns all stages beyond it: the sum of their distances grows as the square.
+            #[expect(clippy::cast_precision_loss, reason = "a count of stages")]
+            let allowed = 1e-13 * ((stage + 1) * (stage + 1)) as f64;
+            assert!(off.norm() < allowed, "stage {stage}: {off:?}");
         }
     }
 }

@@ -4,7 +4,7 @@ use toml_edit::{Array, Document, DocumentMut, Item, Table, TableLike, Value};
 
 use super::{Error, Errors, Problem, parse_with, short};
 use crate::file_problem::FileProblem;
-use crate::place::Form;
+use crate::place::{Form, nearest};
 use crate::units::{deg, mm, um};
 
 /// A number of a robot file.
@@ -200,6 +200,17 @@ pub fn with_dimensions(text: &str, changes: &[(Dimension, f64)]) -> Result<Strin
         };
         let value = dimension.in_file(*value);
         match dimension {
+            Dimension::Parameter(name) if item(original.as_table(), &location).is_none() => {
+                let known: Vec<String> =
+                    dimensions(text).parameters.into_iter().map(|(name, _)| name).collect();
+                let problem = FileProblem::Unknown {
+                    what: "parameter".to_owned(),
+                    found: name.clone(),
+                    nearest: nearest(name, known.iter().map(String::as_str)),
+                    known,
+                };
+                return Err(vec![Error::at(text, 0..0, problem.into())].into());
+            }
             Dimension::BaseX(limb) | Dimension::BaseY(limb) => {
                 let table = limb_table(&mut document, *limb)
                     .ok_or_else(|| missing("a robot", "[[limb]]"))?;
@@ -222,11 +233,6 @@ pub fn with_dimensions(text: &str, changes: &[(Dimension, f64)]) -> Result<Strin
                 }
                 let table = document.get_mut(name).and_then(Item::as_table_like_mut);
                 let table = table.ok_or_else(|| missing("a robot", &format!("[{name}]")))?;
-                if matches!(dimension, Dimension::Parameter(_))
-                    && !table.contains_key(&location.key)
-                {
-                    return Err(missing("`[parameters]`", &location.key));
-                }
                 set(table, &location, value);
             }
         }

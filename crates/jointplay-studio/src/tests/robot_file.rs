@@ -84,7 +84,7 @@ fn errors_of_a_text_have_their_lines_and_changes_of_expressions_are_refused() {
     let nameless = json!({ "dimension": "parameter", "value": 0.1 });
     refused(OPEN, &change(PAPER, nameless), 422, Some("changes[0].name"), "missing");
     let unknown = json!({ "dimension": "parameter", "name": "q", "value": 0.1 });
-    refused(OPEN, &change(PAPER, unknown), 422, Some("changes"), "a robot needs `[parameters]`");
+    refused(OPEN, &change(PAPER, unknown), 422, Some("changes"), "parameter \"q\" is not known");
     let many = json!({ "robot": { "text": PAPER }, "changes": vec![json!({ "dimension": "rod_min", "value": 0.3 }); 65] });
     refused(OPEN, &many.to_string(), 422, Some("changes"), "65 changes");
 }

@@ -12,8 +12,6 @@ use crate::mobility::RANK_THRESHOLD;
 
 /// Residual that ends the corrections.
 const CLOSED: f64 = 0.01 * CLOSURE_TOLERANCE;
-/// A correction by the last factor has to end below this residual: of long chains each joint shifts all joints beyond it.
-const ENDS_BELOW: f64 = 0.01 * CLOSED;
 /// Changes of a step below this share of it end the iteration: Newton's method corrects the rest.
 const SETTLED: f64 = 1e-6;
 /// Halvings of a correction that gains nothing.
@@ -43,7 +41,7 @@ impl SparseSystem<'_> {
         let (mut linear, mut before) = (None, f64::INFINITY);
         while residual > CLOSED && iterations < max_iterations {
             // Newton's steps square the residual; by the last factor the next one still takes a share as large as the last step left.
-            if 2.0 * residual * residual / before > ENDS_BELOW {
+            if 2.0 * residual * residual / before > CLOSED {
                 linear = None;
             }
             let (factored, is_last) = match linear.take() {
