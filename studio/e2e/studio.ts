@@ -1,11 +1,12 @@
 // Set-up of the browser tests: `jointplay studio`, a browser, and waiting for a state of the page.
 
 import { spawn, type ChildProcess } from 'node:child_process';
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import axe from 'axe-core';
 import { chromium, type Browser, type BrowserContextOptions, type Page } from 'playwright-core';
+import { options, RUNNING } from './browser';
 
 /**
  * Timeout of every wait of a test [ms].
@@ -16,16 +17,6 @@ export const TIMEOUT_MS = Number(process.env.TIMEOUT_S ?? 900) * 1000;
 
 export const ROOT = resolve(import.meta.dirname, '../..');
 export const COMMAND = process.env.JOINTPLAY_COMMAND ?? resolve(ROOT, 'target/debug/jointplay');
-
-const CHROMIUMS = [process.env.CHROMIUM, '/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
-// Software rendering, and no sandbox, which containers do not support.
-const FLAGS = [
-  '--use-gl=angle',
-  '--use-angle=swiftshader',
-  '--enable-unsafe-swiftshader',
-  '--ignore-gpu-blocklist',
-  '--no-sandbox',
-];
 
 export interface Server {
   address: string;
@@ -61,15 +52,18 @@ export async function serve(port = 0, more: string[] = []): Promise<Server> {
   };
 }
 
+/** The browser of this run, see `browser.ts`, or one of its own; closing it leaves that of the run open. */
 export async function browse(): Promise<Browser> {
-  const executablePath = CHROMIUMS.find((path) => path && existsSync(path));
-  if (!executablePath) throw new Error('no Chromium found: install it, or name it in CHROMIUM');
-  return chromium.launch({ executablePath, args: FLAGS, timeout: TIMEOUT_MS });
+  const running = process.env[RUNNING];
+  return running ? chromium.connect(running, { timeout: TIMEOUT_MS }) : chromium.launch(options());
 }
+
+/** Device pixels in a pixel of the page: software rendering takes time for each of them, and tests look at few. */
+const SCALE = 0.5;
 
 /** A new page in a browser context of its own. */
 export async function visit(browser: Browser, more: BrowserContextOptions = {}): Promise<Page> {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce', acceptDownloads: true, ...more });
+  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce', acceptDownloads: true, deviceScaleFactor: SCALE, ...more });
   context.setDefaultTimeout(TIMEOUT_MS);
   return context.newPage();
 }

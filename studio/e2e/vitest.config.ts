@@ -5,6 +5,8 @@ export default defineConfig({
   test: {
     include: ['e2e/**/*.test.ts'],
     fileParallelism: false,
+    isolate: false,
+    globalSetup: ['e2e/browser.ts'],
     // Each wait within a test has a limit of its own, and its message names the awaited state.
     testTimeout: 0,
     hookTimeout: 0,

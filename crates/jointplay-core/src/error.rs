@@ -190,6 +190,18 @@ pub enum Error {
         /// How many may be.
         allowed: usize,
     },
+    /// A mechanism for which sparse algebra would need too much memory or time.
+    #[error(
+        "loops and couplings connect too many parts of the mechanism: {found} {what}, but at most {allowed} are computed"
+    )]
+    TooConnected {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many there are, or how many were found until the limit.
+        found: usize,
+        /// How many may be.
+        allowed: usize,
+    },
     /// The loops of a mechanism could not be closed.
     #[cfg(feature = "std")]
     #[error(transparent)]
@@ -228,7 +240,7 @@ pub enum Error {
     },
     /// Newton's method did not close the loops; the coordinates given hold its best iterate.
     #[error(
-        "the loops stay open by {residual:.3e} (radians and characteristic lengths) after {iterations} steps, {allowed:.0e} is asked for; start nearer, or look for an assembly from many starts"
+        "the loops stay open by {residual:.3e} (radians and characteristic lengths) after {iterations} steps, {allowed:.0e} is asked for; start nearer to a closed configuration"
     )]
     NotReached {
         /// Largest mismatch that is left.

@@ -295,6 +295,9 @@ fn couplings_of_nothing_are_refused() {
     let missing = JointCoordinate { joint: 1, freedom: 1 };
     let beyond = Coupling { follower: missing, ..gear("g", 1, 1, 1.0, 0.0) };
     assert!(matches!(refused(beyond), E::NoSuchCoordinate { freedom: 1, .. }));
+    let many = vec![gear("g", 1, 1, 1.0, 0.0).terms[0]; 64];
+    let many = Coupling { terms: many, ..gear("g", 1, 1, 1.0, 0.0) };
+    assert!(matches!(refused(many), E::CoupledMany { found: 65, allowed: 64, .. }));
     let fixed = |offset| Coupling { terms: vec![], offset, ..gear("g", 1, 1, 1.0, 0.0) };
     assert!(matches!(refused(fixed(f64::NAN)), E::NotFinite { .. }));
     assert!(matches!(

@@ -119,6 +119,36 @@ fn limits_are_kept_and_the_nearest_may_be_on_one() {
     assert!(distance(held.coordinates.as_slice(), &closed) < 1e-9);
 }
 
+/// A crank that a correction moves below a limit whose other end is open: its angle a turn away is within the limits, but not near.
+#[test]
+fn a_limit_with_one_end_holds_a_crank_on_it_and_not_a_turn_away() {
+    let lengths = [1.0, 0.4, 0.9, 0.7];
+    let limited = |limits: [f64; 2]| {
+        let whole = four_bar(lengths);
+        let mut joints = whole.joints().to_vec();
+        joints[0].limits = vec![limits];
+        whole.with_joints(joints).unwrap()
+    };
+    let guess = DVector::from_row_slice(&closed_form(lengths, 1.4)[0]);
+    let expected = closed_form(lengths, 1.0)[0];
+    for limits in [[0.5, 1.0], [f64::NEG_INFINITY, 1.0], [-1000.0, 1.0]] {
+        let found = nearest_closure(&limited(limits), &guess, &[], 30).unwrap().unwrap();
+        let off = distance(found.coordinates.as_slice(), &expected);
+        assert!(off < 1e-6, "{limits:?} {}", found.coordinates);
+    }
+    let guess = DVector::from_row_slice(&closed_form(lengths, 0.6)[0]);
+    for limits in [[1.0, 2.0], [1.0, f64::INFINITY], [1.0, 1000.0]] {
+        let found = nearest_closure(&limited(limits), &guess, &[], 30).unwrap().unwrap();
+        let off = distance(found.coordinates.as_slice(), &expected);
+        assert!(off < 1e-6, "{limits:?} {}", found.coordinates);
+    }
+    // Only a turn away: angles of four-bars repeat.
+    let guess = DVector::from_row_slice(&closed_form(lengths, 0.6)[0]);
+    let turned = limited([1.0 + std::f64::consts::TAU, 8.0]);
+    let found = nearest_closure(&turned, &guess, &[], 30).unwrap().unwrap();
+    assert!((found.coordinates[0] - 1.0 - std::f64::consts::TAU).abs() < 1e-6);
+}
+
 /// Two slides, y = 3 x + 0.1: the shortest correction from zeros makes x negative.
 #[test]
 fn a_correction_that_ends_beyond_limits_leads_to_the_nearest_configuration_within() {

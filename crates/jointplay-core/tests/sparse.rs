@@ -7,8 +7,8 @@ mod robot;
 use families::{bennett_row, scissor_lift};
 use jointplay_core::Error;
 use jointplay_core::mechanism::{
-    Drive, DrivePath, JointKind, Mechanism, MechanismError, MechanismSystem, SparseMobility,
-    SparseSystem, assemble, guess,
+    Coupling, Drive, DrivePath, JointCoordinate, JointKind, Mechanism, MechanismError,
+    MechanismSystem, SparseMobility, SparseSystem, assemble, guess,
 };
 use jointplay_core::mobility::{RANK_THRESHOLD, finite_mobility};
 use jointplay_core::nalgebra::Vector3;
@@ -46,6 +46,30 @@ fn both_algebras_agree() {
     let found = SparseSystem::new(&robot, level).unwrap().mobility(RANK_THRESHOLD).unwrap();
     assert_eq!((found.mobility, found.rank, found.redundancy), (3, 9, 3));
     assert_eq!((found.lower_bound, found.upper_bound, found.finite), (1, 1, Some(1)));
+}
+
+#[test]
+fn many_motions_of_one_block_are_refused_in_time() {
+    let hinge = |k: usize| {
+        let point = [k as f64 * 0.1, 0.0, 0.0];
+        robot::joint(&format!("j{k}"), JointKind::Revolute, [k, k + 1], point, [0.0, 0.0, 1.0])
+    };
+    let chain = |hinges: usize| {
+        let first = JointCoordinate { joint: 0, freedom: 0 };
+        let follower = JointCoordinate { joint: hinges - 1, freedom: 0 };
+        let coupling =
+            Coupling { name: "gear".into(), follower, terms: vec![(first, -1.0)], offset: 0.0 };
+        Mechanism::new("chain", robot::names(hinges + 1), (0..hinges).map(hinge).collect())
+            .and_then(|chain| chain.with_couplings(vec![coupling]))
+            .unwrap()
+    };
+    assert_eq!(mobility(&chain(40)).finite, Some(39));
+    let long = chain(200);
+    let system = SparseSystem::new(&long, guess(&long)).unwrap();
+    assert!(matches!(
+        system.mobility(RANK_THRESHOLD),
+        Err(Error::TooConnected { found: 101.., allowed: 100, .. })
+    ));
 }
 
 #[test]

@@ -100,7 +100,7 @@ fn class_and_facts<'py>(
         | E::Collinear { .. }
         | E::OppositeSenses
         | E::LimitsReversed { .. } => ("GeometryError", PyDict::new(py)),
-        E::TooLarge { what, found, allowed } => {
+        E::TooLarge { what, found, allowed } | E::TooConnected { what, found, allowed } => {
             ("TooLargeError", fields!(py; what = *what, found = *found, allowed = *allowed))
         }
         E::NotConverged(unconverged) => (

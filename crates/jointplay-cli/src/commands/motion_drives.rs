@@ -445,7 +445,8 @@ fn default_range(input: &Input, start: &DVector<f64>) -> Result<Range, Failure> 
             }
         }
     };
-    let here = start[coordinate];
+    // A start beyond a limit: the range begins at the limit.
+    let here = start[coordinate].clamp(least, greatest);
     let name = joint.name.clone();
     let (from, to) = ((here - reach).max(least), (here + reach).min(greatest));
     Ok(Range { coordinate, from, to, step: None, name })

@@ -8,6 +8,9 @@ use super::joint::Factor;
 use super::kinematics::Kinematics;
 use super::mechanism_error::MechanismError;
 
+/// Most coordinates of a coupling: each pair of their links is a block of sparse matrices.
+pub(super) const MAX_COUPLED: usize = 64;
+
 /// A coupling as an equation between coordinates of the mechanism, without unit.
 ///
 /// Its gradient has length 1 in radians and characteristic lengths, so that neither the choice of the follower nor the units change it.
@@ -52,7 +55,7 @@ impl Mechanism {
     /// The same mechanism with these couplings in place of its own.
     ///
     /// # Errors
-    /// [`MechanismError::NoSuchCoordinate`], [`MechanismError::CoupledRotation`] for coordinates of a rotation vector, [`MechanismError::CoupledTwice`] for a coordinate that is in one coupling twice; [`MechanismError::NotFinite`], [`MechanismError::NameTwice`].
+    /// [`MechanismError::NoSuchCoordinate`], [`MechanismError::CoupledRotation`] for coordinates of a rotation vector, [`MechanismError::CoupledTwice`] for a coordinate that is in one coupling twice, [`MechanismError::CoupledMany`] beyond 64 coordinates; [`MechanismError::NotFinite`], [`MechanismError::NameTwice`].
     pub fn with_couplings(mut self, couplings: Vec<Coupling>) -> Result<Self, MechanismError> {
         couplings.iter().try_for_each(|coupling| self.check_coupling(coupling))?;
         self.couplings = couplings;
@@ -79,6 +82,11 @@ impl Mechanism {
 
     fn check_coupling(&self, coupling: &Coupling) -> Result<(), MechanismError> {
         let name = || coupling.name.clone();
+        let found = 1 + coupling.terms.len();
+        if found > MAX_COUPLED {
+            let (coupling, allowed) = (name(), MAX_COUPLED);
+            return Err(MechanismError::CoupledMany { coupling, found, allowed });
+        }
         let mut seen = Vec::new();
         for one in coupling.coordinates() {
             let joint = self.joints().get(one.joint);

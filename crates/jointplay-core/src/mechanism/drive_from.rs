@@ -2,6 +2,7 @@
 
 use nalgebra::DVector;
 
+use super::coupling_conflicts::determined;
 use super::posing::close_commanded;
 use super::{
     DrivePath, DrivenMotion, Mechanism, MechanismSystem, SparseSystem, drive_along, drive_relieved,
@@ -45,13 +46,16 @@ pub fn drive_from(
     drive_relieved(&home, &system, path, &free, steps, progress)
 }
 
-/// Coordinates of the actuators that are held while others are driven: those that are not driven, or none if a joint without an actuator is driven.
+/// Coordinates of the actuators that are held while others are driven: those that are not driven and that no coupling determines from the driven and held ones, or none if a joint without an actuator is driven.
 #[must_use]
 pub fn held_actuators(mechanism: &Mechanism, driven: &[usize]) -> Vec<usize> {
     let actuated = mechanism.actuated_coordinates();
-    if driven.iter().all(|k| actuated.contains(k)) {
-        actuated.into_iter().filter(|k| !driven.contains(k)).collect()
-    } else {
-        Vec::new()
+    if !driven.iter().all(|k| actuated.contains(k)) {
+        return Vec::new();
     }
+    let mut held: Vec<usize> = actuated.into_iter().filter(|k| !driven.contains(k)).collect();
+    held.sort_unstable();
+    let determined = determined(mechanism, driven, &held);
+    held.retain(|k| !determined.contains(k));
+    held
 }

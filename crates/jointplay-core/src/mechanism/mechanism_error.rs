@@ -131,6 +131,16 @@ pub enum MechanismError {
         /// The joint.
         joint: String,
     },
+    /// A coupling of more coordinates than are allowed.
+    #[error("coupling {coupling:?} relates {found} coordinates, but at most {allowed} are allowed")]
+    CoupledMany {
+        /// The coupling.
+        coupling: String,
+        /// How many coordinates it relates.
+        found: usize,
+        /// How many may be.
+        allowed: usize,
+    },
     /// A frame attached to a link that is not there.
     #[error("frame {frame:?} is attached to link {link}, but there are {links} links")]
     NoLinkOfFrame {

@@ -10,6 +10,7 @@ mod closing;
 mod closure;
 mod commanded_positions;
 mod coupling;
+mod coupling_conflicts;
 mod coupling_rows;
 mod description;
 mod drive_from;

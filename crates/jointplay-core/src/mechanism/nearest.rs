@@ -1,5 +1,7 @@
 //! The closed configuration nearest a guess that does not close, within joint limits.
 
+use std::f64::consts::TAU;
+
 use nalgebra::DVector;
 
 use super::blocks::blocks;
@@ -91,6 +93,13 @@ fn clamp(coordinates: &mut DVector<f64>, free: &[usize], limits: &[Option<[f64; 
     }
 }
 
+/// What corrections from one start lead to.
+struct Attempt {
+    closure: Option<Closure>,
+    /// Whether an angle that was put on its limit is within the limits a turn away.
+    can_turn: bool,
+}
+
 /// Search for closed configurations of one block.
 struct Search<'a> {
     /// At the guess.
@@ -162,41 +171,66 @@ impl<'a> Search<'a> {
         self.displacement(self.system.home(), to).norm()
     }
 
+    /// Closes the loops; coordinates beyond their limits are put on them and held there. Where this does not close, angles beyond take another turn.
+    fn closed_from(&self, from: DVector<f64>) -> Result<Option<Closure>, Error> {
+        match self.closed_by(from.clone(), |_, angle| angle)? {
+            Attempt { closure: None, can_turn: true } => {
+                let turned = |k, angle| self.turned_within(k, angle).unwrap_or(angle);
+                Ok(self.closed_by(from, turned)?.closure)
+            }
+            Attempt { closure, .. } => Ok(closure),
+        }
+    }
+
     /// Closes the loops; coordinates beyond their limits are put on them and held there.
-    fn closed_from(&self, mut from: DVector<f64>) -> Result<Option<Closure>, Error> {
+    ///
+    /// # Arguments
+    /// * `turned` – the angle of a coordinate for its angle nearest the guess
+    fn closed_by(
+        &self,
+        mut from: DVector<f64>,
+        turned: impl Fn(usize, f64) -> f64,
+    ) -> Result<Attempt, Error> {
         clamp(&mut from, &self.free, &self.limits);
         let mut free = self.free.clone();
         let mut iterations = 0;
+        let mut can_turn = false;
         for _ in 0..MAX_CLAMPINGS {
             let found = close(&self.system.moved_to(from)?, &free, MAX_ITERATIONS)?;
             iterations += found.iterations;
             if !found.is_closed() {
-                return Ok(None);
+                break;
             }
             let mut coordinates = found.coordinates;
-            self.turns.iter().for_each(|&k| coordinates[k] = self.wrapped(k, coordinates[k]));
+            for &k in &self.turns {
+                coordinates[k] = turned(k, self.nearest_turn(k, coordinates[k]));
+            }
             let mechanism = self.system.kinematics().mechanism();
             let beyond = mechanism.beyond_limits(&coordinates);
             let beyond = |k: &usize| beyond.iter().any(|one| one.coordinate == *k);
             if !free.iter().any(beyond) {
-                return Ok(Some(Closure { coordinates, iterations, ..found }));
+                let closure = Some(Closure { coordinates, iterations, ..found });
+                return Ok(Attempt { closure, can_turn });
             }
+            let turns = |k: &usize| beyond(k) && self.turned_within(*k, coordinates[*k]).is_some();
+            can_turn |= self.turns.iter().any(turns);
             clamp(&mut coordinates, &self.free, &self.limits);
             free.retain(|k| !beyond(k));
             from = coordinates;
         }
-        Ok(None)
+        Ok(Attempt { closure: None, can_turn })
     }
 
-    /// The same angle nearest the guess, or within its limits where another one is.
-    fn wrapped(&self, k: usize, angle: f64) -> f64 {
-        const TURN: f64 = std::f64::consts::TAU;
-        let guess = self.system.home()[k];
-        let nearest = angle - ((angle - guess) / TURN).round() * TURN;
-        let Some([least, greatest]) = self.limits[k] else { return nearest };
-        let others = [nearest, nearest + TURN, nearest - TURN];
-        let within = others.into_iter().find(|angle| (least..=greatest).contains(angle));
-        within.unwrap_or(nearest)
+    /// The same angle nearest the guess.
+    fn nearest_turn(&self, k: usize, angle: f64) -> f64 {
+        angle - ((angle - self.system.home()[k]) / TAU).round() * TAU
+    }
+
+    /// The same angle within its limits, if it is there at this turn, the next or the last.
+    fn turned_within(&self, k: usize, angle: f64) -> Option<f64> {
+        let [least, greatest] = self.limits[k]?;
+        let others = [angle, angle + TAU, angle - TAU];
+        others.into_iter().find(|angle| (least..=greatest).contains(angle))
     }
 
     /// Moves a closed configuration towards the guess, as far as the loops and the limits allow.

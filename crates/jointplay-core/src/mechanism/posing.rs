@@ -4,6 +4,7 @@ use nalgebra::DVector;
 
 use super::assembly::{assemble, guess};
 use super::closure::Closure;
+use super::coupling_conflicts::contradicted;
 use super::description::Mechanism;
 use super::nearest::nearest_closure;
 use super::relief::{CommandedJoints, Relief, ReliefSolver, relieve};
@@ -94,15 +95,27 @@ fn close(
 /// * `commands` – indices of joint coordinates with their values (m, rad)
 ///
 /// # Errors
-/// [`Error::NotReached`].
+/// [`Error::NotReached`]; [`Error::NotRelieved`] with the couplings that the commands contradict.
 pub fn close_sparse<'a>(
     mechanism: &'a Mechanism,
     commands: &[(usize, f64)],
 ) -> Result<(SparseSystem<'a>, usize), Error> {
     let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
     let mut system = SparseSystem::new(mechanism, commanded_guess(mechanism, commands))?;
-    let iterations = system.close(&held, CORRECTIONS)?;
-    Ok((system, iterations))
+    match system.close(&held, CORRECTIONS) {
+        Ok(iterations) => Ok((system, iterations)),
+        Err(Error::NotReached { residual, allowed, iterations }) => {
+            let start = commanded_guess(mechanism, commands);
+            let length = system.characteristic_length();
+            let couplings = contradicted(system.kinematics(), length, &start, &held)?;
+            Err(if couplings.is_empty() {
+                Error::NotReached { residual, allowed, iterations }
+            } else {
+                Error::NotRelieved { residual, allowed, couplings }
+            })
+        }
+        Err(error) => Err(error),
+    }
 }
 
 /// The closed configuration with commanded coordinates held, with virtual joints displaced if rigid links do not close.

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::coupling_rows::coupling_rows;
+use super::coupling_conflicts::contradicted;
 use super::motion::STEP_THRESHOLD;
 use super::singular::DrivenCurve;
 use super::{MechanismSystem, close};
@@ -179,7 +179,9 @@ pub fn relieve(
     let closed = close(start, &free, MAX_ITERATIONS)?;
     if !closed.is_closed() {
         let residual = closed.residual.min(first.residual);
-        let couplings = contradicted(start, commanded)?;
+        let length = start.characteristic_length();
+        let couplings =
+            contradicted(start.kinematics(), length, start.home(), &commanded.coordinates)?;
         return Err(Error::NotRelieved { residual, allowed: CLOSURE_TOLERANCE, couplings });
     }
     let near = start.moved_to(closed.coordinates)?;
@@ -188,39 +190,6 @@ pub fn relieve(
         return Ok(second);
     }
     Err(Error::NotLeast { iterations: first.iterations + second.iterations })
-}
-
-/// Names of the couplings that hold at the commanded values for no values of the other joints, the most violated first.
-fn contradicted(
-    start: &MechanismSystem<'_>,
-    commanded: &CommandedJoints,
-) -> Result<Vec<String>, Error> {
-    let kinematics = start.kinematics();
-    let length = start.characteristic_length();
-    let rows = coupling_rows(kinematics, length);
-    let free = passive(start.coordinate_dimensions().len(), &commanded.coordinates);
-    let mut left = DVector::from_iterator(
-        rows.len(),
-        rows.iter().map(|row| row.residual(|k| start.home()[k])),
-    );
-    if !(rows.is_empty() || free.is_empty()) {
-        let mut jacobian = DMatrix::zeros(rows.len(), free.len());
-        for (r, row) in rows.iter().enumerate() {
-            for &(k, factor) in &row.entries {
-                if let Ok(column) = free.binary_search(&k) {
-                    jacobian[(r, column)] = factor * kinematics.dimensions()[k].unit(length);
-                }
-            }
-        }
-        let decomposition = svd(&jacobian)?;
-        let by = decomposition.solve(&left, decomposition.rank(RELIEF_THRESHOLD));
-        left -= jacobian * by;
-    }
-    let mut violated: Vec<usize> =
-        (0..left.len()).filter(|&r| left[r].abs() > CLOSURE_TOLERANCE).collect();
-    violated.sort_by(|&a, &b| left[b].abs().total_cmp(&left[a].abs()));
-    let couplings = kinematics.mechanism().couplings();
-    Ok(violated.into_iter().map(|r| couplings[r].name.clone()).collect())
 }
 
 /// The relief that the iteration ends with, closed or not.

@@ -158,9 +158,12 @@ pub fn self_stresses(
     let mut groups: Vec<Vec<(DVector<f64>, bool)>> = Vec::new();
     for support in &supports {
         while let Some(found) = evidence.simplest(&all, support, &span, &places)? {
-            let mut group: Vec<(DVector<f64>, bool)> = Vec::new();
-            let images = symmetries.iter().filter_map(|one| image(system, &all, one, &found));
-            for one in std::iter::once(found.clone()).chain(images) {
+            let images: Vec<DVector<f64>> =
+                symmetries.iter().filter_map(|one| image(system, &all, one, &found)).collect();
+            // It is outside the span, even if its angle with a known one is small: each round extends the span.
+            let independent = span.add(&found);
+            let mut group = vec![(found, independent)];
+            for one in images {
                 let parallel =
                     |(other, _): &(DVector<f64>, bool)| other.dot(&one).abs() > 1.0 - PARALLEL;
                 if !groups.iter().chain([&group]).flatten().any(parallel) {

@@ -167,6 +167,7 @@ fn report(top: &Table, tables: &[Table], error: MechanismError) {
         E::NameTwice { name }
         | E::CoupledRotation { coupling: name, .. }
         | E::CoupledTwice { coupling: name, .. }
+        | E::CoupledMany { coupling: name, .. }
         | E::JoinedToItself { joint: name, .. }
         | E::NotFinite { name, .. } => {
             let names = tables.iter().rev().filter_map(|table| table.entry("name"));

@@ -241,7 +241,9 @@ fn blame(top: &Table, tables: [&[Table]; 4], error: &MechanismError) -> Range<us
             .flat_map(links)
             .find(|entry| entry.value.get_ref().as_str() == Some(link))
             .map(|entry| entry.span()),
-        E::CoupledRotation { coupling, .. } | E::CoupledTwice { coupling, .. } => {
+        E::CoupledRotation { coupling, .. }
+        | E::CoupledTwice { coupling, .. }
+        | E::CoupledMany { coupling, .. } => {
             let found = tables[2].iter().find(|table| is_named(table, coupling));
             found.and_then(|table| span(table, "coordinate"))
         }

@@ -212,10 +212,12 @@ pub fn with_dimensions(text: &str, changes: &[(Dimension, f64)]) -> Result<Strin
                 return Err(vec![Error::at(text, 0..0, problem.into())].into());
             }
             Dimension::BaseX(limb) | Dimension::BaseY(limb) => {
+                // The point under the socket, where the changes before this one have put it.
+                let so_far = document.to_string();
                 let table = limb_table(&mut document, *limb)
                     .ok_or_else(|| missing("a robot", "[[limb]]"))?;
                 if table.get(&location.key).is_none() {
-                    let point = parse_with(text, &[])?.gpr.limbs()[*limb].base_point;
+                    let point = parse_with(&so_far, &[])?.gpr.limbs()[*limb].base_point;
                     let point = [point.x, point.y].map(|coordinate| short(mm(coordinate)));
                     table.insert(&location.key, Item::Value(Array::from_iter(point).into()));
                 }
@@ -257,8 +259,11 @@ fn set(table: &mut dyn TableLike, location: &Location, value: f64) {
         return;
     };
     match (location.index, item) {
-        (Some(index), Item::Value(Value::Array(list))) if index < list.len() => {
-            list.replace(index, value);
+        (Some(index), Item::Value(Value::Array(list))) => {
+            // A list that is too short is an error of the file, which reading the text reports.
+            if index < list.len() {
+                list.replace(index, value);
+            }
         }
         (_, Item::Value(old)) => {
             let decor = old.decor().clone();
@@ -290,6 +295,14 @@ mod tests {
         ] {
             assert_eq!(changed(PAPER, dimension, value), PAPER.replacen(from, to, 1));
         }
+    }
+
+    #[test]
+    fn changes_of_one_call_are_those_of_one_call_after_the_other() {
+        let (radius, x) = ((Dimension::SocketRadius(1), 0.12), (Dimension::BaseX(1), -0.05));
+        let together = with_dimensions(PAPER, &[radius.clone(), x.clone()]).unwrap();
+        let first = with_dimensions(PAPER, &[radius]).unwrap();
+        assert_eq!(together, with_dimensions(&first, &[x]).unwrap());
     }
 
     #[test]

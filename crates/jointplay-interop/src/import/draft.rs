@@ -200,9 +200,9 @@ impl<'a> Draft<'a> {
             use MechanismError as E;
             let found = match &error {
                 E::Dangling { link, .. } => links.place(link),
-                E::CoupledRotation { coupling, .. } | E::CoupledTwice { coupling, .. } => {
-                    place_of(coupling)
-                }
+                E::CoupledRotation { coupling, .. }
+                | E::CoupledTwice { coupling, .. }
+                | E::CoupledMany { coupling, .. } => place_of(coupling),
                 E::NameTwice { name } => place_of(name),
                 E::JoinedToItself { joint: name, .. }
                 | E::NotFinite { name, .. }

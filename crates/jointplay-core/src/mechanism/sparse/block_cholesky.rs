@@ -7,8 +7,13 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::amd;
 use faer::sparse::{Pair, SymbolicSparseColMat};
 
+use crate::Error;
+
 /// Rows of a block.
 const SIDE: usize = 6;
+
+/// Most blocks of a factor below its diagonal: 288 MB.
+const MAX_BLOCKS: usize = 1_000_000;
 
 /// A 6×6 block by columns.
 pub(super) type Block = [[f64; SIDE]; SIDE];
@@ -49,8 +54,12 @@ impl BlockPattern {
     ///
     /// # Source
     /// \[Davis\], sections 4.1 and 7.1
-    pub(super) fn new(size: usize, pairs: impl Iterator<Item = [usize; 2]>) -> Self {
-        let pairs: Vec<[usize; 2]> = pairs.filter(|[a, b]| a != b).collect();
+    ///
+    /// # Errors
+    /// [`Error::TooConnected`] beyond [`MAX_BLOCKS`].
+    pub(super) fn new(size: usize, pairs: impl Iterator<Item = [usize; 2]>) -> Result<Self, Error> {
+        let pairs: Vec<[usize; 2]> = pairs.filter(|[a, b]| a != b).take(MAX_BLOCKS + 1).collect();
+        check_number(pairs.len())?;
         let (order, position) = elimination_order(size, &pairs);
         let mut columns = vec![Vec::new(); size];
         for &[a, b] in &pairs {
@@ -76,13 +85,14 @@ impl BlockPattern {
                     add(row, &mut rows);
                 }
             }
+            check_number(rows.len())?;
             rows[first..].sort_unstable();
             starts[column + 1] = rows.len();
             if let Some(&parent) = rows.get(first) {
                 children[parent].push(column);
             }
         }
-        Self { position, order, starts, rows }
+        Ok(Self { position, order, starts, rows })
     }
 
     /// Number of rows of blocks.
@@ -99,6 +109,14 @@ impl BlockPattern {
         let index = stored.binary_search(&row).expect("the pattern has all pairs");
         Place { index: self.starts[column] + index, transposed }
     }
+}
+
+fn check_number(found: usize) -> Result<(), Error> {
+    if found > MAX_BLOCKS {
+        let what = "blocks of a sparse matrix";
+        return Err(Error::TooConnected { what, found, allowed: MAX_BLOCKS });
+    }
+    Ok(())
 }
 
 /// An order of elimination with few new blocks, and the position of each row in it.
@@ -334,7 +352,7 @@ mod tests {
     #[test]
     fn solutions_are_those_of_the_dense_matrix() {
         for (size, pairs) in graphs() {
-            let pattern = BlockPattern::new(size, pairs.iter().copied());
+            let pattern = BlockPattern::new(size, pairs.iter().copied()).unwrap();
             let mut random = Random(7);
             let mut matrix = BlockMatrix::zeros(&pattern);
             let mut dense = DMatrix::<f64>::identity(6 * size, 6 * size) * 30.0;
@@ -370,7 +388,7 @@ mod tests {
 
     #[test]
     fn matrices_that_are_not_positive_are_refused() {
-        let pattern = BlockPattern::new(2, std::iter::once([0, 1]));
+        let pattern = BlockPattern::new(2, std::iter::once([0, 1])).unwrap();
         for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let mut matrix = BlockMatrix::zeros(&pattern);
             matrix.add_to_diagonal(value);
@@ -385,7 +403,24 @@ mod tests {
 
     #[test]
     fn a_long_ring_needs_few_new_blocks() {
-        let pattern = BlockPattern::new(1000, (0..1000).map(|k| [k, (k + 1) % 1000]));
+        let ring = (0..1000).map(|k| [k, (k + 1) % 1000]);
+        let pattern = BlockPattern::new(1000, ring).unwrap();
         assert!(pattern.rows.len() < 2000, "{}", pattern.rows.len());
+    }
+
+    #[test]
+    fn blocks_beyond_the_memory_are_refused() {
+        // 2,000 rows with a block in each pair are too many; so are 200,000 rows, each with new blocks in the factor.
+        let all = (0..2000).flat_map(|a| (0..a).map(move |b| [a, b]));
+        let error = BlockPattern::new(2000, all).unwrap_err();
+        let what = "blocks of a sparse matrix";
+        assert_eq!(error, Error::TooConnected { what, found: MAX_BLOCKS + 1, allowed: MAX_BLOCKS });
+        let mut random = Random(3);
+        let mut row = || ((random.next() * 0.5 + 0.5) * 5999.0) as usize;
+        let pairs: Vec<_> = (0..18_000).map(|_| [row(), row()]).collect();
+        assert!(matches!(
+            BlockPattern::new(6000, pairs.into_iter()),
+            Err(Error::TooConnected { .. })
+        ));
     }
 }

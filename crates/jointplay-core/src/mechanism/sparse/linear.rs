@@ -30,17 +30,20 @@ pub(super) struct Pattern {
 }
 
 impl Pattern {
-    pub(super) fn new(kinematics: &Kinematics<'_>, couplings: &[SparseCoupling]) -> Self {
+    pub(super) fn new(
+        kinematics: &Kinematics<'_>,
+        couplings: &[SparseCoupling],
+    ) -> Result<Self, Error> {
         let mechanism = kinematics.mechanism();
         let pair = |links: [usize; 2]| Some([links[1].checked_sub(1)?, links[0].checked_sub(1)?]);
         let pairs = mechanism.joints().iter().map(|joint| pair(joint.links));
         let coupled = couplings.iter().flat_map(SparseCoupling::pairs);
         let links = mechanism.links().len() - 1;
-        let blocks = BlockPattern::new(links, pairs.clone().flatten().chain(coupled));
+        let blocks = BlockPattern::new(links, pairs.clone().flatten().chain(coupled))?;
         let between = pairs.map(|pair| pair.map(|pair| blocks.place(pair))).collect();
         let places = |one: &SparseCoupling| one.pairs().map(|pair| blocks.place(pair)).collect();
         let coupled = couplings.iter().map(places).collect();
-        Self { blocks, between, coupled }
+        Ok(Self { blocks, between, coupled })
     }
 }
 

@@ -16,6 +16,8 @@ use crate::random::Random;
 const ROUNDS: usize = 6;
 /// The largest value of a block has to be this many times what damping hides: values beyond the block then fade by its square in each round.
 const CLEAR: f64 = 10.0;
+/// Most motions of one block: the cost grows with their square, and with the size of the block.
+const MAX_MOTIONS: usize = 100;
 /// Steps of the bidiagonalization for the largest singular value, which is needed to a few per cent.
 const BIDIAGONAL_STEPS: usize = 16;
 /// Distance for which the fastest coordinate is followed in every direction, in radians and characteristic lengths.
@@ -144,6 +146,10 @@ impl Linear {
             let clear = values[block - 1] > CLEAR * self.damping.sqrt();
             if (zeros < block && clear) || block == self.size() {
                 return Ok(Spectrum { values, vectors, zeros, largest });
+            }
+            if zeros > MAX_MOTIONS {
+                let what = "motions of joints that loops or couplings connect";
+                return Err(Error::TooConnected { what, found: zeros, allowed: MAX_MOTIONS });
             }
             block = (2 * block).min(self.size());
         }

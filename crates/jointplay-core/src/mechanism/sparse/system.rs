@@ -45,7 +45,7 @@ impl<'a> SparseSystem<'a> {
     /// * `coordinates` – (f + M) of the joints, then of the virtual joints (m, rad)
     ///
     /// # Errors
-    /// [`Error::LengthMismatch`], [`Error::NotFinite`].
+    /// [`Error::LengthMismatch`], [`Error::NotFinite`]; [`Error::TooConnected`] beyond a million blocks of the matrices.
     pub fn new(mechanism: &'a Mechanism, coordinates: DVector<f64>) -> Result<Self, Error> {
         let kinematics = Kinematics::new(mechanism);
         check_coordinates(&coordinates, kinematics.dimensions().len())?;
@@ -53,7 +53,7 @@ impl<'a> SparseSystem<'a> {
         let length =
             mechanism.characteristic_length().unwrap_or_else(|| spread(mechanism, &middles));
         let couplings = sparse_couplings(&kinematics, length);
-        let pattern = Arc::new(Pattern::new(&kinematics, &couplings));
+        let pattern = Arc::new(Pattern::new(&kinematics, &couplings)?);
         let (displacements, screws) = joints_at(&kinematics, &coordinates);
         let poses = tree_poses(&kinematics, &displacements);
         let (kinematics, middles) = (Arc::new(kinematics), middles.into());

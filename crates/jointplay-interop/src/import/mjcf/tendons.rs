@@ -7,8 +7,20 @@ use super::reader::Reader;
 use crate::import::problem::Error;
 use crate::import::xml::{Advice, Value, attribute, children, elements, place};
 
-/// A sum of coordinates with their coefficients, each coordinate once.
-type Sum = Vec<(JointCoordinate, f64)>;
+/// A sum of coordinates, each once.
+type Sum = Vec<Term>;
+
+/// Terms of one coordinate that cancel to this share of the largest leave round-off.
+const CANCELLED: f64 = 1e-12;
+
+/// A coordinate with its coefficient.
+#[derive(Clone, Copy)]
+struct Term {
+    coordinate: JointCoordinate,
+    coefficient: f64,
+    /// The largest coefficient that was added, without sign.
+    largest: f64,
+}
 
 impl<'a> Reader<'a> {
     /// A polynomial between the lengths of one or two tendons: y − y₀ = a₀ + a₁ (x − x₀), counted from the reference positions.
@@ -19,19 +31,19 @@ impl<'a> Reader<'a> {
         let second = attribute(node, "tendon2");
         let second = second.map(|second| self.tendon(node, &second)).transpose()?;
         let [constant, ratio] = self.linear_polynomial(node, second.is_some())?;
-        for (coordinate, coefficient) in second.unwrap_or_default() {
-            add(&mut sum, coordinate, -ratio * coefficient);
+        for term in second.unwrap_or_default() {
+            add(&mut sum, term.coordinate, -ratio * term.coefficient);
         }
-        sum.retain(|&(_, coefficient)| coefficient != 0.0);
-        let Some(&(follower, factor)) = sum.first() else {
+        sum.retain(|term| term.coefficient.abs() > CANCELLED * term.largest);
+        if sum.is_empty() {
             let advice = Advice("all its coefficients are zero");
             return Err(xml.unsupported(node, "this equality of tendons", advice));
-        };
+        }
         let at_reference: f64 =
-            sum.iter().map(|&(one, coefficient)| coefficient * self.reference(one)).sum();
+            sum.iter().map(|term| term.coefficient * self.reference(term.coordinate)).sum();
+        let Term { coordinate: follower, coefficient: factor, .. } = sum.remove(0);
         let offset = (constant + at_reference) / factor;
-        let terms = sum[1..].iter().map(|&(one, coefficient)| (one, -coefficient / factor));
-        let terms = terms.collect();
+        let terms = sum.iter().map(|term| (term.coordinate, -term.coefficient / factor)).collect();
         let name = match xml.name(node)? {
             Some(name) => self.draft.constraint_name(name, place(node))?,
             None => self.draft.fresh(format!("coupling {}", self.draft.couplings() + 1)),
@@ -67,9 +79,12 @@ impl<'a> Reader<'a> {
 }
 
 fn add(sum: &mut Sum, coordinate: JointCoordinate, coefficient: f64) {
-    match sum.iter_mut().find(|(one, _)| *one == coordinate) {
-        Some((_, found)) => *found += coefficient,
-        None => sum.push((coordinate, coefficient)),
+    match sum.iter_mut().find(|term| term.coordinate == coordinate) {
+        Some(term) => {
+            term.coefficient += coefficient;
+            term.largest = term.largest.max(coefficient.abs());
+        }
+        None => sum.push(Term { coordinate, coefficient, largest: coefficient.abs() }),
     }
 }
 
@@ -106,6 +121,26 @@ mod tests {
         let [coupling] = read.mechanism.couplings() else { panic!("{read:?}") };
         assert!((coupling.offset - (0.2 + 0.15)).abs() < 1e-12);
         assert_eq!(coupling.terms.len(), 1);
+    }
+
+    #[test]
+    fn coordinates_that_cancel_are_not_coupled() {
+        // 0.3 a + b = 3 (0.1 a + c), where 0.3 − 3 · 0.1 is −5.6e-17 in floating point.
+        let model = ARMS
+            .replace(
+                r#"joint="a" coef="2"/><joint joint="b" coef="-1""#,
+                r#"joint="a" coef="0.3"/><joint joint="b" coef="1""#,
+            )
+            .replace(
+                r#"joint="c" coef="4"/><joint joint="b" coef="1""#,
+                r#"joint="a" coef="0.1"/><joint joint="c" coef="1""#,
+            )
+            .replace("0.3 0.5 0 0 0", "0 3 0 0 0");
+        let read = testing::read(&model);
+        let [coupling] = read.mechanism.couplings() else { panic!("{read:?}") };
+        assert_eq!(coupling.follower.joint, 1);
+        let [(one, ratio)] = coupling.terms[..] else { panic!("{coupling:?}") };
+        assert_eq!((one.joint, ratio), (2, 3.0));
     }
 
     #[test]
