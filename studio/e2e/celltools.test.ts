@@ -138,6 +138,14 @@ test('the play of the platform is shown at each time, enlarged in the picture on
   await waitForCheck(page, 'passed');
   await page.getByTestId('cell-plots-toggle').click();
   await page.getByTestId('plot-play').locator('canvas').waitFor();
+  // Tilt and friction as shares of their limits, which the passed program keeps.
+  const budgets = page.getByTestId('plot-budgets');
+  await budgets.locator('canvas').waitFor();
+  for (const column of ['platform_tilt_percent', 'A_friction_percent', 'B_friction_percent']) {
+    const value = Number(await budgets.getByTestId(`value-${column}`).getAttribute('data-value'));
+    expect(value, column).toBeGreaterThanOrEqual(0);
+    expect(value, column).toBeLessThanOrEqual(100);
+  }
   await page.getByTestId('cell-plots-toggle').click();
   await page.getByTestId('cell-play-scale').fill('0');
 });

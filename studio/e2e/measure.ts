@@ -178,6 +178,35 @@ for (const [name, words, counter] of [['robot', [], 'frames'], ['mechanism', ['g
     await server.stop();
   });
 
+for (const [entry, joint] of [['four-bar', 'C'], ['hexapod', ''], ['gpr-mechanism', '']] as const)
+  test(`drag of a link: ${entry}`, async () => {
+    const [browser, server] = await Promise.all([browse(), serve(0, [entry])]);
+    const page = await browser.newPage({ viewport: { width: 1440, height: 900 }, reducedMotion: 'reduce' });
+    await load(page, server.address);
+    await until('the mobility', async () => (await page.getByTestId('m-finite').count()) === 1);
+    const took = await page.evaluate(async (wanted) => {
+      const { probe } = window.jointplay;
+      const canvas = document.querySelector<HTMLCanvasElement>('canvas[role=img]')!;
+      canvas.setPointerCapture = canvas.releasePointerCapture = () => undefined;
+      const name = wanted || Object.keys(probe.mechanism!.joints()).at(-1)!;
+      const { x, y } = probe.mechanism!.onPage(name)!;
+      const send = (type: string, by: number, buttons: number) => canvas.dispatchEvent(new PointerEvent(type, { clientX: x + by, clientY: y - 0.6 * by, buttons, pointerId: 1, bubbles: true, isPrimary: true }));
+      send('pointerdown', 0, 1);
+      const found: number[] = [];
+      for (let i = 1; i <= 40; i++) {
+        const [start, before] = [performance.now(), JSON.stringify(probe.mechanism!.joints())];
+        send('pointermove', 5 + 3 * (i % 14), 1);
+        while (JSON.stringify(probe.mechanism!.joints()) === before && performance.now() - start < 3000) await new Promise((next) => requestAnimationFrame(next));
+        found.push(performance.now() - start);
+      }
+      send('pointerup', 0, 0);
+      return found;
+    }, joint);
+    report(`drag of a link of ${entry}, from the pointer to the moved picture, median`, ms(median(took)));
+    await browser.close();
+    await server.stop();
+  });
+
 const STATIONS = ['LP1', 'LP2', 'ALIGN', 'PM1'];
 
 test('plans of the example cell', async () => {

@@ -1,11 +1,12 @@
 // The view of mechanisms: open, drive, analyse, relieve, edit, save.
 
+import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { EXAMPLE_CELL, ROOT, accessibilityViolations, browse, complaints, frames, load, serve, unhandled, until, visit, type Server } from './studio';
+import { COMMAND, EXAMPLE_CELL, ROOT, accessibilityViolations, browse, complaints, frames, load, serve, unhandled, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let folder: string;
@@ -56,6 +57,23 @@ test('a mechanism of the command is opened, driven and analysed', async () => {
     await shows(page, 'mechanism-name', 'Four-bar linkage');
     await until('the mobility', async () => (await page.getByTestId('m-finite').count()) === 1);
     expect([await text(page, 'm-kutzbach'), await text(page, 'm-instantaneous'), await text(page, 'm-finite'), await text(page, 'm-redundant')]).toEqual(['-2', '1', '1', '3']);
+    // The exported motion has the bytes of the command.
+    const out = join(folder, 'motion');
+    execFileSync(COMMAND, ['move', 'four-bar', '--drive', 'A=-5:20', '--steps', '4', '--to', 'csv,gltf', '--out', out]);
+    for (const format of ['csv', 'gltf']) {
+      await page.getByTestId('mechanism-export').click();
+      await page.getByTestId('motion-from').fill('-5');
+      await page.getByTestId('motion-to').fill('40/2');
+      await page.getByTestId('motion-steps').fill('4');
+      await page.getByTestId('motion-steps').press('Tab');
+      const awaited = page.waitForEvent('download');
+      await page.getByTestId(`mechanism-export-${format}`).click();
+      const download = await awaited;
+      const name = `four-bar-motion.${format === 'csv' ? 'csv' : 'glb'}`;
+      expect(download.suggestedFilename()).toBe(name);
+      expect(readFileSync((await download.path())!).equals(readFileSync(join(out, name))), name).toBe(true);
+    }
+    await page.getByTestId('take-reference').click();
     // The crank turns about A: its end B is where trigonometry places it.
     const before = await joints(page);
     const crank = Math.hypot(...[0, 1, 2].map((k) => before['B']![k]! - before['A']![k]!));
@@ -75,6 +93,38 @@ test('a mechanism of the command is opened, driven and analysed', async () => {
     await field.press('Enter');
     await page.getByRole('alert').filter({ hasText: 'mm' }).waitFor();
     expect(await joints(page)).toEqual(kept);
+    // Compared with the reference: the crank has turned, the mobility is the same.
+    const compared = async (name: string) => (await page.getByTestId(`compare-${name}`).locator('td').allTextContents()).map(Number);
+    await until('compared', async () => (await compared('finite'))[2] === 0);
+    const [from, now, by] = await compared('A');
+    expect([from, by]).toEqual([0, now]);
+    expect(await compared('redundant')).toEqual([3, 3, 0]);
+    // Dragged by its end, the crank follows the pointer, and the other joints follow the crank.
+    const { x: fromX, y: fromY } = (await page.evaluate(() => window.jointplay.probe.mechanism!.onPage('B')))!;
+    await page.mouse.move(fromX, fromY);
+    await page.mouse.down();
+    for (const share of [0.3, 0.6, 1]) await page.mouse.move(fromX + 90 * share, fromY - 20 * share);
+    const apart = (a: Record<string, number[]>, name: string) => Math.hypot(...a[name]!.map((value, k) => value - kept[name]![k]!));
+    await until('dragged', async () => apart(await joints(page), 'B') > 0.01 && apart(await joints(page), 'C') > 0.01);
+    await page.mouse.up();
+    await until('it rests', async () => (await page.getByText('Moving…').count()) === 0);
+    const dragged = await joints(page);
+    expect(Math.hypot(...dragged['B']!.map((value, k) => value - dragged['A']![k]!))).toBeCloseTo(crank, 9);
+    // By numbers: the nearest point of the circle of B.
+    await page.keyboard.press('Escape');
+    await page.getByRole('tab', { name: 'Tree' }).click();
+    await page.getByTestId('tree-joint-B').click();
+    await shows(page, 'point-position', 'Position');
+    await page.getByTestId('point-x').fill('0.5 m');
+    await page.getByTestId('point-x').press('Enter');
+    await page.getByTestId('point-y').fill('500');
+    await page.getByTestId('point-y').press('Enter');
+    await shows(page, 'point-message', 'nearest reachable position');
+    await until('moved to the nearest point', async () => {
+      const { A, B } = await joints(page);
+      const [u, v] = [0.5 - A![0]!, 0.5 - A![1]!];
+      return Math.hypot(B![0]! - A![0]! - (crank * u) / Math.hypot(u, v), B![1]! - A![1]! - (crank * v) / Math.hypot(u, v)) < 1e-6;
+    });
     expect(unhandled(heard).filter((line) => !/status of 422/.test(line))).toEqual([]);
   });
 });

@@ -1,9 +1,10 @@
 // Links to mechanisms, and their exported pictures and films.
 
 import { readFileSync } from 'node:fs';
+import { resolve } from 'node:path';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
 import type { Browser, Page } from 'playwright-core';
-import { accessibilityViolations, browse, complaints, load, serve, unhandled, until, visit, type Server } from './studio';
+import { EXAMPLE_CELL, ROOT, accessibilityViolations, browse, complaints, load, serve, unhandled, until, visit, type Server } from './studio';
 
 let server: Server;
 let browser: Browser;
@@ -122,4 +123,43 @@ test('picture, film and text of a mechanism are exported', async () => {
   const awaited = page.waitForEvent('download');
   await page.getByTestId('mechanism-stop-recording').click();
   expect((await awaited).suggestedFilename()).toMatch(/^four-bar\.(mp4|webm)$/);
+});
+
+test('the dialog Open opens files of each kind in their view, and remembers them', async () => {
+  const shown = async (name: string) => until(`${name} is shown`, async () => (await page.getByTestId('mechanism-name').textContent()) === name);
+  const dialog = page.getByRole('dialog', { name: 'Open' });
+  const choose = (name: string, text: string) => page.getByTestId('open-file').setInputFiles({ name, mimeType: 'text/plain', buffer: Buffer.from(text) });
+  await page.keyboard.press('Control+o');
+  await dialog.waitFor();
+  expect(await accessibilityViolations(page, 'dialog[open]')).toEqual([]);
+  // A sample, found by its title.
+  await dialog.getByPlaceholder('Search').fill('bennett');
+  await dialog.getByTestId('sample-bennett').click();
+  await dialog.waitFor({ state: 'hidden' });
+  await until('its joints are drawn', async () => Object.keys(await joints(page)).length === 4);
+  // A text without a kind, and a work cell that this server has no view for, are refused with the remedy.
+  await page.keyboard.press('Control+o');
+  await choose('notes.toml', 'title = "no kind"\n');
+  await page.getByTestId('open-problem').filter({ hasText: 'kind = "mechanism"' }).waitFor();
+  await choose('cell.toml', EXAMPLE_CELL);
+  await page.getByTestId('open-problem').filter({ hasText: 'jointplay studio cell.toml' }).waitFor();
+  // A file opens, and is recent afterwards.
+  const mine = readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/four-bar.toml'), 'utf8').replace(/^name = "[^"]*"/m, 'name = "My linkage"');
+  await choose('mine.toml', mine);
+  await shown('My linkage');
+  await page.keyboard.press('Control+o');
+  await dialog.getByTestId('sample-bennett').click();
+  await dialog.waitFor({ state: 'hidden' });
+  await page.keyboard.press('Control+o');
+  await dialog.getByTestId('recent-mine.toml').click();
+  await shown('My linkage');
+  // A robot opens in its own view.
+  await page.keyboard.press('Control+o');
+  await choose('robot.toml', readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/gpr.toml'), 'utf8'));
+  await page.getByTestId('slider-tilt').waitFor();
+  await page.keyboard.press('Control+o');
+  await dialog.getByTestId('forget-recent').click();
+  expect(await dialog.getByTestId('recent-mine.toml').count()).toBe(0);
+  await page.keyboard.press('Escape');
+  await dialog.waitFor({ state: 'hidden' });
 });

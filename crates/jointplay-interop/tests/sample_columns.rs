@@ -1,6 +1,7 @@
 //! Columns of tables: headings, tilts and speeds compared with other formulas, and windows with the whole table.
 #![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
+use jointplay_cell::check::{CheckOptions, check};
 use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
@@ -80,6 +81,26 @@ fn heading_and_tilt_agree_with_the_quaternion_and_the_normal() {
     }
     // The second station is tilted by 0.8°.
     assert!(largest > 0.7 && loaded > 10, "{largest} {loaded}");
+}
+
+#[test]
+fn budgets_peak_where_the_check_reports_them() {
+    let (cell, motion) = planned();
+    let columns =
+        samples_with(&motion_export(&cell, &motion), &options(&cell, 1000.0, &["budgets"]));
+    let columns = columns.unwrap();
+    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+    assert_eq!(names, ["platform_tilt_percent", "A_friction_percent", "B_friction_percent"]);
+    let peak = |name: &str| real(&columns, name).iter().copied().fold(0.0, f64::max);
+    let report = check(&cell, &motion, &CheckOptions::default());
+    let rows = || report.by_instruction.iter();
+    let tilt = rows().map(|row| row.tilt).fold(0.0, f64::max);
+    assert!((peak("platform_tilt_percent") - 100.0 * tilt).abs() < 1e-6);
+    // The check leaves out samples whose share is at most 0.0001 more.
+    let slip = rows().filter_map(|row| row.slip).map(|slip| slip.ratio).fold(0.0, f64::max);
+    assert!((peak("B_friction_percent") - 100.0 * slip).abs() < 0.011, "{slip}");
+    // The free effector holds no wafer.
+    assert_eq!(peak("A_friction_percent"), 0.0);
 }
 
 #[test]

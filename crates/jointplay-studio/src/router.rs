@@ -16,9 +16,9 @@ use crate::page;
 use crate::problem::Problem;
 use crate::routes::{
     cell, cell_entry, cell_export, cell_jog, cell_parts, cell_plan, cell_samples, cell_station,
-    compare, forward, inverse, mechanism, mechanism_file, mechanism_mobility, mechanism_motions,
-    mechanism_open, mechanism_suggest, mesh, mobility, pose, quantity, robot, robot_file,
-    sensitivity, study,
+    compare, forward, inverse, mechanism, mechanism_export, mechanism_file, mechanism_mobility,
+    mechanism_motions, mechanism_open, mechanism_reach, mechanism_suggest, mesh, mobility, pose,
+    quantity, robot, robot_file, sensitivity, study,
 };
 use crate::state::AppState;
 
@@ -54,6 +54,8 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(mechanism_open::mechanism_open))
         .routes(routes!(mechanism_open::mechanism_configuration))
         .routes(routes!(mechanism_open::mechanism_drive))
+        .routes(routes!(mechanism_reach::mechanism_reach))
+        .routes(routes!(mechanism_export::mechanism_export))
         .routes(routes!(mechanism_mobility::mobility_of_mechanism))
         .routes(routes!(mechanism_motions::instantaneous_motions))
         .routes(routes!(mechanism_motions::assembly_modes))

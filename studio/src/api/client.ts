@@ -240,6 +240,13 @@ export async function cellExport(what: Schemas['CellExportRequest'], signal: Abo
   return { blob: await blob(Promise.resolve(response)), name };
 }
 
+/** Samples of a motion in a time range [s], as an Arrow stream with the chosen columns. */
+export async function cellSamples(texts: CellTexts, [from_s, to_s]: readonly [number, number], columns: string[], rate_hz: number, signal: AbortSignal): Promise<ReadableStream<Uint8Array>> {
+  const response = await request('cell/samples', { ...texts, from_s, to_s, columns, rate_hz, peaks: true }, signal);
+  if (!response.body) throw new ConnectionError('the response of the server is empty');
+  return response.body;
+}
+
 /** Contents of a window of a motion. */
 export async function cellWindow(key: string): Promise<ArrayBuffer> {
   return buffer(request(`cell/windows/${key}`));
@@ -309,6 +316,18 @@ export async function openMechanism(mechanism: MechanismSource, from: number[] |
 /** Drives joints to values in the units of the file, from given coordinates [m, rad]. */
 export async function driveMechanism(mechanism: MechanismSource, from: number[], to: Record<string, string>, play_scale: number): Promise<DriveDocument> {
   return json(request('mechanism/drive', { mechanism, from, to, play_scale }));
+}
+
+/** Moves a point of a link as near as possible to a position [m]; without a position, nothing moves. */
+export async function reachMechanism(mechanism: MechanismSource, from: number[], { link, point_m }: { link: string; point_m: number[] }, wanted: { to_m: number[]; as_drawn: boolean } | null, play_scale: number): Promise<Schemas['ReachedDocument']> {
+  return json(request('mechanism/reach', { mechanism, from, link, point_m, play_scale, ...wanted }));
+}
+
+export type MechanismExportFormat = Schemas['MechanismExportFormat'];
+
+/** The motion of a joint as a file. */
+export async function mechanismExport(what: Schemas['MechanismExportRequest'], signal: AbortSignal): Promise<Blob> {
+  return blob(request('mechanism/export', what, signal));
 }
 
 /** A configuration with its poses at another play scale. */

@@ -50,8 +50,20 @@ export class MechanismMaterials {
     this.load.color.setHex(colours.load);
   }
 
+  /** Makes all parts translucent, in one colour: the picture of a reference. */
+  makeGhost(colour: number): void {
+    for (const material of this.#all) {
+      Object.assign(material, { transparent: true, opacity: 0.3, depthWrite: false });
+      material.color.setHex(colour);
+    }
+  }
+
+  get #all(): MeshStandardMaterial[] {
+    return [this.base, ...this.links, this.joint, this.actuated, this.virtual, this.selected, this.load];
+  }
+
   dispose(): void {
-    disposeMaterials([this.base, ...this.links, this.joint, this.actuated, this.virtual, this.selected, this.load]);
+    disposeMaterials(this.#all);
   }
 }
 
@@ -168,6 +180,28 @@ export class MechanismModel {
       cone.quaternion.setFromUnitVectors(UP, direction);
       this.#loads.add(cone);
     }
+  }
+
+  /** The moving link of a part; `null` for the base. */
+  movingLink({ kind, name }: PartOf): string | null {
+    const { links, joints, virtual_joints } = this.#document;
+    const at = kind === 'link' ? [links.findIndex((one) => one.name === name)] : (joints[kind === 'joint' ? joints.findIndex((one) => one.name === name) : virtual_joints.find((one) => one.name === name)!.joint]?.links ?? []);
+    return links[at.find((k) => k > 0) ?? 0] === links[0] ? null : links[at.find((k) => k > 0)!]!.name;
+  }
+
+  /** A position in the scene, in the frame of a link [m]. */
+  inLink(link: string, position: Vector3): Vector3 {
+    return this.#group(link).worldToLocal(position.clone());
+  }
+
+  /** A point of a link [m], in the scene. */
+  ofLink(link: string, point: Vector3): Vector3 {
+    return this.#group(link).localToWorld(point.clone());
+  }
+
+  #group(link: string): Group {
+    this.group.updateMatrixWorld(true);
+    return this.#links[this.#document.links.findIndex(({ name }) => name === link)] ?? this.group;
   }
 
   /** Origins of the links by name, in the scene. */

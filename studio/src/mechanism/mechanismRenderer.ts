@@ -1,16 +1,30 @@
 // 3D view of a mechanism. The scene is scaled so that every mechanism has the same size; units of the scene: sizes.
 
-import { Box3, PerspectiveCamera, Vector3 } from 'three';
+import { Box3, PerspectiveCamera, Plane, Vector2, Vector3 } from 'three';
 import type { MechanismDocument, PlacedDocument, RedundantConstraint } from '../api/client';
 import { SCENE, type Theme } from '../scene/palette';
-import { SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
+import { CLICK_DISTANCE, SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
 import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
 import type { Label } from '../scene/labels';
 import { MechanismMaterials, MechanismModel, type PartOf } from './mechanismModel';
+import { PointHandle } from './pointHandle';
 
 export interface MechanismRendererEvents extends RendererEvents {
   /** A part was clicked; `null` for the background. */
   picked: (part: PartOf | null) => void;
+  /** A point of a link was taken [m, in the frame of the link]. */
+  pointTaken: (part: PartOf, link: string, point_m: number[]) => void;
+  /** The point is dragged to a position [m, in the base frame, with exaggerated play]. */
+  pointMoved: (to_m: number[]) => void;
+}
+
+/** A drag of a point: where it was taken, and the plane in which the pointer moves it. */
+interface PointDrag {
+  plane: Plane;
+  /** From the pointer to the point, in the scene. */
+  offset: Vector3;
+  start: Vector2;
+  wanted: Vector3 | null;
 }
 
 /** Up to this number of joints, all of them have labels. */
@@ -31,6 +45,12 @@ export class MechanismRenderer extends SceneRenderer {
   #poses: readonly PlacedDocument[] = [];
   #selected: (part: PartOf) => boolean = () => false;
   #animation = 0;
+  readonly #ghostMaterials = new MechanismMaterials();
+  #ghost: MechanismModel | null = null;
+  readonly #handle = new PointHandle();
+  /** The point with a handle [m, in the frame of the link]. */
+  #point: { link: string; point_m: readonly number[] } | null = null;
+  #drag: PointDrag | null = null;
 
   constructor(host: HTMLElement, events: MechanismRendererEvents) {
     const eye = new PerspectiveCamera(30, 1, 0.02, 80);
@@ -47,7 +67,11 @@ export class MechanismRenderer extends SceneRenderer {
     );
     this.#eye = eye;
     this.#events = events;
+    this.scene.add(this.#handle.group);
     this.canvas.addEventListener('click', (event) => this.#pick(event));
+    // For the capture phase: a drag of a point must not reach the camera controls.
+    this.canvas.addEventListener('pointerdown', (event) => this.#take(event), { capture: true });
+    this.canvas.addEventListener('pointermove', (event) => this.#follow(event));
     this.measure();
   }
 
@@ -55,6 +79,9 @@ export class MechanismRenderer extends SceneRenderer {
     cancelAnimationFrame(this.#animation);
     this.#model?.dispose();
     this.#materials.dispose();
+    this.#handle.dispose();
+    this.#ghost?.dispose();
+    this.#ghostMaterials.dispose();
     super.dispose();
   }
 
@@ -132,6 +159,8 @@ export class MechanismRenderer extends SceneRenderer {
 
   override setTheme(theme: Theme): void {
     this.#materials.paint(SCENE[theme]);
+    this.#ghostMaterials.makeGhost(SCENE[theme].reference);
+    this.#handle.paint(SCENE[theme].handle, SCENE[theme].handleActive);
     super.setTheme(theme);
   }
 
@@ -191,9 +220,7 @@ export class MechanismRenderer extends SceneRenderer {
   onPage(name: string): { x: number; y: number } | null {
     const found = this.#model?.jointPositions().find((one) => one.name === name);
     if (!found) return null;
-    const { x, y } = found.position.project(this.#eye);
-    const box = this.canvas.getBoundingClientRect();
-    return { x: box.left + ((x + 1) / 2) * box.width, y: box.top + ((1 - y) / 2) * box.height };
+    return this.#pagePosition(found.position);
   }
 
   protected resized(): void {
@@ -201,7 +228,99 @@ export class MechanismRenderer extends SceneRenderer {
     this.#eye.updateProjectionMatrix();
   }
 
+  /** Draws a state to compare with, translucent and in the base frame of the mechanism. */
+  showGhost(state: { document: MechanismDocument; poses: readonly PlacedDocument[] } | null): void {
+    if (this.#ghost) {
+      this.scene.remove(this.#ghost.group);
+      this.#ghost.dispose();
+    }
+    this.#ghost = state && new MechanismModel(state.document, this.#ghostMaterials);
+    if (state && this.#ghost) {
+      this.#ghost.place(state.poses);
+      this.#ghost.group.scale.setScalar(1 / (this.#document?.size_m ?? state.document.size_m));
+      this.#ghost.group.traverse((part) => (part.castShadow = false));
+      this.scene.add(this.#ghost.group);
+    }
+    this.invalidate();
+  }
+
+  // The moved point
+
+  /** Shows the handle of a point. */
+  showPoint(point: { link: string; point_m: readonly number[] } | null): void {
+    this.#point = point;
+    this.invalidate();
+  }
+
+  /** Position of the handle on the page [px]. */
+  handleOnPage(): { x: number; y: number } | null {
+    const found = this.#pointPosition();
+    return found && this.#pagePosition(found);
+  }
+
+  /** Position of the point in the scene. */
+  #pointPosition(): Vector3 | null {
+    return this.#point && this.#model ? this.#model.ofLink(this.#point.link, new Vector3(...this.#point.point_m)) : null;
+  }
+
+  /** The part and the point of a moving link under the pointer, by the handle first. */
+  #under(event: MouseEvent): { part: PartOf | null; link: string; position: Vector3 } | null {
+    if (!this.#model) return null;
+    const position = this.#pointPosition();
+    if (position && this.#point && this.#handle.isHit(this.ray(event))) return { part: null, link: this.#point.link, position };
+    const hit = this.intersection(event, this.#model.group);
+    const part = hit?.object.userData.part as PartOf | undefined;
+    const link = part && this.#model.movingLink(part);
+    return hit && part && link ? { part, link, position: hit.point } : null;
+  }
+
+  #take(event: PointerEvent): void {
+    if (event.button !== 0 || event.ctrlKey || event.shiftKey || event.metaKey || this.#drag) return;
+    const taken = this.#under(event);
+    if (!taken || !this.#model) return;
+    event.stopImmediatePropagation();
+    this.canvas.focus();
+    this.canvas.setPointerCapture(event.pointerId);
+    const { part, link, position } = taken;
+    const plane = new Plane().setFromNormalAndCoplanarPoint(this.camera.getWorldDirection(new Vector3()), position);
+    const pointer = this.ray(event).ray.intersectPlane(plane, new Vector3()) ?? position;
+    this.#drag = { plane, offset: position.clone().sub(pointer), start: new Vector2(event.clientX, event.clientY), wanted: null };
+    if (part) this.#events.pointTaken(part, link, this.#model.inLink(link, position).toArray());
+    const end = (): void => {
+      this.#drag = null;
+      this.canvas.removeEventListener('pointerup', end);
+      this.canvas.removeEventListener('pointercancel', end);
+      this.invalidate();
+    };
+    this.canvas.addEventListener('pointerup', end);
+    this.canvas.addEventListener('pointercancel', end);
+  }
+
+  #follow(event: PointerEvent): void {
+    const drag = this.#drag;
+    if (!drag) {
+      if (event.buttons === 0) this.canvas.style.cursor = this.#under(event) ? 'grab' : '';
+      return;
+    }
+    if (!drag.wanted && drag.start.distanceTo(new Vector2(event.clientX, event.clientY)) < CLICK_DISTANCE) return;
+    const at = this.ray(event).ray.intersectPlane(drag.plane, new Vector3());
+    if (!at) return;
+    this.canvas.style.cursor = 'grabbing';
+    drag.wanted = at.add(drag.offset);
+    this.#events.pointMoved(drag.wanted.clone().multiplyScalar(this.#document?.size_m ?? 1).toArray());
+    this.invalidate();
+  }
+
+  #pagePosition(position: Vector3): { x: number; y: number } {
+    const { x, y } = position.project(this.#eye);
+    const box = this.canvas.getBoundingClientRect();
+    return { x: box.left + ((x + 1) / 2) * box.width, y: box.top + ((1 - y) / 2) * box.height };
+  }
+
   protected update(): Overlay | null {
+    const handle = this.exporting || this.#animation ? null : this.#pointPosition();
+    this.#handle.group.visible = handle !== null;
+    if (handle) this.#handle.place(handle, this.#drag?.wanted ?? null, this.#eye, this.size.height, this.#drag !== null);
     const joints = this.#model?.jointPositions() ?? [];
     const all = joints.length <= MANY;
     const isSelected = (name: string) => this.#selected({ kind: 'joint', name });
@@ -213,7 +332,7 @@ export class MechanismRenderer extends SceneRenderer {
   }
 
   #pick(event: MouseEvent): void {
-    if (!this.#model || this.isDragOrHandle(event)) return;
+    if (!this.#model || this.isDragOrHandle(event) || this.#handle.isHit(this.ray(event))) return;
     const hit = this.intersection(event, this.#model.group);
     this.#events.picked((hit?.object.userData.part as PartOf | undefined) ?? null);
   }

@@ -4,6 +4,7 @@ import { SCENE_VIEWS, type SceneView } from '../scene/standardViews';
 import { layout } from '../state/layout.svelte';
 import { shortcutOf, type Shortcut, type ShortcutSheet } from '../state/shortcuts';
 import { studio } from '../state/studio.svelte';
+import { comparison } from './comparison.svelte';
 import { mechanismSession } from './session.svelte';
 
 /** Shows a standard view, while there is a 3D view. */
@@ -12,6 +13,7 @@ export const camera: { showView: ((view: SceneView) => void) | null } = { showVi
 const SHORTCUTS: Shortcut[] = [
   { group: 'Mechanism', keys: ['h'], description: 'home: closed from the guess of the file', run: () => mechanismSession.home() },
   { group: 'Mechanism', keys: ['w'], description: 'wiggle the freedoms, or stop', run: () => (mechanismSession.animated === null ? void mechanismSession.computeMotions() : (mechanismSession.animated = null)) },
+  { group: 'Mechanism', keys: ['c'], description: 'reference: compare with the shown state', run: () => comparison.take() },
   { group: 'Mechanism', keys: ['Escape'], description: 'end the selection and the animation', run: () => { mechanismSession.selected = null; mechanismSession.redundant = null; mechanismSession.animated = null; } },
   ...SCENE_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], description: `view: ${title.toLowerCase()}`, run: () => camera.showView?.(view) })),
   { group: 'Page', keys: ['?'], description: 'keyboard shortcuts', run: () => (layout.helpOpen = !layout.helpOpen) },
@@ -28,7 +30,8 @@ export const MECHANISM_SHORTCUTS: ShortcutSheet = {
     { keys: ['Esc', 'Tab'], description: 'leave the editor' },
   ],
   pointer: [
-    'Drag with the left button to orbit, with the right button to pan; use the wheel to zoom. Click a link or joint to select it.',
+    'Drag the background to orbit, with the right button to pan; use the wheel to zoom. Click a link or joint to select it.',
+    'Drag a link: its point follows the pointer as far as joints and limits allow. A selected link has a handle.',
     'Drop a file on the view to open it: a mechanism file, or a model with the file that closes its loops.',
   ],
 };

@@ -43,6 +43,20 @@ export interface Analysis<T> {
   problem: string | null;
 }
 
+/** A point of a link that is moved by hand. */
+export interface MovedPoint {
+  link: string;
+  /** In the frame of the link [m]. */
+  point_m: number[];
+  /** Wanted position [m]; `null` if none was entered. */
+  to_m: number[] | null;
+  /** Position without exaggerated play [m], in one configuration. */
+  position_m: number[] | null;
+  of: ConfigurationDocument | null;
+  /** How far the wanted position is, and what keeps the point there. */
+  message: string | null;
+}
+
 export type Selection = NonNullable<MechanismLink['selected']>;
 
 /** The 3D view, as far as other parts of the page use it. */
@@ -51,6 +65,18 @@ export interface MechanismSceneView extends PicturedView, RecordedView {
 }
 
 const EMPTY: Work = { name: '', text: '', parameters: {}, ofServer: false, saved: '' };
+
+/** A point of a selected part that can be moved [m, in the frame of its link]: at a joint, or at the end of a link; `null` for the base. */
+function movingPoint(document: MechanismDocument, { kind, name }: Selection): { link: string; point_m: number[] } | null {
+  if (kind === 'link') {
+    const k = document.links.findIndex((link) => link.name === name);
+    return k > 0 ? { link: name, point_m: document.links[k]!.bars[0]?.to_m ?? [0, 0, 0] } : null;
+  }
+  const virtual = document.virtual_joints.find((one) => one.name === name);
+  const joint = kind === 'virtual' ? virtual && document.joints[virtual.joint] : document.joints.find((one) => one.name === name);
+  const side = joint?.links.findIndex((k) => k > 0) ?? -1;
+  return joint && side >= 0 ? { link: document.links[joint.links[side]!]!.name, point_m: joint.frames[side]!.origin_m } : null;
+}
 
 class MechanismSession {
   tab = $state<MechanismTab>('catalogue');
@@ -73,6 +99,7 @@ class MechanismSession {
   entries = $state.raw<api.CatalogueEntry[]>([]);
   playScale = $state(1);
   selected = $state.raw<Selection | null>(null);
+  point = $state.raw<MovedPoint | null>(null);
   /** Index of the redundant constraint whose joints are highlighted. */
   redundant = $state<number | null>(null);
   /** Why the last motion stopped, or what it met. */
@@ -117,6 +144,8 @@ class MechanismSession {
   #mobilityAbort: AbortController | null = null;
   /** Wanted values of driven coordinates that were not sent yet. */
   #wanted: Record<string, string> = {};
+  /** Wanted position of the point that was not sent yet. */
+  #wantedPosition: { to_m: number[]; as_drawn: boolean } | null = null;
   #scaling = false;
   /** Play scale of the poses. */
   #posesScale = 1;
@@ -135,7 +164,7 @@ class MechanismSession {
   }
 
   /** The mechanism of requests. */
-  get #source(): MechanismSource {
+  get source(): MechanismSource {
     return { text: this.work.text, parameters: this.work.parameters };
   }
 
@@ -254,7 +283,10 @@ class MechanismSession {
       this.singularValues = {};
       this.redundant = null;
       this.animated = null;
-      if (fresh) this.#wanted = {};
+      if (fresh) {
+        this.#wanted = {};
+        this.point = null;
+      }
     }
     if (fresh) this.shown += 1;
     this.#settled();
@@ -298,11 +330,11 @@ class MechanismSession {
     this.reading = true;
     try {
       const { playScale } = this;
-      const opened = await api.openMechanism(this.#source, from, playScale, abort.signal);
+      const opened = await api.openMechanism(this.source, from, playScale, abort.signal);
       if (abort.signal.aborted) return;
       this.#take(opened, false, playScale);
       this.reading = false;
-      if (Object.keys(this.#wanted).length > 0 && !this.moving) void this.#drive();
+      if (this.#isWanted && !this.moving) void this.#move();
     } catch (error) {
       // Without a connection, the state stays outdated until the text is read again.
       if (this.#abort === abort && !(error instanceof ConnectionError)) this.reading = false;
@@ -381,8 +413,53 @@ class MechanismSession {
   drive(name: string, value: string): void {
     this.animated = null;
     this.#wanted = { ...this.#wanted, [name]: value };
-    // A text that is being read may change the coordinates: the motion begins afterwards.
-    if (!this.moving && !this.reading && !this.#typing) void this.#drive();
+    this.#start();
+  }
+
+  /** Whether a motion is wanted that was not sent yet. */
+  get #isWanted(): boolean {
+    return Object.keys(this.#wanted).length > 0 || this.#wantedPosition !== null;
+  }
+
+  /** Begins to move; a text that is being read may change the coordinates: the motion begins afterwards. */
+  #start(): void {
+    if (!this.moving && !this.reading && !this.#typing) void this.#move();
+  }
+
+  /** Takes a point of a link to be moved [m, in the frame of the link]. */
+  takePoint(link: string, point_m: number[]): void {
+    this.animated = null;
+    this.point = { link, point_m, to_m: null, position_m: null, of: null, message: null };
+    if (!this.moving) void this.#measurePoint();
+  }
+
+  /** Takes a point of the selected part, unless a point of its link was taken; without a selection, there is none. */
+  takeSelected(): void {
+    const { selected, document, point } = this;
+    const found = document && selected && movingPoint(document, selected);
+    if (!found) this.point = null;
+    else if (point?.link !== found.link) this.takePoint(found.link, found.point_m);
+  }
+
+  /** Moves the point as near as possible to a position [m]; `as_drawn` is a position in the picture, with exaggerated play. */
+  movePoint(to_m: number[], as_drawn: boolean): void {
+    if (!this.point) return;
+    this.animated = null;
+    this.#wantedPosition = { to_m, as_drawn };
+    if (!as_drawn) this.point = { ...this.point, to_m };
+    this.#start();
+  }
+
+  /** Requests the position of the point in the shown configuration. */
+  async #measurePoint(): Promise<void> {
+    const { point, configuration, outdated } = this;
+    if (!point || !configuration || outdated || point.of === configuration) return;
+    try {
+      const { position_m } = await api.reachMechanism(this.source, configuration.coordinates, point, null, 1);
+      if (this.point === point && this.configuration === configuration) this.point = { ...point, position_m, of: configuration };
+    } catch (error) {
+      this.failed(error);
+    }
   }
 
   /** Returns to the closed configuration near the guess of the file. */
@@ -401,7 +478,7 @@ class MechanismSession {
     try {
       while (this.#posesScale !== this.playScale && this.configuration && !this.moving) {
         const { configuration, playScale } = this;
-        const { poses } = await api.mechanismConfiguration(this.#source, configuration.coordinates, playScale);
+        const { poses } = await api.mechanismConfiguration(this.source, configuration.coordinates, playScale);
         if (this.configuration !== configuration) continue;
         this.poses = poses;
         this.#posesScale = playScale;
@@ -429,36 +506,58 @@ class MechanismSession {
     this.#settled();
   }
 
-  async #drive(): Promise<void> {
+  async #move(): Promise<void> {
     this.moving = true;
     try {
-      while (Object.keys(this.#wanted).length > 0 && this.configuration && !this.reading && !this.#typing) {
-        const to = this.#wanted;
-        this.#wanted = {};
-        const { document } = this;
-        try {
-          const { playScale } = this;
-          const found = await api.driveMechanism(this.#source, this.configuration.coordinates, to, playScale);
-          if (document !== this.document) {
-            // Another mechanism: its configuration is the start.
-            this.#wanted = { ...to, ...this.#wanted };
-            continue;
-          }
-          this.#setConfiguration(found.configuration, playScale);
-          this.stopped = found.message ?? null;
-          this.refused = {};
-          this.#note(found);
-        } catch (error) {
-          const name = error instanceof api.ApiError && error.field?.startsWith('to.') ? error.field.slice(3) : null;
-          if (name !== null && error instanceof Error) this.refused = { ...this.refused, [name]: error.message };
-          else if (error instanceof api.ApiError) this.stopped = error.message;
-          else this.failed(error);
-        }
-      }
+      while (this.#isWanted && this.configuration && !this.reading && !this.#typing)
+        if (this.#wantedPosition) await this.#reach(this.configuration);
+        else await this.#drive(this.configuration);
     } finally {
       this.moving = false;
       this.setPlayScale(this.playScale);
       this.#settled();
+    }
+  }
+
+  async #drive({ coordinates }: ConfigurationDocument): Promise<void> {
+    const to = this.#wanted;
+    this.#wanted = {};
+    const { document, playScale } = this;
+    try {
+      const found = await api.driveMechanism(this.source, coordinates, to, playScale);
+      if (document !== this.document) {
+        // Another mechanism: its configuration is the start.
+        this.#wanted = { ...to, ...this.#wanted };
+        return;
+      }
+      this.#setConfiguration(found.configuration, playScale);
+      if (this.point) this.point = { ...this.point, to_m: null, message: null };
+      this.stopped = found.message ?? null;
+      this.refused = {};
+      this.#note(found);
+    } catch (error) {
+      const name = error instanceof api.ApiError && error.field?.startsWith('to.') ? error.field.slice(3) : null;
+      if (name !== null && error instanceof Error) this.refused = { ...this.refused, [name]: error.message };
+      else if (error instanceof api.ApiError) this.stopped = error.message;
+      else this.failed(error);
+    }
+  }
+
+  async #reach({ coordinates }: ConfigurationDocument): Promise<void> {
+    const wanted = this.#wantedPosition;
+    this.#wantedPosition = null;
+    const { document, playScale, point } = this;
+    if (!wanted || !point) return;
+    try {
+      const { configuration, position_m, message } = await api.reachMechanism(this.source, coordinates, point, wanted, playScale);
+      if (document !== this.document) return;
+      this.#setConfiguration(configuration, playScale);
+      if (this.point?.link === point.link) this.point = { ...this.point, position_m, of: configuration, message: message ?? null };
+      this.stopped = null;
+      this.met = [];
+    } catch (error) {
+      if (error instanceof api.ApiError && this.point) this.point = { ...this.point, message: error.message };
+      else this.failed(error);
     }
   }
 
@@ -489,7 +588,11 @@ class MechanismSession {
   #settled(): void {
     clearTimeout(this.#settle);
     this.#mobilityAbort?.abort();
-    if (this.configuration) this.#settle = setTimeout(() => void this.#computeMobility(), SETTLED_MS);
+    if (this.configuration)
+      this.#settle = setTimeout(() => {
+        void this.#computeMobility();
+        void this.#measurePoint();
+      }, SETTLED_MS);
   }
 
   async #computeMobility(): Promise<void> {
@@ -501,7 +604,7 @@ class MechanismSession {
       if (!abort.signal.aborted && this.configuration === configuration) this.mobility = { of: configuration, result, problem };
     };
     try {
-      done(await api.mechanismMobility(this.#source, configuration.coordinates, abort.signal), null);
+      done(await api.mechanismMobility(this.source, configuration.coordinates, abort.signal), null);
     } catch (error) {
       if (error instanceof api.ApiError) done(null, error.message);
       else this.failed(error);
@@ -524,20 +627,20 @@ class MechanismSession {
   }
 
   async computeMotions(): Promise<void> {
-    this.motions = await this.#analyse('motions', ({ coordinates }) => api.mechanismMotions(this.#source, coordinates));
+    this.motions = await this.#analyse('motions', ({ coordinates }) => api.mechanismMotions(this.source, coordinates));
     if (this.motions?.result?.motions.length) this.animated = 0;
   }
 
   async computeModes(): Promise<void> {
     this.#modesScale = this.playScale;
-    this.modes = await this.#analyse('modes', ({ coordinates }) => api.mechanismBranches(this.#source, coordinates, this.playScale));
+    this.modes = await this.#analyse('modes', ({ coordinates }) => api.mechanismBranches(this.source, coordinates, this.playScale));
   }
 
   async computeSuggestion(): Promise<void> {
     const of = this.sourceKey;
     this.computing = 'suggestion';
     try {
-      this.suggestion = { of, result: await api.suggestVirtualJoints(this.#source, new AbortController().signal), problem: null };
+      this.suggestion = { of, result: await api.suggestVirtualJoints(this.source, new AbortController().signal), problem: null };
     } catch (error) {
       if (error instanceof api.ApiError) this.suggestion = { of, result: null, problem: error.message };
       else this.failed(error);

@@ -26,6 +26,8 @@ export interface SceneColours {
   grid: number;
   /** Contact of a ball with its bearing. */
   contact: string;
+  /** A state to compare with. */
+  reference: number;
   handle: number;
   handleActive: number;
   shadow: number;
@@ -54,6 +56,7 @@ export const SCENE: Record<Theme, SceneColours> = {
     ghost: 0x6f7b87,
     grid: 0xb4c1ce,
     contact: '#d55e00',
+    reference: 0x6f9a5c,
     handle: 0x2a6fb0,
     handleActive: 0xd55e00,
     shadow: 0.55,
@@ -79,6 +82,7 @@ export const SCENE: Record<Theme, SceneColours> = {
     ghost: 0xaab4be,
     grid: 0x384550,
     contact: '#ff9d4d',
+    reference: 0x93c27c,
     handle: 0x6db3f2,
     handleActive: 0xff9d4d,
     shadow: 0.85,

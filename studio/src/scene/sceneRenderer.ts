@@ -89,7 +89,7 @@ const STILL_PIXELS = 9e6;
 const STILL_AFTER_MS = 220;
 
 /** Pointer movement up to which a click is a click and not a drag [px]. */
-const CLICK_DISTANCE = 4;
+export const CLICK_DISTANCE = 4;
 
 export abstract class SceneRenderer {
   protected readonly renderer: WebGLRenderer;
@@ -416,7 +416,7 @@ export abstract class SceneRenderer {
 
   #grab(event: PointerEvent): void {
     this.#pointerDown.set(event.clientX, event.clientY);
-    const freedom = event.button === 0 ? this.#handles?.pick(this.#ray(event)) : null;
+    const freedom = event.button === 0 ? this.#handles?.pick(this.ray(event)) : null;
     if (!freedom) return;
     event.stopImmediatePropagation();
     this.#drag = { freedom, start: new Vector2(event.clientX, event.clientY) };
@@ -441,7 +441,7 @@ export abstract class SceneRenderer {
       return;
     }
     if (event.buttons !== 0) return;
-    const hovered = this.#handles.pick(this.#ray(event));
+    const hovered = this.#handles.pick(this.ray(event));
     this.canvas.style.cursor = hovered ? 'grab' : '';
     this.canvas.title = hovered ? `Drag: ${DESCRIPTIONS[hovered]}` : '';
     if (this.#handles.highlight(hovered)) this.invalidate();
@@ -452,16 +452,17 @@ export abstract class SceneRenderer {
   /** The first intersection of the ray through the pointer with a visible surface of an object; `null` if there is none. */
   protected intersection(event: MouseEvent, object: Object3D): Intersection | null {
     const planes = this.renderer.clippingPlanes as Plane[];
-    return this.#ray(event).intersectObject(object, true).find(({ point }) => planes.every((plane) => plane.distanceToPoint(point) >= 0)) ?? null;
+    return this.ray(event).intersectObject(object, true).find(({ point }) => planes.every((plane) => plane.distanceToPoint(point) >= 0)) ?? null;
   }
 
   /** Whether a click is the end of a drag of the view, or hits a handle. */
   protected isDragOrHandle(event: MouseEvent): boolean {
     const moved = this.#pointerDown.distanceTo(new Vector2(event.clientX, event.clientY));
-    return moved >= CLICK_DISTANCE || Boolean(this.#handles?.pick(this.#ray(event)));
+    return moved >= CLICK_DISTANCE || Boolean(this.#handles?.pick(this.ray(event)));
   }
 
-  #ray(event: MouseEvent): Raycaster {
+  /** The ray through the pointer. */
+  protected ray(event: MouseEvent): Raycaster {
     const box = this.canvas.getBoundingClientRect();
     const pointer = new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
     const ray = new Raycaster();

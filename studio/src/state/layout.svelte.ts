@@ -17,7 +17,7 @@ export const CELL_PANELS = ['check', 'play', 'jog', 'stations'] as const;
 export type CellPanelName = (typeof CELL_PANELS)[number];
 
 /** Panels of the view of mechanisms in their initial order. */
-export const MECHANISM_PANELS = ['joints', 'mobility', 'motions', 'suggest', 'modes', 'parameters'] as const;
+export const MECHANISM_PANELS = ['joints', 'point', 'mobility', 'motions', 'suggest', 'modes', 'comparison', 'parameters'] as const;
 export type MechanismPanelName = (typeof MECHANISM_PANELS)[number];
 
 /** Views of the page. */

@@ -35,6 +35,8 @@ export interface MechanismProbe {
   camera: () => { eye: number[]; target: number[] } | null;
   /** Position of a joint on the page [px]. */
   onPage: (joint: string) => { x: number; y: number } | null;
+  /** Position of the handle of a point on the page [px]. */
+  handle: () => { x: number; y: number } | null;
 }
 
 class TestProbe {

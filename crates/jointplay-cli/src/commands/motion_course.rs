@@ -4,7 +4,7 @@ use jointplay::mechanism::DrivePath;
 use jointplay::report::MotionParameter;
 
 /// Default number of steps of a path.
-pub(super) const STEPS: usize = 60;
+pub(super) const STEPS: usize = jointplay::mechanism::DEFAULT_STEPS;
 
 /// The path of a motion.
 pub(super) struct Course {

@@ -9,6 +9,9 @@ use super::{
 };
 use crate::Error;
 
+/// Number of steps of a motion whose steps do not matter, such as the one to the start of a path.
+pub const DEFAULT_STEPS: usize = 60;
+
 /// Drives joint coordinates along a path: by dense algebra, with the least displacements of virtual joints if there are any, or by sparse algebra if there are many loops.
 ///
 /// # Arguments

@@ -27,10 +27,12 @@ mod limits;
 mod link_poses;
 mod mechanism_error;
 mod motion;
+mod motions;
 mod nearest;
 mod posing;
 mod position;
 mod principal_directions;
+mod reach;
 mod relief;
 mod relieved_motion;
 mod self_stress;
@@ -61,7 +63,7 @@ pub use coupling::{Coupling, JointCoordinate};
 pub use description::{
     Carrier, Joint, LinearAndAngular, MAX_LINKS, Mechanism, VirtualJoint, VirtualMotion,
 };
-pub use drive_from::{drive_from, held_actuators};
+pub use drive_from::{DEFAULT_STEPS, drive_from, held_actuators};
 pub use drive_path::{Drive, DrivePath};
 pub use elementary::{ElementaryChain, ElementaryMotion};
 pub use evidence::{LinkMotion, MobilityClass, ScrewAxis, link_motion, poses_along_motion};
@@ -82,6 +84,7 @@ pub use position::{
     ChangedDimension, Dexterity, DifferentialKinematics, DimensionDerivatives, Position,
     PositionSolver, dexterity,
 };
+pub use reach::{PointTarget, ReachedPoint, reach_point};
 pub use relief::{CommandedJoints, Relief, ReliefSolver, relieve, virtual_weights};
 pub use relieved_motion::drive_relieved;
 pub use self_stress::{

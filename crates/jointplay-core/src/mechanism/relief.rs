@@ -310,6 +310,37 @@ fn off_home(
     DVector::from_iterator(passive.len(), passive.iter().map(|&k| away[k]))
 }
 
+/// (f + M, n) motion of all coordinates for a radian or characteristic length of each commanded one: virtual joints by least norm, undetermined motions at rest; in radians and characteristic lengths.
+///
+/// The curvature of the least displacement is neglected.
+pub(super) fn rates(
+    here: &MechanismSystem<'_>,
+    commanded: &CommandedJoints,
+) -> Result<DMatrix<f64>, Error> {
+    let (f, length) = (here.coordinate_dimensions().len(), here.characteristic_length());
+    let Reduced { relieving, open, j_x, passive_part, passive, rank, roots, .. } =
+        reduced(here, commanded)?;
+    let rows = units(&here.constraint_dimensions(), length);
+    let columns = units(here.kinematics().dimensions(), length);
+    let of_commanded = columns.select_rows(&commanded.coordinates);
+    let jacobian = here.full_jacobian(&here.at_home()).select_columns(&commanded.coordinates);
+    let pull = scaled_jacobian(&jacobian, &rows, &of_commanded);
+    let decomposition = svd(&relieving)?;
+    let relieving_rank = decomposition.rank(RELIEF_THRESHOLD);
+    let mut rates = DMatrix::zeros(here.home().len(), commanded.coordinates.len());
+    for (column, &k) in commanded.coordinates.iter().enumerate() {
+        rates[(k, column)] = 1.0;
+        let pull = pull.column(column).into_owned();
+        let relief = -decomposition.solve(&(&open * &pull), relieving_rank);
+        let follow = -passive_part.solve(&(pull + &j_x * &relief), rank);
+        passive.iter().zip(follow.iter()).for_each(|(&k, by)| rates[(k, column)] = *by);
+        for (m, by) in relief.component_div(&roots).iter().enumerate() {
+            rates[(f + m, column)] = by / columns[f + m];
+        }
+    }
+    Ok(rates)
+}
+
 /// Mismatch that the passive joints leave open, and the effect of the virtual joints on it.
 pub(super) struct Reduced {
     /// (open, M) effect of the virtual joints, in their metric, on the open mismatch.

@@ -24,12 +24,22 @@ pub(super) enum Quantity {
     Time,
     Line,
     Step,
-    Axis { axis: usize, derivative: Derivative },
+    Axis {
+        axis: usize,
+        derivative: Derivative,
+    },
     Platform(FrameQuantity),
-    Wafer { effector: EffectorId, quantity: FrameQuantity },
+    Wafer {
+        effector: EffectorId,
+        quantity: FrameQuantity,
+    },
     Speed(EffectorId),
     Acceleration(EffectorId),
     Loaded(EffectorId),
+    /// Share of the largest tilt of the platform.
+    TiltShare,
+    /// Share of the available friction that a held wafer needs.
+    FrictionShare(EffectorId),
     Violations,
 }
 
@@ -58,7 +68,7 @@ pub(super) enum FrameQuantity {
 pub const DEFAULT_COLUMNS: &str = "default";
 
 /// Groups with their meaning; in addition, the name of each axis, effector and column without its unit is a group.
-pub const COLUMN_GROUPS: [(&str, &str); 17] = [
+pub const COLUMN_GROUPS: [(&str, &str); 18] = [
     (DEFAULT_COLUMNS, "columns without --columns"),
     ("all", "all columns"),
     ("time", "time"),
@@ -76,6 +86,10 @@ pub const COLUMN_GROUPS: [(&str, &str); 17] = [
     ("heading", "heading of each effector's wafer"),
     ("tilt", "tilt angle and azimuth of the platform and of each effector's wafer"),
     ("speed", "speed and acceleration of each wafer centre"),
+    (
+        "budgets",
+        "shares of the largest tilt of the platform and of the friction of each held wafer",
+    ),
 ];
 
 /// All columns that a table of samples of a cell can have, in their order.
@@ -110,6 +124,13 @@ pub fn sample_columns(cell: &Cell) -> Vec<SampleColumn> {
         if coordinate == "tilt" { vec!["platform", "tilt"] } else { vec!["platform"] }
     };
     columns.extend(frame_columns(&platform, of_platform, Quantity::Platform));
+    let meaning = "tilt of the platform, as a share of its limit";
+    columns.push(column(
+        "platform_tilt_percent",
+        meaning,
+        &["budgets", "platform"],
+        Quantity::TiltShare,
+    ));
     for effector in cell.robot.effectors() {
         let name = &cell.robot.arms[effector.arm].effectors[effector.effector].name;
         let what = format!("wafer on {name}");
@@ -132,11 +153,19 @@ pub fn sample_columns(cell: &Cell) -> Vec<SampleColumn> {
                 Quantity::Acceleration(effector),
             ),
             ("loaded", "", "1 while there is a", Quantity::Loaded(effector)),
+            (
+                "friction",
+                "_percent",
+                "share of the available friction, 0 while there is no",
+                Quantity::FrictionShare(effector),
+            ),
         ] {
             let short = format!("{name}_{end}");
             let mut groups = vec!["wafers", name.as_str(), short.as_str()];
-            if !unit.is_empty() {
-                groups.push("speed");
+            match quantity {
+                Quantity::Speed(_) | Quantity::Acceleration(_) => groups.push("speed"),
+                Quantity::FrictionShare(_) => groups.push("budgets"),
+                _ => {}
             }
             let meaning = format!("{meaning} {what}");
             columns.push(column(&format!("{short}{unit}"), &meaning, &groups, quantity));

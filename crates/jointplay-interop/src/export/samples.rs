@@ -134,7 +134,10 @@ impl<'a> Table<'a> {
             columns.extend(sample_columns(motion_export.cell).into_iter().filter(counts));
         }
         let poses = |column: &SampleColumn| {
-            matches!(column.quantity, Quantity::Platform(_) | Quantity::Wafer { .. })
+            matches!(
+                column.quantity,
+                Quantity::Platform(_) | Quantity::TiltShare | Quantity::Wafer { .. }
+            )
         };
         let has_poses = columns.iter().any(poses);
         Self { motion_export, columns, has_poses }
@@ -212,6 +215,12 @@ impl<'a> Table<'a> {
                 let pose = pose.as_ref().map(|pose| &pose.base_from_wafer[arm][effector]);
                 in_base(pose, quantity)
             }
+            Quantity::TiltShare => {
+                let pose = pose.as_ref().map(|pose| &pose.platform.base_from_platform);
+                let tilt = pose.map_or(f64::NAN, |pose| frame_quantity(pose, FrameQuantity::Tilt));
+                100.0 * tilt / self.motion_export.cell.robot.gpr.limits().tilt_max
+            }
+            Quantity::FrictionShare(effector) => self.friction_share(row, effector),
             Quantity::Speed(effector) => mm(self.wafer_motion(row, effector)?.velocity.norm()),
             Quantity::Acceleration(effector) => {
                 mm(self.wafer_motion(row, effector)?.acceleration.norm())
@@ -230,6 +239,17 @@ impl<'a> Table<'a> {
             Ok(found) => Ok(found),
             Err(_) => cell.robot.effector_motion(&motion, effector).map_err(failed),
         }
+    }
+
+    /// Share of the available friction that a held wafer needs; 0 for an effector without a wafer, NaN where the droop of its arm is unknown (%).
+    fn friction_share(&self, row: &Row<'_>, effector: EffectorId) -> f64 {
+        if !row.loaded.contains(&effector) {
+            return 0.0;
+        }
+        let Sample { positions, velocities, accelerations, .. } = &row.sample;
+        let motion = AxesMotion { positions, velocities, accelerations };
+        let demand = self.motion_export.cell.friction_demand(effector, &motion);
+        demand.map_or(f64::NAN, |demand| 100.0 * demand.utilization())
     }
 }
 

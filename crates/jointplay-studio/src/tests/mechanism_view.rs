@@ -4,7 +4,7 @@ use axum::body::Body;
 use axum::http::{Request, StatusCode, header};
 use serde_json::{Value, json};
 
-use super::{HOST, PORT, answered, get, refused, send_to, state};
+use super::{HOST, PORT, answered, get, post, refused, send_to, state};
 use crate::mechanism_file::{MechanismFileOnDisk, MechanismSession};
 use crate::router;
 
@@ -334,4 +334,108 @@ fn the_file_of_the_server_is_read_saved_and_not_overwritten_unseen() {
     assert_eq!(conflict.json()["field"], "replaces");
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "# another editor\n");
     assert_eq!(get("/api/v1/mechanism").status, StatusCode::NOT_FOUND);
+}
+
+const REACH: &str = "/api/v1/mechanism/reach";
+
+#[test]
+fn a_point_of_the_crank_is_moved_to_the_nearest_position_within_the_limits() {
+    let start = open(CRANK)["mechanism"]["configuration"]["coordinates"].clone();
+    let reach = |to: Value, more: Value| {
+        let mut body = json!({ "mechanism": source(CRANK), "from": start, "link": "crank", "point_m": [0.04, 0, 0], "to_m": to });
+        for (key, value) in more.as_object().unwrap() {
+            body[key] = value.clone();
+        }
+        body.to_string()
+    };
+    let none = json!({});
+    // Without a wanted position, the point is measured.
+    let here = answered(REACH, &reach(Value::Null, none.clone()));
+    assert_eq!((&here["position_m"], &here["message"]), (&json!([0.04, 0.0, 0.0]), &Value::Null));
+    // The nearest point of a circle of 40 mm.
+    let found = answered(REACH, &reach(json!([0.3, 0.4, 0]), none.clone()));
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert!(
+        (number(&found["configuration"]["values"][0]) - 0.8_f64.atan2(0.6).to_degrees()).abs()
+            < 1e-5
+    );
+    assert!((number(&found["distance_m"]) - 0.46).abs() < 1e-9);
+    let message = found["message"].as_str().unwrap();
+    assert!(
+        message.starts_with("The nearest reachable position is 460.")
+            && message.ends_with("mm away."),
+        "{message}"
+    );
+    // The slider stops at -60 mm: the crank angle by the law of cosines.
+    let bounded = answered(REACH, &reach(json!([-1, 0.1, 0]), none.clone()));
+    assert_eq!(bounded["at_limits"], json!(["D"]));
+    assert!((number(&bounded["configuration"]["values"][3]) + 60.0).abs() < 1e-6);
+    let cosine = (40.0_f64.powi(2) + 100.0_f64.powi(2) - 120.0_f64.powi(2)) / (2.0 * 40.0 * 100.0);
+    assert!(
+        (number(&bounded["configuration"]["values"][0]) - cosine.acos().to_degrees()).abs() < 1e-5
+    );
+    assert!(bounded["message"].as_str().unwrap().contains("within the limits of D"));
+    assert_eq!(bounded["configuration"]["limits_broken"], json!([]));
+    let at = || json!([0, 0, 0]);
+    refused(REACH, &reach(json!([1e9, 0, 0]), none), 422, Some("to_m[0]"), "within ±1000 m");
+    refused(REACH, &reach(at(), json!({ "link": "no" })), 422, Some("link"), "unknown link \"no\"");
+    refused(REACH, &reach(at(), json!({ "from": [0.0] })), 422, Some("from"), "4 coordinates");
+    refused(REACH, &reach(at(), json!({ "play_scale": 0 })), 422, Some("play_scale"), "from 1");
+}
+
+#[test]
+fn a_dragged_point_is_where_it_is_drawn_at_a_play_scale() {
+    let text = entry("gpr-mechanism");
+    let suggested =
+        answered("/api/v1/mechanism/suggest", &json!({ "mechanism": source(&text) }).to_string());
+    let text = suggested["texts"][0].as_str().unwrap().to_owned();
+    let opened = open(&text);
+    let links = opened["mechanism"]["links"].as_array().unwrap();
+    let platform = links.iter().position(|link| link["name"] == "platform").unwrap();
+    let mut from = opened["mechanism"]["configuration"]["coordinates"].clone();
+    let origin = opened["mechanism"]["configuration"]["poses"][platform]["origin_m"].clone();
+    let mut to: Vec<f64> = serde_json::from_value(origin).unwrap();
+    to[2] += 0.004;
+    let mut drawn = vec![];
+    for _ in 0..4 {
+        let body = json!({ "mechanism": source(&text), "from": from, "link": "platform", "point_m": [0.1, 0, 0], "to_m": [to[0] + 0.1, to[1], to[2]], "as_drawn": true, "play_scale": 100 });
+        let found = answered(REACH, &body.to_string());
+        from = found["configuration"]["coordinates"].clone();
+        let pose = &found["configuration"]["poses"][platform];
+        let at = |k: usize| {
+            pose["origin_m"][k].as_f64().unwrap() + 0.1 * pose["rotation"][k][0].as_f64().unwrap()
+        };
+        drawn = vec![at(0) - to[0] - 0.1, at(1) - to[1], at(2) - to[2]];
+    }
+    assert!(drawn[2].abs() < 2e-4, "{drawn:?}");
+}
+
+#[test]
+fn a_motion_of_a_joint_is_a_table_or_a_scene_unless_it_stops_or_leaves_limits() {
+    const EXPORT: &str = "/api/v1/mechanism/export";
+    let body = |from: &str, to: &str, format: &str, steps: usize| {
+        json!({ "mechanism": source(CRANK), "drive": "A", "from": from, "to": to, "steps": steps, "format": format }).to_string()
+    };
+    let table = post(EXPORT, &body("10", "30 deg", "csv", 4));
+    assert_eq!(table.status, StatusCode::OK, "{}", String::from_utf8_lossy(&table.bytes));
+    let table = String::from_utf8(table.bytes.to_vec()).unwrap();
+    let rows: Vec<Vec<f64>> = table
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(rows.len(), 5, "{table}");
+    for (k, row) in rows.iter().enumerate() {
+        let angle = 10.0 + 5.0 * f64::from(u8::try_from(k).unwrap());
+        let (sine, cosine) = angle.to_radians().sin_cos();
+        let slider = 40.0 * cosine + (120.0_f64.powi(2) - (40.0 * sine).powi(2)).sqrt() - 160.0;
+        assert!((row[0] - angle).abs() < 1e-9 && (row[3] - slider).abs() < 1e-6, "{row:?}");
+    }
+    assert_eq!(&post(EXPORT, &body("0", "30", "gltf", 4)).bytes[..4], b"glTF");
+    // The slider leaves its limit of -60 mm.
+    refused(EXPORT, &body("0", "150", "csv", 60), 409, None, "leaves limits at A = ");
+    refused(EXPORT, &body("0", "0 deg", "csv", 60), 422, Some("to"), "equal");
+    refused(EXPORT, &body("0", "1 mm", "csv", 60), 422, Some("to.A"), "");
+    refused(EXPORT, &body("0", "1", "csv", 0), 422, Some("steps"), "1 to 20000");
+    refused(EXPORT, &body("0", "1", "pdf", 1), 422, Some("format"), "pdf");
 }

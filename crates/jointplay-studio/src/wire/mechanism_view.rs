@@ -294,6 +294,90 @@ pub(crate) struct DriveDocument {
     pub(crate) held: Vec<String>,
 }
 
+/// Request to move a point of a link.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ReachRequest {
+    /// The mechanism.
+    #[serde(deserialize_with = "strict::object")]
+    pub(crate) mechanism: MechanismSource,
+    /// Coordinates of the closed configuration where the motion begins (m, rad).
+    pub(crate) from: Vec<f64>,
+    /// Name of the link.
+    pub(crate) link: String,
+    /// The point, in the frame of the link (m).
+    pub(crate) point_m: Triple,
+    /// The wanted position, in the frame of the base (m); without it, nothing moves.
+    #[serde(default)]
+    pub(crate) to_m: Option<Triple>,
+    /// Whether the wanted position is that of the point as drawn, with exaggerated play.
+    #[serde(default)]
+    #[schema(required = false)]
+    pub(crate) as_drawn: bool,
+    /// Play scale of the poses.
+    #[serde(default = "one")]
+    #[schema(required = false, minimum = 1, maximum = 1e9)]
+    pub(crate) play_scale: f64,
+}
+
+/// The reachable configuration in which a point is nearest to a wanted position.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct ReachedDocument {
+    /// The configuration.
+    pub(crate) configuration: ConfigurationDocument,
+    /// Position of the point, without exaggerated play (m).
+    pub(crate) position_m: Triple,
+    /// Distance of the point from the wanted position (m).
+    pub(crate) distance_m: f64,
+    /// Joint coordinates whose limits keep the point from being nearer.
+    pub(crate) at_limits: Vec<String>,
+    /// The same distance and limits as text; `null` if the position is reached.
+    #[schema(required = true)]
+    pub(crate) message: Option<String>,
+}
+
+/// Request of a motion of one joint as a file.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MechanismExportRequest {
+    /// The mechanism.
+    #[serde(deserialize_with = "strict::object")]
+    pub(crate) mechanism: MechanismSource,
+    /// Coordinates of the closed configuration before the motion (m, rad); without them, that of the file.
+    #[serde(default)]
+    pub(crate) at: Option<Vec<f64>>,
+    /// Name of the driven joint coordinate.
+    pub(crate) drive: String,
+    /// Its value at the start: an expression in the units of the file. The joint is driven there first.
+    pub(crate) from: String,
+    /// Its value at the end.
+    pub(crate) to: String,
+    /// Number of steps.
+    #[serde(default = "default_steps")]
+    #[schema(required = false, default = 60, minimum = 1, maximum = 20000)]
+    pub(crate) steps: usize,
+    /// Format of the file.
+    pub(crate) format: MechanismExportFormat,
+    /// Factor of the displacements of virtual joints in scenes.
+    #[serde(default = "one")]
+    #[schema(required = false, minimum = 1, maximum = 1e9)]
+    pub(crate) play_scale: f64,
+}
+
+/// Format of a motion of a mechanism.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum MechanismExportFormat {
+    /// All coordinates at each step as comma-separated values, as from `jointplay move --to csv`.
+    Csv,
+    /// Animated 3D scene of 4 s as binary glTF, as from `jointplay move --to gltf`.
+    Gltf,
+}
+
+fn default_steps() -> usize {
+    jointplay::mechanism::DEFAULT_STEPS
+}
+
 /// The mobility of a mechanism.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct MobilityOfMechanism {
