@@ -26,11 +26,10 @@ const BUILDERS: [&str; 5] = ["cargo", "rustc", "node", "npm", "cc"];
 /// # Errors
 /// If a file of this commit is missing, a system cannot be made, or a command fails in it.
 pub(super) fn run(folders: &Folders) -> io::Result<()> {
-    let with_python = Root::new(folders, "python", &["python3", "python3-venv"])?;
-    python(folders, &with_python)?;
     let plain = Root::new(folders, "plain", &[])?;
     archive(folders, &plain)?;
-    debian(folders, &plain)
+    debian(folders, &plain)?;
+    python(folders, &Root::new(folders, "python", &["python3", "python3-venv"])?)
 }
 
 /// The wheel, installed by pip without a network, with the Python section of the README and the studio.
