@@ -103,7 +103,8 @@ test('the gallery plays recorded motions, and the references are pages of the bo
   await page.emulateMedia({ reducedMotion: 'reduce' });
   await page.goto(`${address}/docs/reference/gallery.html#four-bar`);
   const drawn = () => page.evaluate(() => Number(document.querySelector<HTMLElement>('.gallery .view')?.dataset.drawn ?? 0));
-  const picture = () => page.locator('.gallery .view canvas').first().evaluate((canvas) => (canvas as HTMLCanvasElement).toDataURL());
+  // As shown: a canvas may be empty between frames.
+  const picture = async () => (await page.locator('.gallery .view').screenshot()).toString('base64');
   const changes = async (what: string, action: () => Promise<unknown>) => {
     const before = await picture();
     await action();
