@@ -1,11 +1,11 @@
 import { svelte } from '@sveltejs/vite-plugin-svelte';
 import { defineConfig } from 'vite';
 
-// The playground of the documentation: scripts and the WebAssembly module, for any folder of any server of files.
+// The playground and the gallery of the documentation: scripts and the WebAssembly module, for any folder of any server of files.
 export default defineConfig({
   base: './',
   publicDir: false,
-  // One script with its styles: a page that links it needs nothing else.
+  // Scripts with their styles: a page that links one needs nothing else.
   plugins: [svelte({ compilerOptions: { css: 'injected' } })],
   build: {
     target: 'es2022',
@@ -13,8 +13,8 @@ export default defineConfig({
     outDir: '../docs/playground',
     emptyOutDir: true,
     rolldownOptions: {
-      input: 'src/playground/main.ts',
-      output: { entryFileNames: 'playground.js', chunkFileNames: '[name].js', assetFileNames: '[name][extname]' },
+      input: { playground: 'src/playground/main.ts', gallery: 'src/gallery/main.ts' },
+      output: { entryFileNames: '[name].js', chunkFileNames: 'scene.js', assetFileNames: '[name][extname]' },
     },
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },

@@ -90,6 +90,21 @@ def test_a_mechanism_is_studied():
     assert pa.table(pickle.loads(pickle.dumps(plan)).chunk(0)) == table
 
 
+def test_a_cell_is_studied():
+    example = jp.study.Plan.example("station-positions")
+    assert example.samples == 9 and "cycle_time_s" in example.columns
+    # Two of the places: that of the file, and one out of reach.
+    text = example.text.replace("dx_mm = [-100, 0, 100]", "dx_mm = 0").replace("dy_mm = [-100, 0, 400]", "dy_mm = [0, 400]")
+    plan = jp.study.Plan.from_toml(text)
+    table = pa.table(plan.chunk(0))
+    assert table["ALIGN_dy_mm"].to_pylist() == [0.0, 400.0]
+    (there, away) = table.select(["status", "cycle_time_s", "min_distance_mm"]).to_pylist()
+    assert there["status"] == "passed" and there["cycle_time_s"] > 0 and there["min_distance_mm"] > 0
+    assert away["status"] != "passed" and not away["cycle_time_s"] > 0
+    again = jp.study.Plan.example("station-positions")
+    assert pickle.loads(pickle.dumps(again)) == example != plan
+
+
 def test_a_robot_file_is_pickled_with_its_plan(tmp_path):
     robot = Path(__file__).resolve().parents[2] / "crates/jointplay-format/robots" / "gpr.toml"
     (tmp_path / "mine.toml").write_text(robot.read_text().replace("height_mm = 500.0", "height_mm = 400.0"))

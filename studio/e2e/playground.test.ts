@@ -93,3 +93,47 @@ for (const [theme, width, height] of [['light', 1440, 900], ['navy', 390, 844]] 
     if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, `playground-${theme}.png`) });
     await page.context().close();
   });
+
+test('the gallery plays recorded motions, and the references are pages of the book', async () => {
+  const page = await visit(browser, { viewport: { width: 1440, height: 900 } });
+  const external: string[] = [];
+  const errors: string[] = [];
+  page.on('request', (request) => request.url().startsWith(address) || external.push(request.url()));
+  page.on('pageerror', (error) => errors.push(error.message));
+  await page.emulateMedia({ reducedMotion: 'reduce' });
+  await page.goto(`${address}/docs/reference/gallery.html#four-bar`);
+  const drawn = () => page.evaluate(() => Number(document.querySelector<HTMLElement>('.gallery .view')?.dataset.drawn ?? 0));
+  // As shown: a canvas may be empty between frames.
+  const picture = async () => (await page.locator('.gallery .view').screenshot()).toString('base64');
+  const changes = async (what: string, action: () => Promise<unknown>) => {
+    const before = await picture();
+    await action();
+    await until(what, async () => (await picture()) !== before);
+  };
+  await until('the mechanism is drawn', async () => (await drawn()) > 0);
+  const mechanism = page.locator('.gallery select');
+  expect(await mechanism.inputValue()).toBe('four-bar');
+  expect(await mechanism.locator('option').count()).toBe(26);
+  expect(await page.getByLabel('Play the motion').isChecked()).toBe(false);
+  await changes('the links have moved', () => page.getByLabel('Position in the motion').fill('0'));
+  await changes('another mechanism is drawn', () => mechanism.selectOption('bennett'));
+  await changes('the motion plays', () => page.getByLabel('Play the motion').check());
+  await page.getByLabel('Play the motion').uncheck();
+  expect(await accessibilityViolations(page, '.gallery')).toEqual([]);
+  if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, 'gallery.png') });
+  await page.getByRole('link', { name: 'Next chapter' }).first().waitFor();
+  // The search of the book, and that of the documentation of the library.
+  await page.locator('#mdbook-search-toggle').click();
+  await page.locator('#mdbook-searchbar').fill('DriveReques');
+  // The search begins when a key is released.
+  await page.locator('#mdbook-searchbar').press('t');
+  const hits = page.locator('#mdbook-searchresults a[href*="http-types.html"]');
+  await until('the search finds a type', async () => (await hits.count()) > 0);
+  await page.goto(`${address}/docs/reference/rust.html`);
+  await page.getByRole('link', { name: 'jointplay-core' }).click();
+  await until('the documentation of the library is open', async () => (await page.title()).includes('jointplay_core'));
+  if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, 'rust.png') });
+  expect(external).toEqual([]);
+  expect(errors).toEqual([]);
+  await page.context().close();
+});

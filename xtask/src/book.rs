@@ -1,17 +1,20 @@
 //! `cargo xtask book`: build the documentation as a book, and check every link and anchor in it.
 //!
 //! `mdbook` is installed into `target/tools` where it is missing.
-//! It passes its chapters through `cargo xtask chapters`, which sets formulas as MathML (no script and no network is needed to read them)
-//! and makes links to files of the repository lead to copies in the book.
+//! It passes its chapters through `cargo xtask chapters`, which sets formulas as MathML (no script and no network is needed to read them),
+//! makes links to files of the repository lead to copies in the book, and writes the reference of the HTTP interface.
+//! The documentation of the library is next to the chapters, as rustdoc writes it.
 
 mod chapters;
+mod http;
 mod links;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{fs, io};
 
-use links::FILES;
+use crate::process;
+use links::{FILES, RUST};
 
 pub(crate) use chapters::run as chapters;
 
@@ -30,7 +33,8 @@ pub(crate) fn run(root: &Path) -> bool {
         return false;
     }
     let book = root.join(BOOK);
-    match links::files(&book)
+    match add_rust(root, &book)
+        .and_then(|()| links::files(&book))
         .and_then(|files| copy(&files, root, &book))
         .and_then(|()| links::dead(&book))
     {
@@ -44,6 +48,33 @@ pub(crate) fn run(root: &Path) -> bool {
             false
         }
     }
+}
+
+/// Adds the documentation of the library, made as the tests make it; its links are those that rustdoc checks.
+fn add_rust(root: &Path, book: &Path) -> io::Result<()> {
+    let mut doc = process::cargo();
+    doc.args(["doc", "--quiet", "--workspace", "--all-features", "--no-deps"]).current_dir(root);
+    process::succeed(doc.env("RUSTDOCFLAGS", "-D warnings"))?;
+    let (made, place) = (process::target(root).join("doc"), book.join(RUST));
+    if place.exists() {
+        fs::remove_dir_all(&place)?;
+    }
+    link_all(&made, &place)
+}
+
+/// Copies a folder, by hard links where the file system has them.
+fn link_all(from: &Path, to: &Path) -> io::Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in from.read_dir()? {
+        let path = entry?.path();
+        let place = to.join(path.file_name().unwrap_or_default());
+        if path.is_dir() {
+            link_all(&path, &place)?;
+        } else if fs::hard_link(&path, &place).is_err() {
+            fs::copy(&path, &place)?;
+        }
+    }
+    Ok(())
 }
 
 /// The path of an `mdbook` of our version, installed now if it is missing.

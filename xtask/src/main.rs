@@ -17,6 +17,9 @@
 //! | `page`   | Does the studio's page work in a browser?           |
 //! | `book`   | Does the documentation build, without dead links?   |
 //! | `release --dry-run` | Can everything that a release consists of be built, installed and run? |
+//! | `release --try` | Do its files work in fresh systems without Rust and Node? |
+//! | `release --reproduce` | Does another folder give the same bytes? |
+//! | `interface` | Is the public interface of the libraries the recorded one? |
 //! | `package` | Do the archives of the published crates have all they need? |
 
 #![allow(
@@ -33,6 +36,7 @@ mod command;
 mod deps;
 mod embedded;
 mod finding;
+mod interface;
 mod markdown;
 mod package;
 mod page;
@@ -54,6 +58,8 @@ const USAGE: &str = "\
 usage: cargo xtask CHORE
        cargo xtask c-library --prefix FOLDER    install the library for C
        cargo xtask release --dry-run [STEP…]    all that a release consists of; nothing is uploaded
+       cargo xtask release --reproduce [STEP…]  the same files from another folder, compared to the byte
+       cargo xtask release --try                the files installed and run in fresh Debian systems; needs root
 
   test     everything a change must pass, stopping at the first failure
   tidy     paths, links, source keys, sizes and unfinished code
@@ -68,6 +74,7 @@ usage: cargo xtask CHORE
   studio   the studio's server, checked against its own description
   page     the studio's page: built, and tested in a browser
   book     the documentation as a book, with every link checked
+  interface the public interface of the libraries, compared with the recorded one; with --update, recorded
   package  the archives of the published crates; with --build, compiled and run from the archives alone";
 
 fn main() -> ExitCode {
@@ -90,7 +97,11 @@ fn main() -> ExitCode {
         ["studio"] => studio::run(&root),
         ["page"] => page::run(&root),
         ["release", "--dry-run", ref steps @ ..] => release::dry_run(steps, &root),
+        ["release", "--reproduce", ref steps @ ..] => release::reproduce(steps, &root),
+        ["release", "--try"] => release::try_out(&root),
         ["book"] => book::run(&root),
+        ["interface"] => interface::run(&root, false),
+        ["interface", "--update"] => interface::run(&root, true),
         ["package"] => package::run(&root, false),
         ["package", "--build"] => package::run(&root, true),
         // Asked by mdbook alone.

@@ -56,7 +56,7 @@ fn build(root: &Path) -> io::Result<()> {
     cargo.arg("--target-dir").arg(&target).current_dir(root);
     // Paths of this computer do not belong into the module.
     let flags = format!("--remap-path-prefix={}=jointplay", root.display());
-    process::succeed(cargo.env("RUSTFLAGS", flags))?;
+    process::succeed(cargo.env("CARGO_ENCODED_RUSTFLAGS", flags))?;
     let built = target.join(TARGET).join("wasm");
     let mut tsc = Command::new(root.join("studio/node_modules/.bin/tsc"));
     process::succeed(tsc.arg("-p").arg(FOLDER).current_dir(root))

@@ -24,8 +24,8 @@ pub struct MotionReport {
     pub driven: Vec<String>,
     /// Names of the coordinates of other motors, which are locked.
     pub held: Vec<String>,
-    /// Number of steps, including shortened ones.
-    pub steps: usize,
+    /// Number of steps of the solver, including shortened ones.
+    pub solver_steps: usize,
     /// Largest closure residual of a loop during the motion, in radians and characteristic lengths.
     pub largest_residual: f64,
     /// Singular configurations during the motion.
@@ -190,7 +190,7 @@ pub fn motion(
         units: UnitsReport::of(&coordinates),
         driven: driven.iter().map(name).collect(),
         held: held.iter().map(name).collect(),
-        steps: motion.steps,
+        solver_steps: motion.steps,
         largest_residual: motion.waypoints.iter().map(|at| at.residual).fold(0.0, f64::max),
         singular: singular.collect(),
         largest_displacements: largest_displacements(&coordinates, motion),

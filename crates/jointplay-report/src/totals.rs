@@ -1,6 +1,6 @@
 //! Totals of a study of any length.
 
-use jointplay_study::plan::Totals;
+use jointplay_study::plan::{SampleLimit, Totals};
 use serde::Serialize;
 use serde_json::Map;
 
@@ -22,12 +22,15 @@ pub struct TotalsReport {
     pub seed: u64,
     /// Outcomes of the samples: under each virtualization of a robot, of the positions of a mechanism, or of the program of a cell.
     pub outcomes: Vec<OutcomeReport>,
-    /// Samples with a rod beyond the robot's limits.
-    pub beyond_rod_limits: u64,
-    /// Samples with a command beyond the tilt limit.
-    pub beyond_tilt_limit: u64,
-    /// Samples with a joint of a mechanism beyond its limits or clearance.
-    pub beyond_joint_limits: u64,
+    /// Samples with a rod beyond the robot's limits; of studies of three-rod robots.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beyond_rod_limits: Option<u64>,
+    /// Samples with a command beyond the tilt limit; of studies of three-rod robots.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beyond_tilt_limit: Option<u64>,
+    /// Samples with a joint beyond its limits or clearance; of studies of mechanisms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beyond_joint_limits: Option<u64>,
     /// Number of samples behind the percentiles; exact if all.
     pub percentiles_from: u64,
     /// Columns with numbers.
@@ -81,6 +84,8 @@ impl ColumnReport {
 #[must_use]
 pub fn totals(file: &StudyFile, totals: &Totals, quantiles: &[Vec<Option<f64>>]) -> TotalsReport {
     let outcomes = file.plan.solved_for().into_iter().zip(&totals.outcomes);
+    let limits = file.plan.limits();
+    let beyond = |limit: SampleLimit, count: u64| limits.contains(&limit).then_some(count);
     let columns = file.columns.iter().filter_map(|column| {
         let Source::Number { index, unit, typed, .. } = column.source else { return None };
         let moments = &totals.columns[index];
@@ -113,9 +118,9 @@ pub fn totals(file: &StudyFile, totals: &Totals, quantiles: &[Vec<Option<f64>>])
                 reasons: tally.reasons().map(|(why, n)| (why.to_owned(), n.into())).collect(),
             })
             .collect(),
-        beyond_rod_limits: totals.beyond_rods,
-        beyond_tilt_limit: totals.beyond_tilt,
-        beyond_joint_limits: totals.beyond_joints,
+        beyond_rod_limits: beyond(SampleLimit::Rods, totals.beyond_rods),
+        beyond_tilt_limit: beyond(SampleLimit::Tilt, totals.beyond_tilt),
+        beyond_joint_limits: beyond(SampleLimit::Joints, totals.beyond_joints),
         percentiles_from: totals.samples.min(file.plan.portions().quantiles),
         columns: columns.collect(),
     }

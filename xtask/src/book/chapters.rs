@@ -7,7 +7,8 @@ use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::{Parser, Storage, push_mathml};
 use serde_json::Value;
 
-use super::links::FILES;
+use super::http;
+use super::links::{FILES, RUST};
 
 /// Documents of the repository that are chapters, and those chapters.
 const INCLUDED: [(&str, &str); 5] = [
@@ -31,21 +32,26 @@ pub(crate) fn run() -> bool {
         return false;
     };
     let mut errors = Vec::new();
-    visit(&mut book, &mut errors);
+    let description = std::fs::read_to_string(crate::root::find().join(http::DESCRIPTION));
+    let requests = description.map_err(|error| error.to_string());
+    match requests.and_then(|text| http::chapter(&text)) {
+        Ok(requests) => visit(&mut book, &requests, &mut errors),
+        Err(error) => errors.push(format!("{}: {error}", http::DESCRIPTION)),
+    }
     errors.iter().for_each(|error| eprintln!("chapters: {error}"));
     errors.is_empty() && writeln!(io::stdout(), "{book}").is_ok()
 }
 
-/// Rewrites every chapter in a part of the book.
-fn visit(part: &mut Value, errors: &mut Vec<String>) {
+/// Rewrites every chapter in a part of the book; `requests` is the reference of the HTTP interface.
+fn visit(part: &mut Value, requests: &str, errors: &mut Vec<String>) {
     match part {
-        Value::Array(parts) => parts.iter_mut().for_each(|part| visit(part, errors)),
+        Value::Array(parts) => parts.iter_mut().for_each(|part| visit(part, requests, errors)),
         Value::Object(members) => {
             let path = members.get("path").and_then(Value::as_str).map(str::to_owned);
             if let (Some(path), Some(Value::String(content))) = (path, members.get_mut("content")) {
-                *content = chapter(&path, content, errors);
+                *content = chapter(&path, content, errors).replace(http::MARKER, requests);
             }
-            members.values_mut().for_each(|member| visit(member, errors));
+            members.values_mut().for_each(|member| visit(member, requests, errors));
         }
         _ => {}
     }
@@ -184,13 +190,20 @@ fn target(path: &str, link: &str) -> String {
         Some((_, chapter)) => (*chapter).into(),
         None => match file.strip_prefix(SOURCES) {
             Ok(within) if !within.starts_with("..") => within.to_owned(),
-            _ => Path::new(FILES).join(shown(&file)),
+            _ => documentation(&file).unwrap_or_else(|| Path::new(FILES).join(shown(&file))),
         },
     };
     let up = Path::new(path).components().count() - 1;
     let within = within.components().map(|part| part.as_os_str().to_string_lossy());
     let within: Vec<_> = within.collect();
     format!("{}{}{anchor}", "../".repeat(up), within.join("/"))
+}
+
+/// The documentation of a crate in the book, for the file that begins it.
+fn documentation(file: &Path) -> Option<PathBuf> {
+    let name = file.strip_prefix("crates").ok()?.parent()?.parent()?.to_str()?;
+    let begins = file == Path::new("crates").join(name).join("src/lib.rs");
+    begins.then(|| Path::new(RUST).join(name.replace('-', "_")).join("index.html"))
 }
 
 /// The name under which a file of the repository is in the book: links to Markdown would be taken for links to chapters.
@@ -248,6 +261,9 @@ mod tests {
         check("a/b.md", "[n](../../NOTATION.md#units)", "[n](../reference/notation.md#units)");
         check("a/b.md", "[r](../../crates/gpr.toml)", "[r](../files/crates/gpr.toml)");
         check("a.md", "[r](../bench/README.md)", "[r](files/bench/README.txt)");
+        let begins = "[r](../../crates/a-b/src/lib.rs)";
+        check("a/b.md", begins, "[r](../rust/a_b/index.html)");
+        check("a.md", "[r](../crates/a-b/src/c.rs)", "[r](files/crates/a-b/src/c.rs)");
         check("reference/notation.md", "[x](docs/a/b.md)", "[x](../a/b.md)");
         check("a.md", "[x](https://x.org) [y](#z)", "[x](https://x.org) [y](#z)");
     }

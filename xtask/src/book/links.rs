@@ -7,6 +7,9 @@ use std::{fs, io};
 /// Folder of the book that holds copies of linked files of the repository.
 pub(super) const FILES: &str = "files";
 
+/// Folder of the book with the documentation of the library by rustdoc, which checks its links.
+pub(super) const RUST: &str = "rust";
+
 /// Files of the repository that the pages of the book link, by their path in the repository.
 pub(super) fn files(book: &Path) -> io::Result<Vec<String>> {
     let mut found = BTreeSet::new();
@@ -53,14 +56,14 @@ pub(super) fn dead(book: &Path) -> io::Result<Vec<String>> {
     Ok(dead)
 }
 
-/// Every HTML page in a folder and in all folders in it, but not those that are copies of files.
+/// Every HTML page in a folder and in all folders in it, but not those that are copies of files or by rustdoc.
 fn pages(book: &Path) -> io::Result<Vec<(PathBuf, String)>> {
     let mut found = Vec::new();
     let mut folders = vec![book.canonicalize()?];
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(folder)? {
             let path = entry?.path();
-            if path.is_dir() && !path.ends_with(FILES) {
+            if path.is_dir() && ![FILES, RUST].iter().any(|name| path.ends_with(name)) {
                 folders.push(path);
             } else if path.extension().is_some_and(|end| end == "html") {
                 // Shown in place of a page that is missing, wherever that would be.
@@ -95,9 +98,11 @@ mod tests {
         fs::create_dir_all(book.join("a")).unwrap();
         fs::write(
             book.join("index.html"),
-            "<a href=\"a/b.html#c\"><a href=\"a/b.html#d\"><img src=\"e.svg\">",
+            "<a href=\"a/b.html#c\"><a href=\"a/b.html#d\"><img src=\"e.svg\"><a href=\"rust/x.html\">",
         )
         .unwrap();
+        fs::create_dir_all(book.join("rust")).unwrap();
+        fs::write(book.join("rust/x.html"), "<a href=\"y.html\">").unwrap();
         fs::write(
             book.join("a/b.html"),
             "<h2 id=\"c\"></h2><a href=\"#c\"><a href=\"../files/x/y.toml#z\">",

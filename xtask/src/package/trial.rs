@@ -2,7 +2,6 @@
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -47,25 +46,22 @@ fn installed(unpacked: &Unpacked) -> io::Result<()> {
     install.arg(unpacked.of("jointplay-cli")).arg("--root").arg(&prefix);
     succeed(install.env("CARGO_TARGET_DIR", &target).current_dir(&unpacked.folder))?;
     let command = prefix.join("bin").join(format!("jointplay{}", std::env::consts::EXE_SUFFIX));
-    exercise(&command)?;
+    exercise(|| Command::new(&command))?;
     let mut example = cargo();
     example.args(["run", "--quiet", "--release", "-p", "jointplay", "--example", "01_first_pose"]);
     succeed(example.env("CARGO_TARGET_DIR", &target).current_dir(&unpacked.folder))
 }
 
-/// Runs an installed command as its users do: a mechanism of the catalogue, the example cell, and the studio with its page.
+/// Runs an installed command, `command` without arguments, as its users do: a mechanism of the catalogue, the example cell, and the studio with its page.
 ///
 /// # Errors
 /// If a command fails, or the page is missing or incomplete.
-pub(crate) fn exercise(command: &Path) -> io::Result<()> {
+pub(crate) fn exercise(command: impl Fn() -> Command) -> io::Result<()> {
     for line in ["--version", "mobility hexapod", "study misbuilt --dry-run", "cell check"] {
-        let mut run = Command::new(command);
-        succeed(run.args(line.split(' ')).stdout(Stdio::null()))?;
+        succeed(command().args(line.split(' ')).stdout(Stdio::null()))?;
     }
-    let mut server = Command::new(command)
-        .args(["studio", "--no-open", "--port", "0"])
-        .stdout(Stdio::piped())
-        .spawn()?;
+    let mut server =
+        command().args(["studio", "--no-open", "--port", "0"]).stdout(Stdio::piped()).spawn()?;
     let answered = page_of(&mut server);
     server.kill()?;
     server.wait()?;

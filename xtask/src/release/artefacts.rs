@@ -5,7 +5,7 @@ use std::{fs, io};
 
 use sha2::{Digest as _, Sha256};
 
-use super::folders::Folders;
+use super::folders::{Folders, VERSION};
 use super::program::file_name;
 
 /// The files of the release page with their checksums, as `sha256sum --check` reads it; the workflow uploads what it lists.
@@ -15,18 +15,26 @@ const CHECKSUMS: &str = "SHA256SUMS";
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Destination {
     CargoRegistry,
+    PythonIndex,
     ReleasePage,
 }
 
 impl Destination {
     /// That of a file by its name.
     fn of(name: &str) -> Self {
-        if name.ends_with(".crate") { Self::CargoRegistry } else { Self::ReleasePage }
+        if name.ends_with(".crate") {
+            Self::CargoRegistry
+        } else if name.ends_with(".whl") || name == format!("jointplay-{VERSION}.tar.gz") {
+            Self::PythonIndex
+        } else {
+            Self::ReleasePage
+        }
     }
 
     fn name(self) -> &'static str {
         match self {
             Self::CargoRegistry => "Cargo registry",
+            Self::PythonIndex => "Python package index",
             Self::ReleasePage => "release page",
         }
     }
@@ -38,7 +46,7 @@ pub(super) fn publish(folders: &Folders, steps: &[&str]) -> io::Result<()> {
     let mut unfinished = Vec::new();
     for step in steps {
         let found = folders.finished(step)?;
-        if found.is_empty() && !folders.results(step).join(".commit").exists() {
+        if !folders.is_finished(step) {
             unfinished.push(*step);
         }
         files.extend(found);

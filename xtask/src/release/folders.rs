@@ -1,5 +1,6 @@
 //! Folders of a release, and the circumstances that decide its bytes.
 
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs, io};
@@ -77,10 +78,16 @@ impl Folders {
         fs::write(out.join(COMMIT), &self.commit)
     }
 
+    /// Whether a step finished for this commit.
+    pub(super) fn is_finished(&self, step: &str) -> bool {
+        let commit = fs::read_to_string(self.results(step).join(COMMIT));
+        commit.is_ok_and(|commit| commit == self.commit)
+    }
+
     /// The files of a step; none if it did not finish for this commit.
     pub(super) fn finished(&self, step: &str) -> io::Result<Vec<PathBuf>> {
         let folder = self.results(step);
-        if fs::read_to_string(folder.join(COMMIT)).ok().as_ref() != Some(&self.commit) {
+        if !self.is_finished(step) {
             return Ok(Vec::new());
         }
         let files = folder.read_dir()?.map(|entry| Ok(entry?.path()));
@@ -130,26 +137,44 @@ impl Folders {
         process::succeed(tar.arg(name))
     }
 
-    /// Makes the binaries of a build independent of folders and time.
-    pub(super) fn reproducible<'a>(&self, build: &'a mut Command, flags: &str) -> &'a mut Command {
+    /// Makes the binaries of a build independent of folders and time; `others` are more folders with the names that replace them.
+    pub(super) fn reproducible<'a>(
+        &self,
+        build: &'a mut Command,
+        flags: &[&str],
+        others: &[(PathBuf, &str)],
+    ) -> &'a mut Command {
         let libraries = env::var_os("CARGO_HOME")
             .map(PathBuf::from)
             .or_else(|| env::var_os("HOME").map(|home| PathBuf::from(home).join(".cargo")));
-        let libraries = libraries.unwrap_or_default();
-        let paths = [(self.root.as_path(), "/jointplay"), (libraries.as_path(), "/cargo")];
-        let mapped =
-            paths.map(|(path, name)| format!("--remap-path-prefix={}={name}", path.display()));
-        let flags = format!("{flags} {}", mapped.join(" "));
-        build.env("RUSTFLAGS", flags.trim()).env("SOURCE_DATE_EPOCH", &self.time)
+        let mut paths =
+            vec![(self.root.clone(), "/jointplay"), (libraries.unwrap_or_default(), "/cargo")];
+        paths.extend_from_slice(others);
+        build
+            .env("CARGO_ENCODED_RUSTFLAGS", encoded(flags, &paths))
+            .env("CARGO_INCREMENTAL", "0")
+            .env("SOURCE_DATE_EPOCH", &self.time)
     }
 }
 
+/// Flags of the compiler with names in place of folders, as cargo separates them where folders may contain spaces.
+pub(super) fn encoded(flags: &[&str], paths: &[(PathBuf, &str)]) -> OsString {
+    let mut all: Vec<OsString> = flags.iter().map(OsString::from).collect();
+    all.extend(paths.iter().map(|(path, name)| {
+        let mut flag = OsString::from("--remap-path-prefix=");
+        flag.push(path);
+        flag.push(format!("={name}"));
+        flag
+    }));
+    all.join(OsStr::new("\u{1f}"))
+}
+
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// Empty folders of a test.
-    pub(crate) fn folders(name: &str) -> Folders {
+    pub(in crate::release) fn folders(name: &str) -> Folders {
         let root = std::env::temp_dir().join(format!("xtask-{name}-{}", std::process::id()));
         fs::create_dir_all(&root).unwrap();
         Folders {
@@ -183,6 +208,13 @@ mod tests {
         assert!(names(&other).is_empty(), "another commit");
         assert_eq!(names(&folders), ["new"]);
         fs::remove_dir_all(&folders.root).unwrap();
+    }
+
+    #[test]
+    fn folders_with_spaces_are_one_flag_of_the_compiler() {
+        let found = encoded(&["-C", "a=b"], &[("/my folder".into(), "/jointplay")]);
+        let flags: Vec<&str> = found.to_str().unwrap().split('\u{1f}').collect();
+        assert_eq!(flags, ["-C", "a=b", "--remap-path-prefix=/my folder=/jointplay"]);
     }
 
     #[test]

@@ -8,6 +8,10 @@
 //! | `debian.rs` | the Debian package |
 //! | `container.rs` | the container image, or the same files in an empty root |
 //! | `source.rs` | the source with that of all libraries |
+//! | `wheels.rs` | source distribution and wheels of the Python package |
+//! | `reproduction.rs` | whether another folder gives the same bytes |
+//! | `trial.rs` | installation in fresh systems |
+//! | `step.rs` | a step, and the folder of its results |
 //! | `artefacts.rs` | the files for upload, with checksums and destinations |
 //! | `folders.rs` | folders of results; the commit |
 
@@ -19,59 +23,63 @@ mod folders;
 mod licences;
 mod notices;
 mod program;
+mod reproduction;
 mod sbom;
 mod source;
+mod step;
+mod trial;
+mod wheels;
 
 use std::path::Path;
 use std::{fs, io};
 
 use self::folders::Folders;
+use self::step::Step;
 use crate::package;
 
-/// A step of a release.
-struct Step {
-    name: &'static str,
-    run: fn(&Folders) -> io::Result<()>,
-}
-
 /// All steps, in order: later ones use the files of earlier ones.
-const STEPS: [Step; 6] = [
+static STEPS: [Step; 7] = [
     Step { name: "source", run: source::build },
     Step { name: "notices", run: write_notices },
     Step { name: "crates", run: package_crates },
     Step { name: "command", run: program::build },
     Step { name: "debian", run: debian::build },
     Step { name: "container", run: container::build },
+    Step { name: "wheels", run: wheels::build },
 ];
 
 /// Runs the named steps, or all, for the workspace at `root`, and lists all that would be uploaded; true if each passed.
 pub(crate) fn dry_run(chosen: &[&str], root: &Path) -> bool {
+    reported(|| {
+        let (folders, steps) = (Folders::new(root)?, chosen_steps(chosen)?);
+        steps.iter().try_for_each(|step| step.write(&folders))?;
+        artefacts::publish(&folders, &STEPS.each_ref().map(|step| step.name))
+    })
+}
+
+/// Runs the named steps, or all, also in a second folder, and compares the files; true if they are equal to the byte.
+pub(crate) fn reproduce(chosen: &[&str], root: &Path) -> bool {
+    reported(|| reproduction::run(&Folders::new(root)?, &chosen_steps(chosen)?))
+}
+
+/// Installs and runs the files of the last dry run in fresh systems; true if each passed.
+pub(crate) fn try_out(root: &Path) -> bool {
+    reported(|| trial::run(&Folders::new(root)?))
+}
+
+/// Whether an action succeeded; prints its error.
+fn reported(action: impl FnOnce() -> io::Result<()>) -> bool {
+    action().inspect_err(|error| eprintln!("release: {error}")).is_ok()
+}
+
+/// The steps of these names, or all, in their order.
+fn chosen_steps(chosen: &[&str]) -> io::Result<Vec<&'static Step>> {
     if let Some(unknown) = chosen.iter().find(|name| STEPS.iter().all(|step| step.name != **name)) {
         let names: Vec<&str> = STEPS.iter().map(|step| step.name).collect();
-        eprintln!("release: unknown step {unknown}; steps are {}", names.join(", "));
-        return false;
+        let message = format!("unknown step {unknown}; steps are {}", names.join(", "));
+        return Err(io::Error::other(message));
     }
-    let folders = match Folders::new(root) {
-        Ok(folders) => folders,
-        Err(error) => {
-            eprintln!("release: {error}");
-            return false;
-        }
-    };
-    for step in STEPS.iter().filter(|step| chosen.is_empty() || chosen.contains(&step.name)) {
-        println!("\n=== {}", step.name);
-        if let Err(error) = folders.run(step.name, step.run) {
-            eprintln!("release: {}: {error}", step.name);
-            return false;
-        }
-    }
-    match artefacts::publish(&folders, &STEPS.map(|step| step.name)) {
-        Ok(()) => true,
-        Err(error) => {
-            eprintln!("release: {error}");
-            false
-        }
-    }
+    Ok(STEPS.iter().filter(|step| chosen.is_empty() || chosen.contains(&step.name)).collect())
 }
 
 /// Licences and notices of the libraries in the binaries, and their list.

@@ -26,7 +26,7 @@ pub(super) fn build(folders: &Folders) -> io::Result<()> {
     fs::create_dir_all(folder.join("bin"))?;
     fs::copy(&built, &command)?;
     is_static(&command)?;
-    package::exercise(&command)?;
+    package::exercise(|| Command::new(&command))?;
     manuals(&command, &folder.join("share"))?;
     for text in TEXTS {
         fs::copy(folders.root.join(text), folder.join(text))?;
@@ -42,8 +42,14 @@ fn compile(folders: &Folders) -> io::Result<PathBuf> {
     let mut build = process::cargo();
     build.args(["build", "--locked", "--profile", "dist", "-p", "jointplay-cli"]);
     build.args(["--features", "parquet,mcap", "--target", PLATFORM]).current_dir(&folders.root);
-    process::succeed(folders.reproducible(&mut build, "-C target-feature=+crt-static"))?;
-    Ok(process::target(&folders.root).join(PLATFORM).join("dist").join("jointplay"))
+    let built = process::target(&folders.root);
+    let others = [(built.clone(), "/jointplay/target")];
+    process::succeed(folders.reproducible(
+        &mut build,
+        &["-C", "target-feature=+crt-static"],
+        &others,
+    ))?;
+    Ok(built.join(PLATFORM).join("dist").join("jointplay"))
 }
 
 /// Refuses a program that needs an interpreter or libraries of the system.

@@ -187,7 +187,7 @@ impl Move {
             let _ = writeln!(text, "  held: {}", report.held.join(", "));
         }
         let _ = writeln!(text, "path");
-        let _ = writeln!(text, "  steps                {}", report.steps);
+        let _ = writeln!(text, "  solver steps         {}", report.solver_steps);
         let _ = writeln!(text, "  largest residual     {:.1e}", report.largest_residual);
         for (k, (name, value)) in report.largest_displacements.iter().flat_map(|d| &d.0).enumerate()
         {

@@ -9,7 +9,9 @@ use jointplay::mechanism::joint::Coordinate;
 use crate::body::Body;
 use crate::mechanism_source::typed;
 use crate::problem::Problem;
-use crate::wire::quantity::{QuantityDocument, QuantityKind, QuantityRequest, TypedUnit};
+use crate::wire::quantity::{
+    QuantityDocument, QuantityKind, QuantityRequest, TypedUnit, ValueUnit,
+};
 
 /// The value of a length or an angle as typed
 ///
@@ -35,15 +37,15 @@ pub(crate) async fn quantity(
         TypedUnit::Deg => (QuantityKind::Angle, Units::MM),
         TypedUnit::Rad => (QuantityKind::Angle, Units { angle: AngleUnit::Radian, ..Units::MM }),
     };
-    let coordinate = match kind {
-        QuantityKind::Length => Coordinate::Slide,
-        QuantityKind::Angle => Coordinate::Turn,
+    let (coordinate, unit) = match kind {
+        QuantityKind::Length => (Coordinate::Slide, ValueUnit::M),
+        QuantityKind::Angle => (Coordinate::Turn, ValueUnit::Rad),
     };
     let names = Names::none(units);
     let value = CommandValue::parse(&ascii_units(&text), &names)
         .and_then(|value| value.evaluate(coordinate, &names, 0.0))
         .map_err(|error| Problem::field("text", error.to_string()))?;
-    Ok(Json(QuantityDocument { kind, value }))
+    Ok(Json(QuantityDocument { kind, value, unit }))
 }
 
 /// A text with the names of units as files have them.

@@ -73,7 +73,10 @@ fn invalid_requests_name_their_field() {
 fn typed_lengths_and_angles_have_units_of_their_own() {
     let check = |text: &str, unit: &str, expected: f64| {
         let body = serde_json::json!({ "text": text, "unit": unit }).to_string();
-        let value = answered("/api/v1/quantity", &body)["value"].as_f64().unwrap();
+        let found = answered("/api/v1/quantity", &body);
+        let si = if ["mm", "in"].contains(&unit) { "m" } else { "rad" };
+        assert_eq!(found["unit"], si, "{text} [{unit}]");
+        let value = found["value"].as_f64().unwrap();
         assert!((value - expected).abs() <= 1e-15 * expected.abs(), "{text} [{unit}]: {value}");
     };
     check("1/3", "mm", 1e-3 / 3.0);

@@ -6,6 +6,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::program_parameters::ParameterValue;
+use super::sampling_rate::sampling_rate;
 use crate::problem::Problem;
 
 /// A cell and a program, and the samples of their motion.
@@ -58,11 +59,6 @@ impl SamplesRequest {
 
     /// The sampling rate, checked (Hz).
     pub(crate) fn rate(&self) -> Result<f64, Problem> {
-        if (0.1..=10_000.0).contains(&self.rate_hz) {
-            return Ok(self.rate_hz);
-        }
-        let detail =
-            format!("sampling rate must be within 0.1 to 10000 Hz, got {} Hz", self.rate_hz);
-        Err(Problem::field("rate_hz", detail))
+        sampling_rate(self.rate_hz, 10_000.0)
     }
 }

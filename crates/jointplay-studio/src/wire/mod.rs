@@ -21,6 +21,7 @@ pub(crate) mod quantity;
 pub(crate) mod question;
 pub(crate) mod robot;
 pub(crate) mod robot_file;
+mod sampling_rate;
 pub(crate) mod study;
 
 pub(crate) use command::{CommandFields, HeightKind, Target, rods};

@@ -37,11 +37,23 @@ pub(crate) enum QuantityKind {
     Angle,
 }
 
+/// Unit of a value.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ValueUnit {
+    /// Metres.
+    M,
+    /// Radians.
+    Rad,
+}
+
 /// The value of a text.
 #[derive(Serialize, ToSchema)]
 pub(crate) struct QuantityDocument {
     /// Quantity of the value.
     pub(crate) kind: QuantityKind,
-    /// The value ((m) or (rad)).
+    /// The value (m, rad).
     pub(crate) value: f64,
+    /// Unit of the value.
+    pub(crate) unit: ValueUnit,
 }

@@ -113,6 +113,17 @@ impl Outcome {
     }
 }
 
+/// A limit that samples can exceed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SampleLimit {
+    /// The lengths of the rods of a three-rod robot.
+    Rods,
+    /// The tilt of a three-rod robot.
+    Tilt,
+    /// The limits and clearances of the joints of a mechanism.
+    Joints,
+}
+
 /// Some samples of a study: a column for all that is wanted, NaN where a sample has no answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {

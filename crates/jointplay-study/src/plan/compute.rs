@@ -7,7 +7,7 @@ use jointplay_core::gpr::{BrokenLimit, BrokenLimits, Gpr, ball_sides};
 
 use super::as_built::RodsFrom;
 use super::as_built::{RobotSampler, value};
-use super::block::{Block, Outcome, Portions};
+use super::block::{Block, Outcome, Portions, SampleLimit};
 use super::definition::Plan;
 use super::grid;
 use super::inputs::Inputs;
@@ -31,6 +31,10 @@ impl Study for Plan {
 
     fn solved_for(&self) -> Vec<String> {
         self.models.iter().map(|model| model.name().to_owned()).collect()
+    }
+
+    fn limits(&self) -> &'static [SampleLimit] {
+        &[SampleLimit::Rods, SampleLimit::Tilt]
     }
 
     fn depends_on_processor(&self) -> bool {

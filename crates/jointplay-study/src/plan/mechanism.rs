@@ -12,7 +12,7 @@ use jointplay_core::mobility::{RANK_THRESHOLD, instantaneous_mobility};
 use jointplay_core::spatial::{Pose, continued_quaternion, rotation_vector};
 use nalgebra::DVector;
 
-use super::block::{Block, Outcome, Portions};
+use super::block::{Block, Outcome, Portions, SampleLimit};
 use super::grid::{self, Grid};
 use super::random::{DRIVE_STREAMS, PARAMETER_STREAMS};
 use super::study::{self, Study};
@@ -156,6 +156,10 @@ impl Study for MechanismPlan {
 
     fn solved_for(&self) -> Vec<String> {
         vec!["positions".to_owned()]
+    }
+
+    fn limits(&self) -> &'static [SampleLimit] {
+        &[SampleLimit::Joints]
     }
 
     fn depends_on_processor(&self) -> bool {

@@ -52,7 +52,7 @@ mod totals;
 mod variation;
 
 pub use as_built::{Dimension, RodsFrom, Tolerances};
-pub use block::{Block, Outcome, Portions, ProgramOutcome};
+pub use block::{Block, Outcome, Portions, ProgramOutcome, SampleLimit};
 pub use definition::{Plan, TiltForm, Tilts};
 pub use mechanism::{MechanismOf, MechanismPlan, MechanismQuantity, VariedDrive, VariedParameter};
 pub use moments::Moments;

@@ -1,6 +1,6 @@
 //! What all studies have.
 
-use super::block::{Block, Portions};
+use super::block::{Block, Portions, SampleLimit};
 use crate::Error;
 
 /// A study: numbered samples that are computed in any order, each from the study and its number alone.
@@ -19,6 +19,9 @@ pub trait Study: Send + Sync {
 
     /// Names of what each sample is solved for, with one outcome each.
     fn solved_for(&self) -> Vec<String>;
+
+    /// Limits that samples can exceed, counted in [`Totals`](super::Totals).
+    fn limits(&self) -> &'static [SampleLimit];
 
     /// Whether samples have other bits on another kind of processor, see [`instruction_set`](jointplay_core::bulk::instruction_set).
     fn depends_on_processor(&self) -> bool;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::block::{Block, Outcome, Portions};
+use super::block::{Block, Outcome, Portions, SampleLimit};
 use super::grid::{self, Grid};
 use super::quantiles::chosen;
 use super::random::SWEEP_STREAMS;
@@ -128,6 +128,10 @@ impl Study for SweepPlan {
 
     fn solved_for(&self) -> Vec<String> {
         vec![self.computed.clone()]
+    }
+
+    fn limits(&self) -> &'static [SampleLimit] {
+        &[]
     }
 
     fn depends_on_processor(&self) -> bool {

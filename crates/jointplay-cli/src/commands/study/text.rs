@@ -46,7 +46,7 @@ fn summary(report: &TotalsReport, out: Option<&Path>) -> String {
         (report.beyond_rod_limits, "exceed a rod limit"),
         (report.beyond_joint_limits, "exceed a joint limit or clearance"),
     ] {
-        if count > 0 {
+        if let Some(count) = count.filter(|&count| count > 0) {
             let _ = writeln!(text, "  {count} samples {limits}; they are included");
         }
     }
@@ -92,10 +92,20 @@ fn cells(column: &ColumnReport) -> [String; 7] {
         column.percentile(50),
         column.percentile(95),
         column.max,
-        column.mean,
+        column.mean.map(|mean| without_round_off(mean, column)),
         column.standard_deviation,
     ]
     .map(|value| value.map_or("-".to_owned(), number))
+}
+
+/// Largest mean of a column that is shown as zero, as a share of its values: sums of that many numbers differ by it.
+const ROUND_OFF: f64 = 1e-12;
+
+/// The mean of a column, zero where values of both signs cancel up to their round-off.
+fn without_round_off(mean: f64, column: &ColumnReport) -> f64 {
+    let largest =
+        column.min.into_iter().chain(column.max).fold(0.0, |most: f64, end| most.max(end.abs()));
+    if mean.abs() <= ROUND_OFF * largest { 0.0 } else { mean }
 }
 
 /// A number with seven significant digits.
