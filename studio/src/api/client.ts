@@ -240,6 +240,19 @@ export async function cellExport(what: Schemas['CellExportRequest'], signal: Abo
   return { blob: await blob(Promise.resolve(response)), name };
 }
 
+export type ControllerDocument = Schemas['ControllerDocument'];
+export type HostDocument = Schemas['HostDocument'];
+
+/** The simulated controller and its connected hosts. */
+export async function controller(): Promise<ControllerDocument> {
+  return json(request('controller'));
+}
+
+/** The robot of a host of the controller at this time. */
+export async function hostOfController(number: number): Promise<HostDocument> {
+  return json(request(`controller/hosts/${number}`));
+}
+
 /** Contents of a window of a motion. */
 export async function cellWindow(key: string): Promise<ArrayBuffer> {
   return buffer(request(`cell/windows/${key}`));
