@@ -330,7 +330,7 @@ mod tests {
         assert_eq!(testing::read(&other).mechanism.links(), ["leg", "foot"]);
     }
 
-    /// Two wheels on a carrier that turns; the second joint is drawn the other way round.
+    /// Two wheels on a carrier that turns; the second joint has the carrier as its child.
     const GEARS: &str = r#"<sdf version="1.9"><world name="w"><model name="gears">
         <link name="carrier"/><link name="wheel"/><link name="pinion"/>
         <joint name="arm" type="revolute"><parent>world</parent><child>carrier</child><axis><xyz>0 0 1</xyz></axis></joint>
